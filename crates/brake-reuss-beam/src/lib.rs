@@ -1,0 +1,1 @@
+//! The Brake-Reuss beam benchmark: geometry, block mesh and published data.

@@ -1,0 +1,1 @@
+//! Prestress, linearised modes and coupled quasi-static modal analysis of hysteretic systems.

@@ -1,0 +1,1 @@
+//! Scenes and their composition: from surface and geometry to frequency and damping against amplitude.

@@ -1,0 +1,1 @@
+//! Relative interface coordinates, zero-energy modes and Craig-Bampton reduction.
