@@ -1,1 +1,15 @@
 //! Relative interface coordinates, zero-energy modes and Craig-Bampton reduction.
+//!
+//! [`relative::RelativeSystem`] replaces the motion of the top side of an interface by the jump across it;
+//! [`craig_bampton::reduce`] keeps the jump and the first modes of the stuck structure, and drops the rigid-body
+//! motions in a way that leaves the jump untouched, so that contact forces act on the leading coordinates alone.
+//! Nothing here knows about contact.
+pub mod checks;
+pub mod craig_bampton;
+mod error;
+pub mod relative;
+mod zem;
+
+pub use craig_bampton::{ReducedModel, Settings, reduce};
+pub use error::Error;
+pub use relative::{InterfacePairs, RelativeSystem};

@@ -1,2 +1,17 @@
 //! Linear finite elements: hexahedra, ties, couplings, equations, sparse mass and stiffness, and eigenpairs.
+//!
+//! The road through the crate: an [`mesh::Assembly`] (mesh, ties, couplings, equations, loads) becomes a
+//! [`assemble::System`] (sparse `M`, `K`, loads over the independent displacement components), whose shifted
+//! stiffness is factored by [`factor::SparseCholesky`] and whose lowest modes come from [`eigen::lowest_modes`].
+//! Lengths are metres, forces newtons, masses kilograms.
+pub mod assemble;
+pub mod constraints;
+pub mod eigen;
+mod error;
+pub mod factor;
+pub mod hex8;
 pub mod mesh;
+pub mod ordering;
+pub mod sparse;
+
+pub use error::Error;

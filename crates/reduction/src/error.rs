@@ -1,0 +1,88 @@
+//! Errors of this crate.
+
+/// What can go wrong between a finite-element system and its reduced model.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The two sides of the interface do not pair up.
+    #[error("the interface pairs {top} top nodes with {bottom} bottom nodes; every pair needs one of each, at least one pair")]
+    PairCount {
+        /// Top nodes.
+        top: usize,
+        /// Bottom nodes.
+        bottom: usize,
+    },
+    /// The nodes of a pair do not coincide.
+    #[error(
+        "interface pair {pair}: top node {top} and bottom node {bottom} are {distance:.3e} m apart, more than 1e-6 of the \
+         interface's size; pair coinciding nodes"
+    )]
+    PairApart {
+        /// Pair number.
+        pair: usize,
+        /// Top node.
+        top: u32,
+        /// Bottom node.
+        bottom: u32,
+        /// Distance [m].
+        distance: f64,
+    },
+    /// An interface component depends on others through a constraint.
+    #[error(
+        "component {component} of interface node {node} is missing or made dependent by a tie, coupling or equation; \
+         interface nodes must be free"
+    )]
+    DependentInterface {
+        /// Node.
+        node: u32,
+        /// Component 0..3.
+        component: u8,
+    },
+    /// The local axes are not orthonormal.
+    #[error("the interface axes are not orthonormal: their products differ from the identity by {deviation:.1e}")]
+    Frame {
+        /// Largest deviation.
+        deviation: f64,
+    },
+    /// The stuck structure has another number of zero-energy modes than the scene expects.
+    #[error(
+        "with the interface stuck the structure has {found} zero-energy modes, but {expected} were expected; more means an \
+         unconnected part or a mechanism, fewer means a support"
+    )]
+    ZeroEnergyModes {
+        /// Found.
+        found: usize,
+        /// Expected.
+        expected: usize,
+    },
+    /// A load that would accelerate the free structure.
+    #[error(
+        "load `{load}` is not in equilibrium: {fraction:.1e} of it acts on the rigid-body motions of the free structure; \
+         apply equal and opposite forces, or support the structure"
+    )]
+    UnbalancedLoad {
+        /// Load name or number.
+        load: String,
+        /// Unbalanced part, relative.
+        fraction: f64,
+    },
+    /// The reduced matrices came out unsymmetric, so the solves are not accurate enough.
+    #[error("reduced {matrix} is unsymmetric by {asymmetry:.1e} of its largest entry; the model is too ill-conditioned")]
+    Asymmetry {
+        /// Which matrix.
+        matrix: &'static str,
+        /// Relative asymmetry.
+        asymmetry: f64,
+    },
+    /// A step of the linear algebra failed.
+    #[error("{operation} failed: {reason}")]
+    Dense {
+        /// What was attempted.
+        operation: &'static str,
+        /// The library's reason.
+        reason: String,
+    },
+    /// The finite-element system.
+    #[error(transparent)]
+    Substructure(#[from] substructure::Error),
+}

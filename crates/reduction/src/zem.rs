@@ -1,0 +1,88 @@
+//! Static solves in a structure that can move as a rigid body.
+
+use crate::Error;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use sprs::CsMat;
+use substructure::factor::SparseCholesky;
+use substructure::sparse::multiply_into;
+
+/// A semi-definite stiffness held at as many components as it has zero-energy modes.
+///
+/// For loads in equilibrium the reactions vanish, so the solution is exact up to a zero-energy motion, which
+/// [`Supported::remove_zero_energy`] takes out in the mass inner product (eq. 31).
+pub(crate) struct Supported {
+    factor: SparseCholesky,
+    held: Vec<usize>,
+    /// Mass-orthonormal zero-energy modes, `n x n_zero`.
+    pub(crate) modes: Mat<f64>,
+    /// `M` times the modes.
+    pub(crate) mass_modes: Mat<f64>,
+}
+
+impl Supported {
+    pub(crate) fn try_new(
+        stiffness: &CsMat<f64>,
+        mass: &CsMat<f64>,
+        positions: &[[f64; 3]],
+        modes: MatRef<'_, f64>,
+    ) -> Result<Self, Error> {
+        let held = components_to_hold(modes);
+        let mut fixed = vec![false; stiffness.rows()];
+        for &component in &held {
+            fixed[component] = true;
+        }
+        let mut matrix = stiffness.clone();
+        for (row, mut entries) in matrix.outer_iterator_mut().enumerate() {
+            for (column, value) in entries.iter_mut() {
+                if row != column && (fixed[row] || fixed[column]) {
+                    *value = 0.0;
+                }
+            }
+        }
+        let factor = SparseCholesky::try_new(&matrix, positions, "stuck stiffness without its zero-energy modes")?;
+        let mut mass_modes = Mat::zeros(modes.nrows(), modes.ncols());
+        multiply_into(mass, modes, mass_modes.as_mut());
+        Ok(Self { factor, held, modes: modes.to_owned(), mass_modes })
+    }
+
+    /// One particular solution of `K x = b` for columns in equilibrium, in place.
+    pub(crate) fn solve_in_place(&self, mut rhs: MatMut<'_, f64>) {
+        for &component in &self.held {
+            rhs.rb_mut().row_mut(component).fill(0.0);
+        }
+        self.factor.solve_in_place(rhs);
+    }
+
+    /// Coefficients `a = -Z^T m` that make `m + M Z a` orthogonal to the zero-energy modes, and that correction of `m`.
+    pub(crate) fn remove_zero_energy(&self, mut momentum: MatMut<'_, f64>) -> Mat<f64> {
+        let mut a = Mat::zeros(self.modes.ncols(), momentum.ncols());
+        matmul(a.as_mut(), Accum::Replace, self.modes.transpose(), momentum.as_ref(), -1.0, Par::Seq);
+        matmul(momentum.as_mut(), Accum::Add, self.mass_modes.as_ref(), a.as_ref(), 1.0, Par::Seq);
+        a
+    }
+}
+
+use faer::reborrow::ReborrowMut;
+
+/// Greedy choice of well-separated components: the one that moves most in the modes not yet held.
+fn components_to_hold(modes: MatRef<'_, f64>) -> Vec<usize> {
+    let mut rows = modes.to_owned();
+    let mut held = Vec::with_capacity(rows.ncols());
+    for _ in 0..rows.ncols() {
+        let squared = |i: usize| rows.row(i).iter().map(|v| v * v).sum::<f64>();
+        let best = (0..rows.nrows()).max_by(|&a, &b| squared(a).total_cmp(&squared(b))).unwrap_or(0);
+        let direction: Vec<f64> = {
+            let norm = squared(best).sqrt();
+            rows.row(best).iter().map(|v| v / norm).collect()
+        };
+        for i in 0..rows.nrows() {
+            let along: f64 = rows.row(i).iter().zip(&direction).map(|(a, b)| a * b).sum();
+            for (j, d) in direction.iter().enumerate() {
+                rows[(i, j)] -= along * d;
+            }
+        }
+        held.push(best);
+    }
+    held
+}

@@ -1,0 +1,181 @@
+//! From an assembly to sparse mass and stiffness over the independent displacement components.
+
+use crate::Error;
+use crate::constraints::DofMap;
+use crate::hex8::{self, Formulation};
+use crate::mesh::{Assembly, Material, Mesh};
+use crate::sparse::congruence;
+use sprs::CsMat;
+
+/// Mass, stiffness and loads over the independent displacement components of an assembly.
+#[derive(Clone, Debug)]
+pub struct System {
+    /// Stiffness, symmetric, `n x n` [N/m].
+    pub stiffness: CsMat<f64>,
+    /// Mass, symmetric, `n x n` [kg].
+    pub mass: CsMat<f64>,
+    /// One force vector of length `n` [N] per load pattern of the assembly.
+    pub loads: Vec<Vec<f64>>,
+    /// The independent components and what depends on them.
+    pub dofs: DofMap,
+    /// Position of each independent component's node [m].
+    pub positions: Vec<[f64; 3]>,
+    /// Total mass of the elements [kg].
+    pub total_mass: f64,
+}
+
+impl System {
+    /// Assembles all elements and inserts all constraints.
+    ///
+    /// # Errors
+    /// Invalid meshes, materials and constraints; see [`Error`].
+    pub fn try_new(assembly: &Assembly, formulation: Formulation) -> Result<Self, Error> {
+        assembly.mesh.validate()?;
+        let dofs = DofMap::try_new(assembly)?;
+        let (stiffness, mass) = element_matrices(&assembly.mesh, &dofs.coordinates, formulation)?;
+        let total_mass = mass.data().iter().sum();
+        let loads = assembly
+            .loads
+            .iter()
+            .map(|load| dofs.force(assembly, &load.name, &load.terms))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            stiffness: congruence(&dofs.transform, &stiffness),
+            mass: congruence(&dofs.transform, &for_three_components(&mass)),
+            loads,
+            positions: dofs.positions(),
+            dofs,
+            total_mass,
+        })
+    }
+
+    /// Number of independent displacement components.
+    pub fn n_dofs(&self) -> usize {
+        self.positions.len()
+    }
+}
+
+impl Material {
+    /// Checks the constants.
+    ///
+    /// # Errors
+    /// [`Error::Material`] naming the constant.
+    pub fn validate(&self) -> Result<(), Error> {
+        let fail = |field, value, unit, requirement| {
+            Err(Error::Material { material: self.name.clone(), field, value, unit, requirement })
+        };
+        if !(self.youngs_modulus.is_finite() && self.youngs_modulus > 0.0) {
+            return fail("youngs_modulus", self.youngs_modulus, "Pa", "positive and finite");
+        }
+        if !(self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5) {
+            return fail("poisson_ratio", self.poisson_ratio, "", "between -1 and 0.5 (both excluded)");
+        }
+        if !(self.density.is_finite() && self.density > 0.0) {
+            return fail("density", self.density, "kg/m^3", "positive and finite");
+        }
+        Ok(())
+    }
+}
+
+impl Mesh {
+    /// Checks references, coordinates and materials.
+    ///
+    /// # Errors
+    /// The first defect found.
+    pub fn validate(&self) -> Result<(), Error> {
+        self.materials.iter().try_for_each(Material::validate)?;
+        for (node, x) in self.nodes.iter().enumerate() {
+            if let Some(&value) = x.iter().find(|v| !v.is_finite()) {
+                return Err(Error::NotFinite { place: format!("node {node}"), value });
+            }
+        }
+        for (index, element) in self.elements.iter().enumerate() {
+            let dangling = |what, index_of, count| Error::Dangling {
+                place: format!("element {index}"),
+                what,
+                index: index_of,
+                count,
+            };
+            if let Some(&node) = element.nodes.iter().find(|&&node| node as usize >= self.nodes.len()) {
+                return Err(dangling("node", node as usize, self.nodes.len()));
+            }
+            if element.material as usize >= self.materials.len() {
+                return Err(dangling("material", element.material as usize, self.materials.len()));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Stiffness over all displacement components and mass over all nodes, before constraints.
+fn element_matrices(
+    mesh: &Mesh,
+    coordinates: &[[f64; 3]],
+    formulation: Formulation,
+) -> Result<(CsMat<f64>, CsMat<f64>), Error> {
+    let n = coordinates.len();
+    let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); n];
+    for element in &mesh.elements {
+        for &node in &element.nodes {
+            neighbours[node as usize].extend(element.nodes);
+        }
+    }
+    let mut start = Vec::with_capacity(n + 1);
+    start.push(0_usize);
+    for list in &mut neighbours {
+        list.sort_unstable();
+        list.dedup();
+        start.push(start[start.len() - 1] + list.len());
+    }
+    let blocks = start[n];
+    let mut stiffness = vec![0.0; 9 * blocks];
+    let mut mass = vec![0.0; blocks];
+    for (index, element) in mesh.elements.iter().enumerate() {
+        let x = element.nodes.map(|node| coordinates[node as usize]);
+        let (k, m) = hex8::matrices(index, &x, &mesh.materials[element.material as usize], formulation)?;
+        for (a, &row) in element.nodes.iter().enumerate() {
+            let row = row as usize;
+            let list = &neighbours[row];
+            for (b, column) in element.nodes.iter().enumerate() {
+                let Ok(place) = list.binary_search(column) else { continue };
+                mass[start[row] + place] += m[(a, b)];
+                for i in 0..3 {
+                    // Row 3 row + i starts at 9 start + 3 i len.
+                    let at = 9 * start[row] + 3 * (i * list.len() + place);
+                    for j in 0..3 {
+                        stiffness[at + j] += k[(3 * a + i, 3 * b + j)];
+                    }
+                }
+            }
+        }
+    }
+    let mut indptr = Vec::with_capacity(3 * n + 1);
+    let mut indices = Vec::with_capacity(9 * blocks);
+    indptr.push(0);
+    for list in &neighbours {
+        for _ in 0..3 {
+            indices.extend(list.iter().flat_map(|&node| (0..3).map(move |j| 3 * node as usize + j)));
+            indptr.push(indices.len());
+        }
+    }
+    let columns = neighbours.iter().flatten().map(|&node| node as usize).collect();
+    Ok((
+        CsMat::new((3 * n, 3 * n), indptr, indices, stiffness),
+        CsMat::new((n, n), start, columns, mass),
+    ))
+}
+
+/// The nodal matrix repeated for the three displacement components.
+fn for_three_components(nodal: &CsMat<f64>) -> CsMat<f64> {
+    let n = nodal.rows();
+    let mut indptr = vec![0];
+    let (mut indices, mut data) = (Vec::with_capacity(3 * nodal.nnz()), Vec::with_capacity(3 * nodal.nnz()));
+    for row in nodal.outer_iterator() {
+        for component in 0..3 {
+            indices.extend(row.indices().iter().map(|column| 3 * column + component));
+            data.extend_from_slice(row.data());
+            indptr.push(indices.len());
+        }
+    }
+    CsMat::new((3 * n, 3 * n), indptr, indices, data)
+}

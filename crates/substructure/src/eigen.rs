@@ -1,0 +1,299 @@
+//! The lowest modes of a large sparse pair, zero-energy modes included.
+//!
+//! Block Krylov subspace of `(K + sigma M)^-1 M` with full reorthogonalisation in the mass inner product, followed
+//! by a Rayleigh-Ritz step on one more inverse iteration and a residual check with the true matrices. The block finds
+//! repeated frequencies; the shift makes the matrix definite however many zero-energy modes there are.
+
+use crate::Error;
+use crate::factor::SparseCholesky;
+use crate::sparse::{diagonal, multiply_into, multiply_vector};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par, Side};
+use sprs::CsMat;
+
+/// Vectors advanced together.
+const BLOCK: usize = 6;
+
+/// Modes of `K phi = omega^2 M phi` in ascending order.
+#[derive(Clone, Debug)]
+pub struct Modes {
+    /// `omega^2` [rad^2/s^2]; zero-energy modes come first with values at round-off.
+    pub eigenvalues: Vec<f64>,
+    /// Mass-normalised mode shapes, `n x m` [1/sqrt(kg)].
+    pub shapes: Mat<f64>,
+    /// How many of them cost no energy.
+    pub n_zero: usize,
+    /// Largest relative residual `|K phi - omega^2 M phi| / (omega^2 |M phi|)`, with the first elastic `omega^2` for
+    /// zero-energy modes.
+    pub residual: f64,
+}
+
+impl Modes {
+    /// Frequencies of the modes that store energy [Hz].
+    pub fn frequencies(&self) -> Vec<f64> {
+        self.eigenvalues[self.n_zero..].iter().map(|w2| w2.sqrt() / (2.0 * std::f64::consts::PI)).collect()
+    }
+
+    /// The zero-energy mode shapes, `n x n_zero`.
+    pub fn zero_energy(&self) -> MatRef<'_, f64> {
+        self.shapes.subcols(0, self.n_zero)
+    }
+
+    /// The mode shapes that store energy.
+    pub fn elastic(&self) -> MatRef<'_, f64> {
+        self.shapes.subcols(self.n_zero, self.shapes.ncols() - self.n_zero)
+    }
+}
+
+/// The shift that makes the stiffness definite: far above its round-off, far below the first elastic mode.
+///
+/// The ratio of the traces is of the order of the square of the highest frequency of the mesh; round-off in `K` is
+/// 1e-16 of it, elastic modes of interest lie above 1e-9 of it.
+pub fn shift(stiffness: &CsMat<f64>, mass: &CsMat<f64>) -> f64 {
+    1e-10 * diagonal(stiffness).iter().sum::<f64>() / diagonal(mass).iter().sum::<f64>()
+}
+
+/// The `n_elastic` lowest modes that store energy, and all that do not.
+///
+/// A mode counts as free of energy when its `omega^2` is below 1e-2 of the shift and 1e-6 of the first
+/// elastic one found, whichever is larger.
+///
+/// # Errors
+/// [`Error::NotPositiveDefinite`] if `K + sigma M` is not definite, [`Error::EigenNotConverged`] if the residuals of
+/// the wanted modes do not fall below `tolerance`.
+pub fn lowest_modes(
+    stiffness: &CsMat<f64>,
+    mass: &CsMat<f64>,
+    positions: &[[f64; 3]],
+    n_elastic: usize,
+    tolerance: f64,
+) -> Result<Modes, Error> {
+    let n = stiffness.rows();
+    let sigma = shift(stiffness, mass);
+    let factor =
+        SparseCholesky::try_new(&(stiffness + &mass.map(|v| sigma * v)), positions, "shifted stiffness")?;
+    // Room for the usual six rigid motions and a few mechanisms.
+    let wanted = (n_elastic + 8).min(n);
+    let limit = (6 * wanted + 60).min(n);
+    let mut krylov = Krylov::new(n, limit);
+    let mut block = start_block(n);
+    loop {
+        krylov.append(mass, &mut block);
+        let size = krylov.size;
+        if size >= limit || (size >= 2 * wanted && krylov.converged(wanted, 0.1 * tolerance)?) {
+            break;
+        }
+        if block.ncols() == 0 {
+            break;
+        }
+        krylov.mark_applied(block.ncols());
+        factor.solve_in_place(block.as_mut());
+    }
+    let mut shapes = krylov.ritz_vectors(wanted)?;
+    // One inverse iteration and a Rayleigh-Ritz step with the true matrices.
+    let mut image = Mat::zeros(n, shapes.ncols());
+    multiply_into(mass, shapes.as_ref(), image.as_mut());
+    factor.solve_in_place(image.as_mut());
+    let (eigenvalues, vectors) = rayleigh_ritz(stiffness, mass, image.as_ref())?;
+    shapes = vectors;
+    let reference = eigenvalues.iter().copied().find(|w2| *w2 > sigma).unwrap_or(sigma);
+    let n_zero = eigenvalues.iter().take_while(|w2| **w2 < (1e-2 * sigma).max(1e-6 * reference)).count();
+    let keep = (n_zero + n_elastic).min(eigenvalues.len());
+    let (mut worst, mut converged) = (0.0_f64, 0);
+    for mode in 0..keep {
+        let shape: Vec<f64> = shapes.col(mode).iter().copied().collect();
+        let (k, m) = (multiply_vector(stiffness, &shape), multiply_vector(mass, &shape));
+        let w2 = eigenvalues[mode];
+        let residual = k.iter().zip(&m).map(|(k, m)| (k - w2 * m).powi(2)).sum::<f64>().sqrt();
+        let relative = residual / (w2.abs().max(reference) * m.iter().map(|m| m * m).sum::<f64>().sqrt());
+        worst = worst.max(relative);
+        converged += usize::from(relative <= tolerance);
+    }
+    if converged < keep || keep < n_zero + n_elastic {
+        return Err(Error::EigenNotConverged {
+            converged,
+            wanted: n_zero + n_elastic,
+            tolerance,
+            vectors: krylov.size,
+            worst,
+        });
+    }
+    Ok(Modes {
+        eigenvalues: eigenvalues[..keep].to_vec(),
+        shapes: shapes.subcols(0, keep).to_owned(),
+        n_zero,
+        residual: worst,
+    })
+}
+
+/// A reproducible block of pseudo-random vectors (64-bit linear congruential generator).
+fn start_block(n: usize) -> Mat<f64> {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    Mat::from_fn(n, BLOCK.min(n), |_, _| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    })
+}
+
+/// Eigenpairs of the pair projected on the columns of `basis`, with mass-normalised vectors.
+fn rayleigh_ritz(
+    stiffness: &CsMat<f64>,
+    mass: &CsMat<f64>,
+    basis: MatRef<'_, f64>,
+) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let (n, m) = (basis.nrows(), basis.ncols());
+    let mut image = Mat::zeros(n, m);
+    let mut project = |a: &CsMat<f64>| {
+        multiply_into(a, basis, image.as_mut());
+        let mut small = Mat::<f64>::zeros(m, m);
+        matmul(small.as_mut(), Accum::Replace, basis.transpose(), image.as_ref(), 1.0, Par::Seq);
+        Mat::from_fn(m, m, |i, j| 0.5 * (small[(i, j)] + small[(j, i)]))
+    };
+    let (k, g) = (project(stiffness), project(mass));
+    let (values, small) = dense_pair(k.as_ref(), g.as_ref())?;
+    let mut vectors = Mat::zeros(n, m);
+    matmul(vectors.as_mut(), Accum::Replace, basis, small.as_ref(), 1.0, Par::Seq);
+    Ok((values, vectors))
+}
+
+/// All eigenpairs of a small dense symmetric pair with definite `g`, mass-normalised, ascending.
+fn dense_pair(k: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let size = k.nrows();
+    let fail = |operation, reason: String| Error::LinearAlgebra { operation, size, reason };
+    // Columns of very different length would spoil the factor.
+    let scale: Vec<f64> = (0..size).map(|i| g[(i, i)].sqrt().recip()).collect();
+    let scaled = |a: MatRef<'_, f64>| Mat::from_fn(size, size, |i, j| a[(i, j)] * scale[i] * scale[j]);
+    let llt = faer::linalg::solvers::Llt::new(scaled(g).as_ref(), Side::Lower)
+        .map_err(|e| fail("Cholesky factorisation", format!("{e:?}")))?;
+    let lower = llt.L();
+    let mut c = scaled(k);
+    lower.solve_lower_triangular_in_place(c.as_mut());
+    let mut c = c.transpose().to_owned();
+    lower.solve_lower_triangular_in_place(c.as_mut());
+    let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (c[(i, j)] + c[(j, i)]));
+    let evd = symmetric
+        .self_adjoint_eigen(Side::Lower)
+        .map_err(|e| fail("symmetric eigenvalue decomposition", format!("{e:?}")))?;
+    let mut vectors = evd.U().to_owned();
+    lower.transpose().solve_upper_triangular_in_place(vectors.as_mut());
+    let shapes = Mat::from_fn(size, size, |i, j| vectors[(i, j)] * scale[i]);
+    Ok((evd.S().column_vector().iter().copied().collect(), shapes))
+}
+
+/// An orthonormal Krylov basis (mass inner product) with the projected operator.
+struct Krylov {
+    basis: Mat<f64>,
+    mass_basis: Mat<f64>,
+    /// Projection coefficients: column `j` expands the operator's image of basis vector `j`.
+    projected: Mat<f64>,
+    size: usize,
+    /// Basis vectors whose image the next block is.
+    source: std::ops::Range<usize>,
+}
+
+impl Krylov {
+    fn new(n: usize, limit: usize) -> Self {
+        let room = limit + BLOCK;
+        Self {
+            basis: Mat::zeros(n, room),
+            mass_basis: Mat::zeros(n, room),
+            projected: Mat::zeros(room, room),
+            size: 0,
+            source: 0..0,
+        }
+    }
+
+    /// Orthonormalises the block against the basis and appends it; on return the block holds `M` times the new
+    /// vectors, ready for the solve. Vectors that add nothing are left out.
+    fn append(&mut self, mass: &CsMat<f64>, block: &mut Mat<f64>) {
+        let n = self.basis.nrows();
+        let source = self.source.clone();
+        let mut added = 0;
+        for column in 0..block.ncols() {
+            let mut w = block.col(column).to_owned();
+            let mut norm = {
+                let m = multiply_vector(mass, w.as_ref().try_as_col_major().map_or(&[], |c| c.as_slice()));
+                w.iter().zip(&m).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt()
+            };
+            let initial = norm;
+            let mut m = Vec::new();
+            for _ in 0..2 {
+                let (basis, mass_basis) = (self.basis.subcols(0, self.size), self.mass_basis.subcols(0, self.size));
+                let mut coefficients = Mat::<f64>::zeros(self.size, 1);
+                let seq = Par::Seq;
+                matmul(coefficients.as_mut(), Accum::Replace, mass_basis.transpose(), w.as_mat(), 1.0, seq);
+                matmul(w.as_mut().as_mat_mut(), Accum::Add, basis, coefficients.as_ref(), -1.0, seq);
+                if column < source.len() {
+                    for row in 0..self.size {
+                        self.projected[(row, source.start + column)] += coefficients[(row, 0)];
+                    }
+                }
+                m = multiply_vector(mass, w.as_ref().try_as_col_major().map_or(&[], |c| c.as_slice()));
+                norm = w.iter().zip(&m).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt();
+            }
+            if self.size >= self.basis.ncols() || norm <= 1e-12 * initial {
+                continue;
+            }
+            if column < source.len() {
+                self.projected[(self.size, source.start + column)] = norm;
+            }
+            for row in 0..n {
+                self.basis[(row, self.size)] = w[row] / norm;
+                self.mass_basis[(row, self.size)] = m[row] / norm;
+            }
+            self.size += 1;
+            added += 1;
+        }
+        *block = self.mass_basis.subcols(self.size - added, added).to_owned();
+    }
+
+    fn mark_applied(&mut self, added: usize) {
+        self.source = self.size - added..self.size;
+    }
+
+    /// Eigenpairs of the projected operator over the vectors whose images are known, descending.
+    fn ritz(&self) -> Result<(Vec<f64>, Mat<f64>, usize), Error> {
+        let known = self.source.end;
+        let h = Mat::from_fn(known, known, |i, j| 0.5 * (self.projected[(i, j)] + self.projected[(j, i)]));
+        let evd = h.self_adjoint_eigen(Side::Lower).map_err(|e| Error::LinearAlgebra {
+            operation: "symmetric eigenvalue decomposition",
+            size: known,
+            reason: format!("{e:?}"),
+        })?;
+        let values = (0..known).rev().map(|i| evd.S()[i]).collect();
+        let vectors = Mat::from_fn(known, known, |i, j| evd.U()[(i, known - 1 - j)]);
+        Ok((values, vectors, known))
+    }
+
+    /// Whether the residuals `|A phi - theta phi|_M` of the leading pairs are below `tolerance * theta`.
+    fn converged(&self, wanted: usize, tolerance: f64) -> Result<bool, Error> {
+        let (values, vectors, known) = self.ritz()?;
+        if known < wanted {
+            return Ok(false);
+        }
+        let tail = self.source.clone();
+        Ok((0..wanted).all(|pair| {
+            let mut squares = 0.0;
+            for row in known..self.size {
+                let sum: f64 = tail.clone().map(|j| self.projected[(row, j)] * vectors[(j, pair)]).sum();
+                squares += sum * sum;
+            }
+            squares.sqrt() <= tolerance * values[pair].abs()
+        }))
+    }
+
+    fn ritz_vectors(&self, wanted: usize) -> Result<Mat<f64>, Error> {
+        let (_, vectors, known) = self.ritz()?;
+        let take = wanted.min(known);
+        let mut shapes = Mat::zeros(self.basis.nrows(), take);
+        matmul(
+            shapes.as_mut(),
+            Accum::Replace,
+            self.basis.subcols(0, known),
+            vectors.subcols(0, take),
+            1.0,
+            Par::Seq,
+        );
+        Ok(shapes)
+    }
+}

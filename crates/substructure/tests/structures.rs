@@ -1,0 +1,284 @@
+//! Whole structures against closed forms: bars, ties, couplings and the modes of free bodies.
+
+use faer::Mat;
+use substructure::Error;
+use substructure::assemble::System;
+use substructure::eigen::lowest_modes;
+use substructure::factor::SparseCholesky;
+use substructure::hex8::Formulation;
+use substructure::mesh::{Assembly, DistributingCoupling, Dof, Equation, Hex8, LoadPattern, Material, Mesh, Tie};
+use substructure::sparse::multiply_vector;
+
+fn steel() -> Material {
+    Material { name: "steel".into(), youngs_modulus: 192.85e9, poisson_ratio: 0.29, density: 7857.8 }
+}
+
+/// Adds a block of `cells` from `corner` with edge lengths `size`; returns its nodes in x-fastest order.
+fn add_block(mesh: &mut Mesh, corner: [f64; 3], size: [f64; 3], cells: [usize; 3]) -> Vec<u32> {
+    let base = mesh.nodes.len() as u32;
+    let [nx, ny, nz] = cells;
+    for k in 0..=nz {
+        for j in 0..=ny {
+            for i in 0..=nx {
+                let at = [i as f64 / nx as f64, j as f64 / ny as f64, k as f64 / nz as f64];
+                mesh.nodes.push([0, 1, 2].map(|c| corner[c] + size[c] * at[c]));
+            }
+        }
+    }
+    let node = |i, j, k| base + (i + (nx + 1) * (j + (ny + 1) * k)) as u32;
+    for k in 0..nz {
+        for j in 0..ny {
+            for i in 0..nx {
+                mesh.elements.push(Hex8 {
+                    nodes: [
+                        node(i, j, k),
+                        node(i + 1, j, k),
+                        node(i + 1, j + 1, k),
+                        node(i, j + 1, k),
+                        node(i, j, k + 1),
+                        node(i + 1, j, k + 1),
+                        node(i + 1, j + 1, k + 1),
+                        node(i, j + 1, k + 1),
+                    ],
+                    material: 0,
+                });
+            }
+        }
+    }
+    (base..mesh.nodes.len() as u32).collect()
+}
+
+fn bar(cells: [usize; 3], size: [f64; 3]) -> Assembly {
+    let mut mesh = Mesh { materials: vec![steel()], ..Mesh::default() };
+    add_block(&mut mesh, [0.0; 3], size, cells);
+    Assembly { mesh, ..Assembly::default() }
+}
+
+fn plane(mesh: &Mesh, nodes: &[u32], axis: usize, at: f64) -> Vec<u32> {
+    nodes.iter().copied().filter(|&n| (mesh.nodes[n as usize][axis] - at).abs() < 1e-12).collect()
+}
+
+/// Free-free bending frequencies of a Timoshenko beam with square section [Hz].
+///
+/// Frequency equation of Huang (1961, DOI 10.1115/1.3641787), shear coefficient of Cowper (1966).
+fn timoshenko(length: f64, side: f64, n: usize) -> Vec<f64> {
+    let m = steel();
+    let shear = m.youngs_modulus / (2.0 * (1.0 + m.poisson_ratio));
+    let kappa = 10.0 * (1.0 + m.poisson_ratio) / (12.0 + 11.0 * m.poisson_ratio);
+    let (area, inertia) = (side * side, side.powi(4) / 12.0);
+    let bending = m.youngs_modulus * inertia;
+    let r2 = inertia / (area * length * length);
+    let s2 = bending / (kappa * area * shear * length * length);
+    let equation = |omega: f64| {
+        let b = omega * (m.density * area * length.powi(4) / bending).sqrt();
+        let root = ((r2 - s2).powi(2) + 4.0 / (b * b)).sqrt();
+        let alpha = ((root - (r2 + s2)) / 2.0).sqrt();
+        let beta = ((root + (r2 + s2)) / 2.0).sqrt();
+        let factor = b / (1.0 - b * b * r2 * s2).sqrt() * (b * b * r2 * (r2 - s2).powi(2) + (3.0 * r2 - s2));
+        2.0 - 2.0 * (b * alpha).cosh() * (b * beta).cos() + factor * (b * alpha).sinh() * (b * beta).sin()
+    };
+    let mut found = Vec::new();
+    let step = 1.0;
+    let mut f = 20.0;
+    while found.len() < n {
+        let (mut lo, mut hi) = (f, f + step);
+        let two_pi = 2.0 * std::f64::consts::PI;
+        if equation(two_pi * lo) * equation(two_pi * hi) <= 0.0 {
+            for _ in 0..60 {
+                let mid = 0.5 * (lo + hi);
+                if equation(two_pi * lo) * equation(two_pi * mid) <= 0.0 { hi = mid } else { lo = mid }
+            }
+            found.push(0.5 * (lo + hi));
+        }
+        f += step;
+    }
+    found
+}
+
+#[test]
+fn free_bar_bends_like_a_timoshenko_beam() {
+    let (length, side) = (0.72, 0.0254);
+    let system = System::try_new(&bar([96, 6, 6], [length, side, side]), Formulation::default()).unwrap();
+    assert!((system.total_mass / (7857.8 * length * side * side) - 1.0).abs() < 1e-11);
+    let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 8, 1e-6).unwrap();
+    assert_eq!(modes.n_zero, 6);
+    let f = modes.frequencies();
+    let theory = timoshenko(length, side, 3);
+    // Bending comes in pairs; torsion and extension lie above the third pair. Beam theory itself is good to 0.3 %
+    // at the third pair, where the wavelength is ten times the depth.
+    for (pair, expected) in theory.iter().enumerate() {
+        for f in &f[2 * pair..2 * pair + 2] {
+            assert!((f / expected - 1.0).abs() < 3e-3, "pair {pair}: {f} against {expected}");
+        }
+    }
+}
+
+#[test]
+fn incompatible_modes_do_not_lock_and_full_integration_does() {
+    let first = |formulation| {
+        let system = System::try_new(&bar([36, 1, 1], [0.72, 0.0254, 0.0254]), formulation).unwrap();
+        lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-6).unwrap().frequencies()[0]
+    };
+    let expected = timoshenko(0.72, 0.0254, 1)[0];
+    assert!((first(Formulation::IncompatibleModes) / expected - 1.0).abs() < 0.01);
+    assert!(first(Formulation::Full) / expected > 1.05);
+}
+
+#[test]
+fn bar_frequencies_converge_with_second_order() {
+    let f = |n: usize| {
+        let system = System::try_new(&bar([12 * n, n, n], [0.3, 0.025, 0.025]), Formulation::default()).unwrap();
+        lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-7).unwrap().frequencies()[0]
+    };
+    let (a, b, c) = (f(2), f(4), f(8));
+    let order = ((a - b) / (b - c)).abs().log2();
+    assert!((1.7..2.6).contains(&order), "order {order}: {a} {b} {c}");
+}
+
+/// Two stacked blocks with different meshes, the upper tied to the lower.
+fn tied_blocks(offset: f64) -> Assembly {
+    let mut mesh = Mesh { materials: vec![steel()], ..Mesh::default() };
+    let lower = add_block(&mut mesh, [0.0; 3], [0.03, 0.02, 0.01], [3, 2, 1]);
+    let upper = add_block(&mut mesh, [0.002, 0.003, 0.01 + offset], [0.025, 0.015, 0.01], [4, 5, 2]);
+    let slave_nodes = plane(&mesh, &upper, 2, 0.01 + offset);
+    let at = |i: u32, j: u32| lower[(i + 4 * (j + 3)) as usize];
+    let master_faces = (0..2).flat_map(|j| (0..3).map(move |i| (i, j)));
+    let master_faces = master_faces.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]).collect();
+    let tie = Tie { name: "glue".into(), slave_nodes, master_faces, position_tolerance: 1e-4 };
+    Assembly { mesh, ties: vec![tie], ..Assembly::default() }
+}
+
+#[test]
+fn a_tie_passes_constant_stress_and_rigid_motion() {
+    let system = System::try_new(&tied_blocks(0.0), Formulation::default()).unwrap();
+    // A linear displacement field in equilibrium leaves no force on any independent inner component.
+    let h = [[1e-3, 2e-4, 0.0], [2e-4, -7e-4, 0.0], [0.0, 0.0, 4e-4]];
+    let field = |x: [f64; 3]| [0, 1, 2].map(|i| (0..3).map(|j| h[i][j] * x[j]).sum::<f64>());
+    let u: Vec<f64> = system
+        .dofs
+        .independent
+        .iter()
+        .map(|dof| field(system.dofs.coordinates[dof / 3])[dof % 3])
+        .collect();
+    // The dependent nodes follow the same field.
+    let all = multiply_vector(&system.dofs.transform, &u);
+    for (node, x) in system.dofs.coordinates.iter().enumerate() {
+        for (i, expected) in field(*x).into_iter().enumerate() {
+            assert!((all[3 * node + i] - expected).abs() < 1e-16);
+        }
+    }
+    let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
+    assert_eq!(modes.n_zero, 6);
+}
+
+#[test]
+fn a_slave_out_of_tolerance_is_refused_and_one_inside_is_moved() {
+    let system = System::try_new(&tied_blocks(5e-5), Formulation::default()).unwrap();
+    assert!((system.dofs.largest_adjustment - 5e-5).abs() < 1e-12);
+    let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
+    assert_eq!(modes.n_zero, 6, "an adjusted tie lets the pair rotate freely");
+    let error = System::try_new(&tied_blocks(5e-4), Formulation::default()).unwrap_err();
+    assert!(matches!(&error, Error::TieTooFar { tie, .. } if tie == "glue"), "{error}");
+}
+
+/// Two separate bars whose facing end nodes are coupled at one point in all motions but the one along x.
+fn sliding_bars() -> Assembly {
+    let mut mesh = Mesh { materials: vec![steel()], ..Mesh::default() };
+    let a = add_block(&mut mesh, [0.0; 3], [0.05, 0.01, 0.02], [5, 2, 2]);
+    let b = add_block(&mut mesh, [0.06, 0.0, 0.0], [0.05, 0.01, 0.02], [5, 3, 2]);
+    let coupling = |name: &str, nodes: Vec<u32>| DistributingCoupling {
+        name: name.into(),
+        reference: [0.055, 0.005, 0.01],
+        weights: vec![1.0; nodes.len()],
+        nodes,
+    };
+    let couplings =
+        vec![coupling("a", plane(&mesh, &a, 0, 0.05)), coupling("b", plane(&mesh, &b, 0, 0.06))];
+    let equations = (1..6)
+        .map(|c| Equation {
+            name: format!("component {c}"),
+            terms: vec![(Dof::Reference(0, c), 1.0), (Dof::Reference(1, c), -1.0)],
+        })
+        .collect();
+    let pull = LoadPattern { name: "pull".into(), terms: vec![(Dof::Reference(0, 0), -7.0), (Dof::Reference(1, 0), 7.0)] };
+    Assembly { mesh, couplings, equations, loads: vec![pull], ..Assembly::default() }
+}
+
+#[test]
+fn couplings_and_equations_leave_exactly_the_free_motions() {
+    let assembly = sliding_bars();
+    let system = System::try_new(&assembly, Formulation::default()).unwrap();
+    let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
+    assert_eq!(modes.n_zero, 7, "six rigid motions and the sliding one");
+    // The load is in equilibrium: no work on any common translation or rotation.
+    let resultant = |motion: &dyn Fn([f64; 3]) -> [f64; 3]| -> f64 {
+        let u = system.dofs.independent.iter().map(|d| motion(system.dofs.coordinates[d / 3])[d % 3]);
+        u.zip(&system.loads[0]).map(|(u, f)| u * f).sum()
+    };
+    assert!(resultant(&|_| [1.0, 0.0, 0.0]).abs() < 1e-12);
+    assert!(resultant(&|x| [0.0, -x[2], x[1]]).abs() < 1e-12);
+    assert!(resultant(&|x| [-x[1], x[0], 0.0]).abs() < 1e-12);
+    // Opening by one metre does the work of the force.
+    assert!((resultant(&|x| if x[0] > 0.055 { [1.0, 0.0, 0.0] } else { [0.0; 3] }) - 7.0).abs() < 1e-12);
+}
+
+#[test]
+fn redundant_circular_and_dangling_constraints_are_refused() {
+    let mut assembly = sliding_bars();
+    assembly.equations.push(assembly.equations[0].clone());
+    let error = System::try_new(&assembly, Formulation::default()).unwrap_err();
+    assert!(matches!(error, Error::RedundantEquation { .. }), "{error}");
+    let mut assembly = sliding_bars();
+    assembly.equations[0].terms[0].0 = Dof::Reference(9, 1);
+    assert!(matches!(System::try_new(&assembly, Formulation::default()), Err(Error::Dangling { index: 9, .. })));
+    let mut assembly = sliding_bars();
+    assembly.couplings[0].nodes.truncate(1);
+    assembly.couplings[0].weights.truncate(1);
+    assert!(matches!(System::try_new(&assembly, Formulation::default()), Err(Error::Coupling { .. })));
+    let mut assembly = tied_blocks(0.0);
+    assembly.ties.push(assembly.ties[0].clone());
+    assert!(matches!(System::try_new(&assembly, Formulation::default()), Err(Error::DependentTwice { .. })));
+    let mut assembly = bar([1, 1, 1], [1.0; 3]);
+    assembly.mesh.materials[0].poisson_ratio = 0.5;
+    let error = System::try_new(&assembly, Formulation::default()).unwrap_err();
+    assert!(error.to_string().contains("poisson_ratio"), "{error}");
+}
+
+#[test]
+fn sparse_solve_is_accurate_and_a_free_body_is_refused() {
+    let system = System::try_new(&bar([20, 4, 4], [0.2, 0.02, 0.02]), Formulation::default()).unwrap();
+    let n = system.n_dofs();
+    let grounded = &system.stiffness + &system.mass.map(|m| 1e9 * m);
+    let factor = SparseCholesky::try_new(&grounded, &system.positions, "test matrix").unwrap();
+    let mut x = Mat::from_fn(n, 130, |i, j| ((i * 31 + j * 17) % 101) as f64 - 50.0);
+    let b = x.clone();
+    factor.solve_in_place(x.as_mut());
+    for j in [0, 63, 64, 129] {
+        let column: Vec<f64> = x.col(j).iter().copied().collect();
+        let product = multiply_vector(&grounded, &column);
+        let error = (0..n).map(|i| (product[i] - b[(i, j)]).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-7, "{error}");
+    }
+    // Free bodies have round-off pivots of either sign; a negative shift makes the defect certain.
+    let indefinite = &system.stiffness + &system.mass.map(|m| -1e6 * m);
+    assert!(matches!(
+        SparseCholesky::try_new(&indefinite, &system.positions, "free bar"),
+        Err(Error::NotPositiveDefinite { .. })
+    ));
+}
+
+#[test]
+fn frequencies_do_not_depend_on_the_unit_system() {
+    let frequencies = |length: f64, mass: f64| {
+        // Lengths in `length` metres, masses in `mass` kilograms, seconds.
+        let mut assembly = bar([12, 2, 2], [0.3 / length, 0.02 / length, 0.03 / length]);
+        let material = &mut assembly.mesh.materials[0];
+        material.youngs_modulus *= length / mass;
+        material.density *= length.powi(3) / mass;
+        let system = System::try_new(&assembly, Formulation::default()).unwrap();
+        lowest_modes(&system.stiffness, &system.mass, &system.positions, 4, 1e-6).unwrap().frequencies()
+    };
+    for (si, mm) in frequencies(1.0, 1.0).iter().zip(frequencies(1e-3, 1e3)) {
+        assert!((si / mm - 1.0).abs() < 1e-9, "{si} {mm}");
+    }
+}
