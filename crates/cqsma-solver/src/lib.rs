@@ -1,1 +1,24 @@
-//! Prestress, linearised modes and coupled quasi-static modal analysis of hysteretic systems.
+//! Prestress, linearised modes and coupled quasi-static modal analysis (CQSMA) of structures with hysteretic forces.
+//!
+//! A structure is a pair of dense symmetric matrices whose leading coordinates feel a [`force::HystereticForce`]. The
+//! road through the crate: [`prestress::solve`] finds the equilibrium under the static load, [`modes::linearise`] the
+//! modes about it with everything stuck, [`cqsma::run`] walks the hysteresis loops of one mode and turns them into
+//! frequency and damping (Balaji, Chen and Brake 2020, DOI 10.1016/j.ymssp.2020.106615, section 3.1.2).
+//!
+//! Residuals are measured in the energy norm of the stuck structure, `sqrt(r^T P^-1 r)`: one number for forces and
+//! modal forces alike, independent of units.
+pub mod cqsma;
+mod error;
+pub mod force;
+pub mod hysteresis;
+mod linear;
+pub mod modes;
+pub mod newton;
+pub mod prestress;
+pub mod test_problems;
+
+pub use cqsma::{BackbonePoint, LoopObserver, LoopResult, NoObserver};
+pub use error::Error;
+pub use force::{HystereticForce, Pattern, PointCounts, Sliding};
+pub use modes::Linearisation;
+pub use newton::{Failure, NewtonSettings};

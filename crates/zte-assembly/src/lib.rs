@@ -1,2 +1,18 @@
-//! Zero-thickness interface elements: interpolation and integration operators, force and tangent assembly, dissipation flux.
+//! Zero-thickness interface elements: interpolation and integration operators, force and tangent assembly,
+//! dissipation flux.
+//!
+//! An [`mesh::InterfaceMesh`] and a quadrature give [`operators::Operators`] (`Q` and `T` of section 2.1 of Balaji, Chen
+//! and Brake 2020, DOI 10.1016/j.ymssp.2020.106615); with a traction law per range of points they become an
+//! [`interface::Interface`] that turns nodal jumps into nodal forces and a sparse tangent. Nothing here knows about a
+//! solver or about the bodies on either side.
+mod error;
+pub mod flux;
+pub mod interface;
 pub mod mesh;
+pub mod operators;
+pub mod quadrature;
+
+pub use error::Error;
+pub use interface::{Interface, State, Workspace};
+pub use mesh::{Element, InterfaceMesh};
+pub use operators::Operators;

@@ -1,0 +1,48 @@
+//! Errors of this crate: what cannot be started. Non-convergence is a status, not an error.
+
+/// Why an analysis cannot be set up.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Matrices or vectors that do not fit together.
+    #[error("{what} has size {found}, but the structure needs {expected}")]
+    Size {
+        /// What.
+        what: &'static str,
+        /// Its size.
+        found: usize,
+        /// Size needed.
+        expected: usize,
+    },
+    /// A setting outside its range.
+    #[error("{field} = {value} is not admissible; it must be {requirement}")]
+    Setting {
+        /// Setting.
+        field: &'static str,
+        /// Value.
+        value: f64,
+        /// What would be accepted.
+        requirement: &'static str,
+    },
+    /// The stuck structure is not positive definite.
+    #[error(
+        "the stiffness with the stuck interface is not positive definite (pivot {pivot} of {size}): the structure can \
+         move freely, or the interface is open where it must carry the load"
+    )]
+    NotPositiveDefinite {
+        /// Pivot.
+        pivot: usize,
+        /// Size.
+        size: usize,
+    },
+    /// An eigenvalue decomposition failed.
+    #[error("the linearised modes did not converge: {reason}")]
+    Modes {
+        /// Reason.
+        reason: String,
+    },
+}
+
+pub(crate) fn check_size(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected { Ok(()) } else { Err(Error::Size { what, found, expected }) }
+}

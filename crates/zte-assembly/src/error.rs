@@ -1,0 +1,69 @@
+//! Errors of this crate.
+
+/// What can be wrong with an interface.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The mesh has no elements.
+    #[error("the interface mesh has no elements")]
+    Empty,
+    /// An element names a node that does not exist.
+    #[error("interface element {element} refers to node {node}, but there are only {count} nodes")]
+    Dangling {
+        /// Element.
+        element: usize,
+        /// Node referred to.
+        node: u32,
+        /// Number of nodes.
+        count: usize,
+    },
+    /// A node belongs to no element, so no traction could ever reach it.
+    #[error("interface node {node} belongs to no element; remove it, or add the missing element")]
+    Unused {
+        /// Node.
+        node: usize,
+    },
+    /// A coordinate or a gap is not finite, or a gap is negative.
+    #[error("{quantity} of {place} {index} is {value} m; it must be {requirement}")]
+    Value {
+        /// Quantity.
+        quantity: &'static str,
+        /// Node or point.
+        place: &'static str,
+        /// Its number.
+        index: usize,
+        /// Value [m].
+        value: f64,
+        /// What would be accepted.
+        requirement: &'static str,
+    },
+    /// An element is inverted or has no area.
+    #[error(
+        "interface element {element} is inverted or degenerate: area density {determinant:.3e} m^2 at point {point}; \
+         order its nodes counter-clockwise and keep it convex"
+    )]
+    Inverted {
+        /// Element.
+        element: usize,
+        /// Quadrature point in the element.
+        point: usize,
+        /// Jacobian determinant [m^2].
+        determinant: f64,
+    },
+    /// An unsupported quadrature.
+    #[error("{per_direction} quadrature points per direction are not supported; choose 1, 2, 3, 4 or 5")]
+    Quadrature {
+        /// Points per direction.
+        per_direction: usize,
+    },
+    /// Laws or gaps do not match the quadrature points.
+    #[error("{what} cover {found} of the interface's {expected} quadrature points")]
+    Coverage {
+        /// What.
+        what: &'static str,
+        /// Points covered.
+        found: usize,
+        /// Points there are.
+        expected: usize,
+    },
+}

@@ -1,0 +1,114 @@
+//! Interpolation `Q` from nodes to quadrature points and integration `T = (W Q)^T` back (eq. 5).
+
+use crate::Error;
+use crate::mesh::InterfaceMesh;
+use crate::quadrature::{Quadrature, shape};
+use sprs::{CsMat, TriMat};
+
+/// Everything geometric about an interface and its quadrature.
+///
+/// Equation (5) of the paper prints `T D Q^T` for the tangent; the dimensions require `T D Q`.
+#[derive(Clone, Debug)]
+pub struct Operators {
+    /// `Q`, `n_points x n_nodes`, rows sum to one.
+    pub interpolation: CsMat<f64>,
+    /// `T`, `n_nodes x n_points` [m^2].
+    pub integration: CsMat<f64>,
+    /// Area that each point stands for [m^2].
+    pub weights: Vec<f64>,
+    /// Position of each point (x, y) [m].
+    pub positions: Vec<[f64; 2]>,
+    /// First point of each element, and the number of points at the end.
+    pub first_point: Vec<usize>,
+}
+
+impl Operators {
+    /// Points run element by element.
+    ///
+    /// # Errors
+    /// Invalid meshes, inverted elements, unsupported quadratures.
+    pub fn try_new(mesh: &InterfaceMesh, points_per_direction: usize) -> Result<Self, Error> {
+        mesh.validate()?;
+        let quadrature = Quadrature::try_new(points_per_direction)?;
+        let n_points = mesh.elements.iter().map(|e| quadrature.points(e).len()).sum();
+        let shape_of = (n_points, mesh.nodes.len());
+        let mut interpolation = TriMat::with_capacity(shape_of, 4 * n_points);
+        let mut integration = TriMat::with_capacity((shape_of.1, shape_of.0), 4 * n_points);
+        let mut weights = Vec::with_capacity(n_points);
+        let mut positions = Vec::with_capacity(n_points);
+        let mut first_point = Vec::with_capacity(mesh.elements.len() + 1);
+        for (index, element) in mesh.elements.iter().enumerate() {
+            first_point.push(weights.len());
+            for (local, point) in quadrature.points(element).iter().enumerate() {
+                let (values, derivatives) = shape(element, point.xi);
+                let mut jacobian = [[0.0; 2]; 2];
+                let mut position = [0.0; 2];
+                for (a, &node) in element.nodes().iter().enumerate() {
+                    let x = mesh.nodes[node as usize];
+                    for i in 0..2 {
+                        position[i] += values[a] * x[i];
+                        for j in 0..2 {
+                            jacobian[i][j] += x[i] * derivatives[a][j];
+                        }
+                    }
+                }
+                let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
+                // `!(a > b)` also catches NaN.
+                if !(determinant > 0.0) {
+                    return Err(Error::Inverted { element: index, point: local, determinant });
+                }
+                let weight = point.weight * determinant;
+                for (a, &node) in element.nodes().iter().enumerate() {
+                    interpolation.add_triplet(weights.len(), node as usize, values[a]);
+                    integration.add_triplet(node as usize, weights.len(), weight * values[a]);
+                }
+                weights.push(weight);
+                positions.push(position);
+            }
+        }
+        first_point.push(weights.len());
+        Ok(Self {
+            interpolation: interpolation.to_csr(),
+            integration: integration.to_csr(),
+            weights,
+            positions,
+            first_point,
+        })
+    }
+
+    /// Number of quadrature points.
+    pub fn n_points(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Number of interface nodes.
+    pub fn n_nodes(&self) -> usize {
+        self.integration.rows()
+    }
+
+    /// Number of elements.
+    pub fn n_elements(&self) -> usize {
+        self.first_point.len() - 1
+    }
+
+    /// Area of the interface [m^2].
+    pub fn area(&self) -> f64 {
+        self.weights.iter().sum()
+    }
+
+    /// Area-weighted mean over each element of a field given at the points.
+    ///
+    /// # Panics
+    /// If the field does not have one value per point.
+    pub fn element_means(&self, field: &[f64]) -> Vec<f64> {
+        assert_eq!(field.len(), self.n_points());
+        self.first_point
+            .windows(2)
+            .map(|range| {
+                let points = range[0]..range[1];
+                let area: f64 = self.weights[points.clone()].iter().sum();
+                points.map(|p| self.weights[p] * field[p]).sum::<f64>() / area
+            })
+            .collect()
+    }
+}
