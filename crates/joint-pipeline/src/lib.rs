@@ -1,1 +1,18 @@
 //! Scenes and their composition: from surface and geometry to frequency and damping against amplitude.
+//!
+//! A [`scene::Scene`] says what is modelled; [`run::run`] meshes, assembles and reduces the structure (or takes the
+//! reduced model from a cache), turns the surface into traction laws, finds the prestress and the modes about it, and
+//! walks the hysteresis loops. [`summary`] is the machine-readable account of a run.
+mod cache;
+mod error;
+pub mod interface;
+pub mod model;
+pub mod progress;
+pub mod run;
+pub mod scene;
+pub mod summary;
+pub mod validity;
+
+pub use error::Error;
+pub use run::{Options, Run, run};
+pub use scene::Scene;

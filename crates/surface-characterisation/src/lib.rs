@@ -1,1 +1,38 @@
 //! From height maps of two faces to asperity populations, gaps and traction laws per interface element.
+//!
+//! The road is `height map -> plane removed -> points of each element -> bilinear form and roughness -> peaks ->
+//! asperities -> traction curves -> fits (28), (29)`. [`characterise`] walks all of it; each step is public on its
+//! own. Equation numbers are those of Balaji, Chen and Brake, "Traction-based multi-scale nonlinear dynamic modeling
+//! of bolted joints" (2020, doi 10.1016/j.ymssp.2020.106615), where the road was laid; where the published
+//! form is one of several readings, the option enums list them, the default first.
+//!
+//! All quantities are SI. x runs along the interface, y across; heights point out of each body towards its mate.
+#![doc = include_str!("../README.md")]
+
+mod asperities;
+mod characterise;
+mod detrend;
+mod error;
+mod fits;
+mod gap;
+mod partition;
+mod peaks;
+mod response;
+mod synthetic;
+mod topography;
+
+pub use asperities::{
+    AsperityCount, FaceAsperities, HeightCombination, PackingHeight, PairAsperities, PairRadius, packing_count,
+};
+pub use characterise::{
+    Characterisation, ElementSurface, FaceSummary, InterferenceRange, Options, Summary, characterise,
+};
+pub use detrend::{Detrend, Plane, fit_plane, trend};
+pub use error::SurfaceError;
+pub use fits::{FitFallback, FitReport, NormalFitReport, TangentialFitReport, fit_normal, fit_tangential};
+pub use gap::Bilinear;
+pub use partition::{ElementOutlines, Partition};
+pub use peaks::{LinePeak, RadiusStatistic, Summit, line_peaks, radius_resolution, summits};
+pub use response::{Bootstrap, CurveBands, TallestPeak, TractionCurves, bootstrap_bands, traction_curves};
+pub use synthetic::{SyntheticFace, Waviness};
+pub use topography::{HeightData, HeightMap};

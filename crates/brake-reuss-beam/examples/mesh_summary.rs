@@ -1,0 +1,26 @@
+//! Meshes the beam at every preset and prints what came out.
+use brake_reuss_beam::{geometry::Geometry, mesh, published, quality};
+
+fn main() -> brake_reuss_beam::Result<()> {
+    let (geometry, steel) = (Geometry::default(), published::steel());
+    println!("preset    interface    nodes elements  mass [kg]  area [mm2]  least scaled Jacobian");
+    for (name, refinement) in mesh::Refinement::presets() {
+        let beam = mesh::build(&geometry, &refinement, &steel, published::BOLT_LOAD)?;
+        let solid = &beam.assembly.mesh;
+        let jacobian = solid
+            .elements
+            .iter()
+            .map(|e| quality::scaled_jacobian(solid, e))
+            .fold(1.0, f64::min);
+        println!(
+            "{name:<8} {:>5} quads {:>8} {:>8} {:>10.5} {:>11.3} {:>10.3}",
+            beam.interface.elements.len(),
+            solid.nodes.len(),
+            solid.elements.len(),
+            quality::mass(solid),
+            1e6 * quality::interface_area(&beam.interface),
+            jacobian,
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,324 @@
+//! Plane quadrilateral meshes: the sections that are extruded into hexahedra.
+use super::refinement::Refinement;
+use crate::Result;
+use crate::geometry::{Geometry, equal_area_radius, require_less};
+use std::f64::consts::PI;
+
+/// A plane mesh; quadrilaterals run counter-clockwise.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Section {
+    pub(crate) nodes: Vec<[f64; 2]>,
+    pub(crate) quads: Vec<[u32; 4]>,
+}
+
+impl Section {
+    /// Adds nodes and returns their numbers.
+    fn add(&mut self, points: impl IntoIterator<Item = [f64; 2]>) -> Vec<u32> {
+        let first = self.nodes.len();
+        self.nodes.extend(points);
+        (first..self.nodes.len()).map(|node| node as u32).collect()
+    }
+
+    fn points(&self, nodes: &[u32]) -> Vec<[f64; 2]> {
+        nodes
+            .iter()
+            .map(|&node| self.nodes[node as usize])
+            .collect()
+    }
+
+    /// Fills the space between neighbouring polylines; each lies to the right of the one before it, seen along it.
+    fn fill(&mut self, lines: &[Vec<u32>], closed: bool) {
+        for pair in lines.windows(2) {
+            let n = pair[0].len();
+            for k in 0..if closed { n } else { n - 1 } {
+                let next = (k + 1) % n;
+                self.quads
+                    .push([pair[0][k], pair[1][k], pair[1][next], pair[0][next]]);
+            }
+        }
+    }
+
+    /// Surrounds the closed ring `inner` with `count` rings of elements that end in `outer`; returns the last ring.
+    fn surround(&mut self, inner: &[u32], outer: &[[f64; 2]], count: usize) -> Vec<u32> {
+        let from = self.points(inner);
+        let mut rings = vec![inner.to_vec()];
+        for step in 1..=count {
+            rings.push(self.add(blend(&from, outer, step as f64 / count as f64)));
+        }
+        self.fill(&rings, true);
+        rings.swap_remove(count)
+    }
+
+    /// Continues a mesh from the line `start` along `x` by `count` columns up to `end`; returns the last line.
+    fn advance(&mut self, start: &[u32], end: f64, count: usize) -> Vec<u32> {
+        let from = self.points(start);
+        let to: Vec<_> = from.iter().map(|p| [end, p[1]]).collect();
+        let mut lines = vec![start.to_vec()];
+        for step in 1..=count {
+            lines.push(self.add(blend(&from, &to, step as f64 / count as f64)));
+        }
+        self.fill(&lines, false);
+        lines.swap_remove(count)
+    }
+}
+
+/// Points between two polylines; the weights make both ends exact.
+fn blend<'a>(
+    from: &'a [[f64; 2]],
+    to: &'a [[f64; 2]],
+    t: f64,
+) -> impl Iterator<Item = [f64; 2]> + 'a {
+    from.iter()
+        .zip(to)
+        .map(move |(a, b)| [0, 1].map(|i| (1.0 - t) * a[i] + t * b[i]))
+}
+
+/// `count + 1` equidistant values over `extent`, exactly antisymmetric about zero.
+pub(crate) fn centred(extent: f64, count: usize) -> impl Iterator<Item = f64> + Clone {
+    let n = count as f64;
+    (0..=count).map(move |i| extent * ((2.0 * i as f64 - n) / (2.0 * n)))
+}
+
+/// Rectangular section about the origin; node `(i, j)` has number `i (n_second + 1) + j`.
+pub(crate) fn rectangle(extent: [f64; 2], count: [usize; 2]) -> Section {
+    let mut section = Section::default();
+    let lines: Vec<_> = centred(extent[0], count[0])
+        .map(|first| section.add(centred(extent[1], count[1]).map(|second| [first, second])))
+        .collect();
+    section.fill(&lines, false);
+    section
+}
+
+/// The lap seen along `z`.
+pub(crate) struct Lap {
+    pub(crate) section: Section,
+    /// Nodes along the edge at the least `x`, by increasing `y`.
+    pub(crate) left: Vec<u32>,
+    /// Nodes along the edge at the greatest `x`, by increasing `y`.
+    pub(crate) right: Vec<u32>,
+}
+
+/// Blocks along the lap: end, hole, between, hole, between, hole, end.
+pub(crate) fn lap(geometry: &Geometry, refinement: &Refinement) -> Result<Lap> {
+    let half_block = 0.25 * geometry.hole_pitch;
+    let hole_radius = equal_area_radius(0.5 * geometry.hole_diameter, refinement.hole_ring());
+    require_less(
+        "interface mesh",
+        ("hole polygon radius", hole_radius),
+        ("half block length", half_block),
+    )?;
+    require_less(
+        "interface mesh",
+        ("hole polygon radius", hole_radius),
+        ("half width", 0.5 * geometry.width),
+    )?;
+
+    let mut section = Section::default();
+    let edge = 0.5 * geometry.lap_length;
+    let left = section.add(centred(geometry.width, refinement.across).map(|y| [-edge, y]));
+    let mut line = left.clone();
+    for (hole, centre) in geometry.hole_positions().into_iter().enumerate() {
+        let columns = if hole == 0 {
+            refinement.end
+        } else {
+            refinement.per_block
+        };
+        line = section.advance(&line, centre - half_block, columns);
+        line = hole_block(
+            &mut section,
+            &line,
+            centre,
+            half_block,
+            hole_radius,
+            refinement,
+        );
+    }
+    let right = section.advance(&line, edge, refinement.end);
+    Ok(Lap {
+        section,
+        left,
+        right,
+    })
+}
+
+/// O-grid round one hole, from the line `left` on; returns the block's right line.
+fn hole_block(
+    section: &mut Section,
+    left: &[u32],
+    centre: f64,
+    half_block: f64,
+    hole_radius: f64,
+    refinement: &Refinement,
+) -> Vec<u32> {
+    let (across, along) = (refinement.across, refinement.per_block);
+    let lines = section.points(left);
+    let right = section.add(lines.iter().map(|p| [centre + half_block, p[1]]));
+    let inner = |y: f64| {
+        centred(2.0 * half_block, along)
+            .skip(1)
+            .take(along - 1)
+            .map(move |x| [centre + x, y])
+    };
+    let bottom = section.add(inner(lines[0][1]));
+    let top = section.add(inner(lines[across][1]));
+
+    // Counter-clockwise from the bottom right corner, once round.
+    let perimeter: Vec<u32> = (right.iter())
+        .chain(top.iter().rev())
+        .chain(left.iter().rev())
+        .chain(&bottom)
+        .copied()
+        .collect();
+    let n = perimeter.len();
+    // The middle of the right edge faces the angle 0.
+    let hole: Vec<_> = (0..n)
+        .map(|k| {
+            let (sin, cos) = (PI * (2.0 * k as f64 - across as f64) / n as f64).sin_cos();
+            [centre + hole_radius * cos, hole_radius * sin]
+        })
+        .collect();
+    let outer = section.points(&perimeter);
+    let mut rings = Vec::new();
+    for ring in 0..refinement.hole_rings {
+        rings.push(section.add(blend(
+            &hole,
+            &outer,
+            ring as f64 / refinement.hole_rings as f64,
+        )));
+    }
+    rings.push(perimeter);
+    section.fill(&rings, true);
+    right
+}
+
+/// Sections of the fastening hardware about its axis, with rings of `sectors` nodes in common: the seat, from the
+/// washer's bore to the hexagon, is where head, nut and washers meet.
+pub(crate) struct Hardware {
+    /// Disc with a square core; its last ring is the shank's surface.
+    pub(crate) shank: Section,
+    /// The shank's section continued to the hexagon; begins with the nodes of `shank`, then those of the seat.
+    pub(crate) head: Section,
+    /// Begins with the nodes of the seat.
+    pub(crate) washer: Section,
+    /// Begins with one ring on the bore, then the nodes of the seat.
+    pub(crate) nut: Section,
+    /// Number of nodes on the seat.
+    pub(crate) seat: usize,
+}
+
+pub(crate) fn hardware(geometry: &Geometry, refinement: &Refinement) -> Result<Hardware> {
+    let n = refinement.sectors;
+    let angle = |k: usize| 2.0 * PI * k as f64 / n as f64;
+    let circle = |diameter: f64| -> Vec<[f64; 2]> {
+        let radius = equal_area_radius(0.5 * diameter, n);
+        (0..n)
+            .map(|k| [radius * angle(k).cos(), radius * angle(k).sin()])
+            .collect()
+    };
+    let bore = circle(geometry.washer_inner_diameter);
+    let bore_radius = equal_area_radius(0.5 * geometry.washer_inner_diameter, n);
+    let hole_radius = equal_area_radius(0.5 * geometry.hole_diameter, refinement.hole_ring());
+    // A washer's nodes must lie on the beam's face, and its seat must stay under the hexagon.
+    require_less(
+        "hardware mesh",
+        ("hole polygon radius", hole_radius),
+        ("washer bore polygon radius", bore_radius),
+    )?;
+    require_less(
+        "hardware mesh",
+        ("washer bore polygon radius", bore_radius),
+        ("half across_flats", 0.5 * geometry.across_flats),
+    )?;
+    // Corners at 30, 90, ... degrees, which are multiples of 360/12.
+    let hexagon: Vec<_> = (0..n)
+        .map(|k| {
+            let from_flat = angle((k + n / 12) % (n / 6)) - PI / 6.0;
+            let radius = 0.5 * geometry.across_flats / from_flat.cos();
+            [radius * angle(k).cos(), radius * angle(k).sin()]
+        })
+        .collect();
+
+    let (shank, surface) = disc(&circle(geometry.shank_diameter), refinement.shank_rings);
+    let mut head = shank.clone();
+    let ring = head.surround(&surface, &bore, 1);
+    head.surround(&ring, &hexagon, refinement.seat_rings);
+
+    let mut washer = Section::default();
+    let ring = washer.add(bore.iter().copied());
+    let ring = washer.surround(&ring, &hexagon, refinement.seat_rings);
+    washer.surround(
+        &ring,
+        &circle(geometry.washer_outer_diameter),
+        refinement.rim_rings,
+    );
+
+    let mut nut = Section::default();
+    let ring = nut.add(circle(geometry.nut_bore_diameter));
+    let ring = nut.surround(&ring, &bore, 1);
+    nut.surround(&ring, &hexagon, refinement.seat_rings);
+
+    Ok(Hardware {
+        shank,
+        head,
+        washer,
+        nut,
+        seat: n * (refinement.seat_rings + 1),
+    })
+}
+
+/// Butterfly mesh of a disc: a rounded square core inside of rings; returns the outermost ring too.
+fn disc(surface: &[[f64; 2]], rings: usize) -> (Section, Vec<u32>) {
+    // Size and roundness of the core that keep the worst angles of core and rings about equal.
+    const CORE: f64 = 0.62;
+    const ROUNDNESS: f64 = 0.6;
+    let n = surface.len();
+    let side = n / 4;
+    // Corners lie on the axes, where every multiple of 12 sectors has nodes.
+    let boundary: Vec<[f64; 2]> = (0..n)
+        .map(|k| {
+            let (from, to) = (surface[k / side * side], surface[(k / side + 1) % 4 * side]);
+            let t = (k % side) as f64 / side as f64;
+            [0, 1].map(|i| {
+                let chord = (1.0 - t) * from[i] + t * to[i];
+                CORE * (ROUNDNESS * surface[k][i] + (1.0 - ROUNDNESS) * chord)
+            })
+        })
+        .collect();
+
+    let mut section = Section::default();
+    let ring = section.add(boundary.iter().copied());
+    // The ring's four sides, as seen from the core's local coordinates u (first index) and v (second).
+    let v_least = |i: usize| i;
+    let u_greatest = |j: usize| side + j;
+    let v_greatest = |i: usize| 3 * side - i;
+    let u_least = |j: usize| (4 * side - j) % n;
+    let mut lines = Vec::new();
+    for i in 0..=side {
+        let mut line = Vec::new();
+        for j in 0..=side {
+            let (u, v) = (i as f64 / side as f64, j as f64 / side as f64);
+            line.push(match (i, j) {
+                (i, 0) => ring[v_least(i)],
+                (i, j) if j == side => ring[v_greatest(i)],
+                (0, j) => ring[u_least(j)],
+                (i, j) if i == side => ring[u_greatest(j)],
+                _ => {
+                    // Transfinite interpolation between the four sides.
+                    let point = [0, 1].map(|c| {
+                        let at = |k: usize| boundary[k][c];
+                        let along_v = (1.0 - v) * at(v_least(i)) + v * at(v_greatest(i));
+                        let along_u = (1.0 - u) * at(u_least(j)) + u * at(u_greatest(j));
+                        let corners = (1.0 - u) * ((1.0 - v) * at(0) + v * at(3 * side))
+                            + u * ((1.0 - v) * at(side) + v * at(2 * side));
+                        along_u + along_v - corners
+                    });
+                    section.add([point])[0]
+                }
+            });
+        }
+        lines.push(line);
+    }
+    section.fill(&lines, false);
+    let outer = section.surround(&ring, surface, rings);
+    (section, outer)
+}

@@ -1,0 +1,176 @@
+//! Measures of meshes: volume, mass, area, Jacobian determinants, connected components.
+use substructure::mesh::{Hex8, Mesh};
+use zte_assembly::mesh::{Element, InterfaceMesh};
+
+/// Corners of the reference cube in the order of [`Hex8::nodes`].
+const CORNERS: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+
+/// Determinant of the map from the reference cube (edge 2) at the local coordinates `xi`.
+fn jacobian_determinant(mesh: &Mesh, element: &Hex8, xi: [f64; 3]) -> f64 {
+    let mut jacobian = [[0.0; 3]; 3];
+    for (corner, &node) in CORNERS.iter().zip(&element.nodes) {
+        let factor = [0, 1, 2].map(|a| 1.0 + corner[a] * xi[a]);
+        let gradient = [
+            corner[0] * factor[1] * factor[2] / 8.0,
+            factor[0] * corner[1] * factor[2] / 8.0,
+            factor[0] * factor[1] * corner[2] / 8.0,
+        ];
+        let point = mesh.nodes[node as usize];
+        for a in 0..3 {
+            for b in 0..3 {
+                jacobian[a][b] += gradient[a] * point[b];
+            }
+        }
+    }
+    let [r, s, t] = jacobian;
+    r[0] * (s[1] * t[2] - s[2] * t[1]) - r[1] * (s[0] * t[2] - s[2] * t[0])
+        + r[2] * (s[0] * t[1] - s[1] * t[0])
+}
+
+fn gauss_points() -> impl Iterator<Item = [f64; 3]> {
+    let g = 1.0 / 3.0_f64.sqrt();
+    CORNERS.iter().map(move |corner| corner.map(|c| c * g))
+}
+
+/// Volume of one element [m^3]; 2 x 2 x 2 Gauss points integrate the trilinear map exactly.
+///
+/// # Panics
+/// If the element refers to nodes that the mesh does not have.
+pub fn element_volume(mesh: &Mesh, element: &Hex8) -> f64 {
+    gauss_points()
+        .map(|xi| jacobian_determinant(mesh, element, xi))
+        .sum()
+}
+
+/// Volume of a set of elements of the mesh [m^3].
+///
+/// # Panics
+/// If an element refers to nodes that the mesh does not have.
+pub fn volume(mesh: &Mesh, elements: &[Hex8]) -> f64 {
+    elements
+        .iter()
+        .map(|element| element_volume(mesh, element))
+        .sum()
+}
+
+/// Mass of the mesh [kg].
+///
+/// # Panics
+/// If an element refers to nodes or materials that the mesh does not have.
+pub fn mass(mesh: &Mesh) -> f64 {
+    let density = |element: &Hex8| mesh.materials[usize::from(element.material)].density;
+    mesh.elements
+        .iter()
+        .map(|element| density(element) * element_volume(mesh, element))
+        .sum()
+}
+
+/// Least Jacobian determinant of an element over its corners and its 2 x 2 x 2 Gauss points [m^3], for a reference cube
+/// of edge 2.
+///
+/// # Panics
+/// If the element refers to nodes that the mesh does not have.
+pub fn least_jacobian_determinant(mesh: &Mesh, element: &Hex8) -> f64 {
+    CORNERS
+        .iter()
+        .copied()
+        .chain(gauss_points())
+        .map(|xi| jacobian_determinant(mesh, element, xi))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Least scaled Jacobian of an element over its corners: the triple product of the unit edges that meet there, 1 for a
+/// brick and 0 for a degenerate corner [-].
+///
+/// # Panics
+/// If the element refers to nodes that the mesh does not have.
+pub fn scaled_jacobian(mesh: &Mesh, element: &Hex8) -> f64 {
+    let at = |local: usize| mesh.nodes[element.nodes[local] as usize];
+    CORNERS
+        .iter()
+        .enumerate()
+        .map(|(corner, xi)| {
+            let top = corner / 4 * 4;
+            let place = corner % 4;
+            // Neighbours along the three local axes: mirrored in xi, eta and zeta.
+            let neighbours = [
+                top + [1, 0, 3, 2][place],
+                top + [3, 2, 1, 0][place],
+                (corner + 4) % 8,
+            ];
+            let edges = neighbours.map(|n| [0, 1, 2].map(|c| at(n)[c] - at(corner)[c]));
+            let lengths = edges.map(|e| e.iter().map(|c| c * c).sum::<f64>().sqrt());
+            let [r, s, t] = edges;
+            let triple = r[0] * (s[1] * t[2] - s[2] * t[1]) - r[1] * (s[0] * t[2] - s[2] * t[0])
+                + r[2] * (s[0] * t[1] - s[1] * t[0]);
+            // Each edge that points towards negative local coordinates turns the sign once.
+            -triple * xi.iter().product::<f64>() / lengths.iter().product::<f64>()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Number of the connected component of each node, from 0 on in the order of the nodes, and the number of components.
+/// Nodes of one element are connected; ties and couplings are not looked at.
+///
+/// # Panics
+/// If an element refers to nodes that the mesh does not have.
+pub fn connected_components(mesh: &Mesh) -> (Vec<usize>, usize) {
+    let mut parent: Vec<usize> = (0..mesh.nodes.len()).collect();
+    fn root(parent: &mut [usize], mut node: usize) -> usize {
+        while parent[node] != node {
+            parent[node] = parent[parent[node]];
+            node = parent[node];
+        }
+        node
+    }
+    for element in &mesh.elements {
+        let first = root(&mut parent, element.nodes[0] as usize);
+        for &node in &element.nodes[1..] {
+            let other = root(&mut parent, node as usize);
+            parent[other] = first;
+        }
+    }
+    let mut number = vec![usize::MAX; parent.len()];
+    let mut count = 0;
+    let components = (0..parent.len())
+        .map(|node| {
+            let root = root(&mut parent, node);
+            if number[root] == usize::MAX {
+                number[root] = count;
+                count += 1;
+            }
+            number[root]
+        })
+        .collect();
+    (components, count)
+}
+
+/// Area of an interface mesh [m^2]; negative for clockwise elements.
+///
+/// # Panics
+/// If an element refers to nodes that the mesh does not have.
+pub fn interface_area(mesh: &InterfaceMesh) -> f64 {
+    let polygon = |nodes: &[u32]| -> f64 {
+        let at = |k: usize| mesh.nodes[nodes[k % nodes.len()] as usize];
+        (0..nodes.len())
+            .map(|k| (at(k), at(k + 1)))
+            .map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0]))
+            .sum()
+    };
+    mesh.elements
+        .iter()
+        .map(|element| match element {
+            Element::Tri3(nodes) => polygon(nodes),
+            Element::Quad4(nodes) => polygon(nodes),
+        })
+        .sum()
+}

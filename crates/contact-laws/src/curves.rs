@@ -1,0 +1,68 @@
+//! What a rough contact shows at one point before friction limits it: normal traction and tangential stiffnesses as
+//! functions of the interference.
+
+use crate::law::LawInfo;
+
+/// A function's value and its first two derivatives with respect to the interference.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Jet {
+    /// Value, in the function's own unit.
+    pub value: f64,
+    /// First derivative [unit/m].
+    pub slope: f64,
+    /// Second derivative [unit/m^2].
+    pub curvature: f64,
+}
+
+impl Jet {
+    /// From the log-slope `g = d ln f / d ln u` and its change `d g / d ln u` at `u > 0`.
+    #[inline]
+    pub(crate) fn from_log(u: f64, value: f64, log_slope: f64, log_slope_change: f64) -> Self {
+        // Divided by u twice: u^2 would underflow first. Kept finite: a log-slope of zero must give zero.
+        let per_u = (value / u).min(f64::MAX);
+        let per_u2 = (per_u / u).min(f64::MAX);
+        Self {
+            value,
+            slope: per_u * log_slope,
+            curvature: per_u2 * (log_slope * log_slope - log_slope + log_slope_change),
+        }
+    }
+}
+
+/// Log-slopes `d ln f / d ln u_n` of the curves as the interference vanishes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exponents {
+    /// Of the normal traction: 3/2 where single Hertz contacts touch first.
+    pub normal: f64,
+    /// Of the tangential stiffnesses along x and y: 1/2 where single Mindlin contacts touch first.
+    pub tangential: [f64; 2],
+}
+
+/// The curves of one point (or of all points of an element): `t_n(u_n)`, `k_x(u_n)`, `k_y(u_n)`.
+///
+/// `normal` and `tangential` are called with a finite interference `u_n > 0` [m] and must return no NaN there. Values may overflow to
+/// infinity: the friction law brings them back into range.
+pub trait ContactCurves: Send + Sync {
+    /// Description of the law that these curves make together with friction.
+    fn info(&self) -> &'static LawInfo;
+
+    /// Normal traction [Pa], not negative and not falling, and its derivative [Pa/m].
+    fn normal(&self, u_n: f64) -> (f64, f64);
+
+    /// Tangential stiffnesses per area in x and y [Pa/m], not negative, with two derivatives.
+    fn tangential(&self, u_n: f64) -> [Jet; 2];
+
+    /// Behaviour towards zero interference, for tables that must end somewhere.
+    fn exponents(&self) -> Exponents;
+
+    /// Real contact area per nominal area at any `u_n`, if the curves know it.
+    fn contact_area_ratio(&self, _u_n: f64) -> Option<f64> {
+        None
+    }
+
+    /// Fraction of the loaded asperities whose own interference exceeds `omega_c` [m] at any `u_n`, if the
+    /// curves know asperities. Zero when none is loaded.
+    fn yielded_fraction(&self, _u_n: f64, _omega_c: f64) -> Option<f64> {
+        None
+    }
+}

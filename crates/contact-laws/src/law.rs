@@ -1,0 +1,274 @@
+//! The contract between a traction law and the code that calls it: views of batches, the [`TractionLaw`] trait.
+//!
+//! All batches are structures of arrays. The slices of one call have the length of the range of points that is
+//! evaluated; entry `i` belongs to point `points.start + i`.
+
+use std::ops::{AddAssign, Range};
+
+/// One vector per point: components along x, y and the normal n.
+#[derive(Debug, Clone, Copy)]
+pub struct Components<'a> {
+    /// Along x.
+    pub x: &'a [f64],
+    /// Along y.
+    pub y: &'a [f64],
+    /// Along the normal.
+    pub n: &'a [f64],
+}
+
+impl<'a> Components<'a> {
+    /// From the components, which must have the same length.
+    pub fn new(x: &'a [f64], y: &'a [f64], n: &'a [f64]) -> Self {
+        Self { x, y, n }
+    }
+}
+
+/// Like [`Components`], to be written.
+#[derive(Debug)]
+pub struct ComponentsMut<'a> {
+    /// Along x.
+    pub x: &'a mut [f64],
+    /// Along y.
+    pub y: &'a mut [f64],
+    /// Along the normal.
+    pub n: &'a mut [f64],
+}
+
+impl<'a> ComponentsMut<'a> {
+    /// From the components, which must have the same length.
+    pub fn new(x: &'a mut [f64], y: &'a mut [f64], n: &'a mut [f64]) -> Self {
+        Self { x, y, n }
+    }
+}
+
+/// State of a batch of points inside a block stored as `[component][point]`.
+///
+/// Component `c` of the batch's point `i` is `data[c * stride + offset + i]`: `stride` is the number of points of the
+/// whole block, `offset` the batch's first point in it.
+#[derive(Debug, Clone, Copy)]
+pub struct StateView<'a> {
+    /// The whole block.
+    pub data: &'a [f64],
+    /// Points of the block.
+    pub stride: usize,
+    /// First point of the batch in the block.
+    pub offset: usize,
+}
+
+impl<'a> StateView<'a> {
+    /// A batch that begins at `offset` of a block of `stride` points.
+    pub fn new(data: &'a [f64], stride: usize, offset: usize) -> Self {
+        Self { data, stride, offset }
+    }
+
+    /// The first `n` points' values of component `c`.
+    ///
+    /// # Panics
+    /// When the block is too short.
+    #[inline]
+    pub fn component(&self, c: usize, n: usize) -> &'a [f64] {
+        &self.data[c * self.stride + self.offset..][..n]
+    }
+}
+
+/// Like [`StateView`], to be written.
+#[derive(Debug)]
+pub struct StateViewMut<'a> {
+    /// The whole block.
+    pub data: &'a mut [f64],
+    /// Points of the block.
+    pub stride: usize,
+    /// First point of the batch in the block.
+    pub offset: usize,
+}
+
+impl<'a> StateViewMut<'a> {
+    /// A batch that begins at `offset` of a block of `stride` points.
+    pub fn new(data: &'a mut [f64], stride: usize, offset: usize) -> Self {
+        Self { data, stride, offset }
+    }
+
+    /// The first `n` points' values of the first `N` components.
+    ///
+    /// # Panics
+    /// When the block is too short.
+    #[inline]
+    pub fn components<const N: usize>(self, n: usize) -> [&'a mut [f64]; N] {
+        let mut rest = self.data;
+        std::array::from_fn(|_| {
+            let block = std::mem::take(&mut rest);
+            // The last component may end before its stride.
+            let (component, after) = block.split_at_mut(self.stride.min(block.len()));
+            rest = after;
+            &mut component[self.offset..][..n]
+        })
+    }
+}
+
+/// Derivatives of the traction with respect to the jump [Pa/m], one slice per entry: `xn` is `d t_x / d u_n`.
+#[derive(Debug)]
+pub struct TangentMut<'a> {
+    /// `d t_x / d u_x`.
+    pub xx: &'a mut [f64],
+    /// `d t_x / d u_y`.
+    pub xy: &'a mut [f64],
+    /// `d t_x / d u_n`.
+    pub xn: &'a mut [f64],
+    /// `d t_y / d u_x`.
+    pub yx: &'a mut [f64],
+    /// `d t_y / d u_y`.
+    pub yy: &'a mut [f64],
+    /// `d t_y / d u_n`.
+    pub yn: &'a mut [f64],
+    /// `d t_n / d u_x`.
+    pub nx: &'a mut [f64],
+    /// `d t_n / d u_y`.
+    pub ny: &'a mut [f64],
+    /// `d t_n / d u_n`.
+    pub nn: &'a mut [f64],
+}
+
+/// Contact regime of a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Regime {
+    /// In contact below the slip limit.
+    Stick,
+    /// In contact at the slip limit.
+    Slip,
+    /// No contact: `u_n <= 0`.
+    #[default]
+    Open,
+    /// Jump or begin state not finite: the tractions are NaN.
+    Invalid,
+}
+
+/// Number of points in each regime.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RegimeCounts {
+    /// Sticking points.
+    pub stick: usize,
+    /// Slipping points.
+    pub slip: usize,
+    /// Open points.
+    pub open: usize,
+    /// Points with input that is not finite.
+    pub invalid: usize,
+}
+
+impl RegimeCounts {
+    /// Counts one point.
+    #[inline]
+    pub fn count(&mut self, regime: Regime) {
+        match regime {
+            Regime::Stick => self.stick += 1,
+            Regime::Slip => self.slip += 1,
+            Regime::Open => self.open += 1,
+            Regime::Invalid => self.invalid += 1,
+        }
+    }
+
+    /// All points.
+    pub fn total(&self) -> usize {
+        self.stick + self.slip + self.open + self.invalid
+    }
+}
+
+impl AddAssign for RegimeCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.stick += other.stick;
+        self.slip += other.slip;
+        self.open += other.open;
+        self.invalid += other.invalid;
+    }
+}
+
+/// Whether friction limits the tangential traction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sticking {
+    /// Points slip at the Coulomb limit.
+    Coulomb,
+    /// Every closed point sticks, whatever its traction; open points still carry none. For the first guess of a
+    /// prestress, and for the stuck tangent about a state.
+    Full,
+}
+
+/// Name and SI unit of a state component or a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Quantity {
+    /// Name.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// What a calling code needs to know to size its arrays and label its output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LawInfo {
+    /// Name of the law.
+    pub name: &'static str,
+    /// Where the law is described.
+    pub reference: &'static str,
+    /// State components in their order of storage.
+    pub state: &'static [Quantity],
+    /// Parameters.
+    pub parameters: &'static [Quantity],
+}
+
+impl LawInfo {
+    /// Number of state components per point.
+    pub fn n_state(&self) -> usize {
+        self.state.len()
+    }
+}
+
+/// A traction law over a set of points with fixed parameters.
+pub trait TractionLaw: Send + Sync {
+    /// Description, with the names and units of state and parameters.
+    fn info(&self) -> &LawInfo;
+
+    /// Number of points.
+    fn len(&self) -> usize;
+
+    /// True when there is no point.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Tractions, end state and, on request, tangent and regimes of `points`.
+    ///
+    /// - `jump` [m]: `jump.n` is the interference, the gap already subtracted.
+    /// - `begin`: state committed last, `info().n_state()` components. A state of zeros is a point that touches
+    ///   nothing and carries nothing. Never changed: calling again gives the same result.
+    /// - `end`: state reached; it becomes `begin` of later calls when the caller commits it.
+    /// - `traction` [Pa], `tangent` [Pa/m] (consistent with the tractions; at a kink the one-sided derivative of the
+    ///   branch taken).
+    /// - All slices, and the parts of the states in view, have the length of `points`.
+    ///
+    /// Never fails and never allocates. Finite input gives finite output. A point whose jump or begin state is not
+    /// finite is counted as invalid; its tractions, tangent and end state are NaN.
+    ///
+    /// # Panics
+    /// When `points` exceeds the law or a slice is shorter than `points`.
+    fn evaluate(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        tangent: Option<TangentMut<'_>>,
+        regimes: Option<&mut [Regime]>,
+    ) -> RegimeCounts;
+
+    /// Real contact area per nominal area at `point` under the interference `u_n` [m]; none for laws without asperities.
+    fn contact_area_ratio(&self, _point: usize, _u_n: f64) -> Option<f64> {
+        None
+    }
+
+    /// Fraction of the loaded asperities at `point` that are pressed in by more than `omega_c` [m], the onset of yield
+    /// ([`crate::adhesion::critical_interference`]); none for laws without asperities.
+    fn yielded_fraction(&self, _point: usize, _u_n: f64, _omega_c: f64) -> Option<f64> {
+        None
+    }
+}

@@ -1,0 +1,32 @@
+//! Runs a scene from Rust and prints its backbone: `cargo run --release -p joint-pipeline --example run_scene [SCENE.json]`.
+#![allow(clippy::print_stdout)]
+
+use joint_pipeline::progress::{Progress, Stage};
+use joint_pipeline::{Options, Scene, run};
+
+struct Stages;
+
+impl Progress for Stages {
+    fn begin(&self, stage: Stage) {
+        println!("{}", stage.name());
+    }
+}
+
+fn main() -> Result<(), joint_pipeline::Error> {
+    let scene = match std::env::args().nth(1) {
+        Some(path) => Scene::read(path.as_ref())?,
+        None => Scene::new("brb-flat"),
+    };
+    let run = run(&scene, &Options::default(), &Stages)?;
+    println!("stuck modes [Hz]: {:.2?}", &run.model.reduced.stuck_frequencies[..10]);
+    println!("linearised modes [Hz]: {:.2?}", run.frequencies);
+    println!("{:>12} {:>12} {:>12}", "x [m]", "f [Hz]", "zeta [-]");
+    for amplitude in &run.amplitudes {
+        match (&amplitude.point.result, amplitude.response_displacement) {
+            (Ok(r), Some(x)) => println!("{x:12.4e} {:12.4} {:12.4e}", r.omega / std::f64::consts::TAU, r.zeta),
+            (Err(failure), _) => println!("not converged: {}", failure.reason),
+            _ => {}
+        }
+    }
+    Ok(())
+}

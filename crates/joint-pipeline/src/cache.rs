@@ -1,0 +1,162 @@
+//! Reduced models on disk, keyed by a hash of everything they depend on and checked when read.
+
+use crate::Error;
+use crate::model::{Facts, StructuralModel};
+use faer::Mat;
+use reduction::ReducedModel;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// Changes whenever the meaning of the stored numbers or the way they are computed does.
+const VERSION: u32 = 1;
+
+/// Hash of the inputs of a reduced model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Key(String);
+
+/// Collects inputs into a [`Key`].
+pub(crate) struct KeyBuilder(Sha256);
+
+impl KeyBuilder {
+    pub(crate) fn new() -> Self {
+        let mut hash = Sha256::new();
+        hash.update(VERSION.to_le_bytes());
+        hash.update(env!("CARGO_PKG_VERSION").as_bytes());
+        Self(hash)
+    }
+
+    pub(crate) fn numbers(&mut self, values: impl IntoIterator<Item = f64>) {
+        for value in values {
+            self.0.update(value.to_le_bytes());
+        }
+        self.0.update([0xfe]);
+    }
+
+    pub(crate) fn integers(&mut self, values: impl IntoIterator<Item = u64>) {
+        for value in values {
+            self.0.update(value.to_le_bytes());
+        }
+        self.0.update([0xff]);
+    }
+
+    pub(crate) fn text(&mut self, text: &str) {
+        self.0.update(text.as_bytes());
+        self.0.update([0xfd]);
+    }
+
+    pub(crate) fn finish(self) -> Key {
+        Key(hex(&self.0.finalize()))
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// First line of a stored model; the numbers follow as little-endian doubles in the order of the fields.
+#[derive(Serialize, Deserialize)]
+struct Header {
+    key: String,
+    n: usize,
+    n_relative: usize,
+    n_loads: usize,
+    n_recovered: usize,
+    zem_stuck: usize,
+    asymmetry: f64,
+    stuck_frequencies: Vec<f64>,
+    facts: Facts,
+    payload_sha256: String,
+}
+
+fn path_of(directory: &Path, key: &Key) -> PathBuf {
+    directory.join(format!("reduced-{}.bin", &key.0[..32]))
+}
+
+/// The stored model for `key`, if there is an intact one. Damaged or foreign files count as absent.
+pub(crate) fn load(directory: &Path, key: &Key) -> Option<StructuralModel> {
+    let bytes = std::fs::read(path_of(directory, key)).ok()?;
+    let end = bytes.iter().position(|b| *b == b'\n')?;
+    let header: Header = serde_json::from_slice(&bytes[..end]).ok()?;
+    let payload = &bytes[end + 1..];
+    if header.key != key.0 || header.payload_sha256 != hex(&Sha256::digest(payload)) {
+        return None;
+    }
+    let n = header.n;
+    let count = 2 * n * n + header.n_loads * n + header.n_recovered * n;
+    if payload.len() != 8 * count {
+        return None;
+    }
+    let mut numbers = payload.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()));
+    let mut matrix = |rows: usize, columns: usize| {
+        let mut m = Mat::zeros(rows, columns);
+        for j in 0..columns {
+            for i in 0..rows {
+                m[(i, j)] = numbers.next().unwrap_or(f64::NAN);
+            }
+        }
+        m
+    };
+    let mass = matrix(n, n);
+    let stiffness = matrix(n, n);
+    let loads = matrix(n, header.n_loads);
+    let recovery = matrix(header.n_recovered, n);
+    Some(StructuralModel {
+        reduced: ReducedModel {
+            mass,
+            stiffness,
+            loads: loads.col_iter().map(|c| c.iter().copied().collect()).collect(),
+            n_relative: header.n_relative,
+            recovery,
+            stuck_frequencies: header.stuck_frequencies,
+            zem_stuck: header.zem_stuck,
+            asymmetry: header.asymmetry,
+        },
+        facts: header.facts,
+    })
+}
+
+/// Stores a model; the file appears whole or not at all.
+pub(crate) fn store(directory: &Path, key: &Key, model: &StructuralModel) -> Result<(), Error> {
+    let reduced = &model.reduced;
+    let mut payload = Vec::new();
+    let mut put = |m: faer::MatRef<'_, f64>| {
+        for column in m.col_iter() {
+            for value in column.iter() {
+                payload.extend_from_slice(&value.to_le_bytes());
+            }
+        }
+    };
+    put(reduced.mass.as_ref());
+    put(reduced.stiffness.as_ref());
+    let n = reduced.mass.nrows();
+    put(Mat::from_fn(n, reduced.loads.len(), |i, j| reduced.loads[j][i]).as_ref());
+    put(reduced.recovery.as_ref());
+    let header = Header {
+        key: key.0.clone(),
+        n,
+        n_relative: reduced.n_relative,
+        n_loads: reduced.loads.len(),
+        n_recovered: reduced.recovery.nrows(),
+        zem_stuck: reduced.zem_stuck,
+        asymmetry: reduced.asymmetry,
+        stuck_frequencies: reduced.stuck_frequencies.clone(),
+        facts: model.facts.clone(),
+        payload_sha256: hex(&Sha256::digest(&payload)),
+    };
+    let fail = |path: &Path, operation| {
+        let path = path.to_owned();
+        move |source| Error::File { path, operation, source }
+    };
+    let mut bytes = serde_json::to_vec(&header)
+        .map_err(std::io::Error::other)
+        .map_err(fail(directory, "encoding the reduced model"))?;
+    bytes.push(b'\n');
+    bytes.extend_from_slice(&payload);
+    std::fs::create_dir_all(directory).map_err(fail(directory, "creating the cache folder"))?;
+    let path = path_of(directory, key);
+    // A name of its own per process, so that two runs cannot write into one another's file.
+    let part = path.with_extension(format!("part{}", std::process::id()));
+    std::fs::write(&part, bytes).map_err(fail(&part, "writing the reduced model"))?;
+    std::fs::rename(&part, &path).map_err(fail(&path, "moving the reduced model into place"))
+}

@@ -1,0 +1,83 @@
+//! Errors of this crate.
+
+use std::path::PathBuf;
+
+/// Why a scene cannot be run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be read or written.
+    #[error("{}: {operation} failed: {source}", path.display())]
+    File {
+        /// File.
+        path: PathBuf,
+        /// What was attempted.
+        operation: &'static str,
+        /// Why it failed.
+        source: std::io::Error,
+    },
+    /// A scene is not valid JSON, misses a mandatory block or has an unknown field.
+    #[error("{place}: {message}")]
+    Syntax {
+        /// File name of the scene.
+        place: String,
+        /// Message with line and column, naming the field.
+        message: String,
+    },
+    /// A value of a scene is outside its range.
+    #[error("{place}: {field} = {value} {unit} is not admissible; it must be {requirement}")]
+    Value {
+        /// File name of the scene.
+        place: String,
+        /// Field with its path.
+        field: &'static str,
+        /// Value as given.
+        value: f64,
+        /// Unit.
+        unit: &'static str,
+        /// What would be accepted.
+        requirement: &'static str,
+    },
+    /// The bolts cannot close the interface.
+    #[error(
+        "the bolt load of {load:.4e} N cannot be carried by the interface: even a closure of {closure:.3e} m carries only \
+         {carried:.4e} N; check the gap, the law and the units"
+    )]
+    NoContact {
+        /// Total bolt load [N].
+        load: f64,
+        /// Largest closure tried [m].
+        closure: f64,
+        /// Force carried there [N].
+        carried: f64,
+    },
+    /// The prestress did not converge; there is nothing to linearise about.
+    #[error("the prestress did not converge: {reason}; relative residuals {history:?}")]
+    Prestress {
+        /// Why it gave up.
+        reason: &'static str,
+        /// Residuals per iteration.
+        history: Vec<f64>,
+    },
+    /// Benchmark geometry or mesh.
+    #[error(transparent)]
+    Beam(#[from] brake_reuss_beam::Error),
+    /// Finite elements.
+    #[error(transparent)]
+    Substructure(#[from] substructure::Error),
+    /// Reduction.
+    #[error(transparent)]
+    Reduction(#[from] reduction::Error),
+    /// Contact laws.
+    #[error(transparent)]
+    Law(#[from] contact_laws::Error),
+    /// Surface characterisation.
+    #[error(transparent)]
+    Surface(#[from] surface_characterisation::SurfaceError),
+    /// Interface elements.
+    #[error(transparent)]
+    Interface(#[from] zte_assembly::Error),
+    /// Solver.
+    #[error(transparent)]
+    Solver(#[from] cqsma_solver::Error),
+}

@@ -1,0 +1,434 @@
+//! From a scene's surface and law to the interface, and the adapter that lets the solver see it.
+
+use crate::Error;
+use crate::scene::{Gap, LawKind, Scene, Surface, SyntheticScan};
+use brake_reuss_beam::published;
+use contact_laws::{
+    AsperityPopulation, AsperitySumCurves, ContactCurves, ElasticPair, FittedCurves, FrictionalLaw, GapDistribution,
+    PointParameters, Sticking, TableOptions, Tabulated, TangentialEnds, TangentialReading, TractionLaw,
+};
+use cqsma_solver::{HystereticForce, Pattern, PointCounts, Sliding};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::Arc;
+use surface_characterisation::{
+    Bootstrap, Characterisation, ElementOutlines, InterferenceRange, Options, SyntheticFace, Waviness, characterise,
+    fit_normal, fit_tangential,
+};
+use zte_assembly::{Interface, InterfaceMesh, Operators, State, Workspace};
+
+/// Interferences over which fits are made and compared [m].
+const FIT_RANGE: InterferenceRange = InterferenceRange { from: 0.3e-6, to: 20e-6, points: 200 };
+
+/// Reference interference of the fits [m].
+const U_REF: f64 = 1e-6;
+
+/// Interferences covered by tables [m]; beyond them the curves continue as power laws.
+const TABLE_RANGE: [f64; 2] = [1e-10, 1e-3];
+
+/// What is reported about the law.
+#[derive(Clone, Debug, Serialize)]
+pub struct LawReport {
+    /// `tabulated`, `fitted` or `asperity-sum`.
+    pub kind: LawKind,
+    /// `mindlin` or `paper`.
+    pub tangential: TangentialReading,
+    /// History rule.
+    pub history: contact_laws::HistoryRule,
+    /// Different asperity populations.
+    pub n_populations: usize,
+    /// Median rms residual of the fits of eq. (28) to the sums, in ln.
+    pub fit_rms_normal: f64,
+    /// Median rms residual of the fits of eq. (29), in ln (worse of x and y).
+    pub fit_rms_tangential: f64,
+    /// Elements whose fit fell back to a simpler form.
+    pub fit_fallbacks: usize,
+    /// Largest relative error of the tables, normal traction; `null` unless tabulated.
+    pub table_error_normal: Option<f64>,
+    /// Largest relative error of the tables, tangential stiffness.
+    pub table_error_tangential: Option<f64>,
+    /// Uniform closure that carries the bolt load [m].
+    pub mean_closure: f64,
+    /// Mean pressure there [Pa].
+    pub mean_pressure: f64,
+    /// Mean normal stiffness of the law in use there [Pa/m].
+    pub normal_stiffness: f64,
+    /// Mean tangential stiffness of the law in use there [Pa/m].
+    pub tangential_stiffness: f64,
+    /// The fitted over the summed tangential stiffness there.
+    pub fitted_to_summed: f64,
+    /// The `paper` over the `mindlin` reading of the summed tangential stiffness there.
+    pub paper_to_mindlin: f64,
+}
+
+/// Asperities of the interface: populations, and which one each element has.
+pub(crate) struct Asperities {
+    pub(crate) populations: Vec<AsperityPopulation>,
+    pub(crate) of_element: Vec<u32>,
+    pub(crate) material: ElasticPair,
+    scan: Option<Characterisation>,
+}
+
+/// The interface of a scene.
+pub struct SceneInterface {
+    /// Ready for evaluation.
+    pub interface: Interface,
+    /// What is reported about its law.
+    pub report: LawReport,
+    /// Points whose gap came out negative and was set to zero.
+    pub clipped_gaps: usize,
+    /// Uniform closure `u_n` above the gap that carries the bolt load [m]: the guess that prestress starts from.
+    pub closure: f64,
+    pub(crate) asperities: Asperities,
+}
+
+impl SceneInterface {
+    /// Builds law and gap; `load` is the sum of the bolt loads [N].
+    ///
+    /// # Errors
+    /// Of the law, the surface, the interface; [`Error::NoContact`].
+    pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, load: f64) -> Result<Self, Error> {
+        let operators = Arc::new(Operators::try_new(mesh, scene.points_per_direction)?);
+        let asperities = Asperities::try_new(scene, mesh)?;
+        let element_of: Vec<u32> =
+            operators.first_point.windows(2).enumerate().flat_map(|(e, r)| vec![e as u32; r[1] - r[0]]).collect();
+        let population_of: Vec<u32> = element_of.iter().map(|&e| asperities.of_element[e as usize]).collect();
+        let built = asperities.law(scene, population_of)?;
+        let (gap, clipped_gaps) = asperities.gap(scene, &operators, &element_of);
+        let n = operators.n_points();
+        let interface = Interface::try_new(operators, vec![(0..n, built.law)], gap)?;
+        let closure = uniform_closure(&interface, load)?;
+        let mut report = built.report;
+        let flat = interface.with_gap(vec![0.0; n])?;
+        report.mean_closure = uniform_closure(&flat, load)?;
+        report.mean_pressure = load / flat.operators().area();
+        asperities.stiffnesses(&flat, scene, &built.fitted, &mut report)?;
+        Ok(Self { interface, report, clipped_gaps, closure, asperities })
+    }
+}
+
+struct BuiltLaw {
+    law: Arc<dyn TractionLaw>,
+    fitted: Vec<FittedCurves>,
+    report: LawReport,
+}
+
+impl Asperities {
+    fn try_new(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
+        let material = ElasticPair {
+            youngs_modulus: scene.model.material.youngs_modulus,
+            poisson_ratio: scene.model.material.poisson_ratio,
+        };
+        let n_elements = mesh.elements.len();
+        match &scene.surface {
+            Surface::Measured => {
+                let values = published::ASPERITY_GAP_QUANTILES;
+                let last = (values.len() - 1) as f64;
+                let probabilities: Vec<f64> = (0..values.len()).map(|i| i as f64 / last).collect();
+                let radius = published::EFFECTIVE_RADIUS;
+                let population = AsperityPopulation::try_new(
+                    GapDistribution::try_from_quantiles(&probabilities, &values)?,
+                    published::ASPERITIES_PER_AREA,
+                    [radius, radius],
+                )?;
+                Ok(Self { populations: vec![population], of_element: vec![0; n_elements], material, scan: None })
+            }
+            Surface::SyntheticScan(scan) => {
+                let outlines = ElementOutlines::try_new(
+                    mesh.nodes.clone(),
+                    mesh.elements.iter().map(|e| e.nodes().to_vec()).collect(),
+                )?;
+                let (top, bottom) = (face(scan, mesh, 0)?, face(scan, mesh, 1)?);
+                let mut options = Options::new(material);
+                options.tangential = scene.law.tangential;
+                options.u_ref = U_REF;
+                options.bootstrap = Bootstrap { realisations: scan.bootstrap, seed: scan.seed, ..Bootstrap::default() };
+                let found = characterise(&top, &bottom, &outlines, &options)?;
+                let populations =
+                    found.elements.iter().map(|e| e.population.law_population()).collect::<Result<_, _>>()?;
+                let of_element = (0..n_elements as u32).collect();
+                Ok(Self { populations, of_element, material, scan: Some(found) })
+            }
+        }
+    }
+
+    fn sums(&self, reading: TangentialReading) -> Result<Vec<AsperitySumCurves>, Error> {
+        let curves = self.populations.iter().map(|p| AsperitySumCurves::try_new(p.clone(), self.material, reading));
+        Ok(curves.collect::<Result<_, _>>()?)
+    }
+
+    fn law(&self, scene: &Scene, population_of: Vec<u32>) -> Result<BuiltLaw, Error> {
+        let law = &scene.law;
+        let sums = self.sums(law.tangential)?;
+        let fits = self.fits(&sums, law.tangential)?;
+        let mu = PointParameters::uniform(scene.mu, population_of.len());
+        let mut report = LawReport {
+            kind: law.kind,
+            tangential: law.tangential,
+            history: law.history,
+            n_populations: self.populations.len(),
+            fit_rms_normal: median(fits.iter().map(|f| f.rms[0]).collect()),
+            fit_rms_tangential: median(fits.iter().map(|f| f.rms[1]).collect()),
+            fit_fallbacks: fits.iter().filter(|f| f.fallback).count(),
+            table_error_normal: None,
+            table_error_tangential: None,
+            mean_closure: 0.0,
+            mean_pressure: 0.0,
+            normal_stiffness: 0.0,
+            tangential_stiffness: 0.0,
+            fitted_to_summed: 0.0,
+            paper_to_mindlin: 0.0,
+        };
+        let fitted: Vec<FittedCurves> = fits.into_iter().map(|f| f.curves).collect();
+        let law: Arc<dyn TractionLaw> = match law.kind {
+            LawKind::AsperitySum => frictional(sums, population_of, mu, law.history)?,
+            LawKind::Fitted => frictional(fitted.clone(), population_of, mu, law.history)?,
+            LawKind::Tabulated => {
+                // Populations of single samples have a kink at every sample; smooth ones reach the default.
+                let options = if self.scan.is_some() {
+                    TableOptions { tolerance_normal: 1e-4, tolerance_tangential: 1e-2, ..TableOptions::default() }
+                } else {
+                    TableOptions::default()
+                };
+                let tables = sums
+                    .into_par_iter()
+                    .map(|curves| Tabulated::try_new(curves, TABLE_RANGE, options))
+                    .collect::<Result<Vec<_>, _>>()?;
+                let worst = |of: &dyn Fn(&Tabulated<AsperitySumCurves>) -> f64| tables.iter().map(of).fold(0.0, f64::max);
+                report.table_error_normal = Some(worst(&Tabulated::max_relative_error_normal));
+                report.table_error_tangential = Some(worst(&Tabulated::max_relative_error_tangential));
+                frictional(tables, population_of, mu, law.history)?
+            }
+        };
+        Ok(BuiltLaw { law, fitted, report })
+    }
+
+    fn fits(&self, sums: &[AsperitySumCurves], reading: TangentialReading) -> Result<Vec<Fit>, Error> {
+        if let Some(scan) = &self.scan {
+            return scan
+                .elements
+                .iter()
+                .map(|e| {
+                    Ok(Fit {
+                        curves: FittedCurves::try_new(e.normal.parameters, [e.tangential[0].parameters, e.tangential[1].parameters])?,
+                        rms: [e.normal.rms, e.tangential[0].rms.max(e.tangential[1].rms)],
+                        fallback: e.normal.fallback.is_some() || e.tangential.iter().any(|t| t.fallback.is_some()),
+                    })
+                })
+                .collect();
+        }
+        let u = FIT_RANGE.samples()?;
+        let ends = match reading {
+            TangentialReading::Mindlin => TangentialEnds::Mindlin,
+            TangentialReading::Paper => TangentialEnds::Constant,
+        };
+        sums.iter()
+            .map(|curves| {
+                let t: Vec<f64> = u.iter().map(|&u| curves.normal(u).0).collect();
+                let normal = fit_normal(&u, &t, U_REF)?;
+                let tangential = [0, 1].map(|q| {
+                    let k: Vec<f64> = u.iter().map(|&u| curves.tangential(u)[q].value).collect();
+                    fit_tangential(&u, &k, U_REF, ends)
+                });
+                let [x, y] = tangential;
+                let (x, y) = (x?, y?);
+                Ok(Fit {
+                    curves: FittedCurves::try_new(normal.parameters, [x.parameters, y.parameters])?,
+                    rms: [normal.rms, x.rms.max(y.rms)],
+                    fallback: normal.fallback.is_some() || x.fallback.is_some() || y.fallback.is_some(),
+                })
+            })
+            .collect()
+    }
+
+    /// Gap per point [m], and how many came out negative.
+    fn gap(&self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> (Vec<f64>, usize) {
+        let raw: Vec<f64> = operators
+            .positions
+            .iter()
+            .zip(element_of)
+            .map(|(&[x, y], &element)| match (scene.gap, &self.scan) {
+                (Gap::Measured, _) => published::mesoscale_gap(x, y),
+                (Gap::Scan, Some(scan)) => scan.elements[element as usize].gap.at([x, y]),
+                _ => 0.0,
+            })
+            .collect();
+        let clipped = raw.iter().filter(|g| **g < 0.0).count();
+        (raw.into_iter().map(|g| g.max(0.0)).collect(), clipped)
+    }
+
+    /// Stiffnesses at the mean closure, area-weighted over the elements.
+    fn stiffnesses(
+        &self,
+        flat: &Interface,
+        scene: &Scene,
+        fitted: &[FittedCurves],
+        report: &mut LawReport,
+    ) -> Result<(), Error> {
+        let u = report.mean_closure;
+        let weights: Vec<f64> = flat
+            .operators()
+            .first_point
+            .windows(2)
+            .map(|range| flat.operators().weights[range[0]..range[1]].iter().sum())
+            .collect();
+        let total: f64 = weights.iter().sum();
+        let mean = |of: &dyn Fn(usize) -> f64| {
+            weights.iter().zip(&self.of_element).map(|(w, &p)| w * of(p as usize)).sum::<f64>() / total
+        };
+        let sums = self.sums(scene.law.tangential)?;
+        let tangential = |curves: &dyn ContactCurves| {
+            let k = curves.tangential(u);
+            0.5 * (k[0].value + k[1].value)
+        };
+        let in_use = scene.law.kind == LawKind::Fitted;
+        let summed = mean(&|p| tangential(&sums[p]));
+        let fit = mean(&|p| tangential(&fitted[p]));
+        report.normal_stiffness = mean(&|p| if in_use { fitted[p].normal(u).1 } else { sums[p].normal(u).1 });
+        report.tangential_stiffness = if in_use { fit } else { summed };
+        report.fitted_to_summed = fit / summed;
+        let (paper, mindlin) = (self.sums(TangentialReading::Paper)?, self.sums(TangentialReading::Mindlin)?);
+        report.paper_to_mindlin = mean(&|p| tangential(&paper[p])) / mean(&|p| tangential(&mindlin[p]));
+        Ok(())
+    }
+}
+
+struct Fit {
+    curves: FittedCurves,
+    rms: [f64; 2],
+    fallback: bool,
+}
+
+fn frictional<C: ContactCurves + 'static>(
+    curves: Vec<C>,
+    index: Vec<u32>,
+    mu: PointParameters<f64>,
+    history: contact_laws::HistoryRule,
+) -> Result<Arc<dyn TractionLaw>, Error> {
+    Ok(Arc::new(FrictionalLaw::try_new(PointParameters::try_indexed(curves, index)?, mu, history)?))
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    if n == 0 { f64::NAN } else { 0.5 * (values[(n - 1) / 2] + values[n / 2]) }
+}
+
+/// One face of the pair, over the bounding box of the interface; the bottom one has its own seed and waviness phase.
+fn face(scan: &SyntheticScan, mesh: &InterfaceMesh, side: u64) -> Result<surface_characterisation::HeightMap, Error> {
+    let bounds = |axis: usize| {
+        mesh.nodes.iter().map(|x| x[axis]).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
+    };
+    let (x, y) = (bounds(0), bounds(1));
+    // A wrong step must end in an error of the generator, not in a request for all memory.
+    let points = [(x, scan.step[0]), (y, scan.step[1])].map(|((low, high), step)| {
+        let count = ((high - low) / step).floor() + 1.0;
+        if count.is_finite() { count.clamp(0.0, 1e5) as usize } else { 0 }
+    });
+    let synthetic = SyntheticFace {
+        points,
+        step: scan.step,
+        origin: [x.0, y.0],
+        rms: scan.rms,
+        correlation_length: scan.correlation_length,
+        waviness: vec![Waviness {
+            amplitude: scan.waviness,
+            wavenumber: [1.0 / scan.wavelength, 0.0],
+            phase: 0.5 * std::f64::consts::PI * side as f64,
+        }],
+        tilt: scan.tilt,
+        height_step: Some(scan.height_step),
+        seed: scan.seed.wrapping_add(side),
+    };
+    let geometry = brake_reuss_beam::geometry::Geometry::default();
+    let (holes, radius) = (geometry.hole_positions(), 0.5 * geometry.hole_diameter);
+    Ok(synthetic.generate(move |[x, y]| holes.iter().any(|hole| (x - hole).hypot(y) < radius))?)
+}
+
+/// The rigid approach of the two faces at which the interface carries `load` [N]; bisection on a rising function.
+fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
+    let state = interface.initial_state();
+    let mut end = state.clone();
+    let mut workspace = interface.workspace();
+    let mut force = vec![0.0; interface.n_dofs()];
+    let mut carried = |closure: f64| {
+        let jump: Vec<f64> = (0..interface.n_dofs()).map(|i| if i % 3 == 2 { closure } else { 0.0 }).collect();
+        interface.evaluate(&jump, Sticking::Coulomb, &state, &mut end, &mut workspace, &mut force, None);
+        force.iter().skip(2).step_by(3).sum::<f64>()
+    };
+    let smallest = interface.gap().iter().copied().fold(f64::INFINITY, f64::min);
+    let (mut low, mut high) = (smallest, smallest + 1e-9);
+    while carried(high) < load {
+        low = high;
+        high = smallest + 2.0 * (high - smallest);
+        if high > smallest + 1.0 {
+            return Err(Error::NoContact { load, closure: high, carried: carried(high) });
+        }
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if carried(middle) < load { low = middle } else { high = middle }
+    }
+    Ok(0.5 * (low + high))
+}
+
+/// The interface as the solver sees it.
+pub struct InterfaceForce<'a> {
+    interface: &'a Interface,
+    pattern: Pattern,
+}
+
+impl<'a> InterfaceForce<'a> {
+    /// Wraps an interface.
+    pub fn new(interface: &'a Interface) -> Self {
+        let pattern = interface.pattern();
+        Self { interface, pattern: Pattern { indptr: pattern.indptr.clone(), indices: pattern.indices.clone() } }
+    }
+
+    /// The interface.
+    pub fn interface(&self) -> &Interface {
+        self.interface
+    }
+}
+
+impl HystereticForce for InterfaceForce<'_> {
+    type State = State;
+    type Workspace = Workspace;
+
+    fn n_dofs(&self) -> usize {
+        self.interface.n_dofs()
+    }
+
+    fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    fn initial_state(&self) -> State {
+        self.interface.initial_state()
+    }
+
+    fn workspace(&self) -> Workspace {
+        self.interface.workspace()
+    }
+
+    fn evaluate(
+        &self,
+        u: &[f64],
+        sliding: Sliding,
+        begin: &State,
+        end: &mut State,
+        workspace: &mut Workspace,
+        force: &mut [f64],
+        tangent: Option<&mut [f64]>,
+    ) -> PointCounts {
+        let sticking = match sliding {
+            Sliding::Allowed => Sticking::Coulomb,
+            Sliding::Prevented => Sticking::Full,
+        };
+        let counts = self.interface.evaluate(u, sticking, begin, end, workspace, force, tangent);
+        PointCounts { stick: counts.stick, slip: counts.slip, open: counts.open }
+    }
+}

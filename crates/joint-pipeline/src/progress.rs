@@ -1,0 +1,53 @@
+//! How a run tells what it is doing. Libraries read no clocks; the receiver may.
+
+/// The stages of a run, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// Meshing.
+    Mesh,
+    /// Assembling mass and stiffness.
+    Assemble,
+    /// Reducing the model (skipped when the cache holds it).
+    Reduce,
+    /// From surface to traction laws.
+    Characterise,
+    /// Static equilibrium.
+    Prestress,
+    /// Linearised modes.
+    Modes,
+    /// Hysteresis loops.
+    Backbone,
+}
+
+impl Stage {
+    /// Name as used in the outputs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Mesh => "mesh",
+            Stage::Assemble => "assemble",
+            Stage::Reduce => "reduce",
+            Stage::Characterise => "characterise",
+            Stage::Prestress => "prestress",
+            Stage::Modes => "modes",
+            Stage::Backbone => "backbone",
+        }
+    }
+}
+
+/// Receives the progress of a run; calls may come from several threads.
+pub trait Progress: Sync {
+    /// A stage begins.
+    fn begin(&self, _stage: Stage) {}
+    /// Part of the current stage that is done, from 0 to 1.
+    fn fraction(&self, _stage: Stage, _done: f64) {}
+    /// A stage has ended.
+    fn end(&self, _stage: Stage) {}
+    /// Something the user should know.
+    fn note(&self, _text: &str) {}
+}
+
+/// Ignores everything.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {}

@@ -1,0 +1,390 @@
+//! A scene, run from mesh to backbone.
+
+use crate::Error;
+use crate::interface::{InterfaceForce, LawReport, SceneInterface};
+use crate::model::{MeshedStructure, StructuralModel};
+use crate::progress::{Progress, Stage};
+use crate::scene::Scene;
+use crate::validity::{Validity, assess};
+use contact_laws::{Regime, Sticking};
+use cqsma_solver::cqsma::{self, Settings};
+use cqsma_solver::prestress::{self, Prestress};
+use cqsma_solver::{BackbonePoint, LoopObserver, NewtonSettings, modes};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use zte_assembly::flux::LoopArea;
+use zte_assembly::{Interface, InterfaceMesh, State, Workspace};
+
+/// What is not part of the scene.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Folder of cached reduced models; none: nothing is read or stored.
+    pub cache: Option<PathBuf>,
+}
+
+/// Quantities at the quadrature points.
+#[derive(Clone, Debug)]
+pub struct Fields {
+    /// Jump x, y, interference n [m].
+    pub jump: [Vec<f64>; 3],
+    /// Traction x, y, n [Pa].
+    pub traction: [Vec<f64>; 3],
+    /// Regimes.
+    pub regime: Vec<Regime>,
+    /// Energy dissipated per area and cycle x, y, n [J/m^2]; zero for a static state.
+    pub flux: [Vec<f64>; 3],
+}
+
+/// What the loop of one amplitude did at the interface.
+#[derive(Clone, Debug)]
+pub struct LoopFields {
+    /// Area fraction that slips at the positive peak.
+    pub slip_fraction: f64,
+    /// Area fraction that is open there.
+    pub open_fraction: f64,
+    /// Dissipation per cycle from the points' loops [J] (eq. 43).
+    pub dissipation: f64,
+    /// Largest tangential motion from the prestress over the loop [m].
+    pub largest_sliding: f64,
+    /// Fields at the positive peak, for the amplitudes asked for.
+    pub fields: Option<Fields>,
+}
+
+/// One amplitude.
+#[derive(Clone, Debug)]
+pub struct AmplitudeResult {
+    /// The loop.
+    pub point: BackbonePoint,
+    /// What it did at the interface; none if it did not converge.
+    pub fields: Option<LoopFields>,
+    /// Acceleration amplitude at the response point [m/s^2].
+    pub response_acceleration: Option<f64>,
+    /// Displacement amplitude at the response point, `q phi` [m].
+    pub response_displacement: Option<f64>,
+}
+
+/// The static state.
+#[derive(Clone, Debug)]
+pub struct PrestressResult {
+    /// Solver's account.
+    pub solution: Prestress<State>,
+    /// Sum of the absolute residual forces over the interface relative to that of the loads.
+    pub residual_ratio: f64,
+    /// Relative difference between the integrated pressure and the bolt loads.
+    pub equilibrium_error: f64,
+    /// Fields.
+    pub fields: Fields,
+}
+
+/// A finished run.
+#[derive(Debug)]
+pub struct Run {
+    /// The scene, in SI.
+    pub scene: Scene,
+    /// The structure.
+    pub model: StructuralModel,
+    /// The interface mesh.
+    pub mesh: InterfaceMesh,
+    /// The interface with its law.
+    pub interface: Interface,
+    /// About the law.
+    pub law: LawReport,
+    /// Points whose gap was set from a negative value to zero.
+    pub clipped_gaps: usize,
+    /// Static state.
+    pub prestress: PrestressResult,
+    /// Linearised frequencies [Hz].
+    pub frequencies: Vec<f64>,
+    /// Amplitudes in ascending order.
+    pub amplitudes: Vec<AmplitudeResult>,
+    /// Limits of the model.
+    pub validity: Validity,
+}
+
+/// A scene with its structure reduced and its interface built: everything before the first nonlinear solve.
+#[derive(Debug)]
+pub struct Prepared {
+    scene: Scene,
+    clearance: f64,
+    mesh: InterfaceMesh,
+    model: StructuralModel,
+    interface: SceneInterface,
+}
+
+impl std::fmt::Debug for SceneInterface {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SceneInterface").field("interface", &self.interface).field("law", &self.report).finish()
+    }
+}
+
+/// Runs a scene.
+///
+/// # Errors
+/// Whatever makes the scene impossible to run. Amplitudes that do not converge are results, not errors.
+pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
+    prepare(scene, options, progress)?.solve(progress)
+}
+
+/// Builds and reduces the structure, and turns the surface into laws.
+///
+/// # Errors
+/// Of the mesher, the finite elements, the reduction, the surface and the laws.
+pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Prepared, Error> {
+    scene.validate(&scene.name)?;
+    progress.begin(Stage::Mesh);
+    let structure = MeshedStructure::try_new(&scene.model)?;
+    progress.end(Stage::Mesh);
+    let model = structure.reduce(options.cache.as_deref(), progress)?;
+    progress.begin(Stage::Characterise);
+    let load = scene.bolts.load * model.reduced.loads.len() as f64;
+    let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
+    progress.end(Stage::Characterise);
+    Ok(Prepared {
+        scene: scene.clone(),
+        clearance: structure.clearance,
+        mesh: structure.interface().clone(),
+        model,
+        interface,
+    })
+}
+
+impl Prepared {
+    /// The reduced structure.
+    pub fn model(&self) -> &StructuralModel {
+        &self.model
+    }
+
+    /// The interface.
+    pub fn interface(&self) -> &SceneInterface {
+        &self.interface
+    }
+
+    /// Static load on the reduced coordinates [N].
+    pub fn static_load(&self) -> Vec<f64> {
+        let reduced = &self.model.reduced;
+        let mut load = vec![0.0; reduced.mass.nrows()];
+        for unit in &reduced.loads {
+            load.iter_mut().zip(unit).for_each(|(sum, value)| *sum += self.scene.bolts.load * value);
+        }
+        load
+    }
+
+    /// Prestress, modes and backbone.
+    ///
+    /// # Errors
+    /// [`Error::Prestress`] and defects of the linear structure.
+    pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
+        let scene = &self.scene;
+        let reduced = &self.model.reduced;
+        let (stiffness, mass) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
+        let force = InterfaceForce::new(&self.interface.interface);
+        let newton = NewtonSettings { tolerance: scene.cqsma.tolerance, ..NewtonSettings::default() };
+
+        progress.begin(Stage::Prestress);
+        let static_load = self.static_load();
+        let mut start = vec![0.0; static_load.len()];
+        start[2..reduced.n_relative].iter_mut().step_by(3).for_each(|u| *u = self.interface.closure);
+        let solution = prestress::solve(stiffness, &force, &static_load, &start, &newton)?
+            .map_err(|failure| Error::Prestress { reason: failure.reason, history: failure.history })?;
+        let prestress = self.describe_prestress(&force, solution, &static_load);
+        progress.end(Stage::Prestress);
+
+        progress.begin(Stage::Modes);
+        let solution = &prestress.solution;
+        let mut line = modes::linearise(
+            stiffness,
+            mass,
+            &force,
+            solution.displacement.clone(),
+            solution.state.clone(),
+            scene.cqsma.modes,
+        )?;
+        let response: Vec<f64> = reduced.recovery.row(0).iter().copied().collect();
+        line.orient(&response)?;
+        progress.end(Stage::Modes);
+
+        progress.begin(Stage::Backbone);
+        let mode = scene.cqsma.mode - 1;
+        let phi: f64 = line.shapes.col(mode).iter().zip(&response).map(|(a, b)| a * b).sum();
+        let omega2 = line.eigenvalues[mode];
+        let forces: Vec<f64> = displacements(scene).into_iter().map(|x| omega2 * x / phi).collect();
+        let settings = Settings {
+            mode,
+            vertices_per_quarter: scene.cqsma.vertices_per_quarter,
+            cycles: scene.cqsma.cycles,
+            newton,
+        };
+        let stored = scene.fields_at();
+        let (finished, total) = (AtomicUsize::new(0), forces.len());
+        let points = cqsma::run(
+            &line,
+            &force,
+            &forces,
+            &settings,
+            |index| Watcher::new(&self.interface.interface, &prestress.fields, stored.contains(&(index + 1))),
+            || {
+                let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                progress.fraction(Stage::Backbone, done as f64 / total as f64);
+            },
+        )?;
+        let amplitudes: Vec<AmplitudeResult> = points
+            .into_iter()
+            .map(|(point, watcher)| {
+                let motion = point.result.as_ref().ok().map(|r| (r.modal_amplitude * phi.abs(), r.omega));
+                AmplitudeResult {
+                    fields: point.result.is_ok().then(|| watcher.finish()),
+                    response_acceleration: motion.map(|(x, omega)| x * omega * omega),
+                    response_displacement: motion.map(|(x, _)| x),
+                    point,
+                }
+            })
+            .collect();
+        progress.end(Stage::Backbone);
+
+        let frequencies = line.frequencies();
+        drop(line);
+        let fields = &prestress.fields;
+        let mut workspace = self.interface.interface.workspace();
+        workspace.jump.clone_from(&fields.jump);
+        workspace.traction.clone_from(&fields.traction);
+        let validity = assess(
+            &self.interface.interface,
+            &self.interface.asperities,
+            scene.model.material.hardness,
+            &workspace,
+            self.clearance,
+            &amplitudes,
+        );
+        Ok(Run {
+            validity,
+            frequencies,
+            amplitudes,
+            prestress,
+            law: self.interface.report,
+            clipped_gaps: self.interface.clipped_gaps,
+            interface: self.interface.interface,
+            mesh: self.mesh,
+            model: self.model,
+            scene: self.scene,
+        })
+    }
+
+    fn describe_prestress(
+        &self,
+        force: &InterfaceForce<'_>,
+        solution: Prestress<State>,
+        static_load: &[f64],
+    ) -> PrestressResult {
+        let interface = force.interface();
+        let nd = interface.n_dofs();
+        let mut workspace = interface.workspace();
+        let mut end = solution.state.clone();
+        let mut contact = vec![0.0; nd];
+        let u = &solution.displacement;
+        let state = &solution.state;
+        interface.evaluate(&u[..nd], Sticking::Coulomb, state, &mut end, &mut workspace, &mut contact, None);
+        let stiffness = &self.model.reduced.stiffness;
+        let (mut residual, mut loads) = (0.0, 0.0);
+        for i in 0..nd {
+            let elastic: f64 = stiffness.col(i).iter().zip(u).map(|(k, u)| k * u).sum();
+            residual += (elastic + contact[i] - static_load[i]).abs();
+            loads += static_load[i].abs();
+        }
+        let carried: f64 = contact.iter().skip(2).step_by(3).sum();
+        let bolts = self.scene.bolts.load * self.model.reduced.loads.len() as f64;
+        PrestressResult {
+            solution,
+            residual_ratio: residual / loads,
+            equilibrium_error: (carried / bolts - 1.0).abs(),
+            fields: Fields {
+                jump: workspace.jump,
+                traction: workspace.traction,
+                regime: workspace.regime,
+                flux: std::array::from_fn(|_| vec![0.0; interface.operators().n_points()]),
+            },
+        }
+    }
+}
+
+/// Displacements at the response point that the modal forces are chosen for, by linear estimate [m].
+fn displacements(scene: &Scene) -> Vec<f64> {
+    let c = &scene.cqsma;
+    let ratio = (c.amplitude_to / c.amplitude_from).ln();
+    let last = (c.amplitudes - 1).max(1) as f64;
+    (0..c.amplitudes).map(|i| c.amplitude_from * (ratio * i as f64 / last).exp()).collect()
+}
+
+/// Watches one loop at the quadrature points.
+struct Watcher<'a> {
+    interface: &'a Interface,
+    prestress: &'a Fields,
+    store: bool,
+    area: LoopArea,
+    workspace: Workspace,
+    end: Option<State>,
+    force: Vec<f64>,
+    peak: f64,
+    slip_fraction: f64,
+    open_fraction: f64,
+    largest_sliding: f64,
+    at_peak: Option<([Vec<f64>; 3], [Vec<f64>; 3], Vec<Regime>)>,
+}
+
+impl<'a> Watcher<'a> {
+    fn new(interface: &'a Interface, prestress: &'a Fields, store: bool) -> Self {
+        Self {
+            interface,
+            prestress,
+            store,
+            area: LoopArea::new(interface.operators().n_points()),
+            workspace: interface.workspace(),
+            end: None,
+            force: vec![0.0; interface.n_dofs()],
+            peak: f64::NEG_INFINITY,
+            slip_fraction: 0.0,
+            open_fraction: 0.0,
+            largest_sliding: 0.0,
+            at_peak: None,
+        }
+    }
+
+    fn finish(self) -> LoopFields {
+        let flux = self.area.close();
+        let weights = &self.interface.operators().weights;
+        let dissipation = flux.iter().map(|f| f.iter().zip(weights).map(|(f, w)| f * w).sum::<f64>()).sum();
+        LoopFields {
+            slip_fraction: self.slip_fraction,
+            open_fraction: self.open_fraction,
+            dissipation,
+            largest_sliding: self.largest_sliding,
+            fields: self.at_peak.map(|(jump, traction, regime)| Fields { jump, traction, regime, flux }),
+        }
+    }
+}
+
+impl LoopObserver<State> for Watcher<'_> {
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &State) {
+        let end = self.end.get_or_insert_with(|| begin.clone());
+        let jump = &displacement[..self.interface.n_dofs()];
+        self.interface.evaluate(jump, Sticking::Coulomb, begin, end, &mut self.workspace, &mut self.force, None);
+        self.area.add(&self.workspace);
+        for p in 0..self.workspace.regime.len() {
+            let slide = |c: usize| self.workspace.jump[c][p] - self.prestress.jump[c][p];
+            self.largest_sliding = self.largest_sliding.max(slide(0).hypot(slide(1)));
+        }
+        // The loop begins and ends at its positive peak; the end carries the regimes that led there.
+        if modal_force >= self.peak {
+            self.peak = modal_force;
+            let operators = self.interface.operators();
+            let fraction = |regime: Regime| {
+                let found = self.workspace.regime.iter().zip(&operators.weights).filter(|(r, _)| **r == regime);
+                found.map(|(_, w)| w).sum::<f64>() / operators.area()
+            };
+            (self.slip_fraction, self.open_fraction) = (fraction(Regime::Slip), fraction(Regime::Open));
+            if self.store {
+                let w = &self.workspace;
+                self.at_peak = Some((w.jump.clone(), w.traction.clone(), w.regime.clone()));
+            }
+        }
+    }
+}

@@ -1,0 +1,479 @@
+//! Scene files: JSON with a mandatory `units` block and a default for everything else.
+//!
+//! Quantities are given in the scene's units and converted to SI once, by [`Scene::from_json`]; all other code sees SI.
+
+use crate::Error;
+use contact_laws::{HistoryRule, TangentialReading};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Units of all quantities in the file. Force is mass times length per second squared.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Units {
+    /// Unit of length.
+    pub length: LengthUnit,
+    /// Unit of mass.
+    pub mass: MassUnit,
+    /// Unit of time.
+    pub time: TimeUnit,
+}
+
+/// Unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum LengthUnit {
+    /// Metre.
+    #[serde(rename = "m")]
+    Metre,
+    /// Millimetre.
+    #[serde(rename = "mm")]
+    Millimetre,
+}
+
+/// Unit of mass.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum MassUnit {
+    /// Kilogram.
+    #[serde(rename = "kg")]
+    Kilogram,
+    /// Tonne, which makes mm-t-s consistent with newtons.
+    #[serde(rename = "t")]
+    Tonne,
+}
+
+/// Unit of time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum TimeUnit {
+    /// Second.
+    #[serde(rename = "s")]
+    Second,
+}
+
+/// A scene: what is modelled, and how.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Units of the file.
+    pub units: Units,
+    /// Name of the scene; the file's name by default.
+    #[serde(default)]
+    pub name: String,
+    /// Structure.
+    #[serde(default)]
+    pub model: Model,
+    /// Where the asperities come from.
+    #[serde(default)]
+    pub surface: Surface,
+    /// Gap between the faces before they are loaded.
+    #[serde(default)]
+    pub gap: Gap,
+    /// Traction law.
+    #[serde(default)]
+    pub law: Law,
+    /// Friction coefficient [-].
+    #[serde(default = "defaults::mu")]
+    pub mu: f64,
+    /// Gauss points per direction of each interface element: 1, 2, 3, 4 or 5.
+    #[serde(default = "defaults::points_per_direction")]
+    pub points_per_direction: usize,
+    /// Bolts.
+    #[serde(default)]
+    pub bolts: Bolts,
+    /// Coupled quasi-static modal analysis.
+    #[serde(default)]
+    pub cqsma: Cqsma,
+    /// Viscous modal damping ratio that is added to the total, apart from friction [-].
+    #[serde(default)]
+    pub background_damping: f64,
+    /// Which results are stored as fields.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// The structure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Model {
+    /// Named refinement of the block mesh.
+    pub refinement: RefinementName,
+    /// Element formulation.
+    pub formulation: FormulationName,
+    /// Material of all parts.
+    pub material: Material,
+    /// Stuck-interface modes retained by the reduction.
+    pub modes: usize,
+}
+
+impl Default for Model {
+    fn default() -> Self {
+        Self {
+            refinement: RefinementName::Default,
+            formulation: FormulationName::IncompatibleModes,
+            material: Material::default(),
+            modes: 20,
+        }
+    }
+}
+
+/// Refinements of the block mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RefinementName {
+    /// About 150 interface elements.
+    Quick,
+    /// About 300.
+    Coarse,
+    /// 588, as the method paper.
+    Default,
+    /// About 1200.
+    Fine,
+    /// About 2400.
+    Finest,
+}
+
+/// Element formulations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FormulationName {
+    /// `C3D8I`.
+    IncompatibleModes,
+    /// `C3D8`.
+    Full,
+}
+
+/// Elastic material.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Material {
+    /// Young's modulus [force/length^2].
+    pub youngs_modulus: f64,
+    /// Poisson ratio [-].
+    pub poisson_ratio: f64,
+    /// Density [mass/length^3].
+    pub density: f64,
+    /// Hardness, for the onset of yield [force/length^2].
+    pub hardness: f64,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        let steel = brake_reuss_beam::published::steel();
+        Self {
+            youngs_modulus: steel.youngs_modulus,
+            poisson_ratio: steel.poisson_ratio,
+            density: steel.density,
+            // Section 3.2.1 of the method paper.
+            hardness: 9.47e9,
+        }
+    }
+}
+
+/// Where the asperities come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Surface {
+    /// Measured statistics of a real interface pair, the same everywhere.
+    #[default]
+    Measured,
+    /// Two seeded synthetic scans, characterised element by element.
+    SyntheticScan(SyntheticScan),
+}
+
+/// Two synthetic faces on the grid of a profilometer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SyntheticScan {
+    /// Seed of the top face; the bottom one uses the next number.
+    pub seed: u64,
+    /// Grid steps along x and y [length].
+    pub step: [f64; 2],
+    /// Height step of the instrument [length].
+    pub height_step: f64,
+    /// Rms roughness of each face [length].
+    pub rms: f64,
+    /// Correlation lengths along x and y [length].
+    pub correlation_length: [f64; 2],
+    /// Amplitude of the waviness of each face [length].
+    pub waviness: f64,
+    /// Wavelength of the waviness along the beam [length].
+    pub wavelength: f64,
+    /// Tilt of the raw scans, taken out again by de-trending [-].
+    pub tilt: [f64; 2],
+    /// Bootstrap draws for the bands of the curves.
+    pub bootstrap: usize,
+}
+
+impl Default for SyntheticScan {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            step: [30e-6, 50e-6],
+            height_step: 0.5e-6,
+            rms: 2.5e-6,
+            correlation_length: [150e-6, 200e-6],
+            waviness: 1e-6,
+            wavelength: 0.2,
+            tilt: [1e-4, -2e-4],
+            bootstrap: 30,
+        }
+    }
+}
+
+/// Gap between the faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gap {
+    /// No gap.
+    #[default]
+    Flat,
+    /// The measured mesoscale gap of the interface pair whose statistics are used.
+    Measured,
+    /// The gap of the synthetic scans.
+    Scan,
+}
+
+/// Traction law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Law {
+    /// How the asperity sums are evaluated.
+    pub kind: LawKind,
+    /// Tangential stiffness of an asperity.
+    pub tangential: TangentialReading,
+    /// How the stuck traction follows from the last committed state.
+    pub history: HistoryRule,
+}
+
+impl Default for Law {
+    fn default() -> Self {
+        Self { kind: LawKind::Tabulated, tangential: TangentialReading::Mindlin, history: HistoryRule::Incremental }
+    }
+}
+
+/// How the asperity sums are evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawKind {
+    /// Monotone table with a measured error bound.
+    Tabulated,
+    /// Curves fitted with eqs. (28) and (29).
+    Fitted,
+    /// The sums themselves.
+    AsperitySum,
+}
+
+/// Bolts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Bolts {
+    /// Tension of each bolt [force].
+    pub load: f64,
+}
+
+impl Default for Bolts {
+    fn default() -> Self {
+        Self { load: brake_reuss_beam::published::BOLT_LOAD }
+    }
+}
+
+/// Settings of the analysis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Cqsma {
+    /// Mode followed, counted from 1.
+    pub mode: usize,
+    /// Linearised modes computed.
+    pub modes: usize,
+    /// Smallest displacement at the response point, by linear estimate [length].
+    pub amplitude_from: f64,
+    /// Largest displacement at the response point, by linear estimate [length].
+    pub amplitude_to: f64,
+    /// Amplitudes, spaced in log.
+    pub amplitudes: usize,
+    /// Vertices per quarter loop.
+    pub vertices_per_quarter: usize,
+    /// Cycles; the last is measured.
+    pub cycles: usize,
+    /// Residual relative to the load, in the energy norm.
+    pub tolerance: f64,
+}
+
+impl Default for Cqsma {
+    fn default() -> Self {
+        Self {
+            mode: 1,
+            modes: 10,
+            amplitude_from: 1e-7,
+            amplitude_to: 1e-3,
+            amplitudes: 20,
+            vertices_per_quarter: 8,
+            cycles: 2,
+            tolerance: 1e-9,
+        }
+    }
+}
+
+/// Stored fields.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Numbers of the amplitudes (from 1) whose interface fields are stored; by default the first, the last and two
+    /// between. The prestress is always stored.
+    pub fields_at: Option<Vec<usize>>,
+}
+
+mod defaults {
+    pub(super) fn mu() -> f64 {
+        0.2
+    }
+    pub(super) fn points_per_direction() -> usize {
+        2
+    }
+}
+
+impl Scene {
+    /// Reads a scene file and converts it to SI.
+    ///
+    /// # Errors
+    /// [`Error::File`], or those of [`Scene::from_json`].
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
+            path: path.to_owned(),
+            operation: "reading the scene",
+            source,
+        })?;
+        let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        Self::from_json(&text, &path.display().to_string(), &stem)
+    }
+
+    /// Parses and validates a scene; `place` is named in errors, `name` is used if the scene has none.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`] for malformed JSON and unknown fields, [`Error::Value`] for values outside their range.
+    pub fn from_json(text: &str, place: &str, name: &str) -> Result<Self, Error> {
+        let syntax = |message: String| Error::Syntax { place: place.into(), message };
+        let value: serde_json::Value = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
+        // Defaults are in SI; quantities given in the file are converted where they stand.
+        let mut scene: Self = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
+        scene.convert(&value);
+        if scene.name.is_empty() {
+            scene.name = name.into();
+        }
+        scene.validate(place)?;
+        Ok(scene)
+    }
+
+    /// The default scene in SI.
+    pub fn new(name: &str) -> Self {
+        Self {
+            units: Units { length: LengthUnit::Metre, mass: MassUnit::Kilogram, time: TimeUnit::Second },
+            name: name.into(),
+            model: Model::default(),
+            surface: Surface::default(),
+            gap: Gap::default(),
+            law: Law::default(),
+            mu: defaults::mu(),
+            points_per_direction: defaults::points_per_direction(),
+            bolts: Bolts::default(),
+            cqsma: Cqsma::default(),
+            background_damping: 0.0,
+            output: Output::default(),
+        }
+    }
+
+    /// Numbers of the amplitudes (from 1) whose fields are stored, ascending.
+    pub fn fields_at(&self) -> Vec<usize> {
+        let last = self.cqsma.amplitudes;
+        let mut numbers =
+            self.output.fields_at.clone().unwrap_or_else(|| vec![1, last.div_ceil(2), (3 * last).div_ceil(4), last]);
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    }
+
+    fn convert(&mut self, given: &serde_json::Value) {
+        let length = if self.units.length == LengthUnit::Millimetre { 1e-3 } else { 1.0 };
+        let mass = if self.units.mass == MassUnit::Tonne { 1e3 } else { 1.0 };
+        let (force, stress) = (mass * length, mass / length);
+        let scale = |path: &str, value: &mut f64, factor: f64| {
+            if given.pointer(path).is_some() {
+                *value *= factor;
+            }
+        };
+        let material = &mut self.model.material;
+        scale("/model/material/youngs_modulus", &mut material.youngs_modulus, stress);
+        scale("/model/material/hardness", &mut material.hardness, stress);
+        scale("/model/material/density", &mut material.density, mass / length.powi(3));
+        scale("/bolts/load", &mut self.bolts.load, force);
+        scale("/cqsma/amplitude_from", &mut self.cqsma.amplitude_from, length);
+        scale("/cqsma/amplitude_to", &mut self.cqsma.amplitude_to, length);
+        if let Surface::SyntheticScan(scan) = &mut self.surface {
+            let at = |field: &str| format!("/surface/synthetic-scan/{field}");
+            for (field, value) in [
+                ("height_step", &mut scan.height_step),
+                ("rms", &mut scan.rms),
+                ("waviness", &mut scan.waviness),
+                ("wavelength", &mut scan.wavelength),
+            ] {
+                scale(&at(field), value, length);
+            }
+            for axis in 0..2 {
+                scale(&at("step"), &mut scan.step[axis], length);
+                scale(&at("correlation_length"), &mut scan.correlation_length[axis], length);
+            }
+        }
+        self.units = Units { length: LengthUnit::Metre, mass: MassUnit::Kilogram, time: TimeUnit::Second };
+    }
+
+    /// Checks what the crates below do not check themselves.
+    ///
+    /// # Errors
+    /// [`Error::Value`].
+    pub fn validate(&self, place: &str) -> Result<(), Error> {
+        let check = |ok: bool, field, value: f64, unit, requirement| {
+            if ok { Ok(()) } else { Err(Error::Value { place: place.into(), field, value, unit, requirement }) }
+        };
+        let positive = |v: f64| v.is_finite() && v > 0.0;
+        let c = &self.cqsma;
+        check(self.mu.is_finite() && self.mu >= 0.0, "mu", self.mu, "", "finite and not negative")?;
+        check(positive(self.bolts.load), "bolts.load", self.bolts.load, "N", "positive and finite")?;
+        let hardness = self.model.material.hardness;
+        check(positive(hardness), "model.material.hardness", hardness, "Pa", "positive and finite")?;
+        check(
+            (1..=200).contains(&self.model.modes),
+            "model.modes",
+            self.model.modes as f64,
+            "",
+            "between 1 and 200",
+        )?;
+        let damping = self.background_damping;
+        check((0.0..1.0).contains(&damping), "background_damping", damping, "", "at least 0 and below 1")?;
+        check(positive(c.amplitude_from), "cqsma.amplitude_from", c.amplitude_from, "m", "positive and finite")?;
+        check(
+            c.amplitude_to.is_finite() && c.amplitude_to >= c.amplitude_from,
+            "cqsma.amplitude_to",
+            c.amplitude_to,
+            "m",
+            "finite and not below amplitude_from",
+        )?;
+        check((1..=10_000).contains(&c.amplitudes), "cqsma.amplitudes", c.amplitudes as f64, "", "between 1 and 10000")?;
+        check((1..=100).contains(&c.modes), "cqsma.modes", c.modes as f64, "", "between 1 and 100")?;
+        check((1..=c.modes).contains(&c.mode), "cqsma.mode", c.mode as f64, "", "between 1 and cqsma.modes")?;
+        let vertices = c.vertices_per_quarter;
+        check((1..=4096).contains(&vertices), "cqsma.vertices_per_quarter", vertices as f64, "", "between 1 and 4096")?;
+        check((1..=1000).contains(&c.cycles), "cqsma.cycles", c.cycles as f64, "", "between 1 and 1000")?;
+        check(
+            (1e-13..=1e-2).contains(&c.tolerance),
+            "cqsma.tolerance",
+            c.tolerance,
+            "",
+            "between 1e-13 (round-off) and 1e-2",
+        )?;
+        for number in self.fields_at() {
+            let ok = (1..=c.amplitudes).contains(&number);
+            check(ok, "output.fields_at", number as f64, "", "numbers of amplitudes, between 1 and cqsma.amplitudes")?;
+        }
+        let scans = matches!(self.surface, Surface::SyntheticScan(_));
+        check(scans || self.gap != Gap::Scan, "gap", f64::NAN, "(scan)", "`flat` or `measured` unless the surface is scanned")
+    }
+}

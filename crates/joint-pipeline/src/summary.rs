@@ -1,0 +1,243 @@
+//! The machine-readable account of a run: the contract that scripts rely on, all in SI.
+
+use crate::interface::LawReport;
+use crate::run::Run;
+use crate::validity::Validity;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Version of the layout of [`Summary`]; grows with every change that is not a mere addition.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// A run in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// The scene with all defaults filled in, in SI.
+    pub scene: serde_json::Value,
+    /// The structure.
+    pub model: ModelSummary,
+    /// The law.
+    pub law: LawReport,
+    /// The gap.
+    pub gap: GapSummary,
+    /// The static state.
+    pub prestress: PrestressSummary,
+    /// Modes about it.
+    pub modes: Vec<ModeSummary>,
+    /// Amplitudes in ascending order.
+    pub backbone: Vec<BackboneSummary>,
+    /// Limits of the model.
+    pub validity: Validity,
+    /// Seconds per stage, and in total.
+    pub timings: BTreeMap<String, f64>,
+    /// Largest memory of the process [bytes], where the system tells.
+    pub peak_memory: Option<u64>,
+}
+
+/// The structure.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelSummary {
+    /// Nodes of the solid mesh.
+    pub n_nodes: usize,
+    /// Its elements.
+    pub n_elements: usize,
+    /// Independent displacement components.
+    pub n_dofs: usize,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Area of the interface by quadrature [m^2].
+    pub interface_area: f64,
+    /// Interface elements.
+    pub n_interface_elements: usize,
+    /// Quadrature points.
+    pub n_interface_points: usize,
+    /// Jump coordinates.
+    pub n_relative_dofs: usize,
+    /// Retained stuck-interface modes.
+    pub n_modes: usize,
+    /// Zero-energy modes without contact.
+    pub zem_unstressed: usize,
+    /// Zero-energy modes with the interface stuck.
+    pub zem_stuck: usize,
+    /// Frequencies with the interface stuck [Hz].
+    pub stuck_frequencies_hz: Vec<f64>,
+    /// Frequencies without contact [Hz].
+    pub unstressed_frequencies_hz: Vec<f64>,
+    /// Full model with a uniform linear interface stiffness [Hz].
+    pub penalty_frequencies_hz: Vec<f64>,
+    /// Largest relative difference of the reduced model to these.
+    pub penalty_spectrum_error: f64,
+    /// Asymmetry of the reduced matrices before they were symmetrised, relative to their largest entry.
+    pub reduction_asymmetry: f64,
+}
+
+/// The gap.
+#[derive(Clone, Debug, Serialize)]
+pub struct GapSummary {
+    /// Smallest at a point [m].
+    pub smallest: f64,
+    /// Largest at a point [m].
+    pub largest: f64,
+    /// Points whose value came out negative and was set to zero.
+    pub clipped_points: usize,
+}
+
+/// The static state.
+#[derive(Clone, Debug, Serialize)]
+pub struct PrestressSummary {
+    /// Tension of each bolt [N].
+    pub bolt_load: f64,
+    /// Newton iterations with everything stuck and with friction, together.
+    pub iterations: usize,
+    /// Sum of absolute residual forces over sum of absolute loads on the interface.
+    pub residual_ratio: f64,
+    /// Relative error of the integrated pressure against the bolt loads.
+    pub equilibrium_error: f64,
+    /// Area in contact over nominal area, by points.
+    pub contact_area_fraction: f64,
+    /// Largest pressure at a point [Pa].
+    pub max_pressure: f64,
+    /// Bolt loads over nominal area [Pa].
+    pub mean_pressure: f64,
+    /// Always true here: a prestress that does not converge is an error.
+    pub converged: bool,
+}
+
+/// A mode.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModeSummary {
+    /// Frequency [Hz].
+    pub frequency_hz: f64,
+}
+
+/// One amplitude; `null` where the loop did not converge.
+#[derive(Clone, Debug, Serialize)]
+pub struct BackboneSummary {
+    /// Peak modal force [sqrt(kg) m/s^2].
+    pub modal_force: f64,
+    /// Modal amplitude [sqrt(kg) m].
+    pub modal_amplitude: Option<f64>,
+    /// Secant frequency [Hz].
+    pub frequency_hz: Option<f64>,
+    /// Total damping ratio: friction plus background.
+    pub damping_ratio: Option<f64>,
+    /// Part of it due to friction.
+    pub friction_damping_ratio: Option<f64>,
+    /// Dissipation per cycle summed over the points [J].
+    pub dissipation: Option<f64>,
+    /// The same from the modal loop [J].
+    pub loop_area: Option<f64>,
+    /// The same from every second vertex of the loop [J].
+    pub coarse_loop_area: Option<f64>,
+    /// Acceleration amplitude at the response point [m/s^2].
+    pub response_acceleration: Option<f64>,
+    /// Displacement amplitude at the response point [m].
+    pub response_displacement: Option<f64>,
+    /// Area fraction slipping at the positive peak.
+    pub slip_fraction: Option<f64>,
+    /// Area fraction open there.
+    pub open_fraction: Option<f64>,
+    /// Newton iterations of the whole loop.
+    pub iterations: usize,
+    /// Evaluations of the interface.
+    pub evaluations: usize,
+    /// Preconditioned Krylov steps.
+    pub krylov_steps: usize,
+    /// Direct factorisations.
+    pub factorisations: usize,
+    /// Part of the peak motion that is mass-orthogonal to the mode.
+    pub shape_deviation: Option<f64>,
+    /// Gap between the ends of the loop relative to its range.
+    pub loop_closure: Option<f64>,
+    /// Largest residual of a vertex relative to the peak load (energy norm).
+    pub residual: Option<f64>,
+    /// Whether all vertices converged.
+    pub converged: bool,
+    /// If not: why.
+    pub failure: Option<&'static str>,
+}
+
+impl Summary {
+    /// Summarises a run; times and memory are the caller's to know.
+    pub fn new(run: &Run, timings: BTreeMap<String, f64>, peak_memory: Option<u64>) -> Self {
+        let (reduced, facts) = (&run.model.reduced, &run.model.facts);
+        let operators = run.interface.operators();
+        let prestress = &run.prestress;
+        let bolts = run.scene.bolts.load * reduced.loads.len() as f64;
+        let gaps = || run.interface.gap().iter().copied();
+        Self {
+            schema_version: SCHEMA_VERSION,
+            scene: serde_json::to_value(&run.scene).unwrap_or(serde_json::Value::Null),
+            model: ModelSummary {
+                n_nodes: facts.n_nodes,
+                n_elements: facts.n_elements,
+                n_dofs: facts.n_dofs,
+                mass: facts.mass,
+                interface_area: operators.area(),
+                n_interface_elements: operators.n_elements(),
+                n_interface_points: operators.n_points(),
+                n_relative_dofs: reduced.n_relative,
+                n_modes: reduced.mass.nrows() - reduced.n_relative,
+                zem_unstressed: facts.zem_unstressed,
+                zem_stuck: reduced.zem_stuck,
+                stuck_frequencies_hz: reduced.stuck_frequencies.iter().take(10).copied().collect(),
+                unstressed_frequencies_hz: facts.unstressed_frequencies_hz.clone(),
+                penalty_frequencies_hz: facts.penalty_frequencies_hz.clone(),
+                penalty_spectrum_error: facts.penalty_error,
+                reduction_asymmetry: reduced.asymmetry,
+            },
+            law: run.law.clone(),
+            gap: GapSummary {
+                smallest: gaps().fold(f64::INFINITY, f64::min),
+                largest: gaps().fold(0.0, f64::max),
+                clipped_points: run.clipped_gaps,
+            },
+            prestress: PrestressSummary {
+                bolt_load: run.scene.bolts.load,
+                iterations: prestress.solution.iterations.iter().sum(),
+                residual_ratio: prestress.residual_ratio,
+                equilibrium_error: prestress.equilibrium_error,
+                contact_area_fraction: run.validity.contact_area_fraction_by_points,
+                max_pressure: prestress.fields.traction[2].iter().copied().fold(0.0, f64::max),
+                mean_pressure: bolts / operators.area(),
+                converged: true,
+            },
+            modes: run.frequencies.iter().map(|&frequency_hz| ModeSummary { frequency_hz }).collect(),
+            backbone: run.amplitudes.iter().map(|a| backbone(a, run.scene.background_damping)).collect(),
+            validity: run.validity.clone(),
+            timings,
+            peak_memory,
+        }
+    }
+}
+
+fn backbone(amplitude: &crate::run::AmplitudeResult, background: f64) -> BackboneSummary {
+    let point = &amplitude.point;
+    let result = point.result.as_ref().ok();
+    let fields = amplitude.fields.as_ref();
+    BackboneSummary {
+        modal_force: point.modal_force,
+        modal_amplitude: result.map(|r| r.modal_amplitude),
+        frequency_hz: result.map(|r| r.omega / (2.0 * std::f64::consts::PI)),
+        damping_ratio: result.map(|r| r.zeta + background),
+        friction_damping_ratio: result.map(|r| r.zeta),
+        dissipation: fields.map(|f| f.dissipation),
+        loop_area: result.map(|r| r.loop_area),
+        coarse_loop_area: result.and_then(|r| r.coarse_loop_area),
+        response_acceleration: amplitude.response_acceleration,
+        response_displacement: amplitude.response_displacement,
+        slip_fraction: fields.map(|f| f.slip_fraction),
+        open_fraction: fields.map(|f| f.open_fraction),
+        iterations: point.effort.iterations,
+        evaluations: point.effort.evaluations,
+        krylov_steps: point.effort.krylov_steps,
+        factorisations: point.effort.factorisations,
+        shape_deviation: result.map(|r| r.shape_deviation),
+        loop_closure: result.map(|r| r.closure),
+        residual: result.map(|r| r.residual),
+        converged: result.is_some(),
+        failure: point.result.as_ref().err().map(|f| f.reason),
+    }
+}

@@ -1,0 +1,106 @@
+//! What a run says about its own validity: where the assumptions of the model end.
+
+use crate::interface::Asperities;
+use crate::run::AmplitudeResult;
+use contact_laws::adhesion::critical_interference;
+use serde::Serialize;
+use zte_assembly::{Interface, Workspace};
+
+/// Work of adhesion of low-carbon steel on itself [J/m^2], section 3.2.1 of the method paper.
+const WORK_OF_ADHESION: f64 = 2.5;
+
+/// Shape deviation beyond which the secant and loop formulas, which assume a fixed mode shape, are doubtful.
+const LARGEST_SHAPE_DEVIATION: f64 = 0.1;
+
+/// Validity of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Validity {
+    /// Real contact area over nominal area under prestress.
+    pub real_contact_area_fraction: Option<f64>,
+    /// Area of all quadrature points in contact under prestress over nominal area.
+    pub contact_area_fraction_by_points: f64,
+    /// The same counted by whole elements with any point in contact.
+    pub contact_area_fraction_by_elements: f64,
+    /// Interference of one asperity at the onset of yield, `omega_c` [m] (mean over the populations).
+    pub yield_onset_interference: f64,
+    /// Fraction of the loaded asperities beyond it under prestress (mean over the points in contact).
+    pub yielded_asperity_fraction: Option<f64>,
+    /// Adhesive over elastic normal traction under prestress: pull-off `2 pi R w` of every loaded asperity, an upper
+    /// bound (mean over the points in contact).
+    pub adhesive_to_elastic_traction: Option<f64>,
+    /// Sliding distance at which a shank would touch its hole [m]; pinning is not modelled.
+    pub bolt_hole_clearance: f64,
+    /// First amplitude number whose tangential motion exceeds that.
+    pub first_beyond_clearance: Option<usize>,
+    /// Limit on the shape deviation.
+    pub shape_deviation_limit: f64,
+    /// First amplitude number beyond it.
+    pub first_beyond_shape_deviation: Option<usize>,
+    /// First amplitude number that did not converge.
+    pub first_not_converged: Option<usize>,
+}
+
+/// Judges a run from its prestressed interface and its amplitudes.
+pub(crate) fn assess(
+    interface: &Interface,
+    asperities: &Asperities,
+    hardness: f64,
+    prestressed: &Workspace,
+    clearance: f64,
+    amplitudes: &[AmplitudeResult],
+) -> Validity {
+    let operators = interface.operators();
+    let area = operators.area();
+    let u_n = &prestressed.jump[2];
+    let touching: Vec<usize> = (0..u_n.len()).filter(|&p| u_n[p] > 0.0).collect();
+    let weight = |p: usize| operators.weights[p];
+    let closed: f64 = touching.iter().map(|&p| weight(p)).sum();
+    let by_elements: f64 = operators
+        .first_point
+        .windows(2)
+        .filter(|range| (range[0]..range[1]).any(|p| u_n[p] > 0.0))
+        .map(|range| operators.weights[range[0]..range[1]].iter().sum::<f64>())
+        .sum();
+    let element_of = |p: usize| operators.first_point.partition_point(|&first| first <= p) - 1;
+    let population = |p: usize| &asperities.populations[asperities.of_element[element_of(p)] as usize];
+    let onset =
+        |p: usize| critical_interference(&asperities.material, hardness, population(p).effective_radius());
+    let law_mean = |of: &dyn Fn(usize) -> Option<f64>, total: f64| {
+        touching.iter().map(|&p| of(p).map(|v| weight(p) * v)).sum::<Option<f64>>().map(|sum| sum / total)
+    };
+    let first = |beyond: &dyn Fn(&AmplitudeResult) -> bool| amplitudes.iter().position(beyond).map(|i| i + 1);
+    Validity {
+        real_contact_area_fraction: law_mean(
+            &|p| interface.law(p).and_then(|(law, local)| law.contact_area_ratio(local, u_n[p])),
+            area,
+        ),
+        contact_area_fraction_by_points: closed / area,
+        contact_area_fraction_by_elements: by_elements / area,
+        yield_onset_interference: asperities
+            .populations
+            .iter()
+            .map(|p| critical_interference(&asperities.material, hardness, p.effective_radius()))
+            .sum::<f64>()
+            / asperities.populations.len() as f64,
+        yielded_asperity_fraction: law_mean(
+            &|p| interface.law(p).and_then(|(law, local)| law.yielded_fraction(local, u_n[p], onset(p))),
+            closed,
+        ),
+        adhesive_to_elastic_traction: law_mean(
+            &|p| {
+                let pair = population(p);
+                let pull_off = 2.0 * std::f64::consts::PI * pair.effective_radius() * WORK_OF_ADHESION;
+                let adhesive = pair.density() * pair.gaps().loaded_fraction(u_n[p]) * pull_off;
+                Some(adhesive / prestressed.traction[2][p])
+            },
+            closed,
+        ),
+        bolt_hole_clearance: clearance,
+        first_beyond_clearance: first(&|a| a.fields.as_ref().is_some_and(|f| f.largest_sliding > clearance)),
+        shape_deviation_limit: LARGEST_SHAPE_DEVIATION,
+        first_beyond_shape_deviation: first(&|a| {
+            a.point.result.as_ref().is_ok_and(|r| r.shape_deviation > LARGEST_SHAPE_DEVIATION)
+        }),
+        first_not_converged: first(&|a| a.point.result.is_err()),
+    }
+}

@@ -1,0 +1,545 @@
+//! The whole road from two height maps to fitted laws per element.
+
+use contact_laws::{ElasticPair, NormalFit, TangentialEnds, TangentialReading};
+use rayon::prelude::*;
+
+use crate::asperities::{
+    AsperityCount, FaceAsperities, HeightCombination, PackingHeight, PairAsperities, PairOptions, PairRadius, combine,
+    face_count,
+};
+use crate::detrend::{Detrend, LinearFit, Plane, trend};
+use crate::error::{SurfaceError, positive};
+use crate::fits::{FitFallback, FitReport, NormalFitReport, TangentialFitReport, fit_normal, fit_tangential};
+use crate::gap::{Bilinear, pair_gap};
+use crate::partition::{ElementOutlines, Partition};
+use crate::peaks::{LinePeak, RadiusStatistic, line_peaks, radius_resolution, summits};
+use crate::response::{Bootstrap, CurveBands, TractionCurves, bootstrap_bands, check_material, traction_curves};
+use crate::topography::HeightMap;
+
+/// Fewest points of one face in an element from which a form and its roughness are told apart.
+const LEAST_POINTS: usize = 16;
+/// Points beyond an element that its peaks may lean on, so that those at its edge are resolved too.
+const MARGIN: usize = 8;
+
+/// Interferences at which the traction curves are sampled, equidistant in their logarithm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InterferenceRange {
+    /// Least interference (m).
+    pub from: f64,
+    /// Greatest interference (m).
+    pub to: f64,
+    /// Number of samples, at least 8.
+    pub points: usize,
+}
+
+impl Default for InterferenceRange {
+    /// 0.1 to 20 um in 64 samples: the operating range of a tightly bolted steel joint with a margin.
+    fn default() -> Self {
+        Self {
+            from: 0.1e-6,
+            to: 20e-6,
+            points: 64,
+        }
+    }
+}
+
+impl InterferenceRange {
+    /// The samples (m).
+    ///
+    /// # Errors
+    /// Ends that are not positive and ascending, or fewer than 8 samples.
+    pub fn samples(&self) -> Result<Vec<f64>, SurfaceError> {
+        positive("least interference", self.from, "m")?;
+        positive("greatest interference", self.to, "m")?;
+        let invalid = |field, value, unit, requirement| {
+            Err(SurfaceError::InvalidValue {
+                field,
+                value,
+                unit,
+                requirement,
+            })
+        };
+        if self.to <= self.from {
+            return invalid("greatest interference", self.to, "m", "above the least interference");
+        }
+        if self.points < 8 {
+            return invalid("interference samples", self.points as f64, "1", "at least 8");
+        }
+        let ratio = (self.to / self.from).ln();
+        Ok((0..self.points)
+            .map(|k| self.from * (ratio * k as f64 / (self.points - 1) as f64).exp())
+            .collect())
+    }
+}
+
+/// Everything that [`characterise`] can be told; [`Options::new`] gives the default readings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Elastic constants of both bodies.
+    pub material: ElasticPair,
+    /// Plane that is taken off each face.
+    pub detrend: Detrend,
+    /// How the radii of an element's peaks become one.
+    pub radius: RadiusStatistic,
+    /// How the radii of two faces combine.
+    pub pair_radius: PairRadius,
+    /// Peak height in the packing estimate.
+    pub packing_height: PackingHeight,
+    /// Packing efficiency eta of eq. (27).
+    pub packing_efficiency: f64,
+    /// Where the number of asperities comes from.
+    pub count: AsperityCount,
+    /// How the heights of two faces combine.
+    pub heights: HeightCombination,
+    /// Reading of the tangential stiffness.
+    pub tangential: TangentialReading,
+    /// Interferences of the curves and fits.
+    pub interference: InterferenceRange,
+    /// Reference interference of the fits (m).
+    pub u_ref: f64,
+    /// Bands of the curves. Its seed also serves [`HeightCombination::Summed`].
+    pub bootstrap: Bootstrap,
+    /// With fewer peaks than this in an element's pair, the closed single-asperity form takes the place of the sums.
+    pub least_peaks: usize,
+}
+
+impl Options {
+    /// The default readings for a material.
+    pub fn new(material: ElasticPair) -> Self {
+        Self {
+            material,
+            detrend: Detrend::default(),
+            radius: RadiusStatistic::default(),
+            pair_radius: PairRadius::default(),
+            packing_height: PackingHeight::default(),
+            packing_efficiency: 0.5,
+            count: AsperityCount::default(),
+            heights: HeightCombination::default(),
+            tangential: TangentialReading::default(),
+            interference: InterferenceRange::default(),
+            u_ref: 1e-6,
+            bootstrap: Bootstrap::default(),
+            least_peaks: 5,
+        }
+    }
+}
+
+/// What is known of one interface element.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElementSurface {
+    /// Index of the element.
+    pub element: usize,
+    /// Top and bottom face.
+    pub faces: [FaceAsperities; 2],
+    /// Asperities of the pair. In the single-asperity fallback they all have one height.
+    pub population: PairAsperities,
+    /// Gap of the pair (m), measured where the tallest peaks would touch: where it is `g`, the law receives
+    /// `u_n = jump_n - g`. A form tilted against its tallest peak can make it slightly negative.
+    pub gap: Bilinear,
+    /// Least and greatest gap at the corners (m).
+    pub gap_range: [f64; 2],
+    /// Traction curves of the whole sample, to which the fits are made.
+    pub curves: TractionCurves,
+    /// 95 % bands of the curves.
+    pub bands: Option<CurveBands>,
+    /// Fit of eq. (28).
+    pub normal: NormalFitReport,
+    /// Fits of eq. (29) along x and y.
+    pub tangential: [TangentialFitReport; 2],
+}
+
+impl ElementSurface {
+    /// Total roughness R_t of the pair, the mean of both faces' (m).
+    pub fn total_roughness(&self) -> f64 {
+        0.5 * (self.faces[0].total_roughness + self.faces[1].total_roughness)
+    }
+}
+
+/// What happened to one whole face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceSummary {
+    /// The plane that was taken off.
+    pub trend: Plane,
+    /// Highest level of the face above that plane (m): zero of its gap.
+    pub reference: f64,
+    /// Points with data that belong to an element.
+    pub points: usize,
+    /// Points without data inside elements.
+    pub missing: usize,
+    /// Points with data in no element (bolt holes, beyond the outline), dropped.
+    pub outside: usize,
+}
+
+/// A characterised pair of faces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Characterisation {
+    /// Every element, in the order given.
+    pub elements: Vec<ElementSurface>,
+    /// Top and bottom face.
+    pub faces: [FaceSummary; 2],
+}
+
+/// Counts and medians over the elements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Number of elements.
+    pub elements: usize,
+    /// Elements in the single-asperity fallback.
+    pub single_asperity: usize,
+    /// Elements whose normal fit fell back to a power law.
+    pub power_law: usize,
+    /// Elements with a tangential fit that fell back to a constant.
+    pub constant: usize,
+    /// Median rms residual of the normal fits (ln).
+    pub median_rms_normal: f64,
+    /// Median rms residual of the tangential fits along x and y (ln).
+    pub median_rms_tangential: [f64; 2],
+    /// Least and greatest gap over all corners (m).
+    pub gap_range: [f64; 2],
+}
+
+impl Characterisation {
+    /// Counts and medians over the elements; medians are NaN without elements.
+    pub fn summary(&self) -> Summary {
+        let all = &self.elements;
+        let count = |of: &dyn Fn(&ElementSurface) -> bool| all.iter().filter(|e| of(e)).count();
+        let median = |of: &dyn Fn(&ElementSurface) -> f64| {
+            let mut values: Vec<f64> = all.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            match values.len() {
+                0 => f64::NAN,
+                n => 0.5 * (values[(n - 1) / 2] + values[n / 2]),
+            }
+        };
+        Summary {
+            elements: all.len(),
+            single_asperity: count(&|e| e.normal.fallback == Some(FitFallback::SingleAsperity)),
+            power_law: count(&|e| e.normal.fallback == Some(FitFallback::PowerLaw)),
+            constant: count(&|e| e.tangential.iter().any(|t| t.fallback == Some(FitFallback::Constant))),
+            median_rms_normal: median(&|e| e.normal.rms),
+            median_rms_tangential: [0, 1].map(|q| median(&|e| e.tangential[q].rms)),
+            gap_range: all
+                .iter()
+                .map(|e| e.gap_range)
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [l, h]| {
+                    [low.min(l), high.max(h)]
+                }),
+        }
+    }
+}
+
+/// Characterises a pair of faces over the elements of their interface.
+///
+/// Both maps are in the frame of the elements (a mating face scanned from its own side is mirrored first, see
+/// [`HeightMap::mirrored_x`]), heights out of each body. Elements are worked on in parallel; the result does not
+/// depend on the number of threads.
+///
+/// # Errors
+/// Options outside their range, an undetermined trend plane, an element with too few points on a face, or without a
+/// peak on either face.
+pub fn characterise(
+    top: &HeightMap,
+    bottom: &HeightMap,
+    elements: &ElementOutlines,
+    options: &Options,
+) -> Result<Characterisation, SurfaceError> {
+    check_material(&options.material)?;
+    positive("u_ref", options.u_ref, "m")?;
+    positive("packing efficiency", options.packing_efficiency, "1")?;
+    let interference = options.interference.samples()?;
+
+    let (top_found, top) = scan_face("top", top, elements, options)?;
+    let (bottom_found, bottom) = scan_face("bottom", bottom, elements, options)?;
+    let reference = [top.reference, bottom.reference];
+    let responses = top_found
+        .into_par_iter()
+        .zip(bottom_found)
+        .enumerate()
+        .map(|(e, (top, bottom))| respond(e, elements, [top, bottom], reference, &interference, options))
+        .collect::<Vec<_>>();
+    Ok(Characterisation {
+        elements: responses.into_iter().collect::<Result<_, _>>()?,
+        faces: [top, bottom],
+    })
+}
+
+/// All elements of one face.
+fn scan_face(
+    name: &'static str,
+    map: &HeightMap,
+    elements: &ElementOutlines,
+    options: &Options,
+) -> Result<(Vec<FaceAsperities>, FaceSummary), SurfaceError> {
+    let trend = trend(map, elements, options.detrend)?;
+    let partition = Partition::new(map, elements);
+    let scans = (0..elements.len())
+        .into_par_iter()
+        .map(|e| {
+            let scan = ElementScan {
+                map,
+                partition: &partition,
+                trend: &trend,
+                elements,
+                element: e,
+            };
+            scan.asperities(name, options)
+        })
+        .collect::<Vec<_>>();
+    // In order, so that of several errors the first element's is reported on any number of threads.
+    let found = scans.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let summary = FaceSummary {
+        trend,
+        reference: found.iter().map(|f| f.summit_level).fold(f64::NEG_INFINITY, f64::max),
+        points: partition.points.iter().sum(),
+        missing: partition.missing.iter().sum(),
+        outside: partition.outside,
+    };
+    Ok((found, summary))
+}
+
+/// One element of one face.
+struct ElementScan<'a> {
+    map: &'a HeightMap,
+    partition: &'a Partition,
+    trend: &'a Plane,
+    elements: &'a ElementOutlines,
+    element: usize,
+}
+
+/// Residual heights over an element and its margin; NaN where there is no data or no element.
+struct Patch {
+    heights: Vec<f64>,
+    n: [usize; 2],
+    first: [usize; 2],
+}
+
+impl ElementScan<'_> {
+    fn asperities(&self, face: &'static str, options: &Options) -> Result<FaceAsperities, SurfaceError> {
+        let (map, element) = (self.map, self.element);
+        let (points, missing) = (self.partition.points[element], self.partition.missing[element]);
+        let too_few = SurfaceError::TooFewPoints {
+            element,
+            face,
+            points,
+            missing,
+            needed: LEAST_POINTS,
+        };
+        if points < LEAST_POINTS {
+            return Err(too_few);
+        }
+        let (low, high) = self.elements.element_bounds(element);
+        // One point wider than the bounding box: owned points may lie on the outline within rounding.
+        let window = [0, 1].map(|k| {
+            let (first, end) = map.indices_within(k, low[k], high[k]);
+            (first.saturating_sub(1), (end + 1).min([map.nx(), map.ny()][k]))
+        });
+        let owned = || {
+            let columns = window[0].0..window[0].1;
+            (window[1].0..window[1].1)
+                .flat_map(move |j| columns.clone().map(move |i| (i, j)))
+                .filter(|&(i, j)| self.partition.owns(element, i, j))
+                .filter_map(|(i, j)| {
+                    let p = map.position(i, j);
+                    map.height(i, j).map(|z| (p, z - self.trend.at(p)))
+                })
+        };
+
+        let mut plane = Bilinear::zero(self.elements, element);
+        let mut fit = LinearFit::<4>::default();
+        for (p, z) in owned() {
+            fit.add(plane.columns(p), z);
+        }
+        plane.coefficients = fit.solve().ok_or(too_few)?;
+        let (mut square, mut lowest, mut tallest_point) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+        let mut summit_level = f64::NEG_INFINITY;
+        for (p, z) in owned() {
+            let residual = z - plane.at(p);
+            square += residual * residual;
+            lowest = lowest.min(residual);
+            tallest_point = tallest_point.max(residual);
+            summit_level = summit_level.max(z);
+        }
+
+        let patch = self.patch(&plane, window);
+        let level = map.height_step().map_or(0.0, |q| 0.5 * q);
+        let mut curvatures = [vec![], vec![]];
+        let mut heights = Vec::new();
+        for axis in 0..2 {
+            for (vertex, peak) in self.line_peaks_along(axis, &patch, level) {
+                curvatures[axis].push(peak.curvature);
+                heights.push(peak.height);
+                summit_level = summit_level.max(peak.height + plane.at(vertex));
+            }
+        }
+        let summits = summits(&patch.heights, patch.n[0], level)
+            .into_iter()
+            .filter(|s| self.partition.owns(element, patch.first[0] + s.i, patch.first[1] + s.j))
+            .count();
+        let tallest = heights.iter().copied().reduce(f64::max).unwrap_or(tallest_point);
+        if let Some(datum) = heights.iter().copied().reduce(f64::min) {
+            for z in &mut heights {
+                *z -= datum;
+            }
+        }
+        let mut face = FaceAsperities {
+            points,
+            missing,
+            plane,
+            rms_roughness: (square / points as f64).sqrt(),
+            total_roughness: tallest_point - lowest,
+            peaks: [curvatures[0].len(), curvatures[1].len()],
+            summits,
+            radius: [options.radius.of(&curvatures[0]), options.radius.of(&curvatures[1])],
+            radius_resolution: radius_resolution(map),
+            heights,
+            tallest,
+            summit_level,
+            asperity_count: None,
+        };
+        let area = self.elements.area(element);
+        face.asperity_count = face_count(
+            &face,
+            area,
+            options.count,
+            options.packing_height,
+            options.packing_efficiency,
+        )?;
+        Ok(face)
+    }
+
+    fn patch(&self, plane: &Bilinear, window: [(usize, usize); 2]) -> Patch {
+        let limit = [self.map.nx(), self.map.ny()];
+        let first = [0, 1].map(|k| window[k].0.saturating_sub(MARGIN));
+        let n = [0, 1].map(|k| (window[k].1 + MARGIN).min(limit[k]) - first[k]);
+        let mut heights = Vec::with_capacity(n[0] * n[1]);
+        for j in first[1]..first[1] + n[1] {
+            for i in first[0]..first[0] + n[0] {
+                let p = self.map.position(i, j);
+                let z = self.map.height(i, j).filter(|_| self.partition.element(i, j).is_some());
+                heights.push(z.map_or(f64::NAN, |z| z - self.trend.at(p) - plane.at(p)));
+            }
+        }
+        Patch { heights, n, first }
+    }
+
+    /// Peaks along x lines (`axis` 0) or y lines (1) whose middle the element owns, with the position of the vertex.
+    fn line_peaks_along(&self, axis: usize, patch: &Patch, level: f64) -> Vec<([f64; 2], LinePeak)> {
+        let (along, across) = (patch.n[axis], patch.n[1 - axis]);
+        let (stride, line_stride) = if axis == 0 { (1, patch.n[0]) } else { (patch.n[0], 1) };
+        let step = self.map.step()[axis];
+        let mut profile = vec![0.0; along];
+        let mut found = Vec::new();
+        for line in 0..across {
+            for (k, z) in profile.iter_mut().enumerate() {
+                *z = patch.heights[line * line_stride + k * stride];
+            }
+            for peak in line_peaks(&profile, step, level) {
+                let (i, j) = if axis == 0 {
+                    (peak.index, line)
+                } else {
+                    (line, peak.index)
+                };
+                let (i, j) = (patch.first[0] + i, patch.first[1] + j);
+                if self.partition.owns(self.element, i, j) {
+                    let mut vertex = self.map.position(i, j);
+                    vertex[axis] += peak.position - peak.index as f64 * step;
+                    found.push((vertex, peak));
+                }
+            }
+        }
+        found
+    }
+}
+
+fn respond(
+    element: usize,
+    elements: &ElementOutlines,
+    faces: [FaceAsperities; 2],
+    reference: [f64; 2],
+    interference: &[f64],
+    options: &Options,
+) -> Result<ElementSurface, SurfaceError> {
+    let pair = PairOptions {
+        radius: options.pair_radius,
+        heights: options.heights,
+        seed: options.bootstrap.seed,
+    };
+    let sampled = combine(element, elements.area(element), [&faces[0], &faces[1]], pair)?;
+    let single = sampled.heights().len() < options.least_peaks;
+    let population = if single { sampled.uniform() } else { sampled };
+    let Options {
+        material,
+        tangential: reading,
+        u_ref,
+        ..
+    } = *options;
+
+    let curves = traction_curves(&population, material, reading, interference)?;
+    let bands = bootstrap_bands(&population, material, reading, interference, options.bootstrap, element)?;
+    let ends = match reading {
+        TangentialReading::Mindlin => TangentialEnds::Mindlin,
+        TangentialReading::Paper => TangentialEnds::Constant,
+    };
+    let fit_stiffness = |q: usize| fit_tangential(interference, &curves.tangential[q], u_ref, ends);
+    let along_x = fit_stiffness(0)?;
+    let along_y = if curves.tangential[0] == curves.tangential[1] {
+        along_x
+    } else {
+        fit_stiffness(1)?
+    };
+    let mut tangential = [along_x, along_y];
+    let normal = if single {
+        for fit in &mut tangential {
+            fit.fallback = Some(FitFallback::SingleAsperity);
+        }
+        single_asperity(&curves, u_ref)
+    } else {
+        fit_normal(interference, &curves.normal, u_ref)?
+    };
+
+    let gap = pair_gap(
+        [&faces[0].plane, &faces[1].plane],
+        [faces[0].tallest, faces[1].tallest],
+        reference,
+    );
+    let gap_range = gap.range(elements, element);
+    Ok(ElementSurface {
+        element,
+        faces,
+        population,
+        gap,
+        gap_range,
+        curves,
+        bands,
+        normal,
+        tangential,
+    })
+}
+
+/// The closed form `t_n ~ u^(3/2)` as parameters of eq. (28), with its deviation from the curve it stands for.
+fn single_asperity(curves: &TractionCurves, u_ref: f64) -> NormalFitReport {
+    let (u, t) = (&curves.interference, &curves.normal);
+    let last = u.len() - 1;
+    let a = t[last].ln() - 1.5 * (u[last] / u_ref).ln();
+    let residuals: Vec<f64> = u
+        .iter()
+        .zip(t)
+        .map(|(u, t)| a + 1.5 * (u / u_ref).ln() - t.ln())
+        .collect();
+    FitReport {
+        parameters: NormalFit {
+            a,
+            b: 1.5,
+            c: 0.0,
+            d: 0.0,
+            e: 1.0,
+            u_ref,
+            range: Some([u[0], u[last]]),
+        },
+        rms: (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt(),
+        max_residual: residuals.iter().fold(0.0, |m: f64, r| m.max(r.abs())),
+        samples: u.len(),
+        zero_samples: 0,
+        fallback: Some(FitFallback::SingleAsperity),
+    }
+}

@@ -1,0 +1,160 @@
+//! The one error type of the crate.
+
+use thiserror::Error;
+
+/// Why a surface could not be characterised.
+///
+/// Every variant names the field or place, the value, its unit, and what to do about it.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SurfaceError {
+    /// A scalar lies outside the range in which the method is defined.
+    #[error("{field} = {value} {unit}: must be {requirement}")]
+    InvalidValue {
+        /// Name of the field.
+        field: &'static str,
+        /// The value given.
+        value: f64,
+        /// Its unit (`1` when dimensionless).
+        unit: &'static str,
+        /// What is required of it.
+        requirement: &'static str,
+    },
+    /// An array has another length than its companions require.
+    #[error("{field} has {found} entries, expected {expected}: {remedy}")]
+    LengthMismatch {
+        /// Name of the array.
+        field: &'static str,
+        /// Length given.
+        found: usize,
+        /// Length required.
+        expected: usize,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A height is infinite. Missing data are marked by NaN.
+    #[error("height of point ({i}, {j}) is {value} m: heights are finite, missing points are NaN")]
+    InfiniteHeight {
+        /// Column, along x.
+        i: usize,
+        /// Row, along y.
+        j: usize,
+        /// The value given.
+        value: f64,
+    },
+    /// An array holds a value that is not finite or not in order.
+    #[error("{field}[{index}] = {value} {unit}: must be {requirement}")]
+    InvalidSample {
+        /// Name of the array.
+        field: &'static str,
+        /// Position in it.
+        index: usize,
+        /// The value given.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// What is required of it.
+        requirement: &'static str,
+    },
+    /// An interface element is not a simple triangle or quadrilateral of the given nodes.
+    #[error("interface element {element}: {problem}; give 3 or 4 distinct nodes in order around a simple polygon")]
+    InvalidElement {
+        /// Index of the element.
+        element: usize,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A plane was asked for where there are too few points, or points on one line.
+    #[error(
+        "{place}: {points} points with data do not determine a plane; \
+         widen the region, choose another reference or check the pose of the height map"
+    )]
+    UndeterminedPlane {
+        /// Which plane.
+        place: &'static str,
+        /// Points found.
+        points: usize,
+    },
+    /// An element has too few points with data on one face.
+    #[error(
+        "element {element}, {face} face: {points} points with data ({missing} missing), at least {needed} not in one \
+         line are needed; check pose and mask of the height map, or coarsen the interface mesh"
+    )]
+    TooFewPoints {
+        /// Index of the element.
+        element: usize,
+        /// `top` or `bottom`.
+        face: &'static str,
+        /// Points with data inside the element.
+        points: usize,
+        /// Points without data inside the element.
+        missing: usize,
+        /// Least number.
+        needed: usize,
+    },
+    /// Neither face has a single roughness peak in this element.
+    #[error(
+        "element {element}: no peak on either face ({points_top} and {points_bottom} points), so there is no \
+         asperity to contact; check height step and lateral step of the scans, or coarsen the interface mesh"
+    )]
+    NoPeaks {
+        /// Index of the element.
+        element: usize,
+        /// Points of the top face.
+        points_top: usize,
+        /// Points of the bottom face.
+        points_bottom: usize,
+    },
+    /// A curve has too few usable samples for a fit.
+    #[error("{curve}: {found} samples above zero, a fit needs at least {needed}; sample the curve over a wider range")]
+    TooFewSamples {
+        /// Which curve.
+        curve: &'static str,
+        /// Usable samples.
+        found: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+}
+
+/// Returns `value` if it is finite and `> 0`.
+pub(crate) fn positive(field: &'static str, value: f64, unit: &'static str) -> Result<f64, SurfaceError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(SurfaceError::InvalidValue {
+            field,
+            value,
+            unit,
+            requirement: "finite and greater than zero",
+        })
+    }
+}
+
+/// Returns `value` if it is finite and `>= 0`.
+pub(crate) fn not_negative(field: &'static str, value: f64, unit: &'static str) -> Result<f64, SurfaceError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(SurfaceError::InvalidValue {
+            field,
+            value,
+            unit,
+            requirement: "finite and not negative",
+        })
+    }
+}
+
+/// Returns `value` if it is finite.
+pub(crate) fn finite(field: &'static str, value: f64, unit: &'static str) -> Result<f64, SurfaceError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(SurfaceError::InvalidValue {
+            field,
+            value,
+            unit,
+            requirement: "finite",
+        })
+    }
+}
