@@ -1,7 +1,7 @@
 //! Errors of this crate.
 
 /// What can be wrong with a geometry, a refinement, a material or a load.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A quantity is outside its admissible range.
@@ -18,20 +18,21 @@ pub enum Error {
         /// What would be accepted.
         requirement: &'static str,
     },
+    /// The material is refused by the finite elements.
+    #[error(transparent)]
+    Material(#[from] substructure::Error),
     /// Two lengths do not fit together.
-    #[error(
-        "{place}: {smaller} = {smaller_value} m must be less than {larger} = {larger_value} m; change one of them"
-    )]
+    #[error("{place}: {smaller} = {smaller_value} m must be less than {larger} = {larger_value} m; change one of them")]
     Misfit {
         /// What the lengths belong to.
         place: &'static str,
         /// The length that should be the smaller one.
         smaller: &'static str,
-        /// Its value [m].
+        /// Its value (m).
         smaller_value: f64,
         /// The length that should be the larger one.
         larger: &'static str,
-        /// Its value [m].
+        /// Its value (m).
         larger_value: f64,
     },
     /// A number of elements is outside its admissible range.
@@ -54,9 +55,9 @@ pub enum Error {
         place: &'static str,
         /// Number of layers.
         layers: usize,
-        /// Thickness of the first layer [m].
+        /// Thickness of the first layer (m).
         first: f64,
-        /// Length to fill [m].
+        /// Length to fill (m).
         length: f64,
         /// Least ratio of neighbouring layers.
         least: f64,
@@ -73,7 +74,7 @@ pub enum Error {
         part: String,
         /// Element number in the mesh.
         element: usize,
-        /// Least determinant over corners and Gauss points [m^3].
+        /// Least determinant over corners and Gauss points (m^3).
         determinant: f64,
     },
 }

@@ -3,8 +3,8 @@ use crate::{Error, Result};
 
 const INCH: f64 = 0.0254;
 
-/// Dimensions of the benchmark [m]. The default is the public drawing: a 720 mm beam of one inch square, with 5/16 inch
-/// bolts. Hardware is given in inches there, hence the fractions.
+/// Dimensions of the benchmark (m). The default is the public drawing: a 720 mm beam of one inch square, with 5/16
+/// inch bolts. Hardware is given in inches there, hence the fractions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     /// Length of the assembled beam along `x`.
@@ -62,55 +62,50 @@ impl Default for Geometry {
 }
 
 impl Geometry {
-    /// Positions of the holes along `x` [m].
+    /// Positions of the holes along `x` (m).
     pub fn hole_positions(&self) -> [f64; 3] {
         [-self.hole_pitch, 0.0, self.hole_pitch]
     }
 
-    /// Length of the arm between the lap and the beam's end [m].
+    /// Length of the arm between the lap and the beam's end (m).
     pub fn arm_length(&self) -> f64 {
         (self.length - self.lap_length) / 2.0
     }
 
-    /// Nominal area of the interface: the lap's rectangle without the three round holes [m^2].
+    /// Nominal area of the interface: the lap's rectangle without the three round holes (m^2).
     pub fn interface_area(&self) -> f64 {
         self.lap_length * self.width - 3.0 * disc_area(self.hole_diameter)
     }
 
-    /// Volume of one half-beam [m^3].
+    /// Volume of one half-beam (m^3).
     pub fn half_beam_volume(&self) -> f64 {
         (self.arm_length() * self.width + 0.5 * self.interface_area()) * self.height
     }
 
-    /// Volume of one washer [m^3].
+    /// Volume of one washer (m^3).
     pub fn washer_volume(&self) -> f64 {
-        (disc_area(self.washer_outer_diameter) - disc_area(self.washer_inner_diameter))
-            * self.washer_thickness
+        (disc_area(self.washer_outer_diameter) - disc_area(self.washer_inner_diameter)) * self.washer_thickness
     }
 
-    /// Volume of one bolt's shank, without the head [m^3].
+    /// Volume of one bolt's shank, without the head (m^3).
     pub fn shank_volume(&self) -> f64 {
         disc_area(self.shank_diameter) * (self.bolt_length - self.head_height)
     }
 
-    /// Volume of one bolt's head [m^3].
+    /// Volume of one bolt's head (m^3).
     pub fn head_volume(&self) -> f64 {
         self.hexagon_area() * self.head_height
     }
 
-    /// Volume of one nut [m^3].
+    /// Volume of one nut (m^3).
     pub fn nut_volume(&self) -> f64 {
         (self.hexagon_area() - disc_area(self.nut_bore_diameter)) * self.nut_height
     }
 
-    /// Volume of the whole assembly: two half-beams, three bolts, three nuts, six washers [m^3].
+    /// Volume of the whole assembly: two half-beams, three bolts, three nuts, six washers (m^3).
     pub fn volume(&self) -> f64 {
         2.0 * self.half_beam_volume()
-            + 3.0
-                * (self.shank_volume()
-                    + self.head_volume()
-                    + self.nut_volume()
-                    + 2.0 * self.washer_volume())
+            + 3.0 * (self.shank_volume() + self.head_volume() + self.nut_volume() + 2.0 * self.washer_volume())
     }
 
     fn hexagon_area(&self) -> f64 {
@@ -148,12 +143,7 @@ impl Geometry {
         let stack = self.head_height + self.height + 2.0 * self.washer_thickness + self.nut_height;
         let misfits = [
             ("lap_length", self.lap_length, "length", self.length),
-            (
-                "2.5 hole_pitch",
-                2.5 * self.hole_pitch,
-                "lap_length",
-                self.lap_length,
-            ),
+            ("2.5 hole_pitch", 2.5 * self.hole_pitch, "lap_length", self.lap_length),
             (
                 "hole_diameter",
                 self.hole_diameter,
@@ -197,12 +187,7 @@ impl Geometry {
                 "hole_pitch",
                 self.hole_pitch,
             ),
-            (
-                "washer_outer_diameter",
-                self.washer_outer_diameter,
-                "width",
-                self.width,
-            ),
+            ("washer_outer_diameter", self.washer_outer_diameter, "width", self.width),
             (
                 "2 hole_pitch + washer_outer_diameter",
                 2.0 * self.hole_pitch + self.washer_outer_diameter,
@@ -233,7 +218,8 @@ impl Geometry {
     }
 }
 
-/// Radius of the regular polygon of `corners` corners (its circumscribed circle) with the area of a circle of `radius`:
+/// Radius of the regular polygon of `corners` corners (its circumscribed circle) with the area of a circle of
+/// `radius`:
 /// `radius sqrt(pi / (n/2 sin(2 pi/n)))`. With it, areas and masses are exact at any refinement.
 pub fn equal_area_radius(radius: f64, corners: usize) -> f64 {
     let n = corners as f64;
@@ -244,12 +230,7 @@ fn disc_area(diameter: f64) -> f64 {
     0.25 * std::f64::consts::PI * diameter * diameter
 }
 
-pub(crate) fn positive(
-    place: &'static str,
-    field: &'static str,
-    value: f64,
-    unit: &'static str,
-) -> Result<()> {
+pub(crate) fn positive(place: &'static str, field: &'static str, value: f64, unit: &'static str) -> Result<()> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {

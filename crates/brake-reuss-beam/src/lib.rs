@@ -3,8 +3,8 @@
 //!
 //! Two half-beams of square section overlap in a lap and are held by three bolts with washers and nuts.
 //! [`mesh::build`] turns a [`geometry::Geometry`] and a [`mesh::Refinement`] into a
-//! [`mesh::BrakeReussBeam`]: the solid mesh with its ties, couplings, equations and bolt loads, and the interface mesh
-//! whose nodes pair the two half-beams. [`published`] carries measured and computed figures with their sources.
+//! [`mesh::BrakeReussBeam`]: the solid mesh with its ties, couplings, equations and bolt loads, and the interface
+//! mesh whose nodes pair the two half-beams. [`published`] carries measured and computed figures with their sources.
 //!
 //! Axes: `x` along the beam, `y` across, `z` along the bolts; the origin is the middle of the interface, which is the
 //! plane `z = 0`. Everything is SI.
@@ -18,3 +18,7 @@ pub use error::Error;
 
 /// Result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

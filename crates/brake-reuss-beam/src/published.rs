@@ -1,8 +1,8 @@
 //! Measured and computed figures of the beam, as facts with their sources. SI units: Hz, m, N, Pa.
 //!
 //! Sources:
-//! - **Paper**: "Traction-based multi-scale nonlinear dynamic modeling of bolted joints: Formulation, application, and trends
-//!   in micro-scale interface evolution", Mechanical Systems and Signal Processing (2020),
+//! - **Paper**: "Traction-based multi-scale nonlinear dynamic modeling of bolted joints: Formulation, application,
+//!   and trends in micro-scale interface evolution", Mechanical Systems and Signal Processing (2020),
 //!   DOI 10.1016/j.ymssp.2020.106615.
 //! - **Surface**: Porter and Brake, Mechanical Systems and Signal Processing (2023), DOI 10.1016/j.ymssp.2023.110210;
 //!   measured data and backbones in the examples of `tmd-lab/tmdsimpy` (MIT licence).
@@ -21,21 +21,21 @@ pub fn steel() -> Material {
     }
 }
 
-/// Tension of each bolt in the paper's simulations [N].
+/// Tension of each bolt in the paper's simulations (N).
 pub const BOLT_LOAD: f64 = 12_845.0;
 
-/// Bolt tension per bolt strain (paper, eq. 46) [N].
+/// Bolt tension per bolt strain (paper, eq. 46) (N).
 ///
 /// The paper's 2050 microstrain give 12 850 N by this figure, not quite [`BOLT_LOAD`].
 pub const BOLT_LOAD_PER_STRAIN: f64 = 6_268_300.0;
 
-/// Mass of the assembled beam as the paper states it [kg].
+/// Mass of the assembled beam as the paper states it (kg).
 pub const PAPER_MASS: f64 = 3.68;
 
-/// Measured damping ratio of the first mode at low amplitude, roughly (paper) [-].
+/// Measured damping ratio of the first mode at low amplitude, roughly (paper) (-).
 pub const LOW_AMPLITUDE_DAMPING: f64 = 0.001;
 
-/// First bending frequency at low amplitude (paper, Table 1) [Hz].
+/// First bending frequency at low amplitude (paper, Table 1) (Hz).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstFrequency {
     /// Computed with the measured topography, parameters per element.
@@ -56,7 +56,8 @@ pub const FIRST_FREQUENCY: FirstFrequency = FirstFrequency {
     measured: 180.92,
 };
 
-/// Linearised frequencies of the free beam (paper, Table 3) [Hz]. Suspended by bungees they are the same to these digits.
+/// Linearised frequencies of the free beam (paper, Table 3) (Hz). Suspended by bungees they are the same to these
+/// digits.
 pub const LINEARISED_FREQUENCIES: [f64; 10] = [
     167.42, 227.31, 585.22, 666.1, 1194.7, 1272.5, 1608.0, 1685.1, 2030.8, 2862.6,
 ];
@@ -64,15 +65,15 @@ pub const LINEARISED_FREQUENCIES: [f64; 10] = [
 /// A row of the paper's Table 4: first frequency and contact area against bolt strain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoltStrainRow {
-    /// Bolt strain [-].
+    /// Bolt strain (-).
     pub bolt_strain: f64,
-    /// First frequency with the measured topography [Hz].
+    /// First frequency with the measured topography (Hz).
     pub topography_frequency: f64,
-    /// Area of the elements in contact over the whole area, with the measured topography [-].
+    /// Area of the elements in contact over the whole area, with the measured topography (-).
     pub topography_contact: f64,
-    /// First frequency with a flat interface [Hz].
+    /// First frequency with a flat interface (Hz).
     pub flat_frequency: f64,
-    /// Area of the elements in contact over the whole area, with a flat interface [-].
+    /// Area of the elements in contact over the whole area, with a flat interface (-).
     pub flat_contact: f64,
 }
 
@@ -147,11 +148,11 @@ pub const BOLT_STRAIN_TABLE: [BoltStrainRow; 9] = [
 /// 7800 kg/m^3, 12 kN per bolt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TutorialFrequencies {
-    /// Without contact and bolt load: the first flexible modes [Hz].
+    /// Without contact and bolt load: the first flexible modes (Hz).
     pub unstressed: [f64; 3],
-    /// Hard frictionless contact under the bolt load [Hz].
+    /// Hard frictionless contact under the bolt load (Hz).
     pub frictionless_contact: [f64; 4],
-    /// Bonded by a penalty stiffness of 5e6 N/m per element [Hz].
+    /// Bonded by a penalty stiffness of 5e6 N/m per element (Hz).
     pub bonded: [f64; 10],
 }
 
@@ -164,59 +165,54 @@ pub const TUTORIAL_FREQUENCIES: TutorialFrequencies = TutorialFrequencies {
     ],
 };
 
-/// Independent finite elements: free half-beam, incompatible modes (C3D8I) [Hz].
-pub const HALF_BEAM_FREQUENCIES: [f64; 7] =
-    [633.77, 787.63, 1453.35, 1920.5, 3065.1, 3618.0, 3766.5];
+/// Independent finite elements: free half-beam, incompatible modes (C3D8I) (Hz).
+pub const HALF_BEAM_FREQUENCIES: [f64; 7] = [633.77, 787.63, 1453.35, 1920.5, 3065.1, 3618.0, 3766.5];
 
-/// Independent finite elements: all ten lowest flexible modes with a stuck interface, incompatible modes (C3D8I) [Hz].
+/// Independent finite elements: the ten lowest flexible modes with a stuck interface, incompatible modes (C3D8I)
+/// (Hz).
 pub const STUCK_FREQUENCIES: [f64; 10] = [
     201.43, 233.66, 624.97, 665.12, 1238.4, 1280.3, 1825.4, 1899.3, 2055.3, 3032.9,
 ];
 
-/// As [`STUCK_FREQUENCIES`], with reduced integration and hourglass control (C3D8R) [Hz].
+/// As [`STUCK_FREQUENCIES`], with reduced integration and hourglass control (C3D8R) (Hz).
 pub const STUCK_FREQUENCIES_REDUCED_INTEGRATION: [f64; 10] = [
     197.58, 232.16, 618.09, 661.45, 1228.74, 1274.12, 1797.16, 1861.96, 2041.73, 3007.11,
 ];
 
-/// Independent finite elements: springs on the part of the interface that touches under hard contact [Hz].
+/// Independent finite elements: springs on the part of the interface that touches under hard contact (Hz).
 pub const HARD_CONTACT_FREQUENCIES: [f64; 10] = [
     167.08, 223.64, 579.85, 654.47, 1175.7, 1250.3, 1596.7, 1670.8, 1997.4, 2815.9,
 ];
 
-/// Fraction of the interface that touches under hard contact (independent finite elements) [-].
+/// Fraction of the interface that touches under hard contact (independent finite elements) (-).
 pub const HARD_CONTACT_AREA: f64 = 0.758;
 
-/// Mass of the independent finite element model [kg].
+/// Mass of the independent finite element model (kg).
 pub const MODEL_MASS: f64 = 3.7011;
 
-/// Mass of one half-beam of the independent finite element model [kg].
+/// Mass of one half-beam of the independent finite element model (kg).
 pub const HALF_BEAM_MASS: f64 = 1.8082;
 
 /// A point of a published backbone of the first bending mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BackbonePoint {
-    /// Modal amplitude with mass-normalised mode [kg^1/2 m].
+    /// Modal amplitude with mass-normalised mode (kg^1/2 m).
     pub modal_amplitude: f64,
-    /// Frequency [Hz].
+    /// Frequency (Hz).
     pub frequency: f64,
-    /// Damping ratio, viscous background included [-].
+    /// Damping ratio, viscous background included (-).
     pub damping_ratio: f64,
-    /// Displacement amplitude of the source's response point [m].
+    /// Displacement amplitude of the source's response point (m).
     pub displacement_amplitude: f64,
 }
 
-/// Viscous damping ratio that the published backbones include in the first mode [-].
+/// Viscous damping ratio that the published backbones include in the first mode (-).
 pub const BACKBONE_VISCOUS_DAMPING: f64 = 0.00087;
 
-/// Backbone by the extended periodic motion concept, rough contact with plasticity, friction coefficient 0.03, flat interface
-/// (surface source).
+/// Backbone by the extended periodic motion concept, rough contact with plasticity, friction coefficient 0.03, flat
+/// interface (surface source).
 pub const BACKBONE_FLAT: [BackbonePoint; 23] = [
-    backbone_point(
-        1e-07,
-        168.50232640285543,
-        0.0008727689736895,
-        9.734289991825e-08,
-    ),
+    backbone_point(1e-07, 168.50232640285543, 0.0008727689736895, 9.734289991825e-08),
     backbone_point(
         1.139117517188e-07,
         168.50219746506983,
@@ -351,15 +347,10 @@ pub const BACKBONE_FLAT: [BackbonePoint; 23] = [
     ),
 ];
 
-/// Backbone by the extended periodic motion concept, rough contact with plasticity, friction coefficient 0.03, measured topography
-/// (surface source).
+/// Backbone by the extended periodic motion concept, rough contact with plasticity, friction coefficient 0.03,
+/// measured topography (surface source).
 pub const BACKBONE_TOPOGRAPHY: [BackbonePoint; 22] = [
-    backbone_point(
-        1e-07,
-        180.62742780181412,
-        0.0008779562039979,
-        9.838957954002e-08,
-    ),
+    backbone_point(1e-07, 180.62742780181412, 0.0008779562039979, 9.838957954002e-08),
     backbone_point(
         1.139120173676e-07,
         180.62702489136723,
@@ -505,15 +496,15 @@ const fn backbone_point(
 /// What the surface source assumes about material and load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceModel {
-    /// Young's modulus [Pa].
+    /// Young's modulus (Pa).
     pub youngs_modulus: f64,
-    /// Poisson ratio [-].
+    /// Poisson ratio (-).
     pub poisson_ratio: f64,
-    /// Friction coefficient [-].
+    /// Friction coefficient (-).
     pub friction_coefficient: f64,
-    /// Yield strength beyond which its asperities are plastic [Pa].
+    /// Yield strength beyond which its asperities are plastic (Pa).
     pub yield_strength: f64,
-    /// Tension of each bolt [N].
+    /// Tension of each bolt (N).
     pub bolt_load: f64,
 }
 
@@ -526,17 +517,18 @@ pub const SURFACE_SOURCE_MODEL: SourceModel = SourceModel {
     bolt_load: 12_249.0,
 };
 
-/// Effective radius of the asperity pairs of a real interface (surface source) [m].
+/// Effective radius of the asperity pairs of a real interface (surface source) (m).
 pub const EFFECTIVE_RADIUS: f64 = 0.0013649327743177684;
 
-/// Asperity pairs per area of a real interface (surface source) [1/m^2]. Counts all pairs of the distribution
+/// Asperity pairs per area of a real interface (surface source) (1/m^2). Counts all pairs of the distribution
 /// [`ASPERITY_GAP_QUANTILES`].
 pub const ASPERITIES_PER_AREA: f64 = 1371333.5027107028;
 
-/// Greatest initial gap of an asperity pair (surface source) [m]; the distribution is normalised from 0 to here.
+/// Greatest initial gap of an asperity pair (surface source) (m); the distribution is normalised from 0 to here.
 pub const ASPERITY_GAP_MAX: f64 = 2.8047835136056204e-05;
 
-/// Distribution of the initial gaps of the asperity pairs (surface source) [m]: value `i` is the gap at the probability
+/// Distribution of the initial gaps of the asperity pairs (surface source) (m): value `i` is the gap at the
+/// probability
 /// `i / 200`. A gap of 0 is the first pair to touch, at zero interference.
 pub const ASPERITY_GAP_QUANTILES: [f64; 201] = [
     0.0,
@@ -742,11 +734,11 @@ pub const ASPERITY_GAP_QUANTILES: [f64; 201] = [
     2.804784e-05,
 ];
 
-/// Half lengths that scale x and y in [`mesoscale_gap`] [m].
+/// Half lengths that scale x and y in [`mesoscale_gap`] (m).
 pub const MESOSCALE_GAP_EXTENT: [f64; 2] = [0.0625, 0.0127];
 
-/// Legendre coefficients `c[i][j]` of the gap between the two real faces (surface source) [m], a least-squares fit of the
-/// measured 0.5 mm grid (12 688 points, least value 0).
+/// Legendre coefficients `c[i][j]` of the gap between the two real faces (surface source) (m), a least-squares fit
+/// of the measured 0.5 mm grid (12 688 points, least value 0).
 pub const MESOSCALE_GAP_COEFFICIENTS: [[f64; 7]; 13] = [
     [
         6.966289e-05,
@@ -867,15 +859,15 @@ pub const MESOSCALE_GAP_COEFFICIENTS: [[f64; 7]; 13] = [
     ],
 ];
 
-/// Root mean square difference between the fit and the measured grid [m].
+/// Root mean square difference between the fit and the measured grid (m).
 pub const MESOSCALE_GAP_RMS_RESIDUAL: f64 = 1.1043062054835136e-07;
 
-/// Greatest difference between the fit and the measured grid [m].
+/// Greatest difference between the fit and the measured grid (m).
 pub const MESOSCALE_GAP_MAX_RESIDUAL: f64 = 5.72088644091532e-07;
 
-/// Gap between the unloaded faces at a point of the interface [m], never negative:
-/// `max(0, sum_ij c[i][j] P_i(x / 0.0625) P_j(y / 0.0127))`, `x` along the beam and `y` across from the interface's centre
-/// [m]. Points outside of [`MESOSCALE_GAP_EXTENT`] get the value at its nearest edge.
+/// Gap between the unloaded faces at a point of the interface (m), never negative:
+/// `max(0, sum_ij c[i][j] P_i(x / 0.0625) P_j(y / 0.0127))`, `x` along the beam and `y` across from the interface's
+/// centre (m). Points outside of [`MESOSCALE_GAP_EXTENT`] get the value at its nearest edge.
 pub fn mesoscale_gap(x: f64, y: f64) -> f64 {
     let [half_length, half_width] = MESOSCALE_GAP_EXTENT;
     let along = legendre::<13>((x / half_length).clamp(-1.0, 1.0));

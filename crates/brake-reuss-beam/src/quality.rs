@@ -1,6 +1,5 @@
-//! Measures of meshes: volume, mass, area, Jacobian determinants, connected components.
+//! Measures of solid meshes: volume, mass, Jacobian determinants, connected components.
 use substructure::mesh::{Hex8, Mesh};
-use zte_assembly::mesh::{Element, InterfaceMesh};
 
 /// Corners of the reference cube in the order of [`Hex8::nodes`].
 const CORNERS: [[f64; 3]; 8] = [
@@ -32,8 +31,7 @@ fn jacobian_determinant(mesh: &Mesh, element: &Hex8, xi: [f64; 3]) -> f64 {
         }
     }
     let [r, s, t] = jacobian;
-    r[0] * (s[1] * t[2] - s[2] * t[1]) - r[1] * (s[0] * t[2] - s[2] * t[0])
-        + r[2] * (s[0] * t[1] - s[1] * t[0])
+    r[0] * (s[1] * t[2] - s[2] * t[1]) - r[1] * (s[0] * t[2] - s[2] * t[0]) + r[2] * (s[0] * t[1] - s[1] * t[0])
 }
 
 fn gauss_points() -> impl Iterator<Item = [f64; 3]> {
@@ -41,28 +39,23 @@ fn gauss_points() -> impl Iterator<Item = [f64; 3]> {
     CORNERS.iter().map(move |corner| corner.map(|c| c * g))
 }
 
-/// Volume of one element [m^3]; 2 x 2 x 2 Gauss points integrate the trilinear map exactly.
+/// Volume of one element (m^3); 2 x 2 x 2 Gauss points integrate the trilinear map exactly.
 ///
 /// # Panics
 /// If the element refers to nodes that the mesh does not have.
 pub fn element_volume(mesh: &Mesh, element: &Hex8) -> f64 {
-    gauss_points()
-        .map(|xi| jacobian_determinant(mesh, element, xi))
-        .sum()
+    gauss_points().map(|xi| jacobian_determinant(mesh, element, xi)).sum()
 }
 
-/// Volume of a set of elements of the mesh [m^3].
+/// Volume of a set of elements of the mesh (m^3).
 ///
 /// # Panics
 /// If an element refers to nodes that the mesh does not have.
 pub fn volume(mesh: &Mesh, elements: &[Hex8]) -> f64 {
-    elements
-        .iter()
-        .map(|element| element_volume(mesh, element))
-        .sum()
+    elements.iter().map(|element| element_volume(mesh, element)).sum()
 }
 
-/// Mass of the mesh [kg].
+/// Mass of the mesh (kg).
 ///
 /// # Panics
 /// If an element refers to nodes or materials that the mesh does not have.
@@ -74,8 +67,8 @@ pub fn mass(mesh: &Mesh) -> f64 {
         .sum()
 }
 
-/// Least Jacobian determinant of an element over its corners and its 2 x 2 x 2 Gauss points [m^3], for a reference cube
-/// of edge 2.
+/// Least Jacobian determinant of an element over its corners and its 2 x 2 x 2 Gauss points (m^3), for a reference
+/// cube of edge 2.
 ///
 /// # Panics
 /// If the element refers to nodes that the mesh does not have.
@@ -85,11 +78,14 @@ pub fn least_jacobian_determinant(mesh: &Mesh, element: &Hex8) -> f64 {
         .copied()
         .chain(gauss_points())
         .map(|xi| jacobian_determinant(mesh, element, xi))
-        .fold(f64::INFINITY, f64::min)
+        // Unlike `f64::min`, this keeps NaN.
+        .fold(f64::INFINITY, |least, value| {
+            if value < least || value.is_nan() { value } else { least }
+        })
 }
 
-/// Least scaled Jacobian of an element over its corners: the triple product of the unit edges that meet there, 1 for a
-/// brick and 0 for a degenerate corner [-].
+/// Least scaled Jacobian of an element over its corners: the triple product of the unit edges that meet there, 1 for
+/// a brick and 0 for a degenerate corner (-).
 ///
 /// # Panics
 /// If the element refers to nodes that the mesh does not have.
@@ -102,11 +98,7 @@ pub fn scaled_jacobian(mesh: &Mesh, element: &Hex8) -> f64 {
             let top = corner / 4 * 4;
             let place = corner % 4;
             // Neighbours along the three local axes: mirrored in xi, eta and zeta.
-            let neighbours = [
-                top + [1, 0, 3, 2][place],
-                top + [3, 2, 1, 0][place],
-                (corner + 4) % 8,
-            ];
+            let neighbours = [top + [1, 0, 3, 2][place], top + [3, 2, 1, 0][place], (corner + 4) % 8];
             let edges = neighbours.map(|n| [0, 1, 2].map(|c| at(n)[c] - at(corner)[c]));
             let lengths = edges.map(|e| e.iter().map(|c| c * c).sum::<f64>().sqrt());
             let [r, s, t] = edges;
@@ -152,25 +144,4 @@ pub fn connected_components(mesh: &Mesh) -> (Vec<usize>, usize) {
         })
         .collect();
     (components, count)
-}
-
-/// Area of an interface mesh [m^2]; negative for clockwise elements.
-///
-/// # Panics
-/// If an element refers to nodes that the mesh does not have.
-pub fn interface_area(mesh: &InterfaceMesh) -> f64 {
-    let polygon = |nodes: &[u32]| -> f64 {
-        let at = |k: usize| mesh.nodes[nodes[k % nodes.len()] as usize];
-        (0..nodes.len())
-            .map(|k| (at(k), at(k + 1)))
-            .map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0]))
-            .sum()
-    };
-    mesh.elements
-        .iter()
-        .map(|element| match element {
-            Element::Tri3(nodes) => polygon(nodes),
-            Element::Quad4(nodes) => polygon(nodes),
-        })
-        .sum()
 }

@@ -52,7 +52,7 @@ static INFO: LawInfo = LawInfo {
     ],
 };
 
-/// Distribution of the asperities' initial gaps `s` [m]: pieces of uniform density, of which single samples are the
+/// Distribution of the asperities' initial gaps `s` (m): pieces of uniform density, of which single samples are the
 /// limit of zero width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GapDistribution {
@@ -70,7 +70,7 @@ struct Piece {
 }
 
 impl GapDistribution {
-    /// Equally weighted samples `s >= 0` [m] in any order.
+    /// Equally weighted samples `s >= 0` (m) in any order.
     ///
     /// # Errors
     /// [`Error::Parameter`] when a sample is negative or not finite, [`Error::Length`] when there is none.
@@ -99,7 +99,7 @@ impl GapDistribution {
         ))
     }
 
-    /// Quantile function, linear between the given `probabilities` (ascending from 0 to 1) with the gaps `values` [m]
+    /// Quantile function, linear between the given `probabilities` (ascending from 0 to 1) with the gaps `values` (m)
     /// (ascending, not negative). Equal neighbouring values put the probability between them on one gap.
     ///
     /// # Errors
@@ -183,12 +183,12 @@ impl GapDistribution {
         Self { pieces, before }
     }
 
-    /// Gap of the first asperity to touch [m].
+    /// Gap of the first asperity to touch (m).
     pub fn smallest(&self) -> f64 {
         self.pieces[0].start
     }
 
-    /// Gap of the last asperity to touch [m].
+    /// Gap of the last asperity to touch (m).
     pub fn largest(&self) -> f64 {
         let last = self.pieces[self.pieces.len() - 1];
         last.start + last.width
@@ -202,12 +202,12 @@ impl GapDistribution {
         }
     }
 
-    /// `M_1(u) = E[(u - s)_+]` [m].
+    /// `M_1(u) = E[(u - s)_+]` (m).
     pub fn mean_interference(&self, u: f64) -> f64 {
         self.loaded(u).map(|l| 0.5 * l.share * (l.a * l.a + l.b * l.b)).sum()
     }
 
-    /// `M_{3/2}(u)` [m^(3/2)] and `M_{1/2}(u)` [m^(1/2)].
+    /// `M_{3/2}(u)` (m^(3/2)) and `M_{1/2}(u)` (m^(1/2)).
     pub fn three_halves_moment(&self, u: f64) -> (f64, f64) {
         self.loaded(u).fold((0.0, 0.0), |(high, low), l| {
             let (aa, ab, bb, sum) = (l.a * l.a, l.a * l.b, l.b * l.b, l.a + l.b);
@@ -236,7 +236,7 @@ impl GapDistribution {
         })
     }
 
-    /// Probability density of the gaps at `u` [1/m]; zero between samples.
+    /// Probability density of the gaps at `u` (1/m); zero between samples.
     fn density(&self, u: f64) -> f64 {
         match self.n_loaded(u) {
             0 => 0.0,
@@ -321,8 +321,8 @@ pub struct AsperityPopulation {
 }
 
 impl AsperityPopulation {
-    /// From the distribution of the initial gaps, the number of pairs per area `n_A` [1/m^2] and the pairs' effective
-    /// radii `beta_x`, `beta_y` [m].
+    /// From the distribution of the initial gaps, the number of pairs per area `n_A` (1/m^2) and the pairs' effective
+    /// radii `beta_x`, `beta_y` (m).
     ///
     /// # Errors
     /// [`Error::Parameter`] when density or radii are not above zero.
@@ -338,17 +338,17 @@ impl AsperityPopulation {
         &self.gaps
     }
 
-    /// Pairs per area [1/m^2].
+    /// Pairs per area (1/m^2).
     pub fn density(&self) -> f64 {
         self.density
     }
 
-    /// Effective radii along x and y [m].
+    /// Effective radii along x and y (m).
     pub fn radii(&self) -> [f64; 2] {
         self.radii
     }
 
-    /// `beta = sqrt(beta_x beta_y)` [m].
+    /// `beta = sqrt(beta_x beta_y)` (m).
     pub fn effective_radius(&self) -> f64 {
         self.radii[0].sqrt() * self.radii[1].sqrt()
     }
@@ -375,9 +375,9 @@ pub struct AsperitySumCurves {
     population: AsperityPopulation,
     material: ElasticPair,
     reading: TangentialReading,
-    /// Factor of `M_{3/2}` [Pa/m^(3/2)].
+    /// Factor of `M_{3/2}` (Pa/m^(3/2)).
     normal_factor: f64,
-    /// Factor of `M_{1/2}` [Pa/m^(3/2)] or `M_0` [Pa/m] per direction.
+    /// Factor of `M_{1/2}` (Pa/m^(3/2)) or `M_0` (Pa/m) per direction.
     tangential_factors: [f64; 2],
 }
 

@@ -5,7 +5,7 @@ use crate::curves::Jet;
 /// The end of a known range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct End {
-    /// Interference [m].
+    /// Interference (m).
     pub(crate) u: f64,
     /// Value there; a curve that ends in zero goes on as zero.
     pub(crate) value: f64,

@@ -8,9 +8,9 @@ use crate::law::LawInfo;
 pub struct Jet {
     /// Value, in the function's own unit.
     pub value: f64,
-    /// First derivative [unit/m].
+    /// First derivative (unit/m).
     pub slope: f64,
-    /// Second derivative [unit/m^2].
+    /// Second derivative (unit/m^2).
     pub curvature: f64,
 }
 
@@ -40,16 +40,16 @@ pub struct Exponents {
 
 /// The curves of one point (or of all points of an element): `t_n(u_n)`, `k_x(u_n)`, `k_y(u_n)`.
 ///
-/// `normal` and `tangential` are called with a finite interference `u_n > 0` [m] and must return no NaN there. Values may overflow to
+/// `normal` and `tangential` are called with a finite interference `u_n > 0` (m) and must return no NaN there. Values may overflow to
 /// infinity: the friction law brings them back into range.
 pub trait ContactCurves: Send + Sync {
     /// Description of the law that these curves make together with friction.
     fn info(&self) -> &'static LawInfo;
 
-    /// Normal traction [Pa], not negative and not falling, and its derivative [Pa/m].
+    /// Normal traction (Pa), not negative and not falling, and its derivative (Pa/m).
     fn normal(&self, u_n: f64) -> (f64, f64);
 
-    /// Tangential stiffnesses per area in x and y [Pa/m], not negative, with two derivatives.
+    /// Tangential stiffnesses per area in x and y (Pa/m), not negative, with two derivatives.
     fn tangential(&self, u_n: f64) -> [Jet; 2];
 
     /// Behaviour towards zero interference, for tables that must end somewhere.
@@ -60,7 +60,7 @@ pub trait ContactCurves: Send + Sync {
         None
     }
 
-    /// Fraction of the loaded asperities whose own interference exceeds `omega_c` [m] at any `u_n`, if the
+    /// Fraction of the loaded asperities whose own interference exceeds `omega_c` (m) at any `u_n`, if the
     /// curves know asperities. Zero when none is loaded.
     fn yielded_fraction(&self, _u_n: f64, _omega_c: f64) -> Option<f64> {
         None

@@ -38,7 +38,7 @@ pub struct ElasticCurves {
 }
 
 impl ElasticCurves {
-    /// From the normal stiffness `k_n > 0` and the tangential ones `k_x, k_y >= 0` [Pa/m].
+    /// From the normal stiffness `k_n > 0` and the tangential ones `k_x, k_y >= 0` (Pa/m).
     ///
     /// # Errors
     /// [`Error::Parameter`] with the value.

@@ -60,7 +60,7 @@ pub enum Error {
     NotMonotone {
         /// The curve.
         curve: &'static str,
-        /// Interference [m] where the slope is least.
+        /// Interference (m) where the slope is least.
         interference: f64,
         /// The slope `d ln(value) / d ln(u_n)` there.
         log_slope: f64,
@@ -69,7 +69,7 @@ pub enum Error {
     Tolerance {
         /// The curve.
         curve: &'static str,
-        /// Interference [m] of the largest error.
+        /// Interference (m) of the largest error.
         interference: f64,
         /// Largest relative error.
         error: f64,

@@ -64,7 +64,7 @@ pub enum HistoryRule {
     Paper,
 }
 
-/// Contact curves with Coulomb friction. State per point: `u_x, u_y, u_n` [m], `t_x, t_y` [Pa].
+/// Contact curves with Coulomb friction. State per point: `u_x, u_y, u_n` (m), `t_x, t_y` (Pa).
 #[derive(Debug, Clone)]
 pub struct FrictionalLaw<C> {
     curves: PointParameters<C>,

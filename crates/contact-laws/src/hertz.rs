@@ -12,14 +12,14 @@ use crate::error::{Error, Place, require, require_positive};
     serde(deny_unknown_fields)
 )]
 pub struct ElasticPair {
-    /// Young's modulus E [Pa].
+    /// Young's modulus E (Pa).
     pub youngs_modulus: f64,
     /// Poisson's ratio.
     pub poisson_ratio: f64,
 }
 
 impl ElasticPair {
-    /// From Young's modulus [Pa] and Poisson's ratio, not yet checked.
+    /// From Young's modulus (Pa) and Poisson's ratio, not yet checked.
     pub fn new(youngs_modulus: f64, poisson_ratio: f64) -> Self {
         Self {
             youngs_modulus,
@@ -44,7 +44,7 @@ impl ElasticPair {
         )
     }
 
-    /// Composite modulus `E* = E / (2 (1 - nu^2))` [Pa].
+    /// Composite modulus `E* = E / (2 (1 - nu^2))` (Pa).
     pub fn composite_modulus(&self) -> f64 {
         self.youngs_modulus / (2.0 * (1.0 - self.poisson_ratio.powi(2)))
     }
@@ -55,18 +55,18 @@ impl ElasticPair {
     }
 }
 
-/// Normal force `(2/3) E/(1-nu^2) sqrt(R) w^(3/2)` [N]; zero for `w <= 0`.
+/// Normal force `(2/3) E/(1-nu^2) sqrt(R) w^(3/2)` (N); zero for `w <= 0`.
 pub fn force(material: &ElasticPair, radius: f64, interference: f64) -> f64 {
     let w = interference.max(0.0);
     4.0 / 3.0 * material.composite_modulus() * radius.sqrt() * w * w.sqrt()
 }
 
-/// Normal stiffness `dN/dw = E/(1-nu^2) sqrt(R w)` [N/m].
+/// Normal stiffness `dN/dw = E/(1-nu^2) sqrt(R w)` (N/m).
 pub fn stiffness(material: &ElasticPair, radius: f64, interference: f64) -> f64 {
     2.0 * material.composite_modulus() * contact_radius(radius, interference)
 }
 
-/// Radius of the contact circle `sqrt(R w)` [m].
+/// Radius of the contact circle `sqrt(R w)` (m).
 pub fn contact_radius(radius: f64, interference: f64) -> f64 {
     (radius * interference.max(0.0)).sqrt()
 }

@@ -105,7 +105,7 @@ impl<'a> StateViewMut<'a> {
     }
 }
 
-/// Derivatives of the traction with respect to the jump [Pa/m], one slice per entry: `xn` is `d t_x / d u_n`.
+/// Derivatives of the traction with respect to the jump (Pa/m), one slice per entry: `xn` is `d t_x / d u_n`.
 #[derive(Debug)]
 pub struct TangentMut<'a> {
     /// `d t_x / d u_x`.
@@ -236,11 +236,11 @@ pub trait TractionLaw: Send + Sync {
 
     /// Tractions, end state and, on request, tangent and regimes of `points`.
     ///
-    /// - `jump` [m]: `jump.n` is the interference, the gap already subtracted.
+    /// - `jump` (m): `jump.n` is the interference, the gap already subtracted.
     /// - `begin`: state committed last, `info().n_state()` components. A state of zeros is a point that touches
     ///   nothing and carries nothing. Never changed: calling again gives the same result.
     /// - `end`: state reached; it becomes `begin` of later calls when the caller commits it.
-    /// - `traction` [Pa], `tangent` [Pa/m] (consistent with the tractions; at a kink the one-sided derivative of the
+    /// - `traction` (Pa), `tangent` (Pa/m) (consistent with the tractions; at a kink the one-sided derivative of the
     ///   branch taken).
     /// - All slices, and the parts of the states in view, have the length of `points`.
     ///
@@ -261,12 +261,12 @@ pub trait TractionLaw: Send + Sync {
         regimes: Option<&mut [Regime]>,
     ) -> RegimeCounts;
 
-    /// Real contact area per nominal area at `point` under the interference `u_n` [m]; none for laws without asperities.
+    /// Real contact area per nominal area at `point` under the interference `u_n` (m); none for laws without asperities.
     fn contact_area_ratio(&self, _point: usize, _u_n: f64) -> Option<f64> {
         None
     }
 
-    /// Fraction of the loaded asperities at `point` that are pressed in by more than `omega_c` [m], the onset of yield
+    /// Fraction of the loaded asperities at `point` that are pressed in by more than `omega_c` (m), the onset of yield
     /// ([`crate::adhesion::critical_interference`]); none for laws without asperities.
     fn yielded_fraction(&self, _point: usize, _u_n: f64, _omega_c: f64) -> Option<f64> {
         None

@@ -4,7 +4,7 @@
 //! last, and receives tractions, the state reached and, on request, the derivative of the tractions.
 //!
 //! - **Sign**: `jump = u_top - u_bottom`, the normal points from the top body into the bottom body, and the caller has
-//!   already subtracted the gap, so `u_n > 0` is interference [m] and a point is in contact iff `u_n > 0`.
+//!   already subtracted the gap, so `u_n > 0` is interference (m) and a point is in contact iff `u_n > 0`.
 //! - **Units**: SI; jumps in m, tractions in Pa, tangents in Pa/m.
 //! - **History**: evaluation is pure in the begin state. Whether the end state becomes the next begin state is the
 //!   caller's decision: at load reversals, or at every converged step.

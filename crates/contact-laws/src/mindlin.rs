@@ -3,18 +3,18 @@
 
 use crate::hertz::{self, ElasticPair};
 
-/// Tangential stiffness without slip `2 E a / ((2 - nu)(1 + nu))` [N/m] with the contact radius `a = sqrt(R w)`.
+/// Tangential stiffness without slip `2 E a / ((2 - nu)(1 + nu))` (N/m) with the contact radius `a = sqrt(R w)`.
 pub fn stiffness(material: &ElasticPair, radius: f64, interference: f64) -> f64 {
     material.mindlin_ratio() * hertz::stiffness(material, radius, interference)
 }
 
-/// Displacement `3 mu N / (2 k)` [m] at which the whole contact slips, from the slip limit `mu N` [N] and the stiffness
-/// without slip `k` [N/m].
+/// Displacement `3 mu N / (2 k)` (m) at which the whole contact slips, from the slip limit `mu N` (N) and the stiffness
+/// without slip `k` (N/m).
 pub fn full_slip_displacement(slip_limit: f64, stiffness: f64) -> f64 {
     1.5 * slip_limit / stiffness
 }
 
-/// Tangential force [N] at first loading to `displacement` [m]: `mu N (1 - (1 - x)^(3/2))`, `x = displacement /
+/// Tangential force (N) at first loading to `displacement` (m): `mu N (1 - (1 - x)^(3/2))`, `x = displacement /
 /// full_slip_displacement`; odd in the displacement.
 pub fn loading_force(slip_limit: f64, stiffness: f64, displacement: f64) -> f64 {
     let x = (displacement.abs() / full_slip_displacement(slip_limit, stiffness)).min(1.0);
@@ -22,7 +22,7 @@ pub fn loading_force(slip_limit: f64, stiffness: f64, displacement: f64) -> f64 
     (-(1.5 * (-x).ln_1p()).exp_m1() * slip_limit).copysign(displacement)
 }
 
-/// Energy [J] dissipated in one cycle between `-amplitude` and `amplitude` [m] at constant normal force.
+/// Energy (J) dissipated in one cycle between `-amplitude` and `amplitude` (m) at constant normal force.
 ///
 /// By Masing's rule `8 integral of T - 4 T_m amplitude` over first loading; with `x` as in [`loading_force`] and `d` the
 /// full-slip displacement this is `mu N d (8 (x - (2/5)(1 - (1-x)^(5/2))) - 4 x (1 - (1-x)^(3/2)))` for `x <= 1` and

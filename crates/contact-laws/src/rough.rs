@@ -83,9 +83,9 @@ pub struct NormalFit {
     pub d: f64,
     /// Width of the third term in `ln U`, above zero.
     pub e: f64,
-    /// Reference interference [m].
+    /// Reference interference (m).
     pub u_ref: f64,
-    /// Fitted range of `u_n` [m]; the formula holds everywhere if absent.
+    /// Fitted range of `u_n` (m); the formula holds everywhere if absent.
     pub range: Option<[f64; 2]>,
 }
 
@@ -105,9 +105,9 @@ pub struct TangentialFit {
     pub c: f64,
     /// Steepness, not negative.
     pub d: f64,
-    /// Reference interference [m].
+    /// Reference interference (m).
     pub u_ref: f64,
-    /// Fitted range of `u_n` [m]; the formula holds everywhere if absent.
+    /// Fitted range of `u_n` (m); the formula holds everywhere if absent.
     pub range: Option<[f64; 2]>,
     /// How the curve goes on outside the range.
     pub ends: TangentialEnds,

@@ -92,7 +92,7 @@ pub struct Tabulated<C> {
 }
 
 impl<C: ContactCurves> Tabulated<C> {
-    /// A table of `source` over the interferences `range` [m], refined until the tolerances of `options` hold.
+    /// A table of `source` over the interferences `range` (m), refined until the tolerances of `options` hold.
     ///
     /// The relative error at a point is the deviation divided by the curve's value at the upper knot of the point's
     /// cell, which is finite also where a curve begins at zero.
@@ -184,7 +184,7 @@ impl<C: ContactCurves> Tabulated<C> {
         &self.source
     }
 
-    /// Interferences between which the table interpolates [m]: the range asked for, rounded up to a knot.
+    /// Interferences between which the table interpolates (m): the range asked for, rounded up to a knot.
     pub fn range(&self) -> [f64; 2] {
         [self.grid.knot(0), self.grid.knot(self.grid.n_cells)]
     }
@@ -394,8 +394,8 @@ impl Curves {
                 for i in 0..3 {
                     let scale = self.knots[i][cell + 1].value;
                     let deviation = (evaluate(&cubics[i], s, 1.0).value - exact[i].value).abs();
-                    // Not `>`: a source that is not a number here must not pass.
-                    if !(deviation <= worst[i].error * scale) {
+                    // A source that is not a number here must not pass.
+                    if deviation.is_nan() || deviation > worst[i].error * scale {
                         let error = if deviation.is_nan() {
                             f64::INFINITY
                         } else {

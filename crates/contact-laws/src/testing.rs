@@ -10,9 +10,9 @@ use crate::law::{Components, ComponentsMut, Regime, StateView, StateViewMut, Sti
 /// What a law answers at one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointResponse {
-    /// Traction along x, y, n [Pa].
+    /// Traction along x, y, n (Pa).
     pub traction: [f64; 3],
-    /// Row `i` holds the derivatives of traction `i` with respect to the jump [Pa/m].
+    /// Row `i` holds the derivatives of traction `i` with respect to the jump (Pa/m).
     pub tangent: [[f64; 3]; 3],
     /// State reached.
     pub end: Vec<f64>,
@@ -20,7 +20,7 @@ pub struct PointResponse {
     pub regime: Regime,
 }
 
-/// Evaluates one point of a law under `jump` [m] from the state `begin`.
+/// Evaluates one point of a law under `jump` (m) from the state `begin`.
 pub fn evaluate_point<L: TractionLaw + ?Sized>(
     law: &L,
     point: usize,

@@ -24,7 +24,12 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { mode: 0, vertices_per_quarter: 8, cycles: 2, newton: NewtonSettings::default() }
+        Self {
+            mode: 0,
+            vertices_per_quarter: 8,
+            cycles: 2,
+            newton: NewtonSettings::default(),
+        }
     }
 }
 
@@ -45,13 +50,13 @@ impl<S> LoopObserver<S> for NoObserver {
 /// What a measured loop gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopResult {
-    /// Half the range of the modal amplitude, `q` [sqrt(kg) m].
+    /// Half the range of the modal amplitude, `q` (sqrt(kg) m).
     pub modal_amplitude: f64,
-    /// Secant frequency `sqrt(2 alpha / range(q))` [rad/s].
+    /// Secant frequency `sqrt(2 alpha / range(q))` (rad/s).
     pub omega: f64,
     /// `loop_area / (2 pi (q omega)^2)` (eq. 42).
     pub zeta: f64,
-    /// Dissipation per cycle: area of the polygon of modal force and amplitude [J].
+    /// Dissipation per cycle: area of the polygon of modal force and amplitude (J).
     pub loop_area: f64,
     /// The same from every second vertex.
     pub coarse_loop_area: Option<f64>,
@@ -70,7 +75,7 @@ pub struct LoopResult {
 /// One amplitude of a backbone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BackbonePoint {
-    /// Peak modal force `alpha` [sqrt(kg) m/s^2].
+    /// Peak modal force `alpha` (sqrt(kg) m/s^2).
     pub modal_force: f64,
     /// The result, or why there is none.
     pub result: Result<LoopResult, Failure>,
@@ -91,21 +96,42 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
     observer: impl Fn(usize) -> O + Sync,
     done: impl Fn() + Sync,
 ) -> Result<Vec<(BackbonePoint, O)>, Error> {
-    check_size("the requested mode", settings.mode.min(structure.shapes.ncols()) + 1, settings.mode + 1)?;
+    check_size(
+        "the requested mode",
+        settings.mode.min(structure.shapes.ncols()) + 1,
+        settings.mode + 1,
+    )?;
     let positive = |field, value: usize| {
         let requirement = "at least 1";
-        if value == 0 { Err(Error::Setting { field, value: 0.0, requirement }) } else { Ok(()) }
+        if value == 0 {
+            Err(Error::Setting {
+                field,
+                value: 0.0,
+                requirement,
+            })
+        } else {
+            Ok(())
+        }
     };
     positive("vertices_per_quarter", settings.vertices_per_quarter)?;
     positive("cycles", settings.cycles)?;
     if let Some(&value) = modal_forces.iter().find(|a| !(a.is_finite() && **a > 0.0)) {
-        return Err(Error::Setting { field: "modal_force", value, requirement: "positive and finite" });
+        return Err(Error::Setting {
+            field: "modal_force",
+            value,
+            requirement: "positive and finite",
+        });
     }
     let shape: Vec<f64> = structure.shapes.col(settings.mode).iter().copied().collect();
     let mut pattern = vec![0.0; shape.len()];
     multiply(structure.mass, &shape, &mut pattern);
     let scale = structure.factor.energy_norm(&pattern, &mut Vec::new());
-    let mode = Mode { shape, pattern, scale, omega2: structure.eigenvalues[settings.mode] };
+    let mode = Mode {
+        shape,
+        pattern,
+        scale,
+        omega2: structure.eigenvalues[settings.mode],
+    };
     Ok(modal_forces
         .par_iter()
         .enumerate()
@@ -144,10 +170,23 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
         reference_force: &structure.contact_force,
     };
     let walk = Walk::new(force, vec![0.0; mode.shape.len()], structure.state.clone());
-    let mut tour =
-        Tour { equilibrium, mode, peak, settings, walk, at: 0.0, previous: None, residual: 0.0, load: mode.pattern.clone() };
+    let mut tour = Tour {
+        equilibrium,
+        mode,
+        peak,
+        settings,
+        walk,
+        at: 0.0,
+        previous: None,
+        residual: 0.0,
+        load: mode.pattern.clone(),
+    };
     let result = tour.measure(structure, observer);
-    BackbonePoint { modal_force: peak, result, effort: tour.walk.effort }
+    BackbonePoint {
+        modal_force: peak,
+        result,
+        effort: tour.walk.effort,
+    }
 }
 
 /// A walk along the modal force.
@@ -226,7 +265,11 @@ impl<F: HystereticForce> Tour<'_, F> {
         let mut counts = PointCounts::default();
         self.previous = None;
         for step in 1..=steps {
-            let goal = if step == steps { target } else { start + (target - start) * step as f64 / steps as f64 };
+            let goal = if step == steps {
+                target
+            } else {
+                start + (target - start) * step as f64 / steps as f64
+            };
             counts = self.advance(goal)?;
             if step < steps {
                 record(self);

@@ -44,5 +44,9 @@ pub enum Error {
 }
 
 pub(crate) fn check_size(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
-    if found == expected { Ok(()) } else { Err(Error::Size { what, found, expected }) }
+    if found == expected {
+        Ok(())
+    } else {
+        Err(Error::Size { what, found, expected })
+    }
 }

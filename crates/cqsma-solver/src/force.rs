@@ -14,7 +14,11 @@ impl Pattern {
     pub(crate) fn add_product(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         for (row, y) in y.iter_mut().enumerate().take(self.indptr.len() - 1) {
             let range = self.indptr[row]..self.indptr[row + 1];
-            *y += self.indices[range.clone()].iter().zip(&values[range]).map(|(&j, v)| v * x[j]).sum::<f64>();
+            *y += self.indices[range.clone()]
+                .iter()
+                .zip(&values[range])
+                .map(|(&j, v)| v * x[j])
+                .sum::<f64>();
         }
     }
 }
@@ -56,7 +60,7 @@ pub trait HystereticForce: Sync {
     fn initial_state(&self) -> Self::State;
     /// Scratch memory.
     fn workspace(&self) -> Self::Workspace;
-    /// Force [N] and, on request, tangent values [N/m] at displacements `u` [m] over the leading coordinates.
+    /// Force (N) and, on request, tangent values (N/m) at displacements `u` (m) over the leading coordinates.
     fn evaluate(
         &self,
         u: &[f64],

@@ -3,14 +3,14 @@
 /// Vertices of one closed loop of modal force against modal amplitude.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loop {
-    /// Modal force at each vertex, `alpha` [sqrt(kg) m/s^2].
+    /// Modal force at each vertex, `alpha` (sqrt(kg) m/s^2).
     pub force: Vec<f64>,
-    /// Modal amplitude at each vertex, `q` [sqrt(kg) m].
+    /// Modal amplitude at each vertex, `q` (sqrt(kg) m).
     pub amplitude: Vec<f64>,
 }
 
 impl Loop {
-    /// Area of the closed polygon, positive for dissipation [J]; the sum is signed.
+    /// Area of the closed polygon, positive for dissipation (J); the sum is signed.
     pub fn area(&self) -> f64 {
         polygon(&self.force, &self.amplitude, 1)
     }
@@ -24,7 +24,11 @@ impl Loop {
 
     /// Smallest and largest modal amplitude.
     pub fn extremes(&self) -> (f64, f64) {
-        self.amplitude.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), q| (lo.min(*q), hi.max(*q)))
+        self.amplitude
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), q| {
+                (lo.min(*q), hi.max(*q))
+            })
     }
 
     /// Distance between the last and the first vertex relative to the loop's range.
@@ -44,5 +48,9 @@ fn polygon(force: &[f64], amplitude: &[f64], stride: usize) -> f64 {
     let next = vertices.iter().skip(1).chain(std::iter::once(&first));
     // Relative to the first vertex, so that the offset of a loop cannot enter through round-off.
     let at = |i: usize| (force[i] - force[first], amplitude[i] - amplitude[first]);
-    vertices.iter().zip(next).map(|(&a, &b)| 0.5 * (at(a).0 + at(b).0) * (at(b).1 - at(a).1)).sum()
+    vertices
+        .iter()
+        .zip(next)
+        .map(|(&a, &b)| 0.5 * (at(a).0 + at(b).0) * (at(b).1 - at(a).1))
+        .sum()
 }

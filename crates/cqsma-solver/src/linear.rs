@@ -13,7 +13,14 @@ const MAX_KRYLOV: usize = 60;
 pub(crate) fn multiply(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
     let x = MatRef::from_column_major_slice(x, x.len(), 1);
     let rows = y.len();
-    matmul(MatMut::from_column_major_slice_mut(y, rows, 1), Accum::Replace, a, x, 1.0, Par::Seq);
+    matmul(
+        MatMut::from_column_major_slice_mut(y, rows, 1),
+        Accum::Replace,
+        a,
+        x,
+        1.0,
+        Par::Seq,
+    );
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -53,7 +60,10 @@ impl StuckFactor {
             let faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index } = error;
             Error::NotPositiveDefinite { pivot: index, size }
         })?;
-        Ok(Self { llt, tangent: symmetric })
+        Ok(Self {
+            llt,
+            tangent: symmetric,
+        })
     }
 
     pub(crate) fn lower(&self) -> MatRef<'_, f64> {
@@ -62,12 +72,15 @@ impl StuckFactor {
 
     /// `x = L^-1 x`.
     pub(crate) fn forward(&self, x: &mut [f64]) {
-        self.lower().solve_lower_triangular_in_place(ColMut::from_slice_mut(x).as_mat_mut());
+        self.lower()
+            .solve_lower_triangular_in_place(ColMut::from_slice_mut(x).as_mat_mut());
     }
 
     /// `x = L^-T x`.
     pub(crate) fn backward(&self, x: &mut [f64]) {
-        self.lower().transpose().solve_upper_triangular_in_place(ColMut::from_slice_mut(x).as_mat_mut());
+        self.lower()
+            .transpose()
+            .solve_upper_triangular_in_place(ColMut::from_slice_mut(x).as_mat_mut());
     }
 
     /// Energy norm `sqrt(r^T P^-1 r)` of a force; leaves `L^-1 r` in the buffer.
@@ -86,7 +99,9 @@ fn symmetrised(pattern: &Pattern, values: &[f64]) -> Vec<f64> {
             let column = pattern.indices[k];
             let range = pattern.indptr[column]..pattern.indptr[column + 1];
             // An entry without a mirror image is halved, as its mirror is zero.
-            let mirror = pattern.indices[range.clone()].binary_search(&row).map_or(0.0, |at| values[range.start + at]);
+            let mirror = pattern.indices[range.clone()]
+                .binary_search(&row)
+                .map_or(0.0, |at| values[range.start + at]);
             out[k] = 0.5 * (values[k] + mirror);
         }
     }

@@ -16,16 +16,19 @@ pub struct Linearisation<'a, S> {
     pub(crate) displacement: Vec<f64>,
     pub(crate) state: S,
     pub(crate) contact_force: Vec<f64>,
-    /// `omega^2` of the modes, ascending [rad^2/s^2].
+    /// `omega^2` of the modes, ascending (rad^2/s^2).
     pub eigenvalues: Vec<f64>,
     /// Mass-normalised mode shapes, `n x n_modes`.
     pub shapes: Mat<f64>,
 }
 
 impl<S> Linearisation<'_, S> {
-    /// Frequencies of the modes [Hz].
+    /// Frequencies of the modes (Hz).
     pub fn frequencies(&self) -> Vec<f64> {
-        self.eigenvalues.iter().map(|w2| w2.max(0.0).sqrt() / (2.0 * std::f64::consts::PI)).collect()
+        self.eigenvalues
+            .iter()
+            .map(|w2| w2.max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
+            .collect()
     }
 
     /// Turns the signs of the shapes so that the given row (for example a response) is not negative on each of them.
@@ -67,18 +70,45 @@ pub fn linearise<'a, F: HystereticForce>(
     let mut end = state.clone();
     let mut workspace = force.workspace();
     let u = &displacement[..nc];
-    force.evaluate(u, Sliding::Prevented, &state, &mut end, &mut workspace, &mut contact_force, Some(&mut tangent));
+    force.evaluate(
+        u,
+        Sliding::Prevented,
+        &state,
+        &mut end,
+        &mut workspace,
+        &mut contact_force,
+        Some(&mut tangent),
+    );
     // The reference force must be the one that the loops will compute, with friction.
-    force.evaluate(u, Sliding::Allowed, &state, &mut end, &mut workspace, &mut contact_force, None);
+    force.evaluate(
+        u,
+        Sliding::Allowed,
+        &state,
+        &mut end,
+        &mut workspace,
+        &mut contact_force,
+        None,
+    );
     let factor = StuckFactor::try_new(stiffness, force.pattern(), &tangent)?;
     let (eigenvalues, shapes) = lowest_modes(&factor, mass, n_modes.min(n))?;
-    Ok(Linearisation { stiffness, mass, factor, displacement, state, contact_force, eigenvalues, shapes })
+    Ok(Linearisation {
+        stiffness,
+        mass,
+        factor,
+        displacement,
+        state,
+        contact_force,
+        eigenvalues,
+        shapes,
+    })
 }
 
 /// Subspace iteration on `C = L^-1 M L^-T`, whose eigenvalues are `1 / omega^2`.
 fn lowest_modes(factor: &StuckFactor, mass: MatRef<'_, f64>, n_modes: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let n = mass.nrows();
-    let fail = |e: &dyn std::fmt::Debug| Error::Modes { reason: format!("{e:?}") };
+    let fail = |e: &dyn std::fmt::Debug| Error::Modes {
+        reason: format!("{e:?}"),
+    };
     let lower = factor.lower();
     let mut half = mass.to_owned();
     lower.solve_lower_triangular_in_place(half.as_mut());
@@ -88,7 +118,9 @@ fn lowest_modes(factor: &StuckFactor, mass: MatRef<'_, f64>, n_modes: usize) -> 
     // Reproducible start: a 64-bit linear congruential generator.
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut basis = Mat::from_fn(n, width, |_, _| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     });
     let mut previous = vec![0.0; n_modes];
@@ -97,24 +129,46 @@ fn lowest_modes(factor: &StuckFactor, mass: MatRef<'_, f64>, n_modes: usize) -> 
         let mut image = Mat::zeros(n, width);
         matmul(image.as_mut(), Accum::Replace, c.as_ref(), q.as_ref(), 1.0, Par::Seq);
         let mut small = Mat::<f64>::zeros(width, width);
-        matmul(small.as_mut(), Accum::Replace, q.transpose(), image.as_ref(), 1.0, Par::Seq);
-        let small = Mat::from_fn(width, width, |i, j| 0.5 * (small[(i, j)] + small[(j, i)]));
+        matmul(
+            small.as_mut(),
+            Accum::Replace,
+            q.transpose(),
+            image.as_ref(),
+            1.0,
+            Par::Seq,
+        );
+        // Brought to unit size: the library's tolerances are absolute.
+        let scale = small.norm_max();
+        let small = Mat::from_fn(width, width, |i, j| 0.5 / scale * (small[(i, j)] + small[(j, i)]));
         let evd = small.self_adjoint_eigen(Side::Lower).map_err(|e| fail(&e))?;
-        let values: Vec<f64> = (0..n_modes).map(|i| evd.S()[width - 1 - i]).collect();
-        let change = values.iter().zip(&previous).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+        let values: Vec<f64> = (0..n_modes).map(|i| scale * evd.S()[width - 1 - i]).collect();
+        let change = values
+            .iter()
+            .zip(&previous)
+            .map(|(a, b)| (a / b - 1.0).abs())
+            .fold(0.0, f64::max);
         previous.clone_from(&values);
         // Eigenvalues converge with the square of the shapes: ask for round-off in the values.
         if change < 1e-14 {
             let rotation = Mat::from_fn(width, n_modes, |i, j| evd.U()[(i, width - 1 - j)]);
             let mut shapes = Mat::zeros(n, n_modes);
-            matmul(shapes.as_mut(), Accum::Replace, image.as_ref(), rotation.as_ref(), 1.0, Par::Seq);
+            matmul(
+                shapes.as_mut(),
+                Accum::Replace,
+                image.as_ref(),
+                rotation.as_ref(),
+                1.0,
+                Par::Seq,
+            );
             lower.transpose().solve_upper_triangular_in_place(shapes.as_mut());
             normalise(mass, shapes.as_mut());
             return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
         }
         basis = image;
     }
-    Err(Error::Modes { reason: "subspace iteration did not settle in 200 steps".into() })
+    Err(Error::Modes {
+        reason: "subspace iteration did not settle in 200 steps".into(),
+    })
 }
 
 fn normalise(mass: MatRef<'_, f64>, mut shapes: faer::MatMut<'_, f64>) {

@@ -17,7 +17,11 @@ pub struct NewtonSettings {
 
 impl Default for NewtonSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-9, max_iterations: 60, max_halvings: 12 }
+        Self {
+            tolerance: 1e-9,
+            max_iterations: 60,
+            max_halvings: 12,
+        }
     }
 }
 
@@ -134,8 +138,15 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         }
         let tangent = with_tangent.then_some(&mut walk.tangent[..]);
         let (begin, end) = (&walk.begin, &mut walk.end);
-        let counts =
-            self.force.evaluate(&walk.total, sliding, begin, end, &mut walk.workspace, &mut walk.contact, tangent);
+        let counts = self.force.evaluate(
+            &walk.total,
+            sliding,
+            begin,
+            end,
+            &mut walk.workspace,
+            &mut walk.contact,
+            tangent,
+        );
         multiply(self.stiffness, trial, &mut walk.residual);
         for (i, r) in walk.residual.iter_mut().enumerate() {
             *r -= load[i];
@@ -172,7 +183,10 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                 return fail("the residual is not a finite number", history);
             }
             if merit <= settings.tolerance * scale {
-                return Ok(Converged { residual: merit / scale, counts });
+                return Ok(Converged {
+                    residual: merit / scale,
+                    counts,
+                });
             }
             walk.effort.iterations += 1;
             // Far from the solution an accurate step is wasted; near it the forcing term follows the residual, which
@@ -232,7 +246,10 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         }
         history.push(merit / scale);
         if merit <= settings.tolerance * scale {
-            return Ok(Converged { residual: merit / scale, counts });
+            return Ok(Converged {
+                residual: merit / scale,
+                counts,
+            });
         }
         fail("the iteration limit was reached", history)
     }

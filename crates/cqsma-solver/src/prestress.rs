@@ -60,8 +60,13 @@ pub fn solve<F: HystereticForce>(
     let factor = StuckFactor::try_new(stiffness, force.pattern(), &tangent)?;
     let scale = factor.energy_norm(load, &mut Vec::new());
     let zero = vec![0.0; n];
-    let equilibrium =
-        Equilibrium { stiffness, force, factor: &factor, reference: &zero[..nc], reference_force: &zero[..nc] };
+    let equilibrium = Equilibrium {
+        stiffness,
+        force,
+        factor: &factor,
+        reference: &zero[..nc],
+        reference_force: &zero[..nc],
+    };
     let mut walk = Walk::<F>::new(force, start.to_vec(), initial);
     let mut iterations = [0; 2];
     let mut solved = None;

@@ -11,10 +11,16 @@ pub struct Jenkins {
 }
 
 impl Jenkins {
-    /// One `(stiffness [N/m], slip force [N])` per leading coordinate.
+    /// One `(stiffness (N/m), slip force (N))` per leading coordinate.
     pub fn new(elements: Vec<(f64, f64)>) -> Self {
         let n = elements.len();
-        Self { elements, pattern: Pattern { indptr: (0..=n).collect(), indices: (0..n).collect() } }
+        Self {
+            elements,
+            pattern: Pattern {
+                indptr: (0..=n).collect(),
+                indices: (0..n).collect(),
+            },
+        }
     }
 }
 
@@ -65,16 +71,16 @@ impl HystereticForce for Jenkins {
 
 /// A chain fixed at one end: springs between unit masses, a Jenkins element from each mass to the ground.
 pub struct JenkinsChain {
-    /// Stiffness of the chain [N/m].
+    /// Stiffness of the chain (N/m).
     pub stiffness: Mat<f64>,
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: Mat<f64>,
     /// The sliders.
     pub force: Jenkins,
 }
 
 impl JenkinsChain {
-    /// `n` masses of 1 kg, springs of `spring` [N/m], sliders `(stiffness, slip force)` on every mass.
+    /// `n` masses of 1 kg, springs of `spring` (N/m), sliders `(stiffness, slip force)` on every mass.
     pub fn new(n: usize, spring: f64, slider: (f64, f64)) -> Self {
         let stiffness = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
             0 if i + 1 == n => spring,
@@ -82,6 +88,10 @@ impl JenkinsChain {
             1 => -spring,
             _ => 0.0,
         });
-        Self { stiffness, mass: Mat::identity(n, n), force: Jenkins::new(vec![slider; n]) }
+        Self {
+            stiffness,
+            mass: Mat::identity(n, n),
+            force: Jenkins::new(vec![slider; n]),
+        }
     }
 }

@@ -16,10 +16,18 @@ fn backbone(
     settings: &Settings,
 ) -> Vec<(f64, f64, f64, f64, f64)> {
     let start = vec![0.0; stiffness.nrows()];
-    let rest =
-        prestress::solve(stiffness.as_ref(), force, load, &start, &NewtonSettings::default()).unwrap().unwrap();
-    let mut line =
-        modes::linearise(stiffness.as_ref(), mass.as_ref(), force, rest.displacement, rest.state, 1).unwrap();
+    let rest = prestress::solve(stiffness.as_ref(), force, load, &start, &NewtonSettings::default())
+        .unwrap()
+        .unwrap();
+    let mut line = modes::linearise(
+        stiffness.as_ref(),
+        mass.as_ref(),
+        force,
+        rest.displacement,
+        rest.state,
+        1,
+    )
+    .unwrap();
     line.orient(&vec![1.0; start.len()]).unwrap();
     run(&line, force, forces, settings, |_| NoObserver, || {})
         .unwrap()
@@ -39,12 +47,14 @@ fn one_jenkins_element_follows_its_closed_form() {
     let mass = Mat::from_fn(1, 1, |_, _| m);
     let stuck = ((spring + k) / m).sqrt();
     let forces: Vec<f64> = [1.0, 5.9, 6.1, 12.0, 100.0, 1e4].iter().map(|p| p / m.sqrt()).collect();
-    for (alpha, omega, zeta, q, area) in
-        backbone(&stiffness, &mass, &force, &[0.0], &forces, &Settings::default())
-    {
+    for (alpha, omega, zeta, q, area) in backbone(&stiffness, &mass, &force, &[0.0], &forces, &Settings::default()) {
         let peak = alpha * m.sqrt();
         let stick = peak <= limit * (spring + k) / k;
-        let x = if stick { peak / (spring + k) } else { (peak - limit) / spring };
+        let x = if stick {
+            peak / (spring + k)
+        } else {
+            (peak - limit) / spring
+        };
         let exact_area = if stick { 0.0 } else { 4.0 * limit * (x - limit / k) };
         let exact_omega = (peak / (m * x)).sqrt();
         assert!((q / (x * m.sqrt()) - 1.0).abs() < 1e-8, "{peak}");
@@ -52,7 +62,10 @@ fn one_jenkins_element_follows_its_closed_form() {
         assert!(omega <= stuck * (1.0 + 1e-8));
         // The corner of the loop falls between vertices: the polygon cuts at most one edge's triangle at each.
         let edge = peak / 4.0;
-        assert!((area - exact_area).abs() <= 0.5 * edge * edge / spring + 1e-9 * peak * x, "{area} {exact_area}");
+        assert!(
+            (area - exact_area).abs() <= 0.5 * edge * edge / spring + 1e-9 * peak * x,
+            "{area} {exact_area}"
+        );
         assert!((zeta - area / (2.0 * std::f64::consts::PI * peak * x)).abs() < 1e-9);
     }
 }
@@ -66,7 +79,10 @@ fn loop_area_converges_with_second_order_in_the_vertices() {
     let errors: Vec<f64> = [4, 8, 16, 32, 64]
         .iter()
         .map(|&n| {
-            let settings = Settings { vertices_per_quarter: n, ..Settings::default() };
+            let settings = Settings {
+                vertices_per_quarter: n,
+                ..Settings::default()
+            };
             (backbone(&stiffness, &mass, &force, &[0.0], &[20.0], &settings)[0].4 - exact).abs()
         })
         .collect();
@@ -80,22 +96,39 @@ fn a_chain_dissipates_what_its_sliders_do_and_masing_holds() {
     let chain = JenkinsChain::new(12, 2000.0, (400.0, 1.0));
     let mut load = vec![0.0; 12];
     load[11] = 3.0;
-    let settings = Settings { vertices_per_quarter: 64, ..Settings::default() };
+    let settings = Settings {
+        vertices_per_quarter: 64,
+        ..Settings::default()
+    };
     let forces: Vec<f64> = (0..9).map(|i| 0.3 * 2.0_f64.powi(i)).collect();
     let points = backbone(&chain.stiffness, &chain.mass, &chain.force, &load, &forces, &settings);
     for pair in points.windows(2) {
         assert!(pair[1].1 <= pair[0].1 * (1.0 + 1e-9), "frequency falls: {pair:?}");
-        assert!(pair[1].4 >= pair[0].4 * (1.0 - 1e-9) - 1e-15, "dissipation rises: {pair:?}");
+        assert!(
+            pair[1].4 >= pair[0].4 * (1.0 - 1e-9) - 1e-15,
+            "dissipation rises: {pair:?}"
+        );
     }
     assert!(points[0].2.abs() < 1e-8, "all stuck: {:?}", points[0]);
     // Masing: the loop's area from the initial loading curve of an unloaded chain, 8 int f dx - 4 f x.
     let peak = forces[6];
-    let cold = backbone(&chain.stiffness, &chain.mass, &chain.force, &[0.0; 12], &[peak], &settings)[0];
+    let cold = backbone(
+        &chain.stiffness,
+        &chain.mass,
+        &chain.force,
+        &[0.0; 12],
+        &[peak],
+        &settings,
+    )[0];
     let n = 400;
     let loading: Vec<f64> = (1..=n)
         .map(|i| {
             let a = peak * f64::from(i) / f64::from(n);
-            let one = Settings { vertices_per_quarter: 1, cycles: 1, ..settings };
+            let one = Settings {
+                vertices_per_quarter: 1,
+                cycles: 1,
+                ..settings
+            };
             let p = backbone(&chain.stiffness, &chain.mass, &chain.force, &[0.0; 12], &[a], &one)[0];
             // Symmetric loop: the amplitude is the displacement of the initial loading curve.
             p.3
@@ -118,7 +151,10 @@ fn prestress_slip_contaminates_the_first_cycle_only() {
     let mut load = vec![0.0; 6];
     load[5] = 10.0;
     let area = |cycles| {
-        let settings = Settings { cycles, ..Settings::default() };
+        let settings = Settings {
+            cycles,
+            ..Settings::default()
+        };
         backbone(&chain.stiffness, &chain.mass, &chain.force, &load, &[2.0], &settings)[0].4
     };
     assert!((area(2) / area(3) - 1.0).abs() < 1e-6);
@@ -131,7 +167,9 @@ fn mode_sign_does_not_change_the_closed_loop() {
     load[5] = 10.0;
     let newton = NewtonSettings::default();
     let run_with = |row: f64| {
-        let rest = prestress::solve(chain.stiffness.as_ref(), &chain.force, &load, &[0.0; 6], &newton).unwrap().unwrap();
+        let rest = prestress::solve(chain.stiffness.as_ref(), &chain.force, &load, &[0.0; 6], &newton)
+            .unwrap()
+            .unwrap();
         let mut line = modes::linearise(
             chain.stiffness.as_ref(),
             chain.mass.as_ref(),
@@ -142,8 +180,15 @@ fn mode_sign_does_not_change_the_closed_loop() {
         )
         .unwrap();
         line.orient(&[row; 6]).unwrap();
-        let settings = Settings { cycles: 3, ..Settings::default() };
-        run(&line, &chain.force, &[8.0], &settings, |_| NoObserver, || {}).unwrap()[0].0.result.clone().unwrap()
+        let settings = Settings {
+            cycles: 3,
+            ..Settings::default()
+        };
+        run(&line, &chain.force, &[8.0], &settings, |_| NoObserver, || {}).unwrap()[0]
+            .0
+            .result
+            .clone()
+            .unwrap()
     };
     let (a, b) = (run_with(1.0), run_with(-1.0));
     assert!((a.omega / b.omega - 1.0).abs() < 1e-8);
@@ -163,9 +208,27 @@ fn bad_settings_and_loose_structures_are_refused() {
     for (forces, settings) in [
         (vec![-1.0], Settings::default()),
         (vec![f64::NAN], Settings::default()),
-        (vec![1.0], Settings { mode: 4, ..Settings::default() }),
-        (vec![1.0], Settings { cycles: 0, ..Settings::default() }),
-        (vec![1.0], Settings { vertices_per_quarter: 0, ..Settings::default() }),
+        (
+            vec![1.0],
+            Settings {
+                mode: 4,
+                ..Settings::default()
+            },
+        ),
+        (
+            vec![1.0],
+            Settings {
+                cycles: 0,
+                ..Settings::default()
+            },
+        ),
+        (
+            vec![1.0],
+            Settings {
+                vertices_per_quarter: 0,
+                ..Settings::default()
+            },
+        ),
     ] {
         assert!(run(&line, &force, &forces, &settings, |_| NoObserver, || {}).is_err());
     }

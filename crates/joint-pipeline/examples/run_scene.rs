@@ -1,4 +1,5 @@
-//! Runs a scene from Rust and prints its backbone: `cargo run --release -p joint-pipeline --example run_scene [SCENE.json]`.
+//! Runs a scene from Rust and prints its backbone:
+//! `cargo run --release -p joint-pipeline --example run_scene [SCENE.json [CACHE_DIR]]`.
 #![allow(clippy::print_stdout)]
 
 use joint_pipeline::progress::{Progress, Stage};
@@ -17,7 +18,10 @@ fn main() -> Result<(), joint_pipeline::Error> {
         Some(path) => Scene::read(path.as_ref())?,
         None => Scene::new("brb-flat"),
     };
-    let run = run(&scene, &Options::default(), &Stages)?;
+    let options = Options {
+        cache: std::env::args().nth(2).map(Into::into),
+    };
+    let run = run(&scene, &options, &Stages)?;
     println!("stuck modes [Hz]: {:.2?}", &run.model.reduced.stuck_frequencies[..10]);
     println!("linearised modes [Hz]: {:.2?}", run.frequencies);
     println!("{:>12} {:>12} {:>12}", "x [m]", "f [Hz]", "zeta [-]");

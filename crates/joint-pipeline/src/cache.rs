@@ -87,7 +87,9 @@ pub(crate) fn load(directory: &Path, key: &Key) -> Option<StructuralModel> {
     if payload.len() != 8 * count {
         return None;
     }
-    let mut numbers = payload.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()));
+    let mut numbers = payload
+        .chunks_exact(8)
+        .map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()));
     let mut matrix = |rows: usize, columns: usize| {
         let mut m = Mat::zeros(rows, columns);
         for j in 0..columns {
@@ -146,7 +148,11 @@ pub(crate) fn store(directory: &Path, key: &Key, model: &StructuralModel) -> Res
     };
     let fail = |path: &Path, operation| {
         let path = path.to_owned();
-        move |source| Error::File { path, operation, source }
+        move |source| Error::File {
+            path,
+            operation,
+            source,
+        }
     };
     let mut bytes = serde_json::to_vec(&header)
         .map_err(std::io::Error::other)

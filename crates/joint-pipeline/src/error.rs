@@ -44,11 +44,11 @@ pub enum Error {
          {carried:.4e} N; check the gap, the law and the units"
     )]
     NoContact {
-        /// Total bolt load [N].
+        /// Total bolt load (N).
         load: f64,
-        /// Largest closure tried [m].
+        /// Largest closure tried (m).
         closure: f64,
-        /// Force carried there [N].
+        /// Force carried there (N).
         carried: f64,
     },
     /// The prestress did not converge; there is nothing to linearise about.

@@ -17,13 +17,17 @@ use surface_characterisation::{
 };
 use zte_assembly::{Interface, InterfaceMesh, Operators, State, Workspace};
 
-/// Interferences over which fits are made and compared [m].
-const FIT_RANGE: InterferenceRange = InterferenceRange { from: 0.3e-6, to: 20e-6, points: 200 };
+/// Interferences over which fits are made and compared (m).
+const FIT_RANGE: InterferenceRange = InterferenceRange {
+    from: 0.3e-6,
+    to: 20e-6,
+    points: 200,
+};
 
-/// Reference interference of the fits [m].
+/// Reference interference of the fits (m).
 const U_REF: f64 = 1e-6;
 
-/// Interferences covered by tables [m]; beyond them the curves continue as power laws.
+/// Interferences covered by tables (m); beyond them the curves continue as power laws.
 const TABLE_RANGE: [f64; 2] = [1e-10, 1e-3];
 
 /// What is reported about the law.
@@ -47,13 +51,13 @@ pub struct LawReport {
     pub table_error_normal: Option<f64>,
     /// Largest relative error of the tables, tangential stiffness.
     pub table_error_tangential: Option<f64>,
-    /// Uniform closure that carries the bolt load [m].
+    /// Uniform closure that carries the bolt load (m).
     pub mean_closure: f64,
-    /// Mean pressure there [Pa].
+    /// Mean pressure there (Pa).
     pub mean_pressure: f64,
-    /// Mean normal stiffness of the law in use there [Pa/m].
+    /// Mean normal stiffness of the law in use there (Pa/m).
     pub normal_stiffness: f64,
-    /// Mean tangential stiffness of the law in use there [Pa/m].
+    /// Mean tangential stiffness of the law in use there (Pa/m).
     pub tangential_stiffness: f64,
     /// The fitted over the summed tangential stiffness there.
     pub fitted_to_summed: f64,
@@ -77,21 +81,25 @@ pub struct SceneInterface {
     pub report: LawReport,
     /// Points whose gap came out negative and was set to zero.
     pub clipped_gaps: usize,
-    /// Uniform closure `u_n` above the gap that carries the bolt load [m]: the guess that prestress starts from.
+    /// Uniform closure `u_n` above the gap that carries the bolt load (m): the guess that prestress starts from.
     pub closure: f64,
     pub(crate) asperities: Asperities,
 }
 
 impl SceneInterface {
-    /// Builds law and gap; `load` is the sum of the bolt loads [N].
+    /// Builds law and gap; `load` is the sum of the bolt loads (N).
     ///
     /// # Errors
     /// Of the law, the surface, the interface; [`Error::NoContact`].
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, load: f64) -> Result<Self, Error> {
         let operators = Arc::new(Operators::try_new(mesh, scene.points_per_direction)?);
         let asperities = Asperities::try_new(scene, mesh)?;
-        let element_of: Vec<u32> =
-            operators.first_point.windows(2).enumerate().flat_map(|(e, r)| vec![e as u32; r[1] - r[0]]).collect();
+        let element_of: Vec<u32> = operators
+            .first_point
+            .windows(2)
+            .enumerate()
+            .flat_map(|(e, r)| vec![e as u32; r[1] - r[0]])
+            .collect();
         let population_of: Vec<u32> = element_of.iter().map(|&e| asperities.of_element[e as usize]).collect();
         let built = asperities.law(scene, population_of)?;
         let (gap, clipped_gaps) = asperities.gap(scene, &operators, &element_of);
@@ -103,7 +111,13 @@ impl SceneInterface {
         report.mean_closure = uniform_closure(&flat, load)?;
         report.mean_pressure = load / flat.operators().area();
         asperities.stiffnesses(&flat, scene, &built.fitted, &mut report)?;
-        Ok(Self { interface, report, clipped_gaps, closure, asperities })
+        Ok(Self {
+            interface,
+            report,
+            clipped_gaps,
+            closure,
+            asperities,
+        })
     }
 }
 
@@ -131,7 +145,12 @@ impl Asperities {
                     published::ASPERITIES_PER_AREA,
                     [radius, radius],
                 )?;
-                Ok(Self { populations: vec![population], of_element: vec![0; n_elements], material, scan: None })
+                Ok(Self {
+                    populations: vec![population],
+                    of_element: vec![0; n_elements],
+                    material,
+                    scan: None,
+                })
             }
             Surface::SyntheticScan(scan) => {
                 let outlines = ElementOutlines::try_new(
@@ -142,18 +161,33 @@ impl Asperities {
                 let mut options = Options::new(material);
                 options.tangential = scene.law.tangential;
                 options.u_ref = U_REF;
-                options.bootstrap = Bootstrap { realisations: scan.bootstrap, seed: scan.seed, ..Bootstrap::default() };
+                options.bootstrap = Bootstrap {
+                    realisations: scan.bootstrap,
+                    seed: scan.seed,
+                    ..Bootstrap::default()
+                };
                 let found = characterise(&top, &bottom, &outlines, &options)?;
-                let populations =
-                    found.elements.iter().map(|e| e.population.law_population()).collect::<Result<_, _>>()?;
+                let populations = found
+                    .elements
+                    .iter()
+                    .map(|e| e.population.law_population())
+                    .collect::<Result<_, _>>()?;
                 let of_element = (0..n_elements as u32).collect();
-                Ok(Self { populations, of_element, material, scan: Some(found) })
+                Ok(Self {
+                    populations,
+                    of_element,
+                    material,
+                    scan: Some(found),
+                })
             }
         }
     }
 
     fn sums(&self, reading: TangentialReading) -> Result<Vec<AsperitySumCurves>, Error> {
-        let curves = self.populations.iter().map(|p| AsperitySumCurves::try_new(p.clone(), self.material, reading));
+        let curves = self
+            .populations
+            .iter()
+            .map(|p| AsperitySumCurves::try_new(p.clone(), self.material, reading));
         Ok(curves.collect::<Result<_, _>>()?)
     }
 
@@ -186,7 +220,11 @@ impl Asperities {
             LawKind::Tabulated => {
                 // Populations of single samples have a kink at every sample; smooth ones reach the default.
                 let options = if self.scan.is_some() {
-                    TableOptions { tolerance_normal: 1e-4, tolerance_tangential: 1e-2, ..TableOptions::default() }
+                    TableOptions {
+                        tolerance_normal: 1e-4,
+                        tolerance_tangential: 1e-2,
+                        ..TableOptions::default()
+                    }
                 } else {
                     TableOptions::default()
                 };
@@ -194,7 +232,8 @@ impl Asperities {
                     .into_par_iter()
                     .map(|curves| Tabulated::try_new(curves, TABLE_RANGE, options))
                     .collect::<Result<Vec<_>, _>>()?;
-                let worst = |of: &dyn Fn(&Tabulated<AsperitySumCurves>) -> f64| tables.iter().map(of).fold(0.0, f64::max);
+                let worst =
+                    |of: &dyn Fn(&Tabulated<AsperitySumCurves>) -> f64| tables.iter().map(of).fold(0.0, f64::max);
                 report.table_error_normal = Some(worst(&Tabulated::max_relative_error_normal));
                 report.table_error_tangential = Some(worst(&Tabulated::max_relative_error_tangential));
                 frictional(tables, population_of, mu, law.history)?
@@ -210,7 +249,10 @@ impl Asperities {
                 .iter()
                 .map(|e| {
                     Ok(Fit {
-                        curves: FittedCurves::try_new(e.normal.parameters, [e.tangential[0].parameters, e.tangential[1].parameters])?,
+                        curves: FittedCurves::try_new(
+                            e.normal.parameters,
+                            [e.tangential[0].parameters, e.tangential[1].parameters],
+                        )?,
                         rms: [e.normal.rms, e.tangential[0].rms.max(e.tangential[1].rms)],
                         fallback: e.normal.fallback.is_some() || e.tangential.iter().any(|t| t.fallback.is_some()),
                     })
@@ -241,7 +283,7 @@ impl Asperities {
             .collect()
     }
 
-    /// Gap per point [m], and how many came out negative.
+    /// Gap per point (m), and how many came out negative.
     fn gap(&self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> (Vec<f64>, usize) {
         let raw: Vec<f64> = operators
             .positions
@@ -274,7 +316,12 @@ impl Asperities {
             .collect();
         let total: f64 = weights.iter().sum();
         let mean = |of: &dyn Fn(usize) -> f64| {
-            weights.iter().zip(&self.of_element).map(|(w, &p)| w * of(p as usize)).sum::<f64>() / total
+            weights
+                .iter()
+                .zip(&self.of_element)
+                .map(|(w, &p)| w * of(p as usize))
+                .sum::<f64>()
+                / total
         };
         let sums = self.sums(scene.law.tangential)?;
         let tangential = |curves: &dyn ContactCurves| {
@@ -284,10 +331,19 @@ impl Asperities {
         let in_use = scene.law.kind == LawKind::Fitted;
         let summed = mean(&|p| tangential(&sums[p]));
         let fit = mean(&|p| tangential(&fitted[p]));
-        report.normal_stiffness = mean(&|p| if in_use { fitted[p].normal(u).1 } else { sums[p].normal(u).1 });
+        report.normal_stiffness = mean(&|p| {
+            if in_use {
+                fitted[p].normal(u).1
+            } else {
+                sums[p].normal(u).1
+            }
+        });
         report.tangential_stiffness = if in_use { fit } else { summed };
         report.fitted_to_summed = fit / summed;
-        let (paper, mindlin) = (self.sums(TangentialReading::Paper)?, self.sums(TangentialReading::Mindlin)?);
+        let (paper, mindlin) = (
+            self.sums(TangentialReading::Paper)?,
+            self.sums(TangentialReading::Mindlin)?,
+        );
         report.paper_to_mindlin = mean(&|p| tangential(&paper[p])) / mean(&|p| tangential(&mindlin[p]));
         Ok(())
     }
@@ -305,25 +361,40 @@ fn frictional<C: ContactCurves + 'static>(
     mu: PointParameters<f64>,
     history: contact_laws::HistoryRule,
 ) -> Result<Arc<dyn TractionLaw>, Error> {
-    Ok(Arc::new(FrictionalLaw::try_new(PointParameters::try_indexed(curves, index)?, mu, history)?))
+    Ok(Arc::new(FrictionalLaw::try_new(
+        PointParameters::try_indexed(curves, index)?,
+        mu,
+        history,
+    )?))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let n = values.len();
-    if n == 0 { f64::NAN } else { 0.5 * (values[(n - 1) / 2] + values[n / 2]) }
+    if n == 0 {
+        f64::NAN
+    } else {
+        0.5 * (values[(n - 1) / 2] + values[n / 2])
+    }
 }
 
 /// One face of the pair, over the bounding box of the interface; the bottom one has its own seed and waviness phase.
 fn face(scan: &SyntheticScan, mesh: &InterfaceMesh, side: u64) -> Result<surface_characterisation::HeightMap, Error> {
     let bounds = |axis: usize| {
-        mesh.nodes.iter().map(|x| x[axis]).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
+        mesh.nodes
+            .iter()
+            .map(|x| x[axis])
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
     };
     let (x, y) = (bounds(0), bounds(1));
     // A wrong step must end in an error of the generator, not in a request for all memory.
     let points = [(x, scan.step[0]), (y, scan.step[1])].map(|((low, high), step)| {
         let count = ((high - low) / step).floor() + 1.0;
-        if count.is_finite() { count.clamp(0.0, 1e5) as usize } else { 0 }
+        if count.is_finite() {
+            count.clamp(0.0, 1e5) as usize
+        } else {
+            0
+        }
     });
     let synthetic = SyntheticFace {
         points,
@@ -345,15 +416,25 @@ fn face(scan: &SyntheticScan, mesh: &InterfaceMesh, side: u64) -> Result<surface
     Ok(synthetic.generate(move |[x, y]| holes.iter().any(|hole| (x - hole).hypot(y) < radius))?)
 }
 
-/// The rigid approach of the two faces at which the interface carries `load` [N]; bisection on a rising function.
+/// The rigid approach of the two faces at which the interface carries `load` (N); bisection on a rising function.
 fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
     let state = interface.initial_state();
     let mut end = state.clone();
     let mut workspace = interface.workspace();
     let mut force = vec![0.0; interface.n_dofs()];
     let mut carried = |closure: f64| {
-        let jump: Vec<f64> = (0..interface.n_dofs()).map(|i| if i % 3 == 2 { closure } else { 0.0 }).collect();
-        interface.evaluate(&jump, Sticking::Coulomb, &state, &mut end, &mut workspace, &mut force, None);
+        let jump: Vec<f64> = (0..interface.n_dofs())
+            .map(|i| if i % 3 == 2 { closure } else { 0.0 })
+            .collect();
+        interface.evaluate(
+            &jump,
+            Sticking::Coulomb,
+            &state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
         force.iter().skip(2).step_by(3).sum::<f64>()
     };
     let smallest = interface.gap().iter().copied().fold(f64::INFINITY, f64::min);
@@ -362,7 +443,11 @@ fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
         low = high;
         high = smallest + 2.0 * (high - smallest);
         if high > smallest + 1.0 {
-            return Err(Error::NoContact { load, closure: high, carried: carried(high) });
+            return Err(Error::NoContact {
+                load,
+                closure: high,
+                carried: carried(high),
+            });
         }
     }
     for _ in 0..200 {
@@ -370,7 +455,11 @@ fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
         if middle <= low || middle >= high {
             break;
         }
-        if carried(middle) < load { low = middle } else { high = middle }
+        if carried(middle) < load {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     Ok(0.5 * (low + high))
 }
@@ -385,7 +474,13 @@ impl<'a> InterfaceForce<'a> {
     /// Wraps an interface.
     pub fn new(interface: &'a Interface) -> Self {
         let pattern = interface.pattern();
-        Self { interface, pattern: Pattern { indptr: pattern.indptr.clone(), indices: pattern.indices.clone() } }
+        Self {
+            interface,
+            pattern: Pattern {
+                indptr: pattern.indptr.clone(),
+                indices: pattern.indices.clone(),
+            },
+        }
     }
 
     /// The interface.
@@ -428,7 +523,13 @@ impl HystereticForce for InterfaceForce<'_> {
             Sliding::Allowed => Sticking::Coulomb,
             Sliding::Prevented => Sticking::Full,
         };
-        let counts = self.interface.evaluate(u, sticking, begin, end, workspace, force, tangent);
-        PointCounts { stick: counts.stick, slip: counts.slip, open: counts.open }
+        let counts = self
+            .interface
+            .evaluate(u, sticking, begin, end, workspace, force, tangent);
+        PointCounts {
+            stick: counts.stick,
+            slip: counts.slip,
+            open: counts.open,
+        }
     }
 }

@@ -30,13 +30,13 @@ pub struct Facts {
     pub n_elements: usize,
     /// Independent displacement components after constraints.
     pub n_dofs: usize,
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: f64,
     /// Zero-energy modes without any contact.
     pub zem_unstressed: usize,
-    /// Frequencies without any contact [Hz].
+    /// Frequencies without any contact (Hz).
     pub unstressed_frequencies_hz: Vec<f64>,
-    /// Frequencies of the full model with a uniform linear stiffness on the interface [Hz].
+    /// Frequencies of the full model with a uniform linear stiffness on the interface (Hz).
     pub penalty_frequencies_hz: Vec<f64>,
     /// Largest relative difference of the reduced model's frequencies to these.
     pub penalty_error: f64,
@@ -55,7 +55,7 @@ pub struct StructuralModel {
 #[derive(Clone, Debug)]
 pub struct MeshedStructure {
     beam: BrakeReussBeam,
-    /// The bolt-hole clearance: by how much the bodies can slide before a shank touches its hole [m].
+    /// The bolt-hole clearance: by how much the bodies can slide before a shank touches its hole (m).
     pub clearance: f64,
     formulation: Formulation,
     settings: Settings,
@@ -90,7 +90,11 @@ impl MeshedStructure {
             beam: build(&geometry, &refinement, &material, 1.0)?,
             clearance: 0.5 * (geometry.hole_diameter - geometry.shank_diameter),
             formulation,
-            settings: Settings { n_modes: model.modes, n_reported: model.modes.max(N_CHECKED), ..Settings::default() },
+            settings: Settings {
+                n_modes: model.modes,
+                n_reported: model.modes.max(N_CHECKED),
+                ..Settings::default()
+            },
             youngs_modulus: model.material.youngs_modulus,
         })
     }
@@ -112,15 +116,22 @@ impl MeshedStructure {
         }
         progress.begin(Stage::Assemble);
         let system = System::try_new(&self.beam.assembly, self.formulation)?;
-        let pairs =
-            InterfacePairs { top: &self.beam.top_nodes, bottom: &self.beam.bottom_nodes, frame: self.beam.frame };
+        let pairs = InterfacePairs {
+            top: &self.beam.top_nodes,
+            bottom: &self.beam.bottom_nodes,
+            frame: self.beam.frame,
+        };
         let relative = RelativeSystem::try_new(&system, pairs)?;
         let direction = self.beam.response_direction;
-        let terms: Vec<_> = (0..3_u8).map(|c| (Dof::Node(self.beam.response_node, c), direction[c as usize])).collect();
+        let terms: Vec<_> = (0..3_u8)
+            .map(|c| (Dof::Node(self.beam.response_node, c), direction[c as usize]))
+            .collect();
         let row = relative.row(&system.dofs.force(&self.beam.assembly, "the response", &terms)?);
         progress.end(Stage::Assemble);
         progress.begin(Stage::Reduce);
-        let reduced = reduce(&relative, &[row], self.settings, &mut |done| progress.fraction(Stage::Reduce, 0.8 * done))?;
+        let reduced = reduce(&relative, &[row], self.settings, &mut |done| {
+            progress.fraction(Stage::Reduce, 0.8 * done)
+        })?;
         let facts = self.facts(&system, &relative, &reduced, progress)?;
         let model = StructuralModel { reduced, facts };
         if let Some(directory) = cache {
@@ -146,7 +157,11 @@ impl MeshedStructure {
         let (_, full) = checks::full_frequencies(relative, &penalty, N_CHECKED, tolerance)?;
         progress.fraction(Stage::Reduce, 0.95);
         let small = checks::reduced_frequencies(reduced, &penalty, N_CHECKED)?;
-        let error = full.iter().zip(&small).map(|(a, b)| (b / a - 1.0).abs()).fold(0.0, f64::max);
+        let error = full
+            .iter()
+            .zip(&small)
+            .map(|(a, b)| (b / a - 1.0).abs())
+            .fold(0.0, f64::max);
         Ok(Facts {
             n_nodes: self.beam.assembly.mesh.nodes.len(),
             n_elements: self.beam.assembly.mesh.elements.len(),
@@ -165,10 +180,26 @@ impl MeshedStructure {
         let assembly = &self.beam.assembly;
         key.numbers(assembly.mesh.nodes.iter().flatten().copied());
         key.integers(assembly.mesh.elements.iter().flat_map(|e| {
-            e.nodes.iter().map(|&n| u64::from(n)).chain(std::iter::once(u64::from(e.material)))
+            e.nodes
+                .iter()
+                .map(|&n| u64::from(n))
+                .chain(std::iter::once(u64::from(e.material)))
         }));
-        key.integers(self.beam.top_nodes.iter().chain(&self.beam.bottom_nodes).map(|&n| u64::from(n)));
-        key.numbers(self.beam.frame.iter().flatten().chain(&self.beam.response_direction).copied());
+        key.integers(
+            self.beam
+                .top_nodes
+                .iter()
+                .chain(&self.beam.bottom_nodes)
+                .map(|&n| u64::from(n)),
+        );
+        key.numbers(
+            self.beam
+                .frame
+                .iter()
+                .flatten()
+                .chain(&self.beam.response_direction)
+                .copied(),
+        );
         // Small parts, where a readable form costs nothing.
         key.text(&format!(
             "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",

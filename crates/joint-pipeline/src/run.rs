@@ -25,13 +25,13 @@ pub struct Options {
 /// Quantities at the quadrature points.
 #[derive(Clone, Debug)]
 pub struct Fields {
-    /// Jump x, y, interference n [m].
+    /// Jump x, y, interference n (m).
     pub jump: [Vec<f64>; 3],
-    /// Traction x, y, n [Pa].
+    /// Traction x, y, n (Pa).
     pub traction: [Vec<f64>; 3],
     /// Regimes.
     pub regime: Vec<Regime>,
-    /// Energy dissipated per area and cycle x, y, n [J/m^2]; zero for a static state.
+    /// Energy dissipated per area and cycle x, y, n (J/m^2); zero for a static state.
     pub flux: [Vec<f64>; 3],
 }
 
@@ -42,9 +42,9 @@ pub struct LoopFields {
     pub slip_fraction: f64,
     /// Area fraction that is open there.
     pub open_fraction: f64,
-    /// Dissipation per cycle from the points' loops [J] (eq. 43).
+    /// Dissipation per cycle from the points' loops (J) (eq. 43).
     pub dissipation: f64,
-    /// Largest tangential motion from the prestress over the loop [m].
+    /// Largest tangential motion from the prestress over the loop (m).
     pub largest_sliding: f64,
     /// Fields at the positive peak, for the amplitudes asked for.
     pub fields: Option<Fields>,
@@ -57,9 +57,9 @@ pub struct AmplitudeResult {
     pub point: BackbonePoint,
     /// What it did at the interface; none if it did not converge.
     pub fields: Option<LoopFields>,
-    /// Acceleration amplitude at the response point [m/s^2].
+    /// Acceleration amplitude at the response point (m/s^2).
     pub response_acceleration: Option<f64>,
-    /// Displacement amplitude at the response point, `q phi` [m].
+    /// Displacement amplitude at the response point, `q phi` (m).
     pub response_displacement: Option<f64>,
 }
 
@@ -93,7 +93,7 @@ pub struct Run {
     pub clipped_gaps: usize,
     /// Static state.
     pub prestress: PrestressResult,
-    /// Linearised frequencies [Hz].
+    /// Linearised frequencies (Hz).
     pub frequencies: Vec<f64>,
     /// Amplitudes in ascending order.
     pub amplitudes: Vec<AmplitudeResult>,
@@ -113,7 +113,10 @@ pub struct Prepared {
 
 impl std::fmt::Debug for SceneInterface {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SceneInterface").field("interface", &self.interface).field("law", &self.report).finish()
+        f.debug_struct("SceneInterface")
+            .field("interface", &self.interface)
+            .field("law", &self.report)
+            .finish()
     }
 }
 
@@ -159,12 +162,14 @@ impl Prepared {
         &self.interface
     }
 
-    /// Static load on the reduced coordinates [N].
+    /// Static load on the reduced coordinates (N).
     pub fn static_load(&self) -> Vec<f64> {
         let reduced = &self.model.reduced;
         let mut load = vec![0.0; reduced.mass.nrows()];
         for unit in &reduced.loads {
-            load.iter_mut().zip(unit).for_each(|(sum, value)| *sum += self.scene.bolts.load * value);
+            load.iter_mut()
+                .zip(unit)
+                .for_each(|(sum, value)| *sum += self.scene.bolts.load * value);
         }
         load
     }
@@ -178,14 +183,24 @@ impl Prepared {
         let reduced = &self.model.reduced;
         let (stiffness, mass) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
         let force = InterfaceForce::new(&self.interface.interface);
-        let newton = NewtonSettings { tolerance: scene.cqsma.tolerance, ..NewtonSettings::default() };
+        let newton = NewtonSettings {
+            tolerance: scene.cqsma.tolerance,
+            ..NewtonSettings::default()
+        };
 
         progress.begin(Stage::Prestress);
         let static_load = self.static_load();
         let mut start = vec![0.0; static_load.len()];
-        start[2..reduced.n_relative].iter_mut().step_by(3).for_each(|u| *u = self.interface.closure);
-        let solution = prestress::solve(stiffness, &force, &static_load, &start, &newton)?
-            .map_err(|failure| Error::Prestress { reason: failure.reason, history: failure.history })?;
+        start[2..reduced.n_relative]
+            .iter_mut()
+            .step_by(3)
+            .for_each(|u| *u = self.interface.closure);
+        let solution = prestress::solve(stiffness, &force, &static_load, &start, &newton)?.map_err(|failure| {
+            Error::Prestress {
+                reason: failure.reason,
+                history: failure.history,
+            }
+        })?;
         let prestress = self.describe_prestress(&force, solution, &static_load);
         progress.end(Stage::Prestress);
 
@@ -221,7 +236,13 @@ impl Prepared {
             &force,
             &forces,
             &settings,
-            |index| Watcher::new(&self.interface.interface, &prestress.fields, stored.contains(&(index + 1))),
+            |index| {
+                Watcher::new(
+                    &self.interface.interface,
+                    &prestress.fields,
+                    stored.contains(&(index + 1)),
+                )
+            },
             || {
                 let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
                 progress.fraction(Stage::Backbone, done as f64 / total as f64);
@@ -230,7 +251,11 @@ impl Prepared {
         let amplitudes: Vec<AmplitudeResult> = points
             .into_iter()
             .map(|(point, watcher)| {
-                let motion = point.result.as_ref().ok().map(|r| (r.modal_amplitude * phi.abs(), r.omega));
+                let motion = point
+                    .result
+                    .as_ref()
+                    .ok()
+                    .map(|r| (r.modal_amplitude * phi.abs(), r.omega));
                 AmplitudeResult {
                     fields: point.result.is_ok().then(|| watcher.finish()),
                     response_acceleration: motion.map(|(x, omega)| x * omega * omega),
@@ -282,7 +307,15 @@ impl Prepared {
         let mut contact = vec![0.0; nd];
         let u = &solution.displacement;
         let state = &solution.state;
-        interface.evaluate(&u[..nd], Sticking::Coulomb, state, &mut end, &mut workspace, &mut contact, None);
+        interface.evaluate(
+            &u[..nd],
+            Sticking::Coulomb,
+            state,
+            &mut end,
+            &mut workspace,
+            &mut contact,
+            None,
+        );
         let stiffness = &self.model.reduced.stiffness;
         let (mut residual, mut loads) = (0.0, 0.0);
         for i in 0..nd {
@@ -306,12 +339,14 @@ impl Prepared {
     }
 }
 
-/// Displacements at the response point that the modal forces are chosen for, by linear estimate [m].
+/// Displacements at the response point that the modal forces are chosen for, by linear estimate (m).
 fn displacements(scene: &Scene) -> Vec<f64> {
     let c = &scene.cqsma;
     let ratio = (c.amplitude_to / c.amplitude_from).ln();
     let last = (c.amplitudes - 1).max(1) as f64;
-    (0..c.amplitudes).map(|i| c.amplitude_from * (ratio * i as f64 / last).exp()).collect()
+    (0..c.amplitudes)
+        .map(|i| c.amplitude_from * (ratio * i as f64 / last).exp())
+        .collect()
 }
 
 /// Watches one loop at the quadrature points.
@@ -351,13 +386,21 @@ impl<'a> Watcher<'a> {
     fn finish(self) -> LoopFields {
         let flux = self.area.close();
         let weights = &self.interface.operators().weights;
-        let dissipation = flux.iter().map(|f| f.iter().zip(weights).map(|(f, w)| f * w).sum::<f64>()).sum();
+        let dissipation = flux
+            .iter()
+            .map(|f| f.iter().zip(weights).map(|(f, w)| f * w).sum::<f64>())
+            .sum();
         LoopFields {
             slip_fraction: self.slip_fraction,
             open_fraction: self.open_fraction,
             dissipation,
             largest_sliding: self.largest_sliding,
-            fields: self.at_peak.map(|(jump, traction, regime)| Fields { jump, traction, regime, flux }),
+            fields: self.at_peak.map(|(jump, traction, regime)| Fields {
+                jump,
+                traction,
+                regime,
+                flux,
+            }),
         }
     }
 }
@@ -366,7 +409,15 @@ impl LoopObserver<State> for Watcher<'_> {
     fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &State) {
         let end = self.end.get_or_insert_with(|| begin.clone());
         let jump = &displacement[..self.interface.n_dofs()];
-        self.interface.evaluate(jump, Sticking::Coulomb, begin, end, &mut self.workspace, &mut self.force, None);
+        self.interface.evaluate(
+            jump,
+            Sticking::Coulomb,
+            begin,
+            end,
+            &mut self.workspace,
+            &mut self.force,
+            None,
+        );
         self.area.add(&self.workspace);
         for p in 0..self.workspace.regime.len() {
             let slide = |c: usize| self.workspace.jump[c][p] - self.prestress.jump[c][p];
@@ -377,7 +428,12 @@ impl LoopObserver<State> for Watcher<'_> {
             self.peak = modal_force;
             let operators = self.interface.operators();
             let fraction = |regime: Regime| {
-                let found = self.workspace.regime.iter().zip(&operators.weights).filter(|(r, _)| **r == regime);
+                let found = self
+                    .workspace
+                    .regime
+                    .iter()
+                    .zip(&operators.weights)
+                    .filter(|(r, _)| **r == regime);
                 found.map(|(_, w)| w).sum::<f64>() / operators.area()
             };
             (self.slip_fraction, self.open_fraction) = (fraction(Regime::Slip), fraction(Regime::Open));

@@ -70,7 +70,7 @@ pub struct Scene {
     /// Traction law.
     #[serde(default)]
     pub law: Law,
-    /// Friction coefficient [-].
+    /// Friction coefficient (-).
     #[serde(default = "defaults::mu")]
     pub mu: f64,
     /// Gauss points per direction of each interface element: 1, 2, 3, 4 or 5.
@@ -82,7 +82,7 @@ pub struct Scene {
     /// Coupled quasi-static modal analysis.
     #[serde(default)]
     pub cqsma: Cqsma,
-    /// Viscous modal damping ratio that is added to the total, apart from friction [-].
+    /// Viscous modal damping ratio that is added to the total, apart from friction (-).
     #[serde(default)]
     pub background_damping: f64,
     /// Which results are stored as fields.
@@ -145,13 +145,13 @@ pub enum FormulationName {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Material {
-    /// Young's modulus [force/length^2].
+    /// Young's modulus (force/length^2).
     pub youngs_modulus: f64,
-    /// Poisson ratio [-].
+    /// Poisson ratio (-).
     pub poisson_ratio: f64,
-    /// Density [mass/length^3].
+    /// Density (mass/length^3).
     pub density: f64,
-    /// Hardness, for the onset of yield [force/length^2].
+    /// Hardness, for the onset of yield (force/length^2).
     pub hardness: f64,
 }
 
@@ -185,19 +185,19 @@ pub enum Surface {
 pub struct SyntheticScan {
     /// Seed of the top face; the bottom one uses the next number.
     pub seed: u64,
-    /// Grid steps along x and y [length].
+    /// Grid steps along x and y (length).
     pub step: [f64; 2],
-    /// Height step of the instrument [length].
+    /// Height step of the instrument (length).
     pub height_step: f64,
-    /// Rms roughness of each face [length].
+    /// Rms roughness of each face (length).
     pub rms: f64,
-    /// Correlation lengths along x and y [length].
+    /// Correlation lengths along x and y (length).
     pub correlation_length: [f64; 2],
-    /// Amplitude of the waviness of each face [length].
+    /// Amplitude of the waviness of each face (length).
     pub waviness: f64,
-    /// Wavelength of the waviness along the beam [length].
+    /// Wavelength of the waviness along the beam (length).
     pub wavelength: f64,
-    /// Tilt of the raw scans, taken out again by de-trending [-].
+    /// Tilt of the raw scans, taken out again by de-trending (-).
     pub tilt: [f64; 2],
     /// Bootstrap draws for the bands of the curves.
     pub bootstrap: usize,
@@ -246,7 +246,11 @@ pub struct Law {
 
 impl Default for Law {
     fn default() -> Self {
-        Self { kind: LawKind::Tabulated, tangential: TangentialReading::Mindlin, history: HistoryRule::Incremental }
+        Self {
+            kind: LawKind::Tabulated,
+            tangential: TangentialReading::Mindlin,
+            history: HistoryRule::Incremental,
+        }
     }
 }
 
@@ -266,13 +270,15 @@ pub enum LawKind {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bolts {
-    /// Tension of each bolt [force].
+    /// Tension of each bolt (force).
     pub load: f64,
 }
 
 impl Default for Bolts {
     fn default() -> Self {
-        Self { load: brake_reuss_beam::published::BOLT_LOAD }
+        Self {
+            load: brake_reuss_beam::published::BOLT_LOAD,
+        }
     }
 }
 
@@ -284,9 +290,9 @@ pub struct Cqsma {
     pub mode: usize,
     /// Linearised modes computed.
     pub modes: usize,
-    /// Smallest displacement at the response point, by linear estimate [length].
+    /// Smallest displacement at the response point, by linear estimate (length).
     pub amplitude_from: f64,
-    /// Largest displacement at the response point, by linear estimate [length].
+    /// Largest displacement at the response point, by linear estimate (length).
     pub amplitude_to: f64,
     /// Amplitudes, spaced in log.
     pub amplitudes: usize,
@@ -342,7 +348,9 @@ impl Scene {
             operation: "reading the scene",
             source,
         })?;
-        let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        let stem = path
+            .file_stem()
+            .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         Self::from_json(&text, &path.display().to_string(), &stem)
     }
 
@@ -351,7 +359,10 @@ impl Scene {
     /// # Errors
     /// [`Error::Syntax`] for malformed JSON and unknown fields, [`Error::Value`] for values outside their range.
     pub fn from_json(text: &str, place: &str, name: &str) -> Result<Self, Error> {
-        let syntax = |message: String| Error::Syntax { place: place.into(), message };
+        let syntax = |message: String| Error::Syntax {
+            place: place.into(),
+            message,
+        };
         let value: serde_json::Value = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
         // Defaults are in SI; quantities given in the file are converted where they stand.
         let mut scene: Self = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
@@ -366,7 +377,11 @@ impl Scene {
     /// The default scene in SI.
     pub fn new(name: &str) -> Self {
         Self {
-            units: Units { length: LengthUnit::Metre, mass: MassUnit::Kilogram, time: TimeUnit::Second },
+            units: Units {
+                length: LengthUnit::Metre,
+                mass: MassUnit::Kilogram,
+                time: TimeUnit::Second,
+            },
             name: name.into(),
             model: Model::default(),
             surface: Surface::default(),
@@ -384,15 +399,22 @@ impl Scene {
     /// Numbers of the amplitudes (from 1) whose fields are stored, ascending.
     pub fn fields_at(&self) -> Vec<usize> {
         let last = self.cqsma.amplitudes;
-        let mut numbers =
-            self.output.fields_at.clone().unwrap_or_else(|| vec![1, last.div_ceil(2), (3 * last).div_ceil(4), last]);
+        let mut numbers = self
+            .output
+            .fields_at
+            .clone()
+            .unwrap_or_else(|| vec![1, last.div_ceil(2), (3 * last).div_ceil(4), last]);
         numbers.sort_unstable();
         numbers.dedup();
         numbers
     }
 
     fn convert(&mut self, given: &serde_json::Value) {
-        let length = if self.units.length == LengthUnit::Millimetre { 1e-3 } else { 1.0 };
+        let length = if self.units.length == LengthUnit::Millimetre {
+            1e-3
+        } else {
+            1.0
+        };
         let mass = if self.units.mass == MassUnit::Tonne { 1e3 } else { 1.0 };
         let (force, stress) = (mass * length, mass / length);
         let scale = |path: &str, value: &mut f64, factor: f64| {
@@ -422,7 +444,11 @@ impl Scene {
                 scale(&at("correlation_length"), &mut scan.correlation_length[axis], length);
             }
         }
-        self.units = Units { length: LengthUnit::Metre, mass: MassUnit::Kilogram, time: TimeUnit::Second };
+        self.units = Units {
+            length: LengthUnit::Metre,
+            mass: MassUnit::Kilogram,
+            time: TimeUnit::Second,
+        };
     }
 
     /// Checks what the crates below do not check themselves.
@@ -431,14 +457,42 @@ impl Scene {
     /// [`Error::Value`].
     pub fn validate(&self, place: &str) -> Result<(), Error> {
         let check = |ok: bool, field, value: f64, unit, requirement| {
-            if ok { Ok(()) } else { Err(Error::Value { place: place.into(), field, value, unit, requirement }) }
+            if ok {
+                Ok(())
+            } else {
+                Err(Error::Value {
+                    place: place.into(),
+                    field,
+                    value,
+                    unit,
+                    requirement,
+                })
+            }
         };
         let positive = |v: f64| v.is_finite() && v > 0.0;
         let c = &self.cqsma;
-        check(self.mu.is_finite() && self.mu >= 0.0, "mu", self.mu, "", "finite and not negative")?;
-        check(positive(self.bolts.load), "bolts.load", self.bolts.load, "N", "positive and finite")?;
+        check(
+            self.mu.is_finite() && self.mu >= 0.0,
+            "mu",
+            self.mu,
+            "",
+            "finite and not negative",
+        )?;
+        check(
+            positive(self.bolts.load),
+            "bolts.load",
+            self.bolts.load,
+            "N",
+            "positive and finite",
+        )?;
         let hardness = self.model.material.hardness;
-        check(positive(hardness), "model.material.hardness", hardness, "Pa", "positive and finite")?;
+        check(
+            positive(hardness),
+            "model.material.hardness",
+            hardness,
+            "Pa",
+            "positive and finite",
+        )?;
         check(
             (1..=200).contains(&self.model.modes),
             "model.modes",
@@ -447,8 +501,20 @@ impl Scene {
             "between 1 and 200",
         )?;
         let damping = self.background_damping;
-        check((0.0..1.0).contains(&damping), "background_damping", damping, "", "at least 0 and below 1")?;
-        check(positive(c.amplitude_from), "cqsma.amplitude_from", c.amplitude_from, "m", "positive and finite")?;
+        check(
+            (0.0..1.0).contains(&damping),
+            "background_damping",
+            damping,
+            "",
+            "at least 0 and below 1",
+        )?;
+        check(
+            positive(c.amplitude_from),
+            "cqsma.amplitude_from",
+            c.amplitude_from,
+            "m",
+            "positive and finite",
+        )?;
         check(
             c.amplitude_to.is_finite() && c.amplitude_to >= c.amplitude_from,
             "cqsma.amplitude_to",
@@ -456,12 +522,42 @@ impl Scene {
             "m",
             "finite and not below amplitude_from",
         )?;
-        check((1..=10_000).contains(&c.amplitudes), "cqsma.amplitudes", c.amplitudes as f64, "", "between 1 and 10000")?;
-        check((1..=100).contains(&c.modes), "cqsma.modes", c.modes as f64, "", "between 1 and 100")?;
-        check((1..=c.modes).contains(&c.mode), "cqsma.mode", c.mode as f64, "", "between 1 and cqsma.modes")?;
+        check(
+            (1..=10_000).contains(&c.amplitudes),
+            "cqsma.amplitudes",
+            c.amplitudes as f64,
+            "",
+            "between 1 and 10000",
+        )?;
+        check(
+            (1..=100).contains(&c.modes),
+            "cqsma.modes",
+            c.modes as f64,
+            "",
+            "between 1 and 100",
+        )?;
+        check(
+            (1..=c.modes).contains(&c.mode),
+            "cqsma.mode",
+            c.mode as f64,
+            "",
+            "between 1 and cqsma.modes",
+        )?;
         let vertices = c.vertices_per_quarter;
-        check((1..=4096).contains(&vertices), "cqsma.vertices_per_quarter", vertices as f64, "", "between 1 and 4096")?;
-        check((1..=1000).contains(&c.cycles), "cqsma.cycles", c.cycles as f64, "", "between 1 and 1000")?;
+        check(
+            (1..=4096).contains(&vertices),
+            "cqsma.vertices_per_quarter",
+            vertices as f64,
+            "",
+            "between 1 and 4096",
+        )?;
+        check(
+            (1..=1000).contains(&c.cycles),
+            "cqsma.cycles",
+            c.cycles as f64,
+            "",
+            "between 1 and 1000",
+        )?;
         check(
             (1e-13..=1e-2).contains(&c.tolerance),
             "cqsma.tolerance",
@@ -471,9 +567,21 @@ impl Scene {
         )?;
         for number in self.fields_at() {
             let ok = (1..=c.amplitudes).contains(&number);
-            check(ok, "output.fields_at", number as f64, "", "numbers of amplitudes, between 1 and cqsma.amplitudes")?;
+            check(
+                ok,
+                "output.fields_at",
+                number as f64,
+                "",
+                "numbers of amplitudes, between 1 and cqsma.amplitudes",
+            )?;
         }
         let scans = matches!(self.surface, Surface::SyntheticScan(_));
-        check(scans || self.gap != Gap::Scan, "gap", f64::NAN, "(scan)", "`flat` or `measured` unless the surface is scanned")
+        check(
+            scans || self.gap != Gap::Scan,
+            "gap",
+            f64::NAN,
+            "(scan)",
+            "`flat` or `measured` unless the surface is scanned",
+        )
     }
 }

@@ -32,7 +32,7 @@ pub struct Summary {
     pub validity: Validity,
     /// Seconds per stage, and in total.
     pub timings: BTreeMap<String, f64>,
-    /// Largest memory of the process [bytes], where the system tells.
+    /// Largest memory of the process (bytes), where the system tells.
     pub peak_memory: Option<u64>,
 }
 
@@ -45,9 +45,9 @@ pub struct ModelSummary {
     pub n_elements: usize,
     /// Independent displacement components.
     pub n_dofs: usize,
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: f64,
-    /// Area of the interface by quadrature [m^2].
+    /// Area of the interface by quadrature (m^2).
     pub interface_area: f64,
     /// Interface elements.
     pub n_interface_elements: usize,
@@ -61,11 +61,11 @@ pub struct ModelSummary {
     pub zem_unstressed: usize,
     /// Zero-energy modes with the interface stuck.
     pub zem_stuck: usize,
-    /// Frequencies with the interface stuck [Hz].
+    /// Frequencies with the interface stuck (Hz).
     pub stuck_frequencies_hz: Vec<f64>,
-    /// Frequencies without contact [Hz].
+    /// Frequencies without contact (Hz).
     pub unstressed_frequencies_hz: Vec<f64>,
-    /// Full model with a uniform linear interface stiffness [Hz].
+    /// Full model with a uniform linear interface stiffness (Hz).
     pub penalty_frequencies_hz: Vec<f64>,
     /// Largest relative difference of the reduced model to these.
     pub penalty_spectrum_error: f64,
@@ -76,9 +76,9 @@ pub struct ModelSummary {
 /// The gap.
 #[derive(Clone, Debug, Serialize)]
 pub struct GapSummary {
-    /// Smallest at a point [m].
+    /// Smallest at a point (m).
     pub smallest: f64,
-    /// Largest at a point [m].
+    /// Largest at a point (m).
     pub largest: f64,
     /// Points whose value came out negative and was set to zero.
     pub clipped_points: usize,
@@ -87,7 +87,7 @@ pub struct GapSummary {
 /// The static state.
 #[derive(Clone, Debug, Serialize)]
 pub struct PrestressSummary {
-    /// Tension of each bolt [N].
+    /// Tension of each bolt (N).
     pub bolt_load: f64,
     /// Newton iterations with everything stuck and with friction, together.
     pub iterations: usize,
@@ -97,9 +97,9 @@ pub struct PrestressSummary {
     pub equilibrium_error: f64,
     /// Area in contact over nominal area, by points.
     pub contact_area_fraction: f64,
-    /// Largest pressure at a point [Pa].
+    /// Largest pressure at a point (Pa).
     pub max_pressure: f64,
-    /// Bolt loads over nominal area [Pa].
+    /// Bolt loads over nominal area (Pa).
     pub mean_pressure: f64,
     /// Always true here: a prestress that does not converge is an error.
     pub converged: bool,
@@ -108,32 +108,32 @@ pub struct PrestressSummary {
 /// A mode.
 #[derive(Clone, Debug, Serialize)]
 pub struct ModeSummary {
-    /// Frequency [Hz].
+    /// Frequency (Hz).
     pub frequency_hz: f64,
 }
 
 /// One amplitude; `null` where the loop did not converge.
 #[derive(Clone, Debug, Serialize)]
 pub struct BackboneSummary {
-    /// Peak modal force [sqrt(kg) m/s^2].
+    /// Peak modal force (sqrt(kg) m/s^2).
     pub modal_force: f64,
-    /// Modal amplitude [sqrt(kg) m].
+    /// Modal amplitude (sqrt(kg) m).
     pub modal_amplitude: Option<f64>,
-    /// Secant frequency [Hz].
+    /// Secant frequency (Hz).
     pub frequency_hz: Option<f64>,
     /// Total damping ratio: friction plus background.
     pub damping_ratio: Option<f64>,
     /// Part of it due to friction.
     pub friction_damping_ratio: Option<f64>,
-    /// Dissipation per cycle summed over the points [J].
+    /// Dissipation per cycle summed over the points (J).
     pub dissipation: Option<f64>,
-    /// The same from the modal loop [J].
+    /// The same from the modal loop (J).
     pub loop_area: Option<f64>,
-    /// The same from every second vertex of the loop [J].
+    /// The same from every second vertex of the loop (J).
     pub coarse_loop_area: Option<f64>,
-    /// Acceleration amplitude at the response point [m/s^2].
+    /// Acceleration amplitude at the response point (m/s^2).
     pub response_acceleration: Option<f64>,
-    /// Displacement amplitude at the response point [m].
+    /// Displacement amplitude at the response point (m).
     pub response_displacement: Option<f64>,
     /// Area fraction slipping at the positive peak.
     pub slip_fraction: Option<f64>,
@@ -204,8 +204,16 @@ impl Summary {
                 mean_pressure: bolts / operators.area(),
                 converged: true,
             },
-            modes: run.frequencies.iter().map(|&frequency_hz| ModeSummary { frequency_hz }).collect(),
-            backbone: run.amplitudes.iter().map(|a| backbone(a, run.scene.background_damping)).collect(),
+            modes: run
+                .frequencies
+                .iter()
+                .map(|&frequency_hz| ModeSummary { frequency_hz })
+                .collect(),
+            backbone: run
+                .amplitudes
+                .iter()
+                .map(|a| backbone(a, run.scene.background_damping))
+                .collect(),
             validity: run.validity.clone(),
             timings,
             peak_memory,

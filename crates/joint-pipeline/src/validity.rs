@@ -6,7 +6,7 @@ use contact_laws::adhesion::critical_interference;
 use serde::Serialize;
 use zte_assembly::{Interface, Workspace};
 
-/// Work of adhesion of low-carbon steel on itself [J/m^2], section 3.2.1 of the method paper.
+/// Work of adhesion of low-carbon steel on itself (J/m^2), section 3.2.1 of the method paper.
 const WORK_OF_ADHESION: f64 = 2.5;
 
 /// Shape deviation beyond which the secant and loop formulas, which assume a fixed mode shape, are doubtful.
@@ -21,14 +21,14 @@ pub struct Validity {
     pub contact_area_fraction_by_points: f64,
     /// The same counted by whole elements with any point in contact.
     pub contact_area_fraction_by_elements: f64,
-    /// Interference of one asperity at the onset of yield, `omega_c` [m] (mean over the populations).
+    /// Interference of one asperity at the onset of yield, `omega_c` (m) (mean over the populations).
     pub yield_onset_interference: f64,
     /// Fraction of the loaded asperities beyond it under prestress (mean over the points in contact).
     pub yielded_asperity_fraction: Option<f64>,
     /// Adhesive over elastic normal traction under prestress: pull-off `2 pi R w` of every loaded asperity, an upper
     /// bound (mean over the points in contact).
     pub adhesive_to_elastic_traction: Option<f64>,
-    /// Sliding distance at which a shank would touch its hole [m]; pinning is not modelled.
+    /// Sliding distance at which a shank would touch its hole (m); pinning is not modelled.
     pub bolt_hole_clearance: f64,
     /// First amplitude number whose tangential motion exceeds that.
     pub first_beyond_clearance: Option<usize>,
@@ -63,15 +63,22 @@ pub(crate) fn assess(
         .sum();
     let element_of = |p: usize| operators.first_point.partition_point(|&first| first <= p) - 1;
     let population = |p: usize| &asperities.populations[asperities.of_element[element_of(p)] as usize];
-    let onset =
-        |p: usize| critical_interference(&asperities.material, hardness, population(p).effective_radius());
+    let onset = |p: usize| critical_interference(&asperities.material, hardness, population(p).effective_radius());
     let law_mean = |of: &dyn Fn(usize) -> Option<f64>, total: f64| {
-        touching.iter().map(|&p| of(p).map(|v| weight(p) * v)).sum::<Option<f64>>().map(|sum| sum / total)
+        touching
+            .iter()
+            .map(|&p| of(p).map(|v| weight(p) * v))
+            .sum::<Option<f64>>()
+            .map(|sum| sum / total)
     };
     let first = |beyond: &dyn Fn(&AmplitudeResult) -> bool| amplitudes.iter().position(beyond).map(|i| i + 1);
     Validity {
         real_contact_area_fraction: law_mean(
-            &|p| interface.law(p).and_then(|(law, local)| law.contact_area_ratio(local, u_n[p])),
+            &|p| {
+                interface
+                    .law(p)
+                    .and_then(|(law, local)| law.contact_area_ratio(local, u_n[p]))
+            },
             area,
         ),
         contact_area_fraction_by_points: closed / area,
@@ -83,7 +90,11 @@ pub(crate) fn assess(
             .sum::<f64>()
             / asperities.populations.len() as f64,
         yielded_asperity_fraction: law_mean(
-            &|p| interface.law(p).and_then(|(law, local)| law.yielded_fraction(local, u_n[p], onset(p))),
+            &|p| {
+                interface
+                    .law(p)
+                    .and_then(|(law, local)| law.yielded_fraction(local, u_n[p], onset(p)))
+            },
             closed,
         ),
         adhesive_to_elastic_traction: law_mean(
@@ -99,7 +110,10 @@ pub(crate) fn assess(
         first_beyond_clearance: first(&|a| a.fields.as_ref().is_some_and(|f| f.largest_sliding > clearance)),
         shape_deviation_limit: LARGEST_SHAPE_DEVIATION,
         first_beyond_shape_deviation: first(&|a| {
-            a.point.result.as_ref().is_ok_and(|r| r.shape_deviation > LARGEST_SHAPE_DEVIATION)
+            a.point
+                .result
+                .as_ref()
+                .is_ok_and(|r| r.shape_deviation > LARGEST_SHAPE_DEVIATION)
         }),
         first_not_converged: first(&|a| a.point.result.is_err()),
     }

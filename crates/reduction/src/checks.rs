@@ -7,9 +7,9 @@ use faer::{Mat, Side};
 use sprs::{CsMat, TriMat};
 use substructure::eigen::lowest_modes;
 
-/// Frequencies of the full system with a diagonal stiffness added to the jump [Hz].
+/// Frequencies of the full system with a diagonal stiffness added to the jump (Hz).
 ///
-/// `penalty` has one stiffness per jump coordinate [N/m]; zero everywhere gives the unstressed assembly.
+/// `penalty` has one stiffness per jump coordinate (N/m); zero everywhere gives the unstressed assembly.
 /// Returns the number of zero-energy modes and the `n` lowest frequencies above them.
 ///
 /// # Errors
@@ -31,7 +31,7 @@ pub fn full_frequencies(
     Ok((modes.n_zero, modes.frequencies()))
 }
 
-/// Frequencies of the reduced model with the same stiffness added to the jump [Hz], `n` lowest.
+/// Frequencies of the reduced model with the same stiffness added to the jump (Hz), `n` lowest.
 ///
 /// # Errors
 /// If the reduced mass is not positive definite or the eigenvalue decomposition fails.
@@ -48,9 +48,17 @@ pub fn reduced_frequencies(model: &ReducedModel, penalty: &[f64], n: usize) -> R
     lower.solve_lower_triangular_in_place(stiffness.as_mut());
     let mut transposed = stiffness.transpose().to_owned();
     lower.solve_lower_triangular_in_place(transposed.as_mut());
-    let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (transposed[(i, j)] + transposed[(j, i)]));
+    // Brought to unit size: the library's tolerances are absolute.
+    let scale = transposed.norm_max();
+    let symmetric = Mat::from_fn(size, size, |i, j| {
+        0.5 / scale * (transposed[(i, j)] + transposed[(j, i)])
+    });
     let values = symmetric
         .self_adjoint_eigenvalues(Side::Lower)
         .map_err(|e| fail("eigenvalue decomposition of the reduced model", format!("{e:?}")))?;
-    Ok(values.iter().take(n).map(|w2| w2.max(0.0).sqrt() / (2.0 * std::f64::consts::PI)).collect())
+    Ok(values
+        .iter()
+        .take(n)
+        .map(|w2| (w2 * scale).max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
+        .collect())
 }

@@ -31,16 +31,21 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { n_modes: 20, n_reported: 20, expected_zem: 6, mode_tolerance: 1e-6 }
+        Self {
+            n_modes: 20,
+            n_reported: 20,
+            expected_zem: 6,
+            mode_tolerance: 1e-6,
+        }
     }
 }
 
 /// A reduced model over `[jump; modal coordinates]`.
 #[derive(Clone, Debug)]
 pub struct ReducedModel {
-    /// Mass [kg] (jump) and 1 (mass-normalised modes).
+    /// Mass (kg) (jump) and 1 (mass-normalised modes).
     pub mass: Mat<f64>,
-    /// Stiffness [N/m] and `omega^2` [rad^2/s^2]; no coupling between jump and modes.
+    /// Stiffness (N/m) and `omega^2` (rad^2/s^2); no coupling between jump and modes.
     pub stiffness: Mat<f64>,
     /// Loads.
     pub loads: Vec<Vec<f64>>,
@@ -48,7 +53,7 @@ pub struct ReducedModel {
     pub n_relative: usize,
     /// One row per recovered quantity: its value is the product with the reduced coordinates.
     pub recovery: Mat<f64>,
-    /// Frequencies of the stuck structure, `n_reported` of them [Hz].
+    /// Frequencies of the stuck structure, `n_reported` of them (Hz).
     pub stuck_frequencies: Vec<f64>,
     /// Zero-energy modes of the stuck structure.
     pub zem_stuck: usize,
@@ -73,7 +78,10 @@ pub fn reduce(
     let n_reported = settings.n_reported.max(settings.n_modes);
     let stuck = lowest_modes(&k.rest, &m.rest, positions, n_reported, settings.mode_tolerance)?;
     if stuck.n_zero != settings.expected_zem {
-        return Err(Error::ZeroEnergyModes { found: stuck.n_zero, expected: settings.expected_zem });
+        return Err(Error::ZeroEnergyModes {
+            found: stuck.n_zero,
+            expected: settings.expected_zem,
+        });
     }
     progress(0.05);
     let supported = Supported::try_new(&k.rest, &m.rest, positions, stuck.zero_energy())?;
@@ -114,12 +122,26 @@ pub fn reduce(
         multiply_into(&m_rest_jump, unit.as_ref(), inertia.as_mut());
         momentum += &inertia;
         let a = supported.remove_zero_energy(momentum.as_mut());
-        matmul(x.as_mut(), Accum::Add, supported.modes.as_ref(), a.as_ref(), 1.0, Par::Seq);
+        matmul(
+            x.as_mut(),
+            Accum::Add,
+            supported.modes.as_ref(),
+            a.as_ref(),
+            1.0,
+            Par::Seq,
+        );
         zero_energy_part.as_mut().subcols_mut(start, width).copy_from(&a);
         add(&mut mass, &m.jump, &unit, 1.0);
         add(&mut mass, &m.jump_rest, &x, 1.0);
         let mut modal = Mat::<f64>::zeros(n_modes, width);
-        matmul(modal.as_mut(), Accum::Replace, phi.transpose(), momentum.as_ref(), 1.0, Par::Seq);
+        matmul(
+            modal.as_mut(),
+            Accum::Replace,
+            phi.transpose(),
+            momentum.as_ref(),
+            1.0,
+            Par::Seq,
+        );
         for j in 0..width {
             for i in 0..n_modes {
                 mass[(nd + i, start + j)] = modal[(i, j)];
@@ -170,11 +192,20 @@ fn project(
     supported.solve_in_place(solved.as_mut());
     let solved: Vec<f64> = solved.col(0).iter().copied().collect();
     let along = |modes: &Mat<f64>, j: usize| modes.col(j).iter().zip(&row[nd..]).map(|(a, b)| a * b).sum::<f64>();
-    let rigid: Vec<f64> = (0..supported.modes.ncols()).map(|j| along(&supported.modes, j)).collect();
+    let rigid: Vec<f64> = (0..supported.modes.ncols())
+        .map(|j| along(&supported.modes, j))
+        .collect();
     let mut out: Vec<f64> = multiply_vector(k_jump_rest, &solved)
         .iter()
         .enumerate()
-        .map(|(j, v)| row[j] - v + rigid.iter().enumerate().map(|(z, r)| r * zero_energy_part[(z, j)]).sum::<f64>())
+        .map(|(j, v)| {
+            row[j] - v
+                + rigid
+                    .iter()
+                    .enumerate()
+                    .map(|(z, r)| r * zero_energy_part[(z, j)])
+                    .sum::<f64>()
+        })
         .collect();
     out.extend((0..phi.ncols()).map(|j| along(phi, j)));
     out
@@ -182,9 +213,15 @@ fn project(
 
 fn check_equilibrium(index: usize, load: &[f64], stuck: &Modes) -> Result<(), Error> {
     for mode in stuck.zero_energy().col_iter() {
-        let (sum, size) = mode.iter().zip(load).fold((0.0_f64, 0.0_f64), |(s, a), (z, f)| (s + z * f, a + (z * f).abs()));
+        let (sum, size) = mode
+            .iter()
+            .zip(load)
+            .fold((0.0_f64, 0.0_f64), |(s, a), (z, f)| (s + z * f, a + (z * f).abs()));
         if sum.abs() > 1e-6 * size {
-            return Err(Error::UnbalancedLoad { load: index.to_string(), fraction: sum.abs() / size });
+            return Err(Error::UnbalancedLoad {
+                load: index.to_string(),
+                fraction: sum.abs() / size,
+            });
         }
     }
     Ok(())
@@ -206,7 +243,10 @@ fn symmetrise(matrix: &mut Mat<f64>, name: &'static str) -> Result<f64, Error> {
     let asymmetry = difference / largest;
     // `!(a <= b)` also catches NaN.
     if !(asymmetry <= 1e-6) {
-        return Err(Error::Asymmetry { matrix: name, asymmetry });
+        return Err(Error::Asymmetry {
+            matrix: name,
+            asymmetry,
+        });
     }
     Ok(asymmetry)
 }

@@ -5,7 +5,9 @@
 #[non_exhaustive]
 pub enum Error {
     /// The two sides of the interface do not pair up.
-    #[error("the interface pairs {top} top nodes with {bottom} bottom nodes; every pair needs one of each, at least one pair")]
+    #[error(
+        "the interface pairs {top} top nodes with {bottom} bottom nodes; every pair needs one of each, at least one pair"
+    )]
     PairCount {
         /// Top nodes.
         top: usize,
@@ -24,7 +26,7 @@ pub enum Error {
         top: u32,
         /// Bottom node.
         bottom: u32,
-        /// Distance [m].
+        /// Distance (m).
         distance: f64,
     },
     /// An interface component depends on others through a constraint.
@@ -67,7 +69,9 @@ pub enum Error {
         fraction: f64,
     },
     /// The reduced matrices came out unsymmetric, so the solves are not accurate enough.
-    #[error("reduced {matrix} is unsymmetric by {asymmetry:.1e} of its largest entry; the model is too ill-conditioned")]
+    #[error(
+        "reduced {matrix} is unsymmetric by {asymmetry:.1e} of its largest entry; the model is too ill-conditioned"
+    )]
     Asymmetry {
         /// Which matrix.
         matrix: &'static str,

@@ -19,15 +19,15 @@ pub struct InterfacePairs<'a> {
 /// A system in the coordinates `[jump; rest]`, where `u_top = jump + u_bottom` (eq. 30 of Balaji, Chen and Brake 2020).
 #[derive(Clone, Debug)]
 pub struct RelativeSystem {
-    /// Stiffness over `[jump; rest]` [N/m].
+    /// Stiffness over `[jump; rest]` (N/m).
     pub stiffness: CsMat<f64>,
-    /// Mass over `[jump; rest]` [kg].
+    /// Mass over `[jump; rest]` (kg).
     pub mass: CsMat<f64>,
-    /// Loads over `[jump; rest]` [N].
+    /// Loads over `[jump; rest]` (N).
     pub loads: Vec<Vec<f64>>,
     /// Number of jump coordinates: three per pair, pair-major, in the order x, y, n.
     pub n_relative: usize,
-    /// Position of each coordinate's node [m].
+    /// Position of each coordinate's node (m).
     pub positions: Vec<[f64; 3]>,
     /// `u = transform * [jump; rest]` over the independent components of the system.
     transform: CsMat<f64>,
@@ -48,7 +48,10 @@ impl RelativeSystem {
     pub fn try_new(system: &System, pairs: InterfacePairs<'_>) -> Result<Self, Error> {
         let (top, bottom, frame) = (pairs.top, pairs.bottom, pairs.frame);
         if top.len() != bottom.len() || top.is_empty() {
-            return Err(Error::PairCount { top: top.len(), bottom: bottom.len() });
+            return Err(Error::PairCount {
+                top: top.len(),
+                bottom: bottom.len(),
+            });
         }
         let mut deviation = 0.0_f64;
         for i in 0..3 {
@@ -81,11 +84,19 @@ impl RelativeSystem {
         let coordinates = |node: u32| system.dofs.coordinates[node as usize];
         let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
         let origin = coordinates(top[0]);
-        let size = top.iter().map(|&node| distance(coordinates(node), origin)).fold(0.0, f64::max);
+        let size = top
+            .iter()
+            .map(|&node| distance(coordinates(node), origin))
+            .fold(0.0, f64::max);
         for (pair, (&t, &b)) in top.iter().zip(bottom).enumerate() {
             let apart = distance(coordinates(t), coordinates(b));
             if !(apart <= 1e-6 * size) {
-                return Err(Error::PairApart { pair, top: t, bottom: b, distance: apart });
+                return Err(Error::PairApart {
+                    pair,
+                    top: t,
+                    bottom: b,
+                    distance: apart,
+                });
             }
         }
         let rest: Vec<usize> = (0..n).filter(|&dof| top_index[dof].is_none()).collect();
@@ -108,8 +119,10 @@ impl RelativeSystem {
             }
             positions[jump] = system.positions[dof];
             // A bottom component listed as a top one too would have no column of its own.
-            let at = column[bottom_index[jump]]
-                .ok_or(Error::DependentInterface { node: bottom[jump / 3], component: component as u8 })?;
+            let at = column[bottom_index[jump]].ok_or(Error::DependentInterface {
+                node: bottom[jump / 3],
+                component: component as u8,
+            })?;
             transform.add_triplet(dof, n_relative + at, 1.0);
         }
         let transform: CsMat<f64> = transform.to_csr();
@@ -117,7 +130,11 @@ impl RelativeSystem {
         Ok(Self {
             stiffness: congruence(&transform, &system.stiffness),
             mass: congruence(&transform, &system.mass),
-            loads: system.loads.iter().map(|load| multiply_vector(&transposed, load)).collect(),
+            loads: system
+                .loads
+                .iter()
+                .map(|load| multiply_vector(&transposed, load))
+                .collect(),
             n_relative,
             positions,
             transform,

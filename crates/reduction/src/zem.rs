@@ -2,6 +2,7 @@
 
 use crate::Error;
 use faer::linalg::matmul::matmul;
+use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use sprs::CsMat;
 use substructure::factor::SparseCholesky;
@@ -43,7 +44,12 @@ impl Supported {
         let factor = SparseCholesky::try_new(&matrix, positions, "stuck stiffness without its zero-energy modes")?;
         let mut mass_modes = Mat::zeros(modes.nrows(), modes.ncols());
         multiply_into(mass, modes, mass_modes.as_mut());
-        Ok(Self { factor, held, modes: modes.to_owned(), mass_modes })
+        Ok(Self {
+            factor,
+            held,
+            modes: modes.to_owned(),
+            mass_modes,
+        })
     }
 
     /// One particular solution of `K x = b` for columns in equilibrium, in place.
@@ -57,13 +63,25 @@ impl Supported {
     /// Coefficients `a = -Z^T m` that make `m + M Z a` orthogonal to the zero-energy modes, and that correction of `m`.
     pub(crate) fn remove_zero_energy(&self, mut momentum: MatMut<'_, f64>) -> Mat<f64> {
         let mut a = Mat::zeros(self.modes.ncols(), momentum.ncols());
-        matmul(a.as_mut(), Accum::Replace, self.modes.transpose(), momentum.as_ref(), -1.0, Par::Seq);
-        matmul(momentum.as_mut(), Accum::Add, self.mass_modes.as_ref(), a.as_ref(), 1.0, Par::Seq);
+        matmul(
+            a.as_mut(),
+            Accum::Replace,
+            self.modes.transpose(),
+            momentum.as_ref(),
+            -1.0,
+            Par::Seq,
+        );
+        matmul(
+            momentum.as_mut(),
+            Accum::Add,
+            self.mass_modes.as_ref(),
+            a.as_ref(),
+            1.0,
+            Par::Seq,
+        );
         a
     }
 }
-
-use faer::reborrow::ReborrowMut;
 
 /// Greedy choice of well-separated components: the one that moves most in the modes not yet held.
 fn components_to_hold(modes: MatRef<'_, f64>) -> Vec<usize> {
@@ -71,7 +89,9 @@ fn components_to_hold(modes: MatRef<'_, f64>) -> Vec<usize> {
     let mut held = Vec::with_capacity(rows.ncols());
     for _ in 0..rows.ncols() {
         let squared = |i: usize| rows.row(i).iter().map(|v| v * v).sum::<f64>();
-        let best = (0..rows.nrows()).max_by(|&a, &b| squared(a).total_cmp(&squared(b))).unwrap_or(0);
+        let best = (0..rows.nrows())
+            .max_by(|&a, &b| squared(a).total_cmp(&squared(b)))
+            .unwrap_or(0);
         let direction: Vec<f64> = {
             let norm = squared(best).sqrt();
             rows.row(best).iter().map(|v| v / norm).collect()

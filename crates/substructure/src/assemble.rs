@@ -10,17 +10,17 @@ use sprs::CsMat;
 /// Mass, stiffness and loads over the independent displacement components of an assembly.
 #[derive(Clone, Debug)]
 pub struct System {
-    /// Stiffness, symmetric, `n x n` [N/m].
+    /// Stiffness, symmetric, `n x n` (N/m).
     pub stiffness: CsMat<f64>,
-    /// Mass, symmetric, `n x n` [kg].
+    /// Mass, symmetric, `n x n` (kg).
     pub mass: CsMat<f64>,
-    /// One force vector of length `n` [N] per load pattern of the assembly.
+    /// One force vector of length `n` (N) per load pattern of the assembly.
     pub loads: Vec<Vec<f64>>,
     /// The independent components and what depends on them.
     pub dofs: DofMap,
-    /// Position of each independent component's node [m].
+    /// Position of each independent component's node (m).
     pub positions: Vec<[f64; 3]>,
-    /// Total mass of the elements [kg].
+    /// Total mass of the elements (kg).
     pub total_mass: f64,
 }
 
@@ -62,13 +62,24 @@ impl Material {
     /// [`Error::Material`] naming the constant.
     pub fn validate(&self) -> Result<(), Error> {
         let fail = |field, value, unit, requirement| {
-            Err(Error::Material { material: self.name.clone(), field, value, unit, requirement })
+            Err(Error::Material {
+                material: self.name.clone(),
+                field,
+                value,
+                unit,
+                requirement,
+            })
         };
         if !(self.youngs_modulus.is_finite() && self.youngs_modulus > 0.0) {
             return fail("youngs_modulus", self.youngs_modulus, "Pa", "positive and finite");
         }
         if !(self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5) {
-            return fail("poisson_ratio", self.poisson_ratio, "", "between -1 and 0.5 (both excluded)");
+            return fail(
+                "poisson_ratio",
+                self.poisson_ratio,
+                "",
+                "between -1 and 0.5 (both excluded)",
+            );
         }
         if !(self.density.is_finite() && self.density > 0.0) {
             return fail("density", self.density, "kg/m^3", "positive and finite");
@@ -86,7 +97,10 @@ impl Mesh {
         self.materials.iter().try_for_each(Material::validate)?;
         for (node, x) in self.nodes.iter().enumerate() {
             if let Some(&value) = x.iter().find(|v| !v.is_finite()) {
-                return Err(Error::NotFinite { place: format!("node {node}"), value });
+                return Err(Error::NotFinite {
+                    place: format!("node {node}"),
+                    value,
+                });
             }
         }
         for (index, element) in self.elements.iter().enumerate() {
@@ -137,7 +151,9 @@ fn element_matrices(
             let row = row as usize;
             let list = &neighbours[row];
             for (b, column) in element.nodes.iter().enumerate() {
-                let Ok(place) = list.binary_search(column) else { continue };
+                let Ok(place) = list.binary_search(column) else {
+                    continue;
+                };
                 mass[start[row] + place] += m[(a, b)];
                 for i in 0..3 {
                     // Row 3 row + i starts at 9 start + 3 i len.

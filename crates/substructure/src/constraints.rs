@@ -16,19 +16,21 @@ pub struct DofMap {
     pub transform: CsMat<f64>,
     /// For each independent component, `3 node + component` of the displacement it stands for.
     pub independent: Vec<usize>,
-    /// Node coordinates after slaves were moved onto the surfaces they are tied to [m].
+    /// Node coordinates after slaves were moved onto the surfaces they are tied to (m).
     pub coordinates: Vec<[f64; 3]>,
-    /// The largest such move [m].
+    /// The largest such move (m).
     pub largest_adjustment: f64,
 }
 
 impl DofMap {
     /// Index among the independent components of `component` of `node`, or `None` if it is dependent.
     pub fn independent_index(&self, node: u32, component: u8) -> Option<usize> {
-        self.independent.binary_search(&(3 * node as usize + component as usize)).ok()
+        self.independent
+            .binary_search(&(3 * node as usize + component as usize))
+            .ok()
     }
 
-    /// Position of the node of each independent component [m].
+    /// Position of the node of each independent component (m).
     pub fn positions(&self) -> Vec<[f64; 3]> {
         self.independent.iter().map(|dof| self.coordinates[dof / 3]).collect()
     }
@@ -52,7 +54,10 @@ impl DofMap {
     /// Entries of the transform's row for `3 node + component`.
     pub fn row(&self, full: usize) -> impl Iterator<Item = (usize, &f64)> {
         let range = self.transform.indptr().outer_inds_sz(full);
-        self.transform.indices()[range.clone()].iter().copied().zip(&self.transform.data()[range])
+        self.transform.indices()[range.clone()]
+            .iter()
+            .copied()
+            .zip(&self.transform.data()[range])
     }
 
     /// Collects the constraints of an assembly and eliminates the dependent components.
@@ -88,13 +93,24 @@ impl DofMap {
             let Some((&pivot, &coefficient)) = expression
                 .iter()
                 // The first of equal candidates, so that round-off in the last digit cannot change the choice.
-                .reduce(|best, next| if next.1.abs() > best.1.abs() * (1.0 + 1e-9) { next } else { best })
+                .reduce(|best, next| {
+                    if next.1.abs() > best.1.abs() * (1.0 + 1e-9) {
+                        next
+                    } else {
+                        best
+                    }
+                })
                 .filter(|(_, value)| value.abs() > 1e-10 * scale)
             else {
-                return Err(Error::RedundantEquation { equation: equation.name.clone() });
+                return Err(Error::RedundantEquation {
+                    equation: equation.name.clone(),
+                });
             };
             expression.remove(&pivot);
-            dependent.insert(pivot, expression.into_iter().map(|(dof, c)| (dof, -c / coefficient)).collect());
+            dependent.insert(
+                pivot,
+                expression.into_iter().map(|(dof, c)| (dof, -c / coefficient)).collect(),
+            );
         }
         let n_full = 3 * coordinates.len();
         let independent: Vec<usize> = (0..n_full).filter(|dof| !dependent.contains_key(dof)).collect();
@@ -114,7 +130,12 @@ impl DofMap {
                 triplets.add_triplet(dof, column[master], coefficient);
             }
         }
-        Ok(Self { transform: triplets.to_csr(), independent, coordinates, largest_adjustment })
+        Ok(Self {
+            transform: triplets.to_csr(),
+            independent,
+            coordinates,
+            largest_adjustment,
+        })
     }
 }
 
@@ -123,14 +144,15 @@ fn largest(expression: &BTreeMap<usize, f64>) -> f64 {
 }
 
 /// Replaces dependent components until only independent ones are left, and drops round-off.
-fn substitute(
-    expression: &mut BTreeMap<usize, f64>,
-    dependent: &BTreeMap<usize, Combination>,
-) -> Result<(), Error> {
+fn substitute(expression: &mut BTreeMap<usize, f64>, dependent: &BTreeMap<usize, Combination>) -> Result<(), Error> {
     let scale = largest(expression);
     // A chain longer than the number of constraints must contain a circle.
     for _ in 0..=dependent.len() {
-        let found: Vec<usize> = expression.keys().copied().filter(|dof| dependent.contains_key(dof)).collect();
+        let found: Vec<usize> = expression
+            .keys()
+            .copied()
+            .filter(|dof| dependent.contains_key(dof))
+            .collect();
         if found.is_empty() {
             expression.retain(|_, value| value.abs() > 1e-14 * scale);
             return Ok(());
@@ -142,13 +164,25 @@ fn substitute(
             }
         }
     }
-    let dof = expression.keys().copied().find(|dof| dependent.contains_key(dof)).unwrap_or(0);
-    Err(Error::CircularConstraint { node: (dof / 3) as u32, component: (dof % 3) as u8 })
+    let dof = expression
+        .keys()
+        .copied()
+        .find(|dof| dependent.contains_key(dof))
+        .unwrap_or(0);
+    Err(Error::CircularConstraint {
+        node: (dof / 3) as u32,
+        component: (dof % 3) as u8,
+    })
 }
 
 /// One component of the assembly in terms of nodal displacement components.
 fn expand(assembly: &Assembly, coordinates: &[[f64; 3]], place: &str, dof: Dof) -> Result<Combination, Error> {
-    let dangling = |what, index, count| Error::Dangling { place: format!("`{place}`"), what, index, count };
+    let dangling = |what, index, count| Error::Dangling {
+        place: format!("`{place}`"),
+        what,
+        index,
+        count,
+    };
     match dof {
         Dof::Node(node, component) => {
             if node as usize >= coordinates.len() {
@@ -161,8 +195,10 @@ fn expand(assembly: &Assembly, coordinates: &[[f64; 3]], place: &str, dof: Dof) 
         }
         Dof::Reference(index, component) => {
             let count = assembly.couplings.len();
-            let coupling =
-                assembly.couplings.get(index as usize).ok_or_else(|| dangling("coupling", index as usize, count))?;
+            let coupling = assembly
+                .couplings
+                .get(index as usize)
+                .ok_or_else(|| dangling("coupling", index as usize, count))?;
             if component > 5 {
                 return Err(dangling("motion component", component as usize, 6));
             }
@@ -180,7 +216,10 @@ fn reference_motion(
     coordinates: &[[f64; 3]],
     component: usize,
 ) -> Result<Combination, Error> {
-    let fail = |reason| Error::Coupling { coupling: coupling.name.clone(), reason };
+    let fail = |reason| Error::Coupling {
+        coupling: coupling.name.clone(),
+        reason,
+    };
     if coupling.nodes.len() != coupling.weights.len() || coupling.nodes.is_empty() {
         return Err(fail("it needs one weight per node and at least one node"));
     }
@@ -219,7 +258,9 @@ fn reference_motion(
     for (node, x, w) in cloud() {
         let rotation = inverse * (x - centroid).cross_matrix() * w;
         let row = if component < 3 {
-            (Matrix3::identity() * w - arm.cross_matrix() * rotation).row(component).into_owned()
+            (Matrix3::identity() * w - arm.cross_matrix() * rotation)
+                .row(component)
+                .into_owned()
         } else {
             rotation.row(component - 3).into_owned()
         };
@@ -237,7 +278,12 @@ fn insert_tie(
     let place = || format!("tie `{}`", tie.name);
     let all = tie.slave_nodes.iter().chain(tie.master_faces.iter().flatten());
     if let Some(&node) = all.clone().find(|&&node| node as usize >= coordinates.len()) {
-        return Err(Error::Dangling { place: place(), what: "node", index: node as usize, count: coordinates.len() });
+        return Err(Error::Dangling {
+            place: place(),
+            what: "node",
+            index: node as usize,
+            count: coordinates.len(),
+        });
     }
     let mut largest = 0.0_f64;
     for &slave in &tie.slave_nodes {
@@ -264,9 +310,15 @@ fn insert_tie(
         coordinates[slave as usize] = foot.into();
         for component in 0..3 {
             let masters = face.iter().zip(weights).filter(|(_, weight)| *weight != 0.0);
-            let combination = masters.map(|(&node, weight)| (3 * node as usize + component, weight)).collect();
+            let combination = masters
+                .map(|(&node, weight)| (3 * node as usize + component, weight))
+                .collect();
             if dependent.insert(3 * slave as usize + component, combination).is_some() {
-                return Err(Error::DependentTwice { place: tie.name.clone(), node: slave, component: component as u8 });
+                return Err(Error::DependentTwice {
+                    place: tie.name.clone(),
+                    node: slave,
+                    component: component as u8,
+                });
             }
         }
     }
@@ -284,7 +336,12 @@ fn project(x: Vector3<f64>, corners: &[Vector3<f64>; 4]) -> ([f64; 4], Vector3<f
             0.25 * (1.0 - a) * (1.0 + b),
         ]
     };
-    let at = |s| weights(s).iter().zip(corners).fold(Vector3::zeros(), |sum, (w, c)| sum + c * *w);
+    let at = |s| {
+        weights(s)
+            .iter()
+            .zip(corners)
+            .fold(Vector3::zeros(), |sum, (w, c)| sum + c * *w)
+    };
     let mut s = Vector2::zeros();
     for _ in 0..30 {
         let ds = ((corners[1] - corners[0]) * (1.0 - s.y) + (corners[2] - corners[3]) * (1.0 + s.y)) * 0.25;

@@ -17,21 +17,23 @@ const BLOCK: usize = 6;
 /// Modes of `K phi = omega^2 M phi` in ascending order.
 #[derive(Clone, Debug)]
 pub struct Modes {
-    /// `omega^2` [rad^2/s^2]; zero-energy modes come first with values at round-off.
+    /// `omega^2` (rad^2/s^2); zero-energy modes come first with values at round-off.
     pub eigenvalues: Vec<f64>,
-    /// Mass-normalised mode shapes, `n x m` [1/sqrt(kg)].
+    /// Mass-normalised mode shapes, `n x m` (1/sqrt(kg)).
     pub shapes: Mat<f64>,
     /// How many of them cost no energy.
     pub n_zero: usize,
-    /// Largest relative residual `|K phi - omega^2 M phi| / (omega^2 |M phi|)`, with the first elastic `omega^2` for
-    /// zero-energy modes.
+    /// Largest relative residual `|K phi - omega^2 M phi| / (omega^2 |M phi|)` of the modes that store energy.
     pub residual: f64,
 }
 
 impl Modes {
-    /// Frequencies of the modes that store energy [Hz].
+    /// Frequencies of the modes that store energy (Hz).
     pub fn frequencies(&self) -> Vec<f64> {
-        self.eigenvalues[self.n_zero..].iter().map(|w2| w2.sqrt() / (2.0 * std::f64::consts::PI)).collect()
+        self.eigenvalues[self.n_zero..]
+            .iter()
+            .map(|w2| w2.sqrt() / (2.0 * std::f64::consts::PI))
+            .collect()
     }
 
     /// The zero-energy mode shapes, `n x n_zero`.
@@ -45,22 +47,23 @@ impl Modes {
     }
 }
 
-/// The shift that makes the stiffness definite: far above its round-off, far below the first elastic mode.
+/// The shift that makes the stiffness definite: far above its round-off, about the first elastic mode of a slender body.
 ///
 /// The ratio of the traces is of the order of the square of the highest frequency of the mesh; round-off in `K` is
-/// 1e-16 of it, elastic modes of interest lie above 1e-9 of it.
+/// 1e-16 of it, first elastic modes lie at 1e-9 (slender, fine mesh) to 1e-3 of it. A much smaller shift lets the
+/// zero-energy modes swamp all others in round-off, a much larger one slows the iteration.
 pub fn shift(stiffness: &CsMat<f64>, mass: &CsMat<f64>) -> f64 {
-    1e-10 * diagonal(stiffness).iter().sum::<f64>() / diagonal(mass).iter().sum::<f64>()
+    1e-8 * diagonal(stiffness).iter().sum::<f64>() / diagonal(mass).iter().sum::<f64>()
 }
 
 /// The `n_elastic` lowest modes that store energy, and all that do not.
 ///
-/// A mode counts as free of energy when its `omega^2` is below 1e-2 of the shift and 1e-6 of the first
-/// elastic one found, whichever is larger.
+/// A mode counts as free of energy when its `omega^2` is below 1e-4 of [`shift`] or 1e-6 of the first elastic one found,
+/// whichever is larger.
 ///
 /// # Errors
 /// [`Error::NotPositiveDefinite`] if `K + sigma M` is not definite, [`Error::EigenNotConverged`] if the residuals of
-/// the wanted modes do not fall below `tolerance`.
+/// the wanted modes do not fall below `tolerance`, or if the structure has fewer modes than asked for.
 pub fn lowest_modes(
     stiffness: &CsMat<f64>,
     mass: &CsMat<f64>,
@@ -70,51 +73,41 @@ pub fn lowest_modes(
 ) -> Result<Modes, Error> {
     let n = stiffness.rows();
     let sigma = shift(stiffness, mass);
-    let factor =
-        SparseCholesky::try_new(&(stiffness + &mass.map(|v| sigma * v)), positions, "shifted stiffness")?;
-    // Room for the usual six rigid motions and a few mechanisms.
-    let wanted = (n_elastic + 8).min(n);
-    let limit = (6 * wanted + 60).min(n);
-    let mut krylov = Krylov::new(n, limit);
-    let mut block = start_block(n);
-    loop {
-        krylov.append(mass, &mut block);
-        let size = krylov.size;
-        if size >= limit || (size >= 2 * wanted && krylov.converged(wanted, 0.1 * tolerance)?) {
-            break;
+    let shifted = stiffness + &mass.map(|v| sigma * v);
+    let factor = SparseCholesky::try_new(&shifted, positions, "shifted stiffness")?;
+    // Room for the usual six rigid motions and a few mechanisms; more, if more turn up.
+    let mut wanted = (n_elastic + 8).min(n);
+    let (eigenvalues, shapes, n_zero, vectors) = loop {
+        let (vectors, basis) = krylov_basis(mass, &factor, wanted, tolerance)?;
+        let (eigenvalues, shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
+        let limit = 1e-4 * sigma;
+        let first = eigenvalues.iter().copied().find(|w2| *w2 > limit).unwrap_or(limit);
+        let n_zero = eigenvalues
+            .iter()
+            .take_while(|w2| **w2 < limit.max(1e-6 * first))
+            .count();
+        if n_zero + n_elastic <= eigenvalues.len() || wanted == n {
+            break (eigenvalues, shapes, n_zero, vectors);
         }
-        if block.ncols() == 0 {
-            break;
-        }
-        krylov.mark_applied(block.ncols());
-        factor.solve_in_place(block.as_mut());
-    }
-    let mut shapes = krylov.ritz_vectors(wanted)?;
-    // One inverse iteration and a Rayleigh-Ritz step with the true matrices.
-    let mut image = Mat::zeros(n, shapes.ncols());
-    multiply_into(mass, shapes.as_ref(), image.as_mut());
-    factor.solve_in_place(image.as_mut());
-    let (eigenvalues, vectors) = rayleigh_ritz(stiffness, mass, image.as_ref())?;
-    shapes = vectors;
-    let reference = eigenvalues.iter().copied().find(|w2| *w2 > sigma).unwrap_or(sigma);
-    let n_zero = eigenvalues.iter().take_while(|w2| **w2 < (1e-2 * sigma).max(1e-6 * reference)).count();
+        wanted = (n_zero + n_elastic + 8).max(2 * wanted).min(n);
+    };
     let keep = (n_zero + n_elastic).min(eigenvalues.len());
     let (mut worst, mut converged) = (0.0_f64, 0);
-    for mode in 0..keep {
+    for mode in n_zero..keep {
         let shape: Vec<f64> = shapes.col(mode).iter().copied().collect();
         let (k, m) = (multiply_vector(stiffness, &shape), multiply_vector(mass, &shape));
         let w2 = eigenvalues[mode];
         let residual = k.iter().zip(&m).map(|(k, m)| (k - w2 * m).powi(2)).sum::<f64>().sqrt();
-        let relative = residual / (w2.abs().max(reference) * m.iter().map(|m| m * m).sum::<f64>().sqrt());
+        let relative = residual / (w2 * m.iter().map(|m| m * m).sum::<f64>().sqrt());
         worst = worst.max(relative);
         converged += usize::from(relative <= tolerance);
     }
-    if converged < keep || keep < n_zero + n_elastic {
+    if converged < n_elastic {
         return Err(Error::EigenNotConverged {
             converged,
-            wanted: n_zero + n_elastic,
+            wanted: n_elastic,
             tolerance,
-            vectors: krylov.size,
+            vectors,
             worst,
         });
     }
@@ -126,11 +119,48 @@ pub fn lowest_modes(
     })
 }
 
+/// Approximations of the `wanted` lowest modes, and the size of the subspace they come from.
+fn krylov_basis(
+    mass: &CsMat<f64>,
+    factor: &SparseCholesky,
+    wanted: usize,
+    tolerance: f64,
+) -> Result<(usize, Mat<f64>), Error> {
+    let n = mass.rows();
+    let limit = (6 * wanted + 60).min(n);
+    let mut krylov = Krylov::new(n, limit);
+    let mut block = start_block(n);
+    loop {
+        krylov.append(mass, &mut block);
+        // The true residual weighs the stiffest components most, the Ritz residual the softest: demand more of it.
+        let done = krylov.size >= 2 * wanted && krylov.converged(wanted, 1e-3 * tolerance)?;
+        if done || krylov.size >= limit || block.ncols() == 0 {
+            break;
+        }
+        krylov.mark_applied(block.ncols());
+        factor.solve_in_place(block.as_mut());
+    }
+    // The zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
+    // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them.
+    let shapes = krylov.ritz_vectors(2 * wanted)?;
+    // One more inverse iteration damps what is left of the stiff components.
+    let mut image = Mat::zeros(n, shapes.ncols());
+    multiply_into(mass, shapes.as_ref(), image.as_mut());
+    factor.solve_in_place(image.as_mut());
+    // It also blows up what the higher modes contain of the zero-energy ones, by omega^2 / sigma: orthogonalise, the
+    // lowest first.
+    let mut polished = Krylov::new(n, image.ncols());
+    polished.append(mass, &mut image);
+    Ok((krylov.size, polished.basis.subcols(0, polished.size).to_owned()))
+}
+
 /// A reproducible block of pseudo-random vectors (64-bit linear congruential generator).
 fn start_block(n: usize) -> Mat<f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     Mat::from_fn(n, BLOCK.min(n), |_, _| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     })
 }
@@ -146,7 +176,14 @@ fn rayleigh_ritz(
     let mut project = |a: &CsMat<f64>| {
         multiply_into(a, basis, image.as_mut());
         let mut small = Mat::<f64>::zeros(m, m);
-        matmul(small.as_mut(), Accum::Replace, basis.transpose(), image.as_ref(), 1.0, Par::Seq);
+        matmul(
+            small.as_mut(),
+            Accum::Replace,
+            basis.transpose(),
+            image.as_ref(),
+            1.0,
+            Par::Seq,
+        );
         Mat::from_fn(m, m, |i, j| 0.5 * (small[(i, j)] + small[(j, i)]))
     };
     let (k, g) = (project(stiffness), project(mass));
@@ -159,7 +196,11 @@ fn rayleigh_ritz(
 /// All eigenpairs of a small dense symmetric pair with definite `g`, mass-normalised, ascending.
 fn dense_pair(k: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let size = k.nrows();
-    let fail = |operation, reason: String| Error::LinearAlgebra { operation, size, reason };
+    let fail = |operation, reason: String| Error::LinearAlgebra {
+        operation,
+        size,
+        reason,
+    };
     // Columns of very different length would spoil the factor.
     let scale: Vec<f64> = (0..size).map(|i| g[(i, i)].sqrt().recip()).collect();
     let scaled = |a: MatRef<'_, f64>| Mat::from_fn(size, size, |i, j| a[(i, j)] * scale[i] * scale[j]);
@@ -171,13 +212,29 @@ fn dense_pair(k: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f
     let mut c = c.transpose().to_owned();
     lower.solve_lower_triangular_in_place(c.as_mut());
     let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (c[(i, j)] + c[(j, i)]));
-    let evd = symmetric
-        .self_adjoint_eigen(Side::Lower)
-        .map_err(|e| fail("symmetric eigenvalue decomposition", format!("{e:?}")))?;
-    let mut vectors = evd.U().to_owned();
+    let (values, mut vectors) = symmetric_eigen(&symmetric)?;
     lower.transpose().solve_upper_triangular_in_place(vectors.as_mut());
     let shapes = Mat::from_fn(size, size, |i, j| vectors[(i, j)] * scale[i]);
-    Ok((evd.S().column_vector().iter().copied().collect(), shapes))
+    Ok((values, shapes))
+}
+
+/// Ascending eigenvalues and eigenvectors of a symmetric matrix.
+///
+/// The library's divide-and-conquer step deflates with an absolute tolerance, so the matrix is brought to unit size.
+fn symmetric_eigen(matrix: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let size = matrix.nrows();
+    let largest = matrix.norm_max();
+    let scale = if largest > 0.0 { largest } else { 1.0 };
+    let unit = Mat::from_fn(size, size, |i, j| matrix[(i, j)] / scale);
+    let evd = unit.self_adjoint_eigen(Side::Lower).map_err(|e| Error::LinearAlgebra {
+        operation: "symmetric eigenvalue decomposition",
+        size,
+        reason: format!("{e:?}"),
+    })?;
+    Ok((
+        evd.S().column_vector().iter().map(|v| v * scale).collect(),
+        evd.U().to_owned(),
+    ))
 }
 
 /// An orthonormal Krylov basis (mass inner product) with the projected operator.
@@ -221,8 +278,22 @@ impl Krylov {
                 let (basis, mass_basis) = (self.basis.subcols(0, self.size), self.mass_basis.subcols(0, self.size));
                 let mut coefficients = Mat::<f64>::zeros(self.size, 1);
                 let seq = Par::Seq;
-                matmul(coefficients.as_mut(), Accum::Replace, mass_basis.transpose(), w.as_mat(), 1.0, seq);
-                matmul(w.as_mut().as_mat_mut(), Accum::Add, basis, coefficients.as_ref(), -1.0, seq);
+                matmul(
+                    coefficients.as_mut(),
+                    Accum::Replace,
+                    mass_basis.transpose(),
+                    w.as_mat(),
+                    1.0,
+                    seq,
+                );
+                matmul(
+                    w.as_mut().as_mat_mut(),
+                    Accum::Add,
+                    basis,
+                    coefficients.as_ref(),
+                    -1.0,
+                    seq,
+                );
                 if column < source.len() {
                     for row in 0..self.size {
                         self.projected[(row, source.start + column)] += coefficients[(row, 0)];
@@ -254,14 +325,12 @@ impl Krylov {
     /// Eigenpairs of the projected operator over the vectors whose images are known, descending.
     fn ritz(&self) -> Result<(Vec<f64>, Mat<f64>, usize), Error> {
         let known = self.source.end;
-        let h = Mat::from_fn(known, known, |i, j| 0.5 * (self.projected[(i, j)] + self.projected[(j, i)]));
-        let evd = h.self_adjoint_eigen(Side::Lower).map_err(|e| Error::LinearAlgebra {
-            operation: "symmetric eigenvalue decomposition",
-            size: known,
-            reason: format!("{e:?}"),
-        })?;
-        let values = (0..known).rev().map(|i| evd.S()[i]).collect();
-        let vectors = Mat::from_fn(known, known, |i, j| evd.U()[(i, known - 1 - j)]);
+        let h = Mat::from_fn(known, known, |i, j| {
+            0.5 * (self.projected[(i, j)] + self.projected[(j, i)])
+        });
+        let (ascending, columns) = symmetric_eigen(&h)?;
+        let values = ascending.into_iter().rev().collect();
+        let vectors = Mat::from_fn(known, known, |i, j| columns[(i, known - 1 - j)]);
         Ok((values, vectors, known))
     }
 
@@ -275,22 +344,27 @@ impl Krylov {
         Ok((0..wanted).all(|pair| {
             let mut squares = 0.0;
             for row in known..self.size {
-                let sum: f64 = tail.clone().map(|j| self.projected[(row, j)] * vectors[(j, pair)]).sum();
+                let sum: f64 = tail
+                    .clone()
+                    .map(|j| self.projected[(row, j)] * vectors[(j, pair)])
+                    .sum();
                 squares += sum * sum;
             }
             squares.sqrt() <= tolerance * values[pair].abs()
         }))
     }
 
+    /// The leading vectors, at most `wanted`.
     fn ritz_vectors(&self, wanted: usize) -> Result<Mat<f64>, Error> {
         let (_, vectors, known) = self.ritz()?;
         let take = wanted.min(known);
         let mut shapes = Mat::zeros(self.basis.nrows(), take);
+        let leading = vectors.subcols(0, take);
         matmul(
             shapes.as_mut(),
             Accum::Replace,
             self.basis.subcols(0, known),
-            vectors.subcols(0, take),
+            leading,
             1.0,
             Par::Seq,
         );

@@ -48,7 +48,7 @@ pub enum Error {
         element: usize,
         /// Integration point.
         point: usize,
-        /// Determinant [m^3].
+        /// Determinant (m^3).
         determinant: f64,
     },
     /// A slave node is too far from the surface it is tied to.
@@ -61,9 +61,9 @@ pub enum Error {
         tie: String,
         /// Slave node.
         node: u32,
-        /// Distance [m].
+        /// Distance (m).
         distance: f64,
-        /// Tolerance [m].
+        /// Tolerance (m).
         tolerance: f64,
     },
     /// A displacement component is made dependent twice.

@@ -24,7 +24,10 @@ pub struct SparseCholesky {
 
 impl std::fmt::Debug for SparseCholesky {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SparseCholesky").field("n", &self.symbolic.nrows()).field("entries", &self.values.len()).finish()
+        f.debug_struct("SparseCholesky")
+            .field("n", &self.symbolic.nrows())
+            .field("entries", &self.values.len())
+            .finish()
     }
 }
 
@@ -35,15 +38,18 @@ impl SparseCholesky {
     /// [`Error::NotPositiveDefinite`], or [`Error::LinearAlgebra`] if memory runs out.
     pub fn try_new(matrix: &CsMat<f64>, positions: &[[f64; 3]], name: &'static str) -> Result<Self, Error> {
         let size = matrix.rows();
-        let fail = |reason: String| Error::LinearAlgebra { operation: "sparse Cholesky factorisation", size, reason };
+        let fail = |reason: String| Error::LinearAlgebra {
+            operation: "sparse Cholesky factorisation",
+            size,
+            reason,
+        };
         let order = nested_dissection(matrix, positions);
         let mut inverse = vec![0; size];
         for (position, &row) in order.iter().enumerate() {
             inverse[row] = position;
         }
         let indptr = matrix.indptr();
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(size, size, indptr.raw_storage(), None, matrix.indices());
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, indptr.raw_storage(), None, matrix.indices());
         let symbolic = factorize_symbolic_cholesky(
             pattern,
             Side::Upper,

@@ -8,9 +8,9 @@ use crate::Error;
 use crate::mesh::Material;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// Stiffness of one element, node-major order `3 node + component` [N/m].
+/// Stiffness of one element, node-major order `3 node + component` (N/m).
 pub type Stiffness = SMatrix<f64, 24, 24>;
-/// Consistent mass of one element, the same for all three components [kg].
+/// Consistent mass of one element, the same for all three components (kg).
 pub type NodalMass = SMatrix<f64, 8, 8>;
 
 /// How the strain of an element is formed.
@@ -61,7 +61,7 @@ fn strain_columns(g: Vector3<f64>) -> SMatrix<f64, 6, 3> {
     ])
 }
 
-/// Isotropic elasticity matrix (engineering shear strains) [Pa].
+/// Isotropic elasticity matrix (engineering shear strains) (Pa).
 fn elasticity(material: &Material) -> SMatrix<f64, 6, 6> {
     let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
     let shear = e / (2.0 * (1.0 + nu));
@@ -79,7 +79,7 @@ fn elasticity(material: &Material) -> SMatrix<f64, 6, 6> {
 
 /// Stiffness and consistent nodal mass by 2 x 2 x 2 Gauss points.
 ///
-/// `coordinates` are the eight nodes [m]; `element` is used in messages only.
+/// `coordinates` are the eight nodes (m); `element` is used in messages only.
 ///
 /// # Errors
 /// [`Error::InvertedElement`] if the Jacobian is not positive at an integration point or at the centre.
@@ -96,7 +96,11 @@ pub fn matrices(
         let determinant = j.determinant();
         match j.try_inverse() {
             Some(inverse) if determinant > 0.0 => Ok((determinant, inverse)),
-            _ => Err(Error::InvertedElement { element, point, determinant }),
+            _ => Err(Error::InvertedElement {
+                element,
+                point,
+                determinant,
+            }),
         }
     };
     let (det0, inverse0) = inverse(jacobian(&shape([0.0; 3]).1), 8)?;
@@ -113,7 +117,8 @@ pub fn matrices(
         let gradient = derivative * inverse_j.transpose();
         let mut b = SMatrix::<f64, 6, 24>::zeros();
         for a in 0..8 {
-            b.fixed_view_mut::<6, 3>(0, 3 * a).copy_from(&strain_columns(gradient.row(a).transpose()));
+            b.fixed_view_mut::<6, 3>(0, 3 * a)
+                .copy_from(&strain_columns(gradient.row(a).transpose()));
         }
         let db = d * b * determinant;
         kuu += b.transpose() * db;
@@ -123,7 +128,8 @@ pub fn matrices(
                 // Gradient of 1 - xi_m^2.
                 let natural = -2.0 * xi[mode];
                 let gradient = inverse0.column(mode) * (natural * det0 / determinant);
-                g.fixed_view_mut::<6, 3>(0, 3 * mode).copy_from(&strain_columns(gradient));
+                g.fixed_view_mut::<6, 3>(0, 3 * mode)
+                    .copy_from(&strain_columns(gradient));
             }
             kua += db.transpose() * g;
             kaa += g.transpose() * d * g * determinant;
@@ -143,7 +149,12 @@ mod tests {
     use super::*;
 
     fn steel() -> Material {
-        Material { name: "steel".into(), youngs_modulus: 192.85e9, poisson_ratio: 0.29, density: 7857.8 }
+        Material {
+            name: "steel".into(),
+            youngs_modulus: 192.85e9,
+            poisson_ratio: 0.29,
+            density: 7857.8,
+        }
     }
 
     fn distorted() -> [[f64; 3]; 8] {

@@ -5,11 +5,11 @@
 pub struct Material {
     /// Name used in messages.
     pub name: String,
-    /// Young's modulus [Pa].
+    /// Young's modulus (Pa).
     pub youngs_modulus: f64,
-    /// Poisson ratio [-].
+    /// Poisson ratio (-).
     pub poisson_ratio: f64,
-    /// Mass density [kg/m^3].
+    /// Mass density (kg/m^3).
     pub density: f64,
 }
 
@@ -26,7 +26,7 @@ pub struct Hex8 {
 /// A solid mesh of hexahedra.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Node coordinates [m].
+    /// Node coordinates (m).
     pub nodes: Vec<[f64; 3]>,
     /// Elements.
     pub elements: Vec<Hex8>,
@@ -44,7 +44,7 @@ pub struct Tie {
     pub slave_nodes: Vec<u32>,
     /// Quadrilateral faces of the master surface, as node numbers in cyclic order.
     pub master_faces: Vec<[u32; 4]>,
-    /// Slaves farther than this from every master face are refused [m].
+    /// Slaves farther than this from every master face are refused (m).
     pub position_tolerance: f64,
 }
 
@@ -53,7 +53,7 @@ pub struct Tie {
 pub struct DistributingCoupling {
     /// Name used in messages.
     pub name: String,
-    /// Position of the reference point [m].
+    /// Position of the reference point (m).
     pub reference: [f64; 3],
     /// Nodes of the cloud.
     pub nodes: Vec<u32>,
@@ -64,9 +64,9 @@ pub struct DistributingCoupling {
 /// One displacement or rotation component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dof {
-    /// Displacement component 0..3 of a mesh node [m].
+    /// Displacement component 0..3 of a mesh node (m).
     Node(u32, u8),
-    /// Component of a coupling's reference point: displacements 0..3 [m], rotations 3..6 [rad].
+    /// Component of a coupling's reference point: displacements 0..3 (m), rotations 3..6 (rad).
     Reference(u32, u8),
 }
 
@@ -84,7 +84,7 @@ pub struct Equation {
 pub struct LoadPattern {
     /// Name.
     pub name: String,
-    /// Forces [N] (or moments [N m] on rotations) at components.
+    /// Forces (N) (or moments (N m) on rotations) at components.
     pub terms: Vec<(Dof, f64)>,
 }
 

@@ -11,7 +11,7 @@ const LEAF: usize = 96;
 
 /// Elimination order: position `k` holds the row that is eliminated as the `k`-th.
 ///
-/// `pattern` is the symmetric matrix, `positions` one point per row [any length unit].
+/// `pattern` is the symmetric matrix, `positions` one point per row (any length unit).
 ///
 /// # Panics
 /// If the number of positions is not the number of rows.
@@ -56,12 +56,13 @@ pub fn nested_dissection(pattern: &CsMat<f64>, positions: &[[f64; 3]]) -> Vec<us
 /// Splits a set near the median of its longest extent; `None` if all positions coincide.
 fn bisect(set: &[usize], positions: &[[f64; 3]]) -> Option<(Vec<usize>, Vec<usize>)> {
     let bounds = (0..3).map(|axis| {
-        set.iter().map(|&v| positions[v][axis]).fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| {
-            (lo.min(x), hi.max(x))
-        })
+        set.iter()
+            .map(|&v| positions[v][axis])
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)))
     });
-    let (axis, (low, high)) =
-        bounds.enumerate().max_by(|a, b| (a.1.1 - a.1.0).total_cmp(&(b.1.1 - b.1.0)))?;
+    let (axis, (low, high)) = bounds
+        .enumerate()
+        .max_by(|a, b| (a.1.1 - a.1.0).total_cmp(&(b.1.1 - b.1.0)))?;
     if !(high > low) {
         return None;
     }
@@ -69,6 +70,12 @@ fn bisect(set: &[usize], positions: &[[f64; 3]]) -> Option<(Vec<usize>, Vec<usiz
     let middle = values.len() / 2;
     let (_, &mut median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
     // Everything in the plane of the median stays on one side, whichever leaves both sides non-empty.
-    let cut = |v: &usize| if median > low { positions[*v][axis] < median } else { positions[*v][axis] <= median };
+    let cut = |v: &usize| {
+        if median > low {
+            positions[*v][axis] < median
+        } else {
+            positions[*v][axis] <= median
+        }
+    };
     Some(set.iter().copied().partition(cut))
 }

@@ -46,7 +46,9 @@ pub fn multiply_into(a: &CsMat<f64>, x: MatRef<'_, f64>, y: MatMut<'_, f64>) {
 /// If the shapes do not fit.
 pub fn multiply_vector(a: &CsMat<f64>, x: &[f64]) -> Vec<f64> {
     assert!(a.is_csr() && a.cols() == x.len());
-    a.outer_iterator().map(|row| row.iter().map(|(column, value)| value * x[column]).sum()).collect()
+    a.outer_iterator()
+        .map(|row| row.iter().map(|(column, value)| value * x[column]).sum())
+        .collect()
 }
 
 /// The congruence `t^T a t` of a symmetric compressed-row matrix, exactly symmetric.
@@ -72,7 +74,10 @@ pub fn submatrix(a: &CsMat<f64>, rows: &[usize], column_of: &[Option<usize>], n_
         let range = a.indptr().outer_inds_sz(row);
         line.clear();
         line.extend(
-            a.indices()[range.clone()].iter().zip(&a.data()[range]).filter_map(|(&j, &v)| Some((column_of[j]?, v))),
+            a.indices()[range.clone()]
+                .iter()
+                .zip(&a.data()[range])
+                .filter_map(|(&j, &v)| Some((column_of[j]?, v))),
         );
         line.sort_unstable_by_key(|(column, _)| *column);
         indices.extend(line.iter().map(|(column, _)| *column));

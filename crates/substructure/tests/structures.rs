@@ -10,7 +10,12 @@ use substructure::mesh::{Assembly, DistributingCoupling, Dof, Equation, Hex8, Lo
 use substructure::sparse::multiply_vector;
 
 fn steel() -> Material {
-    Material { name: "steel".into(), youngs_modulus: 192.85e9, poisson_ratio: 0.29, density: 7857.8 }
+    Material {
+        name: "steel".into(),
+        youngs_modulus: 192.85e9,
+        poisson_ratio: 0.29,
+        density: 7857.8,
+    }
 }
 
 /// Adds a block of `cells` from `corner` with edge lengths `size`; returns its nodes in x-fastest order.
@@ -49,16 +54,26 @@ fn add_block(mesh: &mut Mesh, corner: [f64; 3], size: [f64; 3], cells: [usize; 3
 }
 
 fn bar(cells: [usize; 3], size: [f64; 3]) -> Assembly {
-    let mut mesh = Mesh { materials: vec![steel()], ..Mesh::default() };
+    let mut mesh = Mesh {
+        materials: vec![steel()],
+        ..Mesh::default()
+    };
     add_block(&mut mesh, [0.0; 3], size, cells);
-    Assembly { mesh, ..Assembly::default() }
+    Assembly {
+        mesh,
+        ..Assembly::default()
+    }
 }
 
 fn plane(mesh: &Mesh, nodes: &[u32], axis: usize, at: f64) -> Vec<u32> {
-    nodes.iter().copied().filter(|&n| (mesh.nodes[n as usize][axis] - at).abs() < 1e-12).collect()
+    nodes
+        .iter()
+        .copied()
+        .filter(|&n| (mesh.nodes[n as usize][axis] - at).abs() < 1e-12)
+        .collect()
 }
 
-/// Free-free bending frequencies of a Timoshenko beam with square section [Hz].
+/// Free-free bending frequencies of a Timoshenko beam with square section (Hz).
 ///
 /// Frequency equation of Huang (1961, DOI 10.1115/1.3641787), shear coefficient of Cowper (1966).
 fn timoshenko(length: f64, side: f64, n: usize) -> Vec<f64> {
@@ -86,7 +101,11 @@ fn timoshenko(length: f64, side: f64, n: usize) -> Vec<f64> {
         if equation(two_pi * lo) * equation(two_pi * hi) <= 0.0 {
             for _ in 0..60 {
                 let mid = 0.5 * (lo + hi);
-                if equation(two_pi * lo) * equation(two_pi * mid) <= 0.0 { hi = mid } else { lo = mid }
+                if equation(two_pi * lo) * equation(two_pi * mid) <= 0.0 {
+                    hi = mid
+                } else {
+                    lo = mid
+                }
             }
             found.push(0.5 * (lo + hi));
         }
@@ -117,7 +136,9 @@ fn free_bar_bends_like_a_timoshenko_beam() {
 fn incompatible_modes_do_not_lock_and_full_integration_does() {
     let first = |formulation| {
         let system = System::try_new(&bar([36, 1, 1], [0.72, 0.0254, 0.0254]), formulation).unwrap();
-        lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-6).unwrap().frequencies()[0]
+        lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-6)
+            .unwrap()
+            .frequencies()[0]
     };
     let expected = timoshenko(0.72, 0.0254, 1)[0];
     assert!((first(Formulation::IncompatibleModes) / expected - 1.0).abs() < 0.01);
@@ -128,7 +149,9 @@ fn incompatible_modes_do_not_lock_and_full_integration_does() {
 fn bar_frequencies_converge_with_second_order() {
     let f = |n: usize| {
         let system = System::try_new(&bar([12 * n, n, n], [0.3, 0.025, 0.025]), Formulation::default()).unwrap();
-        lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-7).unwrap().frequencies()[0]
+        lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-7)
+            .unwrap()
+            .frequencies()[0]
     };
     let (a, b, c) = (f(2), f(4), f(8));
     let order = ((a - b) / (b - c)).abs().log2();
@@ -137,15 +160,34 @@ fn bar_frequencies_converge_with_second_order() {
 
 /// Two stacked blocks with different meshes, the upper tied to the lower.
 fn tied_blocks(offset: f64) -> Assembly {
-    let mut mesh = Mesh { materials: vec![steel()], ..Mesh::default() };
+    let mut mesh = Mesh {
+        materials: vec![steel()],
+        ..Mesh::default()
+    };
     let lower = add_block(&mut mesh, [0.0; 3], [0.03, 0.02, 0.01], [3, 2, 1]);
-    let upper = add_block(&mut mesh, [0.002, 0.003, 0.01 + offset], [0.025, 0.015, 0.01], [4, 5, 2]);
+    let upper = add_block(
+        &mut mesh,
+        [0.002, 0.003, 0.01 + offset],
+        [0.025, 0.015, 0.01],
+        [4, 5, 2],
+    );
     let slave_nodes = plane(&mesh, &upper, 2, 0.01 + offset);
     let at = |i: u32, j: u32| lower[(i + 4 * (j + 3)) as usize];
     let master_faces = (0..2).flat_map(|j| (0..3).map(move |i| (i, j)));
-    let master_faces = master_faces.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]).collect();
-    let tie = Tie { name: "glue".into(), slave_nodes, master_faces, position_tolerance: 1e-4 };
-    Assembly { mesh, ties: vec![tie], ..Assembly::default() }
+    let master_faces = master_faces
+        .map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])
+        .collect();
+    let tie = Tie {
+        name: "glue".into(),
+        slave_nodes,
+        master_faces,
+        position_tolerance: 1e-4,
+    };
+    Assembly {
+        mesh,
+        ties: vec![tie],
+        ..Assembly::default()
+    }
 }
 
 #[test]
@@ -178,12 +220,18 @@ fn a_slave_out_of_tolerance_is_refused_and_one_inside_is_moved() {
     let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
     assert_eq!(modes.n_zero, 6, "an adjusted tie lets the pair rotate freely");
     let error = System::try_new(&tied_blocks(5e-4), Formulation::default()).unwrap_err();
-    assert!(matches!(&error, Error::TieTooFar { tie, .. } if tie == "glue"), "{error}");
+    assert!(
+        matches!(&error, Error::TieTooFar { tie, .. } if tie == "glue"),
+        "{error}"
+    );
 }
 
 /// Two separate bars whose facing end nodes are coupled at one point in all motions but the one along x.
 fn sliding_bars() -> Assembly {
-    let mut mesh = Mesh { materials: vec![steel()], ..Mesh::default() };
+    let mut mesh = Mesh {
+        materials: vec![steel()],
+        ..Mesh::default()
+    };
     let a = add_block(&mut mesh, [0.0; 3], [0.05, 0.01, 0.02], [5, 2, 2]);
     let b = add_block(&mut mesh, [0.06, 0.0, 0.0], [0.05, 0.01, 0.02], [5, 3, 2]);
     let coupling = |name: &str, nodes: Vec<u32>| DistributingCoupling {
@@ -192,16 +240,27 @@ fn sliding_bars() -> Assembly {
         weights: vec![1.0; nodes.len()],
         nodes,
     };
-    let couplings =
-        vec![coupling("a", plane(&mesh, &a, 0, 0.05)), coupling("b", plane(&mesh, &b, 0, 0.06))];
+    let couplings = vec![
+        coupling("a", plane(&mesh, &a, 0, 0.05)),
+        coupling("b", plane(&mesh, &b, 0, 0.06)),
+    ];
     let equations = (1..6)
         .map(|c| Equation {
             name: format!("component {c}"),
             terms: vec![(Dof::Reference(0, c), 1.0), (Dof::Reference(1, c), -1.0)],
         })
         .collect();
-    let pull = LoadPattern { name: "pull".into(), terms: vec![(Dof::Reference(0, 0), -7.0), (Dof::Reference(1, 0), 7.0)] };
-    Assembly { mesh, couplings, equations, loads: vec![pull], ..Assembly::default() }
+    let pull = LoadPattern {
+        name: "pull".into(),
+        terms: vec![(Dof::Reference(0, 0), -7.0), (Dof::Reference(1, 0), 7.0)],
+    };
+    Assembly {
+        mesh,
+        couplings,
+        equations,
+        loads: vec![pull],
+        ..Assembly::default()
+    }
 }
 
 #[test]
@@ -212,7 +271,11 @@ fn couplings_and_equations_leave_exactly_the_free_motions() {
     assert_eq!(modes.n_zero, 7, "six rigid motions and the sliding one");
     // The load is in equilibrium: no work on any common translation or rotation.
     let resultant = |motion: &dyn Fn([f64; 3]) -> [f64; 3]| -> f64 {
-        let u = system.dofs.independent.iter().map(|d| motion(system.dofs.coordinates[d / 3])[d % 3]);
+        let u = system
+            .dofs
+            .independent
+            .iter()
+            .map(|d| motion(system.dofs.coordinates[d / 3])[d % 3]);
         u.zip(&system.loads[0]).map(|(u, f)| u * f).sum()
     };
     assert!(resultant(&|_| [1.0, 0.0, 0.0]).abs() < 1e-12);
@@ -230,14 +293,23 @@ fn redundant_circular_and_dangling_constraints_are_refused() {
     assert!(matches!(error, Error::RedundantEquation { .. }), "{error}");
     let mut assembly = sliding_bars();
     assembly.equations[0].terms[0].0 = Dof::Reference(9, 1);
-    assert!(matches!(System::try_new(&assembly, Formulation::default()), Err(Error::Dangling { index: 9, .. })));
+    assert!(matches!(
+        System::try_new(&assembly, Formulation::default()),
+        Err(Error::Dangling { index: 9, .. })
+    ));
     let mut assembly = sliding_bars();
     assembly.couplings[0].nodes.truncate(1);
     assembly.couplings[0].weights.truncate(1);
-    assert!(matches!(System::try_new(&assembly, Formulation::default()), Err(Error::Coupling { .. })));
+    assert!(matches!(
+        System::try_new(&assembly, Formulation::default()),
+        Err(Error::Coupling { .. })
+    ));
     let mut assembly = tied_blocks(0.0);
     assembly.ties.push(assembly.ties[0].clone());
-    assert!(matches!(System::try_new(&assembly, Formulation::default()), Err(Error::DependentTwice { .. })));
+    assert!(matches!(
+        System::try_new(&assembly, Formulation::default()),
+        Err(Error::DependentTwice { .. })
+    ));
     let mut assembly = bar([1, 1, 1], [1.0; 3]);
     assembly.mesh.materials[0].poisson_ratio = 0.5;
     let error = System::try_new(&assembly, Formulation::default()).unwrap_err();
@@ -276,7 +348,9 @@ fn frequencies_do_not_depend_on_the_unit_system() {
         material.youngs_modulus *= length / mass;
         material.density *= length.powi(3) / mass;
         let system = System::try_new(&assembly, Formulation::default()).unwrap();
-        lowest_modes(&system.stiffness, &system.mass, &system.positions, 4, 1e-6).unwrap().frequencies()
+        lowest_modes(&system.stiffness, &system.mass, &system.positions, 4, 1e-6)
+            .unwrap()
+            .frequencies()
     };
     for (si, mm) in frequencies(1.0, 1.0).iter().zip(frequencies(1e-3, 1e3)) {
         assert!((si / mm - 1.0).abs() < 1e-9, "{si} {mm}");

@@ -32,7 +32,7 @@ pub enum Error {
         place: &'static str,
         /// Its number.
         index: usize,
-        /// Value [m].
+        /// Value (m).
         value: f64,
         /// What would be accepted.
         requirement: &'static str,
@@ -47,7 +47,7 @@ pub enum Error {
         element: usize,
         /// Quadrature point in the element.
         point: usize,
-        /// Jacobian determinant [m^2].
+        /// Jacobian determinant (m^2).
         determinant: f64,
     },
     /// An unsupported quadrature.

@@ -19,7 +19,11 @@ type Vertex = ([Vec<f64>; 3], [Vec<f64>; 3]);
 impl LoopArea {
     /// An empty loop over `n_points` points.
     pub fn new(n_points: usize) -> Self {
-        Self { first: None, last: None, area: std::array::from_fn(|_| vec![0.0; n_points]) }
+        Self {
+            first: None,
+            last: None,
+            area: std::array::from_fn(|_| vec![0.0; n_points]),
+        }
     }
 
     /// Adds the vertex whose fields an evaluation has left in the workspace.
@@ -39,7 +43,7 @@ impl LoopArea {
         }
     }
 
-    /// Closes the polygon and returns the energy dissipated per area and cycle [J/m^2]: x, y, n, one value per point.
+    /// Closes the polygon and returns the energy dissipated per area and cycle (J/m^2): x, y, n, one value per point.
     pub fn close(mut self) -> [Vec<f64>; 3] {
         if let (Some(first), Some(last)) = (&self.first, &self.last) {
             add_edge(&mut self.area, first, last, first);

@@ -18,13 +18,13 @@ pub struct State {
 /// Quantities at the quadrature points, filled by [`Interface::evaluate`]; one value per point.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    /// Jump x, y and interference n (gap subtracted) [m].
+    /// Jump x, y and interference n (gap subtracted) (m).
     pub jump: [Vec<f64>; 3],
-    /// Traction x, y, n [Pa].
+    /// Traction x, y, n (Pa).
     pub traction: [Vec<f64>; 3],
     /// Contact regimes.
     pub regime: Vec<Regime>,
-    /// Row-major 3 x 3 tangent entries, one vector per entry [Pa/m].
+    /// Row-major 3 x 3 tangent entries, one vector per entry (Pa/m).
     tangent: [Vec<f64>; 9],
 }
 
@@ -49,7 +49,7 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// `laws` cover the points in order without holes; `gap` has one initial gap per point [m], at least zero.
+    /// `laws` cover the points in order without holes; `gap` has one initial gap per point (m), at least zero.
     ///
     /// # Errors
     /// Laws that do not cover the points, a law of another length than its range, gaps that are negative or not finite.
@@ -62,12 +62,20 @@ impl Interface {
         let mut found = 0;
         for (range, law) in &laws {
             if range.start != found || law.len() != range.len() {
-                return Err(Error::Coverage { what: "the traction laws", found, expected });
+                return Err(Error::Coverage {
+                    what: "the traction laws",
+                    found,
+                    expected,
+                });
             }
             found = range.end;
         }
         if found != expected {
-            return Err(Error::Coverage { what: "the traction laws", found, expected });
+            return Err(Error::Coverage {
+                what: "the traction laws",
+                found,
+                expected,
+            });
         }
         check_gap(&gap, expected)?;
         let n_nodes = operators.n_nodes();
@@ -77,16 +85,27 @@ impl Interface {
                 neighbours[node].extend_from_slice(row.indices());
             }
         }
-        let mut pattern = Pattern { indptr: vec![0], indices: Vec::new() };
+        let mut pattern = Pattern {
+            indptr: vec![0],
+            indices: Vec::new(),
+        };
         for list in &mut neighbours {
             list.sort_unstable();
             list.dedup();
             for _ in 0..3 {
-                pattern.indices.extend(list.iter().flat_map(|node| (0..3).map(move |c| 3 * node + c)));
+                pattern
+                    .indices
+                    .extend(list.iter().flat_map(|node| (0..3).map(move |c| 3 * node + c)));
                 pattern.indptr.push(pattern.indices.len());
             }
         }
-        Ok(Self { operators, laws, gap, pattern: Arc::new(pattern), neighbours: Arc::new(neighbours) })
+        Ok(Self {
+            operators,
+            laws,
+            gap,
+            pattern: Arc::new(pattern),
+            neighbours: Arc::new(neighbours),
+        })
     }
 
     /// The same interface with another gap.
@@ -103,7 +122,7 @@ impl Interface {
         &self.operators
     }
 
-    /// Initial gap of each point [m].
+    /// Initial gap of each point (m).
     pub fn gap(&self) -> &[f64] {
         &self.gap
     }
@@ -138,17 +157,31 @@ impl Interface {
 
     /// The history of bodies that rest at zero jump, separated by the gap.
     pub fn initial_state(&self) -> State {
-        let size = self.laws.iter().map(|(range, law)| range.len() * law.info().n_state()).sum();
-        let untouched = State { values: vec![0.0; size] };
+        let size = self
+            .laws
+            .iter()
+            .map(|(range, law)| range.len() * law.info().n_state())
+            .sum();
+        let untouched = State {
+            values: vec![0.0; size],
+        };
         let mut state = untouched.clone();
         let (mut workspace, mut force) = (self.workspace(), vec![0.0; self.n_dofs()]);
         let rest = vec![0.0; self.n_dofs()];
-        self.evaluate(&rest, Sticking::Coulomb, &untouched, &mut state, &mut workspace, &mut force, None);
+        self.evaluate(
+            &rest,
+            Sticking::Coulomb,
+            &untouched,
+            &mut state,
+            &mut workspace,
+            &mut force,
+            None,
+        );
         state
     }
 
-    /// Nodal forces [N] and, on request, the tangent [N/m] in the order of [`Interface::pattern`], from nodal jumps
-    /// [m] (x, y, n of each node); what happens at the points is left in `workspace`.
+    /// Nodal forces (N) and, on request, the tangent (N/m) in the order of [`Interface::pattern`], from nodal jumps
+    /// (m) (x, y, n of each node); what happens at the points is left in `workspace`.
     ///
     /// Pure in `begin`; `end` receives the history reached. Allocates nothing.
     ///
@@ -181,7 +214,16 @@ impl Interface {
         let mut counts = RegimeCounts::default();
         let mut block = 0;
         for (range, law) in &self.laws {
-            counts += evaluate_law(law.as_ref(), range, block, sticking, begin, end, workspace, tangent.is_some());
+            counts += evaluate_law(
+                law.as_ref(),
+                range,
+                block,
+                sticking,
+                begin,
+                end,
+                workspace,
+                tangent.is_some(),
+            );
             block += range.len() * law.info().n_state();
         }
         for (node, row) in self.operators.integration.outer_iterator().enumerate() {
@@ -231,14 +273,25 @@ impl std::fmt::Debug for Interface {
         f.debug_struct("Interface")
             .field("n_elements", &self.operators.n_elements())
             .field("n_points", &self.operators.n_points())
-            .field("laws", &self.laws.iter().map(|(range, law)| (range, law.info().name)).collect::<Vec<_>>())
+            .field(
+                "laws",
+                &self
+                    .laws
+                    .iter()
+                    .map(|(range, law)| (range, law.info().name))
+                    .collect::<Vec<_>>(),
+            )
             .finish()
     }
 }
 
 fn check_gap(gap: &[f64], expected: usize) -> Result<(), Error> {
     if gap.len() != expected {
-        return Err(Error::Coverage { what: "the gaps", found: gap.len(), expected });
+        return Err(Error::Coverage {
+            what: "the gaps",
+            found: gap.len(),
+            expected,
+        });
     }
     match gap.iter().position(|g| !(g.is_finite() && *g >= 0.0)) {
         Some(index) => Err(Error::Value {
@@ -262,7 +315,12 @@ fn evaluate_law(
     workspace: &mut Workspace,
     with_tangent: bool,
 ) -> RegimeCounts {
-    let Workspace { jump, traction, regime, tangent } = workspace;
+    let Workspace {
+        jump,
+        traction,
+        regime,
+        tangent,
+    } = workspace;
     let stride = range.len();
     let states = block..block + stride * law.info().n_state();
     let [x, y, n] = jump.each_ref().map(|v| &v[range.clone()]);
@@ -272,10 +330,28 @@ fn evaluate_law(
         0..stride,
         sticking,
         Components { x, y, n },
-        StateView { data: &begin.values[states.clone()], stride, offset: 0 },
-        StateViewMut { data: &mut end.values[states], stride, offset: 0 },
+        StateView {
+            data: &begin.values[states.clone()],
+            stride,
+            offset: 0,
+        },
+        StateViewMut {
+            data: &mut end.values[states],
+            stride,
+            offset: 0,
+        },
         ComponentsMut { x: tx, y: ty, n: tn },
-        with_tangent.then_some(TangentMut { xx, xy, xn, yx, yy, yn, nx, ny, nn }),
+        with_tangent.then_some(TangentMut {
+            xx,
+            xy,
+            xn,
+            yx,
+            yy,
+            yn,
+            nx,
+            ny,
+            nn,
+        }),
         Some(&mut regime[range.clone()]),
     )
 }

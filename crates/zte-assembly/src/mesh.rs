@@ -24,7 +24,7 @@ impl Element {
 /// A flat interface mesh. Node `i` stands for a pair of coinciding nodes, one on each body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InterfaceMesh {
-    /// In-plane coordinates (x, y) of the nodes [m].
+    /// In-plane coordinates (x, y) of the nodes (m).
     pub nodes: Vec<[f64; 2]>,
     /// Elements.
     pub elements: Vec<Element>,
@@ -43,13 +43,21 @@ impl InterfaceMesh {
         for (index, x) in self.nodes.iter().enumerate() {
             if let Some(&value) = x.iter().find(|v| !v.is_finite()) {
                 let (quantity, place) = ("coordinate", "interface node");
-                return Err(Error::Value { quantity, place, index, value, requirement: "finite" });
+                return Err(Error::Value {
+                    quantity,
+                    place,
+                    index,
+                    value,
+                    requirement: "finite",
+                });
             }
         }
         let mut used = vec![false; count];
         for (element, nodes) in self.elements.iter().enumerate() {
             for &node in nodes.nodes() {
-                *used.get_mut(node as usize).ok_or(Error::Dangling { element, node, count })? = true;
+                *used
+                    .get_mut(node as usize)
+                    .ok_or(Error::Dangling { element, node, count })? = true;
             }
         }
         match used.iter().position(|used| !used) {
@@ -58,14 +66,16 @@ impl InterfaceMesh {
         }
     }
 
-    /// Area of each element [m^2] (exact for straight edges).
+    /// Area of each element (m^2) (exact for straight edges).
     pub fn areas(&self) -> Vec<f64> {
         self.elements
             .iter()
             .map(|element| {
                 let corners = element.nodes();
                 let at = |i: usize| self.nodes[corners[i % corners.len()] as usize];
-                0.5 * (0..corners.len()).map(|i| at(i)[0] * at(i + 1)[1] - at(i + 1)[0] * at(i)[1]).sum::<f64>()
+                0.5 * (0..corners.len())
+                    .map(|i| at(i)[0] * at(i + 1)[1] - at(i + 1)[0] * at(i)[1])
+                    .sum::<f64>()
             })
             .collect()
     }

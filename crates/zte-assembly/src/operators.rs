@@ -12,11 +12,11 @@ use sprs::{CsMat, TriMat};
 pub struct Operators {
     /// `Q`, `n_points x n_nodes`, rows sum to one.
     pub interpolation: CsMat<f64>,
-    /// `T`, `n_nodes x n_points` [m^2].
+    /// `T`, `n_nodes x n_points` (m^2).
     pub integration: CsMat<f64>,
-    /// Area that each point stands for [m^2].
+    /// Area that each point stands for (m^2).
     pub weights: Vec<f64>,
-    /// Position of each point (x, y) [m].
+    /// Position of each point (x, y) (m).
     pub positions: Vec<[f64; 2]>,
     /// First point of each element, and the number of points at the end.
     pub first_point: Vec<usize>,
@@ -55,7 +55,11 @@ impl Operators {
                 let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
                 // `!(a > b)` also catches NaN.
                 if !(determinant > 0.0) {
-                    return Err(Error::Inverted { element: index, point: local, determinant });
+                    return Err(Error::Inverted {
+                        element: index,
+                        point: local,
+                        determinant,
+                    });
                 }
                 let weight = point.weight * determinant;
                 for (a, &node) in element.nodes().iter().enumerate() {
@@ -91,7 +95,7 @@ impl Operators {
         self.first_point.len() - 1
     }
 
-    /// Area of the interface [m^2].
+    /// Area of the interface (m^2).
     pub fn area(&self) -> f64 {
         self.weights.iter().sum()
     }

@@ -46,7 +46,10 @@ impl Quadrature {
             let mut points = vec![[a, b], [b, c], [c, a], [b, a], [c, b], [a, c]];
             points.sort_by(|p, q| p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])));
             points.dedup_by(|p, q| (p[0] - q[0]).abs() + (p[1] - q[1]).abs() < 1e-9);
-            triangle.extend(points.into_iter().map(|xi| Point { xi, weight: 0.5 * weight }));
+            triangle.extend(points.into_iter().map(|xi| Point {
+                xi,
+                weight: 0.5 * weight,
+            }));
         }
         // The published weights have 15 digits; restore the area exactly.
         let sum: f64 = triangle.iter().map(|p| p.weight).sum();
@@ -54,7 +57,12 @@ impl Quadrature {
         let line = gauss_legendre(per_direction);
         let square = line
             .iter()
-            .flat_map(|&(eta, v)| line.iter().map(move |&(xi, w)| Point { xi: [xi, eta], weight: v * w }))
+            .flat_map(|&(eta, v)| {
+                line.iter().map(move |&(xi, w)| Point {
+                    xi: [xi, eta],
+                    weight: v * w,
+                })
+            })
             .collect();
         Ok(Self { square, triangle })
     }
@@ -96,9 +104,10 @@ fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
 pub fn shape(element: &Element, xi: [f64; 2]) -> ([f64; 4], [[f64; 2]; 4]) {
     let [s, t] = xi;
     match element {
-        Element::Tri3(_) => {
-            ([1.0 - s - t, s, t, 0.0], [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
-        }
+        Element::Tri3(_) => (
+            [1.0 - s - t, s, t, 0.0],
+            [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]],
+        ),
         Element::Quad4(_) => {
             let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
             (

@@ -1,13 +1,13 @@
 //! The block-structured hexahedral mesh of the beam and everything that connects and loads it.
 //!
-//! Plane sections are extruded into layers; blocks share their nodes by construction, never by a search for coinciding
-//! points.
-//! - Half-beams: the interface mesh extruded through half the height, and a brick-meshed arm on one side. The arm's end
-//!   face beside the other half-beam's lap stays free.
+//! Plane sections are extruded into layers; blocks share their nodes by construction, never by a search for
+//! coinciding points.
+//! - Half-beams: the interface mesh extruded through half the height, and a brick-meshed arm on one side. The arm's
+//!   end face beside the other half-beam's lap stays free.
 //! - Bolt: head and shank are one body with the washer under the head; nut and its washer are another. The shank runs
 //!   freely through washers and holes.
-//! - Ties glue each washer to the beam's face. Distributing couplings on the nut's bore and on the part of the shank that
-//!   faces it lead to two reference points, whose motions are equal except for the displacement along the bolt.
+//! - Ties glue each washer to the beam's face. Distributing couplings on the nut's bore and on the part of the shank
+//!   that faces it lead to two reference points, whose motions are equal except for the displacement along the bolt.
 mod refinement;
 mod section;
 
@@ -18,9 +18,7 @@ use crate::{Error, Result, quality};
 use refinement::require_count;
 use section::{Hardware, Lap, Section, centred};
 use std::ops::Range;
-use substructure::mesh::{
-    Assembly, DistributingCoupling, Dof, Equation, Hex8, LoadPattern, Material, Mesh, Tie,
-};
+use substructure::mesh::{Assembly, DistributingCoupling, Dof, Equation, Hex8, LoadPattern, Material, Mesh, Tie};
 use zte_assembly::mesh::{Element, InterfaceMesh};
 
 /// Neighbouring layers of an arm may differ by this factor at most.
@@ -31,21 +29,21 @@ const TIE_TOLERANCE: f64 = 1e-6;
 
 /// The meshed benchmark.
 ///
-/// The top half-beam (`z > 0` in the lap) carries the arm towards `-x` and the bolts' heads; the bottom half-beam carries
-/// the arm towards `+x` and the nuts.
+/// The top half-beam (`z > 0` in the lap) carries the arm towards `-x` and the bolts' heads; the bottom half-beam
+/// carries the arm towards `+x` and the nuts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrakeReussBeam {
-    /// Solid mesh, six washer ties, six couplings (shank and nut of each bolt in turn), fifteen equations, and the load
-    /// patterns `bolt_load_1` to `bolt_load_3` (by increasing `x`). Use these or their sum, not both.
+    /// Solid mesh, six washer ties, six couplings (shank and nut of each bolt in turn), fifteen equations, and the
+    /// load patterns `bolt_load_1` to `bolt_load_3` (by increasing `x`). Use these or their sum, not both.
     pub assembly: Assembly,
-    /// The interface in its plane, coordinates (x, y) [m].
+    /// The interface in its plane, coordinates (x, y) (m).
     pub interface: InterfaceMesh,
     /// Node of the top half-beam for each interface node.
     pub top_nodes: Vec<u32>,
     /// Node of the bottom half-beam for each interface node.
     pub bottom_nodes: Vec<u32>,
-    /// Unit vectors of the relative coordinates as rows: along the beam, across, and the normal that points from the top
-    /// half-beam into the bottom one. They are x, y, -z of the mesh.
+    /// Unit vectors of the relative coordinates as rows: along the beam, across, and the normal that points from the
+    /// top half-beam into the bottom one. They are x, y, -z of the mesh.
     pub frame: [[f64; 3]; 3],
     /// Node at the beam's end at the least `x`, in the middle of the section's upper edge.
     pub response_node: u32,
@@ -85,7 +83,7 @@ pub struct Part {
     pub elements: Range<usize>,
 }
 
-/// Meshes the beam. `bolt_load` is the tension of each bolt [N].
+/// Meshes the beam. `bolt_load` is the tension of each bolt (N).
 ///
 /// # Errors
 /// [`Error`] if a dimension, a count, a material constant or the load is not admissible, or if an element comes out
@@ -130,13 +128,7 @@ pub fn build(
         assembly,
         interface: InterfaceMesh {
             nodes: lap.section.nodes.clone(),
-            elements: lap
-                .section
-                .quads
-                .iter()
-                .copied()
-                .map(Element::Quad4)
-                .collect(),
+            elements: lap.section.quads.iter().copied().map(Element::Quad4).collect(),
         },
         top_nodes: top.interface,
         bottom_nodes: bottom.interface,
@@ -151,25 +143,17 @@ pub fn build(
 ///
 /// # Errors
 /// As [`build`].
-pub fn half_beam(
-    geometry: &Geometry,
-    refinement: &Refinement,
-    material: &Material,
-) -> Result<Mesh> {
+pub fn half_beam(geometry: &Geometry, refinement: &Refinement, material: &Material) -> Result<Mesh> {
     geometry.validate()?;
     refinement.validate()?;
     let mut builder = Builder::try_new(material)?;
-    builder.half_beam(
-        geometry,
-        refinement,
-        &section::lap(geometry, refinement)?,
-        Side::Top,
-    )?;
+    builder.half_beam(geometry, refinement, &section::lap(geometry, refinement)?, Side::Top)?;
     builder.check()?;
     Ok(builder.mesh)
 }
 
-/// Meshes a bar of `nx` x `ny` x `nz` equal bricks [m]: `x` from 0 to `length`, section centred about `y = z = 0`. Node
+/// Meshes a bar of `nx` x `ny` x `nz` equal bricks (m): `x` from 0 to `length`, section centred about `y = z = 0`.
+/// Node
 /// `(i, j, k)` has number `(i (ny + 1) + j) (nz + 1) + k`.
 ///
 /// # Errors
@@ -233,18 +217,7 @@ struct Builder {
 
 impl Builder {
     fn try_new(material: &Material) -> Result<Self> {
-        positive("material", "youngs_modulus", material.youngs_modulus, "Pa")?;
-        positive("material", "density", material.density, "kg/m^3")?;
-        let nu = material.poisson_ratio;
-        if !(nu > -1.0 && nu < 0.5) {
-            return Err(Error::Value {
-                place: "material",
-                field: "poisson_ratio",
-                value: nu,
-                unit: "",
-                requirement: "between -1 and 0.5",
-            });
-        }
+        material.validate()?;
         let mesh = Mesh {
             materials: vec![material.clone()],
             ..Mesh::default()
@@ -301,13 +274,7 @@ impl Builder {
         nodes
     }
 
-    fn half_beam(
-        &mut self,
-        geometry: &Geometry,
-        refinement: &Refinement,
-        lap: &Lap,
-        side: Side,
-    ) -> Result<HalfBeam> {
+    fn half_beam(&mut self, geometry: &Geometry, refinement: &Refinement, lap: &Lap, side: Side) -> Result<HalfBeam> {
         let (across, layers) = (refinement.across, refinement.layers);
         let heights: Vec<_> = centred(geometry.height, 2 * layers).collect();
         let arm = section::rectangle([geometry.width, geometry.height], [across, 2 * layers]);
@@ -324,12 +291,7 @@ impl Builder {
         let (lap_layers, edge, stations, joint): (_, _, Vec<f64>, _) = match side {
             Side::Top => {
                 let stations = distances.iter().rev().map(|d| -half_lap - d).collect();
-                (
-                    layers..=2 * layers,
-                    &lap.left,
-                    stations,
-                    refinement.arm_layers,
-                )
+                (layers..=2 * layers, &lap.left, stations, refinement.arm_layers)
             }
             Side::Bottom => (
                 0..=layers,
@@ -345,8 +307,7 @@ impl Builder {
         };
         Ok(self.part(name, |builder| {
             let levels = &heights[lap_layers.clone()];
-            let lap_nodes =
-                builder.extrude(&lap.section, levels, |p, z| [p[0], p[1], z], |_, _| None);
+            let lap_nodes = builder.extrude(&lap.section, levels, |p, z| [p[0], p[1], z], |_, _| None);
             let arm_nodes = builder.extrude(&arm, &stations, along_x, |node, station| {
                 let (column, layer) = (node / (2 * layers + 1), node % (2 * layers + 1));
                 let in_lap = station == joint && lap_layers.contains(&layer);
@@ -354,19 +315,11 @@ impl Builder {
             });
             let (interface, face, end) = match side {
                 Side::Top => (&lap_nodes[0], &lap_nodes[layers], &arm_nodes[0]),
-                Side::Bottom => (
-                    &lap_nodes[layers],
-                    &lap_nodes[0],
-                    &arm_nodes[refinement.arm_layers],
-                ),
+                Side::Bottom => (&lap_nodes[layers], &lap_nodes[0], &arm_nodes[refinement.arm_layers]),
             };
             let face_quads = lap.section.quads.iter().map(|quad| {
                 let [a, b, c, d] = quad.map(|node| face[node as usize]);
-                if side == Side::Top {
-                    [a, b, c, d]
-                } else {
-                    [a, d, c, b]
-                }
+                if side == Side::Top { [a, b, c, d] } else { [a, d, c, b] }
             });
             HalfBeam {
                 interface: interface.clone(),
@@ -398,11 +351,7 @@ impl Builder {
         let (seat_nodes, sectors) = (hardware.seat, refinement.sectors);
         let shank_nodes = hardware.shank.nodes.len();
 
-        let mut shank_levels = layers(
-            head_top - geometry.bolt_length,
-            nut_end,
-            refinement.tip_layers,
-        );
+        let mut shank_levels = layers(head_top - geometry.bolt_length, nut_end, refinement.tip_layers);
         let nut_levels = layers(nut_end, -seat, refinement.head_layers);
         shank_levels.extend(&nut_levels[1..]);
         shank_levels.extend(&layers(-seat, seat, refinement.grip_layers)[1..]);
@@ -419,8 +368,7 @@ impl Builder {
         let head_washer = self.part(format!("head_washer_{number}"), |builder| {
             let levels = layers(face, seat, refinement.washer_layers);
             builder.extrude(&hardware.washer, &levels, place, |node, level| {
-                (level == refinement.washer_layers && node < seat_nodes)
-                    .then(|| head[0][shank_nodes + node])
+                (level == refinement.washer_layers && node < seat_nodes).then(|| head[0][shank_nodes + node])
             })
         });
         let nut = self.part(format!("nut_{number}"), |builder| {
@@ -434,8 +382,7 @@ impl Builder {
             })
         });
 
-        let facing_nut =
-            &shank[refinement.tip_layers..=refinement.tip_layers + refinement.head_layers];
+        let facing_nut = &shank[refinement.tip_layers..=refinement.tip_layers + refinement.head_layers];
         Fastener {
             number,
             x,
@@ -454,9 +401,8 @@ impl Builder {
     fn check(&self) -> Result<()> {
         for part in &self.parts {
             for element in part.elements.clone() {
-                let determinant =
-                    quality::least_jacobian_determinant(&self.mesh, &self.mesh.elements[element]);
-                if !(determinant > 0.0) {
+                let determinant = quality::least_jacobian_determinant(&self.mesh, &self.mesh.elements[element]);
+                if determinant <= 0.0 || determinant.is_nan() {
                     return Err(Error::InvertedElement {
                         part: part.name.clone(),
                         element,
@@ -470,14 +416,9 @@ impl Builder {
 }
 
 impl Fastener {
-    /// Ties the washers to the half-beams' outer faces (top, bottom), couples nut and shank, and adds the bolt's load.
-    fn connect(
-        self,
-        geometry: &Geometry,
-        faces: [&[[u32; 4]]; 2],
-        bolt_load: f64,
-        assembly: &mut Assembly,
-    ) {
+    /// Ties the washers to the half-beams' outer faces (top, bottom), couples nut and shank, and adds the bolt's
+    /// load.
+    fn connect(self, geometry: &Geometry, faces: [&[[u32; 4]]; 2], bolt_load: f64, assembly: &mut Assembly) {
         let number = self.number;
         for (washer, slave_nodes, faces) in [
             ("head", self.head_washer_face, faces[0]),
@@ -500,9 +441,7 @@ impl Fastener {
             let weights = layers
                 .iter()
                 .enumerate()
-                .flat_map(|(i, layer)| {
-                    vec![if i == 0 || i == last { 0.5 } else { 1.0 }; layer.len()]
-                })
+                .flat_map(|(i, layer)| vec![if i == 0 || i == last { 0.5 } else { 1.0 }; layer.len()])
                 .collect();
             assembly.couplings.push(DistributingCoupling {
                 name: format!("{part}_{number}"),
@@ -540,8 +479,8 @@ fn along_x(point: [f64; 2], x: f64) -> [f64; 3] {
     [x, point[0], point[1]]
 }
 
-/// Distances from 0 to `length` in `layers` steps, the first being `first` and each next one larger or smaller by the same
-/// ratio, which is chosen so that they fill the length.
+/// Distances from 0 to `length` in `layers` steps, the first being `first` and each next one larger or smaller by
+/// the same ratio, which is chosen so that they fill the length.
 fn graded(place: &'static str, first: f64, length: f64, layers: usize) -> Result<Vec<f64>> {
     let sum = |ratio: f64| (1..layers).fold(1.0, |sum, _| 1.0 + ratio * sum);
     let wanted = length / first;
@@ -578,12 +517,6 @@ fn graded(place: &'static str, first: f64, length: f64, layers: usize) -> Result
     let total = steps[layers];
     Ok(steps
         .into_iter()
-        .map(|s| {
-            if s == total {
-                length
-            } else {
-                s / total * length
-            }
-        })
+        .map(|s| if s == total { length } else { s / total * length })
         .collect())
 }

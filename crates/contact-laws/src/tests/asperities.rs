@@ -59,7 +59,7 @@ fn exponential_heights() {
     };
     let root_pi = std::f64::consts::PI.sqrt();
     for delta in [3.0_f64, 8.0] {
-        let scale = (-delta).exp() * -1.0 / (-30.0_f64).exp_m1();
+        let scale = -(-delta).exp() / (-30.0_f64).exp_m1();
         let exact = [
             sigma.powf(1.5) * 0.75 * root_pi,
             sigma.sqrt() * 0.5 * root_pi,
@@ -102,8 +102,8 @@ fn exponential_heights_from_samples() {
     assert!(relative(gaps.loaded_fraction(tallest - delta * sigma), (-delta).exp()) < 1e-3);
 }
 
-/// Gaussian heights: `F_n(h) = integral from h of (t - h)^n phi(t) dt`, `F_{3/2}(0) = 0.43002`, `F_{1/2}(0) = 0.41111`
-/// (`Gamma((n+1)/2) 2^((n-2)/2)/sqrt(pi)` ... `/sqrt(2)` at `h = 0`), `F_1(0) = 1/sqrt(2 pi)`.
+/// Gaussian heights: `F_n(h) = integral from h of (t - h)^n phi(t) dt`. At `h = 0` this is
+/// `2^(n/2 - 1) Gamma((n + 1)/2)/sqrt(pi)`: `F_{3/2} = 0.43002`, `F_{1/2} = 0.41109`, `F_1 = 1/sqrt(2 pi)`.
 #[test]
 fn gaussian_heights() {
     let (n, tallest) = (16_000, 8.0);

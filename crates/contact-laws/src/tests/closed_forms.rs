@@ -24,7 +24,7 @@ const INTERFERENCE: f64 = 1e-5;
 const MU: f64 = 0.2;
 
 /// First loading in the tests of tmdsimpy (MIT licence): a Mindlin-Iwan model with 100 radii, stated to be within 0.2 %
-/// of `mu N` of the exact curve; displacement [m], force [N].
+/// of `mu N` of the exact curve; displacement (m), force (N).
 const LOADING: [[f64; 2]; 7] = [
     [1.901408450704e-07, 6.595246930397],
     [5.704225352113e-07, 19.05021604557],
@@ -34,7 +34,7 @@ const LOADING: [[f64; 2]; 7] = [
     [2.471830985915e-06, 57.30724263558],
     [3.612676056338e-06, 57.30724263558],
 ];
-/// Area [J] of the exact loop between -3.6127 um and 3.6127 um as a polygon with 20 vertices per branch. The source calls
+/// Area (J) of the exact loop between -3.6127 um and 3.6127 um as a polygon with 20 vertices per branch. The source calls
 /// it the exact area, but the area between the curves is 0.24 % larger.
 const POLYGON_AREA: f64 = 3.85909e-4;
 const NORMAL_FORCE: f64 = 286.7999270429;

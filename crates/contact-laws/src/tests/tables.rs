@@ -184,6 +184,33 @@ fn curves_that_begin_at_zero() {
     );
 }
 
+/// Just above a sample the stiffness rises almost vertically; a table with a knot there still rises everywhere.
+#[test]
+fn steep_knots_do_not_make_a_table_fall() {
+    let below = |knot: f64| knot * (1.0 - 1e-9);
+    let samples = vec![0.0, below(1.25e-6), below(1.5e-6), below(2.5e-6), below(4e-6)];
+    let gaps = GapDistribution::try_from_samples(samples).unwrap();
+    let population = AsperityPopulation::try_new(gaps, 1e6, [1e-3; 2]).unwrap();
+    let curves = AsperitySumCurves::try_new(population, STEEL, TangentialReading::Mindlin).unwrap();
+    let steepest = curves.tangential(2.5e-6)[0];
+    assert!(steepest.slope * 2.5e-6 > 1e3 * steepest.value);
+    let options = TableOptions {
+        tolerance_normal: 0.5,
+        tolerance_tangential: 0.5,
+        max_knots_per_octave: 4,
+    };
+    let table = Tabulated::try_new(curves, [1e-6, 8e-6], options).unwrap();
+    let mut before = 0.0;
+    for u in sweep([1e-6, 8e-6], 20_000) {
+        let k = table.tangential(u)[0];
+        assert!(
+            k.value >= before * (1.0 - 1e-14) && k.slope >= -1e-12 * k.value / u,
+            "{u:e}"
+        );
+        before = k.value;
+    }
+}
+
 /// The same table in millimetres, tonnes and seconds (Pa become MPa) gives the same numbers.
 #[test]
 fn tables_do_not_depend_on_the_unit() {

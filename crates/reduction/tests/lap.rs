@@ -1,0 +1,249 @@
+//! Reduction of a small lap of two blocks against the full model.
+
+use reduction::{Error, InterfacePairs, RelativeSystem, Settings, checks, reduce};
+use substructure::assemble::System;
+use substructure::eigen::lowest_modes;
+use substructure::hex8::Formulation;
+use substructure::mesh::{Assembly, Dof, Hex8, LoadPattern, Material, Mesh};
+
+struct Lap {
+    assembly: Assembly,
+    top: Vec<u32>,
+    bottom: Vec<u32>,
+}
+
+/// Two 60 x 20 x 10 mm blocks, one on the other over 40 mm; the top one is shifted along x.
+fn lap() -> Lap {
+    let mut mesh = Mesh {
+        materials: vec![Material {
+            name: "steel".into(),
+            youngs_modulus: 2e11,
+            poisson_ratio: 0.3,
+            density: 7800.0,
+        }],
+        ..Mesh::default()
+    };
+    let mut block = |corner: [f64; 3]| {
+        let base = mesh.nodes.len() as u32;
+        let (nx, ny, nz) = (12, 4, 3);
+        for k in 0..=nz {
+            for j in 0..=ny {
+                for i in 0..=nx {
+                    let at = [
+                        0.005 * f64::from(i),
+                        0.005 * f64::from(j),
+                        0.01 * f64::from(k) / f64::from(nz),
+                    ];
+                    mesh.nodes.push([0, 1, 2].map(|c| corner[c] + at[c]));
+                }
+            }
+        }
+        let node = |i: i32, j: i32, k: i32| base + (i + (nx + 1) * (j + (ny + 1) * k)) as u32;
+        for k in 0..nz {
+            for j in 0..ny {
+                for i in 0..nx {
+                    let ring = |k| {
+                        [
+                            node(i, j, k),
+                            node(i + 1, j, k),
+                            node(i + 1, j + 1, k),
+                            node(i, j + 1, k),
+                        ]
+                    };
+                    let (low, high) = (ring(k), ring(k + 1));
+                    let nodes = [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]];
+                    mesh.elements.push(Hex8 { nodes, material: 0 });
+                }
+            }
+        }
+        base
+    };
+    let lower = block([0.0; 3]);
+    let upper = block([0.02, 0.0, 0.01]);
+    let pairs = |first: u32, offset: u32, layer: u32| -> Vec<u32> {
+        (0..5)
+            .flat_map(|j| (0..9).map(move |i| first + offset + i + 13 * (j + 5 * layer)))
+            .collect()
+    };
+    let (bottom, top) = (pairs(lower, 4, 3), pairs(upper, 0, 0));
+    // A clamp: the two blocks pressed together at one point.
+    let (t, b) = (top[20], bottom[20]);
+    let clamp = LoadPattern {
+        name: "clamp".into(),
+        terms: vec![(Dof::Node(t, 2), -100.0), (Dof::Node(b, 2), 100.0)],
+    };
+    Lap {
+        assembly: Assembly {
+            mesh,
+            loads: vec![clamp],
+            ..Assembly::default()
+        },
+        top,
+        bottom,
+    }
+}
+
+const FRAME: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
+
+fn relative(lap: &Lap) -> (System, RelativeSystem) {
+    let system = System::try_new(&lap.assembly, Formulation::default()).unwrap();
+    let pairs = InterfacePairs {
+        top: &lap.top,
+        bottom: &lap.bottom,
+        frame: FRAME,
+    };
+    let relative = RelativeSystem::try_new(&system, pairs).unwrap();
+    (system, relative)
+}
+
+#[test]
+fn relative_coordinates_change_nothing_but_the_names() {
+    let (system, relative) = relative(&lap());
+    let modes = |k, m, p: &[[f64; 3]]| lowest_modes(k, m, p, 6, 1e-7).unwrap();
+    let before = modes(&system.stiffness, &system.mass, &system.positions);
+    let after = modes(&relative.stiffness, &relative.mass, &relative.positions);
+    assert_eq!((before.n_zero, after.n_zero), (12, 12), "two free blocks");
+    for (a, b) in before.frequencies().iter().zip(after.frequencies()) {
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    // The clamp closes the interface: it does positive work on the normal jump alone.
+    let load = &relative.loads[0];
+    assert_eq!(relative.n_relative, 3 * 45);
+    assert!((load[3 * 20 + 2] - 100.0).abs() < 1e-12, "{}", load[3 * 20 + 2]);
+    assert!(load.iter().map(|f| f.abs()).sum::<f64>() < 100.0 + 1e-9);
+}
+
+#[test]
+fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
+    let (_, relative) = relative(&lap());
+    let full: Vec<Vec<f64>> = [1e6, 1e8]
+        .iter()
+        .map(|&stiffness| {
+            let penalty = vec![stiffness; relative.n_relative];
+            let (zero, frequencies) = checks::full_frequencies(&relative, &penalty, 10, 1e-7).unwrap();
+            assert_eq!(zero, 6);
+            frequencies
+        })
+        .collect();
+    let errors: Vec<f64> = [5, 20, 80]
+        .iter()
+        .map(|&n_modes| {
+            let settings = Settings {
+                n_modes,
+                n_reported: 10,
+                ..Settings::default()
+            };
+            let reduced = reduce(&relative, &[], settings, &mut |_| {}).unwrap();
+            assert_eq!(reduced.zem_stuck, 6);
+            assert!(reduced.asymmetry < 1e-8, "{}", reduced.asymmetry);
+            let mut worst = 0.0_f64;
+            for (stiffness, full) in [1e6, 1e8].iter().zip(&full) {
+                let penalty = vec![*stiffness; relative.n_relative];
+                let small = checks::reduced_frequencies(&reduced, &penalty, 10).unwrap();
+                for (a, b) in full.iter().zip(&small) {
+                    assert!(
+                        b / a > 1.0 - 1e-8,
+                        "Rayleigh-Ritz frequencies lie above the exact ones: {a} {b}"
+                    );
+                    worst = worst.max(b / a - 1.0);
+                }
+            }
+            if n_modes >= 10 {
+                let stuck = checks::reduced_frequencies(&reduced, &vec![1e14; relative.n_relative], 10).unwrap();
+                for (a, b) in reduced.stuck_frequencies.iter().zip(&stuck) {
+                    assert!((b / a - 1.0).abs() < 1e-5, "stuck: {a} {b}");
+                }
+            }
+            worst
+        })
+        .collect();
+    assert!(errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1], "{errors:?}");
+    assert!(errors[2] < 3e-3, "{errors:?}");
+}
+
+#[test]
+fn static_response_of_the_jump_is_exact() {
+    // A static load on the jump with springs across the interface: reduced and full solutions must agree to round-off.
+    let (_, relative) = relative(&lap());
+    let n = relative.stiffness.rows();
+    let mut row = vec![0.0; n];
+    row[n - 7] = 1.0;
+    let reduced = reduce(&relative, &[row.clone()], Settings::default(), &mut |_| {}).unwrap();
+    let nd = relative.n_relative;
+    let springs = 1e7;
+    let mut small = reduced.stiffness.clone();
+    (0..nd).for_each(|i| small[(i, i)] += springs);
+    let llt = small.llt(faer::Side::Lower).unwrap();
+    let mut x = faer::Mat::from_fn(small.nrows(), 1, |i, _| reduced.loads[0][i]);
+    faer::linalg::solvers::Solve::solve_in_place(&llt, x.as_mut());
+    // The full solution through an extremely soft grounding instead of supports.
+    // Far above the round-off of the stiffness, far below the first elastic mode.
+    let sigma = 1e3;
+    let mut triplets = sprs::TriMat::new((n, n));
+    (0..nd).for_each(|i| triplets.add_triplet(i, i, springs));
+    let spring: sprs::CsMat<f64> = triplets.to_csr();
+    let grounded = &(&relative.stiffness + &spring) + &relative.mass.map(|m| sigma * m);
+    let factor = substructure::factor::SparseCholesky::try_new(&grounded, &relative.positions, "grounded").unwrap();
+    let mut full = faer::Mat::from_fn(n, 1, |i, _| relative.loads[0][i]);
+    factor.solve_in_place(full.as_mut());
+    let scale = (0..nd).map(|i| full[(i, 0)].abs()).fold(0.0, f64::max);
+    for i in 0..nd {
+        assert!(
+            (full[(i, 0)] - x[(i, 0)]).abs() < 1e-6 * scale,
+            "{i}: {} {}",
+            full[(i, 0)],
+            x[(i, 0)]
+        );
+    }
+    let recovered: f64 = (0..x.nrows()).map(|j| reduced.recovery[(0, j)] * x[(j, 0)]).sum();
+    let expected: f64 = full[(n - 7, 0)];
+    assert!((recovered - expected).abs() < 1e-5 * scale, "{recovered} {expected}");
+}
+
+#[test]
+fn mismatched_interfaces_are_refused_by_name() {
+    let good = lap();
+    let system = System::try_new(&good.assembly, Formulation::default()).unwrap();
+    let attempt = |top: &[u32], bottom: &[u32], frame| {
+        RelativeSystem::try_new(&system, InterfacePairs { top, bottom, frame }).unwrap_err()
+    };
+    assert!(matches!(
+        attempt(&good.top[1..], &good.bottom, FRAME),
+        Error::PairCount { top: 44, bottom: 45 }
+    ));
+    let mut crossed = good.bottom.clone();
+    crossed.swap(3, 4);
+    assert!(matches!(
+        attempt(&good.top, &crossed, FRAME),
+        Error::PairApart { pair: 3, .. }
+    ));
+    let mut skew = FRAME;
+    skew[0][1] = 0.1;
+    assert!(matches!(attempt(&good.top, &good.bottom, skew), Error::Frame { .. }));
+    let mut missing = good.top.clone();
+    missing[0] = 1_000_000;
+    assert!(matches!(
+        attempt(&missing, &good.bottom, FRAME),
+        Error::DependentInterface { node: 1_000_000, .. }
+    ));
+}
+
+#[test]
+fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
+    let good = lap();
+    let (_, relative_system) = relative(&good);
+    let settings = Settings {
+        expected_zem: 5,
+        ..Settings::default()
+    };
+    let error = reduce(&relative_system, &[], settings, &mut |_| {}).unwrap_err();
+    assert!(
+        matches!(error, Error::ZeroEnergyModes { found: 6, expected: 5 }),
+        "{error}"
+    );
+    let mut pushed = lap();
+    pushed.assembly.loads[0].terms.truncate(1);
+    let (_, relative_system) = relative(&pushed);
+    let error = reduce(&relative_system, &[], Settings::default(), &mut |_| {}).unwrap_err();
+    assert!(matches!(error, Error::UnbalancedLoad { .. }), "{error}");
+}

@@ -1,0 +1,340 @@
+//! Interfaces with known answers: areas, patch tests, tangents, loops.
+
+use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters, Sticking, TractionLaw};
+use proptest::prelude::*;
+use std::sync::Arc;
+use zte_assembly::flux::LoopArea;
+use zte_assembly::quadrature::{Quadrature, shape};
+use zte_assembly::{Element, Error, Interface, InterfaceMesh, Operators};
+
+const NORMAL: f64 = 3e13;
+const TANGENTIAL: [f64; 2] = [2e13, 1e13];
+
+/// A distorted patch of quadrilaterals and triangles over a 4 x 3 rectangle [cm].
+fn patch() -> InterfaceMesh {
+    let (nx, ny) = (4, 3);
+    let mut nodes = Vec::new();
+    for j in 0..=ny {
+        for i in 0..=nx {
+            let inner = i > 0 && i < nx && j > 0 && j < ny;
+            let shift = if inner {
+                0.2 * f64::from((i * 7 + j * 3) % 5 - 2) / 2.0
+            } else {
+                0.0
+            };
+            nodes.push([0.01 * (f64::from(i) + shift), 0.01 * (f64::from(j) - 0.7 * shift)]);
+        }
+    }
+    let node = |i: i32, j: i32| (i + (nx + 1) * j) as u32;
+    let mut elements = Vec::new();
+    for j in 0..ny {
+        for i in 0..nx {
+            let corners = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+            if (i + j) % 3 == 0 {
+                elements.push(Element::Tri3([corners[0], corners[1], corners[2]]));
+                elements.push(Element::Tri3([corners[0], corners[2], corners[3]]));
+            } else {
+                elements.push(Element::Quad4(corners));
+            }
+        }
+    }
+    InterfaceMesh { nodes, elements }
+}
+
+fn law(n: usize, mu: f64) -> Arc<dyn TractionLaw> {
+    let curves = PointParameters::uniform(ElasticCurves::try_new(NORMAL, TANGENTIAL).unwrap(), n);
+    Arc::new(FrictionalLaw::try_new(curves, PointParameters::uniform(mu, n), HistoryRule::Incremental).unwrap())
+}
+
+fn interface(points: usize, mu: f64) -> Interface {
+    let operators = Arc::new(Operators::try_new(&patch(), points).unwrap());
+    let n = operators.n_points();
+    // Two laws, so that blocks and ranges are exercised.
+    let laws = vec![(0..n / 3, law(n / 3, mu)), (n / 3..n, law(n - n / 3, mu))];
+    Interface::try_new(operators, laws, vec![0.0; n]).unwrap()
+}
+
+#[test]
+fn quadrature_integrates_polynomials_up_to_its_degree() {
+    for n in 1..=5 {
+        let rule = Quadrature::try_new(n).unwrap();
+        let square = Element::Quad4([0, 1, 2, 3]);
+        for a in 0..2 * n {
+            for b in 0..2 * n {
+                let sum: f64 = rule
+                    .points(&square)
+                    .iter()
+                    .map(|p| p.weight * p.xi[0].powi(a as i32) * p.xi[1].powi(b as i32))
+                    .sum();
+                let line = |k: usize| if k % 2 == 1 { 0.0 } else { 2.0 / (k as f64 + 1.0) };
+                assert!((sum - line(a) * line(b)).abs() < 1e-14, "{n} {a} {b}");
+            }
+        }
+        let triangle = Element::Tri3([0, 1, 2]);
+        let degree = [1, 2, 4, 6, 6][n - 1];
+        for a in 0..=degree {
+            for b in 0..=degree - a {
+                let sum: f64 = rule
+                    .points(&triangle)
+                    .iter()
+                    .map(|p| p.weight * p.xi[0].powi(a as i32) * p.xi[1].powi(b as i32))
+                    .sum();
+                // a! b! / (a + b + 2)!
+                let factorial = |k: usize| (1..=k).map(|v| v as f64).product::<f64>();
+                let exact = factorial(a) * factorial(b) / factorial(a + b + 2);
+                assert!((sum - exact).abs() < 1e-14, "triangle {n} {a} {b}: {sum} {exact}");
+            }
+        }
+        assert_eq!(rule.points(&square).len(), n * n);
+    }
+    assert!(matches!(
+        Quadrature::try_new(6),
+        Err(Error::Quadrature { per_direction: 6 })
+    ));
+    assert!(Quadrature::try_new(0).is_err());
+}
+
+#[test]
+fn shape_functions_are_a_partition_of_unity_with_exact_derivatives() {
+    for element in [Element::Quad4([0, 1, 2, 3]), Element::Tri3([0, 1, 2])] {
+        let at = [0.3, 0.2];
+        let (values, derivatives) = shape(&element, at);
+        assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+        for axis in 0..2 {
+            let h = 1e-6;
+            let moved = |sign: f64| {
+                let mut x = at;
+                x[axis] += sign * h;
+                shape(&element, x).0
+            };
+            let (up, down) = (moved(1.0), moved(-1.0));
+            for a in 0..4 {
+                assert!(((up[a] - down[a]) / (2.0 * h) - derivatives[a][axis]).abs() < 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn weights_and_integration_give_the_exact_area() {
+    for points in [1, 2, 3, 5] {
+        let operators = Operators::try_new(&patch(), points).unwrap();
+        assert!((operators.area() / 12e-4 - 1.0).abs() < 1e-13);
+        let nodal: f64 = operators.integration.data().iter().sum();
+        assert!(
+            (nodal / 12e-4 - 1.0).abs() < 1e-13,
+            "T spreads the whole area over the nodes"
+        );
+        let areas = patch().areas();
+        for (element, range) in operators.first_point.windows(2).enumerate() {
+            let sum: f64 = operators.weights[range[0]..range[1]].iter().sum();
+            assert!((sum / areas[element] - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn patch_test_a_uniform_jump_gives_a_uniform_traction_and_the_exact_resultant() {
+    for points in [1, 2, 3, 5] {
+        let interface = interface(points, 0.4);
+        let jump = [3e-7, -1e-7, 2e-6];
+        let u: Vec<f64> = (0..interface.n_dofs()).map(|i| jump[i % 3]).collect();
+        let state = interface.initial_state();
+        let (mut end, mut workspace) = (state.clone(), interface.workspace());
+        let mut force = vec![0.0; interface.n_dofs()];
+        let counts = interface.evaluate(
+            &u,
+            Sticking::Coulomb,
+            &state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
+        assert_eq!(counts.stick, interface.operators().n_points());
+        let expected = [TANGENTIAL[0] * jump[0], TANGENTIAL[1] * jump[1], NORMAL * jump[2]];
+        for c in 0..3 {
+            for t in &workspace.traction[c] {
+                assert!((t / expected[c] - 1.0).abs() < 1e-12);
+            }
+            let resultant: f64 = force.iter().skip(c).step_by(3).sum();
+            assert!((resultant / (expected[c] * 12e-4) - 1.0).abs() < 1e-12);
+        }
+        // No moment about the centroid of the rectangle.
+        let nodes = patch().nodes;
+        let moment: f64 = nodes
+            .iter()
+            .enumerate()
+            .map(|(i, x)| (x[0] - 0.02) * force[3 * i + 2])
+            .sum();
+        assert!(moment.abs() < 1e-12 * expected[2] * 12e-4 * 0.04);
+    }
+}
+
+#[test]
+fn linear_jumps_are_interpolated_exactly_and_the_gap_is_subtracted() {
+    let flat = interface(2, 0.3);
+    let field = |x: [f64; 2]| 1e-6 + 2e-5 * x[0] - 3e-5 * x[1];
+    let nodes = patch().nodes;
+    let u: Vec<f64> = (0..flat.n_dofs())
+        .map(|i| if i % 3 == 2 { field(nodes[i / 3]) } else { 0.0 })
+        .collect();
+    let gap: Vec<f64> = flat.operators().positions.iter().map(|x| 1e-7 + 1e-6 * x[0]).collect();
+    let gapped = flat.with_gap(gap.clone()).unwrap();
+    let state = gapped.initial_state();
+    let (mut end, mut workspace, mut force) = (state.clone(), gapped.workspace(), vec![0.0; gapped.n_dofs()]);
+    gapped.evaluate(
+        &u,
+        Sticking::Coulomb,
+        &state,
+        &mut end,
+        &mut workspace,
+        &mut force,
+        None,
+    );
+    for (p, x) in gapped.operators().positions.iter().enumerate() {
+        assert!((workspace.jump[2][p] - (field(*x) - gap[p])).abs() < 1e-20);
+    }
+}
+
+fn force_at(interface: &Interface, u: &[f64], mu_state: &zte_assembly::State) -> Vec<f64> {
+    let (mut end, mut workspace) = (mu_state.clone(), interface.workspace());
+    let mut force = vec![0.0; interface.n_dofs()];
+    interface.evaluate(
+        u,
+        Sticking::Coulomb,
+        mu_state,
+        &mut end,
+        &mut workspace,
+        &mut force,
+        None,
+    );
+    force
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #[test]
+    fn tangent_is_the_derivative_of_the_force(seed in 0u64..1000, points in 1usize..=3) {
+        let interface = interface(points, 0.3);
+        let mut s = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        let mut next = || {
+            s ^= s << 13;
+            s ^= s >> 7;
+            s ^= s << 17;
+            (s >> 11) as f64 / (1u64 << 53) as f64
+        };
+        // Mixed stick and slip, everything closed and away from kinks with probability one.
+        let u: Vec<f64> =
+            (0..interface.n_dofs()).map(|i| if i % 3 == 2 { 1e-6 * (1.0 + next()) } else { 2e-6 * (next() - 0.5) }).collect();
+        let v: Vec<f64> = (0..interface.n_dofs()).map(|_| next() - 0.5).collect();
+        let state = interface.initial_state();
+        let (mut end, mut workspace, mut force) =
+            (state.clone(), interface.workspace(), vec![0.0; interface.n_dofs()]);
+        let mut values = vec![0.0; interface.pattern().indices.len()];
+        interface.evaluate(&u, Sticking::Coulomb, &state, &mut end, &mut workspace, &mut force, Some(&mut values));
+        let pattern = interface.pattern();
+        let product: Vec<f64> = (0..interface.n_dofs())
+            .map(|row| {
+                let range = pattern.indptr[row]..pattern.indptr[row + 1];
+                pattern.indices[range.clone()].iter().zip(&values[range]).map(|(&j, k)| k * v[j]).sum()
+            })
+            .collect();
+        let h = 1e-11;
+        let along = |sign: f64| {
+            let moved: Vec<f64> = u.iter().zip(&v).map(|(u, v)| u + sign * h * v).collect();
+            force_at(&interface, &moved, &state)
+        };
+        let (up, down) = (along(1.0), along(-1.0));
+        let scale = product.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+        for i in 0..product.len() {
+            let difference = (up[i] - down[i]) / (2.0 * h);
+            prop_assert!((difference - product[i]).abs() <= 1e-6 * scale, "{} {} {}", i, difference, product[i]);
+        }
+    }
+}
+
+#[test]
+fn loop_area_is_the_dissipation_of_a_sliding_cycle() {
+    // Every point slides along x under constant closure: area 4 mu t_n (X - mu t_n / k).
+    let mu = 0.2;
+    let interface = interface(2, mu);
+    let n = interface.operators().n_points();
+    let (closure, peak) = (1e-6, 2e-6);
+    let mut state = interface.initial_state();
+    let mut workspace = interface.workspace();
+    let mut force = vec![0.0; interface.n_dofs()];
+    let mut area = LoopArea::new(n);
+    let turning = [peak, -peak, peak, -peak, peak];
+    let mut at = 0.0;
+    for (branch, target) in turning.into_iter().enumerate() {
+        let mut end = state.clone();
+        let steps = 400;
+        for step in 1..=steps {
+            let x = at + (target - at) * f64::from(step) / f64::from(steps);
+            let u: Vec<f64> = (0..interface.n_dofs()).map(|i| [x, 0.0, closure][i % 3]).collect();
+            interface.evaluate(
+                &u,
+                Sticking::Coulomb,
+                &state,
+                &mut end,
+                &mut workspace,
+                &mut force,
+                None,
+            );
+            if branch > 2 || (branch == 2 && step == steps) {
+                area.add(&workspace);
+            }
+        }
+        at = target;
+        state = end;
+    }
+    let limit = mu * NORMAL * closure;
+    let exact = 4.0 * limit * (peak - limit / TANGENTIAL[0]);
+    let flux = area.close();
+    for p in 0..n {
+        assert!((flux[0][p] / exact - 1.0).abs() < 1e-4, "{} {exact}", flux[0][p]);
+        assert_eq!(flux[1][p], 0.0);
+        assert_eq!(flux[2][p], 0.0);
+    }
+}
+
+#[test]
+fn defects_are_refused_by_name() {
+    let mut mesh = patch();
+    mesh.elements[0] = Element::Tri3([0, 1, 99]);
+    assert!(matches!(
+        Operators::try_new(&mesh, 2),
+        Err(Error::Dangling {
+            element: 0,
+            node: 99,
+            ..
+        })
+    ));
+    let mut mesh = patch();
+    if let Element::Quad4(nodes) = &mut mesh.elements[2] {
+        nodes.swap(0, 1);
+    }
+    assert!(matches!(
+        Operators::try_new(&mesh, 2),
+        Err(Error::Inverted { element: 2, .. })
+    ));
+    let mut mesh = patch();
+    mesh.nodes.push([1.0, 1.0]);
+    assert!(matches!(mesh.validate(), Err(Error::Unused { node: 20 })));
+    mesh.nodes[3][1] = f64::NAN;
+    assert!(matches!(mesh.validate(), Err(Error::Value { index: 3, .. })));
+    let operators = Arc::new(Operators::try_new(&patch(), 2).unwrap());
+    let n = operators.n_points();
+    let short = Interface::try_new(operators.clone(), vec![(0..n - 1, law(n - 1, 0.1))], vec![0.0; n]);
+    assert!(matches!(short, Err(Error::Coverage { .. })));
+    let negative = Interface::try_new(operators, vec![(0..n, law(n, 0.1))], vec![-1e-9; n]);
+    assert!(matches!(
+        negative,
+        Err(Error::Value {
+            quantity: "gap",
+            index: 0,
+            ..
+        })
+    ));
+}
