@@ -24,22 +24,17 @@ pub enum Error {
         /// What would be accepted.
         requirement: &'static str,
     },
-    /// The stuck structure is not positive definite.
+    /// The stuck structure is not positive definite, or its modes cannot be computed.
     #[error(
-        "the stiffness with the stuck interface is not positive definite (pivot {pivot} of {size}): the structure can \
-         move freely, or the interface is open where it must carry the load"
+        "the stiffness with the stuck interface: {0}; if it is not positive definite, the structure can move freely or the \
+         interface is open where it must carry the load"
     )]
-    NotPositiveDefinite {
-        /// Pivot.
-        pivot: usize,
-        /// Size.
-        size: usize,
-    },
-    /// An eigenvalue decomposition failed.
-    #[error("the linearised modes did not converge: {reason}")]
+    Dense(#[from] dense_algebra::Error),
+    /// The linearised modes did not settle.
+    #[error("the linearised modes did not settle in {iterations} subspace iterations")]
     Modes {
-        /// Reason.
-        reason: String,
+        /// Iterations made.
+        iterations: usize,
     },
 }
 

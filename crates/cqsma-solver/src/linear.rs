@@ -3,8 +3,7 @@
 use crate::Error;
 use crate::force::Pattern;
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
-use faer::{Accum, ColMut, Mat, MatMut, MatRef, Par, Side};
+use faer::{Accum, ColMut, Mat, MatMut, MatRef, Par};
 
 /// Most GMRES steps before the direct solve takes over; its cost is that of about this many steps.
 const MAX_KRYLOV: usize = 60;
@@ -45,7 +44,7 @@ pub(crate) fn with_tangent(stiffness: MatRef<'_, f64>, pattern: &Pattern, values
 /// Cholesky factor of the structure with everything in contact stuck: preconditioner and energy norm.
 #[derive(Clone, Debug)]
 pub(crate) struct StuckFactor {
-    llt: Llt<f64>,
+    lower: Mat<f64>,
     /// Tangent values that went into it (symmetrised).
     tangent: Vec<f64>,
 }
@@ -53,34 +52,23 @@ pub(crate) struct StuckFactor {
 impl StuckFactor {
     /// Factors `stiffness + (tangent + tangent^T) / 2`.
     pub(crate) fn try_new(stiffness: MatRef<'_, f64>, pattern: &Pattern, tangent: &[f64]) -> Result<Self, Error> {
-        let symmetric = symmetrised(pattern, tangent);
-        let matrix = with_tangent(stiffness, pattern, &symmetric);
-        let size = matrix.nrows();
-        let llt = Llt::new(matrix.as_ref(), Side::Lower).map_err(|error| {
-            let faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index } = error;
-            Error::NotPositiveDefinite { pivot: index, size }
-        })?;
-        Ok(Self {
-            llt,
-            tangent: symmetric,
-        })
+        let tangent = symmetrised(pattern, tangent);
+        let lower = dense_algebra::cholesky(with_tangent(stiffness, pattern, &tangent).as_ref())?;
+        Ok(Self { lower, tangent })
     }
 
     pub(crate) fn lower(&self) -> MatRef<'_, f64> {
-        self.llt.L()
+        self.lower.as_ref()
     }
 
     /// `x = L^-1 x`.
     pub(crate) fn forward(&self, x: &mut [f64]) {
-        self.lower()
-            .solve_lower_triangular_in_place(ColMut::from_slice_mut(x).as_mat_mut());
+        dense_algebra::solve_lower(self.lower(), ColMut::from_slice_mut(x).as_mat_mut());
     }
 
     /// `x = L^-T x`.
     pub(crate) fn backward(&self, x: &mut [f64]) {
-        self.lower()
-            .transpose()
-            .solve_upper_triangular_in_place(ColMut::from_slice_mut(x).as_mat_mut());
+        dense_algebra::solve_lower_transposed(self.lower(), ColMut::from_slice_mut(x).as_mat_mut());
     }
 
     /// Energy norm `sqrt(r^T P^-1 r)` of a force; leaves `L^-1 r` in the buffer.
@@ -115,11 +103,7 @@ pub(crate) fn solve_direct(
     tangent: &[f64],
     b: &[f64],
 ) -> Option<Vec<f64>> {
-    let lu = PartialPivLu::new(with_tangent(stiffness, pattern, tangent).as_ref());
-    let mut x = Mat::from_fn(b.len(), 1, |i, _| b[i]);
-    lu.solve_in_place(x.as_mut());
-    let x: Vec<f64> = x.col(0).iter().copied().collect();
-    x.iter().all(|v| v.is_finite()).then_some(x)
+    dense_algebra::solve_general(with_tangent(stiffness, pattern, tangent), b)
 }
 
 /// Solves `(stiffness + tangent) x = b` by GMRES on `L^-1 (P + dT) L^-T = I + L^-1 dT L^-T`, where `dT` is the

@@ -4,8 +4,7 @@ use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, Sliding};
 use crate::linear::{StuckFactor, multiply};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par, Side};
+use faer::{Mat, MatRef};
 
 /// The prestressed structure, ready for its loops.
 #[derive(Clone, Debug)]
@@ -103,45 +102,29 @@ pub fn linearise<'a, F: HystereticForce>(
     })
 }
 
+/// Most subspace iterations; a dozen are usual.
+const MAX_ITERATIONS: usize = 200;
+
 /// Subspace iteration on `C = L^-1 M L^-T`, whose eigenvalues are `1 / omega^2`.
 fn lowest_modes(factor: &StuckFactor, mass: MatRef<'_, f64>, n_modes: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let n = mass.nrows();
-    let fail = |e: &dyn std::fmt::Debug| Error::Modes {
-        reason: format!("{e:?}"),
-    };
-    let lower = factor.lower();
-    let mut half = mass.to_owned();
-    lower.solve_lower_triangular_in_place(half.as_mut());
-    let mut c = half.transpose().to_owned();
-    lower.solve_lower_triangular_in_place(c.as_mut());
+    let c = dense_algebra::congruent(factor.lower(), mass);
     let width = (2 * n_modes + 10).min(n);
     // Reproducible start: a 64-bit linear congruential generator.
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut basis = Mat::from_fn(n, width, |_, _| {
+    let mut image = Mat::from_fn(n, width, |_, _| {
         seed = seed
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);
         (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     });
     let mut previous = vec![0.0; n_modes];
-    for _ in 0..200 {
-        let q = basis.qr().compute_thin_Q();
-        let mut image = Mat::zeros(n, width);
-        matmul(image.as_mut(), Accum::Replace, c.as_ref(), q.as_ref(), 1.0, Par::Seq);
-        let mut small = Mat::<f64>::zeros(width, width);
-        matmul(
-            small.as_mut(),
-            Accum::Replace,
-            q.transpose(),
-            image.as_ref(),
-            1.0,
-            Par::Seq,
-        );
-        // Brought to unit size: the library's tolerances are absolute.
-        let scale = small.norm_max();
-        let small = Mat::from_fn(width, width, |i, j| 0.5 / scale * (small[(i, j)] + small[(j, i)]));
-        let evd = small.self_adjoint_eigen(Side::Lower).map_err(|e| fail(&e))?;
-        let values: Vec<f64> = (0..n_modes).map(|i| scale * evd.S()[width - 1 - i]).collect();
+    for _ in 0..MAX_ITERATIONS {
+        let basis = orthonormal(image)?;
+        image = dense_algebra::product(c.as_ref(), basis.as_ref());
+        let small = dense_algebra::symmetric(dense_algebra::product(basis.transpose(), image.as_ref()).as_ref());
+        let (ascending, rotation) = dense_algebra::symmetric_eigen(small.as_ref())?;
+        let values: Vec<f64> = ascending.into_iter().rev().take(n_modes).collect();
         let change = values
             .iter()
             .zip(&previous)
@@ -149,26 +132,33 @@ fn lowest_modes(factor: &StuckFactor, mass: MatRef<'_, f64>, n_modes: usize) -> 
             .fold(0.0, f64::max);
         previous.clone_from(&values);
         // Eigenvalues converge with the square of the shapes: ask for round-off in the values.
-        if change < 1e-14 {
-            let rotation = Mat::from_fn(width, n_modes, |i, j| evd.U()[(i, width - 1 - j)]);
-            let mut shapes = Mat::zeros(n, n_modes);
-            matmul(
-                shapes.as_mut(),
-                Accum::Replace,
-                image.as_ref(),
-                rotation.as_ref(),
-                1.0,
-                Par::Seq,
-            );
-            lower.transpose().solve_upper_triangular_in_place(shapes.as_mut());
+        if change < 1e-13 {
+            let leading = Mat::from_fn(width, n_modes, |i, j| rotation[(i, width - 1 - j)]);
+            let mut shapes = dense_algebra::product(image.as_ref(), leading.as_ref());
+            dense_algebra::solve_lower_transposed(factor.lower(), shapes.as_mut());
             normalise(mass, shapes.as_mut());
             return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
         }
-        basis = image;
     }
     Err(Error::Modes {
-        reason: "subspace iteration did not settle in 200 steps".into(),
+        iterations: MAX_ITERATIONS,
     })
+}
+
+/// Orthonormal basis of the columns, by two passes of Cholesky orthogonalisation.
+fn orthonormal(mut columns: Mat<f64>) -> Result<Mat<f64>, Error> {
+    for _ in 0..2 {
+        for column in columns.as_mut().col_iter_mut() {
+            let length = column.norm_l2();
+            column.iter_mut().for_each(|v| *v /= length);
+        }
+        let gram = dense_algebra::product(columns.transpose(), columns.as_ref());
+        let lower = dense_algebra::cholesky(gram.as_ref())?;
+        let mut rows = columns.transpose().to_owned();
+        dense_algebra::solve_lower(lower.as_ref(), rows.as_mut());
+        columns = rows.transpose().to_owned();
+    }
+    Ok(columns)
 }
 
 fn normalise(mass: MatRef<'_, f64>, mut shapes: faer::MatMut<'_, f64>) {

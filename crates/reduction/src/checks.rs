@@ -3,7 +3,6 @@
 use crate::Error;
 use crate::craig_bampton::ReducedModel;
 use crate::relative::RelativeSystem;
-use faer::{Mat, Side};
 use sprs::{CsMat, TriMat};
 use substructure::eigen::lowest_modes;
 
@@ -36,29 +35,16 @@ pub fn full_frequencies(
 /// # Errors
 /// If the reduced mass is not positive definite or the eigenvalue decomposition fails.
 pub fn reduced_frequencies(model: &ReducedModel, penalty: &[f64], n: usize) -> Result<Vec<f64>, Error> {
-    let size = model.mass.nrows();
-    let fail = |operation, reason: String| Error::Dense { operation, reason };
     let mut stiffness = model.stiffness.clone();
     for (i, &value) in penalty.iter().enumerate() {
         stiffness[(i, i)] += value;
     }
-    let llt = faer::linalg::solvers::Llt::new(model.mass.as_ref(), Side::Lower)
-        .map_err(|e| fail("Cholesky factorisation of the reduced mass", format!("{e:?}")))?;
-    let lower = llt.L();
-    lower.solve_lower_triangular_in_place(stiffness.as_mut());
-    let mut transposed = stiffness.transpose().to_owned();
-    lower.solve_lower_triangular_in_place(transposed.as_mut());
-    // Brought to unit size: the library's tolerances are absolute.
-    let scale = transposed.norm_max();
-    let symmetric = Mat::from_fn(size, size, |i, j| {
-        0.5 / scale * (transposed[(i, j)] + transposed[(j, i)])
-    });
-    let values = symmetric
-        .self_adjoint_eigenvalues(Side::Lower)
-        .map_err(|e| fail("eigenvalue decomposition of the reduced model", format!("{e:?}")))?;
+    let lower = dense_algebra::cholesky(model.mass.as_ref())?;
+    let seen = dense_algebra::congruent(lower.as_ref(), stiffness.as_ref());
+    let values = dense_algebra::symmetric_eigenvalues(seen.as_ref())?;
     Ok(values
         .iter()
         .take(n)
-        .map(|w2| (w2 * scale).max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
+        .map(|w2| w2.max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
         .collect())
 }

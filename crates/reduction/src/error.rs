@@ -78,14 +78,9 @@ pub enum Error {
         /// Relative asymmetry.
         asymmetry: f64,
     },
-    /// A step of the linear algebra failed.
-    #[error("{operation} failed: {reason}")]
-    Dense {
-        /// What was attempted.
-        operation: &'static str,
-        /// The library's reason.
-        reason: String,
-    },
+    /// A dense factorisation or eigenvalue decomposition of the reduced model failed.
+    #[error("the reduced model: {0}")]
+    Dense(#[from] dense_algebra::Error),
     /// The finite-element system.
     #[error(transparent)]
     Substructure(#[from] substructure::Error),

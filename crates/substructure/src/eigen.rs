@@ -8,7 +8,7 @@ use crate::Error;
 use crate::factor::SparseCholesky;
 use crate::sparse::{diagonal, multiply_into, multiply_vector};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par, Side};
+use faer::{Accum, Mat, MatRef, Par};
 use sprs::CsMat;
 
 /// Vectors advanced together.
@@ -187,54 +187,10 @@ fn rayleigh_ritz(
         Mat::from_fn(m, m, |i, j| 0.5 * (small[(i, j)] + small[(j, i)]))
     };
     let (k, g) = (project(stiffness), project(mass));
-    let (values, small) = dense_pair(k.as_ref(), g.as_ref())?;
+    let (values, small) = dense_algebra::symmetric_pair(k.as_ref(), g.as_ref())?;
     let mut vectors = Mat::zeros(n, m);
     matmul(vectors.as_mut(), Accum::Replace, basis, small.as_ref(), 1.0, Par::Seq);
     Ok((values, vectors))
-}
-
-/// All eigenpairs of a small dense symmetric pair with definite `g`, mass-normalised, ascending.
-fn dense_pair(k: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
-    let size = k.nrows();
-    let fail = |operation, reason: String| Error::LinearAlgebra {
-        operation,
-        size,
-        reason,
-    };
-    // Columns of very different length would spoil the factor.
-    let scale: Vec<f64> = (0..size).map(|i| g[(i, i)].sqrt().recip()).collect();
-    let scaled = |a: MatRef<'_, f64>| Mat::from_fn(size, size, |i, j| a[(i, j)] * scale[i] * scale[j]);
-    let llt = faer::linalg::solvers::Llt::new(scaled(g).as_ref(), Side::Lower)
-        .map_err(|e| fail("Cholesky factorisation", format!("{e:?}")))?;
-    let lower = llt.L();
-    let mut c = scaled(k);
-    lower.solve_lower_triangular_in_place(c.as_mut());
-    let mut c = c.transpose().to_owned();
-    lower.solve_lower_triangular_in_place(c.as_mut());
-    let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (c[(i, j)] + c[(j, i)]));
-    let (values, mut vectors) = symmetric_eigen(&symmetric)?;
-    lower.transpose().solve_upper_triangular_in_place(vectors.as_mut());
-    let shapes = Mat::from_fn(size, size, |i, j| vectors[(i, j)] * scale[i]);
-    Ok((values, shapes))
-}
-
-/// Ascending eigenvalues and eigenvectors of a symmetric matrix.
-///
-/// The library's divide-and-conquer step deflates with an absolute tolerance, so the matrix is brought to unit size.
-fn symmetric_eigen(matrix: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
-    let size = matrix.nrows();
-    let largest = matrix.norm_max();
-    let scale = if largest > 0.0 { largest } else { 1.0 };
-    let unit = Mat::from_fn(size, size, |i, j| matrix[(i, j)] / scale);
-    let evd = unit.self_adjoint_eigen(Side::Lower).map_err(|e| Error::LinearAlgebra {
-        operation: "symmetric eigenvalue decomposition",
-        size,
-        reason: format!("{e:?}"),
-    })?;
-    Ok((
-        evd.S().column_vector().iter().map(|v| v * scale).collect(),
-        evd.U().to_owned(),
-    ))
 }
 
 /// An orthonormal Krylov basis (mass inner product) with the projected operator.
@@ -328,7 +284,7 @@ impl Krylov {
         let h = Mat::from_fn(known, known, |i, j| {
             0.5 * (self.projected[(i, j)] + self.projected[(j, i)])
         });
-        let (ascending, columns) = symmetric_eigen(&h)?;
+        let (ascending, columns) = dense_algebra::symmetric_eigen(h.as_ref())?;
         let values = ascending.into_iter().rev().collect();
         let vectors = Mat::from_fn(known, known, |i, j| columns[(i, known - 1 - j)]);
         Ok((values, vectors, known))

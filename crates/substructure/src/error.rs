@@ -140,4 +140,7 @@ pub enum Error {
         /// Largest residual among the wanted.
         worst: f64,
     },
+    /// A small dense problem inside the eigensolver failed.
+    #[error(transparent)]
+    Dense(#[from] dense_algebra::Error),
 }

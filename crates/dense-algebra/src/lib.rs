@@ -1,0 +1,206 @@
+//! Dense symmetric factorisations and eigenpairs with results that depend neither on units nor on the number of threads.
+//!
+//! A thin layer over `faer` with two decisions made once for all crates above it. Everything runs on the calling
+//! thread: the loops around it are the parallel ones, and the library's own choice follows a process-wide setting that a
+//! library must not touch. And eigenproblems are brought to unit size, because the library's divide-and-conquer step
+//! deflates with an absolute tolerance (a matrix of size 1e12 lost four digits to it, one of size 1e-5 five).
+
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{self as llt, LltError};
+use faer::linalg::evd::{self, ComputeEigenvectors};
+use faer::linalg::lu::partial_pivoting::{factor as lu, solve as lu_solve};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve as triangular;
+use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
+
+/// Why a dense operation failed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A matrix that must be positive definite is not.
+    #[error("the matrix is not positive definite: pivot {pivot} of {size}")]
+    NotPositiveDefinite {
+        /// Pivot at which the factorisation stopped.
+        pivot: usize,
+        /// Size of the matrix.
+        size: usize,
+    },
+    /// The eigenvalue iteration did not converge.
+    #[error("the eigenvalue decomposition of a matrix of size {size} did not converge")]
+    NoConvergence {
+        /// Size of the matrix.
+        size: usize,
+    },
+}
+
+/// Lower Cholesky factor `L` of `a = L L^T`; only the lower triangle of `a` is read.
+///
+/// # Errors
+/// [`Error::NotPositiveDefinite`].
+pub fn cholesky(a: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
+    let size = a.nrows();
+    let mut lower = Mat::zeros(size, size);
+    for j in 0..size {
+        for i in j..size {
+            lower[(i, j)] = a[(i, j)];
+        }
+    }
+    let mut memory = MemBuffer::new(llt::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default()));
+    let stack = MemStack::new(&mut memory);
+    match llt::cholesky_in_place(
+        lower.as_mut(),
+        llt::LltRegularization::default(),
+        Par::Seq,
+        stack,
+        Spec::default(),
+    ) {
+        Ok(_) => {
+            // The blocked factorisation leaves scratch above the diagonal.
+            for j in 0..size {
+                lower.col_mut(j).subrows_mut(0, j).fill(0.0);
+            }
+            Ok(lower)
+        }
+        Err(LltError::NonPositivePivot { index }) => Err(Error::NotPositiveDefinite { pivot: index, size }),
+    }
+}
+
+/// `x = L^-1 x` for all columns.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn solve_lower(lower: MatRef<'_, f64>, x: MatMut<'_, f64>) {
+    triangular::solve_lower_triangular_in_place(lower, x, Par::Seq);
+}
+
+/// `x = L^-T x` for all columns.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn solve_lower_transposed(lower: MatRef<'_, f64>, x: MatMut<'_, f64>) {
+    triangular::solve_upper_triangular_in_place(lower.transpose(), x, Par::Seq);
+}
+
+/// `L^-1 a L^-T`, symmetrised: a symmetric `a` seen in the metric of `L L^T`.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn congruent(lower: MatRef<'_, f64>, a: MatRef<'_, f64>) -> Mat<f64> {
+    let mut half = a.to_owned();
+    solve_lower(lower, half.as_mut());
+    let mut whole = half.transpose().to_owned();
+    solve_lower(lower, whole.as_mut());
+    symmetric(whole.as_ref())
+}
+
+/// `(a + a^T) / 2`.
+pub fn symmetric(a: MatRef<'_, f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
+}
+
+/// `a b`.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut c = Mat::zeros(a.nrows(), b.ncols());
+    matmul(c.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
+    c
+}
+
+/// Solves `a x = b` by LU with partial pivoting; `None` if the matrix is numerically singular. Overwrites `a`.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn solve_general(mut a: Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
+    let n = a.nrows();
+    let (mut forward, mut backward) = (vec![0_usize; n], vec![0_usize; n]);
+    let mut memory = MemBuffer::new(faer::dyn_stack::StackReq::any_of(&[
+        lu::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()),
+        lu_solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq),
+    ]));
+    let stack = MemStack::new(&mut memory);
+    let (_, order) = lu::lu_in_place(
+        a.as_mut(),
+        &mut forward,
+        &mut backward,
+        Par::Seq,
+        stack,
+        Spec::default(),
+    );
+    let mut x = b.to_vec();
+    let columns = MatMut::from_column_major_slice_mut(&mut x, n, 1);
+    lu_solve::solve_in_place(
+        a.as_ref(),
+        a.as_ref(),
+        order,
+        columns,
+        Par::Seq,
+        MemStack::new(&mut memory),
+    );
+    x.iter().all(|v| v.is_finite()).then_some(x)
+}
+
+/// Ascending eigenvalues and orthonormal eigenvectors of a symmetric matrix; only the lower triangle is read.
+///
+/// # Errors
+/// [`Error::NoConvergence`].
+pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let mut vectors = Mat::zeros(a.nrows(), a.nrows());
+    let values = eigen(a, Some(vectors.as_mut()))?;
+    Ok((values, vectors))
+}
+
+/// Ascending eigenvalues of a symmetric matrix; only the lower triangle is read.
+///
+/// # Errors
+/// [`Error::NoConvergence`].
+pub fn symmetric_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<f64>, Error> {
+    eigen(a, None)
+}
+
+fn eigen(a: MatRef<'_, f64>, vectors: Option<MatMut<'_, f64>>) -> Result<Vec<f64>, Error> {
+    let size = a.nrows();
+    let largest = a.norm_max();
+    let scale = if largest > 0.0 { largest } else { 1.0 };
+    let unit = Mat::from_fn(size, size, |i, j| a[(i, j)] / scale);
+    let mut values = Diag::<f64>::zeros(size);
+    let wanted = if vectors.is_some() {
+        ComputeEigenvectors::Yes
+    } else {
+        ComputeEigenvectors::No
+    };
+    let mut memory = MemBuffer::new(evd::self_adjoint_evd_scratch::<f64>(
+        size,
+        wanted,
+        Par::Seq,
+        Spec::default(),
+    ));
+    let stack = MemStack::new(&mut memory);
+    evd::self_adjoint_evd(
+        unit.as_ref(),
+        values.as_mut(),
+        vectors,
+        Par::Seq,
+        stack,
+        Spec::default(),
+    )
+    .map_err(|_| Error::NoConvergence { size })?;
+    Ok(values.column_vector().iter().map(|v| v * scale).collect())
+}
+
+/// Eigenpairs of `k y = lambda g y` for symmetric `k` and positive definite `g`, ascending, with `y^T g y = 1`.
+///
+/// # Errors
+/// [`Error::NotPositiveDefinite`] for `g`, [`Error::NoConvergence`].
+pub fn symmetric_pair(k: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let size = k.nrows();
+    // Coordinates of very different size would spoil the factor.
+    let scale: Vec<f64> = (0..size).map(|i| g[(i, i)].sqrt().recip()).collect();
+    let scaled = |a: MatRef<'_, f64>| Mat::from_fn(size, size, |i, j| a[(i, j)] * scale[i] * scale[j]);
+    let lower = cholesky(scaled(g).as_ref())?;
+    let (values, mut vectors) = symmetric_eigen(congruent(lower.as_ref(), scaled(k).as_ref()).as_ref())?;
+    solve_lower_transposed(lower.as_ref(), vectors.as_mut());
+    Ok((values, Mat::from_fn(size, size, |i, j| vectors[(i, j)] * scale[i])))
+}

@@ -1,0 +1,107 @@
+//! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use dense_algebra::{
+    Error, cholesky, congruent, product, solve_general, solve_lower, solve_lower_transposed, symmetric_eigen,
+    symmetric_eigenvalues, symmetric_pair,
+};
+use faer::Mat;
+
+/// Orthonormal columns from reflections, so that spectra can be chosen.
+fn orthonormal(n: usize) -> Mat<f64> {
+    let mut q = Mat::<f64>::identity(n, n);
+    for k in 0..4 {
+        let v: Vec<f64> = (0..n).map(|i| ((i * (7 + k) + 3 * k) as f64 * 0.37).sin()).collect();
+        let square: f64 = v.iter().map(|x| x * x).sum();
+        let vq: Vec<f64> = (0..n).map(|j| (0..n).map(|i| v[i] * q[(i, j)]).sum()).collect();
+        for j in 0..n {
+            for i in 0..n {
+                q[(i, j)] -= 2.0 / square * v[i] * vq[j];
+            }
+        }
+    }
+    q
+}
+
+fn with_spectrum(values: &[f64]) -> Mat<f64> {
+    let n = values.len();
+    let q = orthonormal(n);
+    let scaled = Mat::from_fn(n, n, |i, j| q[(i, j)] * values[j]);
+    product(scaled.as_ref(), q.transpose())
+}
+
+#[test]
+fn clustered_graded_spectra_are_found_at_any_scale() {
+    // Repeated zeros, repeated large values and six decades between: what projected operators look like.
+    for n in [20, 176, 300] {
+        for size in [1e-9, 1.0, 1e12] {
+            let values: Vec<f64> = (0..n)
+                .map(|i| {
+                    if i < 6 {
+                        0.0
+                    } else {
+                        size * 1e-6_f64.powf(1.0 - (i / 3 * 3) as f64 / n as f64)
+                    }
+                })
+                .collect();
+            let a = with_spectrum(&values);
+            let (found, vectors) = symmetric_eigen(a.as_ref()).unwrap();
+            for (f, v) in found.iter().zip(&values) {
+                assert!((f - v).abs() < 1e-13 * size, "{n} {size:e}: {f:e} {v:e}");
+            }
+            let image = product(a.as_ref(), vectors.as_ref());
+            let residual = Mat::from_fn(n, n, |i, j| image[(i, j)] - found[j] * vectors[(i, j)]).norm_max();
+            assert!(residual < 1e-13 * size, "{n} {size:e}: residual {residual:e}");
+            let alone = symmetric_eigenvalues(a.as_ref()).unwrap();
+            assert!(alone.iter().zip(&values).all(|(f, v)| (f - v).abs() < 1e-13 * size));
+        }
+    }
+}
+
+#[test]
+fn a_factor_multiplies_back_and_an_indefinite_matrix_is_refused() {
+    let values: Vec<f64> = (1..=150).map(f64::from).collect();
+    let a = with_spectrum(&values);
+    let lower = cholesky(a.as_ref()).unwrap();
+    assert!((product(lower.as_ref(), lower.transpose()) - &a).norm_max() < 1e-10);
+    let mut x = a.clone();
+    solve_lower(lower.as_ref(), x.as_mut());
+    solve_lower_transposed(lower.as_ref(), x.as_mut());
+    assert!((x - Mat::<f64>::identity(150, 150)).norm_max() < 1e-11);
+    assert!((congruent(lower.as_ref(), a.as_ref()) - Mat::<f64>::identity(150, 150)).norm_max() < 1e-11);
+    let mut indefinite = values;
+    indefinite[3] = -1.0;
+    let error = cholesky(with_spectrum(&indefinite).as_ref()).unwrap_err();
+    assert!(matches!(error, Error::NotPositiveDefinite { size: 150, .. }), "{error}");
+}
+
+#[test]
+fn pairs_are_normalised_in_their_metric() {
+    let n = 40;
+    let k = with_spectrum(&(0..n).map(|i| f64::from(i) * 1e9).collect::<Vec<_>>());
+    let base = with_spectrum(&(1..=n).map(|i| 1.0 + 0.1 * f64::from(i)).collect::<Vec<_>>());
+    // Coordinates in very different units.
+    let unit = |i: usize| if i % 2 == 0 { 1e-4 } else { 1e3 };
+    let scaled = |a: &Mat<f64>| Mat::from_fn(n as usize, n as usize, |i, j| a[(i, j)] * unit(i) * unit(j));
+    let (k, g) = (scaled(&k), scaled(&base));
+    let (values, y) = symmetric_pair(k.as_ref(), g.as_ref()).unwrap();
+    let metric = product(y.transpose(), product(g.as_ref(), y.as_ref()).as_ref());
+    assert!((metric - Mat::<f64>::identity(n as usize, n as usize)).norm_max() < 1e-11);
+    let energy = product(y.transpose(), product(k.as_ref(), y.as_ref()).as_ref());
+    for (i, value) in values.iter().enumerate() {
+        assert!((energy[(i, i)] - value).abs() < 1e-11 * values[n as usize - 1]);
+    }
+}
+
+#[test]
+fn general_systems_are_solved_and_singular_ones_noticed() {
+    let n = 90;
+    let a = Mat::from_fn(n, n, |i, j| {
+        ((i * 31 + j * 17 + i * j) % 23) as f64 - 11.0 + if i == j { 40.0 } else { 0.0 }
+    });
+    let expected: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+    let b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| a[(i, j)] * expected[j]).sum()).collect();
+    let x = solve_general(a, &b).unwrap();
+    assert!(x.iter().zip(&expected).all(|(x, e)| (x - e).abs() < 1e-12));
+    assert!(solve_general(Mat::zeros(3, 3), &[1.0, 2.0, 3.0]).is_none());
+}
