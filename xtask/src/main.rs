@@ -1,2 +1,80 @@
-//! Commands.
-fn main() {}
+//! The commands of the workspace: `cargo xtask --help`.
+mod brb;
+mod check;
+mod csv;
+mod fields;
+mod files;
+mod layering;
+mod map;
+mod markup;
+mod plot;
+mod progress;
+mod report;
+mod vtu;
+
+use clap::{Parser, Subcommand};
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const EXIT_CODES: &str = "Exit codes:
+  0  success
+  1  error: bad scene, failed check, unreadable or unwritable file
+  2  wrong arguments
+  3  the run finished and its outputs were written, but some amplitudes did not converge";
+
+/// Runs scenes of the Brake-Reuss beam, draws and reports their results, and checks the workspace.
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask", after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a scene of the Brake-Reuss beam: frequency and damping against amplitude.
+    #[command(after_help = EXIT_CODES)]
+    Brb(brb::Arguments),
+    /// Check that the dependencies between the crates point one way only.
+    CheckLayering,
+    /// Check a finished run against bounds that hold for every sound scene of the beam.
+    CheckResults {
+        /// Folder of the run.
+        directory: PathBuf,
+    },
+}
+
+/// A command that finished.
+enum Outcome {
+    Success,
+    /// Some amplitudes did not converge.
+    Incomplete,
+}
+
+fn main() -> ExitCode {
+    // Amplitudes and elements already run in parallel; threads within matrix kernels would only compete with them.
+    faer::set_global_parallelism(faer::Par::Seq);
+    let result = match Cli::parse().command {
+        Command::Brb(arguments) => brb::run(&arguments),
+        Command::CheckLayering => layering::run().map(|()| Outcome::Success),
+        Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),
+    };
+    match result {
+        Ok(Outcome::Success) => ExitCode::SUCCESS,
+        Ok(Outcome::Incomplete) => ExitCode::from(3),
+        Err(error) => {
+            // `{:#}` prints the chain of causes in one line. A closed standard error leaves nobody to tell.
+            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Prints a finished text; a reader that has gone away (as `head` does) is no error.
+fn print(text: &str) -> anyhow::Result<()> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}

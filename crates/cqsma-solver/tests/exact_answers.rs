@@ -1,4 +1,5 @@
 //! Structures whose loops are known in closed form.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use cqsma_solver::cqsma::{Settings, run};
 use cqsma_solver::newton::NewtonSettings;

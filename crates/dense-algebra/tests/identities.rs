@@ -1,5 +1,4 @@
 //! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use dense_algebra::{
     Error, cholesky, congruent, product, solve_general, solve_lower, solve_lower_transposed, symmetric_eigen,
@@ -81,7 +80,7 @@ fn pairs_are_normalised_in_their_metric() {
     let k = with_spectrum(&(0..n).map(|i| f64::from(i) * 1e9).collect::<Vec<_>>());
     let base = with_spectrum(&(1..=n).map(|i| 1.0 + 0.1 * f64::from(i)).collect::<Vec<_>>());
     // Coordinates in very different units.
-    let unit = |i: usize| if i % 2 == 0 { 1e-4 } else { 1e3 };
+    let unit = |i: usize| if i.is_multiple_of(2) { 1e-4 } else { 1e3 };
     let scaled = |a: &Mat<f64>| Mat::from_fn(n as usize, n as usize, |i, j| a[(i, j)] * unit(i) * unit(j));
     let (k, g) = (scaled(&k), scaled(&base));
     let (values, y) = symmetric_pair(k.as_ref(), g.as_ref()).unwrap();

@@ -167,11 +167,19 @@ impl Asperities {
                     ..Bootstrap::default()
                 };
                 let found = characterise(&top, &bottom, &outlines, &options)?;
+                let smooth = scene.law.kind == LawKind::Tabulated;
                 let populations = found
                     .elements
                     .iter()
-                    .map(|e| e.population.law_population())
-                    .collect::<Result<_, _>>()?;
+                    .map(|element| {
+                        let population = element.population.law_population()?;
+                        if smooth {
+                            interpolated(&population, element.population.heights())
+                        } else {
+                            Ok(population)
+                        }
+                    })
+                    .collect::<Result<_, Error>>()?;
                 let of_element = (0..n_elements as u32).collect();
                 Ok(Self {
                     populations,
@@ -218,10 +226,10 @@ impl Asperities {
             LawKind::AsperitySum => frictional(sums, population_of, mu, law.history)?,
             LawKind::Fitted => frictional(fitted.clone(), population_of, mu, law.history)?,
             LawKind::Tabulated => {
-                // Populations of single samples have a kink at every sample; smooth ones reach the default.
+                // Hundreds of tables: a coarser one each is still far below the scatter of the samples behind it.
                 let options = if self.scan.is_some() {
                     TableOptions {
-                        tolerance_normal: 1e-4,
+                        tolerance_normal: 1e-3,
                         tolerance_tangential: 1e-2,
                         ..TableOptions::default()
                     }
@@ -347,6 +355,24 @@ impl Asperities {
         report.paper_to_mindlin = mean(&|p| tangential(&paper[p])) / mean(&|p| tangential(&mindlin[p]));
         Ok(())
     }
+}
+
+/// The population with its sample of heights (tallest first) interpolated linearly between the order statistics: a
+/// sum over single samples has a kink of square-root type at every one of them, which no table follows.
+fn interpolated(population: &AsperityPopulation, heights: &[f64]) -> Result<AsperityPopulation, Error> {
+    if heights.len() < 2 {
+        return Ok(population.clone());
+    }
+    let last = (heights.len() - 1) as f64;
+    let probabilities: Vec<f64> = (0..heights.len()).map(|i| i as f64 / last).collect();
+    let mut gaps: Vec<f64> = heights.iter().map(|z| heights[0] - z).collect();
+    gaps.sort_by(f64::total_cmp);
+    let distribution = GapDistribution::try_from_quantiles(&probabilities, &gaps)?;
+    Ok(AsperityPopulation::try_new(
+        distribution,
+        population.density(),
+        population.radii(),
+    )?)
 }
 
 struct Fit {

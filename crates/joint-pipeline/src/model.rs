@@ -107,7 +107,7 @@ impl MeshedStructure {
     /// The reduced model, from the cache if it holds one for the same inputs.
     ///
     /// # Errors
-    /// Of assembly and reduction, and of writing the cache.
+    /// Of assembly and reduction. A cache that cannot be written is noted, not fatal.
     pub fn reduce(&self, cache: Option<&Path>, progress: &dyn Progress) -> Result<StructuralModel, Error> {
         let key = self.key();
         if let Some(model) = cache.and_then(|directory| cache::load(directory, &key)) {
@@ -134,8 +134,8 @@ impl MeshedStructure {
         })?;
         let facts = self.facts(&system, &relative, &reduced, progress)?;
         let model = StructuralModel { reduced, facts };
-        if let Some(directory) = cache {
-            cache::store(directory, &key, &model)?;
+        if let Some(Err(error)) = cache.map(|directory| cache::store(directory, &key, &model)) {
+            progress.note(&format!("the reduced model was not cached: {error}"));
         }
         progress.end(Stage::Reduce);
         Ok(model)

@@ -362,7 +362,8 @@ struct Watcher<'a> {
     slip_fraction: f64,
     open_fraction: f64,
     largest_sliding: f64,
-    at_peak: Option<([Vec<f64>; 3], [Vec<f64>; 3], Vec<Regime>)>,
+    /// The workspace at the positive peak, if it is to be stored.
+    at_peak: Option<Workspace>,
 }
 
 impl<'a> Watcher<'a> {
@@ -395,10 +396,10 @@ impl<'a> Watcher<'a> {
             open_fraction: self.open_fraction,
             dissipation,
             largest_sliding: self.largest_sliding,
-            fields: self.at_peak.map(|(jump, traction, regime)| Fields {
-                jump,
-                traction,
-                regime,
+            fields: self.at_peak.map(|peak| Fields {
+                jump: peak.jump,
+                traction: peak.traction,
+                regime: peak.regime,
                 flux,
             }),
         }
@@ -434,12 +435,11 @@ impl LoopObserver<State> for Watcher<'_> {
                     .iter()
                     .zip(&operators.weights)
                     .filter(|(r, _)| **r == regime);
-                found.map(|(_, w)| w).sum::<f64>() / operators.area()
+                found.fold(0.0, |sum, (_, w)| sum + w) / operators.area()
             };
             (self.slip_fraction, self.open_fraction) = (fraction(Regime::Slip), fraction(Regime::Open));
             if self.store {
-                let w = &self.workspace;
-                self.at_peak = Some((w.jump.clone(), w.traction.clone(), w.regime.clone()));
+                self.at_peak = Some(self.workspace.clone());
             }
         }
     }

@@ -258,7 +258,8 @@ impl Default for Law {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawKind {
-    /// Monotone table with a measured error bound.
+    /// Monotone table with a measured error bound. Of scans, the empirical distribution of the heights is interpolated
+    /// linearly between its order statistics.
     Tabulated,
     /// Curves fitted with eqs. (28) and (29).
     Fitted,

@@ -81,8 +81,8 @@ pub(crate) fn assess(
             },
             area,
         ),
-        contact_area_fraction_by_points: closed / area,
-        contact_area_fraction_by_elements: by_elements / area,
+        contact_area_fraction_by_points: (closed / area).min(1.0),
+        contact_area_fraction_by_elements: (by_elements / area).min(1.0),
         yield_onset_interference: asperities
             .populations
             .iter()

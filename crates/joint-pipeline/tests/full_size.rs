@@ -26,10 +26,16 @@ fn stuck_frequencies_and_reduction() {
     scene.cqsma.amplitudes = 1;
     let run = go(&scene);
     for (ours, reference) in run.model.reduced.stuck_frequencies.iter().zip(STUCK_FREQUENCIES) {
-        println!("stuck {ours:10.3} Hz, reference {reference:10.3} Hz, {:+.3} %", 100.0 * (ours / reference - 1.0));
+        println!(
+            "stuck {ours:10.3} Hz, reference {reference:10.3} Hz, {:+.3} %",
+            100.0 * (ours / reference - 1.0)
+        );
         assert!((ours / reference - 1.0).abs() < 0.01);
     }
-    println!("reduced against full with a uniform penalty: {:.2e}", run.model.facts.penalty_error);
+    println!(
+        "reduced against full with a uniform penalty: {:.2e}",
+        run.model.facts.penalty_error
+    );
     println!("asymmetry of the reduced matrices: {:.2e}", run.model.reduced.asymmetry);
     assert!(run.model.facts.penalty_error < 1e-4);
     assert_eq!(run.interface.operators().n_elements(), 588);
@@ -41,14 +47,22 @@ fn low_amplitude_frequencies() {
     for (name, gap, reading, reference) in [
         ("flat", Gap::Flat, TangentialReading::Mindlin, FLAT),
         ("topography", Gap::Measured, TangentialReading::Mindlin, TOPOGRAPHY),
-        ("flat, paper reading", Gap::Flat, TangentialReading::Paper, FLAT_PAPER_READING),
+        (
+            "flat, paper reading",
+            Gap::Flat,
+            TangentialReading::Paper,
+            FLAT_PAPER_READING,
+        ),
     ] {
         let mut scene = Scene::new(name);
         scene.gap = gap;
         scene.law.tangential = reading;
         scene.cqsma.amplitudes = 1;
         let f = go(&scene).frequencies[0];
-        println!("{name}: {f:.3} Hz, reference {reference:.2} Hz, {:+.3} %", 100.0 * (f / reference - 1.0));
+        println!(
+            "{name}: {f:.3} Hz, reference {reference:.2} Hz, {:+.3} %",
+            100.0 * (f / reference - 1.0)
+        );
         assert!((f / reference - 1.0).abs() < 0.01, "{name}: {f}");
     }
 }
@@ -62,10 +76,18 @@ fn backbones_fall_and_damping_rises_over_decades() {
         scene.mu = mu;
         scene.cqsma.amplitudes = 13;
         let run = go(&scene);
-        let points: Vec<_> = run.amplitudes.iter().map(|a| a.point.result.as_ref().unwrap()).collect();
+        let points: Vec<_> = run
+            .amplitudes
+            .iter()
+            .map(|a| a.point.result.as_ref().unwrap())
+            .collect();
         for (a, p) in run.amplitudes.iter().zip(&points) {
             let x = a.response_displacement.unwrap();
-            println!("mu {mu}: {x:.3e} m, {:.3} Hz, zeta {:.3e}", p.omega / std::f64::consts::TAU, p.zeta);
+            println!(
+                "mu {mu}: {x:.3e} m, {:.3} Hz, zeta {:.3e}",
+                p.omega / std::f64::consts::TAU,
+                p.zeta
+            );
         }
         for pair in points.windows(2) {
             assert!(pair[1].omega <= pair[0].omega * (1.0 + 1e-8), "mu {mu}");

@@ -15,7 +15,14 @@ fn cache() -> PathBuf {
             let folder = std::env::temp_dir().join(format!("joint-pipeline-{}", std::process::id()));
             let mut first = quick();
             first.cqsma.amplitudes = 1;
-            run(&first, &Options { cache: Some(folder.clone()) }, &Silent).unwrap();
+            run(
+                &first,
+                &Options {
+                    cache: Some(folder.clone()),
+                },
+                &Silent,
+            )
+            .unwrap();
             folder
         })
         .clone()
@@ -35,7 +42,10 @@ fn go(scene: &Scene) -> Run {
 }
 
 fn damping(run: &Run) -> Vec<f64> {
-    run.amplitudes.iter().map(|a| a.point.result.as_ref().unwrap().zeta).collect()
+    run.amplitudes
+        .iter()
+        .map(|a| a.point.result.as_ref().unwrap().zeta)
+        .collect()
 }
 
 #[test]
@@ -46,7 +56,11 @@ fn the_structure_is_the_benchmark() {
     assert!((run.interface.operators().area() / area - 1.0).abs() < 1e-3);
     assert_eq!((run.model.reduced.zem_stuck, run.model.facts.zem_unstressed), (6, 7));
     // Ten modes of the full model with a uniform linear interface stiffness.
-    assert!(run.model.facts.penalty_error < 1e-4, "{}", run.model.facts.penalty_error);
+    assert!(
+        run.model.facts.penalty_error < 1e-4,
+        "{}",
+        run.model.facts.penalty_error
+    );
     assert!(run.model.reduced.asymmetry < 1e-6);
 }
 
@@ -57,7 +71,12 @@ fn prestress_carries_the_bolt_load() {
         scene.gap = gap;
         let run = go(&scene);
         let p = &run.prestress;
-        assert!(p.equilibrium_error <= 10.0 * p.residual_ratio + 1e-12, "{gap:?}: {} {}", p.equilibrium_error, p.residual_ratio);
+        assert!(
+            p.equilibrium_error <= 10.0 * p.residual_ratio + 1e-12,
+            "{gap:?}: {} {}",
+            p.equilibrium_error,
+            p.residual_ratio
+        );
         assert!(p.residual_ratio < 1e-6, "{gap:?}: {}", p.residual_ratio);
         let area = run.validity.contact_area_fraction_by_points;
         assert!(area > 0.2 && area <= 1.0, "{gap:?}: {area}");
@@ -72,7 +91,12 @@ fn dissipation_from_the_points_equals_that_from_the_mode() {
         let (result, fields) = (a.point.result.as_ref().unwrap(), a.fields.as_ref().unwrap());
         let allowed = 1e-6 * result.loop_area.abs()
             + 10.0 * run.scene.cqsma.tolerance * a.point.modal_force * result.modal_amplitude;
-        assert!((fields.dissipation - result.loop_area).abs() <= allowed, "{} {}", fields.dissipation, result.loop_area);
+        assert!(
+            (fields.dissipation - result.loop_area).abs() <= allowed,
+            "{} {}",
+            fields.dissipation,
+            result.loop_area
+        );
     }
 }
 
@@ -82,9 +106,16 @@ fn friction_lowers_the_frequency_and_raises_the_damping_later_for_larger_mu() {
         let mut scene = quick();
         scene.mu = mu;
         let run = go(&scene);
-        let results: Vec<_> = run.amplitudes.iter().map(|a| a.point.result.as_ref().unwrap()).collect();
+        let results: Vec<_> = run
+            .amplitudes
+            .iter()
+            .map(|a| a.point.result.as_ref().unwrap())
+            .collect();
         for pair in results.windows(2) {
-            assert!(pair[1].omega <= pair[0].omega * (1.0 + 1e-6), "mu {mu}: frequency falls");
+            assert!(
+                pair[1].omega <= pair[0].omega * (1.0 + 1e-6),
+                "mu {mu}: frequency falls"
+            );
         }
         assert!(results[6].zeta > 1e-3, "mu {mu}: {}", results[6].zeta);
         results.iter().position(|r| r.zeta > 5e-4).unwrap()
@@ -153,15 +184,23 @@ fn laws_agree_within_what_they_say_of_themselves() {
     // Eq. (29) does not follow the measured population: the fit says so, and the frequency shows it.
     let (fitted, report) = first(LawKind::Fitted);
     assert!(report.fit_rms_tangential > 0.1, "{}", report.fit_rms_tangential);
-    assert!(fitted != tabulated && (fitted / summed - 1.0).abs() < 0.1, "{fitted} {summed}");
+    assert!(
+        fitted != tabulated && (fitted / summed - 1.0).abs() < 0.1,
+        "{fitted} {summed}"
+    );
 }
 
 #[test]
 fn a_synthetic_scan_is_characterised_element_by_element() {
     let mut scene = quick();
     // A coarser grid than the default keeps this quick; still dozens of peaks per element.
-    scene.surface = Surface::SyntheticScan(SyntheticScan { step: [60e-6, 80e-6], bootstrap: 4, ..SyntheticScan::default() });
+    scene.surface = Surface::SyntheticScan(SyntheticScan {
+        step: [60e-6, 80e-6],
+        bootstrap: 4,
+        ..SyntheticScan::default()
+    });
     scene.gap = Gap::Scan;
+    scene.law.kind = LawKind::Fitted;
     scene.cqsma.amplitudes = 2;
     let run = go(&scene);
     assert_eq!(run.law.n_populations, run.interface.operators().n_elements());
@@ -181,7 +220,9 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
     let mut scene = quick();
     scene.cqsma.amplitudes = 1;
     let folder = std::env::temp_dir().join(format!("joint-pipeline-damaged-{}", std::process::id()));
-    let options = Options { cache: Some(folder.clone()) };
+    let options = Options {
+        cache: Some(folder.clone()),
+    };
     let with = |heard: &Heard| run(&scene, &options, heard).unwrap();
     let fresh = with(&Heard::default());
     let heard = Heard::default();
@@ -195,7 +236,10 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
     std::fs::write(&file, bytes).unwrap();
     let heard = Heard::default();
     let again = with(&heard);
-    assert!(heard.0.lock().unwrap().contains(&Stage::Reduce), "a damaged file must not be used");
+    assert!(
+        heard.0.lock().unwrap().contains(&Stage::Reduce),
+        "a damaged file must not be used"
+    );
     assert_eq!(fresh.amplitudes[0].point.result, again.amplitudes[0].point.result);
     std::fs::remove_dir_all(folder).unwrap();
 }
@@ -214,7 +258,13 @@ fn a_gap_beyond_all_closure_and_bad_scenes_are_refused_by_name() {
     assert!(parse("{\"units\": {\"length\": \"furlong\", \"mass\": \"kg\", \"time\": \"s\"}}").contains("furlong"));
     let mut scene = quick();
     scene.bolts.load = f64::NAN;
-    assert!(matches!(run(&scene, &Options::default(), &Silent), Err(Error::Value { field: "bolts.load", .. })));
+    assert!(matches!(
+        run(&scene, &Options::default(), &Silent),
+        Err(Error::Value {
+            field: "bolts.load",
+            ..
+        })
+    ));
 }
 
 #[test]
@@ -227,7 +277,10 @@ fn quantities_are_converted_where_they_are_given() {
     assert!((scene.model.material.youngs_modulus / 192.85e9 - 1.0).abs() < 1e-15);
     assert!((scene.model.material.density / 7857.8 - 1.0).abs() < 1e-15);
     assert_eq!(scene.model.material.poisson_ratio, si.model.material.poisson_ratio);
-    assert_eq!(scene.model.material.hardness, si.model.material.hardness, "defaults are SI and stay so");
+    assert_eq!(
+        scene.model.material.hardness, si.model.material.hardness,
+        "defaults are SI and stay so"
+    );
     assert_eq!(scene.bolts, si.bolts);
     assert!((scene.cqsma.amplitude_from / 1e-7 - 1.0).abs() < 1e-15);
     assert_eq!(scene.cqsma.amplitude_to, si.cqsma.amplitude_to);

@@ -1,4 +1,5 @@
 //! Reduction of a small lap of two blocks against the full model.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use reduction::{Error, InterfacePairs, RelativeSystem, Settings, checks, reduce};
 use substructure::assemble::System;

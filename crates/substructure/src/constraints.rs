@@ -288,16 +288,13 @@ fn insert_tie(
     let mut largest = 0.0_f64;
     for &slave in &tie.slave_nodes {
         let x = Vector3::from(coordinates[slave as usize]);
-        let mut best: Option<(f64, [f64; 4], [u32; 4], Vector3<f64>)> = None;
-        for &face in &tie.master_faces {
+        let feet = tie.master_faces.iter().map(|&face| {
             let corners = face.map(|node| Vector3::from(coordinates[node as usize]));
             let (weights, foot) = project(x, &corners);
-            let distance = (foot - x).norm();
-            if best.as_ref().is_none_or(|(nearest, ..)| distance < *nearest) {
-                best = Some((distance, weights, face, foot));
-            }
-        }
-        let (distance, weights, face, foot) = best.unwrap_or((f64::INFINITY, [0.0; 4], [0; 4], x));
+            ((foot - x).norm(), weights, face, foot)
+        });
+        let nearest = feet.min_by(|a, b| a.0.total_cmp(&b.0));
+        let (distance, weights, face, foot) = nearest.unwrap_or((f64::INFINITY, [0.0; 4], [0; 4], x));
         if distance > tie.position_tolerance {
             return Err(Error::TieTooFar {
                 tie: tie.name.clone(),

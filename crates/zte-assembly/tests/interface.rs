@@ -1,4 +1,5 @@
 //! Interfaces with known answers: areas, patch tests, tangents, loops.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters, Sticking, TractionLaw};
 use proptest::prelude::*;

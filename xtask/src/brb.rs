@@ -1,0 +1,170 @@
+//! Runs a scene and writes its results.
+
+use crate::files::{self, Output};
+use crate::progress::{Monitor, peak_memory};
+use crate::{Outcome, csv, fields, plot, print, report, vtu};
+use anyhow::{Context, Result, bail};
+use joint_pipeline::summary::Summary;
+use joint_pipeline::{Options, Run, Scene};
+use std::fmt::Write;
+use std::path::{Component, Path, PathBuf};
+
+const FLAT: &str = include_str!("../../fixtures/scenes/brb-flat.json");
+const RESULTS: &str = "results";
+pub(crate) const SUMMARY: &str = "summary.json";
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Scene file; without it the built-in scene brb-flat runs.
+    scene: Option<PathBuf>,
+    /// Folder for the results, made if missing; other files in it are left alone, except that fields of amplitudes
+    /// that this run does not store are removed when the folder holds an earlier run of a scene of the same name
+    /// [default: a folder in results, named like the scene].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of threads [default: one per processor].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Neither read nor store reduced models in results/.cache.
+    #[arg(long)]
+    no_cache: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let scene = match &arguments.scene {
+        Some(path) => Scene::read(path)?,
+        None => Scene::from_json(FLAT, "the built-in scene", "brb-flat")?,
+    };
+    let directory = match &arguments.out {
+        Some(path) => path.clone(),
+        None => default_directory(&scene)?,
+    };
+    // Before the computation: it would be a pity to find out only afterwards.
+    std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    if let Some(threads) = arguments.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global()
+            .with_context(|| format!("starting {threads} threads"))?;
+    }
+
+    let options = Options {
+        cache: (!arguments.no_cache).then(|| Path::new(RESULTS).join(".cache")),
+    };
+    let monitor = Monitor::new()?;
+    let result = joint_pipeline::run(&scene, &options, &monitor);
+    let timings = monitor.finish();
+    let run = result.with_context(|| format!("running the scene {}", scene.name))?;
+    let summary = Summary::new(&run, timings, peak_memory());
+
+    let stale = is_run_of(&directory, &scene.name);
+    let outputs = outputs(&run, &summary)?;
+    files::write_all(&directory, &outputs)?;
+    if stale {
+        files::remove_stale(&directory, &outputs)?;
+    }
+    print(&account(&summary, &scene.name, &directory))?;
+    let complete = summary.backbone.iter().all(|b| b.converged);
+    Ok(if complete {
+        Outcome::Success
+    } else {
+        Outcome::Incomplete
+    })
+}
+
+fn default_directory(scene: &Scene) -> Result<PathBuf> {
+    let mut components = Path::new(&scene.name).components();
+    match (components.next(), components.next()) {
+        (Some(Component::Normal(_)), None) if !scene.name.starts_with('.') => Ok(Path::new(RESULTS).join(&scene.name)),
+        _ => bail!(
+            "the scene's name `{}` cannot name a folder; choose one with --out",
+            scene.name
+        ),
+    }
+}
+
+/// Whether `directory` holds an earlier run of the scene `name`.
+fn is_run_of(directory: &Path, name: &str) -> bool {
+    let text = std::fs::read_to_string(directory.join(SUMMARY)).unwrap_or_default();
+    let earlier: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    earlier.pointer("/scene/name").and_then(serde_json::Value::as_str) == Some(name)
+}
+
+/// All files of a run; the summary comes last, so that a new one never stands beside old files.
+fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>> {
+    let field_file = |name: String, fields| Output::new(name, vtu::document(run, &fields::cell_fields(run, fields)));
+    let picture = plot::backbone(summary, &title(run))?;
+    let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)];
+    for (index, amplitude) in run.amplitudes.iter().enumerate() {
+        if let Some(fields) = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref()) {
+            outputs.push(field_file(files::amplitude_file(index + 1), fields));
+        }
+    }
+    outputs.push(Output::new("backbone.csv", csv::document(summary)));
+    outputs.push(Output::new("report.html", report::document(run, summary, &picture)?));
+    outputs.push(Output::new("backbone.svg", picture));
+    let json = serde_json::to_string_pretty(summary).context("encoding the summary")?;
+    outputs.push(Output::new(SUMMARY, json + "\n"));
+    Ok(outputs)
+}
+
+fn title(run: &Run) -> String {
+    let scene = &run.scene;
+    format!(
+        "{}: mode {}, mu = {}, bolts {:.3} kN each",
+        scene.name,
+        scene.cqsma.mode,
+        scene.mu,
+        scene.bolts.load / 1e3
+    )
+}
+
+/// What is printed at the end.
+fn account(summary: &Summary, name: &str, directory: &Path) -> String {
+    let mut out = String::from("\n");
+    let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "{:>4} {:>14} {:>15} {:>12} {:>14} {:>11}",
+        "no.", "amplitude [m]", "frequency [Hz]", "damping [-]", "slipping area", "iterations"
+    );
+    for (index, b) in summary.backbone.iter().enumerate() {
+        let _ = writeln!(
+            out,
+            "{:>4} {:>14} {:>15} {:>12} {:>14} {:>11}{}",
+            index + 1,
+            cell(b.response_displacement, &|v| format!("{v:.4e}")),
+            cell(b.frequency_hz, &|v| format!("{v:.4}")),
+            cell(b.damping_ratio, &|v| format!("{v:.4e}")),
+            cell(b.slip_fraction, &|v| format!("{:.2} %", 100.0 * v)),
+            b.iterations,
+            b.failure
+                .map_or_else(String::new, |reason| format!("  not converged: {reason}")),
+        );
+    }
+    let _ = writeln!(out, "\namplitude: {}", plot::RESPONSE);
+    if let (Some(first), Some(stuck)) = (summary.modes.first(), summary.model.stuck_frequencies_hz.first()) {
+        let first = first.frequency_hz;
+        let _ = writeln!(
+            out,
+            "first frequency about the prestress: {first:.3} Hz (interface stuck: {stuck:.3} Hz)"
+        );
+    }
+    let failed = summary.backbone.iter().filter(|b| !b.converged).count();
+    if failed > 0 {
+        let all = summary.backbone.len();
+        let _ = writeln!(
+            out,
+            "{failed} of {all} amplitudes DID NOT CONVERGE; their results are missing"
+        );
+    }
+    let total = summary.timings.get("total").copied().unwrap_or_default();
+    let _ = writeln!(
+        out,
+        "{name}: {total:.1} s; results, with report.html to begin with, in {}",
+        directory.display()
+    );
+    out
+}

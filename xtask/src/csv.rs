@@ -1,0 +1,47 @@
+//! The backbone as comma-separated values.
+
+use joint_pipeline::summary::{BackboneSummary, Summary};
+
+/// Name with unit, and value, of every column.
+fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
+    // `{:?}` is the shortest text that reads back as the same number.
+    let optional = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:?}"));
+    vec![
+        ("number", number.to_string()),
+        ("converged", b.converged.to_string()),
+        ("response_displacement [m]", optional(b.response_displacement)),
+        ("response_acceleration [m/s^2]", optional(b.response_acceleration)),
+        ("frequency [Hz]", optional(b.frequency_hz)),
+        ("damping_ratio [-]", optional(b.damping_ratio)),
+        ("friction_damping_ratio [-]", optional(b.friction_damping_ratio)),
+        ("modal_force [sqrt(kg) m/s^2]", format!("{:?}", b.modal_force)),
+        ("modal_amplitude [sqrt(kg) m]", optional(b.modal_amplitude)),
+        ("dissipation [J]", optional(b.dissipation)),
+        ("loop_area [J]", optional(b.loop_area)),
+        ("coarse_loop_area [J]", optional(b.coarse_loop_area)),
+        ("slip_fraction [-]", optional(b.slip_fraction)),
+        ("open_fraction [-]", optional(b.open_fraction)),
+        ("shape_deviation [-]", optional(b.shape_deviation)),
+        ("loop_closure [-]", optional(b.loop_closure)),
+        ("residual [-]", optional(b.residual)),
+        ("iterations", b.iterations.to_string()),
+        (
+            "failure",
+            b.failure
+                .map_or_else(String::new, |text| format!("\"{}\"", text.replace('"', "\"\""))),
+        ),
+    ]
+}
+
+/// One row per amplitude; empty cells where there is no value.
+pub(crate) fn document(summary: &Summary) -> String {
+    let mut out = String::new();
+    for (index, point) in summary.backbone.iter().enumerate() {
+        let (names, cells): (Vec<_>, Vec<_>) = columns(index + 1, point).into_iter().unzip();
+        if index == 0 {
+            out += &(names.join(",") + "\n");
+        }
+        out += &(cells.join(",") + "\n");
+    }
+    out
+}

@@ -1,0 +1,106 @@
+//! Maps of the interface as SVG.
+
+use crate::markup::escape;
+use joint_pipeline::Run;
+use std::fmt::Write;
+
+/// Nine equally spaced colours of the viridis map, dark to light.
+const VIRIDIS: [[f64; 3]; 9] = [
+    [68.0, 1.0, 84.0],
+    [71.0, 45.0, 123.0],
+    [59.0, 82.0, 139.0],
+    [44.0, 114.0, 142.0],
+    [33.0, 145.0, 140.0],
+    [40.0, 174.0, 128.0],
+    [94.0, 201.0, 98.0],
+    [173.0, 220.0, 48.0],
+    [253.0, 231.0, 37.0],
+];
+
+const WIDTH: f64 = 800.0;
+const MARGIN: f64 = 10.0;
+const BAR_HEIGHT: f64 = 14.0;
+
+/// Colour for `t` from 0 to 1.
+fn colour(t: f64) -> String {
+    let position = t.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+    let low = (position as usize).min(VIRIDIS.len() - 2);
+    let part = position - low as f64;
+    let mix = |c: usize| (VIRIDIS[low][c] + part * (VIRIDIS[low + 1][c] - VIRIDIS[low][c])).round() as u8;
+    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+}
+
+/// The interface seen from above, one colour per element, with a colour bar from the smallest to the largest value.
+pub(crate) fn svg(run: &Run, values: &[f64], quantity: &str, unit: &str) -> String {
+    let nodes = &run.mesh.nodes;
+    let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| nodes.iter().map(|x| x[axis]).fold(from, pick);
+    let (left, right) = (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
+    let (bottom, top) = (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
+    let scale = (WIDTH - 2.0 * MARGIN) / (right - left);
+    let bar_top = MARGIN + scale * (top - bottom) + 12.0;
+    let height = bar_top + BAR_HEIGHT + 26.0;
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let range = if high > low { high - low } else { 1.0 };
+
+    let mut out = String::new();
+    let label = escape(&format!("{quantity} [{unit}]"));
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.1}\" role=\"img\" \
+         aria-label=\"{label}\" font-family=\"sans-serif\" font-size=\"14\">"
+    );
+    for (element, &value) in run.mesh.elements.iter().zip(values) {
+        let corners: Vec<String> = element
+            .nodes()
+            .iter()
+            .map(|&n| nodes[n as usize])
+            .map(|[x, y]| format!("{:.2},{:.2}", MARGIN + scale * (x - left), MARGIN + scale * (top - y)))
+            .collect();
+        // The stroke closes the hairline gaps that antialiasing leaves between neighbours.
+        let fill = colour((value - low) / range);
+        let _ = writeln!(
+            out,
+            "<polygon points=\"{}\" fill=\"{fill}\" stroke=\"{fill}\" stroke-width=\"1\"/>",
+            corners.join(" ")
+        );
+    }
+    let (steps, bar_width) = (64, WIDTH - 2.0 * MARGIN);
+    for step in 0..steps {
+        let x = MARGIN + bar_width * f64::from(step) / f64::from(steps);
+        let _ = writeln!(
+            out,
+            "<rect x=\"{x:.2}\" y=\"{bar_top:.1}\" width=\"{:.2}\" height=\"{BAR_HEIGHT}\" fill=\"{}\"/>",
+            bar_width / f64::from(steps) + 0.5,
+            colour((f64::from(step) + 0.5) / f64::from(steps))
+        );
+    }
+    let baseline = bar_top + BAR_HEIGHT + 18.0;
+    for (x, anchor, text) in [
+        (MARGIN, "start", format!("{low:.3e}")),
+        (0.5 * WIDTH, "middle", label),
+        (WIDTH - MARGIN, "end", format!("{high:.3e}")),
+    ] {
+        let _ = writeln!(
+            out,
+            "<text x=\"{x}\" y=\"{baseline:.1}\" text-anchor=\"{anchor}\">{text}</text>"
+        );
+    }
+    out += "</svg>\n";
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::colour;
+
+    #[test]
+    fn colours_run_from_dark_to_light_and_stay_in_range() {
+        assert_eq!(colour(0.0), "#440154");
+        assert_eq!(colour(0.5), "#21918c");
+        assert_eq!(colour(1.0), "#fde725");
+        assert_eq!(colour(-3.0), colour(0.0));
+        assert_eq!(colour(7.0), colour(1.0));
+    }
+}

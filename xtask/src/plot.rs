@@ -1,0 +1,201 @@
+//! The backbone as a picture.
+
+use anyhow::{Context, Result};
+use joint_pipeline::summary::Summary;
+use plotters::coord::combinators::{LogCoord, WithKeyPoints};
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
+use plotters::prelude::*;
+use std::ops::Range;
+
+const SIZE: (u32, u32) = (800, 720);
+const BLUE: RGBColor = RGBColor(31, 93, 153);
+const RED: RGBColor = RGBColor(178, 58, 46);
+const GRID: RGBColor = RGBColor(222, 222, 222);
+
+/// Name of the response point, for axes and tables.
+pub(crate) const RESPONSE: &str = "displacement amplitude at the beam's end, edge middle, in bending direction";
+
+/// Frequency above, damping below, over a shared logarithmic amplitude axis.
+pub(crate) fn backbone(summary: &Summary, title: &str) -> Result<String> {
+    let mut svg = String::new();
+    draw(summary, title, &mut svg).context("drawing the backbone")?;
+    Ok(svg)
+}
+
+/// Points of a curve with their numbers in the backbone, so that lines break where an amplitude is missing.
+type Curve = Vec<(usize, f64, f64)>;
+
+fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
+    let curve = |value: fn(&joint_pipeline::summary::BackboneSummary) -> Option<f64>| -> Curve {
+        let points = summary.backbone.iter().enumerate();
+        points
+            .filter_map(|(i, b)| Some((i, b.response_displacement?, value(b)?)))
+            .collect()
+    };
+    let frequency = curve(|b| b.frequency_hz);
+    let damping_all = curve(|b| b.damping_ratio);
+    let damping: Curve = damping_all.iter().copied().filter(|(_, _, zeta)| *zeta > 0.0).collect();
+
+    let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let root = root.titled(title, ("sans-serif", 20))?;
+    let Some(amplitudes) = bounds(frequency.iter().map(|p| p.1)) else {
+        let (x, y) = (SIZE.0 as i32 / 2 - 130, SIZE.1 as i32 / 2);
+        root.draw(&Text::new("no amplitude converged", (x, y), ("sans-serif", 22)))?;
+        return Ok(root.present()?);
+    };
+    let x = widen(&amplitudes, 1.3);
+    let x_ticks = ticks(&x);
+    let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
+
+    let Range { start, end } = bounds(frequency.iter().map(|p| p.2)).unwrap_or(0.0..1.0);
+    let margin = (0.08 * (end - start)).max(1e-3 * end);
+    let y = start - margin..end + margin;
+    panel(
+        &upper,
+        log(&x, &x_ticks),
+        y,
+        "frequency [Hz]",
+        "",
+        &|f| format!("{f:.2}"),
+        &frequency,
+        BLUE,
+    )?;
+
+    let y = bounds(damping.iter().map(|p| p.2)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
+    let y_ticks = ticks(&y);
+    let label = format!("{RESPONSE} [m]");
+    let chart_y = log(&y, &y_ticks);
+    panel(
+        &lower,
+        log(&x, &x_ticks),
+        chart_y,
+        "damping ratio [-]",
+        &label,
+        &power,
+        &damping,
+        RED,
+    )?;
+    let omitted = damping_all.len() - damping.len();
+    if omitted > 0 {
+        let text = format!(
+            "{omitted} of {} points are not positive and left out",
+            damping_all.len()
+        );
+        lower.draw(&Text::new(text, (110, 12), ("sans-serif", 14)))?;
+    }
+    Ok(root.present()?)
+}
+
+fn panel<X, Y>(
+    area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
+    x: X,
+    y: Y,
+    y_label: &str,
+    x_label: &str,
+    y_text: &dyn Fn(&f64) -> String,
+    curve: &Curve,
+    colour: RGBColor,
+) -> Result<()>
+where
+    X: AsRangedCoord<Value = f64>,
+    Y: AsRangedCoord<Value = f64>,
+    X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    let mut chart = ChartBuilder::on(area)
+        .margin(8)
+        .margin_right(24)
+        .set_label_area_size(LabelAreaPosition::Left, 78)
+        .set_label_area_size(LabelAreaPosition::Bottom, if x_label.is_empty() { 30 } else { 56 })
+        .build_cartesian_2d(x, y)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(GRID)
+        .label_style(("sans-serif", 15))
+        .axis_desc_style(("sans-serif", 16))
+        .x_label_formatter(&power)
+        .y_label_formatter(y_text)
+        .y_labels(7)
+        .x_desc(x_label)
+        .y_desc(y_label)
+        .draw()?;
+    for run in curve.chunk_by(|a, b| a.0 + 1 == b.0) {
+        chart.draw_series(LineSeries::new(run.iter().map(|p| (p.1, p.2)), colour.stroke_width(2)))?;
+    }
+    chart.draw_series(curve.iter().map(|p| Circle::new((p.1, p.2), 3, colour.filled())))?;
+    Ok(())
+}
+
+fn bounds(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
+    let range = values.fold(f64::INFINITY..f64::NEG_INFINITY, |r, v| r.start.min(v)..r.end.max(v));
+    (range.start <= range.end).then_some(range)
+}
+
+fn widen(range: &Range<f64>, factor: f64) -> Range<f64> {
+    range.start / factor..range.end * factor
+}
+
+fn log(range: &Range<f64>, ticks: &[f64]) -> WithKeyPoints<LogCoord<f64>> {
+    range.clone().log_scale().with_key_points(ticks.to_vec())
+}
+
+/// At most about ten ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 times them on short axes.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
+    let (stride, factors): (usize, &[f64]) = match last - first {
+        0..=3 => (1, &[1.0, 2.0, 5.0]),
+        span => ((span as usize).div_ceil(10), &[1.0]),
+    };
+    let decades = (first..=last).step_by(stride);
+    decades
+        .flat_map(|n| factors.iter().map(move |f| f * 10_f64.powi(n)))
+        .filter(|t| range.contains(t))
+        .collect()
+}
+
+/// `m x 10^n`, without `m` where it is one.
+fn power(value: &f64) -> String {
+    let text = format!("{value:e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let mantissa: f64 = mantissa.parse().unwrap_or(f64::NAN);
+    let superscript: String = exponent
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            c => c
+                .to_digit(10)
+                .map_or(c, |d| ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][d as usize]),
+        })
+        .collect();
+    // Powers computed in floating point are off by a unit in the last place.
+    if (mantissa - 1.0).abs() < 1e-9 {
+        format!("10{superscript}")
+    } else {
+        format!("{mantissa:.0}·10{superscript}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_have_a_readable_number_of_ticks() {
+        for (start, end) in [(1e-7, 1e-3), (3e-8, 4e-8), (1e-20, 1.0), (0.9, 1.1), (2e-3, 7e-1)] {
+            let found = ticks(&(start..end));
+            assert!(found.len() <= 12, "{start} to {end}: {found:?}");
+            assert!(found.iter().all(|t| (start..end).contains(t)));
+        }
+        assert_eq!(ticks(&(0.5e-7..2e-3)).len(), 5);
+    }
+
+    #[test]
+    fn powers_of_ten_are_written_as_such() {
+        assert_eq!(power(&1e-6), "10⁻⁶");
+        assert_eq!(power(&10_f64.powi(-11)), "10⁻¹¹");
+        assert_eq!(power(&2e-3), "2·10⁻³");
+        assert_eq!(power(&1.0), "10⁰");
+    }
+}

@@ -1,0 +1,131 @@
+//! Progress and timing of a run.
+
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use joint_pipeline::progress::{Progress, Stage};
+use std::collections::BTreeMap;
+use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+const STAGES: [Stage; 7] = [
+    Stage::Mesh,
+    Stage::Assemble,
+    Stage::Reduce,
+    Stage::Characterise,
+    Stage::Prestress,
+    Stage::Modes,
+    Stage::Backbone,
+];
+
+/// Parts of a bar.
+const STEPS: f64 = 1000.0;
+
+/// Shows progress on standard error: a bar with an estimate on a terminal, plain lines elsewhere.
+pub(crate) struct Monitor {
+    bar: Option<ProgressBar>,
+    began: Instant,
+    stages: Mutex<BTreeMap<Stage, Timing>>,
+}
+
+#[derive(Clone, Copy)]
+struct Timing {
+    began: Instant,
+    seconds: f64,
+}
+
+impl Monitor {
+    pub(crate) fn new() -> anyhow::Result<Self> {
+        let bar = if std::io::stderr().is_terminal() {
+            let bar = ProgressBar::with_draw_target(Some(STEPS as u64), ProgressDrawTarget::stderr());
+            let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} %  {elapsed}{left}")?;
+            // Before the first sign of progress there is nothing to estimate from.
+            let left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+                if state.pos() > 0 {
+                    // Whether there is room to write is the display's affair.
+                    let _ = write!(out, ", about {} left", HumanDuration(state.eta()));
+                }
+            };
+            bar.set_style(style.with_key("left", left).progress_chars("=> "));
+            bar.enable_steady_tick(Duration::from_millis(250));
+            Some(bar)
+        } else {
+            None
+        };
+        Ok(Self {
+            bar,
+            began: Instant::now(),
+            stages: Mutex::new(BTreeMap::new()),
+        })
+    }
+
+    /// Ends the display and gives the seconds per stage, zero for those that the cache made unnecessary.
+    pub(crate) fn finish(&self) -> BTreeMap<String, f64> {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+        let stages = self.stages();
+        let seconds = |stage: Stage| stages.get(&stage).map_or(0.0, |timing| timing.seconds);
+        let mut timings: BTreeMap<String, f64> = STAGES.iter().map(|&s| (s.name().into(), seconds(s))).collect();
+        timings.insert("total".into(), self.began.elapsed().as_secs_f64());
+        timings
+    }
+
+    fn stages(&self) -> MutexGuard<'_, BTreeMap<Stage, Timing>> {
+        self.stages.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn line(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            // Progress that nobody can read must not stop the run.
+            None => drop(writeln!(std::io::stderr(), "{text}")),
+        }
+    }
+}
+
+impl Progress for Monitor {
+    fn begin(&self, stage: Stage) {
+        if let Some(bar) = &self.bar {
+            bar.reset();
+            bar.set_prefix(stage.name());
+        }
+        self.stages().insert(
+            stage,
+            Timing {
+                began: Instant::now(),
+                seconds: 0.0,
+            },
+        );
+    }
+
+    fn fraction(&self, _: Stage, done: f64) {
+        if let Some(bar) = &self.bar {
+            bar.set_position((done.clamp(0.0, 1.0) * STEPS) as u64);
+        }
+    }
+
+    fn end(&self, stage: Stage) {
+        let seconds = self.stages().get_mut(&stage).map_or(0.0, |timing| {
+            timing.seconds = timing.began.elapsed().as_secs_f64();
+            timing.seconds
+        });
+        self.line(&format!("{:>12} ... {seconds:.1} s", stage.name()));
+    }
+
+    fn note(&self, text: &str) {
+        self.line(&format!("{:>12}     {text}", ""));
+    }
+}
+
+/// Largest resident memory of this process so far (bytes), where the system tells.
+pub(crate) fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    kilobytes
+        .trim()
+        .strip_suffix("kB")?
+        .trim()
+        .parse::<u64>()
+        .ok()
+        .map(|kb| 1024 * kb)
+}

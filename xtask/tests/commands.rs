@@ -1,0 +1,485 @@
+//! The commands as a user meets them: the built program, its exit codes, its messages and its files.
+#![allow(clippy::unwrap_used)]
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+const QUICK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/brb-quick.json");
+
+fn xtask(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_xtask"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn exit_code(output: &Output) -> i32 {
+    output.status.code().expect("ended by a signal")
+}
+
+fn messages(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// An empty folder of its own for each test.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn read_json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// The quick scene, run once with two threads and an empty cache; the folder that it ran in.
+fn quick() -> &'static Path {
+    static RUN: OnceLock<PathBuf> = OnceLock::new();
+    RUN.get_or_init(|| {
+        let folder = folder("quick");
+        let output = xtask(&folder, &["brb", QUICK, "--threads", "2"]);
+        assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+        std::fs::write(folder.join("stdout"), &output.stdout).unwrap();
+        std::fs::write(folder.join("stderr"), &output.stderr).unwrap();
+        folder
+    })
+}
+
+fn quick_results() -> PathBuf {
+    quick().join("results/brb-quick")
+}
+
+fn quick_summary() -> Value {
+    read_json(&quick_results().join("summary.json"))
+}
+
+/// Asserts that two summaries agree in every digit, but for what depends on the machine.
+fn assert_same_numbers(a: &Path, b: &Path) {
+    let texts = [a, b].map(|results| std::fs::read_to_string(results.join("summary.json")).unwrap());
+    let [a, b] = texts
+        .each_ref()
+        .map(|text| text.split_once("\"timings\": {").unwrap().0);
+    assert!(a.contains("\"backbone\"") && a.contains("\"validity\""));
+    assert_eq!(a.lines().count(), b.lines().count());
+    for (number, (a, b)) in a.lines().zip(b.lines()).enumerate() {
+        assert_eq!(a, b, "line {}", number + 1);
+    }
+}
+
+fn rejected(name: &str, scene: &str, expected: &[&str]) {
+    let folder = folder(name);
+    std::fs::write(folder.join("scene.json"), scene).unwrap();
+    let output = xtask(&folder, &["brb", "scene.json"]);
+    assert_eq!(exit_code(&output), 1);
+    let text = messages(&output);
+    assert!(text.starts_with("error: "), "{text}");
+    for part in expected {
+        assert!(text.contains(part), "`{part}` is not in: {text}");
+    }
+    assert!(!folder.join("results").exists(), "a rejected scene leaves no folder");
+}
+
+#[test]
+fn the_quick_scene_passes_its_checks() {
+    let output = xtask(quick(), &["check-results", "results/brb-quick"]);
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+}
+
+#[test]
+fn the_summary_keeps_its_contract() {
+    let summary = quick_summary();
+    for (pointer, fields) in [
+        (
+            "",
+            "schema_version scene model law gap prestress modes backbone validity timings peak_memory",
+        ),
+        (
+            "/model",
+            "n_nodes n_elements n_dofs mass interface_area n_interface_elements n_interface_points n_relative_dofs n_modes \
+             zem_unstressed zem_stuck stuck_frequencies_hz unstressed_frequencies_hz penalty_frequencies_hz \
+             penalty_spectrum_error reduction_asymmetry",
+        ),
+        (
+            "/law",
+            "kind tangential history fit_rms_normal fit_rms_tangential table_error_normal table_error_tangential \
+             fitted_to_summed paper_to_mindlin",
+        ),
+        (
+            "/prestress",
+            "bolt_load iterations residual_ratio equilibrium_error contact_area_fraction max_pressure mean_pressure \
+             converged",
+        ),
+        ("/modes/0", "frequency_hz"),
+        (
+            "/backbone/0",
+            "modal_force modal_amplitude frequency_hz damping_ratio friction_damping_ratio dissipation loop_area \
+             response_acceleration response_displacement slip_fraction open_fraction iterations shape_deviation \
+             converged failure",
+        ),
+        (
+            "/timings",
+            "mesh assemble reduce characterise prestress modes backbone total",
+        ),
+    ] {
+        let object = summary.pointer(pointer).and_then(Value::as_object).unwrap();
+        for field in fields.split_whitespace() {
+            assert!(object.contains_key(field), "{pointer}/{field} is missing");
+        }
+    }
+    assert_eq!(summary["scene"]["name"], "brb-quick");
+    assert_eq!(
+        summary["scene"]["units"],
+        json!({ "length": "m", "mass": "kg", "time": "s" })
+    );
+    assert_eq!(summary["backbone"].as_array().unwrap().len(), 8);
+    assert_eq!(summary["model"]["stuck_frequencies_hz"].as_array().unwrap().len(), 10);
+    let seconds = |stage: &str| summary["timings"][stage].as_f64().unwrap();
+    let sum: f64 = summary["timings"]
+        .as_object()
+        .unwrap()
+        .keys()
+        .filter(|k| *k != "total")
+        .map(|k| seconds(k))
+        .sum();
+    assert!(seconds("reduce") > 0.0 && sum <= seconds("total"));
+    if cfg!(target_os = "linux") {
+        assert!(summary["peak_memory"].as_u64().unwrap() > 1_000_000);
+    }
+}
+
+#[test]
+fn the_table_agrees_with_the_summary_and_the_terminal() {
+    let summary = quick_summary();
+    let table = std::fs::read_to_string(quick_results().join("backbone.csv")).unwrap();
+    let mut lines = table.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let printed = std::fs::read_to_string(quick().join("stdout")).unwrap();
+    for (line, point) in lines.zip(summary["backbone"].as_array().unwrap()) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let cell = |name: &str| cells[names.iter().position(|n| n.starts_with(name)).unwrap()];
+        for (column, field) in [
+            ("response_displacement", "response_displacement"),
+            ("frequency", "frequency_hz"),
+            ("damping_ratio", "damping_ratio"),
+            ("dissipation", "dissipation"),
+        ] {
+            assert_eq!(
+                cell(column).parse::<f64>().unwrap(),
+                point[field].as_f64().unwrap(),
+                "{column}"
+            );
+        }
+        assert_eq!(cell("converged"), "true");
+        let frequency = format!("{:.4}", point["frequency_hz"].as_f64().unwrap());
+        assert!(printed.contains(&frequency), "{frequency} is not printed");
+    }
+    assert_eq!(table.lines().count(), 9);
+    assert!(printed.contains("first frequency about the prestress") && printed.contains("report.html"));
+    // Standard error is no terminal here: plain lines, one per stage.
+    let progress = std::fs::read_to_string(quick().join("stderr")).unwrap();
+    for stage in [
+        "mesh",
+        "assemble",
+        "reduce",
+        "characterise",
+        "prestress",
+        "modes",
+        "backbone",
+    ] {
+        assert!(progress.contains(&format!("{stage} ... ")), "{progress}");
+    }
+}
+
+#[test]
+fn the_interface_files_conserve_force_and_energy() {
+    let summary = quick_summary();
+    let last = &summary["backbone"][7];
+    for (name, field, expected) in [
+        (
+            "interface-prestress.vtu",
+            "pressure [Pa]",
+            3.0 * summary["prestress"]["bolt_load"].as_f64().unwrap(),
+        ),
+        (
+            "interface-amplitude-08.vtu",
+            "flux_total [J/m^2]",
+            last["dissipation"].as_f64().unwrap(),
+        ),
+        (
+            "interface-amplitude-08.vtu",
+            "slip_area_fraction [-]",
+            last["slip_fraction"].as_f64().unwrap() * summary["model"]["interface_area"].as_f64().unwrap(),
+        ),
+    ] {
+        let text = std::fs::read_to_string(quick_results().join(name)).unwrap();
+        let values = |name: &str| -> Vec<f64> {
+            let from = text.split(&format!("Name=\"{name}\"")).nth(1).unwrap();
+            let body = from.split_once('>').unwrap().1.split_once('<').unwrap().0;
+            body.split_whitespace().map(|v| v.parse().unwrap()).collect()
+        };
+        let (points, connectivity, offsets) = (values("Points"), values("connectivity"), values("offsets"));
+        assert_eq!(values("types").len(), 148);
+        let mut begin = 0;
+        let mut integral = 0.0;
+        for (end, value) in offsets.iter().map(|o| *o as usize).zip(values(field)) {
+            let corner = |i: usize| {
+                let node = connectivity[begin + i % (end - begin)] as usize;
+                (points[3 * node], points[3 * node + 1])
+            };
+            let shoelace = (0..end - begin).map(|i| corner(i).0 * corner(i + 1).1 - corner(i + 1).0 * corner(i).1);
+            integral += 0.5 * shoelace.sum::<f64>() * value;
+            begin = end;
+        }
+        assert!(
+            (integral / expected - 1.0).abs() < 1e-9,
+            "{field}: {integral} instead of {expected}"
+        );
+    }
+}
+
+#[test]
+fn the_report_is_one_page_without_outside_help() {
+    let report = std::fs::read_to_string(quick_results().join("report.html")).unwrap();
+    assert_eq!(
+        report.matches("<svg").count(),
+        6,
+        "backbone, pressure and four amplitudes"
+    );
+    for outside in ["<script", "<link", "src=", "href=", "@import", "url("] {
+        assert!(!report.contains(outside), "{outside}");
+    }
+    let frequency = format!(
+        "{:.4}",
+        quick_summary()["backbone"][7]["frequency_hz"].as_f64().unwrap()
+    );
+    assert!(report.contains(&frequency) && report.contains("All amplitudes converged."));
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_bit() {
+    let folder = folder("one-thread");
+    let output = xtask(&folder, &["brb", QUICK, "--threads", "1", "--no-cache"]);
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+    assert!(!folder.join("results/.cache").exists());
+    assert_same_numbers(&folder.join("results/brb-quick"), &quick_results());
+}
+
+#[test]
+fn a_cached_model_gives_the_same_results_and_old_fields_are_removed() {
+    let folder = folder("cached");
+    let cache = quick().join("results/.cache");
+    std::fs::create_dir_all(folder.join("results/.cache")).unwrap();
+    for entry in std::fs::read_dir(cache).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.join("results/.cache").join(path.file_name().unwrap())).unwrap();
+    }
+    let mut scene = read_json(Path::new(QUICK));
+    let run = |scene: &Value| {
+        std::fs::write(folder.join("brb-quick.json"), scene.to_string()).unwrap();
+        let output = xtask(&folder, &["brb", "brb-quick.json", "--out", "here"]);
+        assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+        read_json(&folder.join("here/summary.json"))
+    };
+    let first = run(&scene);
+    assert_eq!(first["timings"]["reduce"], 0.0);
+    assert_same_numbers(&folder.join("here"), &quick_results());
+
+    let fields = |folder: &Path| {
+        let names = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.filter(|n| n.starts_with("interface-amplitude-")).collect();
+        names.sort();
+        names
+    };
+    let here = folder.join("here");
+    let foreign = "interface-amplitude-of-mine.vtu";
+    std::fs::write(here.join(foreign), "mine").unwrap();
+    assert_eq!(fields(&here).len(), 5);
+    scene["output"] = json!({ "fields_at": [2] });
+    run(&scene);
+    assert_eq!(fields(&here), ["interface-amplitude-02.vtu", foreign]);
+    // Of a scene of another name, nothing is removed.
+    scene["name"] = json!("another");
+    scene["output"] = json!({ "fields_at": [3] });
+    run(&scene);
+    assert_eq!(
+        fields(&here),
+        ["interface-amplitude-02.vtu", "interface-amplitude-03.vtu", foreign]
+    );
+    let left: Vec<_> = std::fs::read_dir(&here)
+        .unwrap()
+        .map(|e| e.unwrap().file_name())
+        .collect();
+    assert!(left.iter().all(|n| !n.to_string_lossy().contains(".part")), "{left:?}");
+}
+
+#[test]
+fn units_do_not_change_the_results() {
+    let folder = folder("units");
+    let mut scene = read_json(Path::new(QUICK));
+    scene["units"] = json!({ "length": "mm", "mass": "t", "time": "s" });
+    let si = &quick_summary()["scene"];
+    let at = |pointer: &str| si.pointer(pointer).unwrap().as_f64().unwrap();
+    scene["model"]["material"] = json!({
+        "youngs_modulus": at("/model/material/youngs_modulus") * 1e-6,
+        "poisson_ratio": at("/model/material/poisson_ratio"),
+        "density": at("/model/material/density") * 1e-12,
+        "hardness": at("/model/material/hardness") * 1e-6,
+    });
+    scene["bolts"] = json!({ "load": at("/bolts/load") });
+    scene["cqsma"]["amplitude_from"] = json!(at("/cqsma/amplitude_from") * 1e3);
+    scene["cqsma"]["amplitude_to"] = json!(at("/cqsma/amplitude_to") * 1e3);
+    std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
+    let output = xtask(&folder, &["brb", "scene.json", "--out", "out", "--no-cache"]);
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+
+    let (a, b) = (quick_summary(), read_json(&folder.join("out/summary.json")));
+    let near = |a: &Value, b: &Value, tolerance: f64| {
+        let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
+        (a - b).abs() <= tolerance * a.abs().max(b.abs())
+    };
+    for pointer in ["/model/mass", "/modes/0/frequency_hz", "/prestress/max_pressure"] {
+        assert!(
+            near(a.pointer(pointer).unwrap(), b.pointer(pointer).unwrap(), 1e-9),
+            "{pointer}"
+        );
+    }
+    let tolerance = at("/cqsma/tolerance");
+    for (a, b) in a["backbone"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(b["backbone"].as_array().unwrap())
+    {
+        for field in ["frequency_hz", "response_displacement", "modal_force"] {
+            assert!(near(&a[field], &b[field], 1e-9), "{field}: {} {}", a[field], b[field]);
+        }
+        // Dissipation is a difference of large numbers: what the tolerance of the solver leaves of it.
+        let number = |v: &Value, field: &str| v[field].as_f64().unwrap();
+        let floor = 10.0 * tolerance * number(a, "modal_force") * number(a, "modal_amplitude");
+        let (da, db) = (number(a, "dissipation"), number(b, "dissipation"));
+        assert!((da - db).abs() <= 1e-9 * da.abs() + floor, "dissipation: {da} {db}");
+        let count = |v: &Value| v["iterations"].as_i64().unwrap();
+        assert!(
+            (count(a) - count(b)).abs() <= 1,
+            "iterations: {} {}",
+            count(a),
+            count(b)
+        );
+    }
+}
+
+#[test]
+fn a_check_names_what_is_wrong() {
+    let folder = folder("damaged");
+    for entry in std::fs::read_dir(quick_results()).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();
+    }
+    let mut summary = quick_summary();
+    summary["model"]["mass"] = json!(3.6);
+    summary["backbone"][6]["friction_damping_ratio"] = json!(0.9);
+    std::fs::write(folder.join("summary.json"), summary.to_string()).unwrap();
+    std::fs::write(
+        folder.join("interface-prestress.vtu"),
+        "<VTKFile>\n<Points>\n</VTKFile>",
+    )
+    .unwrap();
+    std::fs::remove_file(folder.join("backbone.svg")).unwrap();
+    let output = xtask(&folder, &["check-results", "."]);
+    assert_eq!(exit_code(&output), 1);
+    let text = messages(&output);
+    for part in [
+        "model.mass = 3.6",
+        "damping does not rise from amplitude 7",
+        "interface-prestress.vtu: line 3",
+        "backbone.svg",
+    ] {
+        assert!(text.contains(part), "`{part}` is not in: {text}");
+    }
+    assert!(text.contains("4 of "), "{text}");
+}
+
+#[test]
+fn amplitudes_that_do_not_converge_are_results() {
+    let folder = folder("too-far");
+    let mut scene = read_json(Path::new(QUICK));
+    scene["cqsma"] = json!({ "amplitudes": 2, "vertices_per_quarter": 1, "amplitude_to": 1e6 });
+    std::fs::write(folder.join("too-far.json"), scene.to_string()).unwrap();
+    let output = xtask(&folder, &["brb", "too-far.json"]);
+    assert_eq!(exit_code(&output), 3, "{}", messages(&output));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.contains("1 of 2 amplitudes DID NOT CONVERGE"), "{printed}");
+    let results = folder.join("results/too-far");
+    let summary = read_json(&results.join("summary.json"));
+    let point = &summary["backbone"][1];
+    assert_eq!(
+        (&point["converged"], &point["frequency_hz"]),
+        (&json!(false), &Value::Null)
+    );
+    let table = std::fs::read_to_string(results.join("backbone.csv")).unwrap();
+    assert!(table.lines().nth(2).unwrap().starts_with("2,false,,,,"), "{table}");
+    let output = xtask(&folder, &["check-results", "results/too-far"]);
+    assert!(
+        messages(&output).contains("amplitude 2 did not converge"),
+        "{}",
+        messages(&output)
+    );
+}
+
+#[test]
+fn bad_scenes_are_refused_with_the_field_named() {
+    let units = r#""units": { "length": "m", "mass": "kg", "time": "s" }"#;
+    rejected(
+        "unknown-field",
+        &format!("{{ {units}, \"frction\": 0.2 }}"),
+        &["scene.json", "frction"],
+    );
+    let nested = format!("{{ {units}, \"cqsma\": {{ \"amplitude\": 3 }} }}");
+    rejected("unknown-nested-field", &nested, &["scene.json", "amplitude"]);
+    rejected("no-units", "{ \"mu\": 0.2 }", &["scene.json", "units"]);
+    rejected(
+        "bad-value",
+        &format!("{{ {units}, \"mu\": -0.2 }}"),
+        &["scene.json", "mu = -0.2"],
+    );
+    rejected(
+        "no-folder-name",
+        &format!("{{ {units}, \"name\": \"../up\" }}"),
+        &["../up", "--out"],
+    );
+}
+
+#[test]
+fn missing_files_and_bad_arguments_are_errors() {
+    let folder = folder("arguments");
+    let output = xtask(&folder, &["brb", "nowhere.json"]);
+    assert_eq!(exit_code(&output), 1);
+    assert!(
+        messages(&output).starts_with("error: nowhere.json: reading the scene failed"),
+        "{}",
+        messages(&output)
+    );
+    for threads in ["0", "1000000", "-1", "many"] {
+        let output = xtask(&folder, &["brb", QUICK, &format!("--threads={threads}")]);
+        assert_eq!(exit_code(&output), 2);
+        assert!(messages(&output).contains("--threads"), "{}", messages(&output));
+    }
+    std::fs::write(folder.join("occupied"), "a file").unwrap();
+    let output = xtask(&folder, &["brb", QUICK, "--out", "occupied"]);
+    assert_eq!(exit_code(&output), 1);
+    assert!(messages(&output).contains("occupied"), "{}", messages(&output));
+    let output = xtask(&folder, &["check-results", "nothing-here"]);
+    assert_eq!(exit_code(&output), 1);
+    assert!(messages(&output).contains("nothing-here"), "{}", messages(&output));
+}
+
+#[test]
+fn the_layering_holds() {
+    let output = xtask(&folder("layering"), &["check-layering"]);
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+}
