@@ -1,6 +1,6 @@
 //! The benchmark at full size against independent figures. A few minutes, therefore on request:
 //! `cargo test --release -p joint-pipeline --test full_size -- --ignored --nocapture`.
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use brake_reuss_beam::published::STUCK_FREQUENCIES;
 use contact_laws::TangentialReading;
