@@ -1,7 +1,7 @@
 //! Frequencies of the mesh against an independent code on another mesh of the same beam.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 use brake_reuss_beam::geometry::Geometry;
-use brake_reuss_beam::mesh::{Refinement, build, half_beam};
+use brake_reuss_beam::mesh::{Refinement, build, half_beam, uniform_bar};
 use brake_reuss_beam::published;
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
@@ -72,4 +72,21 @@ fn unstressed_assembly_has_seven_zero_energy_modes() {
         .unwrap();
         assert_eq!(modes(&beam.assembly, 3).0, 7);
     }
+}
+
+#[test]
+fn uniform_bar_bends_like_a_timoshenko_beam() {
+    // First free-free bending frequencies (Hz) of a 720 x 25.4 x 25.4 mm steel bar: roots of Huang's frequency equation
+    // (1961, DOI 10.1115/1.3641787) with Cowper's shear coefficient 10 (1 + nu) / (12 + 11 nu).
+    const TIMOSHENKO: [f64; 3] = [248.395_729, 679.116_161, 1_315.779_694];
+    let mesh = uniform_bar(0.72, 0.0254, 0.0254, 120, 8, 8, &published::steel()).unwrap();
+    let assembly = Assembly {
+        mesh,
+        ..Assembly::default()
+    };
+    let (n_zero, frequencies) = modes(&assembly, 6);
+    assert_eq!(n_zero, 6);
+    // A square section bends alike in both directions.
+    let pairs: Vec<f64> = TIMOSHENKO.iter().flat_map(|&f| [f, f]).collect();
+    compare(&frequencies, &pairs, 3e-3);
 }
