@@ -1,17 +1,6 @@
 //! Measures of solid meshes: volume, mass, Jacobian determinants, connected components.
+use substructure::hex8::CORNERS;
 use substructure::mesh::{Hex8, Mesh};
-
-/// Corners of the reference cube in the order of [`Hex8::nodes`].
-const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
 
 /// Determinant of the map from the reference cube (edge 2) at the local coordinates `xi`.
 fn jacobian_determinant(mesh: &Mesh, element: &Hex8, xi: [f64; 3]) -> f64 {

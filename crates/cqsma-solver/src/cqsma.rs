@@ -1,7 +1,6 @@
 //! Coupled quasi-static modal analysis (eqs. 40-42): the hysteresis loops of one mode against its inertial load.
 
 use crate::Error;
-use crate::error::check_size;
 use crate::force::{HystereticForce, PointCounts, Sliding};
 use crate::hysteresis::Loop;
 use crate::linear::{dot, multiply};
@@ -96,11 +95,13 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
     observer: impl Fn(usize) -> O + Sync,
     done: impl Fn() + Sync,
 ) -> Result<Vec<(BackbonePoint, O)>, Error> {
-    check_size(
-        "the requested mode",
-        settings.mode.min(structure.shapes.ncols()) + 1,
-        settings.mode + 1,
-    )?;
+    if settings.mode >= structure.shapes.ncols() {
+        return Err(Error::Setting {
+            field: "mode",
+            value: settings.mode as f64,
+            requirement: "less than the number of linearised modes (counted from 0)",
+        });
+    }
     let positive = |field, value: usize| {
         let requirement = "at least 1";
         if value == 0 {

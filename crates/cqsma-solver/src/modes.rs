@@ -110,14 +110,7 @@ fn lowest_modes(factor: &StuckFactor, mass: MatRef<'_, f64>, n_modes: usize) -> 
     let n = mass.nrows();
     let c = dense_algebra::congruent(factor.lower(), mass);
     let width = (2 * n_modes + 10).min(n);
-    // Reproducible start: a 64-bit linear congruential generator.
-    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut image = Mat::from_fn(n, width, |_, _| {
-        seed = seed
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    });
+    let mut image = dense_algebra::scattered(n, width);
     let mut previous = vec![0.0; n_modes];
     for _ in 0..MAX_ITERATIONS {
         let basis = orthonormal(image)?;

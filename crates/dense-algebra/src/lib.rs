@@ -204,3 +204,15 @@ pub fn symmetric_pair(k: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<(Vec<f64
     solve_lower_transposed(lower.as_ref(), vectors.as_mut());
     Ok((values, Mat::from_fn(size, size, |i, j| vectors[(i, j)] * scale[i])))
 }
+
+/// A reproducible matrix of scattered numbers in [-1/2, 1/2): a start for iterations that must not be orthogonal to
+/// anything (64-bit linear congruential generator).
+pub fn scattered(rows: usize, columns: usize) -> Mat<f64> {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    Mat::from_fn(rows, columns, |_, _| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    })
+}

@@ -129,7 +129,7 @@ fn krylov_basis(
     let n = mass.rows();
     let limit = (6 * wanted + 60).min(n);
     let mut krylov = Krylov::new(n, limit);
-    let mut block = start_block(n);
+    let mut block = dense_algebra::scattered(n, BLOCK.min(n));
     loop {
         krylov.append(mass, &mut block);
         // The true residual weighs the stiffest components most, the Ritz residual the softest: demand more of it.
@@ -152,17 +152,6 @@ fn krylov_basis(
     let mut polished = Krylov::new(n, image.ncols());
     polished.append(mass, &mut image);
     Ok((krylov.size, polished.basis.subcols(0, polished.size).to_owned()))
-}
-
-/// A reproducible block of pseudo-random vectors (64-bit linear congruential generator).
-fn start_block(n: usize) -> Mat<f64> {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    Mat::from_fn(n, BLOCK.min(n), |_, _| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    })
 }
 
 /// Eigenpairs of the pair projected on the columns of `basis`, with mass-normalised vectors.

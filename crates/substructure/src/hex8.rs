@@ -23,8 +23,8 @@ pub enum Formulation {
     Full,
 }
 
-/// Signs of the natural coordinates of the eight nodes.
-const CORNERS: [[f64; 3]; 8] = [
+/// Natural coordinates of the eight nodes.
+pub const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
     [1.0, 1.0, -1.0],
