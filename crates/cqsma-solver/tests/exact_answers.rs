@@ -234,3 +234,33 @@ fn bad_settings_and_loose_structures_are_refused() {
         assert!(run(&line, &force, &forces, &settings, |_| NoObserver, || {}).is_err());
     }
 }
+
+#[test]
+fn linearised_modes_of_the_stuck_chain_are_the_closed_form() {
+    // Fixed-free chain with equal springs c and a stuck slider k on every mass: omega_j^2 = k + 2 c (1 - cos theta_j),
+    // theta_j = (2 j - 1) pi / (2 n + 1).
+    let (n, c, k) = (40, 2000.0, 400.0);
+    let chain = JenkinsChain::new(n, c, (k, 1.0));
+    let state = chain.force.initial_state();
+    let line = modes::linearise(
+        chain.stiffness.as_ref(),
+        chain.mass.as_ref(),
+        &chain.force,
+        vec![0.0; n],
+        state,
+        6,
+    )
+    .unwrap();
+    for (j, value) in line.eigenvalues.iter().enumerate() {
+        let theta = (2 * j + 1) as f64 * std::f64::consts::PI / (2 * n + 1) as f64;
+        let exact = k + 2.0 * c * (1.0 - theta.cos());
+        assert!((value / exact - 1.0).abs() < 1e-11, "{j}: {value} {exact}");
+        // The shapes are sines with unit modal mass.
+        let norm: f64 = (1..=n).map(|i| (theta * i as f64).sin().powi(2)).sum::<f64>().sqrt();
+        let overlap: f64 = (1..=n)
+            .map(|i| (theta * i as f64).sin() / norm * line.shapes[(i - 1, j)])
+            .sum::<f64>()
+            .abs();
+        assert!((overlap - 1.0).abs() < 1e-10, "{j}: {overlap}");
+    }
+}

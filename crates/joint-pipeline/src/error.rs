@@ -59,6 +59,19 @@ pub enum Error {
         /// Residuals per iteration.
         history: Vec<f64>,
     },
+    /// The mode does not move the response point, so amplitudes there say nothing about it.
+    #[error(
+        "mode {mode} ({frequency:.2} Hz) hardly moves the response point in its direction ({participation:.1e} of a rigid \
+         motion's share); follow another mode"
+    )]
+    NoResponse {
+        /// Mode, counted from 1.
+        mode: usize,
+        /// Its frequency (Hz).
+        frequency: f64,
+        /// Response of the mass-normalised mode times the root of the total mass.
+        participation: f64,
+    },
     /// Benchmark geometry or mesh.
     #[error(transparent)]
     Beam(#[from] brake_reuss_beam::Error),

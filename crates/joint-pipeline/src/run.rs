@@ -15,6 +15,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use zte_assembly::flux::LoopArea;
 use zte_assembly::{Interface, InterfaceMesh, State, Workspace};
 
+/// Modes that move the response point less than this share of a rigid motion cannot be scaled by its amplitude.
+const LEAST_PARTICIPATION: f64 = 1e-2;
+
 /// What is not part of the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
@@ -222,6 +225,15 @@ impl Prepared {
         let mode = scene.cqsma.mode - 1;
         let phi: f64 = line.shapes.col(mode).iter().zip(&response).map(|(a, b)| a * b).sum();
         let omega2 = line.eigenvalues[mode];
+        let participation = phi.abs() * self.model.facts.mass.sqrt();
+        if participation < LEAST_PARTICIPATION {
+            let frequency = line.frequencies()[mode];
+            return Err(Error::NoResponse {
+                mode: mode + 1,
+                frequency,
+                participation,
+            });
+        }
         let forces: Vec<f64> = displacements(scene).into_iter().map(|x| omega2 * x / phi).collect();
         let settings = Settings {
             mode,

@@ -285,3 +285,12 @@ fn quantities_are_converted_where_they_are_given() {
     assert!((scene.cqsma.amplitude_from / 1e-7 - 1.0).abs() < 1e-15);
     assert_eq!(scene.cqsma.amplitude_to, si.cqsma.amplitude_to);
 }
+
+#[test]
+fn a_mode_that_does_not_move_the_response_point_is_refused() {
+    // The second mode bends across the beam, the response is normal to the interface.
+    let mut scene = quick();
+    scene.cqsma.mode = 2;
+    let error = run(&scene, &Options { cache: Some(cache()) }, &Silent).unwrap_err();
+    assert!(matches!(error, Error::NoResponse { mode: 2, .. }), "{error}");
+}
