@@ -51,7 +51,7 @@ impl<S> Linearisation<'_, S> {
 /// The stuck tangent is symmetrised: laws whose history rule makes it unsymmetric lose that part here, and only here.
 ///
 /// # Errors
-/// Sizes that do not match; [`Error::NotPositiveDefinite`] if the stuck structure can still move freely.
+/// Sizes that do not match; [`Error::Dense`] if the stuck structure can still move freely.
 pub fn linearise<'a, F: HystereticForce>(
     stiffness: MatRef<'a, f64>,
     mass: MatRef<'a, f64>,

@@ -32,7 +32,7 @@ pub struct Prestress<S> {
 /// tells of input that cannot be used, the inner one of a solve that did not converge.
 ///
 /// # Errors
-/// Sizes that do not match, and [`Error::NotPositiveDefinite`] if `start` leaves the structure loose.
+/// Sizes that do not match, and [`Error::Dense`] if `start` leaves the structure loose.
 pub fn solve<F: HystereticForce>(
     stiffness: MatRef<'_, f64>,
     force: &F,
