@@ -43,9 +43,13 @@ impl Quadrature {
         let mut triangle = Vec::new();
         for &(weight, a, b) in orbits {
             let c = 1.0 - a - b;
-            let mut points = vec![[a, b], [b, c], [c, a], [b, a], [c, b], [a, c]];
-            points.sort_by(|p, q| p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])));
-            points.dedup_by(|p, q| (p[0] - q[0]).abs() + (p[1] - q[1]).abs() < 1e-9);
+            let same = |p: f64, q: f64| (p - q).abs() < 1e-9;
+            // Area coordinates (a, b, c) and all their permutations that differ.
+            let points = match (same(a, b), same(b, c)) {
+                (true, true) => vec![[a, a]],
+                (_, true) => vec![[a, b], [b, a], [b, b]],
+                _ => vec![[a, b], [b, c], [c, a], [b, a], [c, b], [a, c]],
+            };
             triangle.extend(points.into_iter().map(|xi| Point {
                 xi,
                 weight: 0.5 * weight,

@@ -161,7 +161,10 @@ fn patch_test_a_uniform_jump_gives_a_uniform_traction_and_the_exact_resultant() 
             let resultant: f64 = force.iter().skip(c).step_by(3).sum();
             assert!((resultant / (expected[c] * 12e-4) - 1.0).abs() < 1e-12);
         }
-        // No moment about the centroid of the rectangle.
+        // No moment about the centroid of the rectangle; one point does not see the first moment of a distorted quad.
+        if points == 1 {
+            continue;
+        }
         let nodes = patch().nodes;
         let moment: f64 = nodes
             .iter()
