@@ -8,6 +8,17 @@ use crate::modes::Linearisation;
 use crate::newton::{Effort, Equilibrium, Failure, NewtonSettings, Strategy, Walk};
 use rayon::prelude::*;
 
+/// When the history reached becomes the one that later solves start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Commit {
+    /// At load reversals, as published: the path of a point between two reversals counts as straight.
+    #[default]
+    AtReversals,
+    /// At every converged vertex: curved paths and local reversals are followed, at the cost of walking every cycle in
+    /// full.
+    AtEveryVertex,
+}
+
 /// How the loops are walked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -17,6 +28,8 @@ pub struct Settings {
     pub vertices_per_quarter: usize,
     /// Cycles walked; the last one is measured. The first carries slip left over from the prestress.
     pub cycles: usize,
+    /// When the history is committed.
+    pub commit: Commit,
     /// Newton's method; the tolerance refers to the peak load of the loop.
     pub newton: NewtonSettings,
 }
@@ -27,6 +40,7 @@ impl Default for Settings {
             mode: 0,
             vertices_per_quarter: 8,
             cycles: 2,
+            commit: Commit::default(),
             newton: NewtonSettings::default(),
         }
     }
@@ -211,12 +225,17 @@ impl<F: HystereticForce> Tour<'_, F> {
         structure: &Linearisation<'_, F::State>,
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
-        // History is committed at reversals only, so the vertices between them do not influence what follows: the
-        // cycles before the measured one need no more than their reversals.
-        self.branch(self.peak, 1, &mut |_| {})?;
+        // With commits at reversals only, the vertices between them do not influence what follows: the cycles before
+        // the measured one need no more than their reversals.
+        let quarter = self.settings.vertices_per_quarter;
+        let (loading, half) = match self.settings.commit {
+            Commit::AtReversals => (1, 1),
+            Commit::AtEveryVertex => (quarter, 2 * quarter),
+        };
+        self.branch(self.peak, loading, &mut |_| {})?;
         for _ in 1..self.settings.cycles {
-            self.branch(-self.peak, 1, &mut |_| {})?;
-            self.branch(self.peak, 1, &mut |_| {})?;
+            self.branch(-self.peak, half, &mut |_| {})?;
+            self.branch(self.peak, half, &mut |_| {})?;
         }
         let mut hysteresis = Loop::default();
         let mut total = vec![0.0; self.mode.shape.len()];
@@ -240,8 +259,8 @@ impl<F: HystereticForce> Tour<'_, F> {
             }
         };
         record(self);
-        self.branch(-self.peak, 2 * self.settings.vertices_per_quarter, &mut record)?;
-        let counts = self.branch(self.peak, 2 * self.settings.vertices_per_quarter, &mut record)?;
+        self.branch(-self.peak, 2 * quarter, &mut record)?;
+        let counts = self.branch(self.peak, 2 * quarter, &mut record)?;
         let (low, high) = hysteresis.extremes();
         let modal_amplitude = 0.5 * (high - low);
         let omega = (self.peak / modal_amplitude).sqrt();
@@ -274,6 +293,9 @@ impl<F: HystereticForce> Tour<'_, F> {
             counts = self.advance(goal)?;
             if step < steps {
                 record(self);
+                if self.settings.commit == Commit::AtEveryVertex {
+                    self.walk.commit();
+                }
             }
         }
         // The end of the branch is recorded with the history that led to it.

@@ -4,10 +4,10 @@ use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::model::{MeshedStructure, StructuralModel};
 use crate::progress::{Progress, Stage};
-use crate::scene::Scene;
+use crate::scene::{CommitName, Scene};
 use crate::validity::{Validity, assess};
 use contact_laws::{Regime, Sticking};
-use cqsma_solver::cqsma::{self, Settings};
+use cqsma_solver::cqsma::{self, Commit, Settings};
 use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{BackbonePoint, LoopObserver, NewtonSettings, modes};
 use std::path::PathBuf;
@@ -239,6 +239,10 @@ impl Prepared {
             mode,
             vertices_per_quarter: scene.cqsma.vertices_per_quarter,
             cycles: scene.cqsma.cycles,
+            commit: match scene.cqsma.commit {
+                CommitName::AtReversals => Commit::AtReversals,
+                CommitName::AtEveryVertex => Commit::AtEveryVertex,
+            },
             newton,
         };
         let stored = scene.fields_at();

@@ -301,8 +301,21 @@ pub struct Cqsma {
     pub vertices_per_quarter: usize,
     /// Cycles; the last is measured.
     pub cycles: usize,
+    /// When the friction history is committed.
+    pub commit: CommitName,
     /// Residual relative to the load, in the energy norm.
     pub tolerance: f64,
+}
+
+/// When the friction history is committed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CommitName {
+    /// At load reversals, as published.
+    #[default]
+    AtReversals,
+    /// At every converged vertex.
+    AtEveryVertex,
 }
 
 impl Default for Cqsma {
@@ -315,6 +328,7 @@ impl Default for Cqsma {
             amplitudes: 20,
             vertices_per_quarter: 8,
             cycles: 2,
+            commit: CommitName::AtReversals,
             tolerance: 1e-9,
         }
     }

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use joint_pipeline::progress::{Progress, Silent, Stage};
-use joint_pipeline::scene::{Gap, LawKind, RefinementName, Surface, SyntheticScan};
+use joint_pipeline::scene::{CommitName, Gap, LawKind, RefinementName, Surface, SyntheticScan};
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
@@ -133,10 +133,23 @@ fn without_slip_there_is_no_damping() {
     let run = go(&scene);
     for (a, zeta) in run.amplitudes.iter().zip(damping(&run)) {
         assert_eq!(a.fields.as_ref().unwrap().slip_fraction, 0.0);
-        // The history rule is second order in the step between reversals: the remainder grows with the amplitude
-        // squared and stays below 2e-6 here.
+        // With commits at reversals only, the path between them counts as straight: the remainder grows with the
+        // amplitude squared and stays below 2e-6 here.
         let x = a.response_displacement.unwrap() / 3e-6;
         assert!(zeta.abs() < 2e-6 * (x * x).max(1e-4), "{x}: {zeta}");
+    }
+}
+
+#[test]
+fn without_slip_commits_at_every_vertex_leave_no_damping_at_all() {
+    let mut scene = quick();
+    scene.mu = 1e3;
+    scene.cqsma.amplitude_from = 1e-7;
+    scene.cqsma.amplitude_to = 1e-5;
+    scene.cqsma.commit = CommitName::AtEveryVertex;
+    let run = go(&scene);
+    for zeta in damping(&run) {
+        assert!(zeta.abs() < 1e-9, "{zeta:e}");
     }
 }
 
