@@ -284,15 +284,11 @@ impl Prepared {
 
         let frequencies = line.frequencies();
         drop(line);
-        let fields = &prestress.fields;
-        let mut workspace = self.interface.interface.workspace();
-        workspace.jump.clone_from(&fields.jump);
-        workspace.traction.clone_from(&fields.traction);
         let validity = assess(
             &self.interface.interface,
             &self.interface.asperities,
             scene.model.material.hardness,
-            &workspace,
+            &prestress.fields,
             self.clearance,
             &amplitudes,
         );

@@ -1,10 +1,10 @@
 //! What a run says about its own validity: where the assumptions of the model end.
 
 use crate::interface::Asperities;
-use crate::run::AmplitudeResult;
+use crate::run::{AmplitudeResult, Fields};
 use contact_laws::adhesion::critical_interference;
 use serde::Serialize;
-use zte_assembly::{Interface, Workspace};
+use zte_assembly::Interface;
 
 /// Work of adhesion of low-carbon steel on itself (J/m^2), section 3.2.1 of the method paper.
 const WORK_OF_ADHESION: f64 = 2.5;
@@ -45,7 +45,7 @@ pub(crate) fn assess(
     interface: &Interface,
     asperities: &Asperities,
     hardness: f64,
-    prestressed: &Workspace,
+    prestressed: &Fields,
     clearance: f64,
     amplitudes: &[AmplitudeResult],
 ) -> Validity {
