@@ -12,6 +12,6 @@ pub fn hardness_coefficient(poisson_ratio: f64) -> f64 {
 /// `H` (Pa) and the effective radius `R` (m).
 pub fn critical_interference(material: &ElasticPair, hardness: f64, radius: f64) -> f64 {
     let k = hardness_coefficient(material.poisson_ratio);
-    let strain = std::f64::consts::PI * k * hardness / (2.0 * material.composite_modulus());
+    let strain = core::f64::consts::PI * k * hardness / (2.0 * material.composite_modulus());
     strain * strain * radius
 }

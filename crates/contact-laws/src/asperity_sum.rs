@@ -10,45 +10,29 @@
 //!   unit asks for;
 //! - real contact area per nominal area `n_A pi beta M_1`.
 
-use crate::curves::{ContactCurves, Exponents, Jet};
+use alloc::vec::Vec;
+
+use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
-use crate::friction::{FrictionalLaw, MU, PAPER_DOI, STATE};
+use crate::friction::{FrictionalLaw, PAPER_DOI};
 use crate::hertz::ElasticPair;
-use crate::law::{LawInfo, Quantity};
+use crate::law::Quantity;
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
 
 /// Rough contact by direct asperity sums with friction: the reference for fits and tables.
 pub type AsperityLaw = FrictionalLaw<AsperitySumCurves>;
 
-static INFO: LawInfo = LawInfo {
+static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, asperity sum",
     reference: PAPER_DOI,
-    state: &STATE,
     parameters: &[
-        Quantity {
-            name: "asperity_density",
-            unit: "1/m^2",
-        },
-        Quantity {
-            name: "beta_x",
-            unit: "m",
-        },
-        Quantity {
-            name: "beta_y",
-            unit: "m",
-        },
-        Quantity {
-            name: "asperity gaps",
-            unit: "m",
-        },
-        Quantity {
-            name: "youngs_modulus",
-            unit: "Pa",
-        },
-        Quantity {
-            name: "poisson_ratio",
-            unit: "1",
-        },
-        MU,
+        Quantity::new("asperity_density", "1/m^2"),
+        Quantity::new("beta_x", "m"),
+        Quantity::new("beta_y", "m"),
+        Quantity::new("asperity gaps", "m"),
+        Quantity::new("youngs_modulus", "Pa"),
+        Quantity::new("poisson_ratio", "1"),
     ],
 };
 
@@ -426,7 +410,7 @@ impl AsperitySumCurves {
 }
 
 impl ContactCurves for AsperitySumCurves {
-    fn info(&self) -> &'static LawInfo {
+    fn info(&self) -> &'static CurvesInfo {
         &INFO
     }
 
@@ -470,7 +454,7 @@ impl ContactCurves for AsperitySumCurves {
 
     fn contact_area_ratio(&self, u_n: f64) -> Option<f64> {
         let beta = self.population.effective_radius();
-        Some(self.population.density * std::f64::consts::PI * beta * self.population.gaps.mean_interference(u_n))
+        Some(self.population.density * core::f64::consts::PI * beta * self.population.gaps.mean_interference(u_n))
     }
 
     fn yielded_fraction(&self, u_n: f64, omega_c: f64) -> Option<f64> {

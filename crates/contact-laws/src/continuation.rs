@@ -1,6 +1,8 @@
 //! How a curve goes on beyond the range in which it is known: C1, positive, and with a stated limit.
 
 use crate::curves::Jet;
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
 
 /// The end of a known range.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! What a rough contact shows at one point before friction limits it: normal traction and tangential stiffnesses as
 //! functions of the interference.
 
-use crate::law::LawInfo;
+use crate::law::Quantity;
 
 /// A function's value and its first two derivatives with respect to the interference.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,13 +38,24 @@ pub struct Exponents {
     pub tangential: [f64; 2],
 }
 
+/// Description of contact curves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CurvesInfo {
+    /// Name of the law that these curves make together with friction.
+    pub name: &'static str,
+    /// Where they are described.
+    pub reference: &'static str,
+    /// Their parameters.
+    pub parameters: &'static [Quantity],
+}
+
 /// The curves of one point (or of all points of an element): `t_n(u_n)`, `k_x(u_n)`, `k_y(u_n)`.
 ///
 /// `normal` and `tangential` are called with a finite interference `u_n > 0` (m) and must return no NaN there. Values may overflow to
 /// infinity: the friction law brings them back into range.
 pub trait ContactCurves: Send + Sync {
-    /// Description of the law that these curves make together with friction.
-    fn info(&self) -> &'static LawInfo;
+    /// Description.
+    fn info(&self) -> &'static CurvesInfo;
 
     /// Normal traction (Pa), not negative and not falling, and its derivative (Pa/m).
     fn normal(&self, u_n: f64) -> (f64, f64);

@@ -1,32 +1,21 @@
 //! Elastic dry friction: constant normal and tangential stiffnesses with the Coulomb limit, the field's baseline.
 //! `t_n = k_n u_n`, `k_x` and `k_y` constant.
 
-use crate::curves::{ContactCurves, Exponents, Jet};
+use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
-use crate::friction::{FrictionalLaw, MU, PAPER_DOI, STATE};
-use crate::law::{LawInfo, Quantity};
+use crate::friction::{FrictionalLaw, PAPER_DOI};
+use crate::law::Quantity;
 
 /// Elastic dry friction.
 pub type ElasticDryFriction = FrictionalLaw<ElasticCurves>;
 
-static INFO: LawInfo = LawInfo {
+static INFO: CurvesInfo = CurvesInfo {
     name: "elastic dry friction",
     reference: PAPER_DOI,
-    state: &STATE,
     parameters: &[
-        Quantity {
-            name: "k_n",
-            unit: "Pa/m",
-        },
-        Quantity {
-            name: "k_x",
-            unit: "Pa/m",
-        },
-        Quantity {
-            name: "k_y",
-            unit: "Pa/m",
-        },
-        MU,
+        Quantity::new("k_n", "Pa/m"),
+        Quantity::new("k_x", "Pa/m"),
+        Quantity::new("k_y", "Pa/m"),
     ],
 };
 
@@ -59,7 +48,7 @@ impl ElasticCurves {
 }
 
 impl ContactCurves for ElasticCurves {
-    fn info(&self) -> &'static LawInfo {
+    fn info(&self) -> &'static CurvesInfo {
         &INFO
     }
 

@@ -1,4 +1,4 @@
-use std::fmt;
+use core::fmt;
 
 /// Where in the input a refused value stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,7 +128,7 @@ impl fmt::Display for Error {
     }
 }
 
-impl std::error::Error for Error {}
+impl core::error::Error for Error {}
 
 /// Refuses a parameter unless `ok`.
 pub(crate) fn require(

@@ -18,7 +18,7 @@
 //! stiffness with `u_n`, so a stuck cycle along which `u_n` changes may gain or lose a little energy. At constant `u_n`
 //! closed collinear cycles dissipate and obey Masing's rule.
 
-use std::ops::Range;
+use core::ops::Range;
 
 use crate::curves::ContactCurves;
 use crate::error::{Error, Place, require};
@@ -26,6 +26,8 @@ use crate::law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
 };
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
 use crate::parameters::PointParameters;
 
 /// Reference of eqs. (18)-(20), (28), (29), (45).
@@ -33,21 +35,15 @@ pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";
 
 /// State of [`FrictionalLaw`]: jump and tangential traction of the last committed point.
 pub(crate) const STATE: [Quantity; 5] = [
-    Quantity { name: "u_x", unit: "m" },
-    Quantity { name: "u_y", unit: "m" },
-    Quantity { name: "u_n", unit: "m" },
-    Quantity {
-        name: "t_x",
-        unit: "Pa",
-    },
-    Quantity {
-        name: "t_y",
-        unit: "Pa",
-    },
+    Quantity::new("u_x", "m"),
+    Quantity::new("u_y", "m"),
+    Quantity::new("u_n", "m"),
+    Quantity::new("t_x", "Pa"),
+    Quantity::new("t_y", "Pa"),
 ];
 
 /// Friction coefficient, as it appears in every law's parameters.
-pub(crate) const MU: Quantity = Quantity { name: "mu", unit: "1" };
+pub(crate) const MU: Quantity = Quantity::new("mu", "1");
 
 /// How the stuck traction follows from the state committed last; see the [module](self).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -99,16 +95,18 @@ impl<C: ContactCurves> FrictionalLaw<C> {
                 "finite and not negative",
             )?;
         }
-        let unknown = LawInfo {
-            name: "no points",
-            reference: PAPER_DOI,
-            state: &STATE,
-            parameters: &[MU],
+        let (name, reference, parameters) = match curves.is_empty() {
+            true => ("no points", PAPER_DOI, &[][..]),
+            false => {
+                let info = curves.at(0).info();
+                (info.name, info.reference, info.parameters)
+            }
         };
-        let info = if curves.is_empty() {
-            unknown
-        } else {
-            *curves.at(0).info()
+        let info = LawInfo {
+            name,
+            reference,
+            state: STATE.to_vec(),
+            parameters: parameters.iter().cloned().chain([MU]).collect(),
         };
         Ok(Self {
             curves,
@@ -150,7 +148,7 @@ impl<C: ContactCurves> FrictionalLaw<C> {
         debug_assert!(jump.x.len() == n && jump.y.len() == n && jump.n.len() == n);
         debug_assert!(traction.x.len() == n && traction.y.len() == n && traction.n.len() == n);
         let (jump_x, jump_y, jump_n) = (&jump.x[..n], &jump.y[..n], &jump.n[..n]);
-        let [begin_x, begin_y, begin_n, begin_tx, begin_ty] = std::array::from_fn(|c| begin.component(c, n));
+        let [begin_x, begin_y, begin_n, begin_tx, begin_ty] = core::array::from_fn(|c| begin.component(c, n));
         let [end_x, end_y, end_n, end_tx, end_ty] = end.components::<5>(n);
         let (traction_x, traction_y, traction_n) = (&mut traction.x[..n], &mut traction.y[..n], &mut traction.n[..n]);
 

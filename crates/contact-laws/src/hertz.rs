@@ -3,6 +3,8 @@
 //! section 4.2; eq. (8) of the method paper, whose exponent 2/3 is a misprint for 3/2.
 
 use crate::error::{Error, Place, require, require_positive};
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
 
 /// The material of two equal elastic bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,9 @@
 //! All batches are structures of arrays. The slices of one call have the length of the range of points that is
 //! evaluated; entry `i` belongs to point `points.start + i`.
 
-use std::ops::{AddAssign, Range};
+use alloc::borrow::Cow;
+use alloc::vec::Vec;
+use core::ops::{AddAssign, Range};
 
 /// One vector per point: components along x, y and the normal n.
 #[derive(Debug, Clone, Copy)]
@@ -95,8 +97,8 @@ impl<'a> StateViewMut<'a> {
     #[inline]
     pub fn components<const N: usize>(self, n: usize) -> [&'a mut [f64]; N] {
         let mut rest = self.data;
-        std::array::from_fn(|_| {
-            let block = std::mem::take(&mut rest);
+        core::array::from_fn(|_| {
+            let block = core::mem::take(&mut rest);
             // The last component may end before its stride.
             let (component, after) = block.split_at_mut(self.stride.min(block.len()));
             rest = after;
@@ -193,25 +195,35 @@ pub enum Sticking {
 }
 
 /// Name and SI unit of a state component or a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Quantity {
-    /// Name.
-    pub name: &'static str,
+    /// Name, unique within a law's state or parameters.
+    pub name: Cow<'static, str>,
     /// Unit.
     pub unit: &'static str,
 }
 
+impl Quantity {
+    /// A quantity with a fixed name.
+    pub const fn new(name: &'static str, unit: &'static str) -> Self {
+        Self {
+            name: Cow::Borrowed(name),
+            unit,
+        }
+    }
+}
+
 /// What a calling code needs to know to size its arrays and label its output.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LawInfo {
     /// Name of the law.
     pub name: &'static str,
     /// Where the law is described.
     pub reference: &'static str,
     /// State components in their order of storage.
-    pub state: &'static [Quantity],
+    pub state: Vec<Quantity>,
     /// Parameters.
-    pub parameters: &'static [Quantity],
+    pub parameters: Vec<Quantity>,
 }
 
 impl LawInfo {

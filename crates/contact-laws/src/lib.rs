@@ -20,6 +20,13 @@
 //!
 //! Equation numbers are those of the method paper listed in each law's [`LawInfo`].
 
+#![cfg_attr(not(any(feature = "std", test)), no_std)]
+
+extern crate alloc;
+
+#[cfg(not(any(feature = "std", feature = "libm")))]
+compile_error!("contact-laws needs elementary functions: enable the feature `std` or the feature `libm`");
+
 pub mod adhesion;
 pub mod asperity_sum;
 mod continuation;
@@ -29,6 +36,8 @@ mod error;
 pub mod friction;
 pub mod hertz;
 pub mod law;
+#[cfg(not(feature = "std"))]
+mod math;
 pub mod mindlin;
 mod parameters;
 pub mod rough;
@@ -40,7 +49,7 @@ pub mod testing;
 mod tests;
 
 pub use asperity_sum::{AsperityLaw, AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};
-pub use curves::{ContactCurves, Exponents, Jet};
+pub use curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 pub use elastic_dry_friction::{ElasticCurves, ElasticDryFriction};
 pub use error::{Error, Place};
 pub use friction::{FrictionalLaw, HistoryRule};

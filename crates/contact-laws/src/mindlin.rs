@@ -2,6 +2,8 @@
 //! Mechanics*, 1985, sections 7.2 and 7.4): partial slip grows inwards from the contact's rim.
 
 use crate::hertz::{self, ElasticPair};
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
 
 /// Tangential stiffness without slip `2 E a / ((2 - nu)(1 + nu))` (N/m) with the contact radius `a = sqrt(R w)`.
 pub fn stiffness(material: &ElasticPair, radius: f64, interference: f64) -> f64 {

@@ -1,3 +1,5 @@
+use alloc::vec::Vec;
+
 use crate::error::Error;
 
 /// A parameter, or a set of parameters, for every point of a law.

@@ -8,60 +8,30 @@
 //! [`TangentialEnds`].
 
 use crate::continuation::End;
-use crate::curves::{ContactCurves, Exponents, Jet};
+use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
-use crate::friction::{FrictionalLaw, MU, PAPER_DOI, STATE};
-use crate::law::{LawInfo, Quantity};
+use crate::friction::{FrictionalLaw, PAPER_DOI};
+use crate::law::Quantity;
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
 
 /// Rough contact by fitted curves with friction.
 pub type RoughLaw = FrictionalLaw<FittedCurves>;
 
-static INFO: LawInfo = LawInfo {
+static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, fitted curves",
     reference: PAPER_DOI,
-    state: &STATE,
     parameters: &[
-        Quantity {
-            name: "normal a",
-            unit: "ln Pa",
-        },
-        Quantity {
-            name: "normal b",
-            unit: "1",
-        },
-        Quantity {
-            name: "normal c",
-            unit: "1",
-        },
-        Quantity {
-            name: "normal d",
-            unit: "1",
-        },
-        Quantity {
-            name: "normal e",
-            unit: "1",
-        },
-        Quantity {
-            name: "tangential a",
-            unit: "ln Pa/m",
-        },
-        Quantity {
-            name: "tangential b",
-            unit: "1",
-        },
-        Quantity {
-            name: "tangential c",
-            unit: "1",
-        },
-        Quantity {
-            name: "tangential d",
-            unit: "1",
-        },
-        Quantity {
-            name: "u_ref",
-            unit: "m",
-        },
-        MU,
+        Quantity::new("normal a", "ln Pa"),
+        Quantity::new("normal b", "1"),
+        Quantity::new("normal c", "1"),
+        Quantity::new("normal d", "1"),
+        Quantity::new("normal e", "1"),
+        Quantity::new("tangential a", "ln Pa/m"),
+        Quantity::new("tangential b", "1"),
+        Quantity::new("tangential c", "1"),
+        Quantity::new("tangential d", "1"),
+        Quantity::new("u_ref", "m"),
     ],
 };
 
@@ -313,7 +283,7 @@ impl FittedCurves {
 }
 
 impl ContactCurves for FittedCurves {
-    fn info(&self) -> &'static LawInfo {
+    fn info(&self) -> &'static CurvesInfo {
         &INFO
     }
 
@@ -338,7 +308,7 @@ impl ContactCurves for FittedCurves {
         let [x, y] = &self.tangential;
         let ln_x = x.ln_ratio(u_n);
         let ln_ratios = [ln_x, if x.u_ref == y.u_ref { ln_x } else { y.ln_ratio(u_n) }];
-        std::array::from_fn(|q| {
+        core::array::from_fn(|q| {
             let fit = &self.tangential[q];
             if let Some([lower, upper]) = &self.tangential_ends[q] {
                 if u_n < lower.u {

@@ -10,34 +10,25 @@
 //! Below the table the log-slope moves to the source's [`Exponents`], above it keeps its end value, C1 at both ends. A
 //! curve that is zero at the lower end is zero below it.
 
+use alloc::vec::Vec;
+
 use crate::continuation::End;
-use crate::curves::{ContactCurves, Exponents, Jet};
+use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
-use crate::friction::{FrictionalLaw, MU, PAPER_DOI, STATE};
-use crate::law::{LawInfo, Quantity};
+use crate::friction::{FrictionalLaw, PAPER_DOI};
+use crate::law::Quantity;
 
 /// Tabulated contact curves with friction.
 pub type TableLaw<C> = FrictionalLaw<Tabulated<C>>;
 
-static INFO: LawInfo = LawInfo {
+static INFO: CurvesInfo = CurvesInfo {
     name: "tabulated contact curves",
     reference: PAPER_DOI,
-    state: &STATE,
     parameters: &[
-        Quantity { name: "u_n", unit: "m" },
-        Quantity {
-            name: "t_n",
-            unit: "Pa",
-        },
-        Quantity {
-            name: "k_x",
-            unit: "Pa/m",
-        },
-        Quantity {
-            name: "k_y",
-            unit: "Pa/m",
-        },
-        MU,
+        Quantity::new("u_n", "m"),
+        Quantity::new("t_n", "Pa"),
+        Quantity::new("k_x", "Pa/m"),
+        Quantity::new("k_y", "Pa/m"),
     ],
 };
 
@@ -206,7 +197,7 @@ impl<C: ContactCurves> Tabulated<C> {
 }
 
 impl<C: ContactCurves> ContactCurves for Tabulated<C> {
-    fn info(&self) -> &'static LawInfo {
+    fn info(&self) -> &'static CurvesInfo {
         &INFO
     }
 
@@ -224,7 +215,7 @@ impl<C: ContactCurves> ContactCurves for Tabulated<C> {
     fn tangential(&self, u_n: f64) -> [Jet; 2] {
         match self.grid.locate(u_n) {
             Location::Below => {
-                std::array::from_fn(|q| self.tangential_ends[q][0].below(u_n, self.exponents.tangential[q]))
+                core::array::from_fn(|q| self.tangential_ends[q][0].below(u_n, self.exponents.tangential[q]))
             }
             Location::Above => self.tangential_ends.map(|ends| ends[1].above(u_n)),
             Location::Cell { cell, s, per_width } => {
@@ -353,7 +344,7 @@ struct Curves {
 
 impl Curves {
     fn tabulate(source: &impl ContactCurves, grid: Grid) -> Result<Self, Error> {
-        let mut knots: [Vec<Knot>; 3] = std::array::from_fn(|_| Vec::with_capacity(grid.n_cells + 1));
+        let mut knots: [Vec<Knot>; 3] = core::array::from_fn(|_| Vec::with_capacity(grid.n_cells + 1));
         for i in 0..=grid.n_cells {
             let u = grid.knot(i);
             for ((knots, sample), name) in knots.iter_mut().zip(sample(source, u)).zip(CURVES) {

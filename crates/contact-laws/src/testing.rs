@@ -52,9 +52,9 @@ pub fn evaluate_point<L: TractionLaw + ?Sized>(
             offset: 0,
         },
         ComponentsMut {
-            x: std::slice::from_mut(&mut x),
-            y: std::slice::from_mut(&mut y),
-            n: std::slice::from_mut(&mut n),
+            x: core::slice::from_mut(&mut x),
+            y: core::slice::from_mut(&mut y),
+            n: core::slice::from_mut(&mut n),
         },
         Some(TangentMut {
             xx,
@@ -69,7 +69,7 @@ pub fn evaluate_point<L: TractionLaw + ?Sized>(
         }),
         Some(&mut regime),
     );
-    let tangent = std::array::from_fn(|i| std::array::from_fn(|k| j[3 * i + k][0]));
+    let tangent = core::array::from_fn(|i| core::array::from_fn(|k| j[3 * i + k][0]));
     PointResponse {
         traction: [x, y, n],
         tangent,
