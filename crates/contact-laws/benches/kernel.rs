@@ -94,6 +94,7 @@ fn curves() -> Result<(FittedCurves, AsperitySumCurves, Tabulated<AsperitySumCur
         d: 0.3,
         e: 0.9,
         u_ref: 1e-6,
+        t_ref: 1.0,
         range,
     };
     let ends = TangentialEnds::Mindlin;
@@ -103,6 +104,7 @@ fn curves() -> Result<(FittedCurves, AsperitySumCurves, Tabulated<AsperitySumCur
         c: 0.3,
         d: 0.6,
         u_ref: 1e-6,
+        k_ref: 1.0,
         range,
         ends,
     };

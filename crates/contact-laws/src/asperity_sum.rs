@@ -19,9 +19,10 @@ use crate::hertz::ElasticPair;
 use crate::law::Quantity;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::PointParameters;
 
 /// Rough contact by direct asperity sums with friction: the reference for fits and tables.
-pub type AsperityLaw = FrictionalLaw<AsperitySumCurves>;
+pub type AsperityLaw = FrictionalLaw<PointParameters<AsperitySumCurves>>;
 
 static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, asperity sum",

@@ -2,6 +2,8 @@
 //! functions of the interference.
 
 use crate::law::Quantity;
+use crate::parameters::PointParameters;
+use crate::vector::{BLOCK, Lanes};
 
 /// A function's value and its first two derivatives with respect to the interference.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -75,5 +77,100 @@ pub trait ContactCurves: Send + Sync {
     /// curves know asperities. Zero when none is loaded.
     fn yielded_fraction(&self, _u_n: f64, _omega_c: f64) -> Option<f64> {
         None
+    }
+}
+
+/// The curves of all points of a law, evaluated in blocks. Implemented by [`PointParameters`] of any [`ContactCurves`]
+/// and by [`crate::FittedPoints`].
+pub trait PointCurves: Send + Sync {
+    /// Room for intermediate results.
+    type Workspace: Default;
+
+    /// Description; none without points.
+    fn info(&self) -> Option<&'static CurvesInfo>;
+
+    /// Number of points.
+    fn len(&self) -> usize;
+
+    /// True when there is no point.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Normal tractions at `u_n` and tangential stiffnesses at `middle` (m), each not negative, of the points from
+    /// `first` on, as many as `u_n` and `middle` are long and at most a block. What is returned for a `u_n` of zero is
+    /// not used. Second derivatives only if `curvature`.
+    fn evaluate(
+        &self,
+        first: usize,
+        u_n: &[f64],
+        middle: &[f64],
+        curvature: bool,
+        workspace: &mut Self::Workspace,
+        out: &mut CurveBlock,
+    );
+
+    /// [`ContactCurves::contact_area_ratio`] of `point`.
+    fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64>;
+
+    /// [`ContactCurves::yielded_fraction`] of `point`.
+    fn yielded_fraction(&self, point: usize, u_n: f64, omega_c: f64) -> Option<f64>;
+}
+
+/// Values of contact curves at the points of a block: normal traction (Pa) with its slope, tangential stiffnesses (Pa/m)
+/// along x and y with two derivatives.
+#[derive(Debug)]
+pub struct CurveBlock {
+    pub(crate) normal: Lanes<f64>,
+    pub(crate) normal_slope: Lanes<f64>,
+    pub(crate) tangential: [Lanes<f64>; 2],
+    pub(crate) tangential_slope: [Lanes<f64>; 2],
+    pub(crate) tangential_curvature: [Lanes<f64>; 2],
+}
+
+impl CurveBlock {
+    pub(crate) fn new() -> Self {
+        let zero = Lanes([0.0; BLOCK]);
+        Self {
+            normal: zero,
+            normal_slope: zero,
+            tangential: [zero; 2],
+            tangential_slope: [zero; 2],
+            tangential_curvature: [zero; 2],
+        }
+    }
+}
+
+impl<C: ContactCurves> PointCurves for PointParameters<C> {
+    type Workspace = ();
+
+    fn info(&self) -> Option<&'static CurvesInfo> {
+        (!self.is_empty()).then(|| self.at(0).info())
+    }
+
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    fn evaluate(&self, first: usize, u_n: &[f64], middle: &[f64], _curvature: bool, (): &mut (), out: &mut CurveBlock) {
+        for i in 0..u_n.len() {
+            if u_n[i] > 0.0 {
+                let curves = self.at(first + i);
+                (out.normal.0[i], out.normal_slope.0[i]) = curves.normal(u_n[i]);
+                for (q, k) in curves.tangential(middle[i]).into_iter().enumerate() {
+                    out.tangential[q].0[i] = k.value;
+                    out.tangential_slope[q].0[i] = k.slope;
+                    out.tangential_curvature[q].0[i] = k.curvature;
+                }
+            }
+        }
+    }
+
+    fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64> {
+        self.at(point).contact_area_ratio(u_n)
+    }
+
+    fn yielded_fraction(&self, point: usize, u_n: f64, omega_c: f64) -> Option<f64> {
+        self.at(point).yielded_fraction(u_n, omega_c)
     }
 }

@@ -5,9 +5,10 @@ use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
 use crate::friction::{FrictionalLaw, PAPER_DOI};
 use crate::law::Quantity;
+use crate::parameters::PointParameters;
 
 /// Elastic dry friction.
-pub type ElasticDryFriction = FrictionalLaw<ElasticCurves>;
+pub type ElasticDryFriction = FrictionalLaw<PointParameters<ElasticCurves>>;
 
 static INFO: CurvesInfo = CurvesInfo {
     name: "elastic dry friction",

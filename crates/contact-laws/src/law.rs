@@ -63,6 +63,15 @@ impl<'a> StateView<'a> {
         Self { data, stride, offset }
     }
 
+    /// The first `n` points' values of the first `N` components.
+    ///
+    /// # Panics
+    /// When the block is too short.
+    #[inline]
+    pub fn components<const N: usize>(&self, n: usize) -> [&'a [f64]; N] {
+        core::array::from_fn(|c| self.component(c, n))
+    }
+
     /// The first `n` points' values of component `c`.
     ///
     /// # Panics
@@ -128,6 +137,15 @@ pub struct TangentMut<'a> {
     pub ny: &'a mut [f64],
     /// `d t_n / d u_n`.
     pub nn: &'a mut [f64],
+}
+
+impl<'a> TangentMut<'a> {
+    /// The entries row by row.
+    pub(crate) fn into_entries(self) -> [&'a mut [f64]; 9] {
+        [
+            self.xx, self.xy, self.xn, self.yx, self.yy, self.yn, self.nx, self.ny, self.nn,
+        ]
+    }
 }
 
 /// Contact regime of a point.

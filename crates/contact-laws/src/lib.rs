@@ -32,6 +32,7 @@ pub mod asperity_sum;
 mod continuation;
 pub mod curves;
 pub mod elastic_dry_friction;
+mod elementary;
 mod error;
 pub mod friction;
 pub mod hertz;
@@ -40,17 +41,24 @@ pub mod law;
 mod math;
 pub mod mindlin;
 mod parameters;
+mod return_map;
 pub mod rough;
+mod rough_points;
 pub mod table;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
+
+mod vector;
+#[cfg(feature = "testing")]
+pub mod workload;
 
 #[cfg(test)]
 mod tests;
 
 pub use asperity_sum::{AsperityLaw, AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};
-pub use curves::{ContactCurves, CurvesInfo, Exponents, Jet};
+pub use curves::{ContactCurves, CurveBlock, CurvesInfo, Exponents, Jet, PointCurves};
 pub use elastic_dry_friction::{ElasticCurves, ElasticDryFriction};
+pub use elementary::Real;
 pub use error::{Error, Place};
 pub use friction::{FrictionalLaw, HistoryRule};
 pub use hertz::ElasticPair;
@@ -60,4 +68,6 @@ pub use law::{
 };
 pub use parameters::PointParameters;
 pub use rough::{FittedCurves, NormalFit, RoughLaw, TangentialEnds, TangentialFit};
+pub use rough_points::FittedPoints;
 pub use table::{TableLaw, TableOptions, Tabulated};
+pub use vector::instruction_set;

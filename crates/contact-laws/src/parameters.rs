@@ -53,6 +53,11 @@ impl<T> PointParameters<T> {
         self.len() == 0
     }
 
+    /// True when all points share one value by construction.
+    pub fn is_uniform(&self) -> bool {
+        matches!(self.0, Storage::Uniform { .. })
+    }
+
     /// Value at `point`.
     ///
     /// # Panics
@@ -63,6 +68,22 @@ impl<T> PointParameters<T> {
             Storage::Uniform { value, .. } => value,
             Storage::PerPoint(values) => &values[point],
             Storage::Indexed { values, index } => &values[index[point] as usize],
+        }
+    }
+}
+
+impl PointParameters<f64> {
+    /// Copies the values from point `first` on.
+    pub(crate) fn copy_to(&self, first: usize, into: &mut [f64]) {
+        let n = into.len();
+        match &self.0 {
+            Storage::Uniform { value, .. } => into.fill(*value),
+            Storage::PerPoint(values) => into.copy_from_slice(&values[first..][..n]),
+            Storage::Indexed { values, index } => {
+                for (into, &index) in into.iter_mut().zip(&index[first..][..n]) {
+                    *into = values[index as usize];
+                }
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Rough contact by fitted curves: with `U = u_n / u_ref` and natural logarithms,
 //!
-//! - eq. (28): `ln(t_n / 1 Pa) = a + b ln U + c exp(-((ln U + d)/e)^2 / 2)`,
-//! - eq. (29): `ln(k_t / 1 Pa/m) = a + b tanh(d (ln U - c))`, for x and y separately.
+//! - eq. (28): `ln(t_n / t_ref) = a + b ln U + c exp(-((ln U + d)/e)^2 / 2)`,
+//! - eq. (29): `ln(k_t / k_ref) = a + b tanh(d (ln U - c))`, for x and y separately.
 //!
 //! Outside the fitted range the formulas are not extrapolated; the curves go on C1. Below, the log-slope of the normal
 //! traction moves to 3/2 (Hertz) as `u_n -> 0`; above, it keeps its end value. The tangential stiffness follows its
@@ -14,11 +14,12 @@ use crate::friction::{FrictionalLaw, PAPER_DOI};
 use crate::law::Quantity;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::rough_points::FittedPoints;
 
-/// Rough contact by fitted curves with friction.
-pub type RoughLaw = FrictionalLaw<FittedCurves>;
+/// Rough contact by fitted curves with friction, evaluated in vector registers.
+pub type RoughLaw = FrictionalLaw<FittedPoints>;
 
-static INFO: CurvesInfo = CurvesInfo {
+pub(crate) static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, fitted curves",
     reference: PAPER_DOI,
     parameters: &[
@@ -35,6 +36,9 @@ static INFO: CurvesInfo = CurvesInfo {
     ],
 };
 
+/// Largest magnitude of the parameters without unit: far beyond any fit, and products of them stay exact enough.
+const LARGEST: f64 = 1e6;
+
 /// Parameters of eq. (28).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
@@ -43,7 +47,7 @@ static INFO: CurvesInfo = CurvesInfo {
     serde(deny_unknown_fields)
 )]
 pub struct NormalFit {
-    /// `ln(t_n / 1 Pa)` at `u_ref` without the third term.
+    /// `ln(t_n / t_ref)` at `u_ref` without the third term.
     pub a: f64,
     /// Log-slope away from the third term.
     pub b: f64,
@@ -55,6 +59,9 @@ pub struct NormalFit {
     pub e: f64,
     /// Reference interference (m).
     pub u_ref: f64,
+    /// Reference traction `t_ref` (Pa), 1 Pa in files that do not give it.
+    #[cfg_attr(feature = "serde", serde(default = "one"))]
+    pub t_ref: f64,
     /// Fitted range of `u_n` (m); the formula holds everywhere if absent.
     pub range: Option<[f64; 2]>,
 }
@@ -67,7 +74,7 @@ pub struct NormalFit {
     serde(deny_unknown_fields)
 )]
 pub struct TangentialFit {
-    /// `ln(k_t / 1 Pa/m)` at the middle of the step.
+    /// `ln(k_t / k_ref)` at the middle of the step.
     pub a: f64,
     /// Half height of the step, not negative.
     pub b: f64,
@@ -77,10 +84,18 @@ pub struct TangentialFit {
     pub d: f64,
     /// Reference interference (m).
     pub u_ref: f64,
+    /// Reference stiffness `k_ref` (Pa/m), 1 Pa/m in files that do not give it.
+    #[cfg_attr(feature = "serde", serde(default = "one"))]
+    pub k_ref: f64,
     /// Fitted range of `u_n` (m); the formula holds everywhere if absent.
     pub range: Option<[f64; 2]>,
     /// How the curve goes on outside the range.
     pub ends: TangentialEnds,
+}
+
+#[cfg(feature = "serde")]
+fn one() -> f64 {
+    1.0
 }
 
 /// How a fitted tangential stiffness goes on outside its range.
@@ -104,7 +119,10 @@ impl NormalFit {
         let ln_u = (u_n / self.u_ref).max(f64::MIN_POSITIVE).ln();
         let y = (ln_u + self.d) / self.e;
         let bell = self.c * (-0.5 * y * y).exp();
-        ((self.a + self.b * ln_u + bell).exp(), self.b - bell * y / self.e)
+        (
+            self.t_ref * (self.a + self.b * ln_u + bell).exp(),
+            self.b - bell * y / self.e,
+        )
     }
 
     fn validate(&self) -> Result<(), Error> {
@@ -114,10 +132,26 @@ impl NormalFit {
             ("normal c", self.c),
             ("normal d", self.d),
         ] {
-            require(v.is_finite(), name, v, "(no unit)", Place::Whole, "finite")?;
+            require(
+                v.abs() <= LARGEST,
+                name,
+                v,
+                "(no unit)",
+                Place::Whole,
+                "between -1e6 and 1e6",
+            )?;
         }
-        require_positive("normal e", self.e, "(no unit)")?;
+        let ok = (1.0 / LARGEST..=LARGEST).contains(&self.e);
+        require(
+            ok,
+            "normal e",
+            self.e,
+            "(no unit)",
+            Place::Whole,
+            "between 1e-6 and 1e6",
+        )?;
         require_positive("normal u_ref", self.u_ref, "m")?;
+        require_positive("normal t_ref", self.t_ref, "Pa")?;
         validate_range("normal range", self.range)?;
 
         // The log-slope is extreme at y = -1 and y = 1, so it is least there or at the ends of the range.
@@ -143,12 +177,12 @@ impl NormalFit {
         if self.range.is_none() {
             require_positive("normal b", self.b, "(no unit)")?;
         }
-        for u in self.range.unwrap_or([self.u_ref; 2]) {
-            let value = self.formula(u).0;
+        let ends = self.range.unwrap_or([self.u_ref; 2]).map(|u| self.formula(u).0);
+        for value in ends.into_iter().chain([self.t_ref * self.a.exp()]) {
             let ok = value.is_finite() && value > 0.0;
             require(
                 ok,
-                "normal traction of eq. (28) in its range",
+                "normal traction of eq. (28) at the ends of its range or at u_ref",
                 value,
                 "Pa",
                 Place::Whole,
@@ -177,7 +211,7 @@ impl TangentialFit {
         let log_slope = self.b * self.d * 4.0 * decay * per_sum * per_sum;
         Jet::from_log(
             u_n,
-            (self.a + self.b * step).exp(),
+            self.k_ref * (self.a + self.b * step).exp(),
             log_slope,
             -2.0 * self.d * step * log_slope,
         )
@@ -185,21 +219,23 @@ impl TangentialFit {
 
     fn validate(&self) -> Result<(), Error> {
         for (name, v) in [("tangential a", self.a), ("tangential c", self.c)] {
-            require(v.is_finite(), name, v, "(no unit)", Place::Whole, "finite")?;
-        }
-        for (name, v) in [("tangential b", self.b), ("tangential d", self.d)] {
             require(
-                v.is_finite() && v >= 0.0,
+                v.abs() <= LARGEST,
                 name,
                 v,
                 "(no unit)",
                 Place::Whole,
-                "finite and not negative",
+                "between -1e6 and 1e6",
             )?;
         }
+        for (name, v) in [("tangential b", self.b), ("tangential d", self.d)] {
+            let ok = (0.0..=LARGEST).contains(&v);
+            require(ok, name, v, "(no unit)", Place::Whole, "between 0 and 1e6")?;
+        }
         require_positive("tangential u_ref", self.u_ref, "m")?;
+        require_positive("tangential k_ref", self.k_ref, "Pa/m")?;
         validate_range("tangential range", self.range)?;
-        for value in [(self.a - self.b).exp(), (self.a + self.b).exp()] {
+        for value in [self.a - self.b, self.a + self.b].map(|ln_k| self.k_ref * ln_k.exp()) {
             let ok = value.is_finite() && value > 0.0;
             require(
                 ok,

@@ -17,9 +17,10 @@ use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
 use crate::friction::{FrictionalLaw, PAPER_DOI};
 use crate::law::Quantity;
+use crate::parameters::PointParameters;
 
 /// Tabulated contact curves with friction.
-pub type TableLaw<C> = FrictionalLaw<Tabulated<C>>;
+pub type TableLaw<C> = FrictionalLaw<PointParameters<Tabulated<C>>>;
 
 static INFO: CurvesInfo = CurvesInfo {
     name: "tabulated contact curves",

@@ -223,8 +223,11 @@ impl Asperities {
         };
         let fitted: Vec<FittedCurves> = fits.into_iter().map(|f| f.curves).collect();
         let law: Arc<dyn TractionLaw> = match law.kind {
-            LawKind::AsperitySum => frictional(sums, population_of, mu, law.history)?,
-            LawKind::Fitted => frictional(fitted.clone(), population_of, mu, law.history)?,
+            LawKind::AsperitySum => frictional(PointParameters::try_indexed(sums, population_of)?, mu, law.history)?,
+            LawKind::Fitted => {
+                let curves = PointParameters::try_indexed(fitted.clone(), population_of)?;
+                frictional(FittedPoints::<f64>::new(&curves), mu, law.history)?
+            },
             LawKind::Tabulated => {
                 // Hundreds of tables: a coarser one each is still far below the scatter of the samples behind it.
                 let options = if self.scan.is_some() {
@@ -244,7 +247,7 @@ impl Asperities {
                     |of: &dyn Fn(&Tabulated<AsperitySumCurves>) -> f64| tables.iter().map(of).fold(0.0, f64::max);
                 report.table_error_normal = Some(worst(&Tabulated::max_relative_error_normal));
                 report.table_error_tangential = Some(worst(&Tabulated::max_relative_error_tangential));
-                frictional(tables, population_of, mu, law.history)?
+                frictional(PointParameters::try_indexed(tables, population_of)?, mu, law.history)?
             }
         };
         Ok(BuiltLaw { law, fitted, report })
@@ -381,17 +384,12 @@ struct Fit {
     fallback: bool,
 }
 
-fn frictional<C: ContactCurves + 'static>(
-    curves: Vec<C>,
-    index: Vec<u32>,
+fn frictional<C: PointCurves + 'static>(
+    curves: C,
     mu: PointParameters<f64>,
     history: contact_laws::HistoryRule,
 ) -> Result<Arc<dyn TractionLaw>, Error> {
-    Ok(Arc::new(FrictionalLaw::try_new(
-        PointParameters::try_indexed(curves, index)?,
-        mu,
-        history,
-    )?))
+    Ok(Arc::new(FrictionalLaw::try_new(curves, mu, history)?))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

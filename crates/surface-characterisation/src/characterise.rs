@@ -533,7 +533,7 @@ fn single_asperity(curves: &TractionCurves, u_ref: f64) -> NormalFitReport {
             c: 0.0,
             d: 0.0,
             e: 1.0,
-            u_ref,
+            u_ref, t_ref: 1.0,
             range: Some([u[0], u[last]]),
         },
         rms: (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt(),

@@ -48,6 +48,7 @@ fn errors(row: &[f64]) -> (f64, f64) {
         d: n[3],
         e: n[4],
         u_ref: 1.0,
+        t_ref: 1.0,
         range: None,
     };
     let ends = TangentialEnds::Constant;
@@ -57,6 +58,7 @@ fn errors(row: &[f64]) -> (f64, f64) {
         c: p[2],
         d: p[3],
         u_ref: 1.0,
+        k_ref: 1.0,
         range: None,
         ends,
     };

@@ -22,6 +22,7 @@ fn normal_fit() -> NormalFit {
         d: 0.3,
         e: 0.9,
         u_ref: 1e-6,
+        t_ref: 1.0,
         range: Some([1e-7, 1e-5]),
     }
 }
@@ -33,6 +34,7 @@ fn tangential_fit(ends: TangentialEnds) -> TangentialFit {
         c: 0.3,
         d: 0.6,
         u_ref: 1e-6,
+        k_ref: 1.0,
         range: Some([1e-7, 1e-5]),
         ends,
     }
@@ -93,13 +95,19 @@ fn table() -> Tabulated<AsperitySumCurves> {
     .unwrap()
 }
 
-fn law<C: ContactCurves>(curves: C, mu: f64, history: HistoryRule) -> FrictionalLaw<C> {
+fn law<C: ContactCurves>(curves: C, mu: f64, history: HistoryRule) -> FrictionalLaw<PointParameters<C>> {
     FrictionalLaw::try_new(
         PointParameters::uniform(curves, 1),
         PointParameters::uniform(mu, 1),
         history,
     )
     .unwrap()
+}
+
+/// The fitted curves as vector registers evaluate them.
+fn rough(curves: FittedCurves, mu: f64, history: HistoryRule) -> RoughLaw {
+    let points = FittedPoints::new(&PointParameters::uniform(curves, 1));
+    RoughLaw::try_new(points, PointParameters::uniform(mu, 1), history).unwrap()
 }
 
 fn relative(a: f64, b: f64) -> f64 {

@@ -1,0 +1,693 @@
+//! The friction of [`crate::FrictionalLaw`] at the points of a block: stuck trial, slip limit, tractions, end state and
+//! consistent tangent, without branches on the values.
+//!
+//! No physical number comes near 1e75. Numbers beyond are cut to bounds between which neither sums nor products of the
+//! few factors that meet here can overflow, so finite input gives finite output.
+
+use crate::curves::CurveBlock;
+use crate::elementary::{max, min};
+use crate::law::{Regime, RegimeCounts, Sticking};
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
+use crate::vector::{BLOCK, Lanes, Pass, run};
+
+/// [`crate::HistoryRule`] as a constant that a loop can be compiled for.
+pub(crate) const INCREMENTAL: u8 = 0;
+pub(crate) const PAPER: u8 = 1;
+pub(crate) const POTENTIAL: u8 = 2;
+
+/// Start of a block: the interferences at which its curves are needed, zero where a point is open and NaN where its
+/// input is no number; and the jump as part of the end state.
+pub(crate) struct Start<'a> {
+    pub(crate) jump: [&'a [f64]; 3],
+    pub(crate) begin: [&'a [f64]; 5],
+    /// The tangential stiffness is taken halfway along the closed part of the path, otherwise at its end.
+    pub(crate) halfway: bool,
+    pub(crate) u_n: &'a mut Lanes<f64>,
+    pub(crate) middle: &'a mut Lanes<f64>,
+    pub(crate) end: [&'a mut [f64]; 3],
+    /// Some point of the block is open at its begin state.
+    pub(crate) reopens: &'a mut bool,
+}
+
+impl Pass for Start<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let [x, y, n] = self.jump;
+        let [x_0, y_0, n_0, memory_1, memory_2] = self.begin;
+        let [end_x, end_y, end_n] = self.end;
+        *self.reopens = start(
+            self.halfway,
+            x,
+            y,
+            n,
+            x_0,
+            y_0,
+            n_0,
+            memory_1,
+            memory_2,
+            self.u_n,
+            self.middle,
+            end_x,
+            end_y,
+            end_n,
+        );
+    }
+}
+
+/// [`Start`]. Every array is an argument of its own, here and below, because that alone tells the compiler that they do
+/// not overlap.
+#[inline(always)]
+fn start(
+    halfway: bool,
+    jump_x: &[f64],
+    jump_y: &[f64],
+    jump_n: &[f64],
+    begin_x: &[f64],
+    begin_y: &[f64],
+    begin_n: &[f64],
+    begin_1: &[f64],
+    begin_2: &[f64],
+    closed_u_n: &mut Lanes<f64>,
+    middle: &mut Lanes<f64>,
+    end_x: &mut [f64],
+    end_y: &mut [f64],
+    end_n: &mut [f64],
+) -> bool {
+    let n = jump_x.len().min(BLOCK);
+    let (jump_x, jump_y, jump_n) = (&jump_x[..n], &jump_y[..n], &jump_n[..n]);
+    let (begin_x, begin_y, begin_n) = (&begin_x[..n], &begin_y[..n], &begin_n[..n]);
+    let (begin_1, begin_2) = (&begin_1[..n], &begin_2[..n]);
+    let (end_x, end_y, end_n) = (&mut end_x[..n], &mut end_y[..n], &mut end_n[..n]);
+    let mut n_open = 0_u64;
+    for i in 0..n {
+        let (u_x, u_y, u_n, u_n0) = (jump_x[i], jump_y[i], jump_n[i], begin_n[i]);
+        let finite = is_finite([u_x, u_y, u_n, begin_x[i], begin_y[i], u_n0, begin_1[i], begin_2[i]]);
+        let closed = finite & (u_n > 0.0);
+        let from = if halfway { max(u_n0, 0.0) } else { u_n };
+        // The mean of two positive numbers: halves first, their sum could overflow; but a halved denormal could vanish.
+        let mean = max(0.5 * u_n + 0.5 * from, f64::from_bits(1));
+        let fill = if finite { 0.0 } else { f64::NAN };
+        closed_u_n.0[i] = if closed { u_n } else { fill };
+        middle.0[i] = if closed { mean } else { 0.0 };
+        end_x[i] = u_x + fill;
+        end_y[i] = u_y + fill;
+        end_n[i] = u_n + fill;
+        n_open += u64::from(u_n0 < 0.0);
+    }
+    n_open > 0
+}
+
+/// A block of points. Every slice has the block's length.
+pub(crate) struct Block<'a> {
+    pub(crate) jump: [&'a [f64]; 3],
+    pub(crate) begin: [&'a [f64]; 5],
+    pub(crate) mu: &'a [f64],
+    /// Interferences from [`Start`].
+    pub(crate) u_n: &'a Lanes<f64>,
+    /// Some point of the block was open at its begin state.
+    pub(crate) reopens: bool,
+    pub(crate) curves: &'a CurveBlock,
+    pub(crate) sticking: Sticking,
+    pub(crate) workspace: &'a mut Workspace,
+    /// What the end state remembers beside the jump.
+    pub(crate) memory: [&'a mut [f64]; 2],
+    pub(crate) traction: [&'a mut [f64]; 3],
+    /// Row by row.
+    pub(crate) tangent: Option<[&'a mut [f64]; 9]>,
+    pub(crate) regimes: Option<&'a mut [Regime]>,
+}
+
+/// Numbers between the passes over a block.
+pub(crate) struct Workspace {
+    /// Stuck trial along x and y with its derivatives along the direction itself and along `u_n`.
+    trial: [Lanes<f64>; 2],
+    along: [Lanes<f64>; 2],
+    closing: [Lanes<f64>; 2],
+    /// Share of the path that is closed, and its derivative along `u_n`.
+    share: Lanes<f64>,
+    share_slope: Lanes<f64>,
+    /// Elastic stretch that sticking would leave, and its derivative along `u_n`. Only for [`POTENTIAL`].
+    stretch: [Lanes<f64>; 2],
+    stretch_slope: [Lanes<f64>; 2],
+    /// Direction of slip, zero without slip.
+    direction: [Lanes<f64>; 2],
+    /// Traction over trial, and one over the length of the trial.
+    ratio: Lanes<f64>,
+    per_trial: Lanes<f64>,
+    regime: Lanes<u64>,
+    /// Sum of the regimes.
+    sum: u64,
+}
+
+impl Workspace {
+    pub(crate) fn new() -> Self {
+        let zero = Lanes([0.0; BLOCK]);
+        Self {
+            trial: [zero; 2],
+            along: [zero; 2],
+            closing: [zero; 2],
+            share: zero,
+            share_slope: zero,
+            stretch: [zero; 2],
+            stretch_slope: [zero; 2],
+            direction: [zero; 2],
+            ratio: zero,
+            per_trial: zero,
+            regime: Lanes([0; BLOCK]),
+            sum: 0,
+        }
+    }
+}
+
+impl Block<'_> {
+    /// Tractions and all else of the block.
+    pub(crate) fn respond<const RULE: u8>(mut self) -> RegimeCounts {
+        let n = self.mu.len();
+        run(Trial::<RULE>(&mut self));
+        run(Limit::<RULE>(&mut self));
+        if self.tangent.is_some() {
+            run(Tangent::<RULE>(&mut self));
+        }
+        if let Some(regimes) = self.regimes {
+            for (regime, &code) in regimes.iter_mut().zip(&self.workspace.regime.0[..n]) {
+                *regime = if code == STICK {
+                    Regime::Stick
+                } else if code == SLIP {
+                    Regime::Slip
+                } else if code == OPEN {
+                    Regime::Open
+                } else {
+                    Regime::Invalid
+                };
+            }
+        }
+        let sum = self.workspace.sum;
+        RegimeCounts {
+            stick: count(sum, STICK),
+            slip: count(sum, SLIP),
+            open: count(sum, OPEN),
+            invalid: count(sum, INVALID),
+        }
+    }
+}
+
+/// Regimes as numbers that add up to the counts of a block: one digit of base 2^16 for each.
+const STICK: u64 = 1;
+const SLIP: u64 = 1 << 16;
+const OPEN: u64 = 1 << 32;
+const INVALID: u64 = 1 << 48;
+
+/// How many points of one regime are in a sum of regimes.
+fn count(sum: u64, regime: u64) -> usize {
+    (sum / regime % (1 << 16)) as usize
+}
+
+/// Stuck trials.
+struct Trial<'a, 'b, const RULE: u8>(&'a mut Block<'b>);
+
+impl<const RULE: u8> Pass for Trial<'_, '_, RULE> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let block = self.0;
+        let [u_x, u_y, u_n] = block.jump;
+        let [u_x0, u_y0, u_n0, memory_x, memory_y] = block.begin;
+        let Workspace {
+            trial: [trial_x, trial_y],
+            along: [along_x, along_y],
+            closing: [closing_x, closing_y],
+            stretch: [stretch_x, stretch_y],
+            stretch_slope: [stretch_slope_x, stretch_slope_y],
+            share,
+            share_slope,
+            ..
+        } = &mut *block.workspace;
+        let (k, slope, curvature) = (
+            &block.curves.tangential,
+            &block.curves.tangential_slope,
+            &block.curves.tangential_curvature,
+        );
+        if block.reopens {
+            shares(u_n, u_n0, share, share_slope);
+            trials::<RULE, true>(
+                u_x,
+                u_x0,
+                u_n,
+                u_n0,
+                memory_x,
+                &k[0],
+                &slope[0],
+                &curvature[0],
+                share,
+                share_slope,
+                trial_x,
+                along_x,
+                closing_x,
+                stretch_x,
+                stretch_slope_x,
+            );
+            trials::<RULE, true>(
+                u_y,
+                u_y0,
+                u_n,
+                u_n0,
+                memory_y,
+                &k[1],
+                &slope[1],
+                &curvature[1],
+                share,
+                share_slope,
+                trial_y,
+                along_y,
+                closing_y,
+                stretch_y,
+                stretch_slope_y,
+            );
+        } else {
+            if RULE == POTENTIAL {
+                share.0 = [1.0; BLOCK];
+            }
+            trials::<RULE, false>(
+                u_x,
+                u_x0,
+                u_n,
+                u_n0,
+                memory_x,
+                &k[0],
+                &slope[0],
+                &curvature[0],
+                share,
+                share_slope,
+                trial_x,
+                along_x,
+                closing_x,
+                stretch_x,
+                stretch_slope_x,
+            );
+            trials::<RULE, false>(
+                u_y,
+                u_y0,
+                u_n,
+                u_n0,
+                memory_y,
+                &k[1],
+                &slope[1],
+                &curvature[1],
+                share,
+                share_slope,
+                trial_y,
+                along_y,
+                closing_y,
+                stretch_y,
+                stretch_slope_y,
+            );
+        }
+    }
+}
+
+/// Share of each path that is closed, and its derivative with respect to `u_n`.
+#[inline(always)]
+fn shares(u_n: &[f64], u_n0: &[f64], share: &mut Lanes<f64>, share_slope: &mut Lanes<f64>) {
+    let n = u_n.len().min(BLOCK);
+    let (u_n, u_n0) = (&u_n[..n], &u_n0[..n]);
+    for i in 0..n {
+        let (path, reopened) = (u_n[i] - u_n0[i], u_n0[i] < 0.0);
+        let closed = u_n[i] / path;
+        share.0[i] = if reopened { closed } else { 1.0 };
+        share_slope.0[i] = if reopened { bounded((1.0 - closed) / path) } else { 0.0 };
+    }
+}
+
+/// Stuck trials along one direction.
+#[inline(always)]
+fn trials<const RULE: u8, const REOPENS: bool>(
+    u: &[f64],
+    u_0: &[f64],
+    u_n: &[f64],
+    u_n0: &[f64],
+    memory: &[f64],
+    k: &Lanes<f64>,
+    k_slope: &Lanes<f64>,
+    k_curvature: &Lanes<f64>,
+    share: &Lanes<f64>,
+    share_slope: &Lanes<f64>,
+    trial: &mut Lanes<f64>,
+    along: &mut Lanes<f64>,
+    closing: &mut Lanes<f64>,
+    stretch: &mut Lanes<f64>,
+    stretch_slope: &mut Lanes<f64>,
+) {
+    let n = u.len().min(BLOCK);
+    let (u, u_0, u_n, u_n0, memory) = (&u[..n], &u_0[..n], &u_n[..n], &u_n0[..n], &memory[..n]);
+    for i in 0..n {
+        let (k, k_slope) = (bounded(k.0[i]), bounded(k_slope.0[i]));
+        let du = bounded(u[i] - u_0[i]);
+        let path = u_n[i] - u_n0[i];
+        let (share, share_slope) = if REOPENS {
+            (share.0[i], share_slope.0[i])
+        } else {
+            (1.0, 0.0)
+        };
+        match RULE {
+            INCREMENTAL => {
+                trial.0[i] = within(memory[i], TRACTION) + share * k * du;
+                along.0[i] = share * k;
+                closing.0[i] = (bounded(k * share_slope) + 0.5 * share * k_slope) * du;
+            }
+            PAPER => {
+                let (du_n, u) = (bounded(path), bounded(u[i]));
+                let change = bounded(k_slope * du_n);
+                trial.0[i] = within(memory[i], TRACTION) + k * du + change * u;
+                along.0[i] = k + change;
+                closing.0[i] = k_slope * du + (k_slope + bounded(bounded(k_curvature.0[i]) * du_n)) * u;
+            }
+            _ => {
+                let e = within(memory[i] + share * du, STRETCH);
+                let e_slope = within(share_slope * du, STRETCH);
+                trial.0[i] = k * e;
+                along.0[i] = share * k;
+                closing.0[i] = k_slope * e + k * e_slope;
+                stretch.0[i] = e;
+                stretch_slope.0[i] = e_slope;
+            }
+        }
+    }
+}
+
+/// Slip limit, tractions and end state.
+struct Limit<'a, 'b, const RULE: u8>(&'a mut Block<'b>);
+
+impl<const RULE: u8> Pass for Limit<'_, '_, RULE> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let block = self.0;
+        let unlimited = block.sticking == Sticking::Full;
+        let [end_1, end_2] = &mut block.memory;
+        let [traction_x, traction_y, traction_n] = &mut block.traction;
+        let Workspace {
+            trial: [trial_x, trial_y],
+            stretch: [stretch_x, stretch_y],
+            direction: [direction_x, direction_y],
+            ratio,
+            per_trial,
+            regime,
+            sum,
+            ..
+        } = &mut *block.workspace;
+        *sum = limits(
+            unlimited,
+            block.mu,
+            block.u_n,
+            &block.curves.normal,
+            trial_x,
+            trial_y,
+            direction_x,
+            direction_y,
+            ratio,
+            per_trial,
+            regime,
+        );
+        tractions::<RULE>(
+            unlimited,
+            block.mu,
+            block.u_n,
+            block.curves,
+            trial_x,
+            trial_y,
+            stretch_x,
+            stretch_y,
+            direction_x,
+            direction_y,
+            ratio,
+            regime,
+            traction_x,
+            traction_y,
+            traction_n,
+            end_1,
+            end_2,
+        );
+    }
+}
+
+/// Regimes, and where points slip the direction and what is left of the trial, eq. (20).
+#[inline(always)]
+fn limits(
+    unlimited: bool,
+    mu: &[f64],
+    u_n: &Lanes<f64>,
+    normal: &Lanes<f64>,
+    trial_x: &Lanes<f64>,
+    trial_y: &Lanes<f64>,
+    direction_x: &mut Lanes<f64>,
+    direction_y: &mut Lanes<f64>,
+    ratio: &mut Lanes<f64>,
+    per_trial: &mut Lanes<f64>,
+    regime: &mut Lanes<u64>,
+) -> u64 {
+    let n = mu.len().min(BLOCK);
+    let mu = &mu[..n];
+    let mut sum = 0;
+    for i in 0..n {
+        let (x, y, scale) = scaled(trial_x.0[i], trial_y.0[i]);
+        let coulomb = mu[i] * bounded(normal.0[i]);
+        let limit = if unlimited { f64::MAX } else { coulomb };
+        let sticks = (x * x + y * y <= (limit * scale) * (limit * scale)) & (limit > 0.0);
+        let code = if sticks { STICK } else { SLIP };
+        let code = if u_n.0[i] > 0.0 { code } else { OPEN };
+        let code = if u_n.0[i].is_nan() { INVALID } else { code };
+        regime.0[i] = code;
+        sum += code;
+        direction_x.0[i] = 0.0;
+        direction_y.0[i] = 0.0;
+        per_trial.0[i] = 0.0;
+        ratio.0[i] = 1.0;
+    }
+    if count(sum, SLIP) == 0 {
+        return sum;
+    }
+    for i in 0..n {
+        let (x, y, scale) = scaled(trial_x.0[i], trial_y.0[i]);
+        let limit = mu[i] * bounded(normal.0[i]);
+        // A limit of zero leaves nothing to differentiate and needs no direction.
+        let directed = (regime.0[i] == SLIP) & (limit > 0.0);
+        let length = (x * x + y * y).sqrt();
+        let per_length = if directed { 1.0 / length } else { 0.0 };
+        direction_x.0[i] = x * per_length;
+        direction_y.0[i] = y * per_length;
+        per_trial.0[i] = per_length * scale;
+        ratio.0[i] = if regime.0[i] == SLIP {
+            limit * scale * per_length
+        } else {
+            1.0
+        };
+    }
+    sum
+}
+
+/// A trial in a power of two of its unit in which squares neither overflow nor underflow, and that power.
+#[inline(always)]
+fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
+    let largest = max(x.abs(), y.abs());
+    let small = if largest < 1e-140 { UP } else { 1.0 };
+    let scale = if largest > 1e140 { DOWN } else { small };
+    (x * scale, y * scale, scale)
+}
+
+/// Tractions and what the end state remembers of them.
+#[inline(always)]
+fn tractions<const RULE: u8>(
+    unlimited: bool,
+    mu: &[f64],
+    u_n: &Lanes<f64>,
+    curves: &CurveBlock,
+    trial_x: &Lanes<f64>,
+    trial_y: &Lanes<f64>,
+    stretch_x: &Lanes<f64>,
+    stretch_y: &Lanes<f64>,
+    direction_x: &Lanes<f64>,
+    direction_y: &Lanes<f64>,
+    ratio: &Lanes<f64>,
+    regime: &Lanes<u64>,
+    traction_x: &mut [f64],
+    traction_y: &mut [f64],
+    traction_n: &mut [f64],
+    end_1: &mut [f64],
+    end_2: &mut [f64],
+) {
+    let n = mu.len().min(BLOCK);
+    let mu = &mu[..n];
+    let (traction_x, traction_y, traction_n) = (&mut traction_x[..n], &mut traction_y[..n], &mut traction_n[..n]);
+    let (end_1, end_2) = (&mut end_1[..n], &mut end_2[..n]);
+    let [k_slope_x, k_slope_y] = &curves.tangential_slope;
+    for i in 0..n {
+        let normal = bounded(curves.normal.0[i]);
+        let limit = if unlimited { 0.0 } else { mu[i] * normal };
+        let sticks = regime.0[i] == STICK;
+        let t_x = if sticks { trial_x.0[i] } else { limit * direction_x.0[i] };
+        let t_y = if sticks { trial_y.0[i] } else { limit * direction_y.0[i] };
+        let (mut t_n, mut memory_1, mut memory_2) = (normal, t_x, t_y);
+        if RULE == POTENTIAL {
+            memory_1 = ratio.0[i] * stretch_x.0[i];
+            memory_2 = ratio.0[i] * stretch_y.0[i];
+            let twice = bounded(k_slope_x.0[i]) * memory_1 * memory_1 + bounded(k_slope_y.0[i]) * memory_2 * memory_2;
+            t_n = within(normal + 0.5 * twice, TRACTION);
+        }
+        let closed = u_n.0[i] > 0.0;
+        // Zero, or NaN where the input is no number.
+        let fill = 0.0 * u_n.0[i];
+        traction_x[i] = if closed { t_x } else { fill };
+        traction_y[i] = if closed { t_y } else { fill };
+        traction_n[i] = if closed { t_n } else { fill };
+        end_1[i] = if closed { memory_1 } else { fill };
+        end_2[i] = if closed { memory_2 } else { fill };
+    }
+}
+
+/// Consistent tangent: with the direction of slip `d`, `t = limit d`, so
+/// `dt = (limit/|trial|) (I - d d) d(trial) + mu t_n' d du_n`.
+struct Tangent<'a, 'b, const RULE: u8>(&'a mut Block<'b>);
+
+impl<const RULE: u8> Pass for Tangent<'_, '_, RULE> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let block = self.0;
+        let Some([xx, xy, xn, yx, yy, yn, nx, ny, nn]) = &mut block.tangent else {
+            return;
+        };
+        tangents(
+            block.mu,
+            block.u_n,
+            block.curves,
+            block.workspace,
+            xx,
+            xy,
+            xn,
+            yx,
+            yy,
+            yn,
+        );
+        normal_tangents::<RULE>(block.mu, block.u_n, block.curves, block.workspace, nx, ny, nn);
+    }
+}
+
+/// Rows of the tangential tractions.
+#[inline(always)]
+fn tangents(
+    mu: &[f64],
+    u_n: &Lanes<f64>,
+    curves: &CurveBlock,
+    workspace: &Workspace,
+    xx: &mut [f64],
+    xy: &mut [f64],
+    xn: &mut [f64],
+    yx: &mut [f64],
+    yy: &mut [f64],
+    yn: &mut [f64],
+) {
+    let n = mu.len().min(BLOCK);
+    let mu = &mu[..n];
+    let (xx, xy, xn) = (&mut xx[..n], &mut xy[..n], &mut xn[..n]);
+    let (yx, yy, yn) = (&mut yx[..n], &mut yy[..n], &mut yn[..n]);
+    let ([along_x, along_y], [closing_x, closing_y]) = (&workspace.along, &workspace.closing);
+    let [direction_x, direction_y] = &workspace.direction;
+    for i in 0..n {
+        let (along_x, along_y, closing_x, closing_y) = (along_x.0[i], along_y.0[i], closing_x.0[i], closing_y.0[i]);
+        let (d_x, d_y, ratio) = (direction_x.0[i], direction_y.0[i], workspace.ratio.0[i]);
+        let sticks = workspace.regime.0[i] == STICK;
+        let across_x = if sticks { 1.0 } else { ratio * d_y * d_y };
+        let across_y = if sticks { 1.0 } else { ratio * d_x * d_x };
+        let mixed = -(ratio * d_x * d_y);
+        let slip_slope = mu[i] * bounded(curves.normal_slope.0[i]);
+        let closed = u_n.0[i] > 0.0;
+        let fill = 0.0 * u_n.0[i];
+        let with_x_n = across_x * closing_x + mixed * closing_y + slip_slope * d_x;
+        let with_y_n = mixed * closing_x + across_y * closing_y + slip_slope * d_y;
+        xx[i] = if closed { across_x * along_x } else { fill };
+        xy[i] = if closed { mixed * along_y } else { fill };
+        xn[i] = if closed { with_x_n } else { fill };
+        yx[i] = if closed { mixed * along_x } else { fill };
+        yy[i] = if closed { across_y * along_y } else { fill };
+        yn[i] = if closed { with_y_n } else { fill };
+    }
+}
+
+/// Row of the normal traction.
+#[inline(always)]
+fn normal_tangents<const RULE: u8>(
+    mu: &[f64],
+    u_n: &Lanes<f64>,
+    curves: &CurveBlock,
+    workspace: &Workspace,
+    nx: &mut [f64],
+    ny: &mut [f64],
+    nn: &mut [f64],
+) {
+    let n = mu.len().min(BLOCK);
+    let mu = &mu[..n];
+    let (nx, ny, nn) = (&mut nx[..n], &mut ny[..n], &mut nn[..n]);
+    let ([along_x, along_y], [closing_x, closing_y]) = (&workspace.along, &workspace.closing);
+    let ([stretch_x, stretch_y], [direction_x, direction_y]) = (&workspace.stretch, &workspace.direction);
+    let [stretch_slope_x, stretch_slope_y] = &workspace.stretch_slope;
+    let [k_slope_x, k_slope_y] = &curves.tangential_slope;
+    let [k_curvature_x, k_curvature_y] = &curves.tangential_curvature;
+    for i in 0..n {
+        let slope = bounded(curves.normal_slope.0[i]);
+        let (mut row_x, mut row_y, mut row_n) = (0.0, 0.0, slope);
+        if RULE == POTENTIAL {
+            // The held stretch is `ratio` times the trial's; `ratio` changes with the limit and with |trial|.
+            let (ratio, share, per_trial) = (workspace.ratio.0[i], workspace.share.0[i], workspace.per_trial.0[i]);
+            let (d_x, d_y) = (direction_x.0[i], direction_y.0[i]);
+            let (held_x, held_y) = (ratio * stretch_x.0[i], ratio * stretch_y.0[i]);
+            let (weight_x, weight_y) = (bounded(k_slope_x.0[i]) * held_x, bounded(k_slope_y.0[i]) * held_y);
+            let turn = weight_x * stretch_x.0[i] + weight_y * stretch_y.0[i];
+            let limit_slope = if workspace.regime.0[i] == STICK {
+                0.0
+            } else {
+                mu[i] * slope
+            };
+            let along_slip = ratio * (d_x * closing_x.0[i] + d_y * closing_y.0[i]);
+            let bend = bounded(k_curvature_x.0[i]) * held_x * held_x + bounded(k_curvature_y.0[i]) * held_y * held_y;
+            let stretching = ratio * (weight_x * stretch_slope_x.0[i] + weight_y * stretch_slope_y.0[i]);
+            row_x = ratio * share * weight_x - turn * bounded(ratio * d_x * along_x.0[i] * per_trial);
+            row_y = ratio * share * weight_y - turn * bounded(ratio * d_y * along_y.0[i] * per_trial);
+            row_n += 0.5 * bend + stretching + turn * bounded((limit_slope - along_slip) * per_trial);
+            row_x = within(row_x, TRACTION);
+            row_y = within(row_y, TRACTION);
+            row_n = within(row_n, TRACTION);
+        }
+        let closed = u_n.0[i] > 0.0;
+        let fill = 0.0 * u_n.0[i];
+        nx[i] = if closed { row_x } else { fill };
+        ny[i] = if closed { row_y } else { fill };
+        nn[i] = if closed { row_n } else { fill };
+    }
+}
+
+/// 2^-600 and 2^600.
+const DOWN: f64 = f64::from_bits((1023 - 600) << 52);
+const UP: f64 = f64::from_bits((1023 + 600) << 52);
+
+/// Bounds of tractions (Pa) and of stretches (m).
+const TRACTION: f64 = 1e300;
+const STRETCH: f64 = 1e75;
+
+/// Cuts a number to a bound; what is no number becomes the bound.
+#[inline(always)]
+fn within(value: f64, bound: f64) -> f64 {
+    max(min(value, bound), -bound)
+}
+
+/// Cuts a number so that the product of two such numbers is finite.
+#[inline(always)]
+fn bounded(value: f64) -> f64 {
+    within(value, 1e150)
+}
+
+#[inline(always)]
+fn is_finite<const N: usize>(values: [f64; N]) -> bool {
+    let mut sum = 0.0;
+    for value in values {
+        sum += value * 0.0;
+    }
+    sum == 0.0
+}
