@@ -17,6 +17,7 @@
 //! | [`RoughLaw`] | fitted curves, eqs. (28), (29) | [`rough`] |
 //! | [`TableLaw`] | table made from any of the others | [`table`] |
 //! | [`ElasticDryFriction`] | constant stiffnesses | [`elastic_dry_friction`] |
+//! | [`MindlinIwan`] | any of the above, with microslip | [`mindlin_iwan`] |
 //!
 //! Equation numbers are those of the method paper listed in each law's [`LawInfo`].
 
@@ -40,6 +41,7 @@ pub mod law;
 #[cfg(not(feature = "std"))]
 mod math;
 pub mod mindlin;
+pub mod mindlin_iwan;
 mod parameters;
 mod return_map;
 pub mod rough;
@@ -66,6 +68,7 @@ pub use law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
 };
+pub use mindlin_iwan::MindlinIwan;
 pub use parameters::PointParameters;
 pub use rough::{FittedCurves, NormalFit, RoughLaw, TangentialEnds, TangentialFit};
 pub use rough_points::FittedPoints;

@@ -4,6 +4,7 @@ mod closed_forms;
 mod fits;
 mod friction;
 mod invariants;
+mod mindlin_iwan;
 mod tables;
 
 use crate::*;
