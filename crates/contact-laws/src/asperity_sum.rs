@@ -231,6 +231,13 @@ impl GapDistribution {
         }
     }
 
+    /// Start (m), width (m) and probability of every piece, ascending.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+        self.pieces
+            .iter()
+            .map(|piece| (piece.start, piece.width, piece.probability))
+    }
+
     /// Number of pieces that begin below `u`.
     fn n_loaded(&self, u: f64) -> usize {
         self.pieces.partition_point(|piece| piece.start < u)

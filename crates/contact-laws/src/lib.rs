@@ -16,6 +16,7 @@
 //! | [`AsperityLaw`] | sums over an asperity population | [`asperity_sum`] |
 //! | [`RoughLaw`] | fitted curves, eqs. (28), (29) | [`rough`] |
 //! | [`TableLaw`] | table made from any of the others | [`table`] |
+//! | [`GreenwoodWilliamsonLaw`] | closed forms for exponential and Gaussian heights | [`greenwood_williamson`] |
 //! | [`ElasticDryFriction`] | constant stiffnesses | [`elastic_dry_friction`] |
 //! | [`MindlinIwan`] | any of the above, with microslip | [`mindlin_iwan`] |
 //!
@@ -36,6 +37,7 @@ pub mod elastic_dry_friction;
 mod elementary;
 mod error;
 pub mod friction;
+pub mod greenwood_williamson;
 pub mod hertz;
 pub mod law;
 #[cfg(not(feature = "std"))]
@@ -57,12 +59,16 @@ pub mod workload;
 #[cfg(test)]
 mod tests;
 
+pub use adhesion::Adhesion;
 pub use asperity_sum::{AsperityLaw, AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};
 pub use curves::{ContactCurves, CurveBlock, CurvesInfo, Exponents, Jet, PointCurves};
 pub use elastic_dry_friction::{ElasticCurves, ElasticDryFriction};
 pub use elementary::Real;
 pub use error::{Error, Place};
 pub use friction::{FrictionalLaw, HistoryRule};
+pub use greenwood_williamson::{
+    GreenwoodWilliamsonCurves, GreenwoodWilliamsonLaw, GreenwoodWilliamsonSurface, HeightDistribution,
+};
 pub use hertz::ElasticPair;
 pub use law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,

@@ -10,6 +10,7 @@ pub(crate) trait Float {
     fn powf(self, exponent: Self) -> Self;
     fn powi(self, exponent: i32) -> Self;
     fn hypot(self, other: Self) -> Self;
+    fn atan(self) -> Self;
 }
 
 impl Float for f64 {
@@ -43,5 +44,9 @@ impl Float for f64 {
 
     fn hypot(self, other: Self) -> Self {
         libm::hypot(self, other)
+    }
+
+    fn atan(self) -> Self {
+        libm::atan(self)
     }
 }

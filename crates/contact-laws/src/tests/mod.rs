@@ -1,8 +1,10 @@
+mod adhesion;
 mod asperities;
 mod authors_points;
 mod closed_forms;
 mod fits;
 mod friction;
+mod greenwood_williamson;
 mod invariants;
 mod mindlin_iwan;
 mod tables;
