@@ -1,0 +1,274 @@
+//! What stands between a caller in C and the laws: checks of pointers and codes, messages, and the stop for panics.
+
+use core::ffi::c_char;
+use core::fmt::{self, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Why a call was refused.
+#[derive(Debug)]
+pub(crate) enum Error {
+    Null {
+        argument: &'static str,
+    },
+    Misaligned {
+        argument: &'static str,
+        bytes: usize,
+    },
+    /// More bytes than memory has.
+    TooLong {
+        argument: &'static str,
+    },
+    Overlap {
+        arguments: [&'static str; 2],
+    },
+    NoPoints,
+    TooManyPoints {
+        n_points: usize,
+    },
+    Sets {
+        argument: &'static str,
+        n_sets: usize,
+        n_points: usize,
+    },
+    Points {
+        first: usize,
+        count: usize,
+        n_points: usize,
+    },
+    Stride {
+        stride: usize,
+        count: usize,
+    },
+    Code {
+        argument: &'static str,
+        code: i32,
+        allowed: &'static str,
+    },
+    Parameters {
+        set: usize,
+        error: contact_laws::Error,
+    },
+    Law(contact_laws::Error),
+}
+
+impl From<contact_laws::Error> for Error {
+    fn from(error: contact_laws::Error) -> Self {
+        Self::Law(error)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Null { argument } => write!(f, "{argument} is NULL"),
+            Error::Misaligned { argument, bytes } => {
+                write!(
+                    f,
+                    "{argument} is not aligned to {bytes} bytes: it is not an array of its type"
+                )
+            }
+            Error::TooLong { argument } => {
+                write!(
+                    f,
+                    "{argument} would reach beyond the memory: check the numbers of entries and the stride"
+                )
+            }
+            Error::Overlap { arguments: [a, b] } => write!(f, "{a} and {b} overlap: give arrays of their own"),
+            Error::NoPoints => write!(f, "n_points = 0: a law needs at least one point"),
+            Error::TooManyPoints { n_points } => {
+                write!(
+                    f,
+                    "n_points = {n_points}: at most {} fit in a law, make several",
+                    u32::MAX
+                )
+            }
+            Error::Sets {
+                argument,
+                n_sets,
+                n_points,
+            } => write!(
+                f,
+                "{argument} = {n_sets}: must be 1 or the number of points, {n_points}"
+            ),
+            Error::Points { first, count, n_points } => write!(
+                f,
+                "{count} points from point {first} on: the law has {n_points} points, counted from 0"
+            ),
+            Error::Stride { stride, count } => write!(
+                f,
+                "stride = {stride}: must be at least the {count} points of the call, it is the distance between the \
+                 state components of a point"
+            ),
+            Error::Code {
+                argument,
+                code,
+                allowed,
+            } => write!(f, "{argument} = {code}: must be {allowed}"),
+            Error::Parameters { set, error } => write!(f, "parameter set {set} (counted from 0): {error}"),
+            Error::Law(error) => error.fmt(f),
+        }
+    }
+}
+
+/// Runs the body of an exported function. A refusal or a panic becomes a message in the caller's buffer and `None`.
+///
+/// # Safety
+/// `message` is NULL or points to `capacity` bytes that may be written.
+pub(crate) unsafe fn guarded<T>(
+    message: *mut c_char,
+    capacity: usize,
+    body: impl FnOnce() -> Result<T, Error>,
+) -> Option<T> {
+    // Whatever the body was doing when it panicked is dropped or belongs to the caller, who is told.
+    let refusal = match catch_unwind(AssertUnwindSafe(body)) {
+        Ok(Ok(value)) => return Some(value),
+        Ok(Err(error)) => Refusal::Error(error),
+        Err(payload) => Refusal::Panic(match payload.downcast::<String>() {
+            Ok(text) => *text,
+            Err(other) => other
+                .downcast::<&str>()
+                .map_or("no message".into(), |text| (*text).into()),
+        }),
+    };
+    if !message.is_null() && capacity > 0 {
+        // SAFETY: neither NULL nor of no length, and the caller of this function vouches for the bytes.
+        let bytes = unsafe { core::slice::from_raw_parts_mut(message.cast::<u8>(), capacity.min(MOST_BYTES)) };
+        write_message(bytes, &refusal);
+    }
+    None
+}
+
+/// Longest message, so that no capacity, however wrong, makes a slice larger than any memory.
+const MOST_BYTES: usize = 4096;
+
+enum Refusal {
+    Error(Error),
+    Panic(String),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refusal::Error(error) => error.fmt(f),
+            Refusal::Panic(text) => write!(f, "defect in contact-laws, results may be incomplete: {text}"),
+        }
+    }
+}
+
+/// As much of the text as fits, ended by a zero.
+fn write_message(bytes: &mut [u8], text: &impl fmt::Display) {
+    let Some((end, room)) = bytes.split_last_mut() else {
+        return;
+    };
+    let mut cursor = Cursor { room, used: 0 };
+    // An error says only that the buffer is full.
+    let _ = write!(cursor, "{text}");
+    let Cursor { room, used } = cursor;
+    *room.get_mut(used).unwrap_or(end) = 0;
+}
+
+struct Cursor<'a> {
+    room: &'a mut [u8],
+    used: usize,
+}
+
+impl Write for Cursor<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let left = &mut self.room[self.used..];
+        let n = text.floor_char_boundary(left.len());
+        left[..n].copy_from_slice(&text.as_bytes()[..n]);
+        self.used += n;
+        if n < text.len() { Err(fmt::Error) } else { Ok(()) }
+    }
+}
+
+/// Whether an array of `len` entries can begin at `pointer`.
+pub(crate) fn check<T>(argument: &'static str, pointer: *const T, len: usize) -> Result<(), Error> {
+    if pointer.is_null() {
+        return Err(Error::Null { argument });
+    }
+    if !pointer.is_aligned() {
+        return Err(Error::Misaligned {
+            argument,
+            bytes: align_of::<T>(),
+        });
+    }
+    let fits = len
+        .checked_mul(size_of::<T>())
+        .is_some_and(|bytes| bytes <= isize::MAX as usize && pointer.addr().checked_add(bytes).is_some());
+    if fits { Ok(()) } else { Err(Error::TooLong { argument }) }
+}
+
+/// The caller's `len` numbers at `pointer`.
+///
+/// # Safety
+/// If `pointer` is neither NULL nor misaligned, `len` entries can be read there and nobody writes to them during `'a`.
+pub(crate) unsafe fn array<'a, T>(argument: &'static str, pointer: *const T, len: usize) -> Result<&'a [T], Error> {
+    check(argument, pointer, len)?;
+    // SAFETY: not NULL, aligned, no longer than memory; the rest is the caller's promise.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, len) })
+}
+
+/// The caller's `rows` times `len` numbers at `pointer`, row by row.
+///
+/// # Safety
+/// As for [`array`], with `rows * len` entries.
+pub(crate) unsafe fn rows<'a, const ROWS: usize>(
+    argument: &'static str,
+    pointer: *const f64,
+    len: usize,
+) -> Result<[&'a [f64]; ROWS], Error> {
+    let total = ROWS.checked_mul(len).ok_or(Error::TooLong { argument })?;
+    // SAFETY: the caller's promise.
+    let all = unsafe { array(argument, pointer, total) }?;
+    Ok(core::array::from_fn(|row| &all[row * len..][..len]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_are_cut_between_characters_and_always_ended() {
+        for (capacity, expected) in [(1, &b"\0"[..]), (2, b"a\0"), (3, b"a\0"), (4, "aß\0".as_bytes())] {
+            let mut bytes = vec![b'#'; capacity];
+            write_message(&mut bytes, &"aßcd");
+            assert_eq!(&bytes[..expected.len()], expected, "{capacity}");
+        }
+        let mut bytes = [b'#'; 8];
+        write_message(&mut bytes, &"abc");
+        assert_eq!(&bytes, b"abc\0####");
+    }
+
+    #[test]
+    fn arrays_that_cannot_be_are_refused() {
+        let numbers = [0.0_f64; 4];
+        let inside = numbers.as_ptr().cast::<u8>().wrapping_add(1).cast::<f64>();
+        let text = |result: Result<(), Error>| result.unwrap_err().to_string();
+        assert_eq!(text(check::<f64>("a", core::ptr::null(), 1)), "a is NULL");
+        assert!(text(check("a", inside, 1)).contains("aligned to 8"));
+        for len in [usize::MAX, usize::MAX / 8, isize::MAX as usize / 8 + 1] {
+            assert!(
+                text(check("a", numbers.as_ptr(), len)).contains("beyond the memory"),
+                "{len}"
+            );
+        }
+        let top = core::ptr::without_provenance::<f64>(usize::MAX - 7);
+        assert!(text(check("a", top, 1)).contains("beyond the memory"));
+        assert!(check("a", numbers.as_ptr(), 4).is_ok());
+    }
+
+    #[test]
+    fn panics_become_messages() {
+        let mut bytes = [0_u8; 200];
+        // SAFETY: the buffer has the length given.
+        let outcome = unsafe {
+            guarded(bytes.as_mut_ptr().cast(), bytes.len(), || -> Result<(), Error> {
+                panic!("number {}", 7)
+            })
+        };
+        assert!(outcome.is_none());
+        let text = core::ffi::CStr::from_bytes_until_nul(&bytes).unwrap().to_str().unwrap();
+        assert!(text.contains("defect") && text.ends_with("number 7"), "{text}");
+    }
+}

@@ -1,0 +1,290 @@
+//! The functions that make laws.
+
+use core::ffi::c_char;
+
+use contact_laws::{
+    AsperityPopulation, AsperitySumCurves, ElasticCurves, ElasticDryFriction, ElasticPair, FittedCurves,
+    GapDistribution, HistoryRule, NormalFit, PointParameters, RoughLaw, TableLaw, TableOptions, Tabulated,
+    TangentialEnds, TangentialFit, TangentialReading,
+};
+
+use crate::boundary::{Error, array, guarded, rows};
+use crate::{
+    CL_ENDS_CONSTANT, CL_ENDS_MINDLIN, CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_READING_MINDLIN, CL_READING_PAPER,
+    Law,
+};
+
+/// Rough contact by fitted curves (eqs. 28 and 29 of Balaji, Chen and Brake 2020) with friction. With
+/// U = u_n / u_ref and natural logarithms, ln(t_n / 1 Pa) = a + b ln U + c exp(-((ln U + d)/e)^2 / 2) and
+/// ln(k / 1 Pa/m) = a + b tanh(d (ln U - c)), k apart for x and y.
+///
+/// - n_points: number of points of the law, at least 1.
+/// - normal: a, b, c, d, e of the normal traction, 5 x n_sets numbers, parameter by parameter.
+/// - tangential_x, tangential_y: a, b, c, d of the tangential stiffnesses, 4 x n_sets numbers each, stored alike.
+/// - u_ref: reference interference (m), n_sets numbers.
+/// - ranges: fitted ranges (m), 6 x n_sets numbers: lower and upper end of the normal fit, of the fit along x, of the
+///   fit along y. Beyond them the curves go on smoothly. NULL: the formulas hold everywhere.
+/// - n_sets: 1 (the same for all points) or n_points (one set per point).
+/// - ends: CL_ENDS_MINDLIN or CL_ENDS_CONSTANT; without effect where ranges is NULL.
+/// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
+/// - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER.
+/// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+///
+/// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
+///
+/// # Safety
+/// Pointers that are not NULL have the lengths stated.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cl_rough_law(
+    n_points: usize,
+    normal: *const f64,
+    tangential_x: *const f64,
+    tangential_y: *const f64,
+    u_ref: *const f64,
+    ranges: *const f64,
+    n_sets: usize,
+    ends: i32,
+    mu: *const f64,
+    n_mu: usize,
+    history: i32,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> *mut Law {
+    let make = || {
+        require_points(n_points)?;
+        require_sets("n_sets", n_sets, n_points)?;
+        // SAFETY: the lengths are the documented ones, for which the caller vouches.
+        let ([a, b, c, d, e], x, y, u_ref) = unsafe {
+            (
+                rows("normal", normal, n_sets)?,
+                rows::<4>("tangential_x", tangential_x, n_sets)?,
+                rows::<4>("tangential_y", tangential_y, n_sets)?,
+                array("u_ref", u_ref, n_sets)?,
+            )
+        };
+        let ranges = match ranges.is_null() {
+            true => None,
+            // SAFETY: as above.
+            false => Some(unsafe { rows::<6>("ranges", ranges, n_sets) }?),
+        };
+        let ends = match ends {
+            CL_ENDS_MINDLIN => TangentialEnds::Mindlin,
+            CL_ENDS_CONSTANT => TangentialEnds::Constant,
+            code => return Err(unknown("ends", code, "CL_ENDS_MINDLIN or CL_ENDS_CONSTANT")),
+        };
+        let curves = per_set(n_sets, n_points, |set| {
+            let range = |fit: usize| ranges.map(|r| [r[2 * fit][set], r[2 * fit + 1][set]]);
+            let tangential = |[a, b, c, d]: [&[f64]; 4], fit| TangentialFit {
+                a: a[set],
+                b: b[set],
+                c: c[set],
+                d: d[set],
+                u_ref: u_ref[set],
+                range: range(fit),
+                ends,
+            };
+            let normal = NormalFit {
+                a: a[set],
+                b: b[set],
+                c: c[set],
+                d: d[set],
+                e: e[set],
+                u_ref: u_ref[set],
+                range: range(0),
+            };
+            FittedCurves::try_new(normal, [tangential(x, 1), tangential(y, 2)])
+        })?;
+        // SAFETY: as above.
+        let mu = unsafe { friction(mu, n_mu, n_points) }?;
+        Ok(Law::new(RoughLaw::try_new(curves, mu, history_rule(history)?)?))
+    };
+    // SAFETY: the caller vouches for the message buffer.
+    hand_over(unsafe { guarded(message, message_capacity, make) })
+}
+
+/// Elastic dry friction: constant stiffnesses with the Coulomb limit.
+///
+/// - n_points: number of points of the law, at least 1.
+/// - k_n, k_x, k_y: normal and tangential stiffnesses per area (Pa/m), n_sets numbers each.
+/// - n_sets: 1 (the same for all points) or n_points (one set per point).
+/// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
+/// - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER; they differ only where an open point closes.
+/// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+///
+/// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
+///
+/// # Safety
+/// Pointers that are not NULL have the lengths stated.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cl_elastic_dry_friction_law(
+    n_points: usize,
+    k_n: *const f64,
+    k_x: *const f64,
+    k_y: *const f64,
+    n_sets: usize,
+    mu: *const f64,
+    n_mu: usize,
+    history: i32,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> *mut Law {
+    let make = || {
+        require_points(n_points)?;
+        require_sets("n_sets", n_sets, n_points)?;
+        // SAFETY: the lengths are the documented ones, for which the caller vouches.
+        let (k_n, k_x, k_y, mu) = unsafe {
+            (
+                array("k_n", k_n, n_sets)?,
+                array("k_x", k_x, n_sets)?,
+                array("k_y", k_y, n_sets)?,
+                friction(mu, n_mu, n_points)?,
+            )
+        };
+        let curves = per_set(n_sets, n_points, |set| {
+            ElasticCurves::try_new(k_n[set], [k_x[set], k_y[set]])
+        })?;
+        Ok(Law::new(ElasticDryFriction::try_new(
+            curves,
+            mu,
+            history_rule(history)?,
+        )?))
+    };
+    // SAFETY: the caller vouches for the message buffer.
+    hand_over(unsafe { guarded(message, message_capacity, make) })
+}
+
+/// Rough contact as the sum over a population of asperities of two equal elastic bodies (Hertz, Mindlin), tabulated,
+/// with friction. One population holds for all points.
+///
+/// - n_points: number of points of the law, at least 1.
+/// - probabilities, gaps: quantiles of the gap (m) of the asperity pairs when the surfaces just touch, n_quantiles
+///   numbers each; the probabilities rise from 0 to 1, the gaps do not fall and are not negative.
+/// - density: asperity pairs per area (1/m^2).
+/// - radius_x, radius_y: effective radii of the pairs (m).
+/// - youngs_modulus (Pa), poisson_ratio: the material.
+/// - reading: CL_READING_MINDLIN or CL_READING_PAPER, the tangential stiffness of an asperity.
+/// - range_lower, range_upper: interferences (m) between which the curves are tabulated, with a relative error of at
+///   most 1e-5 (normal) and 1e-4 (tangential). Beyond them they go on smoothly.
+/// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
+/// - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER.
+/// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+///
+/// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
+///
+/// # Safety
+/// Pointers that are not NULL have the lengths stated.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cl_asperity_table_law(
+    n_points: usize,
+    probabilities: *const f64,
+    gaps: *const f64,
+    n_quantiles: usize,
+    density: f64,
+    radius_x: f64,
+    radius_y: f64,
+    youngs_modulus: f64,
+    poisson_ratio: f64,
+    reading: i32,
+    range_lower: f64,
+    range_upper: f64,
+    mu: *const f64,
+    n_mu: usize,
+    history: i32,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> *mut Law {
+    let make = || {
+        require_points(n_points)?;
+        // SAFETY: the lengths are the documented ones, for which the caller vouches.
+        let (probabilities, gaps, mu) = unsafe {
+            (
+                array("probabilities", probabilities, n_quantiles)?,
+                array("gaps", gaps, n_quantiles)?,
+                friction(mu, n_mu, n_points)?,
+            )
+        };
+        let reading = match reading {
+            CL_READING_MINDLIN => TangentialReading::Mindlin,
+            CL_READING_PAPER => TangentialReading::Paper,
+            code => return Err(unknown("reading", code, "CL_READING_MINDLIN or CL_READING_PAPER")),
+        };
+        let gaps = GapDistribution::try_from_quantiles(probabilities, gaps)?;
+        let population = AsperityPopulation::try_new(gaps, density, [radius_x, radius_y])?;
+        let material = ElasticPair::new(youngs_modulus, poisson_ratio);
+        let curves = AsperitySumCurves::try_new(population, material, reading)?;
+        let table = Tabulated::try_new(curves, [range_lower, range_upper], TableOptions::default())?;
+        let curves = PointParameters::uniform(table, n_points);
+        Ok(Law::new(TableLaw::try_new(curves, mu, history_rule(history)?)?))
+    };
+    // SAFETY: the caller vouches for the message buffer.
+    hand_over(unsafe { guarded(message, message_capacity, make) })
+}
+
+/// A law on its way to the caller, who frees it.
+fn hand_over(law: Option<Law>) -> *mut Law {
+    law.map_or(core::ptr::null_mut(), |law| Box::into_raw(Box::new(law)))
+}
+
+fn require_points(n_points: usize) -> Result<(), Error> {
+    match u32::try_from(n_points) {
+        Ok(0) => Err(Error::NoPoints),
+        Ok(_) => Ok(()),
+        Err(_) => Err(Error::TooManyPoints { n_points }),
+    }
+}
+
+fn require_sets(argument: &'static str, n_sets: usize, n_points: usize) -> Result<(), Error> {
+    if n_sets == 1 || n_sets == n_points {
+        Ok(())
+    } else {
+        Err(Error::Sets {
+            argument,
+            n_sets,
+            n_points,
+        })
+    }
+}
+
+/// The friction coefficients.
+///
+/// # Safety
+/// As for [`array`].
+unsafe fn friction(mu: *const f64, n_mu: usize, n_points: usize) -> Result<PointParameters<f64>, Error> {
+    require_sets("n_mu", n_mu, n_points)?;
+    // SAFETY: the caller's promise.
+    let mu = unsafe { array("mu", mu, n_mu) }?;
+    Ok(spread(mu.to_vec(), n_points))
+}
+
+fn per_set<C>(
+    n_sets: usize,
+    n_points: usize,
+    make: impl Fn(usize) -> Result<C, contact_laws::Error>,
+) -> Result<PointParameters<C>, Error> {
+    let made = (0..n_sets).map(|set| make(set).map_err(|error| Error::Parameters { set, error }));
+    Ok(spread(made.collect::<Result<_, _>>()?, n_points))
+}
+
+/// One value for all points, or one for each.
+fn spread<T>(mut values: Vec<T>, n_points: usize) -> PointParameters<T> {
+    match values.len() {
+        1 => PointParameters::uniform(values.remove(0), n_points),
+        _ => PointParameters::per_point(values),
+    }
+}
+
+fn history_rule(code: i32) -> Result<HistoryRule, Error> {
+    match code {
+        CL_HISTORY_INCREMENTAL => Ok(HistoryRule::Incremental),
+        CL_HISTORY_PAPER => Ok(HistoryRule::Paper),
+        _ => Err(unknown("history", code, "CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER")),
+    }
+}
+
+fn unknown(argument: &'static str, code: i32, allowed: &'static str) -> Error {
+    Error::Code {
+        argument,
+        code,
+        allowed,
+    }
+}

@@ -1,0 +1,349 @@
+//! The interface called from Rust: against the laws themselves, in place, from several threads, and with a law that
+//! panics.
+
+use std::ffi::CStr;
+use std::ops::Range;
+use std::ptr;
+
+use contact_laws::*;
+
+use crate::*;
+
+const N: usize = 300;
+const MU: f64 = 0.3;
+
+/// Numbers in -1..1 by a linear congruential generator (Knuth, MMIX).
+fn numbers(seed: u64, n: usize) -> Vec<f64> {
+    let mut state = seed;
+    (0..n)
+        .map(|_| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        })
+        .collect()
+}
+
+fn scaled(seed: u64, scale: f64) -> Vec<f64> {
+    numbers(seed, N).into_iter().map(|v| scale * v).collect()
+}
+
+struct Input {
+    jump: [Vec<f64>; 3],
+    begin: Vec<f64>,
+}
+
+/// Open, closed, slipping and sticking points.
+fn input() -> Input {
+    let jump = [scaled(1, 5e-7), scaled(2, 5e-7), scaled(3, 2e-6)];
+    let mut begin = [scaled(4, 5e-7), scaled(5, 5e-7), scaled(6, 2e-6)].concat();
+    begin.extend([scaled(7, 1e5), scaled(8, 1e5)].concat());
+    Input { jump, begin }
+}
+
+fn fit(point: usize) -> FittedCurves {
+    let shift = 1e-3 * point as f64;
+    let normal = NormalFit {
+        a: 15.2 + shift,
+        b: 2.2,
+        c: -0.9,
+        d: 0.3,
+        e: 0.9,
+        u_ref: 1e-6,
+        range: Some([1e-7, 1e-5]),
+    };
+    let tangential = |a: f64| TangentialFit {
+        a: a + shift,
+        b: 1.4,
+        c: 0.3,
+        d: 0.6,
+        u_ref: 1e-6,
+        range: Some([1e-7, 1e-5]),
+        ends: TangentialEnds::Mindlin,
+    };
+    FittedCurves::try_new(normal, [tangential(29.0), tangential(29.3)]).unwrap()
+}
+
+fn rust_law() -> RoughLaw {
+    let curves = PointParameters::per_point((0..N).map(fit).collect());
+    RoughLaw::try_new(curves, PointParameters::uniform(MU, N), HistoryRule::Incremental).unwrap()
+}
+
+struct Handle(*mut Law);
+
+// SAFETY: laws are not bound to threads.
+unsafe impl Sync for Handle {}
+
+impl Drop for Handle {
+    fn drop(&mut self) {
+        // SAFETY: from a constructor, and freed here alone.
+        unsafe { cl_law_free(self.0) };
+    }
+}
+
+/// The law of [`rust_law`], made through the interface.
+fn c_law() -> Handle {
+    let column = |value: fn(&NormalFit) -> f64| (0..N).map(|p| value(fit(p).normal_fit())).collect::<Vec<_>>();
+    let normal = [
+        column(|f| f.a),
+        column(|f| f.b),
+        column(|f| f.c),
+        column(|f| f.d),
+        column(|f| f.e),
+    ]
+    .concat();
+    let tangential = |q: usize| {
+        let of =
+            |value: fn(&TangentialFit) -> f64| (0..N).map(|p| value(&fit(p).tangential_fits()[q])).collect::<Vec<_>>();
+        [of(|f| f.a), of(|f| f.b), of(|f| f.c), of(|f| f.d)].concat()
+    };
+    let (x, y) = (tangential(0), tangential(1));
+    let (lower, upper) = (vec![1e-7; N], vec![1e-5; N]);
+    let ranges = [&lower, &upper, &lower, &upper, &lower, &upper]
+        .map(|r| r.as_slice())
+        .concat();
+    let mut message = [0_u8; 200];
+    // SAFETY: all arrays have the documented lengths.
+    let law = unsafe {
+        cl_rough_law(
+            N,
+            normal.as_ptr(),
+            x.as_ptr(),
+            y.as_ptr(),
+            column(|f| f.u_ref).as_ptr(),
+            ranges.as_ptr(),
+            N,
+            CL_ENDS_MINDLIN,
+            &MU,
+            1,
+            CL_HISTORY_INCREMENTAL,
+            message.as_mut_ptr().cast(),
+            message.len(),
+        )
+    };
+    assert!(!law.is_null(), "{:?}", CStr::from_bytes_until_nul(&message));
+    Handle(law)
+}
+
+#[derive(Debug, PartialEq)]
+struct Output {
+    traction: [Vec<f64>; 3],
+    tangent: [Vec<f64>; 9],
+    end: Vec<f64>,
+    regimes: Vec<i32>,
+    counts: Counts,
+}
+
+impl Output {
+    fn new() -> Self {
+        Self {
+            traction: [(); 3].map(|()| vec![0.0; N]),
+            tangent: [(); 9].map(|()| vec![0.0; N]),
+            end: vec![0.0; 5 * N],
+            regimes: vec![-9; N],
+            counts: Counts::default(),
+        }
+    }
+}
+
+fn by_rust(input: &Input) -> Output {
+    let mut out = Output::new();
+    let [tx, ty, tn] = &mut out.traction;
+    let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = &mut out.tangent;
+    let mut regimes = vec![Regime::Open; N];
+    let counts = rust_law().evaluate(
+        0..N,
+        Sticking::Coulomb,
+        Components::new(&input.jump[0], &input.jump[1], &input.jump[2]),
+        StateView::new(&input.begin, N, 0),
+        StateViewMut::new(&mut out.end, N, 0),
+        ComponentsMut::new(tx, ty, tn),
+        Some(TangentMut {
+            xx,
+            xy,
+            xn,
+            yx,
+            yy,
+            yn,
+            nx,
+            ny,
+            nn,
+        }),
+        Some(&mut regimes),
+    );
+    out.counts = counts.into();
+    for (code, regime) in out.regimes.iter_mut().zip(regimes) {
+        *code = match regime {
+            Regime::Stick => CL_REGIME_STICK,
+            Regime::Slip => CL_REGIME_SLIP,
+            Regime::Open => CL_REGIME_OPEN,
+            Regime::Invalid => CL_REGIME_INVALID,
+        };
+    }
+    out
+}
+
+/// Addresses of the arrays of an [`Output`], for several threads to write to.
+struct Targets {
+    traction: [*mut f64; 3],
+    tangent: [*mut f64; 9],
+    end: *mut f64,
+    regimes: *mut i32,
+}
+
+// SAFETY: the tests let each thread write to points of its own.
+unsafe impl Sync for Targets {}
+
+impl Targets {
+    fn new(out: &mut Output) -> Self {
+        Self {
+            traction: out.traction.each_mut().map(|t| t.as_mut_ptr()),
+            tangent: out.tangent.each_mut().map(|t| t.as_mut_ptr()),
+            end: out.end.as_mut_ptr(),
+            regimes: out.regimes.as_mut_ptr(),
+        }
+    }
+}
+
+/// # Safety
+/// `begin` and `end` are blocks of five components of `N` points, and nobody else uses these points.
+unsafe fn call(law: &Handle, points: Range<usize>, jump: &[Vec<f64>; 3], begin: *const f64, to: &Targets) -> Counts {
+    let (first, count) = (points.start, points.len());
+    let mut counts = Counts::default();
+    let mut message = [0_u8; 200];
+    let at = |p: *mut f64| p.wrapping_add(first);
+    let tangent = to.tangent.map(at);
+    // SAFETY: `first + count` is at most `N`.
+    let status = unsafe {
+        cl_law_evaluate(
+            law.0,
+            first,
+            count,
+            CL_STICKING_COULOMB,
+            jump[0].as_ptr().wrapping_add(first),
+            jump[1].as_ptr().wrapping_add(first),
+            jump[2].as_ptr().wrapping_add(first),
+            begin.wrapping_add(first),
+            at(to.end),
+            N,
+            at(to.traction[0]),
+            at(to.traction[1]),
+            at(to.traction[2]),
+            tangent.as_ptr(),
+            to.regimes.wrapping_add(first),
+            &mut counts,
+            message.as_mut_ptr().cast(),
+            message.len(),
+        )
+    };
+    assert_eq!(status, CL_SUCCESS, "{:?}", CStr::from_bytes_until_nul(&message));
+    counts
+}
+
+/// 300 points are three chunks of the interface.
+#[test]
+fn the_interface_gives_what_the_law_gives() {
+    let (input, law, mut out) = (input(), c_law(), Output::new());
+    // SAFETY: blocks of `N` points that no one else knows.
+    out.counts = unsafe { call(&law, 0..N, &input.jump, input.begin.as_ptr(), &Targets::new(&mut out)) };
+    assert!(out.counts.stick > 20 && out.counts.slip > 20 && out.counts.open > 20);
+    assert_eq!(out, by_rust(&input));
+}
+
+#[test]
+fn the_state_may_be_updated_in_place() {
+    let (input, law, mut out) = (input(), c_law(), Output::new());
+    out.end.copy_from_slice(&input.begin);
+    let targets = Targets::new(&mut out);
+    // SAFETY: as above, with begin = end.
+    let counts = unsafe { call(&law, 0..N, &input.jump, targets.end, &targets) };
+    out.counts = counts;
+    assert_eq!(out, by_rust(&input));
+}
+
+/// Parts of one block, whose components lie interleaved in memory.
+#[test]
+fn threads_share_a_law_and_a_block() {
+    let (input, law, mut out) = (input(), c_law(), Output::new());
+    out.end.copy_from_slice(&input.begin);
+    let targets = Targets::new(&mut out);
+    let parts = [0..1, 1..7, 7..150, 150..299, 299..N];
+    let counts: Vec<Counts> = std::thread::scope(|scope| {
+        let threads = parts.map(|part| {
+            let (law, targets, jump) = (&law, &targets, &input.jump);
+            // SAFETY: the parts are disjoint.
+            scope.spawn(move || unsafe { call(law, part, jump, targets.end, targets) })
+        });
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    out.counts = Counts {
+        stick: counts.iter().map(|c| c.stick).sum(),
+        slip: counts.iter().map(|c| c.slip).sum(),
+        open: counts.iter().map(|c| c.open).sum(),
+        invalid: 0,
+    };
+    assert_eq!(out, by_rust(&input));
+}
+
+/// A law with a defect.
+struct Panicking(LawInfo);
+
+impl TractionLaw for Panicking {
+    fn info(&self) -> &LawInfo {
+        &self.0
+    }
+
+    fn len(&self) -> usize {
+        N
+    }
+
+    fn evaluate(
+        &self,
+        _: Range<usize>,
+        _: Sticking,
+        _: Components<'_>,
+        _: StateView<'_>,
+        _: StateViewMut<'_>,
+        _: ComponentsMut<'_>,
+        _: Option<TangentMut<'_>>,
+        _: Option<&mut [Regime]>,
+    ) -> RegimeCounts {
+        panic!("index 7 out of bounds")
+    }
+}
+
+#[test]
+fn a_panic_does_not_leave_the_interface() {
+    let law = Law::new(Panicking(rust_law().info().clone()));
+    let (mut output, mut message) = ([0.0; 3 + 5], [0_u8; 200]);
+    let zeros = [0.0; 5];
+    let x = output.as_mut_ptr();
+    let [y, n, end] = [1, 2, 3].map(|i| x.wrapping_add(i));
+    // SAFETY: one point, with five state components.
+    let status = unsafe {
+        cl_law_evaluate(
+            &law,
+            0,
+            1,
+            CL_STICKING_COULOMB,
+            zeros.as_ptr(),
+            zeros.as_ptr(),
+            zeros.as_ptr(),
+            zeros.as_ptr(),
+            end,
+            1,
+            x,
+            y,
+            n,
+            ptr::null(),
+            ptr::null_mut(),
+            ptr::null_mut(),
+            message.as_mut_ptr().cast(),
+            message.len(),
+        )
+    };
+    let text = CStr::from_bytes_until_nul(&message).unwrap().to_str().unwrap();
+    assert_eq!(status, CL_ERROR);
+    assert!(text.contains("defect") && text.contains("index 7"), "{text}");
+}

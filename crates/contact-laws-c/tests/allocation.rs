@@ -1,0 +1,81 @@
+//! Evaluations and refused evaluations allocate nothing.
+#![allow(unsafe_code)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::ptr;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use contact_laws_c::*;
+
+/// The system's allocator with a count of the blocks handed out.
+struct Counting;
+
+static BLOCKS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: the system's allocator does the work.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        BLOCKS.fetch_add(1, Ordering::SeqCst);
+        // SAFETY: passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: passed on.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn evaluations_do_not_allocate() {
+    const N: usize = 1000;
+    let (k, mu) = (1e12, 0.2);
+    let made = BLOCKS.load(Ordering::SeqCst);
+    // SAFETY: one set of parameters, one friction coefficient, no message.
+    let law =
+        unsafe { cl_elastic_dry_friction_law(N, &k, &k, &k, 1, &mu, 1, CL_HISTORY_INCREMENTAL, ptr::null_mut(), 0) };
+    // The count counts.
+    assert!(!law.is_null() && BLOCKS.load(Ordering::SeqCst) > made);
+
+    let (jump, begin, mut out) = (vec![1e-6; N], vec![0.0; 5 * N], vec![0.0; (5 + 3 + 9) * N]);
+    let (mut regimes, mut counts, mut message) = (vec![0; N], Counts::default(), [0_u8; 100]);
+    let rows: [*mut f64; 17] = {
+        let start = out.as_mut_ptr();
+        std::array::from_fn(|row| start.wrapping_add(row * N))
+    };
+    let mut call = |count: usize| {
+        // SAFETY: arrays of `N` points; the law looks at no array when it lacks the points.
+        unsafe {
+            cl_law_evaluate(
+                law,
+                0,
+                count,
+                CL_STICKING_COULOMB,
+                jump.as_ptr(),
+                jump.as_ptr(),
+                jump.as_ptr(),
+                begin.as_ptr(),
+                rows[0],
+                N,
+                rows[5],
+                rows[6],
+                rows[7],
+                rows[8..].as_ptr(),
+                regimes.as_mut_ptr(),
+                &mut counts,
+                message.as_mut_ptr().cast(),
+                message.len(),
+            )
+        }
+    };
+    let before = BLOCKS.load(Ordering::SeqCst);
+    let statuses = [call(N), call(1), call(N + 1)];
+    let after = BLOCKS.load(Ordering::SeqCst);
+    assert_eq!((statuses, after - before), ([CL_SUCCESS, CL_SUCCESS, CL_ERROR], 0));
+    assert!(message.starts_with(b"1001 points"));
+    // SAFETY: from the constructor.
+    unsafe { cl_law_free(law) };
+}
