@@ -3,15 +3,15 @@
 use core::ffi::c_char;
 
 use contact_laws::{
-    AsperityPopulation, AsperitySumCurves, ElasticCurves, ElasticDryFriction, ElasticPair, FittedCurves,
+    AsperityPopulation, AsperitySumCurves, ElasticCurves, ElasticDryFriction, ElasticPair, FittedCurves, FittedPoints,
     GapDistribution, HistoryRule, NormalFit, PointParameters, RoughLaw, TableLaw, TableOptions, Tabulated,
     TangentialEnds, TangentialFit, TangentialReading,
 };
 
 use crate::boundary::{Error, array, guarded, rows};
 use crate::{
-    CL_ENDS_CONSTANT, CL_ENDS_MINDLIN, CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_READING_MINDLIN, CL_READING_PAPER,
-    Law,
+    CL_ENDS_CONSTANT, CL_ENDS_MINDLIN, CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL,
+    CL_READING_MINDLIN, CL_READING_PAPER, Law,
 };
 
 /// Rough contact by fitted curves (eqs. 28 and 29 of Balaji, Chen and Brake 2020) with friction. With
@@ -27,7 +27,7 @@ use crate::{
 /// - n_sets: 1 (the same for all points) or n_points (one set per point).
 /// - ends: CL_ENDS_MINDLIN or CL_ENDS_CONSTANT; without effect where ranges is NULL.
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER.
+/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///
 /// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
@@ -80,6 +80,7 @@ pub unsafe extern "C" fn cl_rough_law(
                 c: c[set],
                 d: d[set],
                 u_ref: u_ref[set],
+                k_ref: 1.0,
                 range: range(fit),
                 ends,
             };
@@ -90,13 +91,18 @@ pub unsafe extern "C" fn cl_rough_law(
                 d: d[set],
                 e: e[set],
                 u_ref: u_ref[set],
+                t_ref: 1.0,
                 range: range(0),
             };
             FittedCurves::try_new(normal, [tangential(x, 1), tangential(y, 2)])
         })?;
         // SAFETY: as above.
         let mu = unsafe { friction(mu, n_mu, n_points) }?;
-        Ok(Law::new(RoughLaw::try_new(curves, mu, history_rule(history)?)?))
+        Ok(Law::new(RoughLaw::try_new(
+            FittedPoints::new(&curves),
+            mu,
+            history_rule(history)?,
+        )?))
     };
     // SAFETY: the caller vouches for the message buffer.
     hand_over(unsafe { guarded(message, message_capacity, make) })
@@ -108,7 +114,8 @@ pub unsafe extern "C" fn cl_rough_law(
 /// - k_n, k_x, k_y: normal and tangential stiffnesses per area (Pa/m), n_sets numbers each.
 /// - n_sets: 1 (the same for all points) or n_points (one set per point).
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER; they differ only where an open point closes.
+/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL; they differ only where an open point
+///   closes and in what the state remembers.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///
 /// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
@@ -166,7 +173,7 @@ pub unsafe extern "C" fn cl_elastic_dry_friction_law(
 /// - range_lower, range_upper: interferences (m) between which the curves are tabulated, with a relative error of at
 ///   most 1e-5 (normal) and 1e-4 (tangential). Beyond them they go on smoothly.
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER.
+/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///
 /// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
@@ -277,7 +284,12 @@ fn history_rule(code: i32) -> Result<HistoryRule, Error> {
     match code {
         CL_HISTORY_INCREMENTAL => Ok(HistoryRule::Incremental),
         CL_HISTORY_PAPER => Ok(HistoryRule::Paper),
-        _ => Err(unknown("history", code, "CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER")),
+        CL_HISTORY_POTENTIAL => Ok(HistoryRule::Potential),
+        _ => Err(unknown(
+            "history",
+            code,
+            "CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL",
+        )),
     }
 }
 

@@ -81,6 +81,8 @@ pub const CL_SUCCESS: i32 = 1;
 pub const CL_HISTORY_INCREMENTAL: i32 = 0;
 /// History rule: as published, linearised about the end point, with the total displacement.
 pub const CL_HISTORY_PAPER: i32 = 1;
+/// From a potential, with the elastic stretch as state.
+pub const CL_HISTORY_POTENTIAL: i32 = 2;
 
 /// Sticking: points slip at the Coulomb limit.
 pub const CL_STICKING_COULOMB: i32 = 0;

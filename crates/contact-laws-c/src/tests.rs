@@ -51,6 +51,7 @@ fn fit(point: usize) -> FittedCurves {
         d: 0.3,
         e: 0.9,
         u_ref: 1e-6,
+        t_ref: 1.0,
         range: Some([1e-7, 1e-5]),
     };
     let tangential = |a: f64| TangentialFit {
@@ -59,6 +60,7 @@ fn fit(point: usize) -> FittedCurves {
         c: 0.3,
         d: 0.6,
         u_ref: 1e-6,
+        k_ref: 1.0,
         range: Some([1e-7, 1e-5]),
         ends: TangentialEnds::Mindlin,
     };
@@ -67,7 +69,12 @@ fn fit(point: usize) -> FittedCurves {
 
 fn rust_law() -> RoughLaw {
     let curves = PointParameters::per_point((0..N).map(fit).collect());
-    RoughLaw::try_new(curves, PointParameters::uniform(MU, N), HistoryRule::Incremental).unwrap()
+    RoughLaw::try_new(
+        FittedPoints::new(&curves),
+        PointParameters::uniform(MU, N),
+        HistoryRule::Incremental,
+    )
+    .unwrap()
 }
 
 struct Handle(*mut Law);

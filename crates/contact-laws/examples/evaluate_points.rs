@@ -134,6 +134,7 @@ impl Points {
                 d,
                 e,
                 u_ref,
+                t_ref: 1.0,
                 range,
             };
             let tangential = [&x, &y].map(|fit| TangentialFit {
@@ -142,6 +143,7 @@ impl Points {
                 c: fit[2][i],
                 d: fit[3][i],
                 u_ref,
+                k_ref: 1.0,
                 range,
                 ends: TangentialEnds::Constant,
             });
@@ -162,7 +164,7 @@ impl Points {
             PointParameters::per_point(self.curves),
             PointParameters::per_point(self.mu),
         );
-        let law = RoughLaw::try_new(curves, mu, HistoryRule::Paper).map_err(Defect::Law)?;
+        let law = RoughLaw::try_new(FittedPoints::new(&curves), mu, HistoryRule::Paper).map_err(Defect::Law)?;
 
         let [u_x, u_y, u_n] = &self.jump;
         let begin = self.begin[..5].concat();

@@ -85,25 +85,7 @@ impl<C: PointCurves> FrictionalLaw<C> {
     /// [`Error::Length`] when `mu` has another number of points, [`Error::Parameter`] when a coefficient is negative or
     /// not finite.
     pub fn try_new(curves: C, mu: PointParameters<f64>, history: HistoryRule) -> Result<Self, Error> {
-        if mu.len() != curves.len() {
-            return Err(Error::Length {
-                list: "mu",
-                expected: curves.len(),
-                found: mu.len(),
-            });
-        }
-        for point in 0..mu.len() {
-            let value = *mu.at(point);
-            let ok = value.is_finite() && value >= 0.0;
-            require(
-                ok,
-                "mu",
-                value,
-                "(no unit)",
-                Place::Point(point),
-                "finite and not negative",
-            )?;
-        }
+        require_friction(&mu, curves.len())?;
         let (name, reference, parameters) = match curves.info() {
             None => ("no points", PAPER_DOI, &[][..]),
             Some(info) => (info.name, info.reference, info.parameters),
@@ -231,6 +213,31 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
     fn yielded_fraction(&self, point: usize, u_n: f64, omega_c: f64) -> Option<f64> {
         self.curves.yielded_fraction(point, u_n, omega_c)
     }
+}
+
+/// Refuses friction coefficients that are negative or not finite, or not one per point.
+pub(crate) fn require_friction(mu: &PointParameters<f64>, n_points: usize) -> Result<(), Error> {
+    if mu.len() != n_points {
+        return Err(Error::Length {
+            list: "mu",
+            expected: n_points,
+            found: mu.len(),
+        });
+    }
+    // A uniform value needs to be looked at once only.
+    for point in 0..if mu.is_uniform() { n_points.min(1) } else { n_points } {
+        let value = *mu.at(point);
+        let ok = value.is_finite() && value >= 0.0;
+        require(
+            ok,
+            "mu",
+            value,
+            "(no unit)",
+            Place::Point(point),
+            "finite and not negative",
+        )?;
+    }
+    Ok(())
 }
 
 /// The numbers of a block in each slice.

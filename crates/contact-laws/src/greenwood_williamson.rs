@@ -85,9 +85,10 @@ use crate::hertz::ElasticPair;
 use crate::law::Quantity;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::PointParameters;
 
 /// Greenwood-Williamson contact with friction.
-pub type GreenwoodWilliamsonLaw = FrictionalLaw<GreenwoodWilliamsonCurves>;
+pub type GreenwoodWilliamsonLaw = FrictionalLaw<PointParameters<GreenwoodWilliamsonCurves>>;
 
 static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, Greenwood-Williamson",

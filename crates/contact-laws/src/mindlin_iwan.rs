@@ -113,7 +113,7 @@ use core::ops::Range;
 
 use crate::curves::ContactCurves;
 use crate::error::{Error, Place, require};
-use crate::friction::MU;
+use crate::friction::{JUMP, MU, require_friction};
 use crate::law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
@@ -129,7 +129,7 @@ pub const MAX_SLIDERS: usize = 256;
 const GRADING: f64 = 6.0;
 
 /// State components before the sliders' stretches: the jump.
-const JUMP: usize = 3;
+const N_JUMP: usize = 3;
 
 /// Contact curves with parallel sliders. State per point: `u_x, u_y, u_n` (m), then `e_x, e_y` (m) of every slider.
 #[derive(Debug, Clone)]
@@ -159,25 +159,7 @@ impl<C: ContactCurves> MindlinIwan<C> {
     /// [`Error::Length`] when `mu` has another number of points, [`Error::Parameter`] when a coefficient is negative or
     /// not finite or when the number of sliders is out of bounds.
     pub fn try_new(curves: PointParameters<C>, mu: PointParameters<f64>, n_sliders: usize) -> Result<Self, Error> {
-        if mu.len() != curves.len() {
-            return Err(Error::Length {
-                list: "mu",
-                expected: curves.len(),
-                found: mu.len(),
-            });
-        }
-        for point in 0..mu.len() {
-            let value = *mu.at(point);
-            let ok = value.is_finite() && value >= 0.0;
-            require(
-                ok,
-                "mu",
-                value,
-                "(no unit)",
-                Place::Point(point),
-                "finite and not negative",
-            )?;
-        }
+        require_friction(&mu, curves.len())?;
         require(
             (1..=MAX_SLIDERS).contains(&n_sliders),
             "n_sliders",
@@ -187,7 +169,6 @@ impl<C: ContactCurves> MindlinIwan<C> {
             "from 1 to 256",
         )?;
 
-        let jump = ["u_x", "u_y", "u_n"].map(|name| Quantity::new(name, "m"));
         let stretches = (1..=n_sliders).flat_map(|i| {
             ["x", "y"].map(|q| Quantity {
                 name: Cow::Owned(format!("e_{q}_{i}")),
@@ -201,7 +182,7 @@ impl<C: ContactCurves> MindlinIwan<C> {
         let info = LawInfo {
             name: "Mindlin-Iwan friction",
             reference: "10.1115/1.3625199",
-            state: jump.into_iter().chain(stretches).collect(),
+            state: JUMP.into_iter().chain(stretches).collect(),
             parameters: parameters.iter().cloned().chain([MU]).collect(),
         };
         Ok(Self {
@@ -255,14 +236,14 @@ impl<C: ContactCurves> MindlinIwan<C> {
                 (0..n_state).for_each(|c| end.data[end_index(c)] = f64::NAN);
                 Response::uniform(f64::NAN, Regime::Invalid)
             } else {
-                (0..JUMP).for_each(|c| end.data[end_index(c)] = u[c]);
+                (0..N_JUMP).for_each(|c| end.data[end_index(c)] = u[c]);
                 if u[2] <= 0.0 {
-                    (JUMP..n_state).for_each(|c| end.data[end_index(c)] = 0.0);
+                    (N_JUMP..n_state).for_each(|c| end.data[end_index(c)] = 0.0);
                     Response::uniform(0.0, Regime::Open)
                 } else {
                     let u_begin = [begin_at(0), begin_at(1), begin_at(2)];
                     let mut sum = Sum::new(self.curves.at(point), *self.mu.at(point), sticking, u, u_begin);
-                    for (slider, c) in self.sliders.iter().zip((JUMP..).step_by(2)) {
+                    for (slider, c) in self.sliders.iter().zip((N_JUMP..).step_by(2)) {
                         let stretch = sum.add::<TANGENT>(slider, [begin_at(c), begin_at(c + 1)]);
                         (end.data[end_index(c)], end.data[end_index(c + 1)]) = (stretch[0], stretch[1]);
                     }
