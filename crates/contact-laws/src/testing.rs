@@ -3,9 +3,15 @@
 //! The strategies cover interferences from 1e-12 m to 1e-2 m, open points, exact kinks, denormal numbers and signed
 //! zeros.
 
+use core::ops::Range;
+
 use proptest::prelude::*;
 
-use crate::law::{Components, ComponentsMut, Regime, StateView, StateViewMut, Sticking, TangentMut, TractionLaw};
+use crate::elastic_dry_friction::ElasticCurves;
+use crate::law::{
+    Components, ComponentsMut, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut, TractionLaw,
+};
+use crate::rough::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 
 /// What a law answers at one point.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,11 +84,111 @@ pub fn evaluate_point<L: TractionLaw + ?Sized>(
     }
 }
 
-/// Largest error of a law's tangent against fourth-order central differences, or `None` if a kink is too near.
+impl PointResponse {
+    /// Whether both have the same bits, up to the payload of what is not a number.
+    pub fn is_identical(&self, other: &Self) -> bool {
+        let numbers = |response: &Self| -> Vec<u64> {
+            let tangent = response.tangent.as_flattened();
+            let all = response.traction.iter().chain(tangent).chain(&response.end);
+            all.map(|v| if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() })
+                .collect()
+        };
+        self.regime == other.regime && numbers(self) == numbers(other)
+    }
+}
+
+/// Evaluates all points of a law, one call per chunk: jumps (m) and begin states per point.
 ///
-/// For laws whose first state components are those of [`crate::FrictionalLaw`]. The steps are 1e-5 of the lengths over
-/// which the response changes: `u_n` and the tangential traction over its stiffness. Entry `(i, k)` is measured relative
-/// to the larger of itself and traction `i` over the length of direction `k`.
+/// # Panics
+/// When the chunks leave out a point, or a count differs from the regimes of its chunk.
+pub fn evaluate_batch<L: TractionLaw + ?Sized>(
+    law: &L,
+    sticking: Sticking,
+    chunks: impl IntoIterator<Item = Range<usize>>,
+    jump: &[[f64; 3]],
+    begin: &[Vec<f64>],
+) -> Vec<PointResponse> {
+    let (n, n_state) = (jump.len(), law.info().n_state());
+    let jump: [Vec<f64>; 3] = core::array::from_fn(|q| jump.iter().map(|u| u[q]).collect());
+    let begin: Vec<f64> = (0..n_state)
+        .flat_map(|c| begin.iter().map(move |state| state[c]))
+        .collect();
+    let mut end = vec![0.0; n_state * n];
+    let mut out = vec![vec![0.0; n]; 12];
+    let mut regimes = vec![None; n];
+    for c in chunks {
+        let mut found = vec![Regime::Open; c.len()];
+        let mut parts = out.iter_mut().map(|values| &mut values[c.clone()]);
+        let [x, y, n_, xx, xy, xn, yx, yy, yn, nx, ny, nn] =
+            core::array::from_fn(|_| parts.next().expect("12 outputs"));
+        let counts = law.evaluate(
+            c.clone(),
+            sticking,
+            Components::new(&jump[0][c.clone()], &jump[1][c.clone()], &jump[2][c.clone()]),
+            StateView::new(&begin, n, c.start),
+            StateViewMut {
+                data: &mut end,
+                stride: n,
+                offset: c.start,
+            },
+            ComponentsMut::new(x, y, n_),
+            Some(TangentMut {
+                xx,
+                xy,
+                xn,
+                yx,
+                yy,
+                yn,
+                nx,
+                ny,
+                nn,
+            }),
+            Some(&mut found),
+        );
+        let mut recounted = RegimeCounts::default();
+        found.iter().for_each(|&regime| recounted.count(regime));
+        assert_eq!(recounted, counts, "regimes of the points {c:?}");
+        for (i, regime) in c.zip(found) {
+            regimes[i] = Some(regime);
+        }
+    }
+    let point = |i: usize| PointResponse {
+        traction: core::array::from_fn(|q| out[q][i]),
+        tangent: core::array::from_fn(|q| core::array::from_fn(|k| out[3 + 3 * q + k][i])),
+        end: (0..n_state).map(|c| end[c * n + i]).collect(),
+        regime: regimes[i].expect("the chunks cover every point"),
+    };
+    (0..n).map(point).collect()
+}
+
+/// Work per area (J/m^2) along a path of jumps (m) from the state `begin` at its first point, with a commit at every
+/// step, and the state at its end. By the trapezoidal rule; `respond` answers to a jump from a begin state.
+pub fn work_along(
+    path: &[[f64; 3]],
+    begin: &[f64],
+    respond: impl Fn([f64; 3], &[f64]) -> PointResponse,
+) -> (f64, Vec<f64>) {
+    let mut state = begin.to_vec();
+    let mut work = 0.0;
+    for step in path.windows(2) {
+        let before = respond(step[0], &state).traction;
+        let after = respond(step[1], &state);
+        work += (0..3)
+            .map(|q| 0.5 * (before[q] + after.traction[q]) * (step[1][q] - step[0][q]))
+            .sum::<f64>();
+        state = after.end;
+    }
+    (work, state)
+}
+
+/// Largest error of a law's tangent against differences of its tractions, or `None` where differences are no judge:
+/// beside a change of regime, or where rounding hides them. A jump of second derivatives within the steps misleads
+/// them.
+///
+/// Asks nothing of the law but its responses. The differences are central ones with steps falling from 1/20 of the
+/// length over which the response changes (`u_n`; along the surface the traction over the stiffness of the law without
+/// slip), extrapolated to zero as long as that converges (Ridders 1982); they count if they converge to 1e-7. Entry
+/// `(i, k)` is measured relative to the larger of itself and traction `i` over the length of direction `k`.
 pub fn tangent_error<L: TractionLaw + ?Sized>(
     law: &L,
     point: usize,
@@ -92,52 +198,86 @@ pub fn tangent_error<L: TractionLaw + ?Sized>(
 ) -> Option<f64> {
     let here = evaluate_point(law, point, sticking, jump, begin);
     let stuck = evaluate_point(law, point, Sticking::Full, jump, begin);
-    let stuck_length = stuck.traction[0].hypot(stuck.traction[1]);
-    let over_closing = stuck.tangent[0][2].hypot(stuck.tangent[1][2]) * jump[2].abs();
-    let trial = stuck_length.max(begin[3].hypot(begin[4])).max(over_closing);
-    if here.regime == Regime::Slip && stuck_length < 0.01 * trial {
-        // The direction of slip turns within the steps: the tip of the cone.
-        return None;
-    }
+    let length = |t: [f64; 3]| t[0].hypot(t[1]);
     let stiffness = stuck.tangent[0][0].abs().max(stuck.tangent[1][1].abs());
-    let reach = trial / stiffness;
+    let reach = length(stuck.traction) / stiffness;
     let along = if reach.is_normal() { reach } else { jump[2].abs() };
     let lengths = [along, along, jump[2].abs()];
-    let tangential = if here.regime == Regime::Slip {
-        here.traction[0].hypot(here.traction[1])
-    } else {
-        trial
-    };
+    // Closing may turn the direction of slip faster than it changes the curves.
+    let closing = length(stuck.traction) / stuck.tangent[0][2].hypot(stuck.tangent[1][2]);
+    let closing = if closing.is_normal() { closing } else { f64::INFINITY };
+    let steps = [along, along, closing.min(jump[2].abs())];
     // Tractions below have lost digits to underflow.
-    let tangential = tangential.max(f64::MIN_POSITIVE / f64::EPSILON);
-    let tractions = [tangential, tangential, here.traction[2]];
+    let tangential = length(here.traction).max(f64::MIN_POSITIVE / f64::EPSILON);
+    let tractions = [tangential, tangential, here.traction[2].abs()];
 
     let mut worst = 0.0_f64;
     for k in 0..3 {
-        let step = 1e-5 * lengths[k];
-        let at = |steps: f64| {
-            let mut moved = jump;
-            moved[k] += steps * step;
-            // The step as it was rounded.
-            (moved[k] - jump[k], evaluate_point(law, point, sticking, moved, begin))
-        };
-        let stencil = [at(-2.0), at(-1.0), at(1.0), at(2.0)];
-        if stencil.iter().any(|(_, response)| response.regime != here.regime) {
-            return None;
-        }
-        let [(a, far_left), (b, left), (c, right), (d, far_right)] = &stencil;
-        for i in 0..3 {
-            let near = (right.traction[i] - left.traction[i]) / (c - b);
-            let far = (far_right.traction[i] - far_left.traction[i]) / (d - a);
-            let difference = (4.0 * near - far) / 3.0;
-            let entry = here.tangent[i][k];
-            let scale = entry.abs().max(tractions[i] / lengths[k]);
-            if difference != entry {
-                worst = worst.max((difference - entry).abs() / scale);
+        // Difference quotients of the three tractions over two steps, if the regime does not change between them and
+        // the steps survive rounding.
+        let quotient = |step: f64| {
+            if step < 1e4 * f64::EPSILON * jump[k].abs() {
+                return None;
             }
+            let [left, right] = [-step, step].map(|step| {
+                let mut moved = jump;
+                moved[k] += step;
+                (moved[k], evaluate_point(law, point, sticking, moved, begin))
+            });
+            let same = [&left.1, &right.1]
+                .iter()
+                .all(|response| response.regime == here.regime);
+            // Divided by the step as it was rounded.
+            same.then(|| core::array::from_fn(|i| (right.1.traction[i] - left.1.traction[i]) / (right.0 - left.0)))
+        };
+        for (i, (value, uncertainty)) in extrapolate(0.05 * steps[k], here.traction, &quotient)?
+            .into_iter()
+            .enumerate()
+        {
+            let (entry, over_length) = (here.tangent[i][k], tractions[i] / lengths[k]);
+            if entry == value {
+                continue;
+            }
+            if !(uncertainty <= 1e-7 * value.abs().max(over_length)) {
+                return None;
+            }
+            worst = worst.max((value - entry).abs() / entry.abs().max(over_length));
         }
     }
     Some(worst)
+}
+
+/// Limits of difference quotients of `values` for vanishing step with their uncertainties, by the table of polynomial
+/// extrapolation in the square of the step; the first step is the largest one at which there is a quotient.
+fn extrapolate(step: f64, values: [f64; 3], quotient: &impl Fn(f64) -> Option<[f64; 3]>) -> Option<[(f64, f64); 3]> {
+    const RATIO: f64 = 2.0;
+    const ROWS: i32 = 8;
+    let first = (0..10)
+        .map(|i| step * 0.25_f64.powi(i))
+        .find(|&step| quotient(step).is_some())?;
+    let mut best = [(f64::NAN, f64::INFINITY); 3];
+    let mut above: Vec<[f64; 3]> = vec![quotient(first)?];
+    for row in 1..ROWS {
+        let step = first / RATIO.powi(row);
+        let Some(quotient) = quotient(step) else { break };
+        let mut current = vec![quotient];
+        for (column, before) in (1..).zip(&above) {
+            let factor = RATIO.powi(2 * column);
+            let same = current[current.len() - 1];
+            let next: [f64; 3] = core::array::from_fn(|i| (factor * same[i] - before[i]) / (factor - 1.0));
+            for i in 0..3 {
+                let change = (next[i] - same[i]).abs().max((next[i] - before[i]).abs());
+                // Quotients of rounded values may agree by chance.
+                let uncertainty = change + f64::EPSILON * values[i].abs() / step;
+                if uncertainty < best[i].1 {
+                    best[i] = (next[i], uncertainty);
+                }
+            }
+            current.push(next);
+        }
+        above = current;
+    }
+    Some(best)
 }
 
 /// Numbers spread evenly over the decades between `lower` and `upper`.
@@ -194,6 +334,64 @@ pub fn begin_state() -> impl Strategy<Value = [f64; 5]> {
             [x, y, n, 0.0, 0.0]
         }
     })
+}
+
+/// Jumps with begin states, from unrelated to coincident: any of [`jump`] and [`begin_state`], small steps, steps at
+/// constant interference, and no step at all.
+pub fn step() -> impl Strategy<Value = ([f64; 3], [f64; 5])> {
+    (jump(), begin_state(), log_uniform(1e-9, 1e-1), 0..8).prop_map(|(u, mut begin, share, kind)| {
+        match kind {
+            0 => begin[..3].copy_from_slice(&u),
+            1 => begin[2] = u[2],
+            2 | 3 => (0..3).for_each(|q| begin[q] = u[q] + share * (begin[q] - u[q])),
+            _ => {}
+        }
+        if begin[2] <= 0.0 {
+            begin[3..].fill(0.0);
+        }
+        (u, begin)
+    })
+}
+
+/// Fits of eqs. (28), (29) over the domain of their bounds, with and without a range, with either end.
+pub fn fitted_curves() -> impl Strategy<Value = FittedCurves> {
+    let range = || prop::option::weighted(0.8, (log_uniform(1e-9, 1e-6), log_uniform(3.0, 1e4)));
+    let range = move || range().prop_map(|range| range.map(|(lower, ratio)| [lower, lower * ratio]));
+    let u_ref = || prop_oneof![Just(1e-6), log_uniform(1e-7, 1e-5)];
+    let shape = (10.0..25.0, 0.5..8.0, -0.99..0.99_f64, -2.0..2.0, 0.15..5.0);
+    let normal = (shape, u_ref(), range()).prop_map(|((a, b, share, d, e), u_ref, range)| NormalFit {
+        a,
+        b,
+        // At most where the curve stops rising: b = exp(-1/2) |c|/e.
+        c: share * b * e * 0.5_f64.exp(),
+        d,
+        e,
+        u_ref,
+        range,
+    });
+    let tangential = || {
+        let shape = (20.0..35.0, 0.0..4.0, -2.0..2.0, 0.0..3.0);
+        let ends = prop::sample::select(vec![TangentialEnds::Mindlin, TangentialEnds::Constant]);
+        (shape, u_ref(), range(), ends).prop_map(|((a, b, c, d), u_ref, range, ends)| TangentialFit {
+            a,
+            b,
+            c,
+            d,
+            u_ref,
+            range,
+            ends,
+        })
+    };
+    (normal, tangential(), tangential())
+        .prop_map(|(n, x, y)| FittedCurves::try_new(n, [x, y]).expect("fits within their bounds"))
+}
+
+/// Constant stiffnesses from 1e9 to 1e15 Pa/m; tangential ones may be zero.
+pub fn elastic_curves() -> impl Strategy<Value = ElasticCurves> {
+    let stiffness = || log_uniform(1e9, 1e15);
+    let tangential = move || prop_oneof![1 => Just(0.0), 7 => stiffness()];
+    (stiffness(), tangential(), tangential())
+        .prop_map(|(n, x, y)| ElasticCurves::try_new(n, [x, y]).expect("stiffnesses above zero"))
 }
 
 /// Friction coefficients from 0 to 10, both included.

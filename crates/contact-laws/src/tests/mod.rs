@@ -1,12 +1,17 @@
 mod adhesion;
 mod asperities;
 mod authors_points;
+mod batches;
 mod closed_forms;
+mod dual;
 mod fits;
 mod friction;
 mod greenwood_williamson;
 mod invariants;
+mod kinks;
 mod mindlin_iwan;
+mod oracle;
+mod refusals;
 mod tables;
 
 use crate::*;

@@ -1,0 +1,311 @@
+//! Every field of every constructor, out of its bounds: the error names parameter, value, unit and place.
+
+use super::{STEEL, elastic, fitted, normal_fit, population, tangential_fit};
+use crate::*;
+
+const NAN: f64 = f64::NAN;
+const INF: f64 = f64::INFINITY;
+
+/// A constructor with one value of its input replaced.
+struct Field {
+    /// Name, as the error has it.
+    name: &'static str,
+    unit: &'static str,
+    place: Place,
+    /// What is refused.
+    bad: &'static [f64],
+    make: fn(f64) -> Result<(), Error>,
+}
+
+const NOT_FINITE: &[f64] = &[NAN, INF, -INF];
+const NOT_POSITIVE: &[f64] = &[NAN, INF, -INF, 0.0, -0.0, -1.0, -f64::MIN_POSITIVE];
+const NEGATIVE: &[f64] = &[NAN, INF, -INF, -1.0, -f64::MIN_POSITIVE];
+
+fn normal(change: impl Fn(&mut NormalFit)) -> Result<(), Error> {
+    let mut fit = normal_fit();
+    change(&mut fit);
+    FittedCurves::try_new(fit, *fitted().tangential_fits()).map(drop)
+}
+
+fn tangential(q: usize, change: impl Fn(&mut TangentialFit)) -> Result<(), Error> {
+    let mut fits = [tangential_fit(TangentialEnds::Mindlin); 2];
+    change(&mut fits[q]);
+    FittedCurves::try_new(normal_fit(), fits).map(drop)
+}
+
+fn quantiles(probabilities: [f64; 3], values: [f64; 3]) -> Result<(), Error> {
+    GapDistribution::try_from_quantiles(&probabilities, &values).map(drop)
+}
+
+fn asperities(density: f64, radii: [f64; 2]) -> Result<(), Error> {
+    AsperityPopulation::try_new(population().gaps().clone(), density, radii).map(drop)
+}
+
+fn material(modulus: f64, nu: f64) -> Result<(), Error> {
+    AsperitySumCurves::try_new(population(), ElasticPair::new(modulus, nu), TangentialReading::Mindlin).map(drop)
+}
+
+fn tabulated(range: [f64; 2], options: TableOptions) -> Result<(), Error> {
+    Tabulated::try_new(elastic(), range, options).map(drop)
+}
+
+fn friction(mu: PointParameters<f64>) -> Result<(), Error> {
+    let curves = PointParameters::uniform(elastic(), mu.len());
+    FrictionalLaw::try_new(curves, mu, HistoryRule::Incremental).map(drop)
+}
+
+fn fields() -> Vec<Field> {
+    let field = |name, unit, bad, make| Field {
+        name,
+        unit,
+        place: Place::Whole,
+        bad,
+        make,
+    };
+    let placed = |name, unit, place, bad, make| Field {
+        name,
+        unit,
+        place,
+        bad,
+        make,
+    };
+    vec![
+        field("normal a", "(no unit)", NOT_FINITE, |v| normal(|fit| fit.a = v)),
+        field("normal b", "(no unit)", NOT_FINITE, |v| normal(|fit| fit.b = v)),
+        field("normal c", "(no unit)", NOT_FINITE, |v| normal(|fit| fit.c = v)),
+        field("normal d", "(no unit)", NOT_FINITE, |v| normal(|fit| fit.d = v)),
+        field("normal e", "(no unit)", NOT_POSITIVE, |v| normal(|fit| fit.e = v)),
+        field("normal u_ref", " m", NOT_POSITIVE, |v| normal(|fit| fit.u_ref = v)),
+        field("normal range", " m", NOT_POSITIVE, |v| {
+            normal(|fit| fit.range = Some([v, 1e-5]))
+        }),
+        field("normal range", " m", &[NAN, INF, -INF, 0.0, -1.0, 1e-7, 0.9e-7], |v| {
+            normal(|fit| fit.range = Some([1e-7, v]))
+        }),
+        field("tangential a", "(no unit)", NOT_FINITE, |v| {
+            tangential(0, |fit| fit.a = v)
+        }),
+        field("tangential b", "(no unit)", NEGATIVE, |v| {
+            tangential(1, |fit| fit.b = v)
+        }),
+        field("tangential c", "(no unit)", NOT_FINITE, |v| {
+            tangential(0, |fit| fit.c = v)
+        }),
+        field("tangential d", "(no unit)", NEGATIVE, |v| {
+            tangential(1, |fit| fit.d = v)
+        }),
+        field("tangential u_ref", " m", NOT_POSITIVE, |v| {
+            tangential(1, |fit| fit.u_ref = v)
+        }),
+        field("tangential range", " m", NOT_POSITIVE, |v| {
+            tangential(0, |fit| fit.range = Some([v, 1e-5]))
+        }),
+        field("tangential range", " m", &[NAN, INF, -INF, 0.0, -1.0, 1e-7], |v| {
+            tangential(1, |fit| fit.range = Some([1e-7, v]))
+        }),
+        field("k_n", "Pa/m", NOT_POSITIVE, |v| {
+            ElasticCurves::try_new(v, [1.0; 2]).map(drop)
+        }),
+        field("k_x", "Pa/m", NEGATIVE, |v| {
+            ElasticCurves::try_new(1.0, [v, 1.0]).map(drop)
+        }),
+        field("k_y", "Pa/m", NEGATIVE, |v| {
+            ElasticCurves::try_new(1.0, [1.0, v]).map(drop)
+        }),
+        placed("asperity gap", " m", Place::Entry(2), NEGATIVE, |v| {
+            GapDistribution::try_from_samples(vec![0.0, 1e-6, v]).map(drop)
+        }),
+        placed("asperity gap", " m", Place::Entry(0), NEGATIVE, |v| {
+            quantiles([0.0, 0.5, 1.0], [v, 1e-6, 2e-6])
+        }),
+        placed(
+            "asperity gap",
+            " m",
+            Place::Entry(1),
+            &[NAN, INF, -INF, -1.0, 0.9e-6],
+            |v| quantiles([0.0, 0.5, 1.0], [1e-6, v, 2e-6]),
+        ),
+        placed(
+            "asperity gap",
+            " m",
+            Place::Entry(2),
+            &[NAN, INF, -INF, -1.0, 0.9e-6],
+            |v| quantiles([0.0, 0.5, 1.0], [0.0, 1e-6, v]),
+        ),
+        placed(
+            "probability",
+            "(no unit)",
+            Place::Entry(0),
+            &[NAN, INF, -INF, -0.1, 0.1],
+            |v| quantiles([v, 0.5, 1.0], [0.0, 1e-6, 2e-6]),
+        ),
+        placed("probability", "(no unit)", Place::Entry(1), &[NAN, -INF, -0.1], |v| {
+            quantiles([0.0, v, 1.0], [0.0, 1e-6, 2e-6])
+        }),
+        placed(
+            "probability",
+            "(no unit)",
+            Place::Entry(2),
+            &[NAN, INF, -INF, 0.9, 1.1],
+            |v| quantiles([0.0, 0.5, v], [0.0, 1e-6, 2e-6]),
+        ),
+        field("asperity_density", "1/m^2", NOT_POSITIVE, |v| asperities(v, [1e-3; 2])),
+        field("beta_x", " m", NOT_POSITIVE, |v| asperities(1e6, [v, 1e-3])),
+        field("beta_y", " m", NOT_POSITIVE, |v| asperities(1e6, [1e-3, v])),
+        field("youngs_modulus", "Pa", NOT_POSITIVE, |v| material(v, 0.3)),
+        field("poisson_ratio", "(no unit)", &[NAN, INF, -INF, -1.0, 0.51], |v| {
+            material(STEEL.youngs_modulus, v)
+        }),
+        field("table range, lower end", " m", NOT_POSITIVE, |v| {
+            tabulated([v, 1e-5], TableOptions::default())
+        }),
+        field(
+            "table range, upper end",
+            " m",
+            &[NAN, INF, -INF, 0.0, -1.0, 1e-8, 0.9e-8],
+            |v| tabulated([1e-8, v], TableOptions::default()),
+        ),
+        field("tolerance_normal", "(no unit)", NOT_POSITIVE, |v| {
+            let options = TableOptions {
+                tolerance_normal: v,
+                ..TableOptions::default()
+            };
+            tabulated([1e-8, 1e-5], options)
+        }),
+        field("tolerance_tangential", "(no unit)", NOT_POSITIVE, |v| {
+            let options = TableOptions {
+                tolerance_tangential: v,
+                ..TableOptions::default()
+            };
+            tabulated([1e-8, 1e-5], options)
+        }),
+        field(
+            "max_knots_per_octave",
+            "(no unit)",
+            &[0.0, 1.0, 2.0, 24.0, 131_072.0],
+            |v| {
+                let options = TableOptions {
+                    max_knots_per_octave: v as u32,
+                    ..TableOptions::default()
+                };
+                tabulated([1e-8, 1e-5], options)
+            },
+        ),
+        placed("mu", "(no unit)", Place::Point(0), NEGATIVE, |v| {
+            friction(PointParameters::uniform(v, 3))
+        }),
+        placed("mu", "(no unit)", Place::Point(2), NEGATIVE, |v| {
+            friction(PointParameters::per_point(vec![0.1, 0.2, v]))
+        }),
+        placed("mu", "(no unit)", Place::Point(1), NEGATIVE, |v| {
+            friction(PointParameters::try_indexed(vec![0.1, v], vec![0, 1, 0]).unwrap())
+        }),
+    ]
+}
+
+#[test]
+fn every_field_is_checked() {
+    for field in fields() {
+        for &bad in field.bad {
+            let case = format!("{} = {bad:e}", field.name);
+            let error = match (field.make)(bad) {
+                Err(error) => error,
+                Ok(()) => panic!("{case} was accepted"),
+            };
+            let text = error.to_string();
+            let Error::Parameter {
+                parameter,
+                value,
+                unit,
+                place,
+                requirement,
+            } = error
+            else {
+                panic!("{case}: {text}")
+            };
+            assert!(parameter.contains(field.name), "{case}: {text}");
+            assert!(value == bad || (value.is_nan() && bad.is_nan()), "{case}: {text}");
+            assert_eq!(place, field.place, "{case}: {text}");
+            assert!(format!(" {unit}").contains(field.unit), "{case}: {text}");
+            assert!(!requirement.is_empty());
+            // The message carries all of it.
+            let place = match place {
+                Place::Whole => String::new(),
+                Place::Point(i) => format!("at point {i}"),
+                Place::Entry(i) => format!("at entry {i}"),
+            };
+            for part in [field.name, field.unit, &place, requirement, &format!("{bad:e}")] {
+                assert!(text.contains(part), "{case}: {part:?} is not in {text:?}");
+            }
+        }
+    }
+}
+
+/// Lists that do not fit together, and curves that fall: errors of their own kind.
+#[test]
+fn lists_and_curves_that_do_not_fit() {
+    let curves = || PointParameters::uniform(elastic(), 3);
+    let law = |mu| FrictionalLaw::try_new(curves(), mu, HistoryRule::Incremental).map(drop);
+    let expected = Error::Length {
+        list: "mu",
+        expected: 3,
+        found: 2,
+    };
+    assert_eq!(law(PointParameters::per_point(vec![0.1; 2])).unwrap_err(), expected);
+    assert_eq!(law(PointParameters::uniform(0.1, 2)).unwrap_err(), expected);
+    assert_eq!(
+        PointParameters::try_indexed(vec![0.1; 2], vec![0, 1, 2]).unwrap_err(),
+        Error::Index {
+            point: 2,
+            index: 2,
+            n_sets: 2
+        }
+    );
+    // Fits that fall somewhere in the range: in the middle, at its end, and far away where there is no range.
+    let falling = [
+        NormalFit {
+            b: 0.6,
+            c: 1.0,
+            e: 0.6,
+            ..normal_fit()
+        },
+        NormalFit {
+            b: 0.0,
+            c: 0.0,
+            ..normal_fit()
+        },
+        NormalFit {
+            b: -1.0,
+            c: 0.0,
+            range: None,
+            ..normal_fit()
+        },
+        NormalFit {
+            b: 0.3,
+            c: 4.0,
+            d: -6.0,
+            e: 1.0,
+            range: None,
+            ..normal_fit()
+        },
+    ];
+    for fit in falling {
+        match FittedCurves::try_new(fit, *fitted().tangential_fits()) {
+            Err(error @ Error::NotMonotone { log_slope, .. }) => {
+                let text = error.to_string();
+                assert!(
+                    log_slope <= 0.0 && text.contains("eq. (28)") && text.contains(" m"),
+                    "{text}"
+                );
+            }
+            other => panic!("{fit:?}: {other:?}"),
+        }
+    }
+    // Stiffness or traction beyond the number range.
+    for a in [800.0, -800.0] {
+        let text = normal(|fit| fit.a = a).unwrap_err().to_string();
+        assert!(text.contains("eq. (28)") && text.contains("Pa"), "{text}");
+        let text = tangential(1, |fit| fit.a = a).unwrap_err().to_string();
+        assert!(text.contains("eq. (29)") && text.contains("Pa/m"), "{text}");
+    }
+}
