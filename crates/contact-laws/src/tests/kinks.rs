@@ -286,7 +286,7 @@ proptest! {
                 let found = evaluate_point(&*law, 0, sticking, u, &begin);
                 prop_assert_eq!(found.regime, Regime::Invalid);
                 prop_assert!(found.traction.iter().chain(found.tangent.as_flattened()).all(|v| v.is_nan()));
-                prop_assert!(found.end[3..].iter().all(|v| v.is_nan()), "{found:?}");
+                prop_assert!(found.end.iter().all(|v| v.is_nan()), "{found:?}");
             }
         }
     }
@@ -295,6 +295,15 @@ proptest! {
 /// Positive numbers, most of them ordinary.
 fn positive() -> impl Strategy<Value = f64> {
     prop_oneof![3 => log_uniform(1e-9, 1e9), 1 => log_uniform(1e-50, 1e50)]
+}
+
+/// Numbers of either sign, most of them ordinary.
+fn signed() -> impl Strategy<Value = f64> {
+    prop_oneof![4 => -10.0..10.0, 1 => -1e3..1e3]
+}
+
+fn range() -> impl Strategy<Value = Option<[f64; 2]>> {
+    prop::option::of((positive(), positive()).prop_map(|(a, b)| [a.min(b), a.max(b)]))
 }
 
 /// Whatever a constructor accepts gives no NaN.
@@ -323,6 +332,18 @@ fn check_accepted<C: ContactCurves + Clone>(
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(10_000))]
+
+    #[test]
+    fn accepted_fits_give_finite_output(
+        (a, b, c, d) in (-50.0..50.0_f64, signed(), signed(), signed()), (e, u_ref, normal_range) in (positive(), positive(), range()),
+        (ka, kb, kc, kd) in (-50.0..50.0_f64, signed(), signed(), signed()), (k_ref, k_range) in (positive(), range()),
+        ends in prop::sample::select(vec![TangentialEnds::Mindlin, TangentialEnds::Constant]),
+        mu in positive(), u in prop::array::uniform3(extreme()), begin in prop::array::uniform5(extreme()),
+    ) {
+        let normal = NormalFit { a, b, c, d, e, u_ref, range: normal_range };
+        let fit = TangentialFit { a: ka, b: kb.abs(), c: kc, d: kd.abs(), u_ref: k_ref, range: k_range, ends };
+        check_accepted(FittedCurves::try_new(normal, [fit; 2]), mu, u, begin)?;
+    }
 
     #[test]
     fn accepted_stiffnesses_and_asperities_give_finite_output(

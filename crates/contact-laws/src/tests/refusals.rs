@@ -301,11 +301,35 @@ fn lists_and_curves_that_do_not_fit() {
             other => panic!("{fit:?}: {other:?}"),
         }
     }
+    // A log-slope that is no number does not rise.
+    let narrow = NormalFit {
+        b: 0.0,
+        c: 0.0,
+        d: -10.0,
+        e: f64::from_bits(1),
+        ..normal_fit()
+    };
+    assert!(FittedCurves::try_new(narrow, *fitted().tangential_fits()).is_err());
     // Stiffness or traction beyond the number range.
     for a in [800.0, -800.0] {
         let text = normal(|fit| fit.a = a).unwrap_err().to_string();
         assert!(text.contains("eq. (28)") && text.contains("Pa"), "{text}");
         let text = tangential(1, |fit| fit.a = a).unwrap_err().to_string();
         assert!(text.contains("eq. (29)") && text.contains("Pa/m"), "{text}");
+    }
+}
+
+/// Parameters that are positive each but whose product leaves the number range: the law would be NaN where it is not
+/// zero.
+#[test]
+fn stiffnesses_beyond_the_number_range() {
+    for (modulus, density) in [(1e-320, 1e-10), (1e300, 1e300)] {
+        let gaps = population().gaps().clone();
+        let curves = AsperityPopulation::try_new(gaps, density, [1e-3; 2])
+            .and_then(|p| AsperitySumCurves::try_new(p, ElasticPair::new(modulus, 0.3), TangentialReading::Mindlin));
+        let Ok(curves) = curves else { continue };
+        for u in [1e-300, 1e-6, 1e300] {
+            assert!(!curves.normal(u).0.is_nan(), "{modulus:e} {density:e} {u:e}");
+        }
     }
 }
