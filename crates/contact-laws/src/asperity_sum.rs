@@ -392,6 +392,15 @@ impl AsperitySumCurves {
             TangentialReading::Mindlin => [population.density * shear * root; 2],
             TangentialReading::Paper => population.radii.map(|beta| 2.0 * population.density * shear * beta),
         };
+        let factors = [
+            ("normal stiffness of the asperities", normal_factor),
+            ("tangential stiffness of the asperities along x", tangential_factors[0]),
+            ("tangential stiffness of the asperities along y", tangential_factors[1]),
+        ];
+        for (name, factor) in factors {
+            let requirement = "a number that the floating-point format holds in full";
+            require(factor.is_normal(), name, factor, "(SI)", Place::Whole, requirement)?;
+        }
         Ok(Self {
             population,
             material,

@@ -472,8 +472,8 @@ fn limits(
         let directed = (regime.0[i] == SLIP) & (limit > 0.0);
         let length = (x * x + y * y).sqrt();
         let per_length = if directed { 1.0 / length } else { 0.0 };
-        direction_x.0[i] = x * per_length;
-        direction_y.0[i] = y * per_length;
+        direction_x.0[i] = if directed { x * per_length } else { 0.0 };
+        direction_y.0[i] = if directed { y * per_length } else { 0.0 };
         per_trial.0[i] = per_length * scale;
         ratio.0[i] = if regime.0[i] == SLIP {
             limit * scale * per_length
@@ -597,7 +597,7 @@ fn tangents(
         let across_x = if sticks { 1.0 } else { ratio * d_y * d_y };
         let across_y = if sticks { 1.0 } else { ratio * d_x * d_x };
         let mixed = -(ratio * d_x * d_y);
-        let slip_slope = mu[i] * bounded(curves.normal_slope.0[i]);
+        let slip_slope = within(mu[i] * bounded(curves.normal_slope.0[i]), TRACTION);
         let closed = u_n.0[i] > 0.0;
         let fill = 0.0 * u_n.0[i];
         let with_x_n = across_x * closing_x + mixed * closing_y + slip_slope * d_x;
@@ -643,7 +643,7 @@ fn normal_tangents<const RULE: u8>(
             let limit_slope = if workspace.regime.0[i] == STICK {
                 0.0
             } else {
-                mu[i] * slope
+                within(mu[i] * slope, TRACTION)
             };
             let along_slip = ratio * (d_x * closing_x.0[i] + d_y * closing_y.0[i]);
             let bend = bounded(k_curvature_x.0[i]) * held_x * held_x + bounded(k_curvature_y.0[i]) * held_y * held_y;

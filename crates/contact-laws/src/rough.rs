@@ -116,7 +116,7 @@ impl NormalFit {
     /// Eq. (28): value and log-slope.
     #[inline]
     fn formula(&self, u_n: f64) -> (f64, f64) {
-        let ln_u = (u_n / self.u_ref).max(f64::MIN_POSITIVE).ln();
+        let ln_u = ln_ratio(u_n, self.u_ref);
         let y = (ln_u + self.d) / self.e;
         let bell = self.c * (-0.5 * y * y).exp();
         (
@@ -150,7 +150,7 @@ impl NormalFit {
             Place::Whole,
             "between 1e-6 and 1e6",
         )?;
-        require_positive("normal u_ref", self.u_ref, "m")?;
+        validate_reference("normal u_ref", self.u_ref)?;
         require_positive("normal t_ref", self.t_ref, "Pa")?;
         validate_range("normal range", self.range)?;
 
@@ -166,7 +166,7 @@ impl NormalFit {
         for x in extremes.chain(ends) {
             let interference = x.exp() * self.u_ref;
             let log_slope = self.formula(interference).1;
-            if log_slope <= 0.0 {
+            if !(log_slope > 0.0) {
                 return Err(Error::NotMonotone {
                     curve: "normal traction, eq. (28)",
                     interference,
@@ -197,7 +197,7 @@ impl TangentialFit {
     /// `ln U`.
     #[inline]
     fn ln_ratio(&self, u_n: f64) -> f64 {
-        (u_n / self.u_ref).max(f64::MIN_POSITIVE).ln()
+        ln_ratio(u_n, self.u_ref)
     }
 
     /// Eq. (29) at `u_n` and its `ln U`.
@@ -232,7 +232,7 @@ impl TangentialFit {
             let ok = (0.0..=LARGEST).contains(&v);
             require(ok, name, v, "(no unit)", Place::Whole, "between 0 and 1e6")?;
         }
-        require_positive("tangential u_ref", self.u_ref, "m")?;
+        validate_reference("tangential u_ref", self.u_ref)?;
         require_positive("tangential k_ref", self.k_ref, "Pa/m")?;
         validate_range("tangential range", self.range)?;
         for value in [self.a - self.b, self.a + self.b].map(|ln_k| self.k_ref * ln_k.exp()) {
@@ -248,6 +248,18 @@ impl TangentialFit {
         }
         Ok(())
     }
+}
+
+/// `ln(u_n / u_ref)`, of ratios so far out that nothing is left of a contact or of its linear theory that of 1e-150 or
+/// 1e150.
+#[inline]
+fn ln_ratio(u_n: f64, u_ref: f64) -> f64 {
+    (u_n / u_ref).clamp(1e-150, 1e150).ln()
+}
+
+fn validate_reference(name: &'static str, u_ref: f64) -> Result<(), Error> {
+    let ok = (1e-150..=1e150).contains(&u_ref);
+    require(ok, name, u_ref, "m", Place::Whole, "between 1e-150 and 1e150")
 }
 
 fn validate_range(name: &'static str, range: Option<[f64; 2]>) -> Result<(), Error> {

@@ -367,6 +367,7 @@ pub fn fitted_curves() -> impl Strategy<Value = FittedCurves> {
         d,
         e,
         u_ref,
+        t_ref: 1.0,
         range,
     });
     let tangential = || {
@@ -378,6 +379,7 @@ pub fn fitted_curves() -> impl Strategy<Value = FittedCurves> {
             c,
             d,
             u_ref,
+            k_ref: 1.0,
             range,
             ends,
         })

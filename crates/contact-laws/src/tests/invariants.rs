@@ -285,7 +285,7 @@ fn tangents_are_the_differences_of_tractions() {
 #[test]
 fn wrong_tangents_are_found() {
     /// A law with one entry of its tangent changed.
-    struct Wrong(FrictionalLaw<FittedCurves>, fn(&mut TangentMut<'_>));
+    struct Wrong(FrictionalLaw<PointParameters<FittedCurves>>, fn(&mut TangentMut<'_>));
     impl TractionLaw for Wrong {
         fn info(&self) -> &LawInfo {
             self.0.info()

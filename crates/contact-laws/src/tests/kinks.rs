@@ -336,12 +336,12 @@ proptest! {
     #[test]
     fn accepted_fits_give_finite_output(
         (a, b, c, d) in (-50.0..50.0_f64, signed(), signed(), signed()), (e, u_ref, normal_range) in (positive(), positive(), range()),
-        (ka, kb, kc, kd) in (-50.0..50.0_f64, signed(), signed(), signed()), (k_ref, k_range) in (positive(), range()),
+        (ka, kb, kc, kd) in (-50.0..50.0_f64, signed(), signed(), signed()), (k_u_ref, k_range) in (positive(), range()),
         ends in prop::sample::select(vec![TangentialEnds::Mindlin, TangentialEnds::Constant]),
         mu in positive(), u in prop::array::uniform3(extreme()), begin in prop::array::uniform5(extreme()),
     ) {
-        let normal = NormalFit { a, b, c, d, e, u_ref, range: normal_range };
-        let fit = TangentialFit { a: ka, b: kb.abs(), c: kc, d: kd.abs(), u_ref: k_ref, range: k_range, ends };
+        let normal = NormalFit { a, b, c, d, e, u_ref, t_ref: 1.0, range: normal_range };
+        let fit = TangentialFit { a: ka, b: kb.abs(), c: kc, d: kd.abs(), u_ref: k_u_ref, k_ref: 1.0, range: k_range, ends };
         check_accepted(FittedCurves::try_new(normal, [fit; 2]), mu, u, begin)?;
     }
 
