@@ -3,7 +3,7 @@
 
 use crate::law::Quantity;
 use crate::parameters::PointParameters;
-use crate::vector::{BLOCK, Lanes};
+use crate::vector::Lanes;
 
 /// A function's value and its first two derivatives with respect to the interference.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -84,7 +84,7 @@ pub trait ContactCurves: Send + Sync {
 /// and by [`crate::FittedPoints`].
 pub trait PointCurves: Send + Sync {
     /// Room for intermediate results.
-    type Workspace: Default;
+    type Workspace<const B: usize>: Default;
 
     /// Description; none without points.
     fn info(&self) -> Option<&'static CurvesInfo>;
@@ -100,14 +100,14 @@ pub trait PointCurves: Send + Sync {
     /// Normal tractions at `u_n` and tangential stiffnesses at `middle` (m), each not negative, of the points from
     /// `first` on, as many as `u_n` and `middle` are long and at most a block. What is returned for a `u_n` of zero is
     /// not used. Second derivatives only if `curvature`.
-    fn evaluate(
+    fn evaluate<const B: usize>(
         &self,
         first: usize,
         u_n: &[f64],
         middle: &[f64],
         curvature: bool,
-        workspace: &mut Self::Workspace,
-        out: &mut CurveBlock,
+        workspace: &mut Self::Workspace<B>,
+        out: &mut CurveBlock<B>,
     );
 
     /// [`ContactCurves::contact_area_ratio`] of `point`.
@@ -120,17 +120,17 @@ pub trait PointCurves: Send + Sync {
 /// Values of contact curves at the points of a block: normal traction (Pa) with its slope, tangential stiffnesses (Pa/m)
 /// along x and y with two derivatives.
 #[derive(Debug)]
-pub struct CurveBlock {
-    pub(crate) normal: Lanes<f64>,
-    pub(crate) normal_slope: Lanes<f64>,
-    pub(crate) tangential: [Lanes<f64>; 2],
-    pub(crate) tangential_slope: [Lanes<f64>; 2],
-    pub(crate) tangential_curvature: [Lanes<f64>; 2],
+pub struct CurveBlock<const B: usize> {
+    pub(crate) normal: Lanes<f64, B>,
+    pub(crate) normal_slope: Lanes<f64, B>,
+    pub(crate) tangential: [Lanes<f64, B>; 2],
+    pub(crate) tangential_slope: [Lanes<f64, B>; 2],
+    pub(crate) tangential_curvature: [Lanes<f64, B>; 2],
 }
 
-impl CurveBlock {
+impl<const B: usize> CurveBlock<B> {
     pub(crate) fn new() -> Self {
-        let zero = Lanes([0.0; BLOCK]);
+        let zero = Lanes([0.0; B]);
         Self {
             normal: zero,
             normal_slope: zero,
@@ -142,7 +142,7 @@ impl CurveBlock {
 }
 
 impl<C: ContactCurves> PointCurves for PointParameters<C> {
-    type Workspace = ();
+    type Workspace<const B: usize> = ();
 
     fn info(&self) -> Option<&'static CurvesInfo> {
         (!self.is_empty()).then(|| self.at(0).info())
@@ -152,7 +152,15 @@ impl<C: ContactCurves> PointCurves for PointParameters<C> {
         self.len()
     }
 
-    fn evaluate(&self, first: usize, u_n: &[f64], middle: &[f64], _curvature: bool, (): &mut (), out: &mut CurveBlock) {
+    fn evaluate<const B: usize>(
+        &self,
+        first: usize,
+        u_n: &[f64],
+        middle: &[f64],
+        _curvature: bool,
+        (): &mut (),
+        out: &mut CurveBlock<B>,
+    ) {
         for i in 0..u_n.len() {
             if u_n[i] > 0.0 {
                 let curves = self.at(first + i);

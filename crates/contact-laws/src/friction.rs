@@ -34,7 +34,7 @@ use crate::law::{
 };
 use crate::parameters::PointParameters;
 use crate::return_map::{Block, INCREMENTAL, PAPER, POTENTIAL, Start, Workspace};
-use crate::vector::{BLOCK, Lanes, run};
+use crate::vector::{BLOCK, Lanes, SHORT_BLOCK, run};
 
 /// Reference of eqs. (18)-(20), (28), (29), (45).
 pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";
@@ -122,18 +122,9 @@ impl<C: PointCurves> FrictionalLaw<C> {
     pub fn history(&self) -> HistoryRule {
         self.history
     }
-}
 
-impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
-    fn info(&self) -> &LawInfo {
-        &self.info
-    }
-
-    fn len(&self) -> usize {
-        self.curves.len()
-    }
-
-    fn evaluate(
+    /// [`TractionLaw::evaluate`] in blocks of `B` points.
+    fn evaluate_blocks<const B: usize>(
         &self,
         points: Range<usize>,
         sticking: Sticking,
@@ -144,22 +135,20 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
         tangent: Option<TangentMut<'_>>,
         mut regimes: Option<&mut [Regime]>,
     ) -> RegimeCounts {
-        assert!(
-            points.end <= self.len(),
-            "points {points:?} exceed the law's {} points",
-            self.len()
-        );
         let n = points.len();
         let (jump, begin) = ([jump.x, jump.y, jump.n], begin.components::<5>(n));
         let (mut end, mut traction) = (end.components::<5>(n), [traction.x, traction.y, traction.n]);
         let mut tangent = tangent.map(TangentMut::into_entries);
-        let (mut for_curves, mut curves, mut workspace) =
-            (C::Workspace::default(), CurveBlock::new(), Workspace::new());
-        let (mut u_n, mut middle, mut mu) = (Lanes([0.0; BLOCK]), Lanes([0.0; BLOCK]), Lanes([0.0; BLOCK]));
+        let (mut for_curves, mut curves, mut workspace) = (
+            C::Workspace::<B>::default(),
+            CurveBlock::<B>::new(),
+            Workspace::<B>::new(),
+        );
+        let (mut u_n, mut middle, mut mu) = (Lanes([0.0; B]), Lanes([0.0; B]), Lanes([0.0; B]));
         let mut counts = RegimeCounts::default();
         let (mut block, mut reopens) = (0..0, false);
         while block.end < n {
-            block = block.end..n.min(block.end + BLOCK);
+            block = block.end..n.min(block.end + B);
             let (jump, begin) = (part(&jump, &block), part(&begin, &block));
             let [end_x, end_y, end_n, end_1, end_2] = part_mut(&mut end, &block);
             run(Start {
@@ -204,6 +193,39 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
             };
         }
         counts
+    }
+}
+
+impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
+    fn info(&self) -> &LawInfo {
+        &self.info
+    }
+
+    fn len(&self) -> usize {
+        self.curves.len()
+    }
+
+    fn evaluate(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        tangent: Option<TangentMut<'_>>,
+        regimes: Option<&mut [Regime]>,
+    ) -> RegimeCounts {
+        assert!(
+            points.end <= self.len(),
+            "points {points:?} exceed the law's {} points",
+            self.len()
+        );
+        if points.len() <= SHORT_BLOCK {
+            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes)
+        } else {
+            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes)
+        }
     }
 
     fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64> {

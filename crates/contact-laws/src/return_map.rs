@@ -9,7 +9,7 @@ use crate::elementary::{max, min};
 use crate::law::{Regime, RegimeCounts, Sticking};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::vector::{BLOCK, Lanes, Pass, run};
+use crate::vector::{Lanes, Pass, run};
 
 /// [`crate::HistoryRule`] as a constant that a loop can be compiled for.
 pub(crate) const INCREMENTAL: u8 = 0;
@@ -18,19 +18,19 @@ pub(crate) const POTENTIAL: u8 = 2;
 
 /// Start of a block: the interferences at which its curves are needed, zero where a point is open and NaN where its
 /// input is no number; and the jump as part of the end state.
-pub(crate) struct Start<'a> {
+pub(crate) struct Start<'a, const B: usize> {
     pub(crate) jump: [&'a [f64]; 3],
     pub(crate) begin: [&'a [f64]; 5],
     /// The tangential stiffness is taken halfway along the closed part of the path, otherwise at its end.
     pub(crate) halfway: bool,
-    pub(crate) u_n: &'a mut Lanes<f64>,
-    pub(crate) middle: &'a mut Lanes<f64>,
+    pub(crate) u_n: &'a mut Lanes<f64, B>,
+    pub(crate) middle: &'a mut Lanes<f64, B>,
     pub(crate) end: [&'a mut [f64]; 3],
     /// Some point of the block is open at its begin state.
     pub(crate) reopens: &'a mut bool,
 }
 
-impl Pass for Start<'_> {
+impl<const B: usize> Pass for Start<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let [x, y, n] = self.jump;
@@ -58,7 +58,7 @@ impl Pass for Start<'_> {
 /// [`Start`]. Every array is an argument of its own, here and below, because that alone tells the compiler that they do
 /// not overlap.
 #[inline(always)]
-fn start(
+fn start<const B: usize>(
     halfway: bool,
     jump_x: &[f64],
     jump_y: &[f64],
@@ -68,13 +68,13 @@ fn start(
     begin_n: &[f64],
     begin_1: &[f64],
     begin_2: &[f64],
-    closed_u_n: &mut Lanes<f64>,
-    middle: &mut Lanes<f64>,
+    closed_u_n: &mut Lanes<f64, B>,
+    middle: &mut Lanes<f64, B>,
     end_x: &mut [f64],
     end_y: &mut [f64],
     end_n: &mut [f64],
 ) -> bool {
-    let n = jump_x.len().min(BLOCK);
+    let n = jump_x.len().min(B);
     let (jump_x, jump_y, jump_n) = (&jump_x[..n], &jump_y[..n], &jump_n[..n]);
     let (begin_x, begin_y, begin_n) = (&begin_x[..n], &begin_y[..n], &begin_n[..n]);
     let (begin_1, begin_2) = (&begin_1[..n], &begin_2[..n]);
@@ -99,17 +99,17 @@ fn start(
 }
 
 /// A block of points. Every slice has the block's length.
-pub(crate) struct Block<'a> {
+pub(crate) struct Block<'a, const B: usize> {
     pub(crate) jump: [&'a [f64]; 3],
     pub(crate) begin: [&'a [f64]; 5],
     pub(crate) mu: &'a [f64],
     /// Interferences from [`Start`].
-    pub(crate) u_n: &'a Lanes<f64>,
+    pub(crate) u_n: &'a Lanes<f64, B>,
     /// Some point of the block was open at its begin state.
     pub(crate) reopens: bool,
-    pub(crate) curves: &'a CurveBlock,
+    pub(crate) curves: &'a CurveBlock<B>,
     pub(crate) sticking: Sticking,
-    pub(crate) workspace: &'a mut Workspace,
+    pub(crate) workspace: &'a mut Workspace<B>,
     /// What the end state remembers beside the jump.
     pub(crate) memory: [&'a mut [f64]; 2],
     pub(crate) traction: [&'a mut [f64]; 3],
@@ -119,30 +119,30 @@ pub(crate) struct Block<'a> {
 }
 
 /// Numbers between the passes over a block.
-pub(crate) struct Workspace {
+pub(crate) struct Workspace<const B: usize> {
     /// Stuck trial along x and y with its derivatives along the direction itself and along `u_n`.
-    trial: [Lanes<f64>; 2],
-    along: [Lanes<f64>; 2],
-    closing: [Lanes<f64>; 2],
+    trial: [Lanes<f64, B>; 2],
+    along: [Lanes<f64, B>; 2],
+    closing: [Lanes<f64, B>; 2],
     /// Share of the path that is closed, and its derivative along `u_n`.
-    share: Lanes<f64>,
-    share_slope: Lanes<f64>,
+    share: Lanes<f64, B>,
+    share_slope: Lanes<f64, B>,
     /// Elastic stretch that sticking would leave, and its derivative along `u_n`. Only for [`POTENTIAL`].
-    stretch: [Lanes<f64>; 2],
-    stretch_slope: [Lanes<f64>; 2],
+    stretch: [Lanes<f64, B>; 2],
+    stretch_slope: [Lanes<f64, B>; 2],
     /// Direction of slip, zero without slip.
-    direction: [Lanes<f64>; 2],
+    direction: [Lanes<f64, B>; 2],
     /// Traction over trial, and one over the length of the trial.
-    ratio: Lanes<f64>,
-    per_trial: Lanes<f64>,
-    regime: Lanes<u64>,
+    ratio: Lanes<f64, B>,
+    per_trial: Lanes<f64, B>,
+    regime: Lanes<u64, B>,
     /// Sum of the regimes.
     sum: u64,
 }
 
-impl Workspace {
+impl<const B: usize> Workspace<B> {
     pub(crate) fn new() -> Self {
-        let zero = Lanes([0.0; BLOCK]);
+        let zero = Lanes([0.0; B]);
         Self {
             trial: [zero; 2],
             along: [zero; 2],
@@ -154,20 +154,20 @@ impl Workspace {
             direction: [zero; 2],
             ratio: zero,
             per_trial: zero,
-            regime: Lanes([0; BLOCK]),
+            regime: Lanes([0; B]),
             sum: 0,
         }
     }
 }
 
-impl Block<'_> {
+impl<const B: usize> Block<'_, B> {
     /// Tractions and all else of the block.
     pub(crate) fn respond<const RULE: u8>(mut self) -> RegimeCounts {
         let n = self.mu.len();
-        run(Trial::<RULE>(&mut self));
-        run(Limit::<RULE>(&mut self));
+        run(Trial::<RULE, B>(&mut self));
+        run(Limit::<RULE, B>(&mut self));
         if self.tangent.is_some() {
-            run(Tangent::<RULE>(&mut self));
+            run(Tangent::<RULE, B>(&mut self));
         }
         if let Some(regimes) = self.regimes {
             for (regime, &code) in regimes.iter_mut().zip(&self.workspace.regime.0[..n]) {
@@ -204,9 +204,9 @@ fn count(sum: u64, regime: u64) -> usize {
 }
 
 /// Stuck trials.
-struct Trial<'a, 'b, const RULE: u8>(&'a mut Block<'b>);
+struct Trial<'a, 'b, const RULE: u8, const B: usize>(&'a mut Block<'b, B>);
 
-impl<const RULE: u8> Pass for Trial<'_, '_, RULE> {
+impl<const RULE: u8, const B: usize> Pass for Trial<'_, '_, RULE, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let block = self.0;
@@ -229,7 +229,7 @@ impl<const RULE: u8> Pass for Trial<'_, '_, RULE> {
         );
         if block.reopens {
             shares(u_n, u_n0, share, share_slope);
-            trials::<RULE, true>(
+            trials::<RULE, true, B>(
                 u_x,
                 u_x0,
                 u_n,
@@ -246,7 +246,7 @@ impl<const RULE: u8> Pass for Trial<'_, '_, RULE> {
                 stretch_x,
                 stretch_slope_x,
             );
-            trials::<RULE, true>(
+            trials::<RULE, true, B>(
                 u_y,
                 u_y0,
                 u_n,
@@ -265,9 +265,9 @@ impl<const RULE: u8> Pass for Trial<'_, '_, RULE> {
             );
         } else {
             if RULE == POTENTIAL {
-                share.0 = [1.0; BLOCK];
+                share.0 = [1.0; B];
             }
-            trials::<RULE, false>(
+            trials::<RULE, false, B>(
                 u_x,
                 u_x0,
                 u_n,
@@ -284,7 +284,7 @@ impl<const RULE: u8> Pass for Trial<'_, '_, RULE> {
                 stretch_x,
                 stretch_slope_x,
             );
-            trials::<RULE, false>(
+            trials::<RULE, false, B>(
                 u_y,
                 u_y0,
                 u_n,
@@ -307,8 +307,8 @@ impl<const RULE: u8> Pass for Trial<'_, '_, RULE> {
 
 /// Share of each path that is closed, and its derivative with respect to `u_n`.
 #[inline(always)]
-fn shares(u_n: &[f64], u_n0: &[f64], share: &mut Lanes<f64>, share_slope: &mut Lanes<f64>) {
-    let n = u_n.len().min(BLOCK);
+fn shares<const B: usize>(u_n: &[f64], u_n0: &[f64], share: &mut Lanes<f64, B>, share_slope: &mut Lanes<f64, B>) {
+    let n = u_n.len().min(B);
     let (u_n, u_n0) = (&u_n[..n], &u_n0[..n]);
     for i in 0..n {
         let (path, reopened) = (u_n[i] - u_n0[i], u_n0[i] < 0.0);
@@ -320,24 +320,24 @@ fn shares(u_n: &[f64], u_n0: &[f64], share: &mut Lanes<f64>, share_slope: &mut L
 
 /// Stuck trials along one direction.
 #[inline(always)]
-fn trials<const RULE: u8, const REOPENS: bool>(
+fn trials<const RULE: u8, const REOPENS: bool, const B: usize>(
     u: &[f64],
     u_0: &[f64],
     u_n: &[f64],
     u_n0: &[f64],
     memory: &[f64],
-    k: &Lanes<f64>,
-    k_slope: &Lanes<f64>,
-    k_curvature: &Lanes<f64>,
-    share: &Lanes<f64>,
-    share_slope: &Lanes<f64>,
-    trial: &mut Lanes<f64>,
-    along: &mut Lanes<f64>,
-    closing: &mut Lanes<f64>,
-    stretch: &mut Lanes<f64>,
-    stretch_slope: &mut Lanes<f64>,
+    k: &Lanes<f64, B>,
+    k_slope: &Lanes<f64, B>,
+    k_curvature: &Lanes<f64, B>,
+    share: &Lanes<f64, B>,
+    share_slope: &Lanes<f64, B>,
+    trial: &mut Lanes<f64, B>,
+    along: &mut Lanes<f64, B>,
+    closing: &mut Lanes<f64, B>,
+    stretch: &mut Lanes<f64, B>,
+    stretch_slope: &mut Lanes<f64, B>,
 ) {
-    let n = u.len().min(BLOCK);
+    let n = u.len().min(B);
     let (u, u_0, u_n, u_n0, memory) = (&u[..n], &u_0[..n], &u_n[..n], &u_n0[..n], &memory[..n]);
     for i in 0..n {
         let (k, k_slope) = (bounded(k.0[i]), bounded(k_slope.0[i]));
@@ -375,9 +375,9 @@ fn trials<const RULE: u8, const REOPENS: bool>(
 }
 
 /// Slip limit, tractions and end state.
-struct Limit<'a, 'b, const RULE: u8>(&'a mut Block<'b>);
+struct Limit<'a, 'b, const RULE: u8, const B: usize>(&'a mut Block<'b, B>);
 
-impl<const RULE: u8> Pass for Limit<'_, '_, RULE> {
+impl<const RULE: u8, const B: usize> Pass for Limit<'_, '_, RULE, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let block = self.0;
@@ -407,7 +407,7 @@ impl<const RULE: u8> Pass for Limit<'_, '_, RULE> {
             per_trial,
             regime,
         );
-        tractions::<RULE>(
+        tractions::<RULE, B>(
             unlimited,
             block.mu,
             block.u_n,
@@ -431,20 +431,20 @@ impl<const RULE: u8> Pass for Limit<'_, '_, RULE> {
 
 /// Regimes, and where points slip the direction and what is left of the trial, eq. (20).
 #[inline(always)]
-fn limits(
+fn limits<const B: usize>(
     unlimited: bool,
     mu: &[f64],
-    u_n: &Lanes<f64>,
-    normal: &Lanes<f64>,
-    trial_x: &Lanes<f64>,
-    trial_y: &Lanes<f64>,
-    direction_x: &mut Lanes<f64>,
-    direction_y: &mut Lanes<f64>,
-    ratio: &mut Lanes<f64>,
-    per_trial: &mut Lanes<f64>,
-    regime: &mut Lanes<u64>,
+    u_n: &Lanes<f64, B>,
+    normal: &Lanes<f64, B>,
+    trial_x: &Lanes<f64, B>,
+    trial_y: &Lanes<f64, B>,
+    direction_x: &mut Lanes<f64, B>,
+    direction_y: &mut Lanes<f64, B>,
+    ratio: &mut Lanes<f64, B>,
+    per_trial: &mut Lanes<f64, B>,
+    regime: &mut Lanes<u64, B>,
 ) -> u64 {
-    let n = mu.len().min(BLOCK);
+    let n = mu.len().min(B);
     let mu = &mu[..n];
     let mut sum = 0;
     for i in 0..n {
@@ -495,26 +495,26 @@ fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
 
 /// Tractions and what the end state remembers of them.
 #[inline(always)]
-fn tractions<const RULE: u8>(
+fn tractions<const RULE: u8, const B: usize>(
     unlimited: bool,
     mu: &[f64],
-    u_n: &Lanes<f64>,
-    curves: &CurveBlock,
-    trial_x: &Lanes<f64>,
-    trial_y: &Lanes<f64>,
-    stretch_x: &Lanes<f64>,
-    stretch_y: &Lanes<f64>,
-    direction_x: &Lanes<f64>,
-    direction_y: &Lanes<f64>,
-    ratio: &Lanes<f64>,
-    regime: &Lanes<u64>,
+    u_n: &Lanes<f64, B>,
+    curves: &CurveBlock<B>,
+    trial_x: &Lanes<f64, B>,
+    trial_y: &Lanes<f64, B>,
+    stretch_x: &Lanes<f64, B>,
+    stretch_y: &Lanes<f64, B>,
+    direction_x: &Lanes<f64, B>,
+    direction_y: &Lanes<f64, B>,
+    ratio: &Lanes<f64, B>,
+    regime: &Lanes<u64, B>,
     traction_x: &mut [f64],
     traction_y: &mut [f64],
     traction_n: &mut [f64],
     end_1: &mut [f64],
     end_2: &mut [f64],
 ) {
-    let n = mu.len().min(BLOCK);
+    let n = mu.len().min(B);
     let mu = &mu[..n];
     let (traction_x, traction_y, traction_n) = (&mut traction_x[..n], &mut traction_y[..n], &mut traction_n[..n]);
     let (end_1, end_2) = (&mut end_1[..n], &mut end_2[..n]);
@@ -545,9 +545,9 @@ fn tractions<const RULE: u8>(
 
 /// Consistent tangent: with the direction of slip `d`, `t = limit d`, so
 /// `dt = (limit/|trial|) (I - d d) d(trial) + mu t_n' d du_n`.
-struct Tangent<'a, 'b, const RULE: u8>(&'a mut Block<'b>);
+struct Tangent<'a, 'b, const RULE: u8, const B: usize>(&'a mut Block<'b, B>);
 
-impl<const RULE: u8> Pass for Tangent<'_, '_, RULE> {
+impl<const RULE: u8, const B: usize> Pass for Tangent<'_, '_, RULE, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let block = self.0;
@@ -566,17 +566,17 @@ impl<const RULE: u8> Pass for Tangent<'_, '_, RULE> {
             yy,
             yn,
         );
-        normal_tangents::<RULE>(block.mu, block.u_n, block.curves, block.workspace, nx, ny, nn);
+        normal_tangents::<RULE, B>(block.mu, block.u_n, block.curves, block.workspace, nx, ny, nn);
     }
 }
 
 /// Rows of the tangential tractions.
 #[inline(always)]
-fn tangents(
+fn tangents<const B: usize>(
     mu: &[f64],
-    u_n: &Lanes<f64>,
-    curves: &CurveBlock,
-    workspace: &Workspace,
+    u_n: &Lanes<f64, B>,
+    curves: &CurveBlock<B>,
+    workspace: &Workspace<B>,
     xx: &mut [f64],
     xy: &mut [f64],
     xn: &mut [f64],
@@ -584,7 +584,7 @@ fn tangents(
     yy: &mut [f64],
     yn: &mut [f64],
 ) {
-    let n = mu.len().min(BLOCK);
+    let n = mu.len().min(B);
     let mu = &mu[..n];
     let (xx, xy, xn) = (&mut xx[..n], &mut xy[..n], &mut xn[..n]);
     let (yx, yy, yn) = (&mut yx[..n], &mut yy[..n], &mut yn[..n]);
@@ -613,16 +613,16 @@ fn tangents(
 
 /// Row of the normal traction.
 #[inline(always)]
-fn normal_tangents<const RULE: u8>(
+fn normal_tangents<const RULE: u8, const B: usize>(
     mu: &[f64],
-    u_n: &Lanes<f64>,
-    curves: &CurveBlock,
-    workspace: &Workspace,
+    u_n: &Lanes<f64, B>,
+    curves: &CurveBlock<B>,
+    workspace: &Workspace<B>,
     nx: &mut [f64],
     ny: &mut [f64],
     nn: &mut [f64],
 ) {
-    let n = mu.len().min(BLOCK);
+    let n = mu.len().min(B);
     let mu = &mu[..n];
     let (nx, ny, nn) = (&mut nx[..n], &mut ny[..n], &mut nn[..n]);
     let ([along_x, along_y], [closing_x, closing_y]) = (&workspace.along, &workspace.closing);

@@ -126,7 +126,7 @@ impl<R: Real> FittedPoints<R> {
 }
 
 impl<R: Real> PointCurves for FittedPoints<R> {
-    type Workspace = Workspace<R>;
+    type Workspace<const B: usize> = Workspace<R, B>;
 
     fn info(&self) -> Option<&'static CurvesInfo> {
         Some(&INFO)
@@ -136,35 +136,34 @@ impl<R: Real> PointCurves for FittedPoints<R> {
         self.n_points
     }
 
-    fn evaluate(
+    fn evaluate<const B: usize>(
         &self,
         first: usize,
         u_n: &[f64],
         middle: &[f64],
         curvature: bool,
-        workspace: &mut Workspace<R>,
-        out: &mut CurveBlock,
+        workspace: &mut Workspace<R, B>,
+        out: &mut CurveBlock<B>,
     ) {
         let start = if self.uniform { 0 } else { first };
         let at = start..start + u_n.len();
-        if curvature {
-            run(Formulas::<R, true> {
-                points: self,
-                at,
-                u_n,
-                middle,
-                workspace,
-                out,
-            });
-        } else {
-            run(Formulas::<R, false> {
-                points: self,
-                at,
-                u_n,
-                middle,
-                workspace,
-                out,
-            });
+        macro_rules! formulas {
+            ($curvature:literal, $isotropic:literal) => {
+                run(Formulas::<R, $curvature, $isotropic, B> {
+                    points: self,
+                    at,
+                    u_n,
+                    middle,
+                    workspace,
+                    out,
+                })
+            };
+        }
+        match (curvature, self.isotropic) {
+            (false, false) => formulas!(false, false),
+            (false, true) => formulas!(false, true),
+            (true, false) => formulas!(true, false),
+            (true, true) => formulas!(true, true),
         }
     }
 
@@ -177,41 +176,42 @@ impl<R: Real> PointCurves for FittedPoints<R> {
     }
 }
 
-/// Both formulas at the points of a block, with or without second derivatives.
-struct Formulas<'a, R, const CURVATURE: bool> {
+/// Both formulas at the points of a block, with or without second derivatives, with stiffnesses along x and y that differ
+/// or not.
+struct Formulas<'a, R, const CURVATURE: bool, const ISOTROPIC: bool, const B: usize> {
     points: &'a FittedPoints<R>,
     /// The block in the columns.
     at: Range<usize>,
     u_n: &'a [f64],
     middle: &'a [f64],
-    workspace: &'a mut Workspace<R>,
-    out: &'a mut CurveBlock,
+    workspace: &'a mut Workspace<R, B>,
+    out: &'a mut CurveBlock<B>,
 }
 
 /// Numbers between the passes over a block. Of three arrays, the first belongs to the normal traction, the others to the
 /// stiffnesses along x and y; of two, the first to the normal traction, the second to both stiffnesses.
 #[derive(Debug)]
-pub struct Workspace<R> {
+pub struct Workspace<R, const B: usize> {
     /// `U = u per_u_ref`, its reciprocal and its logarithm.
-    ratio: [Lanes<R>; 2],
-    per_ratio: [Lanes<f64>; 2],
-    ln: [Lanes<R>; 2],
+    ratio: [Lanes<R, B>; 2],
+    per_ratio: [Lanes<f64, B>; 2],
+    ln: [Lanes<R, B>; 2],
     /// `ln U` held within the fitted range.
-    held: [Lanes<R>; 3],
+    held: [Lanes<R, B>; 3],
     /// Arguments of exponentials, then their values: first those within the formulas, then the results over their scale.
-    exponential: [Lanes<R>; 3],
+    exponential: [Lanes<R, B>; 3],
     /// `y` of eq. (28) and `z` of eq. (29), then the log-slopes.
-    inner: [Lanes<R>; 3],
+    inner: [Lanes<R, B>; 3],
     /// Changes of the log-slopes along x and y with `ln U`.
-    slope_change: [Lanes<R>; 2],
+    slope_change: [Lanes<R, B>; 2],
 }
 
-impl<R: Real> Default for Workspace<R> {
+impl<R: Real, const B: usize> Default for Workspace<R, B> {
     fn default() -> Self {
-        let zero = Lanes([R::of(0.0); BLOCK]);
+        let zero = Lanes([R::of(0.0); B]);
         Self {
             ratio: [zero; 2],
-            per_ratio: [Lanes([0.0; BLOCK]); 2],
+            per_ratio: [Lanes([0.0; B]); 2],
             ln: [zero; 2],
             held: [zero; 3],
             exponential: [zero; 3],
@@ -221,8 +221,11 @@ impl<R: Real> Default for Workspace<R> {
     }
 }
 
-impl<R: Real, const CURVATURE: bool> Pass for Formulas<'_, R, CURVATURE> {
-    /// Loops of a few dozen instructions: the processor overlaps several turns of such a loop, but not of a long one.
+impl<R: Real, const CURVATURE: bool, const ISOTROPIC: bool, const B: usize> Pass
+    for Formulas<'_, R, CURVATURE, ISOTROPIC, B>
+{
+    /// A few loops of about a hundred instructions: the processor overlaps several turns of such a loop, but not of a
+    /// much longer one, and every loop has a beginning and an end.
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self {
@@ -235,8 +238,8 @@ impl<R: Real, const CURVATURE: bool> Pass for Formulas<'_, R, CURVATURE> {
         } = self;
         let n = u_n.len();
         let per_u_ref = &points.per_u_ref[at.clone()];
-        let (normal, [x, y], isotropic) = (&points.normal, &points.tangential, points.isotropic);
-        arguments::<R, FMA>(u_n, middle, per_u_ref, workspace);
+        let (normal, [x, y]) = (&points.normal, &points.tangential);
+        arguments::<R, FMA, B>(u_n, middle, per_u_ref, workspace);
         let Workspace {
             ratio: [ratio_n, ratio_t],
             per_ratio: [per_ratio_n, per_ratio_t],
@@ -247,32 +250,32 @@ impl<R: Real, const CURVATURE: bool> Pass for Formulas<'_, R, CURVATURE> {
             slope_change: [change_x, change_y],
         } = workspace;
         let mut beyond = false;
-        if points.ranged {
+        let (held_n, held_x, held_y) = if points.ranged {
             beyond |= normal.range.hold(&at, u_n, ln_n, held_n);
             beyond |= x.range.hold(&at, u_n, ln_t, held_x);
-            beyond |= !isotropic && y.range.hold(&at, u_n, ln_t, held_y);
+            if !ISOTROPIC {
+                beyond |= y.range.hold(&at, u_n, ln_t, held_y);
+            }
+            (&*held_n, &*held_x, &*held_y)
         } else {
-            (*held_n, *held_x, *held_y) = (*ln_n, *ln_t, *ln_t);
-        }
-        normal.inner(&at, n, held_n, y_n, e_n);
-        x.inner(&at, n, held_x, z_x, e_x);
-        if !isotropic {
-            y.inner(&at, n, held_y, z_y, e_y);
-        }
-        exponentials::<R, FMA>(n, e_n, e_x, (!isotropic).then_some(&mut *e_y));
-        normal.outer(&at, n, held_n, y_n, e_n);
-        x.outer::<CURVATURE>(&at, n, z_x, e_x, change_x);
-        if !isotropic {
-            y.outer::<CURVATURE>(&at, n, z_y, e_y, change_y);
-        }
+            (&*ln_n, &*ln_t, &*ln_t)
+        };
+        let (for_n, for_x, for_y) = (normal.fit(&at, n), x.fit(&at, n), y.fit(&at, n));
+        inner::<R, ISOTROPIC, B>(
+            n, &for_n, &for_x, &for_y, held_n, held_x, held_y, y_n, z_x, z_y, e_n, e_x, e_y,
+        );
+        exponentials::<R, FMA, ISOTROPIC, B>(n, e_n, e_x, e_y);
+        outer::<R, CURVATURE, ISOTROPIC, B>(
+            n, &for_n, &for_x, &for_y, held_n, y_n, z_x, z_y, e_n, e_x, e_y, change_x, change_y,
+        );
         if beyond {
             normal.continuation(&at, n, ratio_n, ln_n, y_n, e_n);
-            x.continuation::<CURVATURE>(&at, n, ratio_t, per_ratio_t, ln_t, z_x, e_x, change_x);
-            if !isotropic {
-                y.continuation::<CURVATURE>(&at, n, ratio_t, per_ratio_t, ln_t, z_y, e_y, change_y);
+            x.continuation::<CURVATURE, B>(&at, n, ratio_t, per_ratio_t, ln_t, z_x, e_x, change_x);
+            if !ISOTROPIC {
+                y.continuation::<CURVATURE, B>(&at, n, ratio_t, per_ratio_t, ln_t, z_y, e_y, change_y);
             }
         }
-        exponentials::<R, FMA>(n, e_n, e_x, (!isotropic).then_some(&mut *e_y));
+        exponentials::<R, FMA, ISOTROPIC, B>(n, e_n, e_x, e_y);
         let CurveBlock {
             normal: t,
             normal_slope: slope_t,
@@ -280,17 +283,32 @@ impl<R: Real, const CURVATURE: bool> Pass for Formulas<'_, R, CURVATURE> {
             tangential_slope: [slope_x, slope_y],
             tangential_curvature: [curvature_x, curvature_y],
         } = out;
-        values(&normal.scale[at.clone()], per_u_ref, per_ratio_n, e_n, y_n, t, slope_t);
-        values(&x.scale[at.clone()], per_u_ref, per_ratio_t, e_x, z_x, k_x, slope_x);
+        values::<R, ISOTROPIC, B>(
+            per_u_ref,
+            per_ratio_n,
+            per_ratio_t,
+            &for_n,
+            &for_x,
+            &for_y,
+            e_n,
+            e_x,
+            e_y,
+            y_n,
+            z_x,
+            z_y,
+            t,
+            slope_t,
+            k_x,
+            slope_x,
+            k_y,
+            slope_y,
+        );
         if CURVATURE {
             curvatures(per_u_ref, per_ratio_t, k_x, z_x, change_x, curvature_x);
         }
-        if isotropic {
+        if ISOTROPIC {
             (*k_y, *slope_y, *curvature_y) = (*k_x, *slope_x, *curvature_x);
-            return;
-        }
-        values(&y.scale[at], per_u_ref, per_ratio_t, e_y, z_y, k_y, slope_y);
-        if CURVATURE {
+        } else if CURVATURE {
             curvatures(per_u_ref, per_ratio_t, k_y, z_y, change_y, curvature_y);
         }
     }
@@ -298,8 +316,13 @@ impl<R: Real, const CURVATURE: bool> Pass for Formulas<'_, R, CURVATURE> {
 
 /// Interferences over their reference, with logarithm and reciprocal.
 #[inline(always)]
-fn arguments<R: Real, const FMA: bool>(u_n: &[f64], middle: &[f64], per_u_ref: &[f64], workspace: &mut Workspace<R>) {
-    let n = u_n.len().min(BLOCK);
+fn arguments<R: Real, const FMA: bool, const B: usize>(
+    u_n: &[f64],
+    middle: &[f64],
+    per_u_ref: &[f64],
+    workspace: &mut Workspace<R, B>,
+) {
+    let n = u_n.len().min(B);
     let (u_n, middle, per_u_ref) = (&u_n[..n], &middle[..n], &per_u_ref[..n]);
     let ([ratio_n, ratio_t], [ln_n, ln_t]) = (&mut workspace.ratio, &mut workspace.ln);
     let [per_ratio_n, per_ratio_t] = &mut workspace.per_ratio;
@@ -330,29 +353,193 @@ fn arguments<R: Real, const FMA: bool>(u_n: &[f64], middle: &[f64], per_u_ref: &
     }
 }
 
-/// Exponentials in place, of all arrays at a time: what they share is loaded once.
+/// Columns of eq. (28) at a block.
+struct NormalBlock<'a, R> {
+    scale: &'a [f64],
+    b: &'a [R],
+    c: &'a [R],
+    d: &'a [R],
+    per_e: &'a [R],
+}
+
+/// Columns of eq. (29) at a block.
+struct TangentialBlock<'a, R> {
+    scale: &'a [f64],
+    b: &'a [R],
+    c: &'a [R],
+    d: &'a [R],
+}
+
+/// `y` and the exponent of the bell of eq. (28), `z = d (ln U - c)` and `-2 |z|` of eq. (29).
 #[inline(always)]
-fn exponentials<R: Real, const FMA: bool>(n: usize, a: &mut Lanes<R>, b: &mut Lanes<R>, c: Option<&mut Lanes<R>>) {
-    let (n, most) = (n.min(BLOCK), R::of(R::LARGEST_EXPONENT));
-    let Some(c) = c else {
-        for i in 0..n {
-            a.0[i] = min(a.0[i], most).natural_exp::<FMA>();
-            b.0[i] = min(b.0[i], most).natural_exp::<FMA>();
-        }
-        return;
-    };
+fn inner<R: Real, const ISOTROPIC: bool, const B: usize>(
+    n: usize,
+    normal: &NormalBlock<'_, R>,
+    x: &TangentialBlock<'_, R>,
+    y: &TangentialBlock<'_, R>,
+    held_n: &Lanes<R, B>,
+    held_x: &Lanes<R, B>,
+    held_y: &Lanes<R, B>,
+    y_n: &mut Lanes<R, B>,
+    z_x: &mut Lanes<R, B>,
+    z_y: &mut Lanes<R, B>,
+    e_n: &mut Lanes<R, B>,
+    e_x: &mut Lanes<R, B>,
+    e_y: &mut Lanes<R, B>,
+) {
+    let n = n.min(B);
+    let (d, per_e) = (&normal.d[..n], &normal.per_e[..n]);
+    let (c_x, d_x, c_y, d_y) = (&x.c[..n], &x.d[..n], &y.c[..n], &y.d[..n]);
     for i in 0..n {
-        a.0[i] = min(a.0[i], most).natural_exp::<FMA>();
-        b.0[i] = min(b.0[i], most).natural_exp::<FMA>();
-        c.0[i] = min(c.0[i], most).natural_exp::<FMA>();
+        let bell = (held_n.0[i] + d[i]) * per_e[i];
+        y_n.0[i] = bell;
+        e_n.0[i] = bell * bell * R::of(-0.5);
+        let z = d_x[i] * (held_x.0[i] - c_x[i]);
+        z_x.0[i] = z;
+        e_x.0[i] = z.magnitude() * R::of(-2.0);
+        if !ISOTROPIC {
+            let z = d_y[i] * (held_y.0[i] - c_y[i]);
+            z_y.0[i] = z;
+            e_y.0[i] = z.magnitude() * R::of(-2.0);
+        }
+    }
+}
+
+/// `ln(t_n / scale)` in place of the bell and its log-slope in place of `y`; `ln(k / scale)` in place of `exp(-2 |z|)` and
+/// its log-slope in place of `z`.
+#[inline(always)]
+fn outer<R: Real, const CURVATURE: bool, const ISOTROPIC: bool, const B: usize>(
+    n: usize,
+    normal: &NormalBlock<'_, R>,
+    x: &TangentialBlock<'_, R>,
+    y: &TangentialBlock<'_, R>,
+    held_n: &Lanes<R, B>,
+    y_n: &mut Lanes<R, B>,
+    z_x: &mut Lanes<R, B>,
+    z_y: &mut Lanes<R, B>,
+    e_n: &mut Lanes<R, B>,
+    e_x: &mut Lanes<R, B>,
+    e_y: &mut Lanes<R, B>,
+    change_x: &mut Lanes<R, B>,
+    change_y: &mut Lanes<R, B>,
+) {
+    let n = n.min(B);
+    let (b, c, per_e) = (&normal.b[..n], &normal.c[..n], &normal.per_e[..n]);
+    let (b_x, d_x, b_y, d_y) = (&x.b[..n], &x.d[..n], &y.b[..n], &y.d[..n]);
+    let one = R::of(1.0);
+    for i in 0..n {
+        let bell = e_n.0[i] * c[i];
+        e_n.0[i] = b[i] * held_n.0[i] + bell;
+        y_n.0[i] = b[i] - bell * y_n.0[i] * per_e[i];
+        let sum_x = one + e_x.0[i];
+        if ISOTROPIC {
+            let step = Step::new(b_x[i], d_x[i], z_x.0[i], e_x.0[i], one / sum_x);
+            (e_x.0[i], z_x.0[i]) = (step.value, step.slope);
+            if CURVATURE {
+                change_x.0[i] = step.slope_change;
+            }
+        } else {
+            // One division for both directions.
+            let sum_y = one + e_y.0[i];
+            let per_both = one / (sum_x * sum_y);
+            let step = Step::new(b_x[i], d_x[i], z_x.0[i], e_x.0[i], sum_y * per_both);
+            (e_x.0[i], z_x.0[i]) = (step.value, step.slope);
+            if CURVATURE {
+                change_x.0[i] = step.slope_change;
+            }
+            let step = Step::new(b_y[i], d_y[i], z_y.0[i], e_y.0[i], sum_x * per_both);
+            (e_y.0[i], z_y.0[i]) = (step.value, step.slope);
+            if CURVATURE {
+                change_y.0[i] = step.slope_change;
+            }
+        }
+    }
+}
+
+/// `b tanh(z)` with its derivative with respect to `ln U` and that one's.
+struct Step<R> {
+    value: R,
+    slope: R,
+    slope_change: R,
+}
+
+impl<R: Real> Step<R> {
+    /// From `decay = exp(-2 |z|)` and `per_sum = 1/(1 + decay)`.
+    #[inline(always)]
+    fn new(b: R, d: R, z: R, decay: R, per_sum: R) -> Self {
+        let step = ((R::of(1.0) - decay) * per_sum).with_sign(z);
+        let slope = b * d * (R::of(4.0) * decay * per_sum * per_sum);
+        Self {
+            value: b * step,
+            slope,
+            slope_change: R::of(-2.0) * d * step * slope,
+        }
+    }
+}
+
+/// Exponentials in place.
+#[inline(always)]
+fn exponentials<R: Real, const FMA: bool, const ISOTROPIC: bool, const B: usize>(
+    n: usize,
+    e_n: &mut Lanes<R, B>,
+    e_x: &mut Lanes<R, B>,
+    e_y: &mut Lanes<R, B>,
+) {
+    let most = R::of(R::LARGEST_EXPONENT);
+    for i in 0..n.min(B) {
+        e_n.0[i] = min(e_n.0[i], most).natural_exp::<FMA>();
+        e_x.0[i] = min(e_x.0[i], most).natural_exp::<FMA>();
+        if !ISOTROPIC {
+            e_y.0[i] = min(e_y.0[i], most).natural_exp::<FMA>();
+        }
+    }
+}
+
+/// Values and slopes from values over the scale and log-slopes.
+#[inline(always)]
+fn values<R: Real, const ISOTROPIC: bool, const B: usize>(
+    per_u_ref: &[f64],
+    per_ratio_n: &Lanes<f64, B>,
+    per_ratio_t: &Lanes<f64, B>,
+    normal: &NormalBlock<'_, R>,
+    x: &TangentialBlock<'_, R>,
+    y: &TangentialBlock<'_, R>,
+    e_n: &Lanes<R, B>,
+    e_x: &Lanes<R, B>,
+    e_y: &Lanes<R, B>,
+    log_slope_n: &Lanes<R, B>,
+    log_slope_x: &Lanes<R, B>,
+    log_slope_y: &Lanes<R, B>,
+    t_n: &mut Lanes<f64, B>,
+    slope_n: &mut Lanes<f64, B>,
+    k_x: &mut Lanes<f64, B>,
+    slope_x: &mut Lanes<f64, B>,
+    k_y: &mut Lanes<f64, B>,
+    slope_y: &mut Lanes<f64, B>,
+) {
+    let n = per_u_ref.len().min(B);
+    let (per_u_ref, scale_n, scale_x, scale_y) = (&per_u_ref[..n], &normal.scale[..n], &x.scale[..n], &y.scale[..n]);
+    for i in 0..n {
+        let value = bounded(scale_n[i] * e_n.0[i].double());
+        t_n.0[i] = value;
+        slope_n.0[i] = value * bounded(per_ratio_n.0[i] * per_u_ref[i]) * log_slope_n.0[i].double();
+        let per_u = bounded(per_ratio_t.0[i] * per_u_ref[i]);
+        let value = bounded(scale_x[i] * e_x.0[i].double());
+        k_x.0[i] = value;
+        slope_x.0[i] = value * per_u * log_slope_x.0[i].double();
+        if !ISOTROPIC {
+            let value = bounded(scale_y[i] * e_y.0[i].double());
+            k_y.0[i] = value;
+            slope_y.0[i] = value * per_u * log_slope_y.0[i].double();
+        }
     }
 }
 
 impl<R: Real> RangeColumns<R> {
     /// Holds `ln U` within the range; true when a closed point lies beyond.
     #[inline(always)]
-    fn hold(&self, at: &Range<usize>, u_n: &[f64], ln: &Lanes<R>, held: &mut Lanes<R>) -> bool {
-        let n = u_n.len().min(BLOCK);
+    fn hold<const B: usize>(&self, at: &Range<usize>, u_n: &[f64], ln: &Lanes<R, B>, held: &mut Lanes<R, B>) -> bool {
+        let n = u_n.len().min(B);
         let (lower, upper) = (&self.ln_lower[at.clone()][..n], &self.ln_upper[at.clone()][..n]);
         let mut n_beyond = 0_u64;
         for i in 0..n {
@@ -366,46 +553,29 @@ impl<R: Real> RangeColumns<R> {
 }
 
 impl<R: Real> NormalColumns<R> {
-    /// `y` and the exponent of the bell.
     #[inline(always)]
-    fn inner(&self, at: &Range<usize>, n: usize, x: &Lanes<R>, y: &mut Lanes<R>, exponent: &mut Lanes<R>) {
-        let n = n.min(BLOCK);
-        let (d, per_e) = (&self.d[at.clone()][..n], &self.per_e[at.clone()][..n]);
-        for i in 0..n {
-            let y_i = (x.0[i] + d[i]) * per_e[i];
-            y.0[i] = y_i;
-            exponent.0[i] = y_i * y_i * R::of(-0.5);
-        }
-    }
-
-    /// `ln(t_n / scale)` in place of the bell, the log-slope in place of `y`.
-    #[inline(always)]
-    fn outer(&self, at: &Range<usize>, n: usize, x: &Lanes<R>, y: &mut Lanes<R>, bell: &mut Lanes<R>) {
-        let n = n.min(BLOCK);
-        let (b, c, per_e) = (
-            &self.b[at.clone()][..n],
-            &self.c[at.clone()][..n],
-            &self.per_e[at.clone()][..n],
-        );
-        for i in 0..n {
-            let bell_i = bell.0[i] * c[i];
-            y.0[i] = b[i] - bell_i * y.0[i] * per_e[i];
-            bell.0[i] = b[i] * x.0[i] + bell_i;
+    fn fit(&self, at: &Range<usize>, n: usize) -> NormalBlock<'_, R> {
+        NormalBlock {
+            scale: &self.scale[at.clone()][..n],
+            b: &self.b[at.clone()][..n],
+            c: &self.c[at.clone()][..n],
+            d: &self.d[at.clone()][..n],
+            per_e: &self.per_e[at.clone()][..n],
         }
     }
 
     /// Beyond the range: the log-slope moves to 3/2 below and stays above.
     #[inline(always)]
-    fn continuation(
+    fn continuation<const B: usize>(
         &self,
         at: &Range<usize>,
         n: usize,
-        ratio: &Lanes<R>,
-        ln: &Lanes<R>,
-        log_slope: &mut Lanes<R>,
-        value: &mut Lanes<R>,
+        ratio: &Lanes<R, B>,
+        ln: &Lanes<R, B>,
+        log_slope: &mut Lanes<R, B>,
+        value: &mut Lanes<R, B>,
     ) {
-        let n = n.min(BLOCK);
+        let n = n.min(B);
         let (lower, upper) = (
             &self.range.ln_lower[at.clone()][..n],
             &self.range.ln_upper[at.clone()][..n],
@@ -427,57 +597,30 @@ impl<R: Real> NormalColumns<R> {
 }
 
 impl<R: Real> TangentialColumns<R> {
-    /// `z = d (ln U - c)` and `-2 |z|`.
     #[inline(always)]
-    fn inner(&self, at: &Range<usize>, n: usize, x: &Lanes<R>, z: &mut Lanes<R>, exponent: &mut Lanes<R>) {
-        let n = n.min(BLOCK);
-        let (c, d) = (&self.c[at.clone()][..n], &self.d[at.clone()][..n]);
-        for i in 0..n {
-            let z_i = d[i] * (x.0[i] - c[i]);
-            z.0[i] = z_i;
-            exponent.0[i] = z_i.magnitude() * R::of(-2.0);
-        }
-    }
-
-    /// `ln(k / scale)` in place of `exp(-2 |z|)`, the log-slope in place of `z`.
-    #[inline(always)]
-    fn outer<const CURVATURE: bool>(
-        &self,
-        at: &Range<usize>,
-        n: usize,
-        z: &mut Lanes<R>,
-        decay: &mut Lanes<R>,
-        slope_change: &mut Lanes<R>,
-    ) {
-        let n = n.min(BLOCK);
-        let (b, d) = (&self.b[at.clone()][..n], &self.d[at.clone()][..n]);
-        let one = R::of(1.0);
-        for i in 0..n {
-            let per_sum = one / (one + decay.0[i]);
-            let step = ((one - decay.0[i]) * per_sum).with_sign(z.0[i]);
-            let slope = b[i] * d[i] * (R::of(4.0) * decay.0[i] * per_sum * per_sum);
-            decay.0[i] = b[i] * step;
-            z.0[i] = slope;
-            if CURVATURE {
-                slope_change.0[i] = R::of(-2.0) * d[i] * step * slope;
-            }
+    fn fit(&self, at: &Range<usize>, n: usize) -> TangentialBlock<'_, R> {
+        TangentialBlock {
+            scale: &self.scale[at.clone()][..n],
+            b: &self.b[at.clone()][..n],
+            c: &self.c[at.clone()][..n],
+            d: &self.d[at.clone()][..n],
         }
     }
 
     /// Beyond the range: the log-slope moves to the lower exponent below, and stays or moves to zero above.
     #[inline(always)]
-    fn continuation<const CURVATURE: bool>(
+    fn continuation<const CURVATURE: bool, const B: usize>(
         &self,
         at: &Range<usize>,
         n: usize,
-        ratio: &Lanes<R>,
-        per_ratio: &Lanes<f64>,
-        ln: &Lanes<R>,
-        log_slope: &mut Lanes<R>,
-        value: &mut Lanes<R>,
-        slope_change: &mut Lanes<R>,
+        ratio: &Lanes<R, B>,
+        per_ratio: &Lanes<f64, B>,
+        ln: &Lanes<R, B>,
+        log_slope: &mut Lanes<R, B>,
+        value: &mut Lanes<R, B>,
+        slope_change: &mut Lanes<R, B>,
     ) {
-        let n = n.min(BLOCK);
+        let n = n.min(B);
         let (lower, upper) = (
             &self.range.ln_lower[at.clone()][..n],
             &self.range.ln_upper[at.clone()][..n],
@@ -511,37 +654,17 @@ impl<R: Real> TangentialColumns<R> {
     }
 }
 
-/// Values and slopes from values over the scale and log-slopes.
-#[inline(always)]
-fn values<R: Real>(
-    scale: &[f64],
-    per_u_ref: &[f64],
-    per_ratio: &Lanes<f64>,
-    over_scale: &Lanes<R>,
-    log_slope: &Lanes<R>,
-    value: &mut Lanes<f64>,
-    slope: &mut Lanes<f64>,
-) {
-    let n = per_u_ref.len().min(BLOCK);
-    let (scale, per_u_ref) = (&scale[..n], &per_u_ref[..n]);
-    for i in 0..n {
-        let v = bounded(scale[i] * over_scale.0[i].double());
-        value.0[i] = v;
-        slope.0[i] = v * bounded(per_ratio.0[i] * per_u_ref[i]) * log_slope.0[i].double();
-    }
-}
-
 /// Second derivatives from values, log-slopes and their changes.
 #[inline(always)]
-fn curvatures<R: Real>(
+fn curvatures<R: Real, const B: usize>(
     per_u_ref: &[f64],
-    per_ratio: &Lanes<f64>,
-    value: &Lanes<f64>,
-    log_slope: &Lanes<R>,
-    slope_change: &Lanes<R>,
-    curvature: &mut Lanes<f64>,
+    per_ratio: &Lanes<f64, B>,
+    value: &Lanes<f64, B>,
+    log_slope: &Lanes<R, B>,
+    slope_change: &Lanes<R, B>,
+    curvature: &mut Lanes<f64, B>,
 ) {
-    let n = per_u_ref.len().min(BLOCK);
+    let n = per_u_ref.len().min(B);
     let per_u_ref = &per_u_ref[..n];
     for i in 0..n {
         let per_u = bounded(per_ratio.0[i] * per_u_ref[i]);

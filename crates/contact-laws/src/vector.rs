@@ -9,11 +9,13 @@
 
 /// Points per block: the dozen arrays of a pass stay in the first-level cache.
 pub(crate) const BLOCK: usize = 64;
+/// Points per block of a short batch: what is set up for a block is then much less.
+pub(crate) const SHORT_BLOCK: usize = 8;
 
-/// Numbers of the points of a block, at the alignment of a vector register.
+/// Numbers of the `B` points of a block, at the alignment of a vector register.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Lanes<T>(pub(crate) [T; BLOCK]);
+pub(crate) struct Lanes<T, const B: usize>(pub(crate) [T; B]);
 
 /// A loop over the points of a block.
 pub(crate) trait Pass {

@@ -233,7 +233,7 @@ impl<const N: usize> Pass for Touch<'_, N> {
 }
 
 #[inline(always)]
-fn add<const N: usize>(inputs: &[&[f64]; N], block: &Range<usize>, sum: &mut Lanes<f64>) {
+fn add<const N: usize>(inputs: &[&[f64]; N], block: &Range<usize>, sum: &mut Lanes<f64, BLOCK>) {
     let n = block.len().min(BLOCK);
     let mut of_block: [&[f64]; N] = [&[]; N];
     let mut k = 0;
@@ -253,7 +253,7 @@ fn add<const N: usize>(inputs: &[&[f64]; N], block: &Range<usize>, sum: &mut Lan
 }
 
 #[inline(always)]
-fn store<const N: usize>(outputs: &mut [&mut [f64]; N], block: &Range<usize>, sum: &Lanes<f64>) {
+fn store<const N: usize>(outputs: &mut [&mut [f64]; N], block: &Range<usize>, sum: &Lanes<f64, BLOCK>) {
     let n = block.len().min(BLOCK);
     let mut k = 0;
     while k < N {
