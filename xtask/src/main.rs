@@ -1,4 +1,5 @@
 //! The commands of the workspace: `cargo xtask --help`.
+mod bench;
 mod brb;
 mod check;
 mod csv;
@@ -36,6 +37,8 @@ enum Command {
     /// Run a scene of the Brake-Reuss beam: frequency and damping against amplitude.
     #[command(after_help = EXIT_CODES)]
     Brb(brb::Arguments),
+    /// Time the kernels in one run: ratios between them, not times, are what to compare.
+    Bench(bench::Arguments),
     /// Check that the dependencies between the crates point one way only.
     CheckLayering,
     /// Check a finished run against bounds that hold for every sound scene of the beam.
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
     faer::set_global_parallelism(faer::Par::Seq);
     let result = match Cli::parse().command {
         Command::Brb(arguments) => brb::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),
     };

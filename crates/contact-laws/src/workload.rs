@@ -5,6 +5,9 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use crate::asperity_sum::{AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};
+use crate::error::Error;
+use crate::hertz::ElasticPair;
 use crate::law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
@@ -25,14 +28,14 @@ pub struct Batch {
 
 impl Batch {
     /// `n` points that stick, slip or are open by turns in the proportions of `mix`, in an order that cannot be foreseen,
-    /// with interferences from 1 to 9 um.
+    /// with interferences from 1 to 9 um, for a law with `n_state` state components of which the first three are the jump.
     ///
     /// # Panics
     /// When the proportions sum to zero.
-    pub fn new(n: usize, mix: [usize; 3]) -> Self {
+    pub fn new(n: usize, mix: [usize; 3], n_state: usize) -> Self {
         let [stick, slip, open] = mix;
         let mut jump = core::array::from_fn(|_| vec![0.0; n]);
-        let mut begin = vec![0.0; 5 * n];
+        let mut begin = vec![0.0; n_state * n];
         for i in 0..n {
             let turn = (i * 7919) % (stick + slip + open);
             let u_n = 5e-6 * (1.0 + 0.8 * (i as f64 * 0.61).sin());
@@ -49,7 +52,7 @@ impl Batch {
         Self {
             jump,
             begin,
-            end: vec![0.0; 5 * n],
+            end: vec![0.0; n_state * n],
             traction: core::array::from_fn(|_| vec![0.0; n]),
             tangent: core::array::from_fn(|_| vec![0.0; n]),
         }
@@ -90,7 +93,7 @@ impl Batch {
     /// When the batches differ in size.
     pub fn difference(&self, other: &Self) -> f64 {
         let worst = |ours: &[Vec<f64>], theirs: &[Vec<f64>]| {
-            (0..self.begin.len() / 5)
+            (0..self.jump[0].len())
                 .map(|i| {
                     let scale = theirs.iter().fold(0.0_f64, |m, v| m.max(v[i].abs()));
                     let most = ours
@@ -109,7 +112,7 @@ impl Batch {
 ///
 /// # Errors
 /// Those of [`FittedCurves::try_new`]; there are none.
-pub fn fitted_curves(n: usize, range: Option<[f64; 2]>) -> Result<PointParameters<FittedCurves>, crate::Error> {
+pub fn fitted_curves(n: usize, range: Option<[f64; 2]>) -> Result<PointParameters<FittedCurves>, Error> {
     let curves = (0..n).map(|i| {
         let vary = |by: f64, phase: f64| 1.0 + by * (i as f64 * 0.37 + phase).sin();
         let normal = NormalFit {
@@ -135,6 +138,21 @@ pub fn fitted_curves(n: usize, range: Option<[f64; 2]>) -> Result<PointParameter
         FittedCurves::try_new(normal, [tangential(5.0), tangential(6.0)])
     });
     Ok(PointParameters::per_point(curves.collect::<Result<_, _>>()?))
+}
+
+/// Direct sums over the asperities of a ground steel surface with quantiles like those of a measured one.
+///
+/// # Errors
+/// Those of the constructors; there are none.
+pub fn asperity_sums() -> Result<AsperitySumCurves, Error> {
+    let probabilities: Vec<f64> = (0..=200).map(|i| f64::from(i) / 200.0).collect();
+    let gaps: Vec<f64> = probabilities
+        .iter()
+        .map(|p| 28e-6 * (0.35 * p.powf(0.4) + 0.3 * p.powi(6)))
+        .collect();
+    let gaps = GapDistribution::try_from_quantiles(&probabilities, &gaps)?;
+    let population = AsperityPopulation::try_new(gaps, 1.4e6, [1.4e-3; 2])?;
+    AsperitySumCurves::try_new(population, ElasticPair::new(192.85e9, 0.29), TangentialReading::Mindlin)
 }
 
 /// No law: reads every number that a friction law with `N` parameters per point reads, writes every number that it writes,

@@ -4,8 +4,9 @@ use crate::Error;
 use crate::scene::{Gap, LawKind, Scene, Surface, SyntheticScan};
 use brake_reuss_beam::published;
 use contact_laws::{
-    AsperityPopulation, AsperitySumCurves, ContactCurves, ElasticPair, FittedCurves, FrictionalLaw, GapDistribution,
-    PointParameters, Sticking, TableOptions, Tabulated, TangentialEnds, TangentialReading, TractionLaw,
+    AsperityPopulation, AsperitySumCurves, ContactCurves, ElasticPair, FittedCurves, FittedPoints, FrictionalLaw,
+    GapDistribution, PointCurves, PointParameters, Sticking, TableOptions, Tabulated, TangentialEnds,
+    TangentialReading, TractionLaw,
 };
 use cqsma_solver::{HystereticForce, Pattern, PointCounts, Sliding};
 use rayon::prelude::*;
@@ -227,7 +228,7 @@ impl Asperities {
             LawKind::Fitted => {
                 let curves = PointParameters::try_indexed(fitted.clone(), population_of)?;
                 frictional(FittedPoints::<f64>::new(&curves), mu, law.history)?
-            },
+            }
             LawKind::Tabulated => {
                 // Hundreds of tables: a coarser one each is still far below the scatter of the samples behind it.
                 let options = if self.scan.is_some() {

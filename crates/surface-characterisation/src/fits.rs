@@ -123,7 +123,8 @@ pub fn fit_normal(interference: &[f64], traction: &[f64], u_ref: f64) -> Result<
         c,
         d,
         e,
-        u_ref, t_ref: 1.0,
+        u_ref,
+        t_ref: 1.0,
         range: Some(samples.range),
     };
     Ok(samples.report(|x| normal_value(&p, x), parameters, fallback))
@@ -182,7 +183,8 @@ pub fn fit_tangential(
         b,
         c,
         d,
-        u_ref, k_ref: 1.0,
+        u_ref,
+        k_ref: 1.0,
         range: Some(samples.range),
         ends,
     };
@@ -558,7 +560,8 @@ mod tests {
                 c,
                 d,
                 e,
-                u_ref: 1e-6, t_ref: 1.0,
+                u_ref: 1e-6,
+                t_ref: 1.0,
                 range: None,
             };
             let t: Vec<f64> = u
