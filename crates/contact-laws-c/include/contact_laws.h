@@ -32,6 +32,11 @@
 #define CL_HISTORY_PAPER 1
 
 /*
+ From a potential, with the elastic stretch as state.
+ */
+#define CL_HISTORY_POTENTIAL 2
+
+/*
  Sticking: points slip at the Coulomb limit.
  */
 #define CL_STICKING_COULOMB 0
@@ -126,7 +131,7 @@ extern "C" {
  - n_sets: 1 (the same for all points) or n_points (one set per point).
  - ends: CL_ENDS_MINDLIN or CL_ENDS_CONSTANT; without effect where ranges is NULL.
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER.
+ - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 
  Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
@@ -155,7 +160,8 @@ struct cl_law *cl_rough_law(size_t n_points,
  - k_n, k_x, k_y: normal and tangential stiffnesses per area (Pa/m), n_sets numbers each.
  - n_sets: 1 (the same for all points) or n_points (one set per point).
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER; they differ only where an open point closes.
+ - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL; they differ only where an open point
+   closes and in what the state remembers.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 
  Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
@@ -188,7 +194,7 @@ struct cl_law *cl_elastic_dry_friction_law(size_t n_points,
  - range_lower, range_upper: interferences (m) between which the curves are tabulated, with a relative error of at
    most 1e-5 (normal) and 1e-4 (tangential). Beyond them they go on smoothly.
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL or CL_HISTORY_PAPER.
+ - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 
  Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
