@@ -63,6 +63,7 @@
 //! assert!(10.0 * adhesive < elastic);
 //! # Ok::<(), Error>(())
 //! ```
+#![doc = include_str!("../katex.html")]
 
 use core::f64::consts::PI;
 

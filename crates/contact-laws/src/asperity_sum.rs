@@ -2,13 +2,65 @@
 //!
 //! The population is described by the gap `s >= 0` of each asperity pair at the moment when the surfaces just touch
 //! (`s = 0` for the first pair), by the number of pairs per area `n_A`, and by the pairs' effective radii. With the
-//! partial expectations `M_n(u) = E[(u_n - s)_+^n]` (over all asperities, the unloaded ones counting as zero):
+//! partial expectations over all asperities, the unloaded ones counting as zero,
+//! <div>
+//! $$ M_n(u) = \mathrm{E}\left[ (u - s)_+^n \right], \qquad \beta = \sqrt{\beta_x \beta_y}, \qquad
+//! t_n = n_A \, \frac{2}{3} \frac{E}{1 - \nu^2} \sqrt{\beta} \, M_{3/2}(u_n), \qquad
+//! \frac{A_r}{A} = n_A \, \pi \beta \, M_1(u_n) . $$
+//! </div>
 //!
-//! - `t_n = n_A (2/3) E/(1-nu^2) sqrt(beta) M_{3/2}`, `beta = sqrt(beta_x beta_y)`;
-//! - [`TangentialReading::Mindlin`]: `k_x = k_y = n_A 2E/((2-nu)(1+nu)) sqrt(beta) M_{1/2}`;
-//! - [`TangentialReading::Paper`]: `k_q = n_A 4E/((2-nu)(1+nu)) beta_q M_0`, eq. (22) with the factor `n_A` that its
-//!   unit asks for;
-//! - real contact area per nominal area `n_A pi beta M_1`.
+//! `A_r/A` is the real contact area per nominal area. The tangential stiffness has two [readings](TangentialReading):
+//! <div>
+//! $$ k_x = k_y = n_A \, \frac{2 E}{(2 - \nu)(1 + \nu)} \sqrt{\beta} \, M_{1/2}(u_n) \quad \text{(Mindlin)}, \qquad
+//! k_q = n_A \, \frac{4 E}{(2 - \nu)(1 + \nu)} \, \beta_q \, M_0(u_n) \quad \text{(Paper)} . $$
+//! </div>
+//!
+//! `Paper` is eq. (22) with the factor `n_A` that its unit asks for. With `Mindlin` the ratio of `k_t` to
+//! `d t_n / d u_n` is `2 (1 - nu)/(2 - nu)`, as at each contact of its own.
+//!
+//! # Gap distribution
+//! [`GapDistribution`] is made of pieces of uniform density between quantiles, or of single samples, the limit of zero
+//! width. The moments are sums over the pieces in closed form, without cancellation. `M_{1/2}` begins as a square root
+//! at each sample and is C1 where a piece of finite width begins. With `Paper` `k_q` jumps at each sample, and its
+//! slope is taken as zero there.
+//!
+//! # Parameters
+//! | parameter | unit |
+//! |---|---|
+//! | asperity gaps `s`, samples or quantiles | m |
+//! | asperity density `n_A` | 1/m^2 |
+//! | effective radii `beta_x`, `beta_y` | m |
+//! | Young's modulus `E`, Poisson's ratio `nu` | Pa, 1 |
+//! | friction coefficient `mu` | 1 |
+//!
+//! An evaluation costs a square root or two per loaded piece: for many pieces or points make a [table](crate::table)
+//! once.
+//!
+//! Sources: N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear dynamic modeling of bolted
+//! joints: formulation, application, and trends in micro-scale interface evolution*, Mech. Syst. Signal Process. 139,
+//! 2020, 106615; the sum over Hertz contacts: J. A. Greenwood and J. B. P. Williamson, *Contact of nominally flat
+//! surfaces*, Proc. R. Soc. Lond. A 295, 1966.
+//!
+//! # Example
+//! ```
+//! use contact_laws::*;
+//!
+//! let gaps = GapDistribution::try_from_quantiles(&[0.0, 0.1, 0.5, 1.0], &[0.0, 8e-6, 14e-6, 28e-6])?;
+//! let population = AsperityPopulation::try_new(gaps, 1.4e6, [1.4e-3; 2])?;
+//! let steel = ElasticPair::new(192.85e9, 0.29);
+//! let curves = AsperitySumCurves::try_new(population, steel, TangentialReading::Mindlin)?;
+//! let (t_n, k_n) = curves.normal(5e-6);
+//! let [k_x, k_y] = curves.tangential(5e-6).map(|k| k.value);
+//! assert!(k_x == k_y && (k_x / k_n / steel.mindlin_ratio() - 1.0).abs() < 1e-12);
+//!
+//! let (curves, mu) = (PointParameters::uniform(curves, 3), PointParameters::uniform(0.2, 3));
+//! let law = AsperityLaw::try_new(curves, mu, HistoryRule::Incremental)?;
+//! let area = law.contact_area_ratio(0, 5e-6).expect("asperities have an area");
+//! println!("{t_n:.3e} Pa on {area:.1e} of the area, {k_n:.3e} and {k_x:.3e} Pa/m");
+//! assert!(area < 0.01);
+//! # Ok::<(), Error>(())
+//! ```
+#![doc = include_str!("../katex.html")]
 
 use alloc::vec::Vec;
 

@@ -53,8 +53,8 @@ pub struct CurvesInfo {
 
 /// The curves of one point (or of all points of an element): `t_n(u_n)`, `k_x(u_n)`, `k_y(u_n)`.
 ///
-/// `normal` and `tangential` are called with a finite interference `u_n > 0` (m) and must return no NaN there. Values may overflow to
-/// infinity: the friction law brings them back into range.
+/// `normal` and `tangential` are called with a finite interference `u_n > 0` (m) and must return no NaN there. Values
+/// may overflow to infinity: the friction law brings them back into range.
 pub trait ContactCurves: Send + Sync {
     /// Description.
     fn info(&self) -> &'static CurvesInfo;
@@ -117,8 +117,8 @@ pub trait PointCurves: Send + Sync {
     fn yielded_fraction(&self, point: usize, u_n: f64, omega_c: f64) -> Option<f64>;
 }
 
-/// Values of contact curves at the points of a block: normal traction (Pa) with its slope, tangential stiffnesses (Pa/m)
-/// along x and y with two derivatives.
+/// Values of contact curves at the points of a block: normal traction (Pa) with its slope, tangential stiffnesses
+/// (Pa/m) along x and y with two derivatives.
 #[derive(Debug)]
 pub struct CurveBlock<const B: usize> {
     pub(crate) normal: Lanes<f64, B>,

@@ -1,28 +1,133 @@
 //! Coulomb friction on top of contact curves (eqs. 18-20): stick from the state committed last, slip on the circular
 //! cone `|t_t| <= mu t_n`, no traction when open.
 //!
-//! With the begin state `(u_0, t_0)` and the curves `t_n(u_n)`, `k_q(u_n)`, `q` in {x, y}, the stuck trial is, by
-//! [`HistoryRule`]:
+//! With the begin state (index 0), the jump `u_x, u_y, u_n` and the curves `t_n(u_n)`, `k_q(u_n)`, `q` in {x, y}, the
+//! stuck trial of the tangential traction follows by one of three [`HistoryRule`]s.
 //!
-//! - `Incremental`: `t_q = t_q0 + f k_q(m) (u_q - u_q0)`, the midpoint rule on the closed part of the straight path from
-//!   the begin state: `l = max(u_n0, 0)`, `m = (u_n + l)/2`, and `f = (u_n - l)/(u_n - u_n0)` the share of the path that
-//!   is closed (1 when the point was closed before). A re-contacting point sticks from where its path meets `u_n = 0`.
-//!   The result does not depend on the origin of the displacements.
-//! - `Paper`: `t_q = t_q0 + k_q(u_n) (u_q - u_q0) + k_q'(u_n) (u_n - u_n0) u_q`, as published. It depends on the total
-//!   displacement, so on slip in the past.
+//! # Incremental
+//! The midpoint rule for `dt_q = k_q(u_n) du_q` on the closed part of the straight path from the begin state:
+//! <div>
+//! $$ t_q^{\text{trial}} = t_{q0} + f \, k_q(m) \, (u_q - u_{q0}), \qquad
+//! l = \max(u_{n0}, 0), \qquad m = \frac{u_n + l}{2}, \qquad f = \frac{u_n - l}{u_n - u_{n0}} . $$
+//! </div>
 //!
-//! - `Potential`: the stored energy per area is `psi = psi_n(u_n) + (k_x e_x^2 + k_y e_y^2)/2` with the elastic stretch
-//!   `e` as state, so `t_q = k_q(u_n) e_q` and `t_n = psi_n'(u_n) + (k_x' e_x^2 + k_y' e_y^2)/2`: the normal traction
-//!   answers the change of the tangential stiffness. The stuck trial is `e_q = e_q0 + f (u_q - u_q0)`, slip shortens the
-//!   stretch to the cone `|t_t| = mu psi_n'`, an open point has none.
+//! `f` is the share of the path that is closed, 1 when the point was closed before. A re-contacting point sticks from
+//! where its path meets `u_n = 0`. The result does not depend on the origin of the displacements.
 //!
-//! Beyond the cone the trial is scaled back to it. Where the slip limit is zero (`mu = 0`) every closed point slips and
-//! the tangential tangent is zero in all directions, also for a trial of zero length.
+//! # Paper
+//! As published (eq. 18), linearised about the end point:
+//! <div>
+//! $$ t_q^{\text{trial}} = t_{q0} + k_q(u_n) \, (u_q - u_{q0}) + k_q'(u_n) \, (u_n - u_{n0}) \, u_q . $$
+//! </div>
 //!
-//! With `Potential` and a commit at every step no closed path gains energy: in every step the traction along the slip,
-//! `t_t . (du - de)`, is not negative. The other two rules do not derive from a potential, so a stuck cycle along which
-//! `u_n` changes may gain or lose a little energy. At constant `u_n` closed collinear cycles dissipate and obey Masing's
-//! rule with all three.
+//! It depends on the total displacement, so on slip in the past. The whole path counts, also the part along which the
+//! point was open.
+//!
+//! # Potential
+//! The stored energy per area, with the elastic stretch `e` (m) as state in place of the traction, is
+//! <div>
+//! $$ \psi = \psi_n(u_n) + \tfrac{1}{2} \left( k_x(u_n) \, e_x^2 + k_y(u_n) \, e_y^2 \right),
+//! \qquad \psi_n' = \text{the normal traction of the curves}. $$
+//! </div>
+//!
+//! Both tractions are its derivatives: the normal traction answers the change of the tangential stiffness. The stuck
+//! trial moves the stretch by the closed share `f` of the path, as above, and slip shortens it:
+//! <div>
+//! $$ e_q^{\text{trial}} = e_{q0} + f \, (u_q - u_{q0}), \qquad
+//! t_q = k_q(u_n) \, e_q, \qquad
+//! t_n = \psi_n'(u_n) + \tfrac{1}{2} \left( k_x'(u_n) \, e_x^2 + k_y'(u_n) \, e_y^2 \right) . $$
+//! </div>
+//!
+//! An open point has no stretch. The cone uses `psi_n'`, not the whole `t_n`.
+//!
+//! # Cone
+//! <div>
+//! $$ \boldsymbol{t}_t = \begin{cases}
+//! \boldsymbol{t}^{\text{trial}} & |\boldsymbol{t}^{\text{trial}}| \le \mu t_n \quad \text{(stick)} \\
+//! \mu t_n \, \boldsymbol{s}, \quad \boldsymbol{s} = \boldsymbol{t}^{\text{trial}} / |\boldsymbol{t}^{\text{trial}}|
+//! & \text{otherwise (slip)} \\
+//! \boldsymbol{0} & u_n \le 0 \quad \text{(open, with } t_n = 0 \text{)}
+//! \end{cases} $$
+//! </div>
+//!
+//! With `Potential` read `psi_n'` for `t_n`; both components of the stretch are shortened by the ratio of the traction
+//! to its trial. Where the slip limit is zero (`mu = 0`) every closed point slips and the tangential tangent is zero in
+//! all directions, also for a trial of zero length.
+//!
+//! # Tangent
+//! The derivative of the tractions returned, exact in every regime; not symmetric in slip. When stuck it is that of the
+//! trial, in slip
+//! <div>
+//! $$ \mathrm{d} \boldsymbol{t}_t = \frac{\mu t_n}{|\boldsymbol{t}^{\text{trial}}|}
+//! \left( \boldsymbol{I} - \boldsymbol{s} \boldsymbol{s}^{\mathsf{T}} \right) \mathrm{d} \boldsymbol{t}^{\text{trial}}
+//! + \mu \, t_n'(u_n) \, \boldsymbol{s} \, \mathrm{d} u_n . $$
+//! </div>
+//!
+//! The trial's own derivatives, with `f' = (1 - f)/(u_n - u_n0)` for a point that was open and 0 for one that was
+//! closed:
+//!
+//! | rule | along `u_q` | along `u_n` |
+//! |---|---|---|
+//! | `Incremental` | `f k_q(m)` | `(f' k_q(m) + f k_q'(m)/2) (u_q - u_q0)` |
+//! | `Paper` | `k_q + k_q' (u_n - u_n0)` | `k_q' (u_q - u_q0) + (k_q' + k_q'' (u_n - u_n0)) u_q` |
+//! | `Potential` | `f k_q` | `k_q' e_q + k_q f' (u_q - u_q0)` |
+//!
+//! The normal traction depends on `u_n` alone, except with `Potential`, where its row follows from `e_q` by the chain
+//! rule; there the stuck tangent of a point that was closed is symmetric.
+//!
+//! # Energy
+//! - `Potential` with a commit at every step: no closed path gains energy, also through changing `u_n` and opening. In
+//!   every step the traction along the slip, `t_t . (du - de)`, is not negative. With a commit at load reversals only
+//!   this is not guaranteed, since a point may reverse on its own.
+//! - `Incremental` and `Paper` do not derive from a potential: a stuck cycle along which `u_n` changes may gain or lose
+//!   a little energy.
+//! - At constant `u_n` closed collinear cycles dissipate and obey Masing's rule with all three.
+//!
+//! # Parameters and state
+//! | quantity | unit |
+//! |---|---|
+//! | friction coefficient `mu`, not negative, per point | 1 |
+//! | state `u_x, u_y, u_n` of the point committed last | m |
+//! | state `t_x, t_y` (`Incremental`, `Paper`) | Pa |
+//! | state `e_x, e_y` (`Potential`) | m |
+//!
+//! Source: N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear dynamic modeling of bolted
+//! joints: formulation, application, and trends in micro-scale interface evolution*, Mech. Syst. Signal Process. 139,
+//! 2020, 106615, eqs. (15)-(20): rule `Paper` and the cone.
+//!
+//! # Example
+//! A point that was open by 1 um closes to 1 um while it moves along x, first by 0.2 um, then by 1 um: the rules differ
+//! in where it begins to stick, and agree in slip.
+//! ```
+//! use contact_laws::*;
+//!
+//! for (history, stuck) in [
+//!     (HistoryRule::Incremental, 1.5e5),
+//!     (HistoryRule::Paper, 3e5),
+//!     (HistoryRule::Potential, 1.5e5),
+//! ] {
+//!     // t_n = 2 MPa at u_n = 1 um, k_x = k_y = 1.5e12 Pa/m, mu = 0.3.
+//!     let curves = PointParameters::uniform(ElasticCurves::try_new(2e12, [1.5e12; 2])?, 1);
+//!     let law = ElasticDryFriction::try_new(curves, PointParameters::uniform(0.3, 1), history)?;
+//!     let (begin, mut end) = ([0.0, 0.0, -1e-6, 0.0, 0.0], [0.0; 5]);
+//!     for (u_x, expected, slips) in [(0.2e-6, stuck, 0), (1e-6, 0.3 * 2e6, 1)] {
+//!         let [mut t_x, mut t_y, mut t_n] = [[0.0]; 3];
+//!         let counts = law.evaluate(
+//!             0..1,
+//!             Sticking::Coulomb,
+//!             Components::new(&[u_x], &[0.0], &[1e-6]),
+//!             StateView::new(&begin, 1, 0),
+//!             StateViewMut::new(&mut end, 1, 0),
+//!             ComponentsMut::new(&mut t_x, &mut t_y, &mut t_n),
+//!             None,
+//!             None,
+//!         );
+//!         assert!((t_x[0] - expected).abs() < 1e-6 && counts.slip == slips);
+//!     }
+//! }
+//! # Ok::<(), Error>(())
+//! ```
+#![doc = include_str!("../katex.html")]
 
 use core::ops::Range;
 

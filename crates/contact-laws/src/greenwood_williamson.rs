@@ -73,6 +73,7 @@
 //! println!("{t_n:.3e} Pa, {k_n:.3e} and {k_t:.3e} Pa/m");
 //! # Ok::<(), Error>(())
 //! ```
+#![doc = include_str!("../katex.html")]
 
 use core::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 

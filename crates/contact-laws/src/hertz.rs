@@ -1,6 +1,43 @@
-//! Hertz contact of one asperity pair: two elastic bodies of equal material with the effective radius `R` of the pair,
-//! `1/R = 1/R_1 + 1/R_2`, pressed together by the interference `w`. Source: K. L. Johnson, *Contact Mechanics*, 1985,
-//! section 4.2; eq. (8) of the method paper, whose exponent 2/3 is a misprint for 3/2.
+//! Hertz contact of one asperity pair: two elastic bodies of equal material, pressed together by the interference `w`.
+//!
+//! With the effective radius `R` of the pair, `1/R = 1/R_1 + 1/R_2`, the normal force, its stiffness and the radius of
+//! the contact circle are
+//! <div>
+//! $$ N = \frac{4}{3} E^* \sqrt{R} \, w^{3/2}, \qquad \frac{\mathrm{d} N}{\mathrm{d} w} = 2 E^* a, \qquad
+//! a = \sqrt{R w}, \qquad E^* = \frac{E}{2 (1 - \nu^2)} . $$
+//! </div>
+//!
+//! All are zero for `w <= 0`.
+//!
+//! # Parameters
+//! | parameter | unit | bounds |
+//! |---|---|---|
+//! | Young's modulus `E` | Pa | above 0 |
+//! | Poisson's ratio `nu` | 1 | above -1, at most 1/2 |
+//! | effective radius `R` | m | above 0 |
+//! | interference `w` | m | |
+//!
+//! The functions check nothing; [`ElasticPair::validate`] does, and the laws made from it call it.
+//!
+//! Source: K. L. Johnson, *Contact Mechanics*, 1985, section 4.2; eq. (8) of the method paper, whose exponent 2/3 is a
+//! misprint for 3/2.
+//!
+//! # Example
+//! ```
+//! use contact_laws::{ElasticPair, hertz};
+//!
+//! let steel = ElasticPair::new(192.85e9, 0.29);
+//! // Radius 1.4 mm, pressed in by 0.1 um.
+//! let (n, k, a) = (
+//!     hertz::force(&steel, 1.4e-3, 1e-7),
+//!     hertz::stiffness(&steel, 1.4e-3, 1e-7),
+//!     hertz::contact_radius(1.4e-3, 1e-7),
+//! );
+//! println!("{n:.4} N, {k:.3e} N/m, {a:.3e} m");
+//! // N = (2/3) w dN/dw.
+//! assert!((n / (2.0 / 3.0 * 1e-7 * k) - 1.0).abs() < 1e-12);
+//! ```
+#![doc = include_str!("../katex.html")]
 
 use crate::error::{Error, Place, require, require_positive};
 #[cfg(not(feature = "std"))]

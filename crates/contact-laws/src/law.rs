@@ -291,7 +291,8 @@ pub trait TractionLaw: Send + Sync {
         regimes: Option<&mut [Regime]>,
     ) -> RegimeCounts;
 
-    /// Real contact area per nominal area at `point` under the interference `u_n` (m); none for laws without asperities.
+    /// Real contact area per nominal area at `point` under the interference `u_n` (m); none for laws without
+    /// asperities.
     fn contact_area_ratio(&self, _point: usize, _u_n: f64) -> Option<f64> {
         None
     }

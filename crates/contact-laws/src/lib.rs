@@ -6,21 +6,42 @@
 //! - **Sign**: `jump = u_top - u_bottom`, the normal points from the top body into the bottom body, and the caller has
 //!   already subtracted the gap, so `u_n > 0` is interference (m) and a point is in contact iff `u_n > 0`.
 //! - **Units**: SI; jumps in m, tractions in Pa, tangents in Pa/m.
+//! - **State**: as many numbers per point as the law says, [`LawInfo::n_state`], stored `[component][point]`; zeros are
+//!   a point that touches nothing and carries nothing.
 //! - **History**: evaluation is pure in the begin state. Whether the end state becomes the next begin state is the
-//!   caller's decision: at load reversals, or at every converged step.
-//! - **Totality**: parameters are validated when a law is made, evaluation never fails. A point whose input is not
-//!   finite is counted as invalid and its tractions are NaN.
+//!   caller's decision: at load reversals, or at every converged step. How the begin state enters is the law's
+//!   [`HistoryRule`].
+//! - **Totality**: parameters are validated when a law is made, evaluation never fails and never allocates; finite
+//!   input gives finite output. A point whose input is not finite is counted as invalid and its tractions are NaN.
 //!
-//! | law | curves | module |
-//! |---|---|---|
-//! | [`AsperityLaw`] | sums over an asperity population | [`asperity_sum`] |
-//! | [`RoughLaw`] | fitted curves, eqs. (28), (29) | [`rough`] |
-//! | [`TableLaw`] | table made from any of the others | [`table`] |
-//! | [`GreenwoodWilliamsonLaw`] | closed forms for exponential and Gaussian heights | [`greenwood_williamson`] |
-//! | [`ElasticDryFriction`] | constant stiffnesses | [`elastic_dry_friction`] |
-//! | [`MindlinIwan`] | any of the above, with microslip | [`mindlin_iwan`] |
+//! | law | normal and tangential curves | made from | module |
+//! |---|---|---|---|
+//! | [`AsperityLaw`] | sums over asperities (Hertz, Mindlin), no fit | gaps, density and radii | [`asperity_sum`] |
+//! | [`GreenwoodWilliamsonLaw`] | closed forms | scale of the heights, density, radii | [`greenwood_williamson`] |
+//! | [`TableLaw`] | monotone C1 table of known error | any other curves | [`table`] |
+//! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`rough`] |
+//! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`elastic_dry_friction`] |
+//! | [`MindlinIwan`] | any of the above, with microslip | curves, number of sliders | [`mindlin_iwan`] |
 //!
-//! Equation numbers are those of the method paper listed in each law's [`LawInfo`].
+//! All carry Coulomb friction; all but [`MindlinIwan`] are a [`FrictionalLaw`] ([`friction`]). Curves of one's own
+//! implement [`ContactCurves`]. Beside the laws stand single contacts ([`hertz`], [`mindlin`]), onset of yield and
+//! [`adhesion`].
+//!
+//! Equation numbers are those of N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear
+//! dynamic modeling of bolted joints: formulation, application, and trends in micro-scale interface evolution*, Mech.
+//! Syst. Signal Process. 139, 2020, 106615 ("the method paper"), unless a page names another source.
+//!
+//! # Reproducibility
+//! Friction and fitted curves are evaluated in blocks that fill vector registers, with AVX2 and FMA where the processor
+//! has them ([`instruction_set`]). On one kind of processor a point's result has the same bits in any chunk and order.
+//! With and without AVX2 and FMA the fitted curves differ in the last bits; everything else is bitwise the same.
+//!
+//! # Features
+//! - `std` (default): elementary functions and processor detection from the standard library.
+//! - `libm`: elementary functions in pure Rust. Without `std` this one is needed, and the crate is `no_std` with
+//!   `alloc`: `default-features = false, features = ["libm"]`.
+//! - `serde`: parameter structs can be read and written.
+//! - `testing` (needs `std`): a tangent checker and proptest strategies, for tests of other laws.
 
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 
@@ -58,6 +79,11 @@ pub mod workload;
 
 #[cfg(test)]
 mod tests;
+
+/// What the README shows compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
 
 pub use adhesion::Adhesion;
 pub use asperity_sum::{AsperityLaw, AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};

@@ -1,5 +1,54 @@
-//! Tangential loading of one Hertz contact at constant normal force (Cattaneo 1938, Mindlin 1949; Johnson, *Contact
-//! Mechanics*, 1985, sections 7.2 and 7.4): partial slip grows inwards from the contact's rim.
+//! Tangential loading of one Hertz contact at constant normal force: partial slip grows inwards from the contact's rim.
+//!
+//! With the slip limit `mu N`, the stiffness without slip `k` and the displacement `d` at which the whole contact
+//! slips, the force at first loading to the displacement `u` is
+//! <div>
+//! $$ T = \mu N \left( 1 - (1 - x)^{3/2} \right), \qquad x = \min\left( \frac{u}{d}, 1 \right), \qquad
+//! d = \frac{3 \mu N}{2 k}, \qquad k = \frac{2 E a}{(2 - \nu)(1 + \nu)}, \qquad a = \sqrt{R w} . $$
+//! </div>
+//!
+//! Unloading and reloading follow by Masing's rule. A cycle between `-u` and `u` dissipates, with `x = u/d`,
+//! <div>
+//! $$ D = \mu N d \begin{cases}
+//! 8 \left( x - \tfrac{2}{5} \left( 1 - (1 - x)^{5/2} \right) \right) - 4 x \left( 1 - (1 - x)^{3/2} \right)
+//! & x \le 1 \\
+//! 4 x - \tfrac{16}{5} & x > 1
+//! \end{cases} $$
+//! </div>
+//!
+//! which begins as `x^3/2`: the third power of the amplitude, as measured on joints in partial slip.
+//!
+//! # Parameters
+//! | parameter | unit |
+//! |---|---|
+//! | slip limit `mu N` | N |
+//! | stiffness without slip `k` | N/m |
+//! | displacement `u` | m |
+//! | Young's modulus `E`, Poisson's ratio `nu` | Pa, 1 |
+//! | effective radius `R`, interference `w` | m |
+//!
+//! The functions check nothing. [`MindlinIwan`](crate::MindlinIwan) is the traction law that follows this curve at
+//! points.
+//!
+//! Source: C. Cattaneo, *Sul contatto di due corpi elastici: distribuzione locale degli sforzi*, Rend. Accad. Naz.
+//! Lincei 27, 1938; R. D. Mindlin, *Compliance of elastic bodies in contact*, J. Appl. Mech. 16, 1949; K. L. Johnson,
+//! *Contact Mechanics*, 1985, sections 7.2 and 7.4.
+//!
+//! # Example
+//! ```
+//! use contact_laws::{ElasticPair, hertz, mindlin};
+//!
+//! let steel = ElasticPair::new(192.85e9, 0.29);
+//! let (radius, w) = (1.4e-3, 1e-7);
+//! let limit = 0.2 * hertz::force(&steel, radius, w);
+//! let k = mindlin::stiffness(&steel, radius, w);
+//! let d = mindlin::full_slip_displacement(limit, k);
+//! assert!((mindlin::loading_force(limit, k, 0.5 * d) / limit - (1.0 - 0.5_f64.powf(1.5))).abs() < 1e-12);
+//! // Small cycles dissipate as the cube of the amplitude.
+//! let area = |x: f64| mindlin::loop_area(limit, k, x * d);
+//! assert!((area(2e-3) / area(1e-3) / 8.0 - 1.0).abs() < 1e-3);
+//! ```
+#![doc = include_str!("../katex.html")]
 
 use crate::hertz::{self, ElasticPair};
 #[cfg(not(feature = "std"))]
@@ -26,9 +75,7 @@ pub fn loading_force(slip_limit: f64, stiffness: f64, displacement: f64) -> f64 
 
 /// Energy (J) dissipated in one cycle between `-amplitude` and `amplitude` (m) at constant normal force.
 ///
-/// By Masing's rule `8 integral of T - 4 T_m amplitude` over first loading; with `x` as in [`loading_force`] and `d` the
-/// full-slip displacement this is `mu N d (8 (x - (2/5)(1 - (1-x)^(5/2))) - 4 x (1 - (1-x)^(3/2)))` for `x <= 1` and
-/// `mu N d (4 x - 16/5)` beyond.
+/// By Masing's rule `8 integral of T - 4 T_m amplitude` over first loading; closed form in the [module](self).
 pub fn loop_area(slip_limit: f64, stiffness: f64, amplitude: f64) -> f64 {
     let d = full_slip_displacement(slip_limit, stiffness);
     let x = amplitude.abs() / d;

@@ -52,8 +52,14 @@
 //!   included: the traction can still grow. With `mu = 0` every closed point slips.
 //! - [`Sticking::Full`] lets no slider slip.
 //!
-//! State: `u_x, u_y, u_n` (m) of the point committed last, then `e_x_i, e_y_i` (m) of every slider: `3 + 2 N` numbers.
-//! Parameters: those of the curves, and `mu`.
+//! # Parameters and state
+//! | quantity | unit |
+//! |---|---|
+//! | parameters of the curves | |
+//! | friction coefficient `mu`, not negative, per point | 1 |
+//! | number of sliders `N`, 1 to 256 | 1 |
+//! | state `u_x, u_y, u_n` of the point committed last | m |
+//! | state `e_x_i, e_y_i` of every slider: `3 + 2 N` numbers in all | m |
 //!
 //! # How many sliders
 //! Where the sliders yield is graded, `p_j = (exp(6 j/N) - 1)/(exp(6) - 1)`: among power laws and exponentials in `p`
@@ -105,6 +111,7 @@
 //! }
 //! # Ok::<(), Error>(())
 //! ```
+#![doc = include_str!("../katex.html")]
 
 use alloc::borrow::Cow;
 use alloc::format;

@@ -1,11 +1,113 @@
-//! Rough contact by fitted curves: with `U = u_n / u_ref` and natural logarithms,
+//! Rough contact by fitted curves, eqs. (28) and (29).
 //!
-//! - eq. (28): `ln(t_n / t_ref) = a + b ln U + c exp(-((ln U + d)/e)^2 / 2)`,
-//! - eq. (29): `ln(k_t / k_ref) = a + b tanh(d (ln U - c))`, for x and y separately.
+//! With `U = u_n/u_ref` and natural logarithms, the normal traction and the tangential stiffnesses along `q` in {x, y}
+//! are
+//! <div>
+//! $$ \ln \frac{t_n}{t_\text{ref}} = a + b \ln U + c
+//! \exp\left( -\frac{1}{2} \left( \frac{\ln U + d}{e} \right)^2 \right) \qquad (28) $$
+//! </div>
+//! <div>
+//! $$ \ln \frac{k_q}{k_\text{ref}} = a_q + b_q \tanh\left( d_q \, (\ln U - c_q) \right) \qquad (29) $$
+//! </div>
 //!
-//! Outside the fitted range the formulas are not extrapolated; the curves go on C1. Below, the log-slope of the normal
-//! traction moves to 3/2 (Hertz) as `u_n -> 0`; above, it keeps its end value. The tangential stiffness follows its
-//! [`TangentialEnds`].
+//! The logarithms are those of ratios: `u_ref`, `t_ref` and `k_ref` belong to the fit and carry its units. A fit to
+//! numbers in Pa and Pa/m, as published, has `t_ref` = 1 Pa and `k_ref` = 1 Pa/m; give the same quantities in other
+//! units (in MPa 1e-6) and `a` stays what it is.
+//!
+//! # Outside the fitted range
+//! The formulas are not extrapolated; the curves go on C1. At an end `u_e` of the range a curve has the value `f_e` and
+//! the log-slope `g = d ln f / d ln u_n`. With `v = u_n/u_e`
+//! <div>
+//! $$ f = f_e \, v^{p} \, e^{(g - p)(v - 1)} \quad (v < 1), \qquad
+//! f = f_e \, v^{g} \quad \text{or} \quad f = f_e \, e^{g (1 - 1/v)} \quad (v > 1) : $$
+//! </div>
+//!
+//! | curve | below, log-slope towards `p` as `u_n -> 0` | above |
+//! |---|---|---|
+//! | normal traction | `p = 3/2`, as a Hertz contact | log-slope stays `g` |
+//! | stiffness, [`TangentialEnds::Mindlin`] | `p = 1/2`, as a Mindlin contact | log-slope stays `g` |
+//! | stiffness, [`TangentialEnds::Constant`] | `p = 0`, a constant | towards the constant `f_e exp(g)` |
+//!
+//! Without a range the formulas hold everywhere.
+//!
+//! # Parameters
+//! | parameter | unit | bounds |
+//! |---|---|---|
+//! | normal `a, b, c, d` | 1 | magnitude up to 1e6; `t_n` must rise in the whole range |
+//! | normal `e` | 1 | 1e-6 to 1e6 |
+//! | tangential `a, c` (per direction) | 1 | magnitude up to 1e6 |
+//! | tangential `b, d` (per direction) | 1 | 0 to 1e6 |
+//! | `u_ref` (per fit) | m | 1e-150 to 1e150 |
+//! | `t_ref`, `k_ref` | Pa, Pa/m | above 0 |
+//! | `range` (per fit) | m | above 0, ascending, or none |
+//! | friction coefficient `mu` | 1 | not negative |
+//!
+//! # Two ways to evaluate
+//! - [`RoughLaw`], on [`FittedPoints`]: the points of a block in vector registers, with elementary functions made of
+//!   additions, multiplications and a division. `FittedPoints<f64>` is the default; `FittedPoints<f32>` evaluates the
+//!   formulas in single precision, everything else in double.
+//! - `FrictionalLaw<PointParameters<FittedCurves>>`: point by point with the elementary functions of the standard
+//!   library (or of `libm`). It is the reference for the other.
+//!
+//! Values and slopes agree to 1e-13 relative in `f64` and to about 1e-6 in `f32`. Largest deviations found in 4000
+//! random fits from `u_ref/100` to `100 u_ref`: 9e-15, and with `f32` 3e-6 of `t_n` and 6e-7 of `k_q`.
+//!
+//! Source: N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear dynamic modeling of bolted
+//! joints: formulation, application, and trends in micro-scale interface evolution*, Mech. Syst. Signal Process. 139,
+//! 2020, 106615. The continuation outside the range is this crate's own.
+//!
+//! # Example
+//! Two points with fits of their own, evaluated in all three ways.
+//! ```
+//! use contact_laws::*;
+//!
+//! let range = Some([1e-7, 1e-5]);
+//! let curves = |a| {
+//!     let normal = NormalFit { a, b: 2.2, c: 0.4, d: 0.5, e: 1.2, u_ref: 1e-6, t_ref: 1.0, range };
+//!     let tangential = TangentialFit {
+//!         a: 28.0,
+//!         b: 1.5,
+//!         c: 0.3,
+//!         d: 0.6,
+//!         u_ref: 1e-6,
+//!         k_ref: 1.0,
+//!         range,
+//!         ends: TangentialEnds::Mindlin,
+//!     };
+//!     FittedCurves::try_new(normal, [tangential; 2])
+//! };
+//! let curves = PointParameters::per_point(vec![curves(13.0)?, curves(13.5)?]);
+//! let (mu, history) = (PointParameters::uniform(0.2, 2), HistoryRule::Incremental);
+//! let double = RoughLaw::try_new(FittedPoints::new(&curves), mu.clone(), history)?;
+//! let single = FrictionalLaw::try_new(FittedPoints::<f32>::new(&curves), mu.clone(), history)?;
+//! let scalar = FrictionalLaw::try_new(curves, mu, history)?;
+//!
+//! // Within the range and beyond both ends, slightly sheared from rest.
+//! for u_n in [2e-8, 2e-6, 3e-5] {
+//!     let begin = [0.0, 0.0, 0.0, 0.0, u_n, u_n, 0.0, 0.0, 0.0, 0.0];
+//!     let tractions = |law: &dyn TractionLaw| {
+//!         let (mut end, [mut t_x, mut t_y, mut t_n]) = ([0.0; 10], [[0.0; 2]; 3]);
+//!         law.evaluate(
+//!             0..2,
+//!             Sticking::Coulomb,
+//!             Components::new(&[1e-10; 2], &[0.0; 2], &[u_n; 2]),
+//!             StateView::new(&begin, 2, 0),
+//!             StateViewMut::new(&mut end, 2, 0),
+//!             ComponentsMut::new(&mut t_x, &mut t_y, &mut t_n),
+//!             None,
+//!             None,
+//!         );
+//!         [t_x[0], t_x[1], t_n[0], t_n[1]]
+//!     };
+//!     let (reference, double, single) = (tractions(&scalar), tractions(&double), tractions(&single));
+//!     for i in 0..4 {
+//!         assert!((double[i] / reference[i] - 1.0).abs() < 1e-13);
+//!         assert!((single[i] / reference[i] - 1.0).abs() < 5e-6);
+//!     }
+//! }
+//! # Ok::<(), Error>(())
+//! ```
+#![doc = include_str!("../katex.html")]
 
 use crate::continuation::End;
 use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};

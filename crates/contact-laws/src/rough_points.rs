@@ -188,8 +188,8 @@ struct Formulas<'a, R, const CURVATURE: bool, const ISOTROPIC: bool, const B: us
     out: &'a mut CurveBlock<B>,
 }
 
-/// Numbers between the passes over a block. Of three arrays, the first belongs to the normal traction, the others to the
-/// stiffnesses along x and y; of two, the first to the normal traction, the second to both stiffnesses.
+/// Numbers between the passes over a block. Of three arrays, the first belongs to the normal traction, the others to
+/// the stiffnesses along x and y; of two, the first to the normal traction, the second to both stiffnesses.
 #[derive(Debug)]
 pub struct Workspace<R, const B: usize> {
     /// `U = u per_u_ref`, its reciprocal and its logarithm.
@@ -198,7 +198,8 @@ pub struct Workspace<R, const B: usize> {
     ln: [Lanes<R, B>; 2],
     /// `ln U` held within the fitted range.
     held: [Lanes<R, B>; 3],
-    /// Arguments of exponentials, then their values: first those within the formulas, then the results over their scale.
+    /// Arguments of exponentials, then their values: first those within the formulas, then the results over their
+    /// scale.
     exponential: [Lanes<R, B>; 3],
     /// `y` of eq. (28) and `z` of eq. (29), then the log-slopes.
     inner: [Lanes<R, B>; 3],

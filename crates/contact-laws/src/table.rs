@@ -1,14 +1,67 @@
-//! Tabulated contact curves: monotone cubic Hermite interpolation, C1, with the largest relative error measured when
-//! the table is made.
+//! Tabulated contact curves: monotone cubic Hermite interpolation of any other curves, C1, with the largest relative
+//! error measured when the table is made.
 //!
-//! The knots lie evenly within each octave of the interference (`u = lower 2^j (1 + i/m)`, `i < m`), so their relative
-//! distance is between `1/m` and `1/(2m)` everywhere, results do not depend on the unit of length, and the cell of a
-//! `u_n` is read off the bits of `u_n/lower` without a search or a logarithm. In each cell the curve is a cubic in
-//! `u_n`; the knot slopes of the source are limited where the interpolant would otherwise not be monotone (de Boor and
-//! Swartz 1977: at most three times the smaller neighbouring secant). Derivatives are those of the interpolant.
+//! `m` knots lie evenly within each octave of the interference, so their relative distance is between `1/m` and
+//! `1/(2m)` everywhere, results do not depend on the unit of length, and the cell of a `u_n` is read off the bits of
+//! `u_n/u_lower` without a search or a logarithm. In each cell, of width `h`, the curve is the cubic with the values
+//! `f` and slopes `f'` of its knots:
+//! <div>
+//! $$ u_{ji} = u_\text{lower} \, 2^j \left( 1 + \frac{i}{m} \right), \quad i = 0, \dots, m - 1, \qquad
+//! s = \frac{u_n - u_0}{h} \in [0, 1], $$
+//! </div>
+//! <div>
+//! $$ f(u_n) = f_0 + h f_0' \, s + \left( 3 \Delta - h (2 f_0' + f_1') \right) s^2
+//! + \left( h (f_0' + f_1') - 2 \Delta \right) s^3, \qquad \Delta = f_1 - f_0 . $$
+//! </div>
 //!
-//! Below the table the log-slope moves to the source's [`Exponents`], above it keeps its end value, C1 at both ends. A
-//! curve that is zero at the lower end is zero below it.
+//! The slopes are the source's, limited where the interpolant would otherwise not be monotone: at most three times the
+//! smaller neighbouring secant. Derivatives are those of the interpolant. Smooth sources are met with fourth order in
+//! `1/m`.
+//!
+//! The error is measured at eight points of each cell, as the deviation from the source divided by the source's value
+//! at the cell's upper knot; `m` is doubled from 4 until the tolerances hold.
+//!
+//! # Outside the table
+//! With the value `f_e` and the log-slope `g` at an end `u_e`, `v = u_n/u_e`, and the source's
+//! [exponents](crate::Exponents) `p`, C1 at both ends:
+//! <div>
+//! $$ f = f_e \, v^{p} \, e^{(g - p)(v - 1)} \quad (v < 1), \qquad f = f_e \, v^{g} \quad (v > 1) . $$
+//! </div>
+//!
+//! A curve that is zero at the lower end is zero below it.
+//!
+//! # Parameters
+//! | parameter | unit | default |
+//! |---|---|---|
+//! | range of interferences | m | |
+//! | `tolerance_normal`, largest relative error of `t_n` | 1 | 1e-5 |
+//! | `tolerance_tangential`, largest relative error of `k_x`, `k_y` | 1 | 1e-4 |
+//! | `max_knots_per_octave`, a power of two | 1 | 1024 |
+//! | friction coefficient `mu` | 1 | |
+//!
+//! Source: F. N. Fritsch and R. E. Carlson, *Monotone piecewise cubic interpolation*, SIAM J. Numer. Anal. 17, 1980;
+//! the limit on the slopes: C. de Boor and B. Swartz, *Piecewise monotone interpolation*, J. Approx. Theory 21, 1977.
+//!
+//! # Example
+//! ```
+//! use contact_laws::*;
+//!
+//! // Half of the asperities touch within 5 um.
+//! let gaps = GapDistribution::try_from_quantiles(&[0.0, 0.5, 1.0], &[0.0, 5e-6, 2e-5])?;
+//! let population = AsperityPopulation::try_new(gaps, 1.4e6, [1.4e-3; 2])?;
+//! let exact = AsperitySumCurves::try_new(population, ElasticPair::new(192.85e9, 0.29), TangentialReading::Mindlin)?;
+//! let table = Tabulated::try_new(exact, [1e-8, 5e-5], TableOptions::default())?;
+//! println!("{} knots, error {:.1e}", table.n_knots(), table.max_relative_error_normal());
+//! let deviation = table.normal(3.3e-6).0 / table.source().normal(3.3e-6).0 - 1.0;
+//! assert!(deviation.abs() <= 1e-5);
+//!
+//! // 15 000 points that share it.
+//! let (curves, mu) = (PointParameters::uniform(table, 15_000), PointParameters::uniform(0.2, 15_000));
+//! let law = TableLaw::try_new(curves, mu, HistoryRule::Incremental)?;
+//! assert_eq!(law.len(), 15_000);
+//! # Ok::<(), Error>(())
+//! ```
+#![doc = include_str!("../katex.html")]
 
 use alloc::vec::Vec;
 

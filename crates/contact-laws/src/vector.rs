@@ -19,7 +19,8 @@ pub(crate) struct Lanes<T, const B: usize>(pub(crate) [T; B]);
 
 /// A loop over the points of a block.
 pub(crate) trait Pass {
-    /// `FMA`: the processor fuses a multiplication with an addition in one instruction; without it, fusing would be slow.
+    /// `FMA`: the processor fuses a multiplication with an addition in one instruction; without it, fusing would be
+    /// slow.
     ///
     /// Must be `#[inline(always)]`: what is inlined takes on the instruction set of [`run`]'s callee, what is called
     /// does not. A closure counts as called.
