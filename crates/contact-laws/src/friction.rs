@@ -138,7 +138,7 @@ use crate::law::{
     TractionLaw,
 };
 use crate::parameters::PointParameters;
-use crate::return_map::{Block, INCREMENTAL, PAPER, POTENTIAL, Start, Workspace};
+use crate::return_map::{Block, INCREMENTAL, PAPER, POTENTIAL, Present, Start, Workspace};
 use crate::vector::{BLOCK, Lanes, SHORT_BLOCK, run};
 
 /// Reference of eqs. (18)-(20), (28), (29), (45).
@@ -251,7 +251,7 @@ impl<C: PointCurves> FrictionalLaw<C> {
         );
         let (mut u_n, mut middle, mut mu) = (Lanes([0.0; B]), Lanes([0.0; B]), Lanes([0.0; B]));
         let mut counts = RegimeCounts::default();
-        let (mut block, mut reopens) = (0..0, false);
+        let (mut block, mut present) = (0..0, Present::default());
         while block.end < n {
             block = block.end..n.min(block.end + B);
             let (jump, begin) = (part(&jump, &block), part(&begin, &block));
@@ -263,18 +263,15 @@ impl<C: PointCurves> FrictionalLaw<C> {
                 u_n: &mut u_n,
                 middle: &mut middle,
                 end: [end_x, end_y, end_n],
-                reopens: &mut reopens,
+                present: &mut present,
             });
-            let curvature = tangent.is_some() && self.history != HistoryRule::Incremental;
             let (m, first) = (block.len(), points.start + block.start);
-            self.curves.evaluate(
-                first,
-                &u_n.0[..m],
-                &middle.0[..m],
-                curvature,
-                &mut for_curves,
-                &mut curves,
-            );
+            if present.closed {
+                let (u_n, middle) = (&u_n.0[..m], &middle.0[..m]);
+                let curvature = tangent.is_some() && self.history != HistoryRule::Incremental;
+                self.curves
+                    .evaluate(first, u_n, middle, curvature, &mut for_curves, &mut curves);
+            }
             let mu = &mut mu.0[..m];
             self.mu.copy_to(first, mu);
             let block = Block {
@@ -282,7 +279,7 @@ impl<C: PointCurves> FrictionalLaw<C> {
                 begin,
                 mu,
                 u_n: &u_n,
-                reopens,
+                present,
                 curves: &curves,
                 sticking,
                 workspace: &mut workspace,

@@ -26,8 +26,16 @@ pub(crate) struct Start<'a, const B: usize> {
     pub(crate) u_n: &'a mut Lanes<f64, B>,
     pub(crate) middle: &'a mut Lanes<f64, B>,
     pub(crate) end: [&'a mut [f64]; 3],
-    /// Some point of the block is open at its begin state.
-    pub(crate) reopens: &'a mut bool,
+    pub(crate) present: &'a mut Present,
+}
+
+/// What a block has to deal with.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Present {
+    /// A closed point.
+    pub(crate) closed: bool,
+    /// A closed point that was open at its begin state.
+    pub(crate) reclosed: bool,
 }
 
 impl<const B: usize> Pass for Start<'_, B> {
@@ -36,7 +44,7 @@ impl<const B: usize> Pass for Start<'_, B> {
         let [x, y, n] = self.jump;
         let [x_0, y_0, n_0, memory_1, memory_2] = self.begin;
         let [end_x, end_y, end_n] = self.end;
-        *self.reopens = start(
+        *self.present = start(
             self.halfway,
             x,
             y,
@@ -73,13 +81,13 @@ fn start<const B: usize>(
     end_x: &mut [f64],
     end_y: &mut [f64],
     end_n: &mut [f64],
-) -> bool {
+) -> Present {
     let n = jump_x.len().min(B);
     let (jump_x, jump_y, jump_n) = (&jump_x[..n], &jump_y[..n], &jump_n[..n]);
     let (begin_x, begin_y, begin_n) = (&begin_x[..n], &begin_y[..n], &begin_n[..n]);
     let (begin_1, begin_2) = (&begin_1[..n], &begin_2[..n]);
     let (end_x, end_y, end_n) = (&mut end_x[..n], &mut end_y[..n], &mut end_n[..n]);
-    let mut n_open = 0_u64;
+    let (mut n_closed, mut n_reclosed) = (0_u64, 0_u64);
     for i in 0..n {
         let (u_x, u_y, u_n, u_n0) = (jump_x[i], jump_y[i], jump_n[i], begin_n[i]);
         let finite = is_finite([u_x, u_y, u_n, begin_x[i], begin_y[i], u_n0, begin_1[i], begin_2[i]]);
@@ -93,9 +101,13 @@ fn start<const B: usize>(
         end_x[i] = u_x + fill;
         end_y[i] = u_y + fill;
         end_n[i] = u_n + fill;
-        n_open += u64::from(u_n0 < 0.0);
+        n_closed += u64::from(closed);
+        n_reclosed += u64::from(closed & (u_n0 < 0.0));
     }
-    n_open > 0
+    Present {
+        closed: n_closed > 0,
+        reclosed: n_reclosed > 0,
+    }
 }
 
 /// A block of points. Every slice has the block's length.
@@ -105,8 +117,7 @@ pub(crate) struct Block<'a, const B: usize> {
     pub(crate) mu: &'a [f64],
     /// Interferences from [`Start`].
     pub(crate) u_n: &'a Lanes<f64, B>,
-    /// Some point of the block was open at its begin state.
-    pub(crate) reopens: bool,
+    pub(crate) present: Present,
     pub(crate) curves: &'a CurveBlock<B>,
     pub(crate) sticking: Sticking,
     pub(crate) workspace: &'a mut Workspace<B>,
@@ -227,7 +238,7 @@ impl<const RULE: u8, const B: usize> Pass for Trial<'_, '_, RULE, B> {
             &block.curves.tangential_slope,
             &block.curves.tangential_curvature,
         );
-        if block.reopens {
+        if block.present.reclosed {
             shares(u_n, u_n0, share, share_slope);
             trials::<RULE, true, B>(
                 u_x,
