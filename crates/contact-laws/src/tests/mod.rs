@@ -118,6 +118,17 @@ fn rough(curves: FittedCurves, mu: f64, history: HistoryRule) -> RoughLaw {
     RoughLaw::try_new(points, PointParameters::uniform(mu, 1), history).unwrap()
 }
 
+const HISTORIES: [HistoryRule; 3] = [HistoryRule::Incremental, HistoryRule::Paper, HistoryRule::Potential];
+
+/// A begin state that [`crate::testing::begin_state`] made with tractions as its memory, for any rule: stretches are
+/// those of 1e12 Pa/m.
+fn remembered(history: HistoryRule, [x, y, n, t_x, t_y]: [f64; 5]) -> [f64; 5] {
+    match history {
+        HistoryRule::Incremental | HistoryRule::Paper => [x, y, n, t_x, t_y],
+        HistoryRule::Potential => [x, y, n, 1e-12 * t_x, 1e-12 * t_y],
+    }
+}
+
 fn relative(a: f64, b: f64) -> f64 {
     if a == b {
         0.0

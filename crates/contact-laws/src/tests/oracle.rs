@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
 use super::dual::{Dual, Real, Rounded};
-use super::{STEEL, law, table};
+use super::{HISTORIES, STEEL, law, remembered, rough, table};
 use crate::testing::{
     PointResponse, closed_interference, evaluate_point, fitted_curves, friction_coefficient, log_uniform, step,
     work_along,
@@ -223,6 +223,16 @@ pub(super) enum Rule {
     Potential,
 }
 
+impl From<HistoryRule> for Rule {
+    fn from(history: HistoryRule) -> Self {
+        match history {
+            HistoryRule::Incremental => Self::Incremental,
+            HistoryRule::Paper => Self::Paper,
+            HistoryRule::Potential => Self::Potential,
+        }
+    }
+}
+
 /// What the description says.
 #[derive(Debug)]
 pub(super) struct Expected {
@@ -414,25 +424,20 @@ fn measure<S: Strategy>(
     );
 }
 
-const RULES: [(HistoryRule, Rule); 2] = [
-    (HistoryRule::Incremental, Rule::Incremental),
-    (HistoryRule::Paper, Rule::Paper),
-];
-
 /// Found and expected, by every history rule, with and without the slip limit.
-fn both<C: ContactCurves + Clone>(
-    curves: &C,
+fn both<L: TractionLaw>(
+    law: impl Fn(HistoryRule) -> L,
     oracle: &impl Curves,
     mu: f64,
     jump: [f64; 3],
     begin: [f64; 5],
 ) -> Vec<(PointResponse, Expected)> {
     let mut pairs = Vec::new();
-    for (history, rule) in RULES {
-        let law = law(curves.clone(), mu, history);
+    for history in HISTORIES {
+        let (law, begin) = (law(history), remembered(history, begin));
         for sticking in [Sticking::Coulomb, Sticking::Full] {
             let found = evaluate_point(&law, 0, sticking, jump, &begin);
-            pairs.push((found, expected(oracle, mu, rule, sticking, jump, &begin)));
+            pairs.push((found, expected(oracle, mu, history.into(), sticking, jump, &begin)));
         }
     }
     pairs
@@ -454,7 +459,18 @@ fn fitted_law() {
         "fitted_law",
         6000,
         (fitted_curves(), friction_coefficient(), steps()),
-        |(curves, mu, (jump, begin))| both(&curves, &curves, mu, jump, begin),
+        |(curves, mu, (jump, begin))| both(|history| law(curves, mu, history), &curves, mu, jump, begin),
+    );
+}
+
+/// The same in vector registers.
+#[test]
+fn rough_law() {
+    measure(
+        "rough_law",
+        6000,
+        (fitted_curves(), friction_coefficient(), steps()),
+        |(curves, mu, (jump, begin))| both(|history| rough(curves, mu, history), &curves, mu, jump, begin),
     );
 }
 
@@ -472,7 +488,8 @@ fn elastic_law() {
         strategy,
         |(normal, tangential, mu, (jump, begin))| {
             let curves = ElasticCurves::try_new(normal, tangential).unwrap();
-            both(&curves, &Constant { normal, tangential }, mu, jump, begin)
+            let oracle = Constant { normal, tangential };
+            both(|history| law(curves, mu, history), &oracle, mu, jump, begin)
         },
     );
 }
@@ -526,7 +543,9 @@ fn asperity_sum() {
         "asperity_sum",
         4000,
         (asperities(), friction_coefficient(), steps()),
-        |((oracle, curves), mu, (jump, begin))| both(&curves, &oracle, mu, jump, begin),
+        |((oracle, curves), mu, (jump, begin))| {
+            both(|history| law(curves.clone(), mu, history), &oracle, mu, jump, begin)
+        },
     );
 }
 
@@ -538,7 +557,9 @@ fn friction_on_a_table() {
         "friction_on_a_table",
         4000,
         (friction_coefficient(), steps()),
-        |(mu, (jump, begin))| both(&table, &AsGiven(&table), mu, jump, begin),
+        |(mu, (jump, begin))| {
+            both(|history| law(table.clone(), mu, history), &AsGiven(&table), mu, jump, begin)
+        },
     );
 }
 
