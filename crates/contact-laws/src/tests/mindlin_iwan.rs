@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::{STEEL, asperities, elastic, fitted, reference, relative, table};
+use super::{STEEL, asperities, elastic, fitted, greenwood_williamson, reference, relative, table};
 use crate::mindlin_iwan::MAX_SLIDERS;
 use crate::testing::{
     PointResponse, closed_interference, displacement, evaluate_point, friction_coefficient, interference, jump,
@@ -292,6 +292,7 @@ fn laws(mu: f64, n_sliders: usize) -> Vec<Box<dyn TractionLaw>> {
     vec![
         Box::new(law(fitted(), mu, n_sliders)),
         Box::new(law(elastic(), mu, n_sliders)),
+        Box::new(law(greenwood_williamson(), mu, n_sliders)),
         Box::new(law(asperities(TangentialReading::Mindlin), mu, n_sliders)),
         Box::new(law(TABLE.with(|table| table.clone()), mu, n_sliders)),
     ]

@@ -92,6 +92,17 @@ fn population() -> AsperityPopulation {
     AsperityPopulation::try_new(gaps, 1.4e6, [1.2e-3, 1.5e-3]).unwrap()
 }
 
+/// Heights with an exponential upper tail, for which the curves are closed forms.
+fn greenwood_williamson() -> GreenwoodWilliamsonCurves {
+    let surface = GreenwoodWilliamsonSurface {
+        heights: HeightDistribution::Exponential { scale: 2e-6 },
+        reference_height: 9e-6,
+        asperity_density: 1.4e6,
+        radii: [1.2e-3, 1.5e-3],
+    };
+    GreenwoodWilliamsonCurves::try_new(surface, STEEL, TangentialReading::Mindlin).unwrap()
+}
+
 fn asperities(reading: TangentialReading) -> AsperitySumCurves {
     AsperitySumCurves::try_new(population(), STEEL, reading).unwrap()
 }

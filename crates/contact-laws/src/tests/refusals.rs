@@ -1,6 +1,7 @@
 //! Every field of every constructor, out of its bounds: the error names parameter, value, unit and place.
 
-use super::{STEEL, elastic, fitted, normal_fit, population, tangential_fit};
+use super::{HISTORIES, STEEL, elastic, fitted, greenwood_williamson, normal_fit, population, tangential_fit};
+use crate::testing::evaluate_point;
 use crate::*;
 
 const NAN: f64 = f64::NAN;
@@ -20,6 +21,38 @@ struct Field {
 const NOT_FINITE: &[f64] = &[NAN, INF, -INF];
 const NOT_POSITIVE: &[f64] = &[NAN, INF, -INF, 0.0, -0.0, -1.0, -f64::MIN_POSITIVE];
 const NEGATIVE: &[f64] = &[NAN, INF, -INF, -1.0, -f64::MIN_POSITIVE];
+/// Beyond the bounds of parameters without unit, by one unit in the last place too.
+const OUTSIZE: &[f64] = &[
+    NAN,
+    INF,
+    -INF,
+    1e6 * (1.0 + f64::EPSILON),
+    -1e6 * (1.0 + f64::EPSILON),
+    1e7,
+    f64::MAX,
+];
+const OUTSIZE_OR_NEGATIVE: &[f64] = &[
+    NAN,
+    INF,
+    -INF,
+    -1.0,
+    -f64::MIN_POSITIVE,
+    1e6 * (1.0 + f64::EPSILON),
+    f64::MAX,
+];
+/// Beyond the bounds of reference lengths.
+const NO_REFERENCE: &[f64] = &[
+    NAN,
+    INF,
+    -INF,
+    0.0,
+    -0.0,
+    -1.0,
+    0.9e-150,
+    1.1e150,
+    f64::MIN_POSITIVE,
+    f64::MAX,
+];
 
 fn normal(change: impl Fn(&mut NormalFit)) -> Result<(), Error> {
     let mut fit = normal_fit();
@@ -54,6 +87,27 @@ fn friction(mu: PointParameters<f64>) -> Result<(), Error> {
     FrictionalLaw::try_new(curves, mu, HistoryRule::Incremental).map(drop)
 }
 
+/// The same law in blocks.
+fn rough_friction(mu: Vec<f64>) -> Result<(), Error> {
+    let curves = FittedPoints::new(&PointParameters::uniform(fitted(), mu.len()));
+    RoughLaw::try_new(curves, PointParameters::per_point(mu), HistoryRule::Potential).map(drop)
+}
+
+fn sliders(mu: PointParameters<f64>, n_sliders: usize) -> Result<(), Error> {
+    MindlinIwan::try_new(PointParameters::uniform(elastic(), mu.len()), mu, n_sliders).map(drop)
+}
+
+fn greenwood(change: impl Fn(&mut GreenwoodWilliamsonSurface)) -> Result<(), Error> {
+    let mut surface = *greenwood_williamson().surface();
+    change(&mut surface);
+    GreenwoodWilliamsonCurves::try_new(surface, STEEL, TangentialReading::Mindlin).map(drop)
+}
+
+fn on_greenwood(modulus: f64, nu: f64) -> Result<(), Error> {
+    let surface = *greenwood_williamson().surface();
+    GreenwoodWilliamsonCurves::try_new(surface, ElasticPair::new(modulus, nu), TangentialReading::Mindlin).map(drop)
+}
+
 fn fields() -> Vec<Field> {
     let field = |name, unit, bad, make| Field {
         name,
@@ -70,31 +124,36 @@ fn fields() -> Vec<Field> {
         make,
     };
     vec![
-        field("normal a", "(no unit)", NOT_FINITE, |v| normal(|fit| fit.a = v)),
-        field("normal b", "(no unit)", NOT_FINITE, |v| normal(|fit| fit.b = v)),
-        field("normal c", "(no unit)", NOT_FINITE, |v| normal(|fit| fit.c = v)),
-        field("normal d", "(no unit)", NOT_FINITE, |v| normal(|fit| fit.d = v)),
-        field("normal e", "(no unit)", NOT_POSITIVE, |v| normal(|fit| fit.e = v)),
-        field("normal u_ref", " m", NOT_POSITIVE, |v| normal(|fit| fit.u_ref = v)),
+        field("normal a", "(no unit)", OUTSIZE, |v| normal(|fit| fit.a = v)),
+        field("normal b", "(no unit)", OUTSIZE, |v| normal(|fit| fit.b = v)),
+        field("normal c", "(no unit)", OUTSIZE, |v| normal(|fit| fit.c = v)),
+        field("normal d", "(no unit)", OUTSIZE, |v| normal(|fit| fit.d = v)),
+        field(
+            "normal e",
+            "(no unit)",
+            &[NAN, INF, -INF, 0.0, -0.0, -1.0, 0.9e-6, 1.1e6, f64::MAX],
+            |v| normal(|fit| fit.e = v),
+        ),
+        field("normal t_ref", "Pa", NOT_POSITIVE, |v| normal(|fit| fit.t_ref = v)),
+        field("normal u_ref", " m", NO_REFERENCE, |v| normal(|fit| fit.u_ref = v)),
         field("normal range", " m", NOT_POSITIVE, |v| {
             normal(|fit| fit.range = Some([v, 1e-5]))
         }),
         field("normal range", " m", &[NAN, INF, -INF, 0.0, -1.0, 1e-7, 0.9e-7], |v| {
             normal(|fit| fit.range = Some([1e-7, v]))
         }),
-        field("tangential a", "(no unit)", NOT_FINITE, |v| {
-            tangential(0, |fit| fit.a = v)
-        }),
-        field("tangential b", "(no unit)", NEGATIVE, |v| {
+        field("tangential a", "(no unit)", OUTSIZE, |v| tangential(0, |fit| fit.a = v)),
+        field("tangential b", "(no unit)", OUTSIZE_OR_NEGATIVE, |v| {
             tangential(1, |fit| fit.b = v)
         }),
-        field("tangential c", "(no unit)", NOT_FINITE, |v| {
-            tangential(0, |fit| fit.c = v)
-        }),
-        field("tangential d", "(no unit)", NEGATIVE, |v| {
+        field("tangential c", "(no unit)", OUTSIZE, |v| tangential(0, |fit| fit.c = v)),
+        field("tangential d", "(no unit)", OUTSIZE_OR_NEGATIVE, |v| {
             tangential(1, |fit| fit.d = v)
         }),
-        field("tangential u_ref", " m", NOT_POSITIVE, |v| {
+        field("tangential k_ref", "Pa/m", NOT_POSITIVE, |v| {
+            tangential(0, |fit| fit.k_ref = v)
+        }),
+        field("tangential u_ref", " m", NO_REFERENCE, |v| {
             tangential(1, |fit| fit.u_ref = v)
         }),
         field("tangential range", " m", NOT_POSITIVE, |v| {
@@ -191,8 +250,48 @@ fn fields() -> Vec<Field> {
                 tabulated([1e-8, 1e-5], options)
             },
         ),
+        field("scale of the heights", " m", NOT_POSITIVE, |v| {
+            greenwood(|surface| surface.heights = HeightDistribution::Exponential { scale: v })
+        }),
+        field("standard_deviation of the heights", " m", NOT_POSITIVE, |v| {
+            greenwood(|surface| surface.heights = HeightDistribution::Gaussian { standard_deviation: v })
+        }),
+        field("reference_height", " m", NOT_POSITIVE, |v| {
+            greenwood(|surface| surface.reference_height = v)
+        }),
+        field("asperity_density", "1/m^2", NOT_POSITIVE, |v| {
+            greenwood(|surface| surface.asperity_density = v)
+        }),
+        field("beta_x", " m", NOT_POSITIVE, |v| {
+            greenwood(|surface| surface.radii[0] = v)
+        }),
+        field("beta_y", " m", NOT_POSITIVE, |v| {
+            greenwood(|surface| surface.radii[1] = v)
+        }),
+        field("youngs_modulus", "Pa", NOT_POSITIVE, |v| on_greenwood(v, 0.3)),
+        field("poisson_ratio", "(no unit)", &[NAN, INF, -INF, -1.0, 0.51], |v| {
+            on_greenwood(STEEL.youngs_modulus, v)
+        }),
+        field("work_of_adhesion", "J/m^2", NOT_POSITIVE, |v| {
+            Adhesion::try_new(v, 4e-10).map(drop)
+        }),
+        field("intermolecular_distance", " m", NOT_POSITIVE, |v| {
+            Adhesion::try_new(2.5, v).map(drop)
+        }),
+        field("n_sliders", "(no unit)", &[0.0, 257.0, 1e9], |v| {
+            sliders(PointParameters::uniform(0.1, 3), v as usize)
+        }),
+        placed("mu", "(no unit)", Place::Point(0), NEGATIVE, |v| {
+            sliders(PointParameters::uniform(v, 3), 4)
+        }),
+        placed("mu", "(no unit)", Place::Point(2), NEGATIVE, |v| {
+            sliders(PointParameters::per_point(vec![0.1, 0.2, v]), 4)
+        }),
         placed("mu", "(no unit)", Place::Point(0), NEGATIVE, |v| {
             friction(PointParameters::uniform(v, 3))
+        }),
+        placed("mu", "(no unit)", Place::Point(1), NEGATIVE, |v| {
+            rough_friction(vec![0.1, v])
         }),
         placed("mu", "(no unit)", Place::Point(2), NEGATIVE, |v| {
             friction(PointParameters::per_point(vec![0.1, 0.2, v]))
@@ -236,6 +335,90 @@ fn every_field_is_checked() {
             };
             for part in [field.name, field.unit, &place, requirement, &format!("{bad:e}")] {
                 assert!(text.contains(part), "{case}: {part:?} is not in {text:?}");
+            }
+        }
+    }
+}
+
+/// What lies on the bounds is accepted, and gives numbers.
+#[test]
+fn bounds_belong_to_the_domain() {
+    let bare = NormalFit {
+        range: None,
+        ..normal_fit()
+    };
+    let normals = [
+        NormalFit { u_ref: 1e-150, ..bare },
+        NormalFit { u_ref: 1e150, ..bare },
+        NormalFit {
+            c: 500.0,
+            e: 1e6,
+            ..bare
+        },
+        NormalFit {
+            c: 0.0,
+            e: 1e-6,
+            ..bare
+        },
+        NormalFit { d: 1e6, ..bare },
+        NormalFit { d: -1e6, ..bare },
+        NormalFit { b: 1e6, ..bare },
+        NormalFit {
+            a: 700.0,
+            t_ref: 1e-300,
+            ..bare
+        },
+        NormalFit {
+            a: -700.0,
+            t_ref: 1e300,
+            ..bare
+        },
+    ];
+    let step = TangentialFit {
+        range: None,
+        ..tangential_fit(TangentialEnds::Mindlin)
+    };
+    let tangentials = [
+        TangentialFit { u_ref: 1e-150, ..step },
+        TangentialFit { u_ref: 1e150, ..step },
+        TangentialFit { c: 1e6, d: 1e6, ..step },
+        TangentialFit {
+            c: -1e6,
+            d: 1e6,
+            ..step
+        },
+        TangentialFit { b: 0.0, d: 0.0, ..step },
+        TangentialFit {
+            a: 700.0,
+            k_ref: 1e-300,
+            ..step
+        },
+    ];
+    let fits = (normals.iter().map(|&n| (n, step))).chain(tangentials.iter().map(|&t| (bare, t)));
+    for (normal, tangential) in fits {
+        let curves = FittedCurves::try_new(normal, [tangential; 2]).unwrap_or_else(|e| panic!("{normal:?}: {e}"));
+        let curves = PointParameters::uniform(curves, 1);
+        for history in HISTORIES {
+            let mu = || PointParameters::uniform(0.3, 1);
+            let laws: [Box<dyn TractionLaw>; 3] = [
+                Box::new(FrictionalLaw::try_new(curves.clone(), mu(), history).unwrap()),
+                Box::new(RoughLaw::try_new(FittedPoints::new(&curves), mu(), history).unwrap()),
+                Box::new(FrictionalLaw::try_new(FittedPoints::<f32>::new(&curves), mu(), history).unwrap()),
+            ];
+            for law in laws {
+                for n in [f64::from_bits(1), 1e-150, 1e-9, 1e-6, 1.0, 1e150, f64::MAX] {
+                    let begin = [0.0, 0.0, 0.5 * n, 0.0, 0.0];
+                    let found = evaluate_point(&*law, 0, Sticking::Coulomb, [1e-7, -1e-7, n], &begin);
+                    let mut numbers = found
+                        .traction
+                        .iter()
+                        .chain(found.tangent.as_flattened())
+                        .chain(&found.end);
+                    assert!(
+                        numbers.all(|v| v.is_finite()),
+                        "{normal:?} {tangential:?} {n:e} {found:?}"
+                    );
+                }
             }
         }
     }
