@@ -34,8 +34,11 @@ const POINTS: [[f64; 35]; 20] = [
     [-1.6454881710362434e-06, 3.4496144772973296e-07, 9.359093093458054e-08, 9.537836708068652e-08, 2.0873184090767296e-07, 3.0395583425452097e-06, -20952.634282616113, 22696.57161703709, 936588.3196782117, 0.24458110393915, 2.4849432104308997e-07, 43.35141531362555, 2.3733088994853464, -0.8165737121957244, 13.046472040441511, 1.0083671448914273, 29.159180857554666, 1.2403878635082626, -13.75320801397078, 0.8386081422843649, 29.359024488925428, 1.3963881279173704, -14.38429474937515, 0.5958703943971684, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
 ];
 
+/// Makes the law of one point from its curves and friction coefficient.
+type MakeLaw = fn(FittedCurves, f64) -> Box<dyn TractionLaw>;
+
 /// Largest errors of tractions (relative to `mu t_n` and `t_n`) and of the tangent (relative to its largest entry).
-fn errors(row: &[f64], made: fn(FittedCurves, f64) -> Box<dyn TractionLaw>) -> (f64, f64) {
+fn errors(row: &[f64], made: MakeLaw) -> (f64, f64) {
     let &[ux, uy, un, ux0, uy0, un0, tx0, ty0, _, mu, gap, ref rest @ ..] = row else {
         panic!("35 columns")
     };
@@ -94,7 +97,7 @@ fn errors(row: &[f64], made: fn(FittedCurves, f64) -> Box<dyn TractionLaw>) -> (
 
 fn check<'a>(rows: impl Iterator<Item = &'a [f64]>) -> usize {
     let rows: Vec<&[f64]> = rows.collect();
-    let paths: [(_, fn(FittedCurves, f64) -> Box<dyn TractionLaw>); 2] = [
+    let paths: [(_, MakeLaw); 2] = [
         ("point by point", |curves, mu| {
             Box::new(law(curves, mu, HistoryRule::Paper))
         }),

@@ -414,7 +414,7 @@ proptest! {
 fn uneven(n: usize, history: HistoryRule) -> Points {
     let wave = |i: usize, f: f64| (i as f64 * f).sin();
     let jump = |i: usize| {
-        let along = if i / 70 % 2 == 0 { 1e-9 } else { 4e-6 };
+        let along = if (i / 70).is_multiple_of(2) { 1e-9 } else { 4e-6 };
         let n = match i / 90 % 3 {
             0 => 1e-6 * (2.0 + wave(i, 0.3)),
             1 => 1e-5 * (1.0 + 0.5 * wave(i, 0.3)),

@@ -18,7 +18,6 @@ struct Field {
     make: fn(f64) -> Result<(), Error>,
 }
 
-const NOT_FINITE: &[f64] = &[NAN, INF, -INF];
 const NOT_POSITIVE: &[f64] = &[NAN, INF, -INF, 0.0, -0.0, -1.0, -f64::MIN_POSITIVE];
 const NEGATIVE: &[f64] = &[NAN, INF, -INF, -1.0, -f64::MIN_POSITIVE];
 /// Beyond the bounds of parameters without unit, by one unit in the last place too.
