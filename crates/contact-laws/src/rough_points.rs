@@ -17,6 +17,9 @@ use crate::vector::{BLOCK, Lanes, Pass, run};
 /// evaluated, `f64` or `f32`; interferences, values and slopes are `f64` with either.
 ///
 /// Interferences outside `1e-150 u_ref` to `1e150 u_ref` (`1e-37` to `1e37` for `f32`) are taken as these.
+/// Tractions and stiffnesses are held between `e^-700` and `e^700` (`e^-87` and `e^87` for `f32`) times `t_ref e^a` and
+/// `k_ref e^a`. In `f32` they are right to about 2e-6 for usual fits; exponents rounded at their own size bring it to
+/// 4e-5 where `t_n` is that far from `t_ref e^a`.
 #[derive(Debug, Clone)]
 pub struct FittedPoints<R = f64> {
     n_points: usize,
