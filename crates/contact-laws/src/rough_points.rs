@@ -430,28 +430,17 @@ fn outer<R: Real, const CURVATURE: bool, const ISOTROPIC: bool, const B: usize>(
     let n = n.min(B);
     let (b, c, per_e) = (&normal.b[..n], &normal.c[..n], &normal.per_e[..n]);
     let (b_x, d_x, b_y, d_y) = (&x.b[..n], &x.d[..n], &y.b[..n], &y.d[..n]);
-    let one = R::of(1.0);
     for i in 0..n {
         let bell = e_n.0[i] * c[i];
         e_n.0[i] = b[i] * held_n.0[i] + bell;
         y_n.0[i] = b[i] - bell * y_n.0[i] * per_e[i];
-        let sum_x = one + e_x.0[i];
-        if ISOTROPIC {
-            let step = Step::new(b_x[i], d_x[i], z_x.0[i], e_x.0[i], one / sum_x);
-            (e_x.0[i], z_x.0[i]) = (step.value, step.slope);
-            if CURVATURE {
-                change_x.0[i] = step.slope_change;
-            }
-        } else {
-            // One division for both directions.
-            let sum_y = one + e_y.0[i];
-            let per_both = one / (sum_x * sum_y);
-            let step = Step::new(b_x[i], d_x[i], z_x.0[i], e_x.0[i], sum_y * per_both);
-            (e_x.0[i], z_x.0[i]) = (step.value, step.slope);
-            if CURVATURE {
-                change_x.0[i] = step.slope_change;
-            }
-            let step = Step::new(b_y[i], d_y[i], z_y.0[i], e_y.0[i], sum_x * per_both);
+        let step = Step::new(b_x[i], d_x[i], z_x.0[i], e_x.0[i]);
+        (e_x.0[i], z_x.0[i]) = (step.value, step.slope);
+        if CURVATURE {
+            change_x.0[i] = step.slope_change;
+        }
+        if !ISOTROPIC {
+            let step = Step::new(b_y[i], d_y[i], z_y.0[i], e_y.0[i]);
             (e_y.0[i], z_y.0[i]) = (step.value, step.slope);
             if CURVATURE {
                 change_y.0[i] = step.slope_change;
@@ -468,10 +457,12 @@ struct Step<R> {
 }
 
 impl<R: Real> Step<R> {
-    /// From `decay = exp(-2 |z|)` and `per_sum = 1/(1 + decay)`.
+    /// From `decay = exp(-2 |z|)`.
     #[inline(always)]
-    fn new(b: R, d: R, z: R, decay: R, per_sum: R) -> Self {
-        let step = ((R::of(1.0) - decay) * per_sum).with_sign(z);
+    fn new(b: R, d: R, z: R, decay: R) -> Self {
+        let one = R::of(1.0);
+        let per_sum = one / (one + decay);
+        let step = ((one - decay) * per_sum).with_sign(z);
         let slope = b * d * (R::of(4.0) * decay * per_sum * per_sum);
         Self {
             value: b * step,

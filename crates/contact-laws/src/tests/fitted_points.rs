@@ -32,7 +32,7 @@ fn batch_of_fits(n: impl Into<prop::collection::SizeRange>) -> impl Strategy<Val
 
 /// `t_n, t_n', k_x, k_x', k_x'', k_y, k_y', k_y''` of points at one interference each.
 fn in_blocks<R: Real>(curves: &FittedPoints<R>, u_n: &[f64]) -> Vec<[f64; 8]> {
-    let (mut workspace, mut block) = (Default::default(), CurveBlock::new());
+    let (mut workspace, mut block) = (Default::default(), CurveBlock::<BLOCK>::new());
     let mut all = Vec::new();
     for (first, u_n) in (0..).step_by(BLOCK).zip(u_n.chunks(BLOCK)) {
         curves.evaluate(first, u_n, u_n, true, &mut workspace, &mut block);
