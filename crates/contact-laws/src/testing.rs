@@ -213,8 +213,8 @@ pub fn tangent_error<L: TractionLaw + ?Sized>(
 
     let mut worst = 0.0_f64;
     for k in 0..3 {
-        // Difference quotients of the three tractions over two steps, if the regime does not change between them and
-        // the steps survive rounding.
+        // Difference quotients of the three tractions over two steps and what rounding of the tractions makes of them,
+        // if the regime does not change between them and the steps survive rounding.
         let quotient = |step: f64| {
             if step < 1e4 * f64::EPSILON * jump[k].abs() {
                 return None;
@@ -228,12 +228,15 @@ pub fn tangent_error<L: TractionLaw + ?Sized>(
                 .iter()
                 .all(|response| response.regime == here.regime);
             // Divided by the step as it was rounded.
-            same.then(|| core::array::from_fn(|i| (right.1.traction[i] - left.1.traction[i]) / (right.0 - left.0)))
+            same.then(|| {
+                core::array::from_fn(|i| {
+                    let (from, to) = (left.1.traction[i], right.1.traction[i]);
+                    let rounding = f64::EPSILON * from.abs().max(to.abs()) / step;
+                    ((to - from) / (right.0 - left.0), rounding)
+                })
+            })
         };
-        for (i, (value, uncertainty)) in extrapolate(0.05 * steps[k], here.traction, &quotient)?
-            .into_iter()
-            .enumerate()
-        {
+        for (i, (value, uncertainty)) in extrapolate(0.05 * steps[k], &quotient)?.into_iter().enumerate() {
             let (entry, over_length) = (here.tangent[i][k], tractions[i] / lengths[k]);
             if entry == value {
                 continue;
@@ -247,20 +250,20 @@ pub fn tangent_error<L: TractionLaw + ?Sized>(
     Some(worst)
 }
 
-/// Limits of difference quotients of `values` for vanishing step with their uncertainties, by the table of polynomial
-/// extrapolation in the square of the step; the first step is the largest one at which there is a quotient.
-fn extrapolate(step: f64, values: [f64; 3], quotient: &impl Fn(f64) -> Option<[f64; 3]>) -> Option<[(f64, f64); 3]> {
+/// Limits of difference quotients, given with their rounding, for vanishing step with their uncertainties, by the table
+/// of polynomial extrapolation in the square of the step; the first step is the largest one at which there is a quotient.
+fn extrapolate(step: f64, quotient: &impl Fn(f64) -> Option<[(f64, f64); 3]>) -> Option<[(f64, f64); 3]> {
     const RATIO: f64 = 2.0;
     const ROWS: i32 = 8;
     let first = (0..10)
         .map(|i| step * 0.25_f64.powi(i))
         .find(|&step| quotient(step).is_some())?;
     let mut best = [(f64::NAN, f64::INFINITY); 3];
-    let mut above: Vec<[f64; 3]> = vec![quotient(first)?];
+    let mut above: Vec<[f64; 3]> = vec![quotient(first)?.map(|(value, _)| value)];
     for row in 1..ROWS {
         let step = first / RATIO.powi(row);
         let Some(quotient) = quotient(step) else { break };
-        let mut current = vec![quotient];
+        let mut current = vec![quotient.map(|(value, _)| value)];
         for (column, before) in (1..).zip(&above) {
             let factor = RATIO.powi(2 * column);
             let same = current[current.len() - 1];
@@ -268,7 +271,7 @@ fn extrapolate(step: f64, values: [f64; 3], quotient: &impl Fn(f64) -> Option<[f
             for i in 0..3 {
                 let change = (next[i] - same[i]).abs().max((next[i] - before[i]).abs());
                 // Quotients of rounded values may agree by chance.
-                let uncertainty = change + f64::EPSILON * values[i].abs() / step;
+                let uncertainty = change + quotient[i].1;
                 if uncertainty < best[i].1 {
                     best[i] = (next[i], uncertainty);
                 }
