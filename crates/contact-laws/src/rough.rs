@@ -125,16 +125,18 @@ pub(crate) static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, fitted curves",
     reference: PAPER_DOI,
     parameters: &[
-        Quantity::new("normal a", "ln Pa"),
+        Quantity::new("normal a", "1"),
         Quantity::new("normal b", "1"),
         Quantity::new("normal c", "1"),
         Quantity::new("normal d", "1"),
         Quantity::new("normal e", "1"),
-        Quantity::new("tangential a", "ln Pa/m"),
+        Quantity::new("tangential a", "1"),
         Quantity::new("tangential b", "1"),
         Quantity::new("tangential c", "1"),
         Quantity::new("tangential d", "1"),
         Quantity::new("u_ref", "m"),
+        Quantity::new("t_ref", "Pa"),
+        Quantity::new("k_ref", "Pa/m"),
     ],
 };
 
