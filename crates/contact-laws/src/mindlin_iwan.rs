@@ -77,7 +77,7 @@
 //! | 16 | 0.0011 | 0.0073 | 0.078 | 0.13 | 2.8 |
 //! | 32 | 0.00051 | 0.0019 | 0.021 | 0.036 | 4.2 |
 //!
-//! Cost: time per point with tangent relative to [`FrictionalLaw`](crate::FrictionalLaw) with the same fitted curves
+//! Cost: time per point with tangent relative to [`FrictionalLaw`](crate::FrictionalLaw) on the same scalar curves
 //! (interleaved in one run, 15 000 points in a mix of partial slip, gross slip and open).
 //!
 //! Sources: R. D. Mindlin, *Compliance of elastic bodies in contact*, J. Appl. Mech. 16 (1949) 259-268; W. D. Iwan, *A
