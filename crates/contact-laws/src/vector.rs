@@ -1,8 +1,8 @@
 //! Passes over blocks of points, compiled for the vector registers that the processor has.
 //!
 //! A pass is written as plain loops over arrays of [`BLOCK`] numbers, without branches on the values, so that the
-//! compiler can turn several points into one instruction. [`run`] executes it with AVX2 where the processor has it and
-//! otherwise with what every processor of the target has. A point's result has the same bits in every block and at any
+//! compiler can turn several points into one instruction. [`run`] executes it with AVX-512 or AVX2 where the processor has
+//! them and otherwise with what every processor of the target has. A point's result has the same bits in every block and at any
 //! place in it, because additions, multiplications, divisions and square roots are rounded alike in every register
 //! width. Only [`crate::elementary`] fuses operations where the processor can, and so differs in the last bits from
 //! processors that cannot.
@@ -31,34 +31,58 @@ pub(crate) trait Pass {
 #[inline]
 pub(crate) fn run(pass: impl Pass) {
     #[cfg(all(target_arch = "x86_64", feature = "std"))]
-    if has_avx2() {
-        // SAFETY: the processor has AVX2 and FMA, asked in the line above.
-        #[expect(unsafe_code, reason = "the one call from code for any processor into code for AVX2")]
-        unsafe {
-            avx2(pass);
-        }
-        return;
+    match x86::widest() {
+        // SAFETY: `widest` asked the processor for what the callee is compiled for.
+        #[expect(unsafe_code, reason = "the call from code for any processor into code for AVX-512")]
+        x86::Widest::Avx512 => return unsafe { x86::avx512(pass) },
+        // SAFETY: as above.
+        #[expect(unsafe_code, reason = "the call from code for any processor into code for AVX2")]
+        x86::Widest::Avx2 => return unsafe { x86::avx2(pass) },
+        x86::Widest::Baseline => {}
     }
     pass.run::<false>();
-}
-
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-#[inline]
-fn has_avx2() -> bool {
-    std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
-}
-
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-#[target_feature(enable = "avx2,fma")]
-fn avx2(pass: impl Pass) {
-    pass.run::<true>();
 }
 
 /// Name of the instruction set that laws are evaluated with.
 pub fn instruction_set() -> &'static str {
     #[cfg(all(target_arch = "x86_64", feature = "std"))]
-    if has_avx2() {
-        return "AVX2 and FMA";
+    match x86::widest() {
+        x86::Widest::Avx512 => return "AVX-512",
+        x86::Widest::Avx2 => return "AVX2 and FMA",
+        x86::Widest::Baseline => {}
     }
     "baseline"
+}
+
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+mod x86 {
+    use super::Pass;
+
+    pub(super) enum Widest {
+        Avx512,
+        Avx2,
+        Baseline,
+    }
+
+    #[inline]
+    pub(super) fn widest() -> Widest {
+        use std::arch::is_x86_feature_detected as has;
+        if !(has!("avx2") && has!("fma")) {
+            return Widest::Baseline;
+        }
+        if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") {
+            return Widest::Avx512;
+        }
+        Widest::Avx2
+    }
+
+    #[target_feature(enable = "avx2,fma,avx512f,avx512bw,avx512dq,avx512vl")]
+    pub(super) fn avx512(pass: impl Pass) {
+        pass.run::<true>();
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    pub(super) fn avx2(pass: impl Pass) {
+        pass.run::<true>();
+    }
 }
