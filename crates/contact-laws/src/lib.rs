@@ -32,9 +32,10 @@
 //! Syst. Signal Process. 139, 2020, 106615 ("the method paper"), unless a page names another source.
 //!
 //! # Reproducibility
-//! Friction and fitted curves are evaluated in blocks that fill vector registers, with AVX-512 or AVX2 and FMA where the processor
-//! has them ([`instruction_set`]). On one kind of processor a point's result has the same bits in any chunk and order.
-//! With and without FMA the fitted curves differ in the last bits; everything else is bitwise the same.
+//! Friction and fitted curves are evaluated in blocks that fill vector registers, with AVX-512 or AVX2 and FMA where
+//! the processor has them ([`instruction_set`]). On one kind of processor a point's result has the same bits in any
+//! chunk and order. With and without FMA the fitted curves differ in the last bits; everything else is bitwise the
+//! same.
 //!
 //! # Features
 //! - `std` (default): elementary functions and processor detection from the standard library.

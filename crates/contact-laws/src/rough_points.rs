@@ -179,8 +179,8 @@ impl<R: Real> PointCurves for FittedPoints<R> {
     }
 }
 
-/// Both formulas at the points of a block, with or without second derivatives, with stiffnesses along x and y that differ
-/// or not.
+/// Both formulas at the points of a block, with or without second derivatives, with stiffnesses along x and y that
+/// differ or not.
 struct Formulas<'a, R, const CURVATURE: bool, const ISOTROPIC: bool, const B: usize> {
     points: &'a FittedPoints<R>,
     /// The block in the columns.
@@ -409,8 +409,8 @@ fn inner<R: Real, const ISOTROPIC: bool, const B: usize>(
     }
 }
 
-/// `ln(t_n / scale)` in place of the bell and its log-slope in place of `y`; `ln(k / scale)` in place of `exp(-2 |z|)` and
-/// its log-slope in place of `z`.
+/// `ln(t_n / scale)` in place of the bell and its log-slope in place of `y`; `ln(k / scale)` in place of `exp(-2 |z|)`
+/// and its log-slope in place of `z`.
 #[inline(always)]
 fn outer<R: Real, const CURVATURE: bool, const ISOTROPIC: bool, const B: usize>(
     n: usize,

@@ -251,7 +251,8 @@ pub fn tangent_error<L: TractionLaw + ?Sized>(
 }
 
 /// Limits of difference quotients, given with their rounding, for vanishing step with their uncertainties, by the table
-/// of polynomial extrapolation in the square of the step; the first step is the largest one at which there is a quotient.
+/// of polynomial extrapolation in the square of the step; the first step is the largest one at which there is a
+/// quotient.
 fn extrapolate(step: f64, quotient: &impl Fn(f64) -> Option<[(f64, f64); 3]>) -> Option<[(f64, f64); 3]> {
     const RATIO: f64 = 2.0;
     const ROWS: i32 = 8;

@@ -1,5 +1,5 @@
-//! Work to time laws with: batches of points in chosen regimes, parameters that differ from point to point, and the time
-//! that memory alone takes.
+//! Work to time laws with: batches of points in chosen regimes, parameters that differ from point to point, and the
+//! time that memory alone takes.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -27,8 +27,9 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// `n` points that stick, slip or are open by turns in the proportions of `mix`, in an order that cannot be foreseen,
-    /// with interferences from 1 to 9 um, for a law with `n_state` state components of which the first three are the jump.
+    /// `n` points that stick, slip or are open by turns in the proportions of `mix`, in an order that cannot be
+    /// foreseen, with interferences from 1 to 9 um, for a law with `n_state` state components of which the first three
+    /// are the jump.
     ///
     /// # Panics
     /// When the proportions sum to zero.
@@ -155,8 +156,8 @@ pub fn asperity_sums() -> Result<AsperitySumCurves, Error> {
     AsperitySumCurves::try_new(population, ElasticPair::new(192.85e9, 0.29), TangentialReading::Mindlin)
 }
 
-/// No law: reads every number that a friction law with `N` parameters per point reads, writes every number that it writes,
-/// and does nothing between but add. No law with this interface can be faster.
+/// No law: reads every number that a friction law with `N` parameters per point reads, writes every number that it
+/// writes, and does nothing between but add. No law with this interface can be faster.
 #[derive(Debug, Clone)]
 pub struct LoadStoreFloor<const N: usize> {
     columns: [Vec<f64>; N],
