@@ -142,6 +142,8 @@ pub(crate) static INFO: CurvesInfo = CurvesInfo {
 
 /// Largest magnitude of the parameters without unit: far beyond any fit, and products of them stay exact enough.
 const LARGEST: f64 = 1e6;
+/// Largest magnitude of the third term's height: a fit may use no more than the far tail of it.
+const LARGEST_BELL: f64 = 1e100;
 
 /// Parameters of eq. (28).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -230,12 +232,7 @@ impl NormalFit {
     }
 
     fn validate(&self) -> Result<(), Error> {
-        for (name, v) in [
-            ("normal a", self.a),
-            ("normal b", self.b),
-            ("normal c", self.c),
-            ("normal d", self.d),
-        ] {
+        for (name, v) in [("normal a", self.a), ("normal b", self.b), ("normal d", self.d)] {
             require(
                 v.abs() <= LARGEST,
                 name,
@@ -245,6 +242,15 @@ impl NormalFit {
                 "between -1e6 and 1e6",
             )?;
         }
+        let ok = self.c.abs() <= LARGEST_BELL;
+        require(
+            ok,
+            "normal c",
+            self.c,
+            "(no unit)",
+            Place::Whole,
+            "between -1e100 and 1e100",
+        )?;
         let ok = (1.0 / LARGEST..=LARGEST).contains(&self.e);
         require(
             ok,

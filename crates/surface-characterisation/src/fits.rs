@@ -705,7 +705,8 @@ mod tests {
             // The contact laws accept every fit.
             let k: Vec<f64> = t.iter().map(|t| t.cbrt()).collect();
             let k = fit_tangential(&u, &k, 1e-6, TangentialEnds::Mindlin).unwrap().parameters;
-            prop_assert!(contact_laws::FittedCurves::try_new(p, [k, k]).is_ok());
+            let accepted = contact_laws::FittedCurves::try_new(p, [k, k]);
+            prop_assert!(accepted.is_ok(), "{accepted:?} {p:?} {k:?}");
             prop_assert!((0.5..=8.0).contains(&p.b) && (0.15..=5.0).contains(&p.e));
             prop_assert!(fit.rms < 0.3, "{fit:?}");
         }

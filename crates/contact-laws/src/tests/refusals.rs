@@ -125,7 +125,12 @@ fn fields() -> Vec<Field> {
     vec![
         field("normal a", "(no unit)", OUTSIZE, |v| normal(|fit| fit.a = v)),
         field("normal b", "(no unit)", OUTSIZE, |v| normal(|fit| fit.b = v)),
-        field("normal c", "(no unit)", OUTSIZE, |v| normal(|fit| fit.c = v)),
+        field(
+            "normal c",
+            "(no unit)",
+            &[NAN, INF, -INF, 1.1e100, -1.1e100, f64::MAX],
+            |v| normal(|fit| fit.c = v),
+        ),
         field("normal d", "(no unit)", OUTSIZE, |v| normal(|fit| fit.d = v)),
         field(
             "normal e",
@@ -358,6 +363,13 @@ fn bounds_belong_to_the_domain() {
             c: 0.0,
             e: 1e-6,
             ..bare
+        },
+        // The tail of a bell far beyond the range.
+        NormalFit {
+            c: 1e100,
+            d: -100.0,
+            e: 4.6,
+            ..normal_fit()
         },
         NormalFit { d: 1e6, ..bare },
         NormalFit { d: -1e6, ..bare },
