@@ -33,7 +33,8 @@
 //! # Parameters
 //! | parameter | unit | bounds |
 //! |---|---|---|
-//! | normal `a, b, c, d` | 1 | magnitude up to 1e6; `t_n` must rise in the whole range |
+//! | normal `a, b, d` | 1 | magnitude up to 1e6; `t_n` must rise in the whole range |
+//! | normal `c` | 1 | magnitude up to 1e100, since a fit may use the far tail of the third term |
 //! | normal `e` | 1 | 1e-6 to 1e6 |
 //! | tangential `a, c` (per direction) | 1 | magnitude up to 1e6 |
 //! | tangential `b, d` (per direction) | 1 | 0 to 1e6 |
