@@ -98,8 +98,8 @@ pub trait PointCurves: Send + Sync {
     }
 
     /// Normal tractions at `u_n` and tangential stiffnesses at `middle` (m), each not negative, of the points from
-    /// `first` on, as many as `u_n` and `middle` are long and at most a block. What is returned for a `u_n` of zero is
-    /// not used. Second derivatives only if `curvature`.
+    /// `first` on, as many as `u_n` and `middle` are long and at most a block. What is returned where `u_n`
+    /// is not above zero is not used. Second derivatives only if `curvature`.
     fn evaluate<const B: usize>(
         &self,
         first: usize,
@@ -111,10 +111,14 @@ pub trait PointCurves: Send + Sync {
     );
 
     /// [`ContactCurves::contact_area_ratio`] of `point`.
-    fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64>;
+    fn contact_area_ratio(&self, _point: usize, _u_n: f64) -> Option<f64> {
+        None
+    }
 
     /// [`ContactCurves::yielded_fraction`] of `point`.
-    fn yielded_fraction(&self, point: usize, u_n: f64, omega_c: f64) -> Option<f64>;
+    fn yielded_fraction(&self, _point: usize, _u_n: f64, _omega_c: f64) -> Option<f64> {
+        None
+    }
 }
 
 /// Values of contact curves at the points of a block: normal traction (Pa) with its slope, tangential stiffnesses

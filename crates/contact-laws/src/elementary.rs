@@ -136,7 +136,6 @@ impl Real for f64 {
     #[inline(always)]
     fn ln_of<const FMA: bool>(s: Self, n: Self) -> Self {
         let z = s * s;
-        // Truncation 5e-18 relative.
         let z2 = z * z;
         let p_01 = z.times_plus::<FMA>(0.400_000_000_113_208_7, 0.666_666_666_666_620_3);
         let p_23 = z.times_plus::<FMA>(0.222_228_662_247_483_64, 0.285_714_241_020_432_2);

@@ -221,99 +221,74 @@ impl<const RULE: u8, const B: usize> Pass for Trial<'_, '_, RULE, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let block = self.0;
-        let [u_x, u_y, u_n] = block.jump;
-        let [u_x0, u_y0, u_n0, memory_x, memory_y] = block.begin;
-        let Workspace {
-            trial: [trial_x, trial_y],
-            along: [along_x, along_y],
-            closing: [closing_x, closing_y],
-            stretch: [stretch_x, stretch_y],
-            stretch_slope: [stretch_slope_x, stretch_slope_y],
-            share,
-            share_slope,
-            ..
-        } = &mut *block.workspace;
-        let (k, slope, curvature) = (
-            &block.curves.tangential,
-            &block.curves.tangential_slope,
-            &block.curves.tangential_curvature,
-        );
         if block.present.reclosed {
-            shares(u_n, u_n0, share, share_slope);
-            trials::<RULE, true, B>(
-                u_x,
-                u_x0,
-                u_n,
-                u_n0,
-                memory_x,
-                &k[0],
-                &slope[0],
-                &curvature[0],
-                share,
-                share_slope,
-                trial_x,
-                along_x,
-                closing_x,
-                stretch_x,
-                stretch_slope_x,
-            );
-            trials::<RULE, true, B>(
-                u_y,
-                u_y0,
-                u_n,
-                u_n0,
-                memory_y,
-                &k[1],
-                &slope[1],
-                &curvature[1],
-                share,
-                share_slope,
-                trial_y,
-                along_y,
-                closing_y,
-                stretch_y,
-                stretch_slope_y,
-            );
+            let ([_, _, u_n], [_, _, u_n0, ..]) = (block.jump, block.begin);
+            shares(u_n, u_n0, &mut block.workspace.share, &mut block.workspace.share_slope);
+            both_trials::<RULE, true, B>(block);
         } else {
             if RULE == POTENTIAL {
-                share.0 = [1.0; B];
+                block.workspace.share.0 = [1.0; B];
             }
-            trials::<RULE, false, B>(
-                u_x,
-                u_x0,
-                u_n,
-                u_n0,
-                memory_x,
-                &k[0],
-                &slope[0],
-                &curvature[0],
-                share,
-                share_slope,
-                trial_x,
-                along_x,
-                closing_x,
-                stretch_x,
-                stretch_slope_x,
-            );
-            trials::<RULE, false, B>(
-                u_y,
-                u_y0,
-                u_n,
-                u_n0,
-                memory_y,
-                &k[1],
-                &slope[1],
-                &curvature[1],
-                share,
-                share_slope,
-                trial_y,
-                along_y,
-                closing_y,
-                stretch_y,
-                stretch_slope_y,
-            );
+            both_trials::<RULE, false, B>(block);
         }
     }
+}
+
+/// Stuck trials along x and y.
+#[inline(always)]
+fn both_trials<const RULE: u8, const REOPENS: bool, const B: usize>(block: &mut Block<'_, B>) {
+    let [u_x, u_y, u_n] = block.jump;
+    let [u_x0, u_y0, u_n0, memory_x, memory_y] = block.begin;
+    let Workspace {
+        trial: [trial_x, trial_y],
+        along: [along_x, along_y],
+        closing: [closing_x, closing_y],
+        stretch: [stretch_x, stretch_y],
+        stretch_slope: [stretch_slope_x, stretch_slope_y],
+        share,
+        share_slope,
+        ..
+    } = &mut *block.workspace;
+    let CurveBlock {
+        tangential: [k_x, k_y],
+        tangential_slope: [slope_x, slope_y],
+        tangential_curvature: [curvature_x, curvature_y],
+        ..
+    } = block.curves;
+    trials::<RULE, REOPENS, B>(
+        u_x,
+        u_x0,
+        u_n,
+        u_n0,
+        memory_x,
+        k_x,
+        slope_x,
+        curvature_x,
+        share,
+        share_slope,
+        trial_x,
+        along_x,
+        closing_x,
+        stretch_x,
+        stretch_slope_x,
+    );
+    trials::<RULE, REOPENS, B>(
+        u_y,
+        u_y0,
+        u_n,
+        u_n0,
+        memory_y,
+        k_y,
+        slope_y,
+        curvature_y,
+        share,
+        share_slope,
+        trial_y,
+        along_y,
+        closing_y,
+        stretch_y,
+        stretch_slope_y,
+    );
 }
 
 /// Share of each path that is closed, and its derivative with respect to `u_n`.

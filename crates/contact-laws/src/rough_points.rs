@@ -169,14 +169,6 @@ impl<R: Real> PointCurves for FittedPoints<R> {
             (true, true) => formulas!(true, true),
         }
     }
-
-    fn contact_area_ratio(&self, _point: usize, _u_n: f64) -> Option<f64> {
-        None
-    }
-
-    fn yielded_fraction(&self, _point: usize, _u_n: f64, _omega_c: f64) -> Option<f64> {
-        None
-    }
 }
 
 /// Both formulas at the points of a block, with or without second derivatives, with stiffnesses along x and y that
