@@ -296,17 +296,7 @@ impl Batch<'_> {
                 StateView::new(begin, n, 0),
                 StateViewMut::new(end, n, 0),
                 traction,
-                tangent.map(|[xx, xy, xn, yx, yy, yn, nx, ny, nn]| TangentMut {
-                    xx,
-                    xy,
-                    xn,
-                    yx,
-                    yy,
-                    yn,
-                    nx,
-                    ny,
-                    nn,
-                }),
+                tangent.map(TangentMut::from_entries),
                 self.regimes.is_some().then_some(&mut regimes[..n]),
             );
             for (c, component) in end_scratch[..n_state * n].chunks_exact(n).enumerate() {

@@ -157,7 +157,6 @@ impl Output {
 fn by_rust(input: &Input) -> Output {
     let mut out = Output::new();
     let [tx, ty, tn] = &mut out.traction;
-    let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = &mut out.tangent;
     let mut regimes = vec![Regime::Open; N];
     let counts = rust_law().evaluate(
         0..N,
@@ -166,17 +165,7 @@ fn by_rust(input: &Input) -> Output {
         StateView::new(&input.begin, N, 0),
         StateViewMut::new(&mut out.end, N, 0),
         ComponentsMut::new(tx, ty, tn),
-        Some(TangentMut {
-            xx,
-            xy,
-            xn,
-            yx,
-            yy,
-            yn,
-            nx,
-            ny,
-            nn,
-        }),
+        Some(TangentMut::from_entries(out.tangent.each_mut().map(Vec::as_mut_slice))),
         Some(&mut regimes),
     );
     out.counts = counts.into();

@@ -173,7 +173,6 @@ impl Points {
         let mut tangent: [Vec<f64>; 9] = std::array::from_fn(|_| vec![0.0; n]);
         let mut regimes = vec![Regime::Open; n];
         let [t_x, t_y, t_n] = &mut t;
-        let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = &mut tangent;
         law.evaluate(
             0..n,
             Sticking::Coulomb,
@@ -181,17 +180,7 @@ impl Points {
             StateView::new(&begin, n, 0),
             StateViewMut::new(&mut end, n, 0),
             ComponentsMut::new(t_x, t_y, t_n),
-            Some(TangentMut {
-                xx,
-                xy,
-                xn,
-                yx,
-                yy,
-                yn,
-                nx,
-                ny,
-                nn,
-            }),
+            Some(TangentMut::from_entries(tangent.each_mut().map(Vec::as_mut_slice))),
             Some(&mut regimes),
         );
         if let Some(point) = regimes.iter().position(|&regime| regime == Regime::Invalid) {

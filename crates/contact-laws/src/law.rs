@@ -140,6 +140,21 @@ pub struct TangentMut<'a> {
 }
 
 impl<'a> TangentMut<'a> {
+    /// From the entries row by row, which must have the same length.
+    pub fn from_entries([xx, xy, xn, yx, yy, yn, nx, ny, nn]: [&'a mut [f64]; 9]) -> Self {
+        Self {
+            xx,
+            xy,
+            xn,
+            yx,
+            yy,
+            yn,
+            nx,
+            ny,
+            nn,
+        }
+    }
+
     /// The entries row by row.
     pub(crate) fn into_entries(self) -> [&'a mut [f64]; 9] {
         [

@@ -37,7 +37,6 @@ pub fn evaluate_point<L: TractionLaw + ?Sized>(
     let mut end = vec![0.0; law.info().n_state()];
     let [mut x, mut y, mut n] = [0.0; 3];
     let mut j = [[0.0]; 9];
-    let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = &mut j;
     let mut regime = [Regime::Open];
     law.evaluate(
         point..point + 1,
@@ -62,17 +61,7 @@ pub fn evaluate_point<L: TractionLaw + ?Sized>(
             y: core::slice::from_mut(&mut y),
             n: core::slice::from_mut(&mut n),
         },
-        Some(TangentMut {
-            xx,
-            xy,
-            xn,
-            yx,
-            yy,
-            yn,
-            nx,
-            ny,
-            nn,
-        }),
+        Some(TangentMut::from_entries(j.each_mut().map(|entry| entry.as_mut_slice()))),
         Some(&mut regime),
     );
     let tangent = core::array::from_fn(|i| core::array::from_fn(|k| j[3 * i + k][0]));
@@ -119,8 +108,9 @@ pub fn evaluate_batch<L: TractionLaw + ?Sized>(
     for c in chunks {
         let mut found = vec![Regime::Open; c.len()];
         let mut parts = out.iter_mut().map(|values| &mut values[c.clone()]);
-        let [x, y, n_, xx, xy, xn, yx, yy, yn, nx, ny, nn] =
-            core::array::from_fn(|_| parts.next().expect("12 outputs"));
+        let mut next = || parts.next().expect("12 outputs");
+        let [x, y, n_] = core::array::from_fn(|_| next());
+        let tangent = core::array::from_fn(|_| next());
         let counts = law.evaluate(
             c.clone(),
             sticking,
@@ -132,17 +122,7 @@ pub fn evaluate_batch<L: TractionLaw + ?Sized>(
                 offset: c.start,
             },
             ComponentsMut::new(x, y, n_),
-            Some(TangentMut {
-                xx,
-                xy,
-                xn,
-                yx,
-                yy,
-                yn,
-                nx,
-                ny,
-                nn,
-            }),
+            Some(TangentMut::from_entries(tangent)),
             Some(&mut found),
         );
         let mut recounted = RegimeCounts::default();

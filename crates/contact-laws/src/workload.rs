@@ -63,18 +63,7 @@ impl Batch {
     pub fn evaluate<L: TractionLaw + ?Sized>(&mut self, law: &L, with_tangent: bool) -> RegimeCounts {
         let n = self.jump[0].len();
         let [x, y, normal] = &mut self.traction;
-        let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = &mut self.tangent;
-        let tangent = TangentMut {
-            xx,
-            xy,
-            xn,
-            yx,
-            yy,
-            yn,
-            nx,
-            ny,
-            nn,
-        };
+        let tangent = TangentMut::from_entries(self.tangent.each_mut().map(Vec::as_mut_slice));
         law.evaluate(
             0..n,
             Sticking::Coulomb,

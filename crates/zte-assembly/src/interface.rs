@@ -325,7 +325,7 @@ fn evaluate_law(
     let states = block..block + stride * law.info().n_state();
     let [x, y, n] = jump.each_ref().map(|v| &v[range.clone()]);
     let [tx, ty, tn] = traction.each_mut().map(|v| &mut v[range.clone()]);
-    let [xx, xy, xn, yx, yy, yn, nx, ny, nn] = tangent.each_mut().map(|v| &mut v[range.clone()]);
+    let entries = tangent.each_mut().map(|v| &mut v[range.clone()]);
     law.evaluate(
         0..stride,
         sticking,
@@ -341,17 +341,7 @@ fn evaluate_law(
             offset: 0,
         },
         ComponentsMut { x: tx, y: ty, n: tn },
-        with_tangent.then_some(TangentMut {
-            xx,
-            xy,
-            xn,
-            yx,
-            yy,
-            yn,
-            nx,
-            ny,
-            nn,
-        }),
+        with_tangent.then_some(TangentMut::from_entries(entries)),
         Some(&mut regime[range.clone()]),
     )
 }
