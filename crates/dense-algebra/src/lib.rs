@@ -5,6 +5,10 @@
 //! library must not touch. And eigenproblems are brought to unit size, because the library's divide-and-conquer step
 //! deflates with an absolute tolerance (a matrix of size 1e12 lost four digits to it, one of size 1e-5 five).
 
+mod packed;
+
+pub use packed::Symmetric;
+
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{self as llt, LltError};

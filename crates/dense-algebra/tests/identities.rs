@@ -1,8 +1,8 @@
 //! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
 
 use dense_algebra::{
-    Error, cholesky, congruent, product, solve_general, solve_lower, solve_lower_transposed, symmetric_eigen,
-    symmetric_eigenvalues, symmetric_pair,
+    Error, Symmetric, cholesky, congruent, product, solve_general, solve_lower, solve_lower_transposed,
+    symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
 };
 use faer::Mat;
 
@@ -103,4 +103,37 @@ fn general_systems_are_solved_and_singular_ones_noticed() {
     let x = solve_general(a, &b).unwrap();
     assert!(x.iter().zip(&expected).all(|(x, e)| (x - e).abs() < 1e-12));
     assert!(solve_general(Mat::zeros(3, 3), &[1.0, 2.0, 3.0]).is_none());
+}
+
+#[test]
+fn packed_products_and_inverses_fit_the_dense_ones() {
+    for n in [1, 2, 3, 4, 5, 7, 8, 9, 33, 150, 263] {
+        // The reflections behind `with_spectrum` need a few rows.
+        let a = if n < 5 {
+            Mat::from_fn(n, n, |i, j| if i == j { 3.0 } else { 0.1 * (i + j) as f64 })
+        } else {
+            let decades = (1..=n).map(|i| 10.0_f64.powf(-6.0 * i as f64 / n as f64));
+            with_spectrum(&decades.collect::<Vec<f64>>())
+        };
+        let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).cos()).collect();
+        let mut y = vec![f64::NAN; n];
+        Symmetric::from_lower(a.as_ref()).product_into(&x, &mut y);
+        let size = a.norm_max();
+        for i in 0..n {
+            // Only the lower triangle counts.
+            let dense: f64 = (0..n).map(|j| a[(i.max(j), i.min(j))] * x[j]).sum();
+            assert!(
+                (y[i] - dense).abs() < 1e-15 * n as f64 * size,
+                "{n} {i}: {} {dense}",
+                y[i]
+            );
+        }
+        let inverse = Symmetric::inverse_of_factor(cholesky(a.as_ref()).unwrap().as_ref());
+        assert_eq!(inverse.size(), n);
+        let mut back = vec![0.0; n];
+        inverse.product_into(&y, &mut back);
+        for (back, x) in back.iter().zip(&x) {
+            assert!((back - x).abs() < 1e-9, "{n}: {back} {x}");
+        }
+    }
 }
