@@ -1,0 +1,144 @@
+//! Symmetric matrices stored once, and their product with a vector: half the memory traffic of a general matrix.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::inverse as llt_inverse;
+use faer::{Mat, MatRef, Par};
+use pulp::{Arch, Simd, WithSimd};
+
+/// Columns that are multiplied together, so that the result is read and written once for all of them.
+const WIDTH: usize = 4;
+
+/// A symmetric matrix of which every entry off the diagonal blocks is stored once.
+///
+/// Blocks of [`WIDTH`] columns follow one another, each with its diagonal block in full and then its columns below it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Symmetric {
+    size: usize,
+    entries: Vec<f64>,
+}
+
+impl Symmetric {
+    /// Takes the lower triangle of `a`.
+    ///
+    /// # Panics
+    /// If `a` is not square.
+    pub fn from_lower(a: MatRef<'_, f64>) -> Self {
+        let size = a.nrows();
+        assert_eq!(size, a.ncols());
+        let mut entries = Vec::with_capacity(size * (size + WIDTH) / 2 + size);
+        for start in (0..size).step_by(WIDTH) {
+            let end = size.min(start + WIDTH);
+            for j in start..end {
+                entries.extend((start..end).map(|i| a[(i.max(j), i.min(j))]));
+            }
+            for j in start..end {
+                entries.extend((end..size).map(|i| a[(i, j)]));
+            }
+        }
+        Self { size, entries }
+    }
+
+    /// The inverse of `lower lower^T`.
+    ///
+    /// # Panics
+    /// If `lower` is not square.
+    pub fn inverse_of_factor(lower: MatRef<'_, f64>) -> Self {
+        let size = lower.nrows();
+        let mut inverse = Mat::zeros(size, size);
+        let mut memory = MemBuffer::new(llt_inverse::inverse_scratch::<f64>(size, Par::Seq));
+        llt_inverse::inverse(inverse.as_mut(), lower, Par::Seq, MemStack::new(&mut memory));
+        Self::from_lower(inverse.as_ref())
+    }
+
+    /// Number of rows and columns.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// `y = self x`. The order of summation is fixed; with and without fused multiplication the last bits differ.
+    ///
+    /// # Panics
+    /// If the lengths do not fit.
+    pub fn product_into(&self, x: &[f64], y: &mut [f64]) {
+        assert_eq!(x.len(), self.size);
+        assert_eq!(y.len(), self.size);
+        Arch::new().dispatch(Product { matrix: self, x, y });
+    }
+}
+
+struct Product<'a> {
+    matrix: &'a Symmetric,
+    x: &'a [f64],
+    y: &'a mut [f64],
+}
+
+impl WithSimd for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { matrix, x, y } = self;
+        y.fill(0.0);
+        let mut rest = matrix.entries.as_slice();
+        for start in (0..matrix.size).step_by(WIDTH) {
+            let end = matrix.size.min(start + WIDTH);
+            let width = end - start;
+            let (diagonal, below) = rest.split_at(width * width);
+            for (column, x) in diagonal.chunks_exact(width).zip(&x[start..end]) {
+                for (y, a) in y[start..end].iter_mut().zip(column) {
+                    *y += a * x;
+                }
+            }
+            // Only the last block can be narrower, and nothing is below it.
+            let height = matrix.size - end;
+            let (columns, next) = below.split_at(width * height);
+            rest = next;
+            if height == 0 {
+                continue;
+            }
+            let column = |j: usize| &columns[j * height..(j + 1) * height];
+            let columns = [column(0), column(1), column(2), column(3)];
+            let (above, y_below) = y.split_at_mut(end);
+            let sums = block(
+                simd,
+                columns,
+                [x[start], x[start + 1], x[start + 2], x[start + 3]],
+                &x[end..],
+                y_below,
+            );
+            for (y, sum) in above[start..].iter_mut().zip(sums) {
+                *y += sum;
+            }
+        }
+    }
+}
+
+/// `y += columns factors`; returns the products of the columns with `x`.
+#[inline(always)]
+fn block<S: Simd>(simd: S, columns: [&[f64]; WIDTH], factors: [f64; WIDTH], x: &[f64], y: &mut [f64]) -> [f64; WIDTH] {
+    let [(c0, r0), (c1, r1), (c2, r2), (c3, r3)] = columns.map(|c| S::as_simd_f64s(c));
+    let ((x, x_rest), (y, y_rest)) = (S::as_simd_f64s(x), S::as_mut_simd_f64s(y));
+    let [f0, f1, f2, f3] = factors.map(|f| simd.splat_f64s(f));
+    let mut sums = [simd.splat_f64s(0.0); WIDTH];
+    for (((((c0, c1), c2), c3), x), y) in c0.iter().zip(c1).zip(c2).zip(c3).zip(x).zip(y) {
+        sums[0] = simd.mul_add_e_f64s(*c0, *x, sums[0]);
+        sums[1] = simd.mul_add_e_f64s(*c1, *x, sums[1]);
+        sums[2] = simd.mul_add_e_f64s(*c2, *x, sums[2]);
+        sums[3] = simd.mul_add_e_f64s(*c3, *x, sums[3]);
+        // Two short chains instead of one long one.
+        let left = simd.mul_add_e_f64s(*c0, f0, simd.mul_f64s(*c1, f1));
+        let right = simd.mul_add_e_f64s(*c2, f2, simd.mul_add_e_f64s(*c3, f3, *y));
+        *y = simd.add_f64s(left, right);
+    }
+    let mut out = sums.map(|sum| simd.reduce_sum_f64s(sum));
+    for i in 0..x_rest.len() {
+        let row = [r0[i], r1[i], r2[i], r3[i]];
+        for (out, c) in out.iter_mut().zip(row) {
+            *out += c * x_rest[i];
+        }
+        for (c, f) in row.iter().zip(factors) {
+            y_rest[i] += c * f;
+        }
+    }
+    out
+}
