@@ -4,7 +4,7 @@ use crate::files::{self, Output};
 use crate::progress::{Monitor, peak_memory};
 use crate::{Outcome, csv, fields, plot, print, report, vtu};
 use anyhow::{Context, Result, bail};
-use joint_pipeline::summary::Summary;
+use joint_pipeline::summary::{BackboneSummary, Status, Summary};
 use joint_pipeline::{Options, Run, Scene};
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
@@ -73,6 +73,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     })
 }
 
+/// Total damping ratio as text, or the floor that it lies below.
+pub(crate) fn damping(b: &BackboneSummary) -> String {
+    match (b.status, b.damping_ratio, b.damping_floor) {
+        (Status::BelowFloor, _, Some(floor)) => format!("< {floor:.1e}"),
+        (_, Some(zeta), _) => format!("{zeta:.4e}"),
+        _ => "-".into(),
+    }
+}
+
 fn default_directory(scene: &Scene) -> Result<PathBuf> {
     let mut components = Path::new(&scene.name).components();
     match (components.next(), components.next()) {
@@ -137,10 +146,11 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
             index + 1,
             cell(b.response_displacement, &|v| format!("{v:.4e}")),
             cell(b.frequency_hz, &|v| format!("{v:.4}")),
-            cell(b.damping_ratio, &|v| format!("{v:.4e}")),
+            damping(b),
             cell(b.slip_fraction, &|v| format!("{:.2} %", 100.0 * v)),
             b.iterations,
             b.failure
+                .as_ref()
                 .map_or_else(String::new, |reason| format!("  not converged: {reason}")),
         );
     }
@@ -158,6 +168,13 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
         let _ = writeln!(
             out,
             "{failed} of {all} amplitudes DID NOT CONVERGE; their results are missing"
+        );
+    }
+    let open = summary.backbone.iter().filter(|b| b.closed == Some(false)).count();
+    if open > 0 {
+        let _ = writeln!(
+            out,
+            "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
         );
     }
     let total = summary.timings.get("total").copied().unwrap_or_default();

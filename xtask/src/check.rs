@@ -122,9 +122,16 @@ impl Checks {
                      {bound:.3e} J"
                 )
             });
-            let (frequency, damping) = (at("frequency_hz")?, at("friction_damping_ratio")?);
+            let frequency = at("frequency_hz")?;
+            let halves = (at("half_frequencies_hz/0")?, at("half_frequencies_hz/1")?);
+            self.that(
+                halves.0.min(halves.1) <= frequency && frequency <= halves.0.max(halves.1),
+                || format!("amplitude {n}: the frequency {frequency} Hz is not between those of the halves {halves:?}"),
+            );
             let slip = at("slip_fraction")?;
-            if slip > 0.0 {
+            // Below the floor there is no damping to compare.
+            if slip > 0.0 && !point["friction_damping_ratio"].is_null() {
+                let damping = at("friction_damping_ratio")?;
                 if let Some((last, f, zeta, slipped)) = before {
                     self.that(frequency < f * (1.0 + NOISE), || {
                         format!("frequency does not fall from amplitude {last} ({f} Hz) to {n} ({frequency} Hz)")

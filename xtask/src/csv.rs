@@ -12,8 +12,17 @@ fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
         ("response_displacement [m]", optional(b.response_displacement)),
         ("response_acceleration [m/s^2]", optional(b.response_acceleration)),
         ("frequency [Hz]", optional(b.frequency_hz)),
+        (
+            "frequency_positive_half [Hz]",
+            optional(b.half_frequencies_hz.map(|f| f[0])),
+        ),
+        (
+            "frequency_negative_half [Hz]",
+            optional(b.half_frequencies_hz.map(|f| f[1])),
+        ),
         ("damping_ratio [-]", optional(b.damping_ratio)),
         ("friction_damping_ratio [-]", optional(b.friction_damping_ratio)),
+        ("damping_floor [-]", optional(b.damping_floor)),
         ("modal_force [sqrt(kg) m/s^2]", format!("{:?}", b.modal_force)),
         ("modal_amplitude [sqrt(kg) m]", optional(b.modal_amplitude)),
         ("dissipation [J]", optional(b.dissipation)),
@@ -22,12 +31,14 @@ fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
         ("slip_fraction [-]", optional(b.slip_fraction)),
         ("open_fraction [-]", optional(b.open_fraction)),
         ("shape_deviation [-]", optional(b.shape_deviation)),
+        ("cycles", b.cycles.map_or_else(String::new, |n| n.to_string())),
         ("loop_closure [-]", optional(b.loop_closure)),
         ("residual [-]", optional(b.residual)),
         ("iterations", b.iterations.to_string()),
         (
             "failure",
             b.failure
+                .as_deref()
                 .map_or_else(String::new, |text| format!("\"{}\"", text.replace('"', "\"\""))),
         ),
     ]

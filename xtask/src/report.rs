@@ -1,10 +1,11 @@
 //! One self-contained page about a run.
 
+use crate::brb::damping;
 use crate::markup::escape;
 use crate::{fields, map, plot};
 use anyhow::{Context, Result};
 use joint_pipeline::Run;
-use joint_pipeline::summary::{BackboneSummary, Summary};
+use joint_pipeline::summary::{BackboneSummary, Status, Summary};
 use std::fmt::Write;
 
 const STYLE: &str = "
@@ -241,7 +242,7 @@ const COLUMNS: [Column; 10] = [
         b.response_acceleration.map(|v| format!("{v:.4e}"))
     }),
     ("frequency [Hz]", |b| b.frequency_hz.map(|v| format!("{v:.4}"))),
-    ("damping ratio [-]", |b| b.damping_ratio.map(|v| format!("{v:.4e}"))),
+    ("damping ratio [-]", |b| b.frequency_hz.map(|_| escape(&damping(b)))),
     ("of it friction [-]", |b| {
         b.friction_damping_ratio.map(|v| format!("{v:.4e}"))
     }),
@@ -267,7 +268,7 @@ fn backbone_table(out: &mut String, summary: &Summary) {
         for (_, cell) in COLUMNS {
             let _ = write!(out, "<td>{}</td>", cell(point).unwrap_or_else(|| "–".into()));
         }
-        if let Some(reason) = point.failure {
+        if let Some(reason) = &point.failure {
             let _ = write!(out, "<td>not converged: {}</td>", escape(reason));
         }
         *out += "</tr>\n";
@@ -339,6 +340,17 @@ fn validity(run: &Run, summary: &Summary) -> Vec<String> {
         Some(number) => format!("Amplitude {number} is the first that did not converge."),
         None => "All amplitudes converged.".into(),
     });
+    let below = summary
+        .backbone
+        .iter()
+        .filter(|b| b.status == Status::BelowFloor)
+        .count();
+    if below > 0 {
+        sentences.push(format!(
+            "At {below} amplitudes the damping is smaller than what residuals and the ends of the loop could make of it: only \
+             that bound is given."
+        ));
+    }
     sentences
 }
 

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         vertices_per_quarter: 32,
         ..Default::default()
     };
-    for (point, _) in cqsma::run(&structure, &chain.force, &forces, &settings, |_| NoObserver, || {})? {
+    for (point, _) in cqsma::run(&structure, &chain.force, &forces, &settings, |_| NoObserver)? {
         let r = point.result.map_err(|failure| failure.reason)?;
         let (alpha, q, f) = (point.modal_force, r.modal_amplitude, r.omega / TAU);
         println!("alpha {alpha:5.1}   q {q:.4e}   f {f:.4} Hz   zeta {:9.2e}", r.zeta);

@@ -1,12 +1,16 @@
 //! Coupled quasi-static modal analysis (eqs. 40-42): the hysteresis loops of one mode against its inertial load.
 
 use crate::Error;
-use crate::force::{HystereticForce, PointCounts, Sliding};
+use crate::force::{HystereticForce, PointCounts};
 use crate::hysteresis::Loop;
-use crate::linear::{dot, multiply};
+use crate::linear::{Motion, dot, multiply};
 use crate::modes::Linearisation;
-use crate::newton::{Effort, Equilibrium, Failure, NewtonSettings, Strategy, Walk};
+use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Walk};
+use crate::path::Path;
 use rayon::prelude::*;
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// When the history reached becomes the one that later solves start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,6 +23,29 @@ pub enum Commit {
     AtEveryVertex,
 }
 
+/// How many cycles are walked. The first carries slip left over from the prestress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cycles {
+    /// So many.
+    Fixed(usize),
+    /// Until a cycle ends where it began, and the one that is measured.
+    UntilClosed {
+        /// Distance between its ends relative to the motion there (energy norm).
+        tolerance: f64,
+        /// Most cycles, the measured one included.
+        most: usize,
+    },
+}
+
+impl Default for Cycles {
+    fn default() -> Self {
+        Self::UntilClosed {
+            tolerance: 1e-4,
+            most: 20,
+        }
+    }
+}
+
 /// How the loops are walked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -26,12 +53,14 @@ pub struct Settings {
     pub mode: usize,
     /// Vertices per quarter of a loop; the measured loop has four times as many edges.
     pub vertices_per_quarter: usize,
-    /// Cycles walked; the last one is measured. The first carries slip left over from the prestress.
-    pub cycles: usize,
+    /// How many cycles are walked; the last one is measured.
+    pub cycles: Cycles,
     /// When the history is committed.
     pub commit: Commit,
     /// Newton's method; the tolerance refers to the peak load of the loop.
     pub newton: NewtonSettings,
+    /// How its linear systems are solved.
+    pub solver: LinearSolver,
 }
 
 impl Default for Settings {
@@ -39,17 +68,24 @@ impl Default for Settings {
         Self {
             mode: 0,
             vertices_per_quarter: 8,
-            cycles: 2,
+            cycles: Cycles::default(),
             commit: Commit::default(),
             newton: NewtonSettings::default(),
+            solver: LinearSolver::default(),
         }
     }
 }
 
-/// Sees every converged vertex of the measured loop.
+/// Sees every converged vertex of a measured loop.
 pub trait LoopObserver<S>: Send {
     /// `modal_force` and the total displacement; `begin` is the history that the force at this vertex starts from.
     fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &S);
+
+    /// The amplitude is done, with or without success. `Break` stops the run: loops under way are finished and
+    /// reported, others not begun.
+    fn done(&mut self, _point: &BackbonePoint) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }
 
 /// An observer that looks away.
@@ -62,20 +98,30 @@ impl<S> LoopObserver<S> for NoObserver {
 
 /// What a measured loop gives.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoopResult {
     /// Half the range of the modal amplitude, `q` (sqrt(kg) m).
     pub modal_amplitude: f64,
-    /// Secant frequency `sqrt(2 alpha / range(q))` (rad/s).
+    /// Secant frequency `sqrt(2 alpha / range(q))` (rad/s); it does not depend on the sign of the mode shape.
     pub omega: f64,
+    /// Frequencies of the halves where the modal force is positive and where it is negative, `sqrt(alpha / |q|)` at the
+    /// reversals, with `q` from the static state (rad/s).
+    pub half_omegas: [f64; 2],
     /// `loop_area / (2 pi (q omega)^2)` (eq. 42).
     pub zeta: f64,
+    /// What residuals and an open loop may make of `zeta`: a smaller one is not resolved.
+    pub zeta_floor: f64,
     /// Dissipation per cycle: area of the polygon of modal force and amplitude (J).
     pub loop_area: f64,
     /// The same from every second vertex.
     pub coarse_loop_area: Option<f64>,
     /// Part of the motion at the peak that is mass-orthogonal to the mode, relative.
     pub shape_deviation: f64,
-    /// Gap between the ends of the loop relative to its range.
+    /// Cycles walked, the measured one included.
+    pub cycles: usize,
+    /// Whether the loop closed within the tolerance asked for; always false for a fixed number of cycles.
+    pub closed: bool,
+    /// Distance between the ends of the measured loop relative to the motion there (energy norm).
     pub closure: f64,
     /// Largest residual at a vertex, relative to the peak load (energy norm).
     pub residual: f64,
@@ -85,8 +131,56 @@ pub struct LoopResult {
     pub hysteresis: Loop,
 }
 
+/// What a loop's polygon does not tell.
+struct Circumstances {
+    cycles: usize,
+    closed: bool,
+    closure: f64,
+    residual: f64,
+    shape_deviation: f64,
+    counts: PointCounts,
+}
+
+impl LoopResult {
+    fn new(peak: f64, hysteresis: Loop, found: Circumstances) -> Self {
+        let (low, high) = hysteresis.extremes();
+        let modal_amplitude = 0.5 * (high - low);
+        let omega = (peak / modal_amplitude).sqrt();
+        let loop_area = hysteresis.area();
+        let middle = hysteresis.amplitude.len() / 2;
+        let half = |at: Option<&f64>| at.map_or(f64::NAN, |q| (peak / q.abs()).sqrt());
+        Self {
+            modal_amplitude,
+            omega,
+            half_omegas: [
+                half(hysteresis.amplitude.last()),
+                half(hysteresis.amplitude.get(middle)),
+            ],
+            zeta: loop_area / (2.0 * PI * (modal_amplitude * omega).powi(2)),
+            // A residual moves q by its own size, relative; the sides of the loop add up to four times the peak force.
+            // Ends that lie apart by 2 q times the closure make an area of as much times the peak force.
+            zeta_floor: (2.0 * found.residual + hysteresis.closure()) / PI,
+            loop_area,
+            coarse_loop_area: hysteresis.coarse_area(),
+            shape_deviation: found.shape_deviation,
+            cycles: found.cycles,
+            closed: found.closed,
+            closure: found.closure,
+            residual: found.residual,
+            counts: found.counts,
+            hysteresis,
+        }
+    }
+
+    /// Whether the damping is larger than what may be noise.
+    pub fn is_resolved(&self) -> bool {
+        self.zeta.abs() > self.zeta_floor
+    }
+}
+
 /// One amplitude of a backbone.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BackbonePoint {
     /// Peak modal force `alpha` (sqrt(kg) m/s^2).
     pub modal_force: f64,
@@ -97,17 +191,16 @@ pub struct BackbonePoint {
 }
 
 /// Runs one loop per modal force, in parallel; each depends on the prestressed state alone, so results do not depend
-/// on the number of threads. `observer(i)` makes the observer of loop `i`; `done` hears when a loop ends.
+/// on the number of threads. `observer(i)` makes the observer of loop `i`.
 ///
 /// # Errors
-/// Settings outside their range. A loop that does not converge is a point with a [`Failure`].
+/// Settings outside their range; [`Error::Interrupted`] if an observer stopped the run. A loop that does not converge is a point with a [`Failure`].
 pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
     structure: &Linearisation<'_, F::State>,
     force: &F,
     modal_forces: &[f64],
     settings: &Settings,
     observer: impl Fn(usize) -> O + Sync,
-    done: impl Fn() + Sync,
 ) -> Result<Vec<(BackbonePoint, O)>, Error> {
     if settings.mode >= structure.shapes.ncols() {
         return Err(Error::Setting {
@@ -129,7 +222,19 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
         }
     };
     positive("vertices_per_quarter", settings.vertices_per_quarter)?;
-    positive("cycles", settings.cycles)?;
+    match settings.cycles {
+        Cycles::Fixed(n) => positive("cycles", n)?,
+        Cycles::UntilClosed { tolerance, most } => {
+            positive("cycles", most)?;
+            if !(tolerance.is_finite() && tolerance > 0.0) {
+                return Err(Error::Setting {
+                    field: "cycles.tolerance",
+                    value: tolerance,
+                    requirement: "positive and finite",
+                });
+            }
+        }
+    }
     if let Some(&value) = modal_forces.iter().find(|a| !(a.is_finite() && **a > 0.0)) {
         return Err(Error::Setting {
             field: "modal_force",
@@ -137,35 +242,47 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
             requirement: "positive and finite",
         });
     }
-    let shape: Vec<f64> = structure.shapes.col(settings.mode).iter().copied().collect();
-    let mut pattern = vec![0.0; shape.len()];
-    multiply(structure.mass, &shape, &mut pattern);
-    let scale = structure.factor.energy_norm(&pattern, &mut Vec::new());
-    let mode = Mode {
-        shape,
-        pattern,
-        scale,
-        omega2: structure.eigenvalues[settings.mode],
-    };
-    Ok(modal_forces
+    let mode = Mode::new(structure, settings.mode);
+    let interrupted = AtomicBool::new(false);
+    let points: Vec<Option<(BackbonePoint, O)>> = modal_forces
         .par_iter()
         .enumerate()
+        // One by one from the end: the loops that take longest must not be the last to begin.
+        .rev()
+        .with_max_len(1)
         .map(|(index, &peak)| {
+            if interrupted.load(Ordering::Relaxed) {
+                return None;
+            }
             let mut observer = observer(index);
             let point = run_loop(structure, force, &mode, peak, settings, &mut observer);
-            done();
-            (point, observer)
+            if observer.done(&point).is_break() {
+                interrupted.store(true, Ordering::Relaxed);
+            }
+            Some((point, observer))
         })
-        .collect())
+        .collect();
+    let points: Option<Vec<_>> = points.into_iter().rev().collect();
+    points.filter(|_| !interrupted.into_inner()).ok_or(Error::Interrupted)
 }
 
+/// The mode that is followed.
 struct Mode {
     shape: Vec<f64>,
-    /// `M phi`: the load of unit modal force.
-    pattern: Vec<f64>,
-    /// Its energy norm.
-    scale: f64,
-    omega2: f64,
+    /// `M phi`, the load of unit modal force, and the stuck structure's response to it.
+    unit: Motion,
+}
+
+impl Mode {
+    fn new<S>(structure: &Linearisation<'_, S>, mode: usize) -> Self {
+        let shape: Vec<f64> = structure.shapes.col(mode).iter().copied().collect();
+        let mut load = vec![0.0; shape.len()];
+        multiply(structure.mass, &shape, &mut load);
+        Self {
+            shape,
+            unit: structure.stuck.response(&load),
+        }
+    }
 }
 
 fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
@@ -180,43 +297,33 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
     let equilibrium = Equilibrium {
         stiffness: structure.stiffness,
         force,
-        factor: &structure.factor,
+        stuck: &structure.stuck,
         reference: &structure.displacement[..nc],
         reference_force: &structure.contact_force,
+        round_off: structure.round_off,
     };
-    let walk = Walk::new(force, vec![0.0; mode.shape.len()], structure.state.clone());
+    let walk = Walk::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
+    let solution = (settings.solver, settings.newton);
     let mut tour = Tour {
-        equilibrium,
         mode,
         peak,
         settings,
-        walk,
-        at: 0.0,
-        previous: None,
-        residual: 0.0,
-        load: mode.pattern.clone(),
+        path: Path::new(equilibrium, &mode.unit, peak, solution, walk),
     };
     let result = tour.measure(structure, observer);
     BackbonePoint {
         modal_force: peak,
         result,
-        effort: tour.walk.effort,
+        effort: tour.path.walk.effort,
     }
 }
 
-/// A walk along the modal force.
+/// The loops of one amplitude.
 struct Tour<'a, F: HystereticForce> {
-    equilibrium: Equilibrium<'a, F>,
     mode: &'a Mode,
     peak: f64,
     settings: &'a Settings,
-    walk: Walk<F>,
-    /// Modal force reached.
-    at: f64,
-    /// An earlier point of the same branch, for extrapolation.
-    previous: Option<(f64, Vec<f64>)>,
-    residual: f64,
-    load: Vec<f64>,
+    path: Path<'a, F>,
 }
 
 impl<F: HystereticForce> Tour<'_, F> {
@@ -225,32 +332,21 @@ impl<F: HystereticForce> Tour<'_, F> {
         structure: &Linearisation<'_, F::State>,
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
-        // With commits at reversals only, the vertices between them do not influence what follows: the cycles before
-        // the measured one need no more than their reversals.
-        let quarter = self.settings.vertices_per_quarter;
-        let (loading, half) = match self.settings.commit {
-            Commit::AtReversals => (1, 1),
-            Commit::AtEveryVertex => (quarter, 2 * quarter),
-        };
-        self.branch(self.peak, loading, &mut |_| {})?;
-        for _ in 1..self.settings.cycles {
-            self.branch(-self.peak, half, &mut |_| {})?;
-            self.branch(self.peak, half, &mut |_| {})?;
-        }
+        let (cycles, settled) = self.settle_down()?;
         let mut hysteresis = Loop::default();
         let mut total = vec![0.0; self.mode.shape.len()];
         let mut deviation = 0.0_f64;
-        self.residual = 0.0;
+        self.path.residual = 0.0;
         let mut record = |tour: &Self| {
-            let v = &tour.walk.v;
-            let q = dot(&tour.mode.pattern, v);
-            hysteresis.force.push(tour.at);
+            let v = &tour.path.walk.motion.v;
+            let q = dot(&tour.mode.unit.p, v);
+            hysteresis.force.push(tour.path.at);
             hysteresis.amplitude.push(q);
             for ((t, u), v) in total.iter_mut().zip(&structure.displacement).zip(v) {
                 *t = u + v;
             }
-            observer.vertex(tour.at, &total, &tour.walk.begin);
-            if tour.at.abs() >= tour.peak {
+            observer.vertex(tour.path.at, &total, &tour.path.walk.begin);
+            if tour.path.at.abs() >= tour.peak {
                 let rest: Vec<f64> = v.iter().zip(&tour.mode.shape).map(|(v, phi)| v - q * phi).collect();
                 let mut momentum = vec![0.0; v.len()];
                 multiply(structure.mass, &rest, &mut momentum);
@@ -259,102 +355,85 @@ impl<F: HystereticForce> Tour<'_, F> {
             }
         };
         record(self);
-        self.branch(-self.peak, 2 * quarter, &mut record)?;
-        let counts = self.branch(self.peak, 2 * quarter, &mut record)?;
-        let (low, high) = hysteresis.extremes();
-        let modal_amplitude = 0.5 * (high - low);
-        let omega = (self.peak / modal_amplitude).sqrt();
-        let loop_area = hysteresis.area();
-        Ok(LoopResult {
-            modal_amplitude,
-            omega,
-            zeta: loop_area / (2.0 * std::f64::consts::PI * (modal_amplitude * omega).powi(2)),
-            loop_area,
-            coarse_loop_area: hysteresis.coarse_area(),
-            shape_deviation: deviation,
-            closure: hysteresis.closure(),
-            residual: self.residual,
-            counts,
+        let edges = 2 * self.settings.vertices_per_quarter;
+        let start = self.path.walk.motion.clone();
+        self.branch(-self.peak, edges, &mut record)?;
+        let counts = self.branch(self.peak, edges, &mut record)?;
+        Ok(LoopResult::new(
+            self.peak,
             hysteresis,
-        })
+            Circumstances {
+                cycles: cycles + 1,
+                closed: settled || self.closed(&start),
+                closure: self.distance(&start),
+                residual: self.path.residual,
+                shape_deviation: deviation,
+                counts,
+            },
+        ))
+    }
+
+    /// Walks the first loading and the cycles before the measured one; returns how many cycles these were, and whether
+    /// the last of them was closed.
+    fn settle_down(&mut self) -> Result<(usize, bool), Failure> {
+        // With commits at reversals only, the vertices between them do not influence what follows: these cycles need no
+        // more than their reversals.
+        let quarter = self.settings.vertices_per_quarter;
+        let (loading, half) = match self.settings.commit {
+            Commit::AtReversals => (1, 1),
+            Commit::AtEveryVertex => (quarter, 2 * quarter),
+        };
+        self.branch(self.peak, loading, &mut |_| {})?;
+        let most = match self.settings.cycles {
+            Cycles::Fixed(n) => n,
+            Cycles::UntilClosed { most, .. } => most,
+        };
+        for cycle in 1..most {
+            let start = self.path.walk.motion.clone();
+            self.branch(-self.peak, half, &mut |_| {})?;
+            self.branch(self.peak, half, &mut |_| {})?;
+            if self.closed(&start) {
+                return Ok((cycle, true));
+            }
+        }
+        Ok((most - 1, false))
+    }
+
+    /// Distance from `start` relative to the motion at hand (energy norm).
+    fn distance(&self, start: &Motion) -> f64 {
+        let mut difference = self.path.walk.motion.clone();
+        difference.add(-1.0, start);
+        difference.norm() / self.path.walk.motion.norm()
+    }
+
+    fn closed(&self, start: &Motion) -> bool {
+        match self.settings.cycles {
+            Cycles::Fixed(_) => false,
+            Cycles::UntilClosed { tolerance, .. } => self.distance(start) <= tolerance,
+        }
     }
 
     /// Walks to `target` in `steps` equal steps, calls `record` at each, and commits the history at the end.
     fn branch(&mut self, target: f64, steps: usize, record: &mut dyn FnMut(&Self)) -> Result<PointCounts, Failure> {
-        let start = self.at;
+        let start = self.path.at;
         let mut counts = PointCounts::default();
-        self.previous = None;
         for step in 1..=steps {
             let goal = if step == steps {
                 target
             } else {
                 start + (target - start) * step as f64 / steps as f64
             };
-            counts = self.advance(goal)?;
+            counts = self.path.advance(goal)?;
             if step < steps {
                 record(self);
                 if self.settings.commit == Commit::AtEveryVertex {
-                    self.walk.commit();
+                    self.path.walk.commit();
                 }
             }
         }
         // The end of the branch is recorded with the history that led to it.
         record(self);
-        self.walk.commit();
-        Ok(counts)
-    }
-
-    /// Solves at `goal`; a step that fails is halved.
-    fn advance(&mut self, goal: f64) -> Result<PointCounts, Failure> {
-        let mut targets = vec![goal];
-        let smallest = 1e-3 * self.peak;
-        let mut counts = PointCounts::default();
-        while let Some(&next) = targets.last() {
-            let origin = self.walk.v.clone();
-            let step = next - self.at;
-            match &self.previous {
-                // Along the secant of the branch.
-                Some((earlier, v)) if *earlier != self.at => {
-                    let ratio = step / (self.at - earlier);
-                    for i in 0..origin.len() {
-                        self.walk.v[i] = origin[i] + ratio * (origin[i] - v[i]);
-                    }
-                }
-                // After a reversal everything sticks: along the mode.
-                _ => {
-                    for i in 0..origin.len() {
-                        self.walk.v[i] = origin[i] + step / self.mode.omega2 * self.mode.shape[i];
-                    }
-                }
-            }
-            for (load, pattern) in self.load.iter_mut().zip(&self.mode.pattern) {
-                *load = next * pattern;
-            }
-            let outcome = self.equilibrium.solve(
-                &mut self.walk,
-                &self.load,
-                self.peak * self.mode.scale,
-                Sliding::Allowed,
-                Strategy::Krylov,
-                &self.settings.newton,
-            );
-            match outcome {
-                Ok(converged) => {
-                    self.previous = Some((self.at, origin));
-                    self.at = next;
-                    self.residual = self.residual.max(converged.residual);
-                    counts = converged.counts;
-                    targets.pop();
-                }
-                Err(failure) => {
-                    self.walk.v.copy_from_slice(&origin);
-                    if step.abs() < smallest {
-                        return Err(failure);
-                    }
-                    targets.push(self.at + 0.5 * step);
-                }
-            }
-        }
+        self.path.turn();
         Ok(counts)
     }
 }

@@ -30,6 +30,9 @@ pub enum Error {
          interface is open where it must carry the load"
     )]
     Dense(#[from] dense_algebra::Error),
+    /// An observer stopped the run.
+    #[error("the run was interrupted before all amplitudes were done")]
+    Interrupted,
     /// The linearised modes did not settle.
     #[error("the linearised modes did not settle in {iterations} subspace iterations")]
     Modes {

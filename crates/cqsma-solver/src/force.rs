@@ -34,6 +34,7 @@ pub enum Sliding {
 
 /// How many points are in which regime.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointCounts {
     /// Sticking.
     pub stick: usize,

@@ -2,6 +2,7 @@
 
 /// Vertices of one closed loop of modal force against modal amplitude.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Loop {
     /// Modal force at each vertex, `alpha` (sqrt(kg) m/s^2).
     pub force: Vec<f64>,

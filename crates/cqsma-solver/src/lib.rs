@@ -5,6 +5,8 @@
 //! modes about it with everything stuck, [`cqsma::run`] walks the hysteresis loops of one mode and turns them into
 //! frequency and damping (Balaji, Chen and Brake 2020, DOI 10.1016/j.ymssp.2020.106615, section 3.1.2).
 //!
+//! The feature `serde` makes results serialisable.
+//!
 //! Residuals are measured in the energy norm of the stuck structure, `sqrt(r^T P^-1 r)`: one number for forces and
 //! modal forces alike, independent of units.
 pub mod cqsma;
@@ -14,6 +16,7 @@ pub mod hysteresis;
 mod linear;
 pub mod modes;
 pub mod newton;
+mod path;
 pub mod prestress;
 pub mod test_problems;
 
@@ -21,4 +24,4 @@ pub use cqsma::{BackbonePoint, LoopObserver, LoopResult, NoObserver};
 pub use error::Error;
 pub use force::{HystereticForce, Pattern, PointCounts, Sliding};
 pub use modes::Linearisation;
-pub use newton::{Failure, NewtonSettings};
+pub use newton::{Failure, LinearSolver, NewtonSettings, Reason};

@@ -1,12 +1,13 @@
-//! Linear solves with the tangent: directly, or by GMRES preconditioned with the factor of the stuck tangent.
+//! Linear solves with the tangent: directly, or by GMRES preconditioned with the inverse of the stuck one.
 
 use crate::Error;
 use crate::force::Pattern;
+use dense_algebra::Symmetric;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, ColMut, Mat, MatMut, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 
-/// Most GMRES steps before the direct solve takes over; its cost is that of about this many steps.
-const MAX_KRYLOV: usize = 60;
+/// Most GMRES steps before the direct solve takes over.
+const MAX_KRYLOV: usize = 100;
 
 /// `y = a x`.
 pub(crate) fn multiply(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
@@ -26,10 +27,6 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-pub(crate) fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
-}
-
 /// Stiffness plus a sparse tangent on its leading block.
 pub(crate) fn with_tangent(stiffness: MatRef<'_, f64>, pattern: &Pattern, values: &[f64]) -> Mat<f64> {
     let mut sum = stiffness.to_owned();
@@ -41,42 +38,89 @@ pub(crate) fn with_tangent(stiffness: MatRef<'_, f64>, pattern: &Pattern, values
     sum
 }
 
-/// Cholesky factor of the structure with everything in contact stuck: preconditioner and energy norm.
+/// A displacement `v` and the force `p = P v` that would hold it in the stuck structure.
+///
+/// With both at hand a residual costs one product with the inverse of `P`, and a Krylov step one more; neither needs the
+/// stiffness or a triangular solve.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Motion {
+    pub(crate) v: Vec<f64>,
+    pub(crate) p: Vec<f64>,
+}
+
+impl Motion {
+    pub(crate) fn zero(n: usize) -> Self {
+        Self {
+            v: vec![0.0; n],
+            p: vec![0.0; n],
+        }
+    }
+
+    /// `self += factor * other`.
+    pub(crate) fn add(&mut self, factor: f64, other: &Self) {
+        let add = |to: &mut [f64], from: &[f64]| to.iter_mut().zip(from).for_each(|(a, b)| *a += factor * b);
+        add(&mut self.v, &other.v);
+        add(&mut self.p, &other.p);
+    }
+
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.v.copy_from_slice(&other.v);
+        self.p.copy_from_slice(&other.p);
+    }
+
+    /// Energy norm `sqrt(v^T P v)`.
+    pub(crate) fn norm(&self) -> f64 {
+        dot(&self.v, &self.p).max(0.0).sqrt()
+    }
+}
+
+/// The structure with everything in contact stuck, `P`: preconditioner and energy norm.
 #[derive(Clone, Debug)]
-pub(crate) struct StuckFactor {
-    lower: Mat<f64>,
+pub(crate) struct Stuck {
+    flexibility: Symmetric,
     /// Tangent values that went into it (symmetrised).
     tangent: Vec<f64>,
 }
 
-impl StuckFactor {
-    /// Factors `stiffness + (tangent + tangent^T) / 2`.
-    pub(crate) fn try_new(stiffness: MatRef<'_, f64>, pattern: &Pattern, tangent: &[f64]) -> Result<Self, Error> {
+impl Stuck {
+    /// Lower Cholesky factor of `stiffness + (tangent + tangent^T) / 2`, and the structure that it belongs to.
+    pub(crate) fn try_new(
+        stiffness: MatRef<'_, f64>,
+        pattern: &Pattern,
+        tangent: &[f64],
+    ) -> Result<(Mat<f64>, Self), Error> {
         let tangent = symmetrised(pattern, tangent);
         let lower = dense_algebra::cholesky(with_tangent(stiffness, pattern, &tangent).as_ref())?;
-        Ok(Self { lower, tangent })
+        let flexibility = Symmetric::inverse_of_factor(lower.as_ref());
+        Ok((lower, Self { flexibility, tangent }))
     }
 
-    pub(crate) fn lower(&self) -> MatRef<'_, f64> {
-        self.lower.as_ref()
+    /// Tangent values of the contact in `P`.
+    pub(crate) fn tangent(&self) -> &[f64] {
+        &self.tangent
     }
 
-    /// `x = L^-1 x`.
-    pub(crate) fn forward(&self, x: &mut [f64]) {
-        dense_algebra::solve_lower(self.lower(), ColMut::from_slice_mut(x).as_mat_mut());
+    /// `v = P^-1 p`.
+    pub(crate) fn solve_into(&self, p: &[f64], v: &mut [f64]) {
+        self.flexibility.product_into(p, v);
     }
 
-    /// `x = L^-T x`.
-    pub(crate) fn backward(&self, x: &mut [f64]) {
-        dense_algebra::solve_lower_transposed(self.lower(), ColMut::from_slice_mut(x).as_mat_mut());
+    /// Energy norm of the round-off that evaluating the contact force `force` at the displacements `u` leaves, if the
+    /// errors of the coordinates are independent.
+    pub(crate) fn round_off(&self, pattern: &Pattern, u: &[f64], force: &[f64]) -> f64 {
+        let tangent: Vec<f64> = self.tangent.iter().map(|t| t.abs()).collect();
+        let u: Vec<f64> = u.iter().map(|u| u.abs()).collect();
+        let mut size: Vec<f64> = force.iter().map(|f| f.abs()).collect();
+        pattern.add_product(&tangent, &u, &mut size);
+        let squares = size.iter().zip(self.flexibility.diagonal()).map(|(f, c)| f * f * c);
+        f64::EPSILON * squares.sum::<f64>().sqrt()
     }
 
-    /// Energy norm `sqrt(r^T P^-1 r)` of a force; leaves `L^-1 r` in the buffer.
-    pub(crate) fn energy_norm(&self, r: &[f64], buffer: &mut Vec<f64>) -> f64 {
-        buffer.clear();
-        buffer.extend_from_slice(r);
-        self.forward(buffer);
-        norm(buffer)
+    /// The motion under a force `p`.
+    pub(crate) fn response(&self, p: &[f64]) -> Motion {
+        let mut v = vec![0.0; p.len()];
+        self.solve_into(p, &mut v);
+        Motion { v, p: p.to_vec() }
     }
 }
 
@@ -106,43 +150,43 @@ pub(crate) fn solve_direct(
     dense_algebra::solve_general(with_tangent(stiffness, pattern, tangent), b)
 }
 
-/// Solves `(stiffness + tangent) x = b` by GMRES on `L^-1 (P + dT) L^-T = I + L^-1 dT L^-T`, where `dT` is the
-/// difference between the tangent and the stuck one: only triangular solves and a sparse product per step.
+/// Solves `(P + dT) x = r` by GMRES on `1 + P^-1 dT` in the inner product of `P`, where `dT` is the difference between
+/// the tangent and the stuck one: one product with `P^-1` and a sparse one per step.
 ///
-/// `scaled` is `L^-1 b`. Returns the solution and the number of steps, or `None` if `tolerance` (relative, energy norm)
-/// is not reached.
+/// `start` holds the force `r` and the motion `P^-1 r`, `norm` its energy norm. Returns the solution and the number of
+/// steps, or `None` if `tolerance` (relative, energy norm) is not reached.
 pub(crate) fn solve_krylov(
-    factor: &StuckFactor,
+    stuck: &Stuck,
     pattern: &Pattern,
     tangent: &[f64],
-    scaled: &[f64],
+    start: &Motion,
+    norm: f64,
     tolerance: f64,
-) -> Option<(Vec<f64>, usize)> {
-    let n = scaled.len();
-    let difference: Vec<f64> = tangent.iter().zip(&factor.tangent).map(|(a, b)| a - b).collect();
-    let beta = norm(scaled);
-    if beta == 0.0 {
-        return Some((vec![0.0; n], 0));
-    }
-    let mut basis: Vec<Vec<f64>> = vec![scaled.iter().map(|v| v / beta).collect()];
-    // Rows of the Hessenberg matrix made triangular by Givens rotations, and the rotated right-hand side.
+) -> Option<(Motion, usize)> {
+    let n = start.v.len();
+    let difference: Vec<f64> = tangent.iter().zip(&stuck.tangent).map(|(a, b)| a - b).collect();
+    let scaled = |motion: &Motion, length: f64| Motion {
+        v: motion.v.iter().map(|v| v / length).collect(),
+        p: motion.p.iter().map(|p| p / length).collect(),
+    };
+    let mut basis = vec![scaled(start, norm)];
+    // Columns of the Hessenberg matrix made triangular by Givens rotations, and the rotated right-hand side.
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut rotations: Vec<(f64, f64)> = Vec::new();
-    let mut rhs = vec![beta];
+    let mut rhs = vec![norm];
+    let mut image = Motion::zero(n);
     for step in 0..MAX_KRYLOV.min(n) {
-        let mut direction = basis[step].clone();
-        factor.backward(&mut direction);
-        let mut w = vec![0.0; n];
-        pattern.add_product(&difference, &direction, &mut w);
-        factor.forward(&mut w);
-        w.iter_mut().zip(&basis[step]).for_each(|(w, v)| *w += v);
+        image.p.fill(0.0);
+        pattern.add_product(&difference, &basis[step].v, &mut image.p);
+        stuck.solve_into(&image.p, &mut image.v);
+        image.add(1.0, &basis[step]);
         let mut h = Vec::with_capacity(step + 2);
-        for v in &basis {
-            let c = dot(&w, v);
-            w.iter_mut().zip(v).for_each(|(w, v)| *w -= c * v);
+        for known in &basis {
+            let c = dot(&image.p, &known.v);
+            image.add(-c, known);
             h.push(c);
         }
-        let length = norm(&w);
+        let length = image.norm();
         for (i, &(c, s)) in rotations.iter().enumerate() {
             (h[i], h[i + 1]) = (c * h[i] + s * h[i + 1], c * h[i + 1] - s * h[i]);
         }
@@ -157,22 +201,20 @@ pub(crate) fn solve_krylov(
         let last = rhs[step];
         rhs[step] = c * last;
         rhs.push(-s * last);
-        if rhs[step + 1].abs() <= tolerance * beta || length <= f64::EPSILON * radius {
+        if rhs[step + 1].abs() <= tolerance * norm || length <= f64::EPSILON * radius {
             let m = step + 1;
             let mut y = vec![0.0; m];
             for i in (0..m).rev() {
                 let known: f64 = (i + 1..m).map(|j| columns[j][i] * y[j]).sum();
                 y[i] = (rhs[i] - known) / columns[i][i];
             }
-            let mut x = vec![0.0; n];
-            for (v, c) in basis.iter().zip(&y) {
-                x.iter_mut().zip(v).for_each(|(x, v)| *x += c * v);
+            let mut x = Motion::zero(n);
+            for (vector, c) in basis.iter().zip(&y) {
+                x.add(*c, vector);
             }
-            factor.backward(&mut x);
             return Some((x, m));
         }
-        w.iter_mut().for_each(|w| *w /= length);
-        basis.push(w);
+        basis.push(scaled(&image, length));
     }
     None
 }

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, Sliding};
-use crate::linear::{StuckFactor, multiply};
+use crate::linear::{Stuck, multiply};
 use faer::{Mat, MatRef};
 
 /// The prestressed structure, ready for its loops.
@@ -11,10 +11,12 @@ use faer::{Mat, MatRef};
 pub struct Linearisation<'a, S> {
     pub(crate) stiffness: MatRef<'a, f64>,
     pub(crate) mass: MatRef<'a, f64>,
-    pub(crate) factor: StuckFactor,
+    pub(crate) stuck: Stuck,
     pub(crate) displacement: Vec<f64>,
     pub(crate) state: S,
     pub(crate) contact_force: Vec<f64>,
+    /// Energy norm of the round-off in the contact forces.
+    pub(crate) round_off: f64,
     /// `omega^2` of the modes, ascending (rad^2/s^2).
     pub eigenvalues: Vec<f64>,
     /// Mass-normalised mode shapes, `n x n_modes`.
@@ -88,12 +90,14 @@ pub fn linearise<'a, F: HystereticForce>(
         &mut contact_force,
         None,
     );
-    let factor = StuckFactor::try_new(stiffness, force.pattern(), &tangent)?;
-    let (eigenvalues, shapes) = lowest_modes(&factor, mass, n_modes.min(n))?;
+    let (lower, stuck) = Stuck::try_new(stiffness, force.pattern(), &tangent)?;
+    let (eigenvalues, shapes) = lowest_modes(lower.as_ref(), mass, n_modes.min(n))?;
+    let u = &displacement[..nc];
     Ok(Linearisation {
         stiffness,
         mass,
-        factor,
+        round_off: stuck.round_off(force.pattern(), u, &contact_force),
+        stuck,
         displacement,
         state,
         contact_force,
@@ -106,9 +110,9 @@ pub fn linearise<'a, F: HystereticForce>(
 const MAX_ITERATIONS: usize = 200;
 
 /// Subspace iteration on `C = L^-1 M L^-T`, whose eigenvalues are `1 / omega^2`.
-fn lowest_modes(factor: &StuckFactor, mass: MatRef<'_, f64>, n_modes: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
+fn lowest_modes(lower: MatRef<'_, f64>, mass: MatRef<'_, f64>, n_modes: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let n = mass.nrows();
-    let c = dense_algebra::congruent(factor.lower(), mass);
+    let c = dense_algebra::congruent(lower, mass);
     let width = (2 * n_modes + 10).min(n);
     let mut image = dense_algebra::scattered(n, width);
     let mut previous = vec![0.0; n_modes];
@@ -128,7 +132,7 @@ fn lowest_modes(factor: &StuckFactor, mass: MatRef<'_, f64>, n_modes: usize) -> 
         if change < 1e-13 {
             let leading = Mat::from_fn(width, n_modes, |i, j| rotation[(i, width - 1 - j)]);
             let mut shapes = dense_algebra::product(image.as_ref(), leading.as_ref());
-            dense_algebra::solve_lower_transposed(factor.lower(), shapes.as_mut());
+            dense_algebra::solve_lower_transposed(lower, shapes.as_mut());
             normalise(mass, shapes.as_mut());
             return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
         }

@@ -1,7 +1,7 @@
 //! Newton's method for the equilibrium of a structure with a hysteretic force.
 
 use crate::force::{HystereticForce, PointCounts, Sliding};
-use crate::linear::{StuckFactor, multiply, norm, solve_direct, solve_krylov};
+use crate::linear::{Motion, Stuck, dot, multiply, solve_direct, solve_krylov};
 use faer::MatRef;
 
 /// When to stop, and when to give up.
@@ -25,17 +25,37 @@ impl Default for NewtonSettings {
     }
 }
 
+/// What ended a solve without success.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Reason {
+    /// Overflow, or values outside what the force can bear.
+    #[error("the residual is not a finite number")]
+    NotFinite,
+    /// No descent along several directions.
+    #[error("the residual stopped falling")]
+    Stalled,
+    /// The linear system has no solution.
+    #[error("the tangent is singular")]
+    Singular,
+    /// Too many iterations.
+    #[error("the iteration limit was reached")]
+    IterationLimit,
+}
+
 /// Why a solve gave up.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Failure {
     /// What happened.
-    pub reason: &'static str,
+    pub reason: Reason,
     /// Residual relative to the load at each iteration.
     pub history: Vec<f64>,
 }
 
 /// How a solve went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Effort {
     /// Newton iterations.
     pub iterations: usize,
@@ -63,13 +83,14 @@ pub(crate) struct Converged {
     pub(crate) counts: PointCounts,
 }
 
-/// How the linear systems are solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Strategy {
-    /// LU of the tangent at every iteration.
-    Direct,
-    /// GMRES with the stuck factor, LU where it does not converge.
+/// How the linear systems of Newton's method are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LinearSolver {
+    /// GMRES with the inverse of the stuck tangent, and an LU factorisation where it does not converge.
+    #[default]
     Krylov,
+    /// An LU factorisation of the tangent at every iteration: slow, and independent of the other road.
+    Direct,
 }
 
 /// `K v + F(u0 + v) - F0 = load`: equilibrium in increments `v` from a reference state, so that small increments do not
@@ -77,15 +98,28 @@ pub(crate) enum Strategy {
 pub(crate) struct Equilibrium<'a, F: HystereticForce> {
     pub(crate) stiffness: MatRef<'a, f64>,
     pub(crate) force: &'a F,
-    pub(crate) factor: &'a StuckFactor,
+    pub(crate) stuck: &'a Stuck,
     pub(crate) reference: &'a [f64],
     pub(crate) reference_force: &'a [f64],
+    /// Energy norm below which a residual is round-off.
+    pub(crate) round_off: f64,
 }
 
-/// Buffers and history of one sequence of solves.
+/// What a solve must reach.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal<'a> {
+    /// The load is this factor times the pattern.
+    pub(crate) factor: f64,
+    pub(crate) pattern: &'a [f64],
+    /// Energy norm that the tolerance refers to.
+    pub(crate) scale: f64,
+    pub(crate) sliding: Sliding,
+}
+
+/// State, buffers and history of one sequence of solves.
 pub(crate) struct Walk<F: HystereticForce> {
     /// Increment from the reference.
-    pub(crate) v: Vec<f64>,
+    pub(crate) motion: Motion,
     /// History at the last commit.
     pub(crate) begin: F::State,
     /// History reached by the last solve.
@@ -94,14 +128,15 @@ pub(crate) struct Walk<F: HystereticForce> {
     workspace: F::Workspace,
     total: Vec<f64>,
     contact: Vec<f64>,
-    residual: Vec<f64>,
-    scaled: Vec<f64>,
     tangent: Vec<f64>,
+    trial: Motion,
+    /// Residual force, and the stuck structure's response to it.
+    residual: Motion,
 }
 
 impl<F: HystereticForce> Walk<F> {
-    pub(crate) fn new(force: &F, v: Vec<f64>, begin: F::State) -> Self {
-        let n = v.len();
+    pub(crate) fn new(force: &F, motion: Motion, begin: F::State) -> Self {
+        let n = motion.v.len();
         Self {
             end: begin.clone(),
             begin,
@@ -109,10 +144,10 @@ impl<F: HystereticForce> Walk<F> {
             workspace: force.workspace(),
             total: vec![0.0; force.n_dofs()],
             contact: vec![0.0; force.n_dofs()],
-            residual: vec![0.0; n],
-            scaled: Vec::with_capacity(n),
             tangent: vec![0.0; force.pattern().indices.len()],
-            v,
+            trial: motion.clone(),
+            residual: Motion::zero(n),
+            motion,
         }
     }
 
@@ -123,134 +158,127 @@ impl<F: HystereticForce> Walk<F> {
 }
 
 impl<F: HystereticForce> Equilibrium<'_, F> {
-    /// Residual at the increment `trial`; leaves `L^-1 r` in `walk.scaled` and returns its norm.
-    fn residual(
-        &self,
-        walk: &mut Walk<F>,
-        trial: &[f64],
-        load: &[f64],
-        sliding: Sliding,
-        with_tangent: bool,
-    ) -> (f64, PointCounts) {
-        let nc = self.force.n_dofs();
-        for i in 0..nc {
-            walk.total[i] = self.reference[i] + trial[i];
+    /// Leaves residual and tangent at `walk.trial` in the walk; returns the residual's energy norm.
+    fn evaluate(&self, walk: &mut Walk<F>, goal: &Goal<'_>) -> (f64, PointCounts) {
+        let Motion { v, p } = &walk.trial;
+        for ((total, u), v) in walk.total.iter_mut().zip(self.reference).zip(v) {
+            *total = u + v;
         }
-        let tangent = with_tangent.then_some(&mut walk.tangent[..]);
-        let (begin, end) = (&walk.begin, &mut walk.end);
         let counts = self.force.evaluate(
             &walk.total,
-            sliding,
-            begin,
-            end,
+            goal.sliding,
+            &walk.begin,
+            &mut walk.end,
             &mut walk.workspace,
             &mut walk.contact,
-            tangent,
+            Some(&mut walk.tangent),
         );
-        multiply(self.stiffness, trial, &mut walk.residual);
-        for (i, r) in walk.residual.iter_mut().enumerate() {
-            *r -= load[i];
-            if i < nc {
-                *r += walk.contact[i] - self.reference_force[i];
-            }
+        let residual = &mut walk.residual.p;
+        residual.fill(0.0);
+        self.force.pattern().add_product(self.stuck.tangent(), v, residual);
+        for (r, (p, load)) in residual.iter_mut().zip(p.iter().zip(goal.pattern)) {
+            *r = p - *r - goal.factor * load;
         }
+        for (r, (f, f0)) in residual.iter_mut().zip(walk.contact.iter().zip(self.reference_force)) {
+            *r += f - f0;
+        }
+        self.stuck.solve_into(residual, &mut walk.residual.v);
         walk.effort.evaluations += 1;
-        (self.factor.energy_norm(&walk.residual, &mut walk.scaled), counts)
+        // A residual that is not finite must not pass for a small one.
+        let square = dot(&walk.residual.p, &walk.residual.v);
+        (if square >= 0.0 { square.sqrt() } else { f64::NAN }, counts)
     }
 
-    /// Solves for `load` from the guess in `walk.v`; `scale` is the energy norm that the tolerance refers to.
+    /// Newton step from the residual and tangent in the walk.
+    fn step(&self, walk: &mut Walk<F>, merit: f64, tolerance: f64, solver: LinearSolver) -> Option<Motion> {
+        let pattern = self.force.pattern();
+        if solver == LinearSolver::Krylov {
+            let found = solve_krylov(self.stuck, pattern, &walk.tangent, &walk.residual, merit, tolerance);
+            if let Some((step, steps)) = found {
+                walk.effort.krylov_steps += steps;
+                return Some(step);
+            }
+        }
+        walk.effort.factorisations += 1;
+        let v = solve_direct(self.stiffness, pattern, &walk.tangent, &walk.residual.p)?;
+        let mut p = vec![0.0; v.len()];
+        multiply(self.stiffness, &v, &mut p);
+        pattern.add_product(self.stuck.tangent(), &v, &mut p);
+        Some(Motion { v, p })
+    }
+
+    /// Solves for the goal from the guess in `walk.motion`.
     ///
-    /// On success `walk.v` and `walk.end` belong to the solution; on failure `walk.v` is left where the search ended.
+    /// On success `walk.motion` and `walk.end` belong to the solution; on failure `walk.motion` is left where the search
+    /// ended.
     pub(crate) fn solve(
         &self,
         walk: &mut Walk<F>,
-        load: &[f64],
-        scale: f64,
-        sliding: Sliding,
-        strategy: Strategy,
+        goal: &Goal<'_>,
+        solver: LinearSolver,
         settings: &NewtonSettings,
     ) -> Result<Converged, Failure> {
         let mut history = Vec::new();
         let fail = |reason, history| Err(Failure { reason, history });
-        let start = walk.v.clone();
-        let (mut merit, mut counts) = self.residual(walk, &start, load, sliding, true);
-        let mut trial = start;
+        let target = (settings.tolerance * goal.scale).max(self.round_off);
+        walk.trial.copy_from(&walk.motion);
+        let (mut merit, mut counts) = self.evaluate(walk, goal);
         // Steps that did not reduce the residual although they were cut short.
         let mut stalled = 0;
-        for _ in 0..settings.max_iterations {
-            history.push(merit / scale);
+        for iteration in 0.. {
+            history.push(merit / goal.scale);
             if !merit.is_finite() {
-                return fail("the residual is not a finite number", history);
+                return fail(Reason::NotFinite, history);
             }
-            if merit <= settings.tolerance * scale {
+            if merit <= target {
                 return Ok(Converged {
-                    residual: merit / scale,
+                    residual: merit / goal.scale,
                     counts,
                 });
             }
+            if stalled > 3 {
+                return fail(Reason::Stalled, history);
+            }
+            if iteration == settings.max_iterations {
+                break;
+            }
             walk.effort.iterations += 1;
             // Far from the solution an accurate step is wasted; near it the forcing term follows the residual, which
-            // keeps the convergence superlinear.
-            let forcing = (0.1 * merit / scale).sqrt().clamp(1e-6, 1e-2);
-            let pattern = self.force.pattern();
-            let krylov = match strategy {
-                Strategy::Krylov => solve_krylov(self.factor, pattern, &walk.tangent, &walk.scaled, forcing),
-                Strategy::Direct => None,
-            };
-            let step = match krylov {
-                Some((step, steps)) => {
-                    walk.effort.krylov_steps += steps;
-                    step
-                }
-                None => {
-                    walk.effort.factorisations += 1;
-                    match solve_direct(self.stiffness, pattern, &walk.tangent, &walk.residual) {
-                        Some(step) => step,
-                        None => return fail("the tangent is singular", history),
-                    }
-                }
+            // keeps the convergence superlinear. More than a tenth of the target is never needed.
+            let forcing = (0.1 * merit / goal.scale)
+                .sqrt()
+                .min(1e-2)
+                .max(0.1 * target / merit)
+                .min(0.5);
+            let Some(step) = self.step(walk, merit, forcing, solver) else {
+                return fail(Reason::Singular, history);
             };
             let mut length = 1.0;
             let mut best = (f64::INFINITY, 1.0);
             for halving in 0..=settings.max_halvings {
-                for i in 0..trial.len() {
-                    trial[i] = walk.v[i] - length * step[i];
-                }
-                let (next, next_counts) = self.residual(walk, &trial, load, sliding, true);
-                counts = next_counts;
+                walk.trial.copy_from(&walk.motion);
+                walk.trial.add(-length, &step);
+                let (next, next_counts) = self.evaluate(walk, goal);
+                (merit, counts) = (next, next_counts);
                 if next < best.0 {
                     best = (next, length);
                 }
-                if next <= (1.0 - 1e-4 * length) * merit {
+                if next <= (1.0 - 1e-4 * length) * history[iteration] * goal.scale {
                     break;
                 }
                 if halving == settings.max_halvings {
                     // No descent along this direction: a kink. Take the best point seen and let the next tangent
                     // show another side of it.
                     stalled += 1;
-                    length = best.1;
-                    for i in 0..trial.len() {
-                        trial[i] = walk.v[i] - length * step[i];
-                    }
-                    (_, counts) = self.residual(walk, &trial, load, sliding, true);
+                    walk.trial.copy_from(&walk.motion);
+                    walk.trial.add(-best.1, &step);
+                    (merit, counts) = self.evaluate(walk, goal);
                     break;
                 }
                 length *= 0.5;
             }
-            walk.v.copy_from_slice(&trial);
-            merit = norm(&walk.scaled);
-            if stalled > 3 {
-                history.push(merit / scale);
-                return fail("the residual stopped falling", history);
-            }
+            walk.motion.copy_from(&walk.trial);
         }
-        history.push(merit / scale);
-        if merit <= settings.tolerance * scale {
-            return Ok(Converged {
-                residual: merit / scale,
-                counts,
-            });
-        }
-        fail("the iteration limit was reached", history)
+        fail(Reason::IterationLimit, history)
     }
 }

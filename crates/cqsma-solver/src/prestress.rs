@@ -3,8 +3,9 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, PointCounts, Sliding};
-use crate::linear::StuckFactor;
-use crate::newton::{Effort, Equilibrium, Failure, NewtonSettings, Strategy, Walk};
+use crate::linear::{Motion, Stuck, multiply};
+use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Walk};
+use crate::path::Path;
 use faer::MatRef;
 
 /// A static equilibrium.
@@ -28,8 +29,9 @@ pub struct Prestress<S> {
 ///
 /// The energy norm is that of the structure linearised at `start` with everything stuck, so `start` must close the
 /// interface: a uniform closure that carries the load on average makes the first Newton step the solution of that
-/// linear problem. The equilibrium is first found with sliding prevented, then with friction. The outer `Result`
-/// tells of input that cannot be used, the inner one of a solve that did not converge.
+/// linear problem. The equilibrium is first found with sliding prevented, then with friction; where Newton's method fails
+/// the load is applied in steps. The outer `Result` tells of input that cannot be used, the inner one of a solve that did
+/// not converge.
 ///
 /// # Errors
 /// Sizes that do not match, and [`Error::Dense`] if `start` leaves the structure loose.
@@ -57,35 +59,48 @@ pub fn solve<F: HystereticForce>(
         &mut contact,
         Some(&mut tangent),
     );
-    let factor = StuckFactor::try_new(stiffness, force.pattern(), &tangent)?;
-    let scale = factor.energy_norm(load, &mut Vec::new());
-    let zero = vec![0.0; n];
+    let (_, stuck) = Stuck::try_new(stiffness, force.pattern(), &tangent)?;
+    let mut guess = Motion::zero(n);
+    guess.v.copy_from_slice(start);
+    multiply(stiffness, start, &mut guess.p);
+    force.pattern().add_product(stuck.tangent(), start, &mut guess.p);
+    let unit = stuck.response(load);
+    let zero = vec![0.0; nc];
     let equilibrium = Equilibrium {
         stiffness,
         force,
-        factor: &factor,
-        reference: &zero[..nc],
-        reference_force: &zero[..nc],
+        stuck: &stuck,
+        reference: &zero,
+        reference_force: &zero,
+        round_off: stuck.round_off(force.pattern(), &start[..nc], &contact),
     };
-    let mut walk = Walk::<F>::new(force, start.to_vec(), initial);
+    let walk = Walk::<F>::new(force, guess, initial);
+    let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), walk);
     let mut iterations = [0; 2];
-    let mut solved = None;
+    let mut counts = PointCounts::default();
     for (stage, sliding) in [Sliding::Prevented, Sliding::Allowed].into_iter().enumerate() {
-        let before = walk.effort.iterations;
-        match equilibrium.solve(&mut walk, load, scale, sliding, Strategy::Direct, settings) {
-            Ok(converged) => solved = Some(converged),
+        path.sliding = sliding;
+        path.residual = 0.0;
+        let before = path.walk.effort.iterations;
+        let guess = path.walk.motion.clone();
+        let solved = path.settle(1.0).or_else(|_| {
+            path.walk.motion.copy_from(&guess);
+            path.at = 0.0;
+            path.advance(1.0)
+        });
+        match solved {
+            Ok(found) => counts = found,
             Err(failure) => return Ok(Err(failure)),
         }
-        iterations[stage] = walk.effort.iterations - before;
+        iterations[stage] = path.walk.effort.iterations - before;
     }
-    walk.commit();
-    let (residual, counts) = solved.map_or((f64::NAN, PointCounts::default()), |s| (s.residual, s.counts));
+    path.walk.commit();
     Ok(Ok(Prestress {
-        displacement: walk.v,
-        state: walk.begin,
+        displacement: path.walk.motion.v,
+        state: path.walk.begin,
         iterations,
-        effort: walk.effort,
-        residual,
+        effort: path.walk.effort,
+        residual: path.residual,
         counts,
     }))
 }

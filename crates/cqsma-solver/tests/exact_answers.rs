@@ -1,7 +1,7 @@
 //! Structures whose loops are known in closed form.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use cqsma_solver::cqsma::{Settings, run};
+use cqsma_solver::cqsma::{Cycles, Settings, run};
 use cqsma_solver::newton::NewtonSettings;
 use cqsma_solver::test_problems::{Jenkins, JenkinsChain};
 use cqsma_solver::{HystereticForce, NoObserver, modes, prestress};
@@ -30,7 +30,7 @@ fn backbone(
     )
     .unwrap();
     line.orient(&vec![1.0; start.len()]).unwrap();
-    run(&line, force, forces, settings, |_| NoObserver, || {})
+    run(&line, force, forces, settings, |_| NoObserver)
         .unwrap()
         .into_iter()
         .map(|(point, _)| {
@@ -127,7 +127,7 @@ fn a_chain_dissipates_what_its_sliders_do_and_masing_holds() {
             let a = peak * f64::from(i) / f64::from(n);
             let one = Settings {
                 vertices_per_quarter: 1,
-                cycles: 1,
+                cycles: Cycles::Fixed(1),
                 ..settings
             };
             let p = backbone(&chain.stiffness, &chain.mass, &chain.force, &[0.0; 12], &[a], &one)[0];
@@ -153,7 +153,7 @@ fn prestress_slip_contaminates_the_first_cycle_only() {
     load[5] = 10.0;
     let area = |cycles| {
         let settings = Settings {
-            cycles,
+            cycles: Cycles::Fixed(cycles),
             ..Settings::default()
         };
         backbone(&chain.stiffness, &chain.mass, &chain.force, &load, &[2.0], &settings)[0].4
@@ -182,10 +182,10 @@ fn mode_sign_does_not_change_the_closed_loop() {
         .unwrap();
         line.orient(&[row; 6]).unwrap();
         let settings = Settings {
-            cycles: 3,
+            cycles: Cycles::Fixed(3),
             ..Settings::default()
         };
-        run(&line, &chain.force, &[8.0], &settings, |_| NoObserver, || {}).unwrap()[0]
+        run(&line, &chain.force, &[8.0], &settings, |_| NoObserver).unwrap()[0]
             .0
             .result
             .clone()
@@ -219,7 +219,7 @@ fn bad_settings_and_loose_structures_are_refused() {
         (
             vec![1.0],
             Settings {
-                cycles: 0,
+                cycles: Cycles::Fixed(0),
                 ..Settings::default()
             },
         ),
@@ -231,7 +231,7 @@ fn bad_settings_and_loose_structures_are_refused() {
             },
         ),
     ] {
-        assert!(run(&line, &force, &forces, &settings, |_| NoObserver, || {}).is_err());
+        assert!(run(&line, &force, &forces, &settings, |_| NoObserver).is_err());
     }
 }
 

@@ -55,6 +55,20 @@ impl Symmetric {
         self.size
     }
 
+    /// The diagonal, from the first entry to the last.
+    pub fn diagonal(&self) -> impl Iterator<Item = f64> {
+        let mut at = 0;
+        (0..self.size).map(move |i| {
+            let start = i - i % WIDTH;
+            let width = WIDTH.min(self.size - start);
+            let place = at + (i - start) * (width + 1);
+            if i + 1 == start + width {
+                at += width * (width + self.size - start - width);
+            }
+            self.entries[place]
+        })
+    }
+
     /// `y = self x`. The order of summation is fixed; with and without fused multiplication the last bits differ.
     ///
     /// # Panics

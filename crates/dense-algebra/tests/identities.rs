@@ -117,7 +117,9 @@ fn packed_products_and_inverses_fit_the_dense_ones() {
         };
         let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).cos()).collect();
         let mut y = vec![f64::NAN; n];
-        Symmetric::from_lower(a.as_ref()).product_into(&x, &mut y);
+        let packed = Symmetric::from_lower(a.as_ref());
+        packed.product_into(&x, &mut y);
+        assert!(packed.diagonal().eq((0..n).map(|i| a[(i, i)])), "{n}");
         let size = a.norm_max();
         for i in 0..n {
             // Only the lower triangle counts.

@@ -11,6 +11,10 @@ impl Progress for Stages {
     fn begin(&self, stage: Stage) {
         println!("{}", stage.name());
     }
+
+    fn end(&self, stage: Stage) {
+        println!("{} done", stage.name());
+    }
 }
 
 fn main() -> Result<(), joint_pipeline::Error> {
@@ -24,10 +28,24 @@ fn main() -> Result<(), joint_pipeline::Error> {
     let run = run(&scene, &options, &Stages)?;
     println!("stuck modes [Hz]: {:.2?}", &run.model.reduced.stuck_frequencies[..10]);
     println!("linearised modes [Hz]: {:.2?}", run.frequencies);
-    println!("{:>12} {:>12} {:>12}", "x [m]", "f [Hz]", "zeta [-]");
+    println!(
+        "{:>12} {:>12} {:>12} {:>10} {:>10} {:>10} {:>10}",
+        "x [m]", "f [Hz]", "zeta [-]", "newton", "forces", "krylov", "lu"
+    );
     for amplitude in &run.amplitudes {
         match (&amplitude.point.result, amplitude.response_displacement) {
-            (Ok(r), Some(x)) => println!("{x:12.4e} {:12.4} {:12.4e}", r.omega / std::f64::consts::TAU, r.zeta),
+            (Ok(r), Some(x)) => {
+                let e = amplitude.point.effort;
+                println!(
+                    "{x:12.4e} {:12.4} {:12.4e} {:10} {:10} {:10} {:10}",
+                    r.omega / std::f64::consts::TAU,
+                    r.zeta,
+                    e.iterations,
+                    e.evaluations,
+                    e.krylov_steps,
+                    e.factorisations
+                );
+            }
             (Err(failure), _) => println!("not converged: {}", failure.reason),
             _ => {}
         }

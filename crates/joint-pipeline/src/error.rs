@@ -55,7 +55,7 @@ pub enum Error {
     #[error("the prestress did not converge: {reason}; relative residuals {history:?}")]
     Prestress {
         /// Why it gave up.
-        reason: &'static str,
+        reason: cqsma_solver::Reason,
         /// Residuals per iteration.
         history: Vec<f64>,
     },

@@ -7,9 +7,10 @@ use crate::progress::{Progress, Stage};
 use crate::scene::{CommitName, Scene};
 use crate::validity::{Validity, assess};
 use contact_laws::{Regime, Sticking};
-use cqsma_solver::cqsma::{self, Commit, Settings};
+use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
 use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{BackbonePoint, LoopObserver, NewtonSettings, modes};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zte_assembly::flux::LoopArea;
@@ -238,32 +239,32 @@ impl Prepared {
         let settings = Settings {
             mode,
             vertices_per_quarter: scene.cqsma.vertices_per_quarter,
-            cycles: scene.cqsma.cycles,
+            cycles: match (scene.cqsma.cycles, scene.cqsma.until_closed, Cycles::default()) {
+                (Some(n), ..) => Cycles::Fixed(n),
+                (None, Some(tolerance), Cycles::UntilClosed { most, .. }) => Cycles::UntilClosed { tolerance, most },
+                (None, _, default) => default,
+            },
             commit: match scene.cqsma.commit {
                 CommitName::AtReversals => Commit::AtReversals,
                 CommitName::AtEveryVertex => Commit::AtEveryVertex,
             },
             newton,
+            ..Settings::default()
         };
         let stored = scene.fields_at();
         let (finished, total) = (AtomicUsize::new(0), forces.len());
-        let points = cqsma::run(
-            &line,
-            &force,
-            &forces,
-            &settings,
-            |index| {
-                Watcher::new(
-                    &self.interface.interface,
-                    &prestress.fields,
-                    stored.contains(&(index + 1)),
-                )
-            },
-            || {
-                let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                progress.fraction(Stage::Backbone, done as f64 / total as f64);
-            },
-        )?;
+        let finish = || {
+            let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
+            progress.fraction(Stage::Backbone, done as f64 / total as f64);
+        };
+        let points = cqsma::run(&line, &force, &forces, &settings, |index| {
+            Watcher::new(
+                &self.interface.interface,
+                &prestress.fields,
+                stored.contains(&(index + 1)),
+                &finish,
+            )
+        })?;
         let amplitudes: Vec<AmplitudeResult> = points
             .into_iter()
             .map(|(point, watcher)| {
@@ -366,6 +367,7 @@ struct Watcher<'a> {
     interface: &'a Interface,
     prestress: &'a Fields,
     store: bool,
+    finish: &'a (dyn Fn() + Sync),
     area: LoopArea,
     workspace: Workspace,
     end: Option<State>,
@@ -379,11 +381,12 @@ struct Watcher<'a> {
 }
 
 impl<'a> Watcher<'a> {
-    fn new(interface: &'a Interface, prestress: &'a Fields, store: bool) -> Self {
+    fn new(interface: &'a Interface, prestress: &'a Fields, store: bool, finish: &'a (dyn Fn() + Sync)) -> Self {
         Self {
             interface,
             prestress,
             store,
+            finish,
             area: LoopArea::new(interface.operators().n_points()),
             workspace: interface.workspace(),
             end: None,
@@ -419,6 +422,11 @@ impl<'a> Watcher<'a> {
 }
 
 impl LoopObserver<State> for Watcher<'_> {
+    fn done(&mut self, _: &BackbonePoint) -> ControlFlow<()> {
+        (self.finish)();
+        ControlFlow::Continue(())
+    }
+
     fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &State) {
         let end = self.end.get_or_insert_with(|| begin.clone());
         let jump = &displacement[..self.interface.n_dofs()];

@@ -299,8 +299,11 @@ pub struct Cqsma {
     pub amplitudes: usize,
     /// Vertices per quarter loop.
     pub vertices_per_quarter: usize,
-    /// Cycles; the last is measured.
-    pub cycles: usize,
+    /// Cycles walked, the last of which is measured; by default as many as it takes until the loop closes.
+    pub cycles: Option<usize>,
+    /// Distance between the ends of a loop, relative to the motion there (energy norm), at which it counts as closed;
+    /// 1e-4 by default. Not together with `cycles`.
+    pub until_closed: Option<f64>,
     /// When the friction history is committed.
     pub commit: CommitName,
     /// Residual relative to the load, in the energy norm.
@@ -327,7 +330,8 @@ impl Default for Cqsma {
             amplitude_to: 1e-3,
             amplitudes: 20,
             vertices_per_quarter: 8,
-            cycles: 2,
+            cycles: None,
+            until_closed: None,
             commit: CommitName::AtReversals,
             tolerance: 1e-9,
         }
@@ -566,13 +570,31 @@ impl Scene {
             "",
             "between 1 and 4096",
         )?;
-        check(
-            (1..=1000).contains(&c.cycles),
-            "cqsma.cycles",
-            c.cycles as f64,
-            "",
-            "between 1 and 1000",
-        )?;
+        if let Some(cycles) = c.cycles {
+            check(
+                (1..=1000).contains(&cycles),
+                "cqsma.cycles",
+                cycles as f64,
+                "",
+                "between 1 and 1000",
+            )?;
+        }
+        if let Some(tolerance) = c.until_closed {
+            check(
+                (1e-12..=1.0).contains(&tolerance),
+                "cqsma.until_closed",
+                tolerance,
+                "",
+                "between 1e-12 (round-off) and 1",
+            )?;
+            check(
+                c.cycles.is_none(),
+                "cqsma.until_closed",
+                tolerance,
+                "",
+                "left out where cqsma.cycles is given",
+            )?;
+        }
         check(
             (1e-13..=1e-2).contains(&c.tolerance),
             "cqsma.tolerance",

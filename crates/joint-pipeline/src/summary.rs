@@ -2,12 +2,13 @@
 
 use crate::interface::LawReport;
 use crate::run::Run;
+use crate::scene::Scene;
 use crate::validity::Validity;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Version of the layout of [`Summary`]; grows with every change that is not a mere addition.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// A run in numbers.
 #[derive(Clone, Debug, Serialize)]
@@ -112,19 +113,37 @@ pub struct ModeSummary {
     pub frequency_hz: f64,
 }
 
+/// What came of an amplitude.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// All vertices converged, and the damping is larger than the noise.
+    Resolved,
+    /// All vertices converged, but what was found of damping may be noise.
+    BelowFloor,
+    /// A vertex did not converge.
+    NotConverged,
+}
+
 /// One amplitude; `null` where the loop did not converge.
 #[derive(Clone, Debug, Serialize)]
 pub struct BackboneSummary {
+    /// What came of it.
+    pub status: Status,
     /// Peak modal force (sqrt(kg) m/s^2).
     pub modal_force: f64,
     /// Modal amplitude (sqrt(kg) m).
     pub modal_amplitude: Option<f64>,
     /// Secant frequency (Hz).
     pub frequency_hz: Option<f64>,
-    /// Total damping ratio: friction plus background.
+    /// Secant frequencies of the halves of positive and of negative modal force (Hz).
+    pub half_frequencies_hz: Option<[f64; 2]>,
+    /// Total damping ratio, friction plus background; `null` below the floor.
     pub damping_ratio: Option<f64>,
     /// Part of it due to friction.
     pub friction_damping_ratio: Option<f64>,
+    /// What residuals and an open loop may make of the friction part.
+    pub damping_floor: Option<f64>,
     /// Dissipation per cycle summed over the points (J).
     pub dissipation: Option<f64>,
     /// The same from the modal loop (J).
@@ -149,14 +168,18 @@ pub struct BackboneSummary {
     pub factorisations: usize,
     /// Part of the peak motion that is mass-orthogonal to the mode.
     pub shape_deviation: Option<f64>,
-    /// Gap between the ends of the loop relative to its range.
+    /// Cycles walked, the measured one included.
+    pub cycles: Option<usize>,
+    /// Whether the loop closed; `null` for a fixed number of cycles.
+    pub closed: Option<bool>,
+    /// Distance between the ends of the measured loop relative to the motion there (energy norm).
     pub loop_closure: Option<f64>,
     /// Largest residual of a vertex relative to the peak load (energy norm).
     pub residual: Option<f64>,
     /// Whether all vertices converged.
     pub converged: bool,
     /// If not: why.
-    pub failure: Option<&'static str>,
+    pub failure: Option<String>,
 }
 
 impl Summary {
@@ -209,11 +232,7 @@ impl Summary {
                 .iter()
                 .map(|&frequency_hz| ModeSummary { frequency_hz })
                 .collect(),
-            backbone: run
-                .amplitudes
-                .iter()
-                .map(|a| backbone(a, run.scene.background_damping))
-                .collect(),
+            backbone: run.amplitudes.iter().map(|a| backbone(a, &run.scene)).collect(),
             validity: run.validity.clone(),
             timings,
             peak_memory,
@@ -221,16 +240,25 @@ impl Summary {
     }
 }
 
-fn backbone(amplitude: &crate::run::AmplitudeResult, background: f64) -> BackboneSummary {
+fn backbone(amplitude: &crate::run::AmplitudeResult, scene: &Scene) -> BackboneSummary {
     let point = &amplitude.point;
     let result = point.result.as_ref().ok();
     let fields = amplitude.fields.as_ref();
+    let zeta = result.filter(|r| r.is_resolved()).map(|r| r.zeta);
+    let hertz = |omega: f64| omega / (2.0 * std::f64::consts::PI);
     BackboneSummary {
+        status: match (result, zeta) {
+            (None, _) => Status::NotConverged,
+            (Some(_), None) => Status::BelowFloor,
+            _ => Status::Resolved,
+        },
         modal_force: point.modal_force,
         modal_amplitude: result.map(|r| r.modal_amplitude),
-        frequency_hz: result.map(|r| r.omega / (2.0 * std::f64::consts::PI)),
-        damping_ratio: result.map(|r| r.zeta + background),
-        friction_damping_ratio: result.map(|r| r.zeta),
+        frequency_hz: result.map(|r| hertz(r.omega)),
+        half_frequencies_hz: result.map(|r| r.half_omegas.map(hertz)),
+        damping_ratio: zeta.map(|zeta| zeta + scene.background_damping),
+        friction_damping_ratio: zeta,
+        damping_floor: result.map(|r| r.zeta_floor),
         dissipation: fields.map(|f| f.dissipation),
         loop_area: result.map(|r| r.loop_area),
         coarse_loop_area: result.and_then(|r| r.coarse_loop_area),
@@ -243,9 +271,11 @@ fn backbone(amplitude: &crate::run::AmplitudeResult, background: f64) -> Backbon
         krylov_steps: point.effort.krylov_steps,
         factorisations: point.effort.factorisations,
         shape_deviation: result.map(|r| r.shape_deviation),
+        cycles: result.map(|r| r.cycles),
+        closed: result.filter(|_| scene.cqsma.cycles.is_none()).map(|r| r.closed),
         loop_closure: result.map(|r| r.closure),
         residual: result.map(|r| r.residual),
         converged: result.is_some(),
-        failure: point.result.as_ref().err().map(|f| f.reason),
+        failure: point.result.as_ref().err().map(|f| f.reason.to_string()),
     }
 }
