@@ -165,6 +165,7 @@ impl<'a> TangentMut<'a> {
 
 /// Contact regime of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Regime {
     /// In contact below the slip limit.
     Stick,

@@ -24,6 +24,11 @@ pub struct Linearisation<'a, S> {
 }
 
 impl<S> Linearisation<'_, S> {
+    /// Displacements of the static state.
+    pub fn displacement(&self) -> &[f64] {
+        &self.displacement
+    }
+
     /// Frequencies of the modes (Hz).
     pub fn frequencies(&self) -> Vec<f64> {
         self.eigenvalues

@@ -69,8 +69,15 @@ struct Header {
     payload_sha256: String,
 }
 
+impl Key {
+    /// Enough of the key to tell files apart by name.
+    pub(crate) fn short(&self) -> &str {
+        &self.0[..32]
+    }
+}
+
 fn path_of(directory: &Path, key: &Key) -> PathBuf {
-    directory.join(format!("reduced-{}.bin", &key.0[..32]))
+    directory.join(format!("reduced-{}.bin", key.short()))
 }
 
 /// The stored model for `key`, if there is an intact one. Damaged or foreign files count as absent.

@@ -4,6 +4,7 @@
 //! reduced model from a cache), turns the surface into traction laws, finds the prestress and the modes about it, and
 //! walks the hysteresis loops. [`summary`] is the machine-readable account of a run.
 mod cache;
+mod checkpoint;
 mod error;
 pub mod interface;
 pub mod model;

@@ -42,6 +42,11 @@ pub trait Progress: Sync {
     fn fraction(&self, _stage: Stage, _done: f64) {}
     /// A stage has ended.
     fn end(&self, _stage: Stage) {}
+    /// Asked after each finished amplitude: whether to stop. What is finished is kept for the next run of the scene if
+    /// there is a cache.
+    fn interrupted(&self) -> bool {
+        false
+    }
     /// Something the user should know.
     fn note(&self, _text: &str) {}
 }

@@ -1,6 +1,8 @@
 //! A scene, run from mesh to backbone.
 
 use crate::Error;
+use crate::cache::KeyBuilder;
+use crate::checkpoint::Checkpoint;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::model::{MeshedStructure, StructuralModel};
 use crate::progress::{Progress, Stage};
@@ -9,7 +11,8 @@ use crate::validity::{Validity, assess};
 use contact_laws::{Regime, Sticking};
 use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
 use cqsma_solver::prestress::{self, Prestress};
-use cqsma_solver::{BackbonePoint, LoopObserver, NewtonSettings, modes};
+use cqsma_solver::{BackbonePoint, Linearisation, LoopObserver, NewtonSettings, modes};
+use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -22,12 +25,13 @@ const LEAST_PARTICIPATION: f64 = 1e-2;
 /// What is not part of the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Folder of cached reduced models; none: nothing is read or stored.
+    /// Folder of cached reduced models, and of the finished amplitudes of interrupted runs; none: nothing is read or
+    /// stored.
     pub cache: Option<PathBuf>,
 }
 
 /// Quantities at the quadrature points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Fields {
     /// Jump x, y, interference n (m).
     pub jump: [Vec<f64>; 3],
@@ -40,7 +44,7 @@ pub struct Fields {
 }
 
 /// What the loop of one amplitude did at the interface.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoopFields {
     /// Area fraction that slips at the positive peak.
     pub slip_fraction: f64,
@@ -109,6 +113,7 @@ pub struct Run {
 #[derive(Debug)]
 pub struct Prepared {
     scene: Scene,
+    cache: Option<PathBuf>,
     clearance: f64,
     mesh: InterfaceMesh,
     model: StructuralModel,
@@ -148,6 +153,7 @@ pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Res
     progress.end(Stage::Characterise);
     Ok(Prepared {
         scene: scene.clone(),
+        cache: options.cache.clone(),
         clearance: structure.clearance,
         mesh: structure.interface().clone(),
         model,
@@ -251,30 +257,42 @@ impl Prepared {
             newton,
             ..Settings::default()
         };
+        let checkpoint = self.checkpoint(&line, mode, &forces, progress);
+        let pending: Vec<usize> = (0..forces.len()).filter(|i| !checkpoint.holds(*i)).collect();
+        let pending_forces: Vec<f64> = pending.iter().map(|&i| forces[i]).collect();
         let stored = scene.fields_at();
-        let (finished, total) = (AtomicUsize::new(0), forces.len());
-        let finish = || {
+        let finished = AtomicUsize::new(forces.len() - pending.len());
+        let finish = |index: usize, point: &BackbonePoint, fields: Option<&LoopFields>| {
+            checkpoint.add(index, point, fields);
             let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
-            progress.fraction(Stage::Backbone, done as f64 / total as f64);
+            progress.fraction(Stage::Backbone, done as f64 / forces.len() as f64);
+            if progress.interrupted() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         };
-        let points = cqsma::run(&line, &force, &forces, &settings, |index| {
-            Watcher::new(
-                &self.interface.interface,
-                &prestress.fields,
-                stored.contains(&(index + 1)),
-                &finish,
-            )
+        let points = cqsma::run(&line, &force, &pending_forces, &settings, |at| {
+            let index = pending[at];
+            let store = stored.contains(&(index + 1));
+            Watcher::new(&self.interface.interface, &prestress.fields, index, store, &finish)
         })?;
-        let amplitudes: Vec<AmplitudeResult> = points
+        let points: Vec<_> = points
             .into_iter()
-            .map(|(point, watcher)| {
+            .map(|(point, watcher)| (point, watcher.fields))
+            .collect();
+        let mut done = checkpoint.complete();
+        done.extend(pending.iter().copied().zip(points));
+        let amplitudes: Vec<AmplitudeResult> = done
+            .into_values()
+            .map(|(point, fields)| {
                 let motion = point
                     .result
                     .as_ref()
                     .ok()
                     .map(|r| (r.modal_amplitude * phi.abs(), r.omega));
                 AmplitudeResult {
-                    fields: point.result.is_ok().then(|| watcher.finish()),
+                    fields,
                     response_acceleration: motion.map(|(x, omega)| x * omega * omega),
                     response_displacement: motion.map(|(x, _)| x),
                     point,
@@ -305,6 +323,34 @@ impl Prepared {
             model: self.model,
             scene: self.scene,
         })
+    }
+
+    /// Finished amplitudes of an earlier, interrupted run of the same loops.
+    fn checkpoint(
+        &self,
+        line: &Linearisation<'_, State>,
+        mode: usize,
+        forces: &[f64],
+        progress: &dyn Progress,
+    ) -> Checkpoint {
+        let Some(directory) = &self.cache else {
+            return Checkpoint::default();
+        };
+        let mut key = KeyBuilder::new();
+        key.text(&serde_json::to_string(&self.scene).unwrap_or_default());
+        key.text(contact_laws::instruction_set());
+        // Whatever else the loops depend on has left its mark in the static state or the mode.
+        key.numbers(line.displacement().iter().copied());
+        key.numbers(line.shapes.col(mode).iter().copied());
+        key.numbers(forces.iter().copied());
+        let checkpoint = Checkpoint::open(directory, &key.finish());
+        let (found, all) = (checkpoint.len(), forces.len());
+        if found > 0 {
+            progress.note(&format!(
+                "{found} of {all} amplitudes were taken from an interrupted run"
+            ));
+        }
+        checkpoint
     }
 
     fn describe_prestress(
@@ -362,12 +408,16 @@ fn displacements(scene: &Scene) -> Vec<f64> {
         .collect()
 }
 
+/// Hears of a finished amplitude: its place in the backbone, the loop, and what it did at the interface.
+type Finish<'a> = dyn Fn(usize, &BackbonePoint, Option<&LoopFields>) -> ControlFlow<()> + Sync + 'a;
+
 /// Watches one loop at the quadrature points.
 struct Watcher<'a> {
     interface: &'a Interface,
     prestress: &'a Fields,
+    index: usize,
     store: bool,
-    finish: &'a (dyn Fn() + Sync),
+    finish: &'a Finish<'a>,
     area: LoopArea,
     workspace: Workspace,
     end: Option<State>,
@@ -378,13 +428,16 @@ struct Watcher<'a> {
     largest_sliding: f64,
     /// The workspace at the positive peak, if it is to be stored.
     at_peak: Option<Workspace>,
+    /// What came of the loop, when it is done and has converged.
+    fields: Option<LoopFields>,
 }
 
 impl<'a> Watcher<'a> {
-    fn new(interface: &'a Interface, prestress: &'a Fields, store: bool, finish: &'a (dyn Fn() + Sync)) -> Self {
+    fn new(interface: &'a Interface, prestress: &'a Fields, index: usize, store: bool, finish: &'a Finish<'a>) -> Self {
         Self {
             interface,
             prestress,
+            index,
             store,
             finish,
             area: LoopArea::new(interface.operators().n_points()),
@@ -396,11 +449,12 @@ impl<'a> Watcher<'a> {
             open_fraction: 0.0,
             largest_sliding: 0.0,
             at_peak: None,
+            fields: None,
         }
     }
 
-    fn finish(self) -> LoopFields {
-        let flux = self.area.close();
+    fn close(&mut self) -> LoopFields {
+        let flux = std::mem::replace(&mut self.area, LoopArea::new(0)).close();
         let weights = &self.interface.operators().weights;
         let dissipation = flux
             .iter()
@@ -411,7 +465,7 @@ impl<'a> Watcher<'a> {
             open_fraction: self.open_fraction,
             dissipation,
             largest_sliding: self.largest_sliding,
-            fields: self.at_peak.map(|peak| Fields {
+            fields: self.at_peak.take().map(|peak| Fields {
                 jump: peak.jump,
                 traction: peak.traction,
                 regime: peak.regime,
@@ -422,9 +476,9 @@ impl<'a> Watcher<'a> {
 }
 
 impl LoopObserver<State> for Watcher<'_> {
-    fn done(&mut self, _: &BackbonePoint) -> ControlFlow<()> {
-        (self.finish)();
-        ControlFlow::Continue(())
+    fn done(&mut self, point: &BackbonePoint) -> ControlFlow<()> {
+        self.fields = point.result.is_ok().then(|| self.close());
+        (self.finish)(self.index, point, self.fields.as_ref())
     }
 
     fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &State) {

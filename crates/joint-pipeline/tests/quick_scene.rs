@@ -307,3 +307,76 @@ fn a_mode_that_does_not_move_the_response_point_is_refused() {
     let error = run(&scene, &Options { cache: Some(cache()) }, &Silent).unwrap_err();
     assert!(matches!(error, Error::NoResponse { mode: 2, .. }), "{error}");
 }
+
+/// Stops a run after so many amplitudes.
+struct Impatient {
+    left: std::sync::atomic::AtomicUsize,
+}
+
+impl Impatient {
+    fn after(amplitudes: usize) -> Self {
+        Self {
+            left: amplitudes.into(),
+        }
+    }
+}
+
+impl Progress for Impatient {
+    fn interrupted(&self) -> bool {
+        use std::sync::atomic::Ordering::Relaxed;
+        self.left
+            .fetch_update(Relaxed, Relaxed, |n| Some(n.saturating_sub(1)))
+            .unwrap()
+            <= 1
+    }
+}
+
+#[test]
+fn an_interrupted_run_goes_on_to_the_same_bits() {
+    let mut scene = quick();
+    scene.name = "interrupted".into();
+    scene.output.fields_at = Some(vec![2, 7]);
+    let numbers = |run: &Run| -> String {
+        run.amplitudes
+            .iter()
+            .map(|a| format!("{:?} {:?} {:?}\n", a.point, a.fields, a.response_acceleration))
+            .collect()
+    };
+    // A folder of its own with the common reduced model, so that only these runs leave loops there.
+    let folder = std::env::temp_dir().join(format!("joint-pipeline-interrupted-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    for entry in std::fs::read_dir(cache()).unwrap().map(Result::unwrap) {
+        if entry.file_name().to_string_lossy().starts_with("reduced-") {
+            std::fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
+        }
+    }
+    let options = Options {
+        cache: Some(folder.clone()),
+    };
+    let loops = || {
+        let mut entries = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path());
+        entries.find(|p| p.extension().is_some_and(|e| e == "jsonl"))
+    };
+    let undisturbed = numbers(&run(&scene, &options, &Silent).unwrap());
+    assert!(loops().is_none(), "a finished run leaves no loops behind");
+    for stops in [vec![1], vec![3, 1, 2], vec![6]] {
+        for &stop in &stops {
+            let result = run(&scene, &options, &Impatient::after(stop));
+            assert!(matches!(result, Err(Error::Solver(cqsma_solver::Error::Interrupted))));
+        }
+        // The last write was cut short as well.
+        let path = loops().unwrap();
+        let text = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &text[..text.len() - 7]).unwrap();
+        let resumed = run(&scene, &options, &Silent).unwrap();
+        assert!(numbers(&resumed) == undisturbed, "{stops:?}");
+        assert!(loops().is_none());
+    }
+    // Loops of another scene are not taken for those of this one.
+    assert!(run(&scene, &options, &Impatient::after(2)).is_err());
+    let mut other = scene.clone();
+    other.mu = 0.3;
+    assert!(numbers(&run(&other, &options, &Silent).unwrap()) != undisturbed);
+    assert!(loops().is_some());
+    std::fs::remove_dir_all(&folder).unwrap();
+}
