@@ -29,6 +29,15 @@ impl<S> Linearisation<'_, S> {
         &self.displacement
     }
 
+    /// Displacements of the structure with everything in contact stuck under the force `force` (N).
+    ///
+    /// # Errors
+    /// [`Error::Size`].
+    pub fn stuck_response(&self, force: &[f64]) -> Result<Vec<f64>, Error> {
+        check_size("the force", force.len(), self.shapes.nrows())?;
+        Ok(self.stuck.response(force).v)
+    }
+
     /// Frequencies of the modes (Hz).
     pub fn frequencies(&self) -> Vec<f64> {
         self.eigenvalues

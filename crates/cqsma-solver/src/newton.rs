@@ -57,6 +57,8 @@ pub struct Failure {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Effort {
+    /// Equilibria found.
+    pub solves: usize,
     /// Newton iterations.
     pub iterations: usize,
     /// Evaluations of the force.
@@ -69,6 +71,7 @@ pub struct Effort {
 
 impl std::ops::AddAssign for Effort {
     fn add_assign(&mut self, other: Self) {
+        self.solves += other.solves;
         self.iterations += other.iterations;
         self.evaluations += other.evaluations;
         self.krylov_steps += other.krylov_steps;
@@ -231,6 +234,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                 return fail(Reason::NotFinite, history);
             }
             if merit <= target {
+                walk.effort.solves += 1;
                 return Ok(Converged {
                     residual: merit / goal.scale,
                     counts,

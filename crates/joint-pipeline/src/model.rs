@@ -68,13 +68,6 @@ impl MeshedStructure {
     /// # Errors
     /// Of the mesher.
     pub fn try_new(model: &Model) -> Result<Self, Error> {
-        let geometry = Geometry::default();
-        let material = Material {
-            name: "beam, bolts, washers and nuts".into(),
-            youngs_modulus: model.material.youngs_modulus,
-            poisson_ratio: model.material.poisson_ratio,
-            density: model.material.density,
-        };
         let refinement = match model.refinement {
             RefinementName::Quick => Refinement::quick(),
             RefinementName::Coarse => Refinement::coarse(),
@@ -82,12 +75,27 @@ impl MeshedStructure {
             RefinementName::Fine => Refinement::fine(),
             RefinementName::Finest => Refinement::finest(),
         };
+        Self::with_refinement(model, &refinement)
+    }
+
+    /// The same with a mesh of one's own instead of a named one.
+    ///
+    /// # Errors
+    /// Of the mesher.
+    pub fn with_refinement(model: &Model, refinement: &Refinement) -> Result<Self, Error> {
+        let geometry = Geometry::default();
+        let material = Material {
+            name: "beam, bolts, washers and nuts".into(),
+            youngs_modulus: model.material.youngs_modulus,
+            poisson_ratio: model.material.poisson_ratio,
+            density: model.material.density,
+        };
         let formulation = match model.formulation {
             FormulationName::IncompatibleModes => Formulation::IncompatibleModes,
             FormulationName::Full => Formulation::Full,
         };
         Ok(Self {
-            beam: build(&geometry, &refinement, &material, 1.0)?,
+            beam: build(&geometry, refinement, &material, 1.0)?,
             clearance: 0.5 * (geometry.hole_diameter - geometry.shank_diameter),
             formulation,
             settings: Settings {

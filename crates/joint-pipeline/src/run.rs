@@ -146,22 +146,35 @@ pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Res
     progress.begin(Stage::Mesh);
     let structure = MeshedStructure::try_new(&scene.model)?;
     progress.end(Stage::Mesh);
-    let model = structure.reduce(options.cache.as_deref(), progress)?;
-    progress.begin(Stage::Characterise);
-    let load = scene.bolts.load * model.reduced.loads.len() as f64;
-    let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
-    progress.end(Stage::Characterise);
-    Ok(Prepared {
-        scene: scene.clone(),
-        cache: options.cache.clone(),
-        clearance: structure.clearance,
-        mesh: structure.interface().clone(),
-        model,
-        interface,
-    })
+    Prepared::try_new(scene, &structure, options, progress)
 }
 
 impl Prepared {
+    /// The scene on a structure that is already meshed.
+    ///
+    /// # Errors
+    /// Of the finite elements, the reduction, the surface and the laws.
+    pub fn try_new(
+        scene: &Scene,
+        structure: &MeshedStructure,
+        options: &Options,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let model = structure.reduce(options.cache.as_deref(), progress)?;
+        progress.begin(Stage::Characterise);
+        let load = scene.bolts.load * model.reduced.loads.len() as f64;
+        let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
+        progress.end(Stage::Characterise);
+        Ok(Self {
+            scene: scene.clone(),
+            cache: options.cache.clone(),
+            clearance: structure.clearance,
+            mesh: structure.interface().clone(),
+            model,
+            interface,
+        })
+    }
+
     /// The reduced structure.
     pub fn model(&self) -> &StructuralModel {
         &self.model
@@ -184,6 +197,17 @@ impl Prepared {
         load
     }
 
+    /// The guess that prestress starts from: a uniform closure that carries the bolt load (m).
+    pub fn start(&self) -> Vec<f64> {
+        let reduced = &self.model.reduced;
+        let mut start = vec![0.0; reduced.mass.nrows()];
+        start[2..reduced.n_relative]
+            .iter_mut()
+            .step_by(3)
+            .for_each(|u| *u = self.interface.closure);
+        start
+    }
+
     /// Prestress, modes and backbone.
     ///
     /// # Errors
@@ -200,11 +224,7 @@ impl Prepared {
 
         progress.begin(Stage::Prestress);
         let static_load = self.static_load();
-        let mut start = vec![0.0; static_load.len()];
-        start[2..reduced.n_relative]
-            .iter_mut()
-            .step_by(3)
-            .for_each(|u| *u = self.interface.closure);
+        let start = self.start();
         let solution = prestress::solve(stiffness, &force, &static_load, &start, &newton)?.map_err(|failure| {
             Error::Prestress {
                 reason: failure.reason,

@@ -158,6 +158,8 @@ pub struct BackboneSummary {
     pub slip_fraction: Option<f64>,
     /// Area fraction open there.
     pub open_fraction: Option<f64>,
+    /// Equilibria found, all cycles together.
+    pub load_points: usize,
     /// Newton iterations of the whole loop.
     pub iterations: usize,
     /// Evaluations of the interface.
@@ -266,6 +268,7 @@ fn backbone(amplitude: &crate::run::AmplitudeResult, scene: &Scene) -> BackboneS
         response_displacement: amplitude.response_displacement,
         slip_fraction: fields.map(|f| f.slip_fraction),
         open_fraction: fields.map(|f| f.open_fraction),
+        load_points: point.effort.solves,
         iterations: point.effort.iterations,
         evaluations: point.effort.evaluations,
         krylov_steps: point.effort.krylov_steps,
