@@ -10,7 +10,7 @@ use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
 const FLAT: &str = include_str!("../../fixtures/scenes/brb-flat.json");
-const RESULTS: &str = "results";
+pub(crate) const RESULTS: &str = "results";
 pub(crate) const SUMMARY: &str = "summary.json";
 
 /// Arguments of the command.

@@ -1,15 +1,12 @@
-//! The short benchmark set: figures of one run, as minimum and median of interleaved rounds, so that ratios hold even
-//! where times do not.
+//! The quadrature-point kernel, law by law.
 
-use crate::files::{self, Output};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use contact_laws::workload::{Batch, LoadStoreFloor, asperity_sums, fitted_curves};
 use contact_laws::{
     FittedPoints, FrictionalLaw, HistoryRule, PointCurves, PointParameters, TableOptions, Tabulated, TractionLaw,
 };
 use serde_json::{Map, Value, json};
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Points of the kernel benchmark: 588 elements of 25 points, rounded.
@@ -27,60 +24,6 @@ const RANGE: [f64; 2] = [1e-7, 1e-4];
 /// Parameters that the fitted law reads per point.
 const N_COLUMNS: usize = 21;
 
-/// Options of `bench`.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Write the figures to this file as well.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-}
-
-/// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let (kernel, table) = kernel()?;
-    crate::print(&table)?;
-    if let Some(path) = &arguments.json {
-        let figures = json!({ "processor": processor(), "kernel": kernel });
-        let text = serde_json::to_string_pretty(&figures).context("writing the figures as JSON")?;
-        let name = path
-            .file_name()
-            .with_context(|| format!("{} names no file", path.display()))?;
-        let directory = path.parent().unwrap_or(Path::new(""));
-        let output = Output::new(name.to_string_lossy(), text + "\n");
-        files::write_all(directory, &[output])?;
-    }
-    Ok(())
-}
-
-/// What the figures were measured on.
-fn processor() -> Value {
-    json!({
-        "architecture": std::env::consts::ARCH,
-        "instruction_set": contact_laws::instruction_set(),
-        "features": features(),
-        "threads": std::thread::available_parallelism().map_or(1, usize::from),
-    })
-}
-
-#[cfg(target_arch = "x86_64")]
-fn features() -> Vec<&'static str> {
-    [
-        ("sse4.2", std::arch::is_x86_feature_detected!("sse4.2")),
-        ("avx", std::arch::is_x86_feature_detected!("avx")),
-        ("avx2", std::arch::is_x86_feature_detected!("avx2")),
-        ("fma", std::arch::is_x86_feature_detected!("fma")),
-        ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
-    ]
-    .into_iter()
-    .filter_map(|(name, has)| has.then_some(name))
-    .collect()
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn features() -> Vec<&'static str> {
-    Vec::new()
-}
-
 fn friction<C: PointCurves + 'static>(curves: C) -> Result<Box<dyn TractionLaw>> {
     let mu = PointParameters::uniform(0.2, curves.len());
     Ok(Box::new(FrictionalLaw::try_new(curves, mu, HistoryRule::Incremental)?))
@@ -94,8 +37,8 @@ struct Kernel<'a> {
     tangent: bool,
 }
 
-/// The quadrature-point kernel: nanoseconds per point.
-fn kernel() -> Result<(Value, String)> {
+/// Nanoseconds per point.
+pub(super) fn figures() -> Result<(Value, String)> {
     let curves = fitted_curves(POINTS, Some(RANGE))?;
     let fitted = friction(FittedPoints::<f64>::new(&curves))?;
     let single = friction(FittedPoints::<f32>::new(&curves))?;
