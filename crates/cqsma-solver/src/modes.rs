@@ -64,10 +64,12 @@ impl<S> Linearisation<'_, S> {
 
 /// Linearises about `displacement` with the committed history `state`, and finds the `n_modes` lowest modes.
 ///
-/// The stuck tangent is symmetrised: laws whose history rule makes it unsymmetric lose that part here, and only here.
+/// The mass may be semi-definite: massless coordinates are allowed, and there are as many modes as its rank. The stuck
+/// tangent is symmetrised: laws whose history rule makes it unsymmetric lose that part here, and only here.
 ///
 /// # Errors
-/// Sizes that do not match; [`Error::Dense`] if the stuck structure can still move freely.
+/// Sizes that do not match; [`Error::Dense`] if the stuck structure can still move freely; [`Error::Setting`] if there
+/// are fewer than `n_modes` modes.
 pub fn linearise<'a, F: HystereticForce>(
     stiffness: MatRef<'a, f64>,
     mass: MatRef<'a, f64>,
@@ -135,7 +137,16 @@ fn lowest_modes(lower: MatRef<'_, f64>, mass: MatRef<'_, f64>, n_modes: usize) -
         image = dense_algebra::product(c.as_ref(), basis.as_ref());
         let small = dense_algebra::symmetric(dense_algebra::product(basis.transpose(), image.as_ref()).as_ref());
         let (ascending, rotation) = dense_algebra::symmetric_eigen(small.as_ref())?;
+        // Images of the Ritz vectors are nearly orthogonal, however far apart their eigenvalues are.
+        image = dense_algebra::product(image.as_ref(), rotation.as_ref());
         let values: Vec<f64> = ascending.into_iter().rev().take(n_modes).collect();
+        if values.len() < n_modes || !values.iter().all(|v| *v > 0.0) {
+            return Err(Error::Setting {
+                field: "n_modes",
+                value: n_modes as f64,
+                requirement: "no more than the rank of a finite, positive semi-definite mass matrix",
+            });
+        }
         let change = values
             .iter()
             .zip(&previous)
@@ -144,8 +155,7 @@ fn lowest_modes(lower: MatRef<'_, f64>, mass: MatRef<'_, f64>, n_modes: usize) -
         previous.clone_from(&values);
         // Eigenvalues converge with the square of the shapes: ask for round-off in the values.
         if change < 1e-13 {
-            let leading = Mat::from_fn(width, n_modes, |i, j| rotation[(i, width - 1 - j)]);
-            let mut shapes = dense_algebra::product(image.as_ref(), leading.as_ref());
+            let mut shapes = Mat::from_fn(n, n_modes, |i, j| image[(i, image.ncols() - 1 - j)]);
             dense_algebra::solve_lower_transposed(lower, shapes.as_mut());
             normalise(mass, shapes.as_mut());
             return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
@@ -156,18 +166,29 @@ fn lowest_modes(lower: MatRef<'_, f64>, mass: MatRef<'_, f64>, n_modes: usize) -
     })
 }
 
-/// Orthonormal basis of the columns, by two passes of Cholesky orthogonalisation.
+/// Orthonormal basis of the space of the columns, by two passes over the eigenvectors of their Gram matrix
+/// (Stathopoulos and Wu 2002, SIAM Journal on Scientific Computing 23, 2165-2182); fewer columns than given where some
+/// depend on others or are round-off.
 fn orthonormal(mut columns: Mat<f64>) -> Result<Mat<f64>, Error> {
     for _ in 0..2 {
+        let longest = columns.col_iter().map(|column| column.norm_l2()).fold(0.0, f64::max);
+        let round_off = f64::EPSILON * columns.nrows() as f64;
         for column in columns.as_mut().col_iter_mut() {
             let length = column.norm_l2();
-            column.iter_mut().for_each(|v| *v /= length);
+            let scale = if length > round_off * longest {
+                length.recip()
+            } else {
+                0.0
+            };
+            column.iter_mut().for_each(|v| *v *= scale);
         }
         let gram = dense_algebra::product(columns.transpose(), columns.as_ref());
-        let lower = dense_algebra::cholesky(gram.as_ref())?;
-        let mut rows = columns.transpose().to_owned();
-        dense_algebra::solve_lower(lower.as_ref(), rows.as_mut());
-        columns = rows.transpose().to_owned();
+        let (values, vectors) = dense_algebra::symmetric_eigen(gram.as_ref())?;
+        let kept: Vec<usize> = (0..values.len()).filter(|&j| values[j] > round_off).collect();
+        let turn = Mat::from_fn(values.len(), kept.len(), |i, j| {
+            vectors[(i, kept[j])] / values[kept[j]].sqrt()
+        });
+        columns = dense_algebra::product(columns.as_ref(), turn.as_ref());
     }
     Ok(columns)
 }
