@@ -95,3 +95,137 @@ impl JenkinsChain {
         }
     }
 }
+
+/// A massless elastic bar, bonded along its length to the ground by an elastic layer of limited strength, with a mass
+/// at its free end: a shear-layer model of micro-slip in the manner of Menq, Bielak and Griffin (1986, Journal of Sound
+/// and Vibration 107, 279-293), with uniform properties. What follows is derived here.
+///
+/// # The bar
+///
+/// The coordinate `x >= 0` runs from the pulled end into the bar, `u` is positive along the pull `P`, so that the
+/// tension is `N = -EA u'` and `N(0) = P`. The layer resists with `k u` (N/m) up to `f` (N/m), beyond which it slides:
+/// `EA u'' = k u` or `f`. The bar is infinitely long. With
+///
+/// `lambda = sqrt(k / EA)`, `u_y = f / k`, `P_y = f / lambda`, `p = P / P_y`
+///
+/// the stuck bar is `u = u(0) exp(-lambda x)` with `P = EA lambda u(0)`, thus `u(0) / u_y = p`, and sliding begins at
+/// the end when `p = 1`. Beyond, the stuck part begins at `x = s` where `u = u_y` and `N = P_y`; the balance of the
+/// sliding part and its elongation give
+///
+/// `P = P_y + f s`, `u(0) = u_y + (P_y s + f s^2 / 2) / EA`, that is `lambda s = p - 1`, `u(0) / u_y = (1 + p^2) / 2`.
+///
+/// # The loop
+///
+/// Every point of the layer is a Jenkins element, and load and displacements grow in one direction at all points at
+/// once: Masing's rule holds, unloading and reloading are the loading curve magnified twice, whatever the mean load. A
+/// force of amplitude `P` at the end thus dissipates per cycle
+///
+/// `D = 8 integral P du - 4 P u(0) = (2/3) P_y u_y (p - 1)^2 (p + 2)` for `p > 1`, otherwise 0:
+///
+/// the square of the excess just after the onset, the cube of the force in the long run.
+///
+/// # The load of the mode
+///
+/// The end mass `m` is all the mass there is. So there is one mode, `M phi` is `sqrt(m)` at the pulled end and zero
+/// elsewhere, and the modal load is a force `P = sqrt(m) alpha` at that end, exactly; `q = sqrt(m) u(0)`. The secant
+/// frequency and damping are `omega^2 = P / (m u(0))` and `zeta = D / (2 pi P u(0))`.
+///
+/// # The mesh
+///
+/// Linear elements of length `h` cover the bar up to `x = length`, with the layer lumped at the nodes; the last node
+/// carries a spring of `sqrt(EA k + (k h / 2)^2)` for all elements beyond, which must stick: `s < length`. The bar
+/// thus answers as the infinite mesh, of any length. When the node at `x = j h` begins to slide, that mesh has
+///
+/// `p_j = lambda j h + sqrt(1 + (lambda h)^2 / 4)`, `u(0) / u_y = (1 + p_j^2) / 2 - (lambda h)^2 / 8`,
+///
+/// and it follows the chords between: its displacement lies up to `u_y (lambda h)^2 / 8` below the bar's. At these
+/// forces Masing's rule on the chords puts its dissipation `P_y u_y (p - 1) (lambda h)^2 / 6` below, to leading order.
+#[derive(Clone, Debug)]
+pub struct FrictionalBar {
+    /// Stiffness of the bar without its layer (N/m), `(elements + 1)^2`; coordinate 0 is the pulled end.
+    pub stiffness: Mat<f64>,
+    /// Mass (kg): the end mass, rank 1.
+    pub mass: Mat<f64>,
+    /// The layer.
+    pub force: Jenkins,
+    end_mass: f64,
+    /// `P_y` (N).
+    onset_force: f64,
+    /// `u_y` (m).
+    onset_displacement: f64,
+    /// `1 / lambda` (m).
+    decay_length: f64,
+}
+
+impl FrictionalBar {
+    /// At least one element over `length` (m) of a bar of `axial_stiffness` EA (N) on a `layer` of stiffness (N/m^2)
+    /// and limit (N/m), with `end_mass` (kg).
+    pub fn new(elements: usize, length: f64, axial_stiffness: f64, layer: (f64, f64), end_mass: f64) -> Self {
+        let n = elements + 1;
+        let (k, f) = layer;
+        let h = length / elements as f64;
+        let spring = axial_stiffness / h;
+        let beyond = (axial_stiffness * k + (0.5 * k * h).powi(2)).sqrt();
+        let stiffness = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
+            0 if i == 0 => spring,
+            0 if i == elements => spring + beyond,
+            0 => 2.0 * spring,
+            1 => -spring,
+            _ => 0.0,
+        });
+        // The other half of the last node's share belongs to the elements beyond.
+        let share = |i| if i == 0 || i == elements { 0.5 * h } else { h };
+        let decay_length = (axial_stiffness / k).sqrt();
+        Self {
+            stiffness,
+            mass: Mat::from_fn(n, n, |i, j| if i == 0 && j == 0 { end_mass } else { 0.0 }),
+            force: Jenkins::new((0..n).map(|i| (k * share(i), f * share(i))).collect()),
+            end_mass,
+            onset_force: f * decay_length,
+            onset_displacement: f / k,
+            decay_length,
+        }
+    }
+
+    /// End force that starts to slide, `P_y` (N).
+    pub fn onset_force(&self) -> f64 {
+        self.onset_force
+    }
+
+    /// End displacement that starts to slide, `u_y` (m).
+    pub fn onset_displacement(&self) -> f64 {
+        self.onset_displacement
+    }
+
+    /// Modal force (sqrt(kg) m/s^2) of the end force (N).
+    pub fn modal_force(&self, end_force: f64) -> f64 {
+        end_force / self.end_mass.sqrt()
+    }
+
+    /// Length of the sliding part (m) when the unloaded bar is pulled with `end_force` (N).
+    pub fn slip_length(&self, end_force: f64) -> f64 {
+        self.decay_length * (end_force / self.onset_force - 1.0).max(0.0)
+    }
+
+    /// Displacement of the end (m) when the unloaded bar is pulled with `end_force` (N); half the range of the loop.
+    pub fn end_displacement(&self, end_force: f64) -> f64 {
+        let p = end_force / self.onset_force;
+        self.onset_displacement * if p > 1.0 { 0.5 * (1.0 + p * p) } else { p }
+    }
+
+    /// Dissipation per cycle (J) at an end force of amplitude `end_force` (N).
+    pub fn dissipation(&self, end_force: f64) -> f64 {
+        let excess = (end_force / self.onset_force - 1.0).max(0.0);
+        2.0 / 3.0 * self.onset_force * self.onset_displacement * excess * excess * (excess + 3.0)
+    }
+
+    /// Secant frequency (rad/s) at an end force of amplitude `end_force` (N).
+    pub fn omega(&self, end_force: f64) -> f64 {
+        (end_force / (self.end_mass * self.end_displacement(end_force))).sqrt()
+    }
+
+    /// Damping ratio at an end force of amplitude `end_force` (N).
+    pub fn zeta(&self, end_force: f64) -> f64 {
+        self.dissipation(end_force) / (2.0 * std::f64::consts::PI * end_force * self.end_displacement(end_force))
+    }
+}
