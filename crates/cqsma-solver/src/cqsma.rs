@@ -157,9 +157,9 @@ impl LoopResult {
                 half(hysteresis.amplitude.get(middle)),
             ],
             zeta: loop_area / (2.0 * PI * (modal_amplitude * omega).powi(2)),
-            // A residual moves q by its own size, relative; the sides of the loop add up to four times the peak force.
-            // Ends that lie apart by 2 q times the closure make an area of as much times the peak force.
-            zeta_floor: (2.0 * found.residual + hysteresis.closure()) / PI,
+            // A residual moves q by its own size, relative, and the sides of the loop add up to four times the peak force.
+            // Ends that lie apart by 2 q times the closure may be joined at any force between the peaks.
+            zeta_floor: 2.0 * (found.residual + hysteresis.closure()) / PI,
             loop_area,
             coarse_loop_area: hysteresis.coarse_area(),
             shape_deviation: found.shape_deviation,

@@ -249,9 +249,9 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
             walk.effort.iterations += 1;
             // Far from the solution an accurate step is wasted; near it the forcing term follows the residual, which
             // keeps the convergence superlinear. More than a tenth of the target is never needed.
-            let forcing = (0.1 * merit / goal.scale)
+            let forcing = (0.01 * merit / goal.scale)
                 .sqrt()
-                .min(1e-2)
+                .min(0.1)
                 .max(0.1 * target / merit)
                 .min(0.5);
             let Some(step) = self.step(walk, merit, forcing, solver) else {

@@ -7,6 +7,9 @@ use crate::newton::{Equilibrium, Failure, Goal, LinearSolver, NewtonSettings, Wa
 /// Smallest step of the load factor, relative to its range, before a failure is final.
 const SMALLEST_STEP: f64 = 1e-3;
 
+/// Degree of the polynomial that a branch is extrapolated with.
+const DEGREE: usize = 2;
+
 /// A walk along the factor of one load.
 pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) equilibrium: Equilibrium<'a, F>,
@@ -22,8 +25,8 @@ pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) at: f64,
     /// Largest residual since it was last set to zero, relative to the load of the range (energy norm).
     pub(crate) residual: f64,
-    /// An earlier point of the same branch, for extrapolation.
-    previous: Option<(f64, Motion)>,
+    /// The last points of the same branch before the one at hand, the later one first, for extrapolation.
+    previous: Vec<(f64, Motion)>,
 }
 
 impl<'a, F: HystereticForce> Path<'a, F> {
@@ -44,7 +47,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             walk,
             at: 0.0,
             residual: 0.0,
-            previous: None,
+            previous: Vec::new(),
         }
     }
 
@@ -71,23 +74,15 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         while let Some(&next) = targets.last() {
             let (from, origin) = (self.at, self.walk.motion.clone());
             let step = next - from;
-            match &self.previous {
-                // Along the secant of the branch.
-                Some((earlier, motion)) if *earlier != from => {
-                    let ratio = step / (from - earlier);
-                    self.walk.motion.add(ratio, &origin);
-                    self.walk.motion.add(-ratio, motion);
-                }
-                // After a reversal everything sticks.
-                _ => self.walk.motion.add(step, self.unit),
-            }
+            self.predict(next, &origin);
             let outcome = self.settle(next).or_else(|_| {
                 self.walk.motion.copy_from(&origin);
                 self.settle(next)
             });
             match outcome {
                 Ok(found) => {
-                    self.previous = Some((from, origin));
+                    self.previous.insert(0, (from, origin));
+                    self.previous.truncate(DEGREE);
                     counts = found;
                     targets.pop();
                 }
@@ -103,10 +98,31 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         Ok(counts)
     }
 
+    /// Moves the motion on to where the last points of the branch lead; after a reversal everything sticks.
+    fn predict(&mut self, next: f64, origin: &Motion) {
+        let from = self.at;
+        if self.previous.is_empty() {
+            self.walk.motion.add(next - from, self.unit);
+            return;
+        }
+        let points = || std::iter::once((from, origin)).chain(self.previous.iter().map(|(at, motion)| (*at, motion)));
+        for (at, motion) in points() {
+            // Lagrange's polynomial through the points.
+            let weight: f64 = points()
+                .filter(|(other, _)| *other != at)
+                .map(|(other, _)| (next - other) / (at - other))
+                .product();
+            // The origin is there already.
+            self.walk
+                .motion
+                .add(if at == from { weight - 1.0 } else { weight }, motion);
+        }
+    }
+
     /// Makes the history reached the one that later solves start from, and forgets the way there.
     pub(crate) fn turn(&mut self) {
         self.walk.commit();
-        self.previous = None;
+        self.previous.clear();
         // Both halves of the motion have taken the same steps; this keeps their round-off from growing with the walk.
         let Motion { v, p } = &mut self.walk.motion;
         self.equilibrium.stuck.solve_into(p, v);

@@ -23,7 +23,7 @@ fn loops(
         .unwrap();
     let mut line = modes::linearise(stiffness, mass, force, rest.displacement, rest.state, 1).unwrap();
     line.orient(&vec![1.0; load.len()]).unwrap();
-    let points = run(&line, force, modal_forces, settings, |_| NoObserver, || {}).unwrap();
+    let points = run(&line, force, modal_forces, settings, |_| NoObserver).unwrap();
     points.into_iter().map(|(point, _)| point).collect()
 }
 
@@ -43,10 +43,12 @@ fn bar_loops(bar: &FrictionalBar, mean: f64, p: &[f64], vertices_per_quarter: us
     let mut load = vec![0.0; bar.mass.nrows()];
     load[0] = mean * bar.onset_force();
     let modal: Vec<f64> = p.iter().map(|p| bar.modal_force(p * bar.onset_force())).collect();
-    let settings = Settings {
+    let mut settings = Settings {
         vertices_per_quarter,
         ..Settings::default()
     };
+    // So that what is left of an error belongs to the mesh or the method.
+    settings.newton.tolerance = 1e-12;
     loops(&bar.stiffness, &bar.mass, &bar.force, &load, &modal, &settings)
 }
 
@@ -226,7 +228,7 @@ fn a_mean_load_leaves_the_closed_loop_as_it_is() {
                 cold.omega
             );
             assert!(
-                (r.zeta - cold.zeta).abs() < 1e-8 * cold.zeta + 1e-12,
+                (r.zeta - cold.zeta).abs() < 1e-8 * cold.zeta + r.zeta_floor + cold.zeta_floor,
                 "mean {mean}: {} {}",
                 r.zeta,
                 cold.zeta
@@ -327,17 +329,17 @@ fn the_loops_cost_what_they_did() {
     // Newton iterations, evaluations of the force, Krylov steps, factorisations. A change that costs more than a tenth
     // more is a regression; one that saves more than a quarter is worth recording, or the next loss goes unseen.
     let table = [
-        ("chain", chain(Commit::AtReversals), [289, 892, 1492, 0]),
+        ("chain", chain(Commit::AtReversals), [417, 1020, 1819, 0]),
         (
             "chain, commits at every vertex",
             chain(Commit::AtEveryVertex),
-            [564, 1860, 2880, 0],
+            [849, 2145, 3632, 0],
         ),
-        ("bar", bar(Commit::AtReversals), [670, 1273, 2745, 0]),
+        ("bar", bar(Commit::AtReversals), [628, 1231, 2140, 0]),
         (
             "bar, commits at every vertex",
             bar(Commit::AtEveryVertex),
-            [1410, 2706, 5624, 0],
+            [1306, 2602, 4342, 0],
         ),
     ];
     let mut found = String::new();
