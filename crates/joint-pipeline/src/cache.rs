@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// Changes whenever the meaning of the stored numbers or the way they are computed does.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Hash of the inputs of a reduced model.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,6 +60,7 @@ struct Header {
     key: String,
     n: usize,
     n_relative: usize,
+    n_attachment: usize,
     n_loads: usize,
     n_recovered: usize,
     zem_stuck: usize,
@@ -116,6 +117,7 @@ pub(crate) fn load(directory: &Path, key: &Key) -> Option<StructuralModel> {
             stiffness,
             loads: loads.col_iter().map(|c| c.iter().copied().collect()).collect(),
             n_relative: header.n_relative,
+            n_attachment: header.n_attachment,
             recovery,
             stuck_frequencies: header.stuck_frequencies,
             zem_stuck: header.zem_stuck,
@@ -145,6 +147,7 @@ pub(crate) fn store(directory: &Path, key: &Key, model: &StructuralModel) -> Res
         key: key.0.clone(),
         n,
         n_relative: reduced.n_relative,
+        n_attachment: reduced.n_attachment,
         n_loads: reduced.loads.len(),
         n_recovered: reduced.recovery.nrows(),
         zem_stuck: reduced.zem_stuck,

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::cache::{self, KeyBuilder};
 use crate::progress::{Progress, Stage};
-use crate::scene::{FormulationName, Model, RefinementName};
+use crate::scene::{BoltBehaviour, FormulationName, Model, RefinementName};
 use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::mesh::{BrakeReussBeam, Refinement, build};
 use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Settings, checks, reduce};
@@ -36,7 +36,8 @@ pub struct Facts {
     pub zem_unstressed: usize,
     /// Frequencies without any contact (Hz).
     pub unstressed_frequencies_hz: Vec<f64>,
-    /// Frequencies of the full model with a uniform linear stiffness on the interface (Hz).
+    /// Frequencies of the full model with a uniform linear stiffness on the interface, the bolts locked if they are so
+    /// in vibration (Hz).
     pub penalty_frequencies_hz: Vec<f64>,
     /// Largest relative difference of the reduced model's frequencies to these.
     pub penalty_error: f64,
@@ -45,7 +46,8 @@ pub struct Facts {
 /// A reduced structure.
 #[derive(Clone, Debug)]
 pub struct StructuralModel {
-    /// Matrices; load `i` is unit tension of bolt `i`, recovery row 0 the response displacement.
+    /// Matrices; load `i` is unit tension of bolt `i`, recovery row 0 the response displacement. With attachment modes
+    /// of the loads if the bolts lock; they are not locked yet.
     pub reduced: ReducedModel,
     /// What is known of the full model.
     pub facts: Facts,
@@ -63,11 +65,11 @@ pub struct MeshedStructure {
 }
 
 impl MeshedStructure {
-    /// Meshes the structure of a scene; bolts are loaded by unit tension.
+    /// Meshes the structure of a scene; bolts are loaded by unit tension, and may be locked later if they behave so.
     ///
     /// # Errors
     /// Of the mesher.
-    pub fn try_new(model: &Model) -> Result<Self, Error> {
+    pub fn try_new(model: &Model, bolts: BoltBehaviour) -> Result<Self, Error> {
         let refinement = match model.refinement {
             RefinementName::Quick => Refinement::quick(),
             RefinementName::Coarse => Refinement::coarse(),
@@ -75,14 +77,14 @@ impl MeshedStructure {
             RefinementName::Fine => Refinement::fine(),
             RefinementName::Finest => Refinement::finest(),
         };
-        Self::with_refinement(model, &refinement)
+        Self::with_refinement(model, bolts, &refinement)
     }
 
     /// The same with a mesh of one's own instead of a named one.
     ///
     /// # Errors
     /// Of the mesher.
-    pub fn with_refinement(model: &Model, refinement: &Refinement) -> Result<Self, Error> {
+    pub fn with_refinement(model: &Model, bolts: BoltBehaviour, refinement: &Refinement) -> Result<Self, Error> {
         let geometry = Geometry::default();
         let material = Material {
             name: "beam, bolts, washers and nuts".into(),
@@ -101,6 +103,7 @@ impl MeshedStructure {
             settings: Settings {
                 n_modes: model.modes,
                 n_reported: model.modes.max(N_CHECKED),
+                attachment_modes: bolts == BoltBehaviour::Locked,
                 ..Settings::default()
             },
             youngs_modulus: model.material.youngs_modulus,
@@ -162,8 +165,15 @@ impl MeshedStructure {
         progress.fraction(Stage::Reduce, 0.88);
         let area = self.beam.interface.areas().iter().sum::<f64>() / (relative.n_relative as f64 / 3.0);
         let penalty = vec![CHECK_STIFFNESS * self.youngs_modulus * area; relative.n_relative];
+        // The check is of the model that vibrates.
+        let locked = match self.settings.attachment_modes {
+            true => Some((relative.locked()?, reduced.locked()?)),
+            false => None,
+        };
+        let (relative, reduced) = locked
+            .as_ref()
+            .map_or((relative, reduced), |(full, small)| (full, small));
         let (_, full) = checks::full_frequencies(relative, &penalty, N_CHECKED, tolerance)?;
-        progress.fraction(Stage::Reduce, 0.95);
         let small = checks::reduced_frequencies(reduced, &penalty, N_CHECKED)?;
         let error = full
             .iter()

@@ -6,7 +6,7 @@ use crate::checkpoint::Checkpoint;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::model::{MeshedStructure, StructuralModel};
 use crate::progress::{Progress, Stage};
-use crate::scene::{CommitName, Scene};
+use crate::scene::{BoltBehaviour, CommitName, Scene};
 use crate::validity::{Validity, assess};
 use contact_laws::{Regime, Sticking};
 use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
@@ -144,7 +144,7 @@ pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<
 pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Prepared, Error> {
     scene.validate(&scene.name)?;
     progress.begin(Stage::Mesh);
-    let structure = MeshedStructure::try_new(&scene.model)?;
+    let structure = MeshedStructure::try_new(&scene.model, scene.bolts.behaviour)?;
     progress.end(Stage::Mesh);
     Prepared::try_new(scene, &structure, options, progress)
 }
@@ -215,7 +215,7 @@ impl Prepared {
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
         let scene = &self.scene;
         let reduced = &self.model.reduced;
-        let (stiffness, mass) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
+        let stiffness = reduced.stiffness.as_ref();
         let force = InterfaceForce::new(&self.interface.interface);
         let newton = NewtonSettings {
             tolerance: scene.cqsma.tolerance,
@@ -236,15 +236,26 @@ impl Prepared {
 
         progress.begin(Stage::Modes);
         let solution = &prestress.solution;
+        let mut displacement = solution.displacement.clone();
+        let locked = match scene.bolts.behaviour {
+            BoltBehaviour::DeadLoad => None,
+            BoltBehaviour::Locked => Some(reduced.locked()?),
+        };
+        let vibrating = locked.as_ref().unwrap_or(reduced);
+        if locked.is_some() {
+            // The jump acts on the contact; the other coordinates of the locked structure count from the prestress.
+            displacement.truncate(reduced.n_relative);
+            displacement.resize(vibrating.mass.nrows(), 0.0);
+        }
         let mut line = modes::linearise(
-            stiffness,
-            mass,
+            vibrating.stiffness.as_ref(),
+            vibrating.mass.as_ref(),
             &force,
-            solution.displacement.clone(),
+            displacement,
             solution.state.clone(),
             scene.cqsma.modes,
         )?;
-        let response: Vec<f64> = reduced.recovery.row(0).iter().copied().collect();
+        let response: Vec<f64> = vibrating.recovery.row(0).iter().copied().collect();
         line.orient(&response)?;
         progress.end(Stage::Modes);
 

@@ -273,12 +273,28 @@ pub enum LawKind {
 pub struct Bolts {
     /// Tension of each bolt (force).
     pub load: f64,
+    /// What the bolts do in vibration.
+    pub behaviour: BoltBehaviour,
+}
+
+/// What bolts do once they are tightened to their load. The prestress is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BoltBehaviour {
+    /// Constant opposite forces on bolt and nut at all times, as in the method paper: their tension never changes, and
+    /// their axial stiffness does not act.
+    #[default]
+    DeadLoad,
+    /// The axial motion of bolt and nut relative to one another is locked in the prestressed state, as by the thread of
+    /// a tightened nut: tension changes in vibration, and the bolts' axial stiffness acts.
+    Locked,
 }
 
 impl Default for Bolts {
     fn default() -> Self {
         Self {
             load: brake_reuss_beam::published::BOLT_LOAD,
+            behaviour: BoltBehaviour::DeadLoad,
         }
     }
 }

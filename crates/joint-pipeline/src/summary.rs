@@ -204,7 +204,7 @@ impl Summary {
                 n_interface_elements: operators.n_elements(),
                 n_interface_points: operators.n_points(),
                 n_relative_dofs: reduced.n_relative,
-                n_modes: reduced.mass.nrows() - reduced.n_relative,
+                n_modes: reduced.mass.nrows() - reduced.n_relative - reduced.n_attachment,
                 zem_unstressed: facts.zem_unstressed,
                 zem_stuck: reduced.zem_stuck,
                 stuck_frequencies_hz: reduced.stuck_frequencies.iter().take(10).copied().collect(),

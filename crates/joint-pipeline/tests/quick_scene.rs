@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use joint_pipeline::progress::{Progress, Silent, Stage};
-use joint_pipeline::scene::{CommitName, Gap, LawKind, RefinementName, Surface, SyntheticScan};
+use joint_pipeline::scene::{BoltBehaviour, CommitName, Gap, LawKind, RefinementName, Surface, SyntheticScan};
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
@@ -154,6 +154,42 @@ fn without_slip_commits_at_every_vertex_leave_no_damping_at_all() {
 }
 
 #[test]
+fn locked_bolts_leave_the_prestress_alone_and_stiffen_the_vibration() {
+    let (mut scene, dead) = (quick(), go(&quick()));
+    scene.bolts.behaviour = BoltBehaviour::Locked;
+    let locked = go(&scene);
+    let jump = |run: &Run| run.prestress.solution.displacement[..run.model.reduced.n_relative].to_vec();
+    let largest = jump(&dead).iter().fold(0.0_f64, |a, u| a.max(u.abs()));
+    for (a, b) in jump(&dead).iter().zip(jump(&locked)) {
+        assert!((a - b).abs() < 1e-9 * largest, "{a} {b}");
+    }
+    // A constraint raises every frequency or leaves it; the joint's opening in bending is what the bolts resist.
+    for (a, b) in dead.frequencies.iter().zip(&locked.frequencies) {
+        assert!(b / a > 1.0 - 1e-9, "{a} {b}");
+    }
+    let ratio = locked.frequencies[0] / dead.frequencies[0];
+    assert!(ratio > 1.0 + 1e-5 && ratio < 1.01, "{ratio}");
+    // Against the full model with the bolts locked by elimination.
+    assert!(
+        locked.model.facts.penalty_error < 1e-4,
+        "{}",
+        locked.model.facts.penalty_error
+    );
+    let free = &dead.model.facts.penalty_frequencies_hz;
+    assert!(locked.model.facts.penalty_frequencies_hz[0] > free[0] * (1.0 + 1e-6));
+    for (a, b) in dead.amplitudes.iter().zip(&locked.amplitudes) {
+        let (dead, locked) = (a.point.result.as_ref().unwrap(), b.point.result.as_ref().unwrap());
+        assert!(locked.omega > dead.omega, "{} {}", locked.omega, dead.omega);
+        let fields = b.fields.as_ref().unwrap();
+        let allowed =
+            1e-6 * locked.loop_area.abs() + 10.0 * scene.cqsma.tolerance * b.point.modal_force * locked.modal_amplitude;
+        assert!((fields.dissipation - locked.loop_area).abs() <= allowed);
+    }
+    let cached = go(&scene);
+    assert_eq!(locked.frequencies, cached.frequencies, "from the cache");
+}
+
+#[test]
 fn more_vertices_resolve_the_loop_with_second_order() {
     let area = |vertices: usize| {
         let mut scene = quick();
@@ -269,6 +305,7 @@ fn a_gap_beyond_all_closure_and_bad_scenes_are_refused_by_name() {
     assert!(parse(&format!("{{{units}, \"gap\": \"scan\"}}")).contains("gap"));
     assert!(parse(&format!("{{{units}, \"output\": {{\"fields_at\": [21]}}}}")).contains("fields_at"));
     assert!(parse("{\"units\": {\"length\": \"furlong\", \"mass\": \"kg\", \"time\": \"s\"}}").contains("furlong"));
+    assert!(parse(&format!("{{{units}, \"bolts\": {{\"behaviour\": \"glued\"}}}}")).contains("glued"));
     let mut scene = quick();
     scene.bolts.load = f64::NAN;
     assert!(matches!(
@@ -295,6 +332,11 @@ fn quantities_are_converted_where_they_are_given() {
         "defaults are SI and stay so"
     );
     assert_eq!(scene.bolts, si.bolts);
+    assert_eq!(scene.bolts.behaviour, BoltBehaviour::DeadLoad);
+    let locked = mm.replace("12845.0", "12845.0, \"behaviour\": \"locked\"");
+    let locked = Scene::from_json(&locked, "mm.json", "x").unwrap();
+    assert_eq!(locked.bolts.behaviour, BoltBehaviour::Locked);
+    assert_eq!(locked.bolts.load, si.bolts.load);
     assert!((scene.cqsma.amplitude_from / 1e-7 - 1.0).abs() < 1e-15);
     assert_eq!(scene.cqsma.amplitude_to, si.cqsma.amplitude_to);
 }

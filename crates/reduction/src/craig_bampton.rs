@@ -1,10 +1,12 @@
 //! Craig-Bampton reduction that retains the jump and the first modes of the stuck structure.
 //!
 //! The basis is `[[I, 0], [X, Phi]]`: columns of `X` are static responses to a unit jump, made mass-orthogonal to the
-//! zero-energy modes of the stuck structure; `Phi` are its lowest mass-normalised modes. `X` is never stored: with
-//! `K_rr X = -K_rD` every product with it is one more solve, streamed block by block.
+//! zero-energy modes of the stuck structure; `Phi` are its lowest mass-normalised modes, on request joined by its
+//! static responses to the loads (attachment modes). `X` is never stored: with `K_rr X = -K_rD` every product with it is
+//! one more solve, streamed block by block.
 
 use crate::Error;
+use crate::locked::Interior;
 use crate::relative::RelativeSystem;
 use crate::zem::Supported;
 use faer::linalg::matmul::matmul;
@@ -27,6 +29,9 @@ pub struct Settings {
     pub expected_zem: usize,
     /// Residual the modes must reach.
     pub mode_tolerance: f64,
+    /// Whether the static response of the stuck structure to each load joins the modes, one coordinate per load, so
+    /// that the flexibility at the loads is complete. [`ReducedModel::locked`] needs it.
+    pub attachment_modes: bool,
 }
 
 impl Default for Settings {
@@ -36,6 +41,7 @@ impl Default for Settings {
             n_reported: 20,
             expected_zem: 6,
             mode_tolerance: 1e-6,
+            attachment_modes: false,
         }
     }
 }
@@ -51,6 +57,8 @@ pub struct ReducedModel {
     pub loads: Vec<Vec<f64>>,
     /// Number of leading jump coordinates.
     pub n_relative: usize,
+    /// Number of modal coordinates, the last ones, that stand for the attachment modes: one per load, or none.
+    pub n_attachment: usize,
     /// One row per recovered quantity: its value is the product with the reduced coordinates.
     pub recovery: Mat<f64>,
     /// Frequencies of the stuck structure, `n_reported` of them (Hz).
@@ -64,7 +72,8 @@ pub struct ReducedModel {
 /// Reduces a system; `rows` are quantities to recover, each over `[jump; rest]`; `progress` hears fractions of the work.
 ///
 /// # Errors
-/// [`Error::ZeroEnergyModes`] with both numbers, [`Error::UnbalancedLoad`], failures of the factorisations.
+/// [`Error::ZeroEnergyModes`] with both numbers, [`Error::UnbalancedLoad`], [`Error::DependentLoad`] with attachment
+/// modes, failures of the factorisations.
 pub fn reduce(
     system: &RelativeSystem,
     rows: &[Vec<f64>],
@@ -83,13 +92,27 @@ pub fn reduce(
             expected: settings.expected_zem,
         });
     }
+    for (index, load) in system.loads.iter().enumerate() {
+        check_equilibrium(index, &load[nd..], &stuck)?;
+    }
     progress(0.05);
     let supported = Supported::try_new(&k.rest, &m.rest, positions, stuck.zero_energy())?;
     progress(0.1);
-    let n_modes = settings.n_modes.min(stuck.elastic().ncols());
-    let phi = stuck.elastic().subcols(0, n_modes).to_owned();
-    let n = nd + n_modes;
     let nr = k.rest.rows();
+    let mut interior = Interior::modes(&stuck, settings.n_modes.min(stuck.elastic().ncols()));
+    let n_attachment = if settings.attachment_modes {
+        system.loads.len()
+    } else {
+        0
+    };
+    if n_attachment > 0 {
+        let loads = Mat::from_fn(nr, n_attachment, |i, j| system.loads[j][nd + i]);
+        let (responses, momentum) = static_responses(&loads, &m.rest, &supported);
+        interior.attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())?;
+    }
+    let phi = interior.shapes;
+    let n_modes = phi.ncols();
+    let n = nd + n_modes;
     let mut stiffness = Mat::<f64>::zeros(n, n);
     let mut mass = Mat::<f64>::zeros(n, n);
     let mut zero_energy_part = Mat::<f64>::zeros(stuck.n_zero, nd);
@@ -155,15 +178,11 @@ pub fn reduce(
     }
     for i in 0..n_modes {
         mass[(nd + i, nd + i)] = 1.0;
-        stiffness[(nd + i, nd + i)] = stuck.eigenvalues[stuck.n_zero + i];
+        stiffness[(nd + i, nd + i)] = interior.eigenvalues[i];
     }
     let asymmetry = symmetrise(&mut stiffness, "stiffness")?.max(symmetrise(&mut mass, "mass")?);
     let onto = |row: &[f64]| project(row, nd, &k.jump_rest, &supported, &zero_energy_part, &phi);
-    let mut loads = Vec::with_capacity(system.loads.len());
-    for (index, load) in system.loads.iter().enumerate() {
-        check_equilibrium(index, &load[nd..], &stuck)?;
-        loads.push(onto(load));
-    }
+    let loads = system.loads.iter().map(|load| onto(load)).collect();
     let recovered: Vec<Vec<f64>> = rows.iter().map(|row| onto(row)).collect();
     progress(1.0);
     Ok(ReducedModel {
@@ -171,11 +190,24 @@ pub fn reduce(
         stiffness,
         loads,
         n_relative: nd,
+        n_attachment,
         recovery: Mat::from_fn(rows.len(), n, |i, j| recovered[i][j]),
         stuck_frequencies: stuck.frequencies(),
         zem_stuck: stuck.n_zero,
         asymmetry,
     })
+}
+
+/// Static responses of the stuck structure to balanced loads, mass-orthogonal to its zero-energy modes, and the mass
+/// times them.
+fn static_responses(loads: &Mat<f64>, mass: &CsMat<f64>, supported: &Supported) -> (Mat<f64>, Mat<f64>) {
+    let mut responses = loads.clone();
+    supported.solve_in_place(responses.as_mut());
+    let mut momentum = Mat::zeros(loads.nrows(), loads.ncols());
+    multiply_into(mass, responses.as_ref(), momentum.as_mut());
+    let rigid = supported.remove_zero_energy(momentum.as_mut());
+    responses += dense_algebra::product(supported.modes.as_ref(), rigid.as_ref());
+    (responses, momentum)
 }
 
 /// `row * basis` for a row over `[jump; rest]`.

@@ -68,6 +68,27 @@ pub enum Error {
         /// Unbalanced part, relative.
         fraction: f64,
     },
+    /// A load whose displacement cannot be held on its own.
+    #[error(
+        "load {load} does not deform the structure with a stuck interface independently of the other loads and the \
+         retained modes, so its displacement cannot be locked; remove loads that repeat others or act on the interface \
+         alone, or retain fewer modes"
+    )]
+    DependentLoad {
+        /// Load number, counted from 0.
+        load: usize,
+    },
+    /// A model without the flexibility at its loads.
+    #[error(
+        "the reduced model has {loads} loads but {attachment} attachment modes; locking the loads' displacements needs \
+         one each: reduce with `attachment_modes`"
+    )]
+    NoAttachmentModes {
+        /// Loads.
+        loads: usize,
+        /// Attachment modes.
+        attachment: usize,
+    },
     /// The reduced matrices came out unsymmetric, so the solves are not accurate enough.
     #[error(
         "reduced {matrix} is unsymmetric by {asymmetry:.1e} of its largest entry; the model is too ill-conditioned"

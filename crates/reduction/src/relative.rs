@@ -30,7 +30,7 @@ pub struct RelativeSystem {
     /// Position of each coordinate's node (m).
     pub positions: Vec<[f64; 3]>,
     /// `u = transform * [jump; rest]` over the independent components of the system.
-    transform: CsMat<f64>,
+    pub(crate) transform: CsMat<f64>,
 }
 
 /// The four blocks of a symmetric matrix over `[jump; rest]`.

@@ -1,11 +1,12 @@
 //! Reduction of a small lap of two blocks against the full model.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use reduction::{Error, InterfacePairs, RelativeSystem, Settings, checks, reduce};
+use reduction::{Error, InterfacePairs, ReducedModel, RelativeSystem, Settings, checks, reduce};
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
 use substructure::hex8::Formulation;
 use substructure::mesh::{Assembly, Dof, Hex8, LoadPattern, Material, Mesh};
+use substructure::sparse::{numbering, submatrix};
 
 struct Lap {
     assembly: Assembly,
@@ -247,4 +248,244 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
     let (_, relative_system) = relative(&pushed);
     let error = reduce(&relative_system, &[], Settings::default(), &mut |_| {}).unwrap_err();
     assert!(matches!(error, Error::UnbalancedLoad { .. }), "{error}");
+}
+
+/// Node of the lower block; those of the upper one follow.
+fn node(i: u32, j: u32, k: u32) -> u32 {
+    i + 13 * (j + 5 * k)
+}
+
+/// The lap with two bolts: unit forces that press the outer faces together at two places.
+fn bolted() -> Lap {
+    let mut lap = lap();
+    lap.assembly.loads = [3, 7]
+        .map(|i| LoadPattern {
+            name: format!("bolt {i}"),
+            terms: vec![
+                (Dof::Node(260 + node(i, 2, 3), 2), -1.0),
+                (Dof::Node(node(i + 4, 2, 0), 2), 1.0),
+            ],
+        })
+        .into();
+    lap
+}
+
+fn attached(n_modes: usize) -> Settings {
+    Settings {
+        n_modes,
+        n_reported: 10,
+        attachment_modes: true,
+        ..Settings::default()
+    }
+}
+
+/// Largest difference of two blocks relative to the largest entry.
+fn difference(a: faer::MatRef<'_, f64>, b: faer::MatRef<'_, f64>) -> f64 {
+    (a - b).norm_max() / a.norm_max()
+}
+
+#[test]
+fn holding_the_displacement_of_loads_is_the_limit_of_stiff_springs() {
+    let (_, relative) = relative(&bolted());
+    let n = relative.stiffness.rows();
+    let penalty = vec![1e6; relative.n_relative];
+    let held = relative.locked().unwrap();
+    assert_eq!(held.stiffness.rows(), n - 2);
+    let (zero, held) = checks::full_frequencies(&held, &penalty, 10, 1e-7).unwrap();
+    let (_, free) = checks::full_frequencies(&relative, &penalty, 10, 1e-7).unwrap();
+    assert_eq!(zero, 6);
+    // The compliance at a load is of the order of 1e-9 m/N: a spring k leaves 1e9 / k of the motion.
+    let errors: Vec<f64> = [1e13, 1e14]
+        .iter()
+        .map(|spring| {
+            let mut triplets = sprs::TriMat::new((n, n));
+            for load in &relative.loads {
+                let entries: Vec<usize> = (0..n).filter(|&i| load[i] != 0.0).collect();
+                for &i in &entries {
+                    entries
+                        .iter()
+                        .for_each(|&j| triplets.add_triplet(i, j, spring * load[i] * load[j]));
+                }
+            }
+            let springs: sprs::CsMat<f64> = triplets.to_csr();
+            let mut sprung = relative.clone();
+            sprung.stiffness = &relative.stiffness + &springs;
+            let (_, sprung) = checks::full_frequencies(&sprung, &penalty, 10, 1e-7).unwrap();
+            held.iter()
+                .zip(&sprung)
+                .map(|(a, b)| (b / a - 1.0).abs())
+                .fold(0.0, f64::max)
+        })
+        .collect();
+    println!("{errors:?} free {free:.1?} held {held:.1?}");
+    assert!(errors[0] < 1e-4 && errors[1] < 0.2 * errors[0], "{errors:?}");
+    assert!(held.iter().zip(&free).any(|(a, b)| a / b > 1.01), "{held:?} {free:?}");
+}
+
+#[test]
+fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
+    let (_, relative) = relative(&bolted());
+    let held = relative.locked().unwrap();
+    let stiffnesses = [1e6, 1e8];
+    let full = stiffnesses.map(|stiffness| {
+        let penalty = vec![stiffness; relative.n_relative];
+        checks::full_frequencies(&held, &penalty, 10, 1e-7).unwrap().1
+    });
+    let worst = |model: &ReducedModel| {
+        let mut worst = [0.0_f64; 2];
+        for (stiffness, full) in stiffnesses.iter().zip(&full) {
+            let penalty = vec![*stiffness; relative.n_relative];
+            let small = checks::reduced_frequencies(model, &penalty, 10).unwrap();
+            for (mode, (a, b)) in full.iter().zip(&small).enumerate() {
+                assert!(b / a > 1.0 - 1e-8, "mode {mode} lies above the exact one: {a} {b}");
+                // The first three apart, as a reduction is made for them.
+                let group = usize::from(mode >= 3);
+                worst[group] = worst[group].max(b / a - 1.0);
+            }
+        }
+        worst
+    };
+    let errors = [5, 20, 80].map(|n_modes| {
+        let reduced = reduce(&relative, &[], attached(n_modes), &mut |_| {}).unwrap();
+        assert_eq!(reduced.mass.nrows(), relative.n_relative + n_modes + 2);
+        let locked = reduced.locked().unwrap();
+        assert_eq!(locked.mass.nrows(), relative.n_relative + n_modes);
+        // What the system with the bolts eliminated from the start is reduced to with as many modes.
+        let direct = Settings {
+            attachment_modes: false,
+            ..attached(n_modes)
+        };
+        let direct = reduce(&held, &[], direct, &mut |_| {}).unwrap();
+        (worst(&locked), worst(&direct))
+    });
+    // The last of 22 modes taken for attachment modes: the flexibility at the loads is missing.
+    let mut without = reduce(
+        &relative,
+        &[],
+        Settings {
+            attachment_modes: false,
+            ..attached(22)
+        },
+        &mut |_| {},
+    )
+    .unwrap();
+    without.n_attachment = 2;
+    let without = worst(&without.locked().unwrap());
+    println!("{errors:?} without attachment modes {without:?}");
+    assert!(without[0] > 5.0 * errors[1].0[0], "{without:?}");
+    for (locked, direct) in &errors {
+        for (locked, direct) in locked.iter().zip(direct) {
+            assert!(*locked < 2.0 * direct, "{errors:?}");
+        }
+    }
+    let locked = errors.map(|(locked, _)| locked);
+    assert!(locked[1][1] < 0.5 * locked[0][1] && locked[2][1] < 0.5 * locked[1][1]);
+    assert!(locked[1][0] < 1e-3 && locked[2][0] < 2e-5, "{locked:?}");
+}
+
+#[test]
+fn statics_of_the_locked_model_are_those_of_the_locked_system() {
+    // The response of the rest to the jump is exact with any number of modes, so the whole jump block is.
+    let (system, relative) = relative(&bolted());
+    let held = relative.locked().unwrap();
+    let mut over_independent = vec![0.0; system.n_dofs()];
+    over_independent[7] = 1.0;
+    let rows = |of: &RelativeSystem| [of.row(&over_independent)];
+    let locked = reduce(&relative, &rows(&relative), attached(8), &mut |_| {})
+        .unwrap()
+        .locked()
+        .unwrap();
+    let direct = reduce(&held, &rows(&held), Settings::default(), &mut |_| {}).unwrap();
+    let nd = relative.n_relative;
+    let jump = |m: &faer::Mat<f64>| m.submatrix(0, 0, nd, nd).to_owned();
+    for (name, a, b) in [
+        ("stiffness", jump(&direct.stiffness), jump(&locked.stiffness)),
+        ("mass", jump(&direct.mass), jump(&locked.mass)),
+        (
+            "recovery",
+            direct.recovery.subcols(0, nd).to_owned(),
+            locked.recovery.subcols(0, nd).to_owned(),
+        ),
+    ] {
+        let error = difference(a.as_ref(), b.as_ref());
+        println!("{name} {error:.1e}");
+        assert!(error < 1e-8, "{name}: {error}");
+    }
+    let rest = locked.stiffness.nrows() - nd;
+    assert_eq!(locked.stiffness.submatrix(0, nd, nd, rest).norm_max(), 0.0);
+    // Stuck modes, also of the locked structure: the first follow from 8 modes and two attachment modes.
+    for (a, b) in direct.stuck_frequencies.iter().zip(&locked.stuck_frequencies).take(4) {
+        assert!(b / a > 1.0 - 1e-8 && b / a < 1.001, "{a} {b}");
+    }
+}
+
+#[test]
+fn attachment_modes_complete_the_compliance_at_the_loads() {
+    let (_, relative) = relative(&bolted());
+    let n = relative.stiffness.rows();
+    let nd = relative.n_relative;
+    // Statically determinate supports at three corners, without reactions because the loads are balanced.
+    let at = |x: [f64; 3]| {
+        let close = |p: &[f64; 3]| p.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-9);
+        (0..n).filter(|&i| close(&relative.positions[i])).collect::<Vec<_>>()
+    };
+    let (a, b, c) = (at([0.0; 3]), at([0.0, 0.02, 0.0]), at([0.0, 0.0, 0.01]));
+    let held = [a[0], a[1], a[2], b[0], b[2], c[0]];
+    let kept: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
+    let positions: Vec<[f64; 3]> = kept.iter().map(|&i| relative.positions[i]).collect();
+    let with = reduce(&relative, &[], attached(20), &mut |_| {}).unwrap();
+    let without = reduce(&relative, &[], Settings::default(), &mut |_| {}).unwrap();
+    for springs in [1e6, 1e8] {
+        let mut triplets = sprs::TriMat::new((n, n));
+        (0..nd).for_each(|i| triplets.add_triplet(i, i, springs));
+        let supported = &relative.stiffness + &triplets.to_csr();
+        let supported = submatrix(&supported, &kept, &numbering(&kept, n), kept.len());
+        let factor = substructure::factor::SparseCholesky::try_new(&supported, &positions, "supported").unwrap();
+        let loads = faer::Mat::from_fn(kept.len(), 2, |i, j| relative.loads[j][kept[i]]);
+        let mut x = loads.clone();
+        factor.solve_in_place(x.as_mut());
+        let full = dense_algebra::product(loads.transpose(), x.as_ref());
+        let compliance = |model: &ReducedModel| {
+            let mut stiffness = model.stiffness.clone();
+            (0..nd).for_each(|i| stiffness[(i, i)] += springs);
+            let lower = dense_algebra::cholesky(stiffness.as_ref()).unwrap();
+            let mut half = faer::Mat::from_fn(stiffness.nrows(), 2, |i, j| model.loads[j][i]);
+            dense_algebra::solve_lower(lower.as_ref(), half.as_mut());
+            dense_algebra::product(half.transpose(), half.as_ref())
+        };
+        let error = |model| difference(full.as_ref(), compliance(model).as_ref());
+        println!("compliance {:.1e} {:.1e}", error(&with), error(&without));
+        assert!(error(&with) < 1e-9, "{}", error(&with));
+        assert!(error(&without) > 0.01, "{}", error(&without));
+    }
+}
+
+#[test]
+fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
+    let (_, bolts) = relative(&bolted());
+    let plain = reduce(&bolts, &[], Settings::default(), &mut |_| {}).unwrap();
+    assert!(matches!(
+        plain.locked(),
+        Err(Error::NoAttachmentModes {
+            loads: 2,
+            attachment: 0
+        })
+    ));
+    let mut repeated = bolted();
+    repeated.assembly.loads[1] = repeated.assembly.loads[0].clone();
+    let (_, repeated) = relative(&repeated);
+    // A clamp between interface nodes deforms nothing while the interface is stuck.
+    let (_, clamp) = relative(&lap());
+    for (system, load) in [(&repeated, 1), (&clamp, 0)] {
+        let error = system.locked().unwrap_err();
+        assert!(
+            matches!(error, Error::DependentLoad { load: l } if l == load),
+            "{error}"
+        );
+        let error = reduce(system, &[], attached(20), &mut |_| {}).unwrap_err();
+        assert!(
+            matches!(error, Error::DependentLoad { load: l } if l == load),
+            "{error}"
+        );
+    }
 }

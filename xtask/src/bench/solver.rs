@@ -172,7 +172,7 @@ pub(super) fn scaling(monitor: &Monitor) -> Result<(Value, String)> {
     let mut measure = |refinement: &Refinement, points_per_direction: usize| -> Result<Row> {
         let mut scene = Scene::new("scaling");
         scene.points_per_direction = points_per_direction;
-        let structure = MeshedStructure::with_refinement(&scene.model, refinement)?;
+        let structure = MeshedStructure::with_refinement(&scene.model, scene.bolts.behaviour, refinement)?;
         let prepared = Prepared::try_new(&scene, &structure, &options, monitor)?;
         let bench = Bench::try_new(&prepared)?;
         let line = bench.linearise()?;

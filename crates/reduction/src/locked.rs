@@ -1,0 +1,246 @@
+//! Loads whose displacement is held: the full and the reduced system with `l_i^T u = 0` for every load `i`.
+//!
+//! A unit load does the work `l_i^T u`, so for opposite unit forces on two nodes that is their relative motion: a
+//! preloaded bolt whose thread is locked. Motion counts from the state in which the loads were applied.
+
+use crate::Error;
+use crate::craig_bampton::ReducedModel;
+use crate::relative::RelativeSystem;
+use dense_algebra::{product, solve_lower, solve_lower_transposed};
+use faer::{Mat, MatRef};
+use sprs::{CsMat, TriMat};
+use substructure::eigen::Modes;
+use substructure::sparse::congruence;
+
+/// Least share of a load that must act on the rest of the structure, or be left after others are taken out.
+const LEAST_SHARE: f64 = 1e-9;
+
+/// Least flexibility of a load, relative to its whole one, that the other coordinates must leave to its own.
+const LEAST_FLEXIBILITY: f64 = 1e-8;
+
+/// The basis of the interior and its `omega^2` (rad^2/s^2).
+pub(crate) struct Interior {
+    pub(crate) shapes: Mat<f64>,
+    pub(crate) eigenvalues: Vec<f64>,
+}
+
+impl Interior {
+    /// The `n_modes` lowest modes of the stuck structure.
+    pub(crate) fn modes(stuck: &Modes, n_modes: usize) -> Self {
+        Self {
+            shapes: stuck.elastic().subcols(0, n_modes).to_owned(),
+            eigenvalues: stuck.eigenvalues[stuck.n_zero..][..n_modes].to_vec(),
+        }
+    }
+
+    /// Adds the static responses `attached` to `loads`, with their `momentum` (mass times response), and finds the
+    /// Rayleigh-Ritz modes of them all.
+    ///
+    /// These are mass-normalised and uncoupled like the modes; the last of them, as many as there are loads, are the
+    /// flexibility at the loads that the modes leave out (residual attachment modes).
+    pub(crate) fn attach(
+        &mut self,
+        attached: MatRef<'_, f64>,
+        momentum: MatRef<'_, f64>,
+        loads: MatRef<'_, f64>,
+    ) -> Result<(), Error> {
+        let n_modes = self.shapes.ncols();
+        let n = n_modes + loads.ncols();
+        let phi = self.shapes.transpose();
+        let (modal_load, modal_momentum) = (product(phi, loads), product(phi, momentum));
+        let (flexibility, inertia) = (
+            product(attached.transpose(), loads),
+            product(attached.transpose(), momentum),
+        );
+        let gram = |modal: &dyn Fn(usize) -> f64, coupling: &Mat<f64>, own: &Mat<f64>| {
+            Mat::from_fn(n, n, |i, j| match (i.min(j), i.max(j)) {
+                (low, high) if high < n_modes => modal(low) * f64::from(u8::from(low == high)),
+                (low, high) if low < n_modes => coupling[(low, high - n_modes)],
+                (low, high) => 0.5 * (own[(low - n_modes, high - n_modes)] + own[(high - n_modes, low - n_modes)]),
+            })
+        };
+        let stiffness = gram(&|i| self.eigenvalues[i], &modal_load, &flexibility);
+        let mass = gram(&|_| 1.0, &modal_momentum, &inertia);
+        check_independence(&stiffness, n_modes)?;
+        // The stiffness is the metric: flexibility at a load stores energy but may move hardly any mass.
+        let (inverse, vectors) = dense_algebra::symmetric_pair(mass.as_ref(), stiffness.as_ref())?;
+        let rotation = Mat::from_fn(n, n, |i, j| vectors[(i, n - 1 - j)] / inverse[n - 1 - j].sqrt());
+        self.eigenvalues = inverse.iter().rev().map(|v| 1.0 / v).collect();
+        let mut shapes = product(self.shapes.as_ref(), rotation.subrows(0, n_modes));
+        shapes += product(attached, rotation.subrows(n_modes, loads.ncols()));
+        self.shapes = shapes;
+        Ok(())
+    }
+}
+
+fn check_independence(stiffness: &Mat<f64>, n_modes: usize) -> Result<(), Error> {
+    let n = stiffness.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| stiffness[(i, i)].sqrt().recip()).collect();
+    let unit = Mat::from_fn(n, n, |i, j| stiffness[(i, j)] * scale[i] * scale[j]);
+    let dependent = match dense_algebra::cholesky(unit.as_ref()) {
+        // `!(a > b)` also catches NaN.
+        Ok(lower) => (n_modes..n).find(|&i| !(lower[(i, i)].powi(2) > LEAST_FLEXIBILITY)),
+        Err(dense_algebra::Error::NotPositiveDefinite { pivot, .. }) => Some(pivot.max(n_modes)),
+        Err(error) => return Err(error.into()),
+    };
+    dependent.map_or(Ok(()), |i| Err(Error::DependentLoad { load: i - n_modes }))
+}
+
+impl RelativeSystem {
+    /// The same system with the displacement of every load held, by eliminating one component of the rest per load.
+    ///
+    /// It has no loads, because they could do no work.
+    ///
+    /// # Errors
+    /// [`Error::DependentLoad`].
+    pub fn locked(&self) -> Result<Self, Error> {
+        let n = self.stiffness.rows();
+        let size = |row: &[f64]| row.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+        // Gauss-Jordan: each row has a one at its own pivot and a zero at those of the others.
+        let mut rows: Vec<Vec<f64>> = Vec::with_capacity(self.loads.len());
+        let mut pivots: Vec<usize> = Vec::with_capacity(self.loads.len());
+        for (load, given) in self.loads.iter().enumerate() {
+            let subtract = |row: &mut [f64], other: &[f64], pivot: usize| {
+                let factor = row[pivot];
+                row.iter_mut().zip(other).for_each(|(a, b)| *a -= factor * b);
+            };
+            let mut row = given.clone();
+            for (other, &pivot) in rows.iter().zip(&pivots) {
+                subtract(&mut row, other, pivot);
+            }
+            let pivot = (self.n_relative..n)
+                .max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()))
+                .filter(|&pivot| row[pivot].abs() > LEAST_SHARE * size(given))
+                .ok_or(Error::DependentLoad { load })?;
+            let value = row[pivot];
+            row.iter_mut().for_each(|v| *v /= value);
+            for other in &mut rows {
+                subtract(other, &row, pivot);
+            }
+            rows.push(row);
+            pivots.push(pivot);
+        }
+        let kept: Vec<usize> = (0..n).filter(|i| !pivots.contains(i)).collect();
+        let mut transform = TriMat::new((n, kept.len()));
+        for (column, &i) in kept.iter().enumerate() {
+            transform.add_triplet(i, column, 1.0);
+            for (row, &pivot) in rows.iter().zip(&pivots) {
+                if row[i] != 0.0 {
+                    transform.add_triplet(pivot, column, -row[i]);
+                }
+            }
+        }
+        let transform: CsMat<f64> = transform.to_csr();
+        Ok(Self {
+            stiffness: congruence(&transform, &self.stiffness),
+            mass: congruence(&transform, &self.mass),
+            loads: Vec::new(),
+            n_relative: self.n_relative,
+            positions: kept.iter().map(|&i| self.positions[i]).collect(),
+            transform: &self.transform * &transform,
+        })
+    }
+}
+
+impl ReducedModel {
+    /// The same structure with the displacement of every load held: one coordinate less per load, the jump leading
+    /// as before, stiffness again without coupling between it and the rest, the rest again mass-normalised modes.
+    ///
+    /// With `l = [l_D; l_r]` the rest follows the jump statically as `-K_r^-1 l_r S^-1 l_D^T` with the compliance
+    /// `S = l_r^T K_r^-1 l_r` at the loads, which adds `l_D S^-1 l_D^T` to the stiffness of the jump. The model has no
+    /// loads, because they could do no work.
+    ///
+    /// # Errors
+    /// [`Error::NoAttachmentModes`] for a model reduced without them, which would be far too stiff because the retained
+    /// modes hold little of the flexibility at the loads. [`Error::DependentLoad`]; failures of the eigenvalue
+    /// decomposition.
+    pub fn locked(&self) -> Result<Self, Error> {
+        let n_loads = self.loads.len();
+        if self.n_attachment != n_loads {
+            return Err(Error::NoAttachmentModes {
+                loads: n_loads,
+                attachment: self.n_attachment,
+            });
+        }
+        let nd = self.n_relative;
+        let n_rest = self.mass.nrows() - nd;
+        let n_modes = n_rest - n_loads;
+        let rest = |matrix: &Mat<f64>| matrix.submatrix(nd, nd, n_rest, n_rest).to_owned();
+        let (k_rest, m_rest) = (rest(&self.stiffness), rest(&self.mass));
+        let lower = dense_algebra::cholesky(k_rest.as_ref())?;
+        // In the metric of K_r = L L^T, S = H^T H with H = L^-1 l_r, and Q = H R^-T with S = R R^T is orthonormal.
+        let mut h = Mat::from_fn(n_rest, n_loads, |i, j| self.loads[j][nd + i]);
+        solve_lower(lower.as_ref(), h.as_mut());
+        let root =
+            dense_algebra::cholesky(product(h.transpose(), h.as_ref()).as_ref()).map_err(|error| match error {
+                dense_algebra::Error::NotPositiveDefinite { pivot, .. } => Error::DependentLoad { load: pivot },
+                other => other.into(),
+            })?;
+        let mut q = h.transpose().to_owned();
+        solve_lower(root.as_ref(), q.as_mut());
+        let q = q.transpose().to_owned();
+        // Modes: of the mass on the complement of Q; its other eigenvalues, as many as loads, are zero.
+        let complement = Mat::<f64>::identity(n_rest, n_rest) - product(q.as_ref(), q.transpose());
+        let seen = dense_algebra::congruent(lower.as_ref(), m_rest.as_ref());
+        let held = product(
+            complement.as_ref(),
+            product(seen.as_ref(), complement.as_ref()).as_ref(),
+        );
+        let (inverse, vectors) = dense_algebra::symmetric_eigen(held.as_ref())?;
+        let mut shapes = Mat::from_fn(n_rest, n_modes, |i, j| {
+            vectors[(i, n_rest - 1 - j)] / inverse[n_rest - 1 - j].sqrt()
+        });
+        solve_lower_transposed(lower.as_ref(), shapes.as_mut());
+        let eigenvalues: Vec<f64> = inverse.iter().rev().take(n_modes).map(|v| 1.0 / v).collect();
+        // Static response of the rest to the jump.
+        let mut tension = Mat::from_fn(n_loads, nd, |i, j| self.loads[i][j]);
+        solve_lower(root.as_ref(), tension.as_mut());
+        let mut follow = product(q.as_ref(), tension.as_ref());
+        follow *= faer::Scale(-1.0);
+        solve_lower_transposed(lower.as_ref(), follow.as_mut());
+
+        let n = nd + n_modes;
+        let mut stiffness = Mat::zeros(n, n);
+        let added = product(tension.transpose(), tension.as_ref());
+        stiffness
+            .submatrix_mut(0, 0, nd, nd)
+            .copy_from(self.stiffness.submatrix(0, 0, nd, nd) + added);
+        for (i, value) in eigenvalues.iter().enumerate() {
+            stiffness[(nd + i, nd + i)] = *value;
+        }
+        let own = self.mass.submatrix(nd, 0, n_rest, nd);
+        let momentum = product(m_rest.as_ref(), follow.as_ref()) + own;
+        let coupling = product(shapes.transpose(), momentum.as_ref());
+        let mut mass = Mat::zeros(n, n);
+        let changed = product(own.transpose(), follow.as_ref()) + product(follow.transpose(), momentum.as_ref());
+        mass.submatrix_mut(0, 0, nd, nd)
+            .copy_from(self.mass.submatrix(0, 0, nd, nd) + dense_algebra::symmetric(changed.as_ref()));
+        mass.submatrix_mut(nd, 0, n_modes, nd).copy_from(&coupling);
+        mass.submatrix_mut(0, nd, nd, n_modes).copy_from(coupling.transpose());
+        for i in nd..n {
+            mass[(i, i)] = 1.0;
+        }
+        let recovered = self.recovery.subcols(nd, n_rest);
+        let mut recovery = Mat::zeros(self.recovery.nrows(), n);
+        recovery
+            .subcols_mut(0, nd)
+            .copy_from(self.recovery.subcols(0, nd) + product(recovered, follow.as_ref()));
+        recovery
+            .subcols_mut(nd, n_modes)
+            .copy_from(product(recovered, shapes.as_ref()));
+        Ok(Self {
+            mass,
+            stiffness,
+            loads: Vec::new(),
+            n_relative: nd,
+            n_attachment: 0,
+            recovery,
+            stuck_frequencies: eigenvalues
+                .iter()
+                .map(|w2| w2.sqrt() / (2.0 * std::f64::consts::PI))
+                .collect(),
+            zem_stuck: self.zem_stuck,
+            asymmetry: self.asymmetry,
+        })
+    }
+}
