@@ -7,9 +7,10 @@ use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-const STAGES: [Stage; 7] = [
+const STAGES: [Stage; 8] = [
     Stage::Mesh,
     Stage::Assemble,
+    Stage::Factor,
     Stage::Reduce,
     Stage::Characterise,
     Stage::Prestress,

@@ -6,7 +6,7 @@ use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, FormulationName, Model, RefinementName};
 use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::mesh::{BrakeReussBeam, Refinement, build};
-use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Settings, checks, reduce};
+use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, checks, reduce};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use substructure::assemble::System;
@@ -139,9 +139,16 @@ impl MeshedStructure {
             .collect();
         let row = relative.row(&system.dofs.force(&self.beam.assembly, "the response", &terms)?);
         progress.end(Stage::Assemble);
-        progress.begin(Stage::Reduce);
-        let reduced = reduce(&relative, &[row], self.settings, &mut |done| {
-            progress.fraction(Stage::Reduce, 0.8 * done)
+        progress.begin(Stage::Factor);
+        let reduced = reduce(&relative, &[row], self.settings, &mut |step, done| match step {
+            Step::Factor => {
+                progress.fraction(Stage::Factor, done);
+                if done == 1.0 {
+                    progress.end(Stage::Factor);
+                    progress.begin(Stage::Reduce);
+                }
+            }
+            Step::Stream => progress.fraction(Stage::Reduce, 0.8 * done),
         })?;
         let facts = self.facts(&system, &relative, &reduced, progress)?;
         let model = StructuralModel { reduced, facts };

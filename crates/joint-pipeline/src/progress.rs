@@ -7,7 +7,9 @@ pub enum Stage {
     Mesh,
     /// Assembling mass and stiffness.
     Assemble,
-    /// Reducing the model (skipped when the cache holds it).
+    /// Factorising it, and its modes with the interface stuck.
+    Factor,
+    /// Reducing the model (this and the two before are skipped when the cache holds it).
     Reduce,
     /// From surface to traction laws.
     Characterise,
@@ -25,6 +27,7 @@ impl Stage {
         match self {
             Stage::Mesh => "mesh",
             Stage::Assemble => "assemble",
+            Stage::Factor => "factor",
             Stage::Reduce => "reduce",
             Stage::Characterise => "characterise",
             Stage::Prestress => "prestress",

@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]; // n points from top to bottom
     let system = System::try_new(&blocks, Formulation::default())?;
     let relative = RelativeSystem::try_new(&system, InterfacePairs { top, bottom, frame })?;
-    let reduced = reduce(&relative, &[], Settings::default(), &mut |_| {})?;
+    let reduced = reduce(&relative, &[], Settings::default(), &mut |_, _| {})?;
     let springs = vec![1e7; relative.n_relative];
     let full = checks::full_frequencies(&relative, &springs, 4, 1e-7)?.1;
     let small = checks::reduced_frequencies(&reduced, &springs, 4)?;

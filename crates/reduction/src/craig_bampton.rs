@@ -69,7 +69,17 @@ pub struct ReducedModel {
     pub asymmetry: f64,
 }
 
-/// Reduces a system; `rows` are quantities to recover, each over `[jump; rest]`; `progress` hears fractions of the work.
+/// Parts of a reduction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Factorising, and the modes of the stuck structure.
+    Factor,
+    /// Streaming the static responses.
+    Stream,
+}
+
+/// Reduces a system; `rows` are quantities to recover, each over `[jump; rest]`; `progress` hears how much of a step is
+/// done, from 0 to 1.
 ///
 /// # Errors
 /// [`Error::ZeroEnergyModes`] with both numbers, [`Error::UnbalancedLoad`], [`Error::DependentLoad`] with attachment
@@ -78,7 +88,7 @@ pub fn reduce(
     system: &RelativeSystem,
     rows: &[Vec<f64>],
     settings: Settings,
-    progress: &mut dyn FnMut(f64),
+    progress: &mut dyn FnMut(Step, f64),
 ) -> Result<ReducedModel, Error> {
     let nd = system.n_relative;
     let k = system.blocks(&system.stiffness);
@@ -95,9 +105,9 @@ pub fn reduce(
     for (index, load) in system.loads.iter().enumerate() {
         check_equilibrium(index, &load[nd..], &stuck)?;
     }
-    progress(0.05);
+    progress(Step::Factor, 0.5);
     let supported = Supported::try_new(&k.rest, &m.rest, positions, stuck.zero_energy())?;
-    progress(0.1);
+    progress(Step::Factor, 1.0);
     let nr = k.rest.rows();
     let mut interior = Interior::modes(&stuck, settings.n_modes.min(stuck.elastic().ncols()));
     let n_attachment = if settings.attachment_modes {
@@ -174,7 +184,7 @@ pub fn reduce(
         // x^T momentum = -K_Dr K_rr^-1 momentum, because the momentum is in equilibrium with the zero-energy modes.
         supported.solve_in_place(momentum.as_mut());
         add(&mut mass, &k.jump_rest, &momentum, -1.0);
-        progress(0.1 + 0.85 * (start + width) as f64 / nd as f64);
+        progress(Step::Stream, (start + width) as f64 / nd as f64);
     }
     for i in 0..n_modes {
         mass[(nd + i, nd + i)] = 1.0;
@@ -184,7 +194,6 @@ pub fn reduce(
     let onto = |row: &[f64]| project(row, nd, &k.jump_rest, &supported, &zero_energy_part, &phi);
     let loads = system.loads.iter().map(|load| onto(load)).collect();
     let recovered: Vec<Vec<f64>> = rows.iter().map(|row| onto(row)).collect();
-    progress(1.0);
     Ok(ReducedModel {
         mass,
         stiffness,

@@ -12,6 +12,6 @@ mod locked;
 pub mod relative;
 mod zem;
 
-pub use craig_bampton::{ReducedModel, Settings, reduce};
+pub use craig_bampton::{ReducedModel, Settings, Step, reduce};
 pub use error::Error;
 pub use relative::{InterfacePairs, RelativeSystem};

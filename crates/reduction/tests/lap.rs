@@ -135,7 +135,7 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
                 n_reported: 10,
                 ..Settings::default()
             };
-            let reduced = reduce(&relative, &[], settings, &mut |_| {}).unwrap();
+            let reduced = reduce(&relative, &[], settings, &mut |_, _| {}).unwrap();
             assert_eq!(reduced.zem_stuck, 6);
             assert!(reduced.asymmetry < 1e-8, "{}", reduced.asymmetry);
             let mut worst = 0.0_f64;
@@ -170,7 +170,7 @@ fn static_response_of_the_jump_is_exact() {
     let n = relative.stiffness.rows();
     let mut row = vec![0.0; n];
     row[n - 7] = 1.0;
-    let reduced = reduce(&relative, &[row.clone()], Settings::default(), &mut |_| {}).unwrap();
+    let reduced = reduce(&relative, &[row.clone()], Settings::default(), &mut |_, _| {}).unwrap();
     let nd = relative.n_relative;
     let springs = 1e7;
     let mut small = reduced.stiffness.clone();
@@ -238,7 +238,7 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
         expected_zem: 5,
         ..Settings::default()
     };
-    let error = reduce(&relative_system, &[], settings, &mut |_| {}).unwrap_err();
+    let error = reduce(&relative_system, &[], settings, &mut |_, _| {}).unwrap_err();
     assert!(
         matches!(error, Error::ZeroEnergyModes { found: 6, expected: 5 }),
         "{error}"
@@ -246,7 +246,7 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
     let mut pushed = lap();
     pushed.assembly.loads[0].terms.truncate(1);
     let (_, relative_system) = relative(&pushed);
-    let error = reduce(&relative_system, &[], Settings::default(), &mut |_| {}).unwrap_err();
+    let error = reduce(&relative_system, &[], Settings::default(), &mut |_, _| {}).unwrap_err();
     assert!(matches!(error, Error::UnbalancedLoad { .. }), "{error}");
 }
 
@@ -346,7 +346,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
         worst
     };
     let errors = [5, 20, 80].map(|n_modes| {
-        let reduced = reduce(&relative, &[], attached(n_modes), &mut |_| {}).unwrap();
+        let reduced = reduce(&relative, &[], attached(n_modes), &mut |_, _| {}).unwrap();
         assert_eq!(reduced.mass.nrows(), relative.n_relative + n_modes + 2);
         let locked = reduced.locked().unwrap();
         assert_eq!(locked.mass.nrows(), relative.n_relative + n_modes);
@@ -355,7 +355,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
             attachment_modes: false,
             ..attached(n_modes)
         };
-        let direct = reduce(&held, &[], direct, &mut |_| {}).unwrap();
+        let direct = reduce(&held, &[], direct, &mut |_, _| {}).unwrap();
         (worst(&locked), worst(&direct))
     });
     // The last of 22 modes taken for attachment modes: the flexibility at the loads is missing.
@@ -366,7 +366,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
             attachment_modes: false,
             ..attached(22)
         },
-        &mut |_| {},
+        &mut |_, _| {},
     )
     .unwrap();
     without.n_attachment = 2;
@@ -391,11 +391,11 @@ fn statics_of_the_locked_model_are_those_of_the_locked_system() {
     let mut over_independent = vec![0.0; system.n_dofs()];
     over_independent[7] = 1.0;
     let rows = |of: &RelativeSystem| [of.row(&over_independent)];
-    let locked = reduce(&relative, &rows(&relative), attached(8), &mut |_| {})
+    let locked = reduce(&relative, &rows(&relative), attached(8), &mut |_, _| {})
         .unwrap()
         .locked()
         .unwrap();
-    let direct = reduce(&held, &rows(&held), Settings::default(), &mut |_| {}).unwrap();
+    let direct = reduce(&held, &rows(&held), Settings::default(), &mut |_, _| {}).unwrap();
     let nd = relative.n_relative;
     let jump = |m: &faer::Mat<f64>| m.submatrix(0, 0, nd, nd).to_owned();
     for (name, a, b) in [
@@ -433,8 +433,8 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
     let held = [a[0], a[1], a[2], b[0], b[2], c[0]];
     let kept: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
     let positions: Vec<[f64; 3]> = kept.iter().map(|&i| relative.positions[i]).collect();
-    let with = reduce(&relative, &[], attached(20), &mut |_| {}).unwrap();
-    let without = reduce(&relative, &[], Settings::default(), &mut |_| {}).unwrap();
+    let with = reduce(&relative, &[], attached(20), &mut |_, _| {}).unwrap();
+    let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}).unwrap();
     for springs in [1e6, 1e8] {
         let mut triplets = sprs::TriMat::new((n, n));
         (0..nd).for_each(|i| triplets.add_triplet(i, i, springs));
@@ -463,7 +463,7 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
 #[test]
 fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
     let (_, bolts) = relative(&bolted());
-    let plain = reduce(&bolts, &[], Settings::default(), &mut |_| {}).unwrap();
+    let plain = reduce(&bolts, &[], Settings::default(), &mut |_, _| {}).unwrap();
     assert!(matches!(
         plain.locked(),
         Err(Error::NoAttachmentModes {
@@ -482,7 +482,7 @@ fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
         );
-        let error = reduce(system, &[], attached(20), &mut |_| {}).unwrap_err();
+        let error = reduce(system, &[], attached(20), &mut |_, _| {}).unwrap_err();
         assert!(
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
