@@ -8,56 +8,65 @@ use crate::interface::Workspace;
 /// which changes nothing in exact arithmetic and keeps the prestress out of the round-off.
 #[derive(Clone, Debug)]
 pub struct LoopArea {
-    first: Option<Vertex>,
-    last: Option<Vertex>,
+    /// The first vertex and the latest one.
+    ends: Option<(Vertex, Vertex)>,
     area: [Vec<f64>; 3],
 }
 
 /// Jump and traction at all points.
-type Vertex = ([Vec<f64>; 3], [Vec<f64>; 3]);
+#[derive(Clone, Debug)]
+struct Vertex {
+    jump: [Vec<f64>; 3],
+    traction: [Vec<f64>; 3],
+}
 
 impl LoopArea {
     /// An empty loop over `n_points` points.
     pub fn new(n_points: usize) -> Self {
         Self {
-            first: None,
-            last: None,
+            ends: None,
             area: std::array::from_fn(|_| vec![0.0; n_points]),
         }
     }
 
-    /// Adds the vertex whose fields an evaluation has left in the workspace.
+    /// Adds the vertex whose fields an evaluation has left in the workspace. Allocates at the first vertex only.
     pub fn add(&mut self, workspace: &Workspace) {
-        let vertex = (workspace.jump.clone(), workspace.traction.clone());
-        match &mut self.last {
+        let Workspace { jump, traction, .. } = workspace;
+        match &mut self.ends {
             None => {
-                self.first = Some(vertex.clone());
-                self.last = Some(vertex);
+                let vertex = Vertex {
+                    jump: jump.clone(),
+                    traction: traction.clone(),
+                };
+                self.ends = Some((vertex.clone(), vertex));
             }
-            Some(last) => {
-                if let Some(first) = &self.first {
-                    add_edge(&mut self.area, first, last, &vertex);
-                }
-                *last = vertex;
+            Some((first, last)) => {
+                add_edge(&mut self.area, first, last, jump, traction);
+                last.jump.clone_from(jump);
+                last.traction.clone_from(traction);
             }
         }
     }
 
     /// Closes the polygon and returns the energy dissipated per area and cycle (J/m^2): x, y, n, one value per point.
     pub fn close(mut self) -> [Vec<f64>; 3] {
-        if let (Some(first), Some(last)) = (&self.first, &self.last) {
-            add_edge(&mut self.area, first, last, first);
+        if let Some((first, last)) = &self.ends {
+            add_edge(&mut self.area, first, last, &first.jump, &first.traction);
         }
         self.area
     }
 }
 
-/// Trapezoidal work `(t_a + t_b)/2 (u_b - u_a)` of one edge, tractions relative to `origin`.
-fn add_edge(area: &mut [Vec<f64>; 3], origin: &Vertex, a: &Vertex, b: &Vertex) {
+/// Trapezoidal work `(t_a + t_b)/2 (u_b - u_a)` of the edge from `a` to the given jump and traction, tractions relative
+/// to `origin`.
+fn add_edge(area: &mut [Vec<f64>; 3], origin: &Vertex, a: &Vertex, jump: &[Vec<f64>; 3], traction: &[Vec<f64>; 3]) {
     for (c, sum) in area.iter_mut().enumerate() {
-        for (p, sum) in sum.iter_mut().enumerate() {
-            let traction = 0.5 * (a.1[c][p] + b.1[c][p]) - origin.1[c][p];
-            *sum += traction * (b.0[c][p] - a.0[c][p]);
+        let n = sum.len();
+        let (jump, traction) = (&jump[c][..n], &traction[c][..n]);
+        let (jump_a, traction_a, origin) = (&a.jump[c][..n], &a.traction[c][..n], &origin.traction[c][..n]);
+        for p in 0..n {
+            let mean = 0.5 * (traction_a[p] + traction[p]) - origin[p];
+            sum[p] += mean * (jump[p] - jump_a[p]);
         }
     }
 }
