@@ -1,6 +1,7 @@
 //! Forces and tangent of an interface from nodal jumps, with one traction law per range of quadrature points.
 
 use crate::Error;
+use crate::element_sums::{PAIR, PAIRS, integrate, interpolate};
 use crate::operators::Operators;
 use contact_laws::{
     Components, ComponentsMut, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut, TractionLaw,
@@ -44,8 +45,8 @@ pub struct Interface {
     laws: Vec<(Range<usize>, Arc<dyn TractionLaw>)>,
     gap: Vec<f64>,
     pattern: Arc<Pattern>,
-    /// Neighbours of each node (itself included), ascending; block rows of the pattern.
-    neighbours: Arc<Vec<Vec<usize>>>,
+    /// First value of the block of each ordered pair of an element's nodes, node by node.
+    block_starts: Arc<Vec<[[usize; 4]; 4]>>,
 }
 
 impl Interface {
@@ -78,11 +79,10 @@ impl Interface {
             });
         }
         check_gap(&gap, expected)?;
-        let n_nodes = operators.n_nodes();
-        let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); n_nodes];
-        for row in operators.interpolation.outer_iterator() {
-            for &node in row.indices() {
-                neighbours[node].extend_from_slice(row.indices());
+        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); operators.n_nodes()];
+        for (nodes, ..) in operators.elements() {
+            for &node in nodes {
+                neighbours[node as usize].extend_from_slice(nodes);
             }
         }
         let mut pattern = Pattern {
@@ -93,18 +93,28 @@ impl Interface {
             list.sort_unstable();
             list.dedup();
             for _ in 0..3 {
-                pattern
-                    .indices
-                    .extend(list.iter().flat_map(|node| (0..3).map(move |c| 3 * node + c)));
+                let columns = list.iter().flat_map(|&node| (0..3).map(move |c| 3 * node as usize + c));
+                pattern.indices.extend(columns);
                 pattern.indptr.push(pattern.indices.len());
             }
         }
+        let block_starts = operators.elements().map(|(nodes, ..)| {
+            let mut starts = [[0; 4]; 4];
+            for (row, &node) in starts.iter_mut().zip(nodes) {
+                for (start, other) in row.iter_mut().zip(nodes) {
+                    let before = neighbours[node as usize].partition_point(|n| n < other);
+                    *start = pattern.indptr[3 * node as usize] + 3 * before;
+                }
+            }
+            starts
+        });
+        let block_starts = Arc::new(block_starts.collect());
         Ok(Self {
             operators,
             laws,
             gap,
             pattern: Arc::new(pattern),
-            neighbours: Arc::new(neighbours),
+            block_starts,
         })
     }
 
@@ -183,7 +193,8 @@ impl Interface {
     /// Nodal forces (N) and, on request, the tangent (N/m) in the order of [`Interface::pattern`], from nodal jumps
     /// (m) (x, y, n of each node); what happens at the points is left in `workspace`.
     ///
-    /// Pure in `begin`; `end` receives the history reached. Allocates nothing.
+    /// Pure in `begin`; `end` receives the history reached. Allocates nothing. Sums run in the order of the elements
+    /// and of their points.
     ///
     /// # Panics
     /// If a slice has the wrong length or a state or workspace belongs to another interface.
@@ -199,18 +210,7 @@ impl Interface {
     ) -> RegimeCounts {
         assert_eq!(jump.len(), self.n_dofs());
         assert_eq!(force.len(), self.n_dofs());
-        let q = &self.operators.interpolation;
-        for (point, row) in q.outer_iterator().enumerate() {
-            let mut sum = [0.0; 3];
-            for (node, value) in row.iter() {
-                for c in 0..3 {
-                    sum[c] += value * jump[3 * node + c];
-                }
-            }
-            workspace.jump[0][point] = sum[0];
-            workspace.jump[1][point] = sum[1];
-            workspace.jump[2][point] = sum[2] - self.gap[point];
-        }
+        self.interpolate_jump(jump, workspace);
         let mut counts = RegimeCounts::default();
         let mut block = 0;
         for (range, law) in &self.laws {
@@ -226,40 +226,75 @@ impl Interface {
             );
             block += range.len() * law.info().n_state();
         }
-        for (node, row) in self.operators.integration.outer_iterator().enumerate() {
-            let mut sum = [0.0; 3];
-            for (point, area) in row.iter() {
-                for c in 0..3 {
-                    sum[c] += area * workspace.traction[c][point];
-                }
-            }
-            force[3 * node..3 * node + 3].copy_from_slice(&sum);
-        }
+        self.assemble_force(workspace, force);
         if let Some(values) = tangent {
             self.assemble_tangent(workspace, values);
         }
         counts
     }
 
+    /// `Q u - gap`.
+    fn interpolate_jump(&self, jump: &[f64], workspace: &mut Workspace) {
+        let [x, y, n] = &mut workspace.jump;
+        for (nodes, points, shape) in self.operators.elements() {
+            let mut nodal = [[0.0; 3]; 4];
+            for (values, &node) in nodal.iter_mut().zip(nodes) {
+                values.copy_from_slice(&jump[3 * node as usize..][..3]);
+            }
+            interpolate(
+                &shape.values,
+                nodal,
+                &self.gap[points.clone()],
+                &mut x[points.clone()],
+                &mut y[points.clone()],
+                &mut n[points],
+            );
+        }
+    }
+
+    /// `T t`.
+    fn assemble_force(&self, workspace: &Workspace, force: &mut [f64]) {
+        force.fill(0.0);
+        for (nodes, points, shape) in self.operators.elements() {
+            let weights = &self.operators.weights[points.clone()];
+            let fields = workspace.traction.each_ref().map(|field| &field[points.clone()]);
+            let sums = integrate(&shape.values, weights, fields);
+            for (a, &node) in nodes.iter().enumerate() {
+                for (value, sum) in force[3 * node as usize..][..3].iter_mut().zip(&sums) {
+                    *value += sum[a];
+                }
+            }
+        }
+    }
+
     /// `T D Q` over the pattern.
     fn assemble_tangent(&self, workspace: &Workspace, values: &mut [f64]) {
         assert_eq!(values.len(), self.pattern.indices.len());
-        let q = &self.operators.interpolation;
-        for (node, row) in self.operators.integration.outer_iterator().enumerate() {
-            let list = &self.neighbours[node];
-            let stride = 3 * list.len();
-            let start = self.pattern.indptr[3 * node];
-            let block_row = &mut values[start..start + 3 * stride];
-            block_row.fill(0.0);
-            for (point, area) in row.iter() {
-                let range = q.indptr().outer_inds_sz(point);
-                for (other, interpolation) in q.indices()[range.clone()].iter().zip(&q.data()[range]) {
-                    // The neighbours of a node hold every node that shares a point with it.
-                    let Ok(place) = list.binary_search(other) else { continue };
-                    let factor = area * interpolation;
+        values.fill(0.0);
+        for ((nodes, points, shape), starts) in self.operators.elements().zip(&*self.block_starts) {
+            let weights = &self.operators.weights[points.clone()];
+            // `N_a N_b` is symmetric in the nodes, so one block serves both orders of a pair.
+            let mut blocks = [[0.0; 9]; PAIRS];
+            for (entry, field) in workspace.tangent.iter().enumerate() {
+                let field = &field[points.clone()];
+                // Common: sliding does not change t_n, and nothing couples x and y where all points stick.
+                if field.iter().all(|v| *v == 0.0) {
+                    continue;
+                }
+                let [sums] = integrate(&shape.products, weights, [field]);
+                for (block, sum) in blocks.iter_mut().zip(sums) {
+                    block[entry] = sum;
+                }
+            }
+            for (a, &node) in nodes.iter().enumerate() {
+                let row = 3 * node as usize;
+                let stride = self.pattern.indptr[row + 1] - self.pattern.indptr[row];
+                for (b, start) in starts[a][..nodes.len()].iter().enumerate() {
+                    let block = &blocks[PAIR[a][b]];
                     for i in 0..3 {
+                        let entries = &mut values[start + i * stride..][..3];
                         for j in 0..3 {
-                            block_row[i * stride + 3 * place + j] += factor * workspace.tangent[3 * i + j][point];
+                            entries[j] += block[3 * i + j];
                         }
                     }
                 }

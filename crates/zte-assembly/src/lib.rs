@@ -5,6 +5,7 @@
 //! and Brake 2020, DOI 10.1016/j.ymssp.2020.106615); with a traction law per range of points they become an
 //! [`interface::Interface`] that turns nodal jumps into nodal forces and a sparse tangent. Nothing here knows about a
 //! solver or about the bodies on either side.
+mod element_sums;
 mod error;
 pub mod flux;
 pub mod interface;

@@ -1,11 +1,15 @@
 //! Interpolation `Q` from nodes to quadrature points and integration `T = (W Q)^T` back (eq. 5).
 
 use crate::Error;
-use crate::mesh::InterfaceMesh;
+use crate::element_sums::ShapeValues;
+use crate::mesh::{Element, InterfaceMesh};
 use crate::quadrature::{Quadrature, shape};
 use sprs::{CsMat, TriMat};
+use std::ops::Range;
 
 /// Everything geometric about an interface and its quadrature.
+///
+/// `Q` and `T` are for use outside; [`crate::Interface`] applies the same two maps element by element.
 ///
 /// Equation (5) of the paper prints `T D Q^T` for the tangent; the dimensions require `T D Q`.
 #[derive(Clone, Debug)]
@@ -20,6 +24,9 @@ pub struct Operators {
     pub positions: Vec<[f64; 2]>,
     /// First point of each element, and the number of points at the end.
     pub first_point: Vec<usize>,
+    elements: Vec<Element>,
+    quadrilateral: ShapeValues,
+    triangle: ShapeValues,
 }
 
 impl Operators {
@@ -77,6 +84,21 @@ impl Operators {
             weights,
             positions,
             first_point,
+            elements: mesh.elements.clone(),
+            quadrilateral: ShapeValues::new(&quadrature, &Element::Quad4([0, 1, 2, 3])),
+            triangle: ShapeValues::new(&quadrature, &Element::Tri3([0, 1, 2])),
+        })
+    }
+
+    /// Nodes, points and shape functions of each element.
+    pub(crate) fn elements(&self) -> impl Iterator<Item = (&[u32], Range<usize>, &ShapeValues)> {
+        let points = self.first_point.windows(2).map(|ends| ends[0]..ends[1]);
+        self.elements.iter().zip(points).map(|(element, points)| {
+            let shape = match element {
+                Element::Tri3(_) => &self.triangle,
+                Element::Quad4(_) => &self.quadrilateral,
+            };
+            (element.nodes(), points, shape)
         })
     }
 

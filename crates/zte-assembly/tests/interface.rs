@@ -1,7 +1,10 @@
 //! Interfaces with known answers: areas, patch tests, tangents, loops.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters, Sticking, TractionLaw};
+use contact_laws::{
+    Components, ComponentsMut, ElasticCurves, FrictionalLaw, HistoryRule, PointParameters, StateView, StateViewMut,
+    Sticking, TangentMut, TractionLaw,
+};
 use proptest::prelude::*;
 use std::sync::Arc;
 use zte_assembly::flux::LoopArea;
@@ -221,13 +224,7 @@ proptest! {
     #[test]
     fn tangent_is_the_derivative_of_the_force(seed in 0u64..1000, points in 1usize..=3) {
         let interface = interface(points, 0.3);
-        let mut s = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-        let mut next = || {
-            s ^= s << 13;
-            s ^= s >> 7;
-            s ^= s << 17;
-            (s >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut next = numbers(seed);
         // Mixed stick and slip, everything closed and away from kinks with probability one.
         let u: Vec<f64> =
             (0..interface.n_dofs()).map(|i| if i % 3 == 2 { 1e-6 * (1.0 + next()) } else { 2e-6 * (next() - 0.5) }).collect();
@@ -254,6 +251,123 @@ proptest! {
         for i in 0..product.len() {
             let difference = (up[i] - down[i]) / (2.0 * h);
             prop_assert!((difference - product[i]).abs() <= 1e-6 * scale, "{} {} {}", i, difference, product[i]);
+        }
+    }
+}
+
+/// Numbers in [0, 1) that look random.
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut s = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        s ^= s << 13;
+        s ^= s >> 7;
+        s ^= s << 17;
+        (s >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Tractions and tangents of an interface's laws at given jumps, from the history of bodies at rest.
+fn laws_alone(interface: &Interface, jump: &[Vec<f64>; 3]) -> ([Vec<f64>; 3], [Vec<f64>; 9]) {
+    let n = interface.operators().n_points();
+    let mut traction: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; n]);
+    let mut tangent: [Vec<f64>; 9] = std::array::from_fn(|_| vec![0.0; n]);
+    let rest = [vec![0.0; n], vec![0.0; n], interface.gap().iter().map(|g| -g).collect()];
+    let mut start = 0;
+    while let Some((law, 0)) = interface.law(start) {
+        let points = start..start + law.len();
+        let mut history = vec![0.0; law.len() * law.info().n_state()];
+        for jump in [&rest, jump] {
+            let begin = history.clone();
+            let [x, y, normal] = jump.each_ref().map(|v| &v[points.clone()]);
+            let [tx, ty, tn] = traction.each_mut().map(|v| &mut v[points.clone()]);
+            law.evaluate(
+                0..law.len(),
+                Sticking::Coulomb,
+                Components::new(x, y, normal),
+                StateView::new(&begin, law.len(), 0),
+                StateViewMut::new(&mut history, law.len(), 0),
+                ComponentsMut::new(tx, ty, tn),
+                Some(TangentMut::from_entries(
+                    tangent.each_mut().map(|v| &mut v[points.clone()]),
+                )),
+                None,
+            );
+        }
+        start = points.end;
+    }
+    assert_eq!(start, n);
+    (traction, tangent)
+}
+
+#[test]
+fn jumps_forces_and_tangents_are_those_of_q_and_t() {
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
+    for points in [1, 2, 3, 5] {
+        let flat = interface(points, 0.3);
+        let mut next = numbers(points as u64);
+        let gap = (0..flat.operators().n_points()).map(|_| 2e-7 * next()).collect();
+        let interface = flat.with_gap(gap).unwrap();
+        let (n_dofs, operators) = (interface.n_dofs(), interface.operators());
+        let u: Vec<f64> = (0..n_dofs)
+            .map(|i| {
+                if i % 3 == 2 {
+                    3e-6 * (next() - 0.4)
+                } else {
+                    4e-7 * (next() - 0.5)
+                }
+            })
+            .collect();
+        let begin = interface.initial_state();
+        let (mut end, mut workspace) = (begin.clone(), interface.workspace());
+        // What is left from an earlier evaluation must not matter.
+        let mut force = vec![f64::NAN; n_dofs];
+        let pattern = interface.pattern();
+        let mut values = vec![f64::NAN; pattern.indices.len()];
+        let coulomb = Sticking::Coulomb;
+        let tangent = Some(&mut values[..]);
+        let counts = interface.evaluate(&u, coulomb, &begin, &mut end, &mut workspace, &mut force, tangent);
+        assert!(counts.stick > 0 && counts.slip > 0 && counts.open > 0, "{counts:?}");
+
+        let jump_scale = largest(&mut u.iter().copied());
+        for (p, row) in operators.interpolation.outer_iterator().enumerate() {
+            for c in 0..3 {
+                let gap = if c == 2 { interface.gap()[p] } else { 0.0 };
+                let jump = row.iter().map(|(node, q)| q * u[3 * node + c]).sum::<f64>() - gap;
+                assert!((workspace.jump[c][p] - jump).abs() <= 1e-15 * jump_scale);
+            }
+        }
+
+        let (traction, entries) = laws_alone(&interface, &workspace.jump);
+        assert_eq!(traction, workspace.traction);
+        let (mut plain_force, mut plain) = (vec![0.0; n_dofs], vec![vec![0.0; n_dofs]; n_dofs]);
+        for (node, row) in operators.integration.outer_iterator().enumerate() {
+            for (p, area) in row.iter() {
+                for i in 0..3 {
+                    plain_force[3 * node + i] += area * traction[i][p];
+                    for (other, q) in operators.interpolation.outer_view(p).unwrap().iter() {
+                        for j in 0..3 {
+                            plain[3 * node + i][3 * other + j] += area * entries[3 * i + j][p] * q;
+                        }
+                    }
+                }
+            }
+        }
+        let force_scale = largest(&mut plain_force.iter().copied());
+        for (found, expected) in force.iter().zip(&plain_force) {
+            assert!((found - expected).abs() <= 1e-14 * force_scale, "{found} {expected}");
+        }
+        let scale = largest(&mut plain.iter().flatten().copied());
+        for (i, row) in plain.iter_mut().enumerate() {
+            let range = pattern.indptr[i]..pattern.indptr[i + 1];
+            assert!(pattern.indices[range.clone()].is_sorted_by(|a, b| a < b));
+            for (&j, found) in pattern.indices[range.clone()].iter().zip(&values[range]) {
+                assert!((found - row[j]).abs() <= 1e-14 * scale, "{i} {j}: {found} {}", row[j]);
+                row[j] = 0.0;
+            }
+            assert!(
+                row.iter().all(|rest| *rest == 0.0),
+                "row {i} has entries outside the pattern"
+            );
         }
     }
 }
