@@ -271,8 +271,11 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                     break;
                 }
                 if halving == settings.max_halvings {
-                    // No descent along this direction: a kink. Take the best point seen and let the next tangent
-                    // show another side of it.
+                    // No descent along this direction: a kink. Take the best point seen, unless it is far worse, and let
+                    // the tangent there show another side of it.
+                    if best.0 > 2.0 * history[iteration] * goal.scale {
+                        return fail(Reason::Stalled, history);
+                    }
                     stalled += 1;
                     walk.trial.copy_from(&walk.motion);
                     walk.trial.add(-best.1, &step);

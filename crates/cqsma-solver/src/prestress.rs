@@ -25,13 +25,18 @@ pub struct Prestress<S> {
     pub counts: PointCounts,
 }
 
+/// Ratio of energy norms beyond which the stuck structure at the guess is too stiff a measure of residuals; good guesses
+/// are below five.
+const FAR_GUESS: f64 = 10.0;
+
 /// Solves `K u + F(u) = load` from the guess `start`.
 ///
 /// The energy norm is that of the structure linearised at `start` with everything stuck, so `start` must close the
 /// interface: a uniform closure that carries the load on average makes the first Newton step the solution of that
 /// linear problem. The equilibrium is first found with sliding prevented, then with friction; where Newton's method fails
 /// the load is applied in steps. The outer `Result` tells of input that cannot be used, the inner one of a solve that did
-/// not converge.
+/// not converge. A guess so far off that its energy norm says little about the solution is replaced by the solution and
+/// the work repeated from there.
 ///
 /// # Errors
 /// Sizes that do not match, and [`Error::Dense`] if `start` leaves the structure loose.
@@ -45,6 +50,34 @@ pub fn solve<F: HystereticForce>(
     let n = stiffness.nrows();
     check_size("the static load", load.len(), n)?;
     check_size("the starting guess", start.len(), n)?;
+    let (mut solution, stretch) = match attempt(stiffness, force, load, start, settings)? {
+        Ok(found) => found,
+        Err(failure) => return Ok(Err(failure)),
+    };
+    if stretch > FAR_GUESS {
+        let again = attempt(stiffness, force, load, &solution.displacement, settings)?;
+        let (effort, [stuck, sliding]) = (solution.effort, solution.iterations);
+        solution = match again {
+            Ok((found, _)) => found,
+            Err(failure) => return Ok(Err(failure)),
+        };
+        solution.effort += effort;
+        solution.iterations[0] += stuck;
+        solution.iterations[1] += sliding;
+    }
+    Ok(Ok(solution))
+}
+
+/// One search from `start`; with the solution comes how much more energy the stuck structure at `start` would hold in
+/// its motion than under the load (square root of the ratio).
+fn attempt<F: HystereticForce>(
+    stiffness: MatRef<'_, f64>,
+    force: &F,
+    load: &[f64],
+    start: &[f64],
+    settings: &NewtonSettings,
+) -> Result<Result<(Prestress<F::State>, f64), Failure>, Error> {
+    let n = stiffness.nrows();
     let nc = force.n_dofs();
     let initial = force.initial_state();
     let mut tangent = vec![0.0; force.pattern().indices.len()];
@@ -95,12 +128,14 @@ pub fn solve<F: HystereticForce>(
         iterations[stage] = path.walk.effort.iterations - before;
     }
     path.walk.commit();
-    Ok(Ok(Prestress {
+    let stretch = path.walk.motion.norm() / unit.norm();
+    let solution = Prestress {
         displacement: path.walk.motion.v,
         state: path.walk.begin,
         iterations,
         effort: path.walk.effort,
         residual: path.residual,
         counts,
-    }))
+    };
+    Ok(Ok((solution, stretch)))
 }

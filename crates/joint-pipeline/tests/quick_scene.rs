@@ -1,8 +1,12 @@
 //! The whole road on a small mesh: one reduced model, many scenes on it.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+use cqsma_solver::{NewtonSettings, prestress};
+use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::progress::{Progress, Silent, Stage};
+use joint_pipeline::run::prepare;
 use joint_pipeline::scene::{BoltBehaviour, CommitName, Gap, LawKind, RefinementName, Surface, SyntheticScan};
+use joint_pipeline::summary::Status;
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
@@ -421,4 +425,66 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
     assert!(numbers(&run(&other, &options, &Silent).unwrap()) != undisturbed);
     assert!(loops().is_some());
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn prestress_is_found_from_far_guesses() {
+    for gap in [Gap::Flat, Gap::Measured] {
+        let mut scene = quick();
+        scene.gap = gap;
+        let options = Options { cache: Some(cache()) };
+        let prepared = prepare(&scene, &options, &Silent).unwrap();
+        let reduced = &prepared.model().reduced;
+        let force = InterfaceForce::new(&prepared.interface().interface);
+        let (load, start) = (prepared.static_load(), prepared.start());
+        let newton = NewtonSettings::default();
+        let from = |factor: f64| {
+            let start: Vec<f64> = start.iter().map(|u| factor * u).collect();
+            prestress::solve(reduced.stiffness.as_ref(), &force, &load, &start, &newton)
+                .unwrap()
+                .unwrap_or_else(|failure| panic!("{gap:?} {factor}: {failure:?}"))
+        };
+        let usual = from(1.0);
+        let largest = usual.displacement.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+        for factor in [0.3, 0.5, 2.0, 10.0, 100.0] {
+            let other = from(factor);
+            let pairs = usual.displacement.iter().zip(&other.displacement);
+            let difference = pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            println!(
+                "{gap:?} {factor}: {:?} iterations, {difference:e} of {largest:e}",
+                other.iterations
+            );
+            assert!(
+                difference < 1e-6 * largest,
+                "{gap:?} {factor}: {difference:e} of {largest:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn amplitudes_from_a_femtometre_to_a_metre_are_found_and_noise_is_called_so() {
+    let mut scene = quick();
+    scene.cqsma.amplitude_from = 1e-15;
+    scene.cqsma.amplitude_to = 1.0;
+    scene.cqsma.amplitudes = 16;
+    let run = go(&scene);
+    let summary = joint_pipeline::summary::Summary::new(&run, Default::default(), None);
+    let linear = run.frequencies[0];
+    for (amplitude, b) in run.amplitudes.iter().zip(&summary.backbone) {
+        println!(
+            "{:?} m: {:?} Hz, {:?}, floor {:?}, {:?}",
+            b.response_displacement, b.frequency_hz, b.damping_ratio, b.damping_floor, amplitude.point.effort
+        );
+        assert!(b.converged);
+        let (x, f) = (b.response_displacement.unwrap(), b.frequency_hz.unwrap());
+        if x < 1e-8 {
+            // The stuck structure within what round-off leaves; no damping is claimed.
+            assert!((f / linear - 1.0).abs() < 1e-6 + b.damping_floor.unwrap(), "{x}: {f}");
+            assert_eq!((b.status, b.damping_ratio), (Status::BelowFloor, None), "{x}");
+        }
+        if x > 1e-5 {
+            assert_eq!(b.status, Status::Resolved, "{x}");
+        }
+    }
 }
