@@ -50,33 +50,34 @@ pub fn solve<F: HystereticForce>(
     let n = stiffness.nrows();
     check_size("the static load", load.len(), n)?;
     check_size("the starting guess", start.len(), n)?;
-    let (mut solution, stretch) = match attempt(stiffness, force, load, start, settings)? {
-        Ok(found) => found,
-        Err(failure) => return Ok(Err(failure)),
+    let attempt = |start: &[f64]| attempt(stiffness, force, load, start, settings);
+    let first = match attempt(start)? {
+        Ok(found) if found.stretch > FAR_GUESS => found.solution,
+        other => return Ok(other.map(|found| found.solution)),
     };
-    if stretch > FAR_GUESS {
-        let again = attempt(stiffness, force, load, &solution.displacement, settings)?;
-        let (effort, [stuck, sliding]) = (solution.effort, solution.iterations);
-        solution = match again {
-            Ok((found, _)) => found,
-            Err(failure) => return Ok(Err(failure)),
-        };
-        solution.effort += effort;
-        solution.iterations[0] += stuck;
-        solution.iterations[1] += sliding;
-    }
-    Ok(Ok(solution))
+    Ok(attempt(&first.displacement)?.map(|found| {
+        let mut second = found.solution;
+        second.effort += first.effort;
+        second.iterations = std::array::from_fn(|stage| first.iterations[stage] + second.iterations[stage]);
+        second
+    }))
 }
 
-/// One search from `start`; with the solution comes how much more energy the stuck structure at `start` would hold in
-/// its motion than under the load (square root of the ratio).
+/// A solution, and how good its guess was.
+struct Attempt<S> {
+    solution: Prestress<S>,
+    /// Energy norm of the motion, in the stuck structure at the guess, over that of the load.
+    stretch: f64,
+}
+
+/// One search from `start`.
 fn attempt<F: HystereticForce>(
     stiffness: MatRef<'_, f64>,
     force: &F,
     load: &[f64],
     start: &[f64],
     settings: &NewtonSettings,
-) -> Result<Result<(Prestress<F::State>, f64), Failure>, Error> {
+) -> Result<Result<Attempt<F::State>, Failure>, Error> {
     let n = stiffness.nrows();
     let nc = force.n_dofs();
     let initial = force.initial_state();
@@ -137,5 +138,5 @@ fn attempt<F: HystereticForce>(
         residual: path.residual,
         counts,
     };
-    Ok(Ok((solution, stretch)))
+    Ok(Ok(Attempt { solution, stretch }))
 }
