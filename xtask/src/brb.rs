@@ -65,7 +65,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         files::remove_stale(&directory, &outputs)?;
     }
     print(&account(&summary, &scene.name, &directory))?;
-    let complete = summary.backbone.iter().all(|b| b.converged);
+    let others = summary.methods.values().flatten();
+    let complete = summary.backbone.iter().all(|b| b.converged) && others.into_iter().all(|m| m.converged);
     Ok(if complete {
         Outcome::Success
     } else {

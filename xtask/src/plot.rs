@@ -1,9 +1,10 @@
 //! The backbone as a picture.
 
 use anyhow::{Context, Result};
-use joint_pipeline::summary::Summary;
+use joint_pipeline::summary::{BackboneSummary, MethodSummary, Summary};
 use plotters::coord::combinators::{LogCoord, WithKeyPoints};
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use std::ops::Range;
 
@@ -11,6 +12,9 @@ const SIZE: (u32, u32) = (800, 720);
 const BLUE: RGBColor = RGBColor(31, 93, 153);
 const RED: RGBColor = RGBColor(178, 58, 46);
 const GRID: RGBColor = RGBColor(222, 222, 222);
+
+/// Length of the sample of a curve in the legend (pixels).
+const SAMPLE: u32 = 40;
 
 /// Name of the response point, for axes and tables.
 pub(crate) const RESPONSE: &str = "displacement amplitude at the beam's end, edge middle, in bending direction";
@@ -23,23 +27,77 @@ pub(crate) fn backbone(summary: &Summary, title: &str) -> Result<String> {
 }
 
 /// Points of a curve with their numbers in the backbone, so that lines break where an amplitude is missing.
-type Curve = Vec<(usize, f64, f64)>;
+type Points = Vec<(usize, f64, f64)>;
+
+/// The curve of one method.
+struct Curve {
+    name: String,
+    colour: RGBColor,
+    /// Length and spacing of its dashes (pixels); none: a solid line with dots.
+    dashes: Option<(u32, u32)>,
+    points: Points,
+}
+
+impl Curve {
+    fn new(name: &str, main: RGBColor, points: Points) -> Self {
+        let (colour, dashes) = match name {
+            "qsma" => (RGBColor(214, 126, 0), Some((9, 5))),
+            "masing" => (RGBColor(34, 130, 60), Some((2, 4))),
+            "rqnma" => (RGBColor(122, 58, 150), Some((14, 4))),
+            _ => (main, None),
+        };
+        Self {
+            name: title(name),
+            colour,
+            dashes,
+            points,
+        }
+    }
+}
+
+/// Name of a method as it is written.
+pub(crate) fn title(method: &str) -> String {
+    match method {
+        "masing" => "Masing".into(),
+        acronym => acronym.to_uppercase(),
+    }
+}
+
+/// One curve per method, CQSMA last so that it lies on top: amplitude and the value asked for.
+fn curves(
+    summary: &Summary,
+    main: RGBColor,
+    cqsma: fn(&BackboneSummary) -> Option<f64>,
+    other: fn(&MethodSummary) -> Option<f64>,
+) -> Vec<Curve> {
+    let methods = summary.methods.iter().map(|(name, points)| {
+        let points = points.iter().enumerate();
+        let points = points.filter_map(|(i, m)| Some((i, m.response_displacement?, other(m)?)));
+        Curve::new(name, main, points.collect())
+    });
+    let points = summary.backbone.iter().enumerate();
+    let points = points.filter_map(|(i, b)| Some((i, b.response_displacement?, cqsma(b)?)));
+    methods.chain([Curve::new("cqsma", main, points.collect())]).collect()
+}
+
+/// All points of all curves.
+fn points(curves: &[Curve]) -> impl Iterator<Item = &(usize, f64, f64)> {
+    curves.iter().flat_map(|curve| &curve.points)
+}
 
 fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
-    let curve = |value: fn(&joint_pipeline::summary::BackboneSummary) -> Option<f64>| -> Curve {
-        let points = summary.backbone.iter().enumerate();
-        points
-            .filter_map(|(i, b)| Some((i, b.response_displacement?, value(b)?)))
-            .collect()
-    };
-    let frequency = curve(|b| b.frequency_hz);
-    let damping_all = curve(|b| b.damping_ratio);
-    let damping: Curve = damping_all.iter().copied().filter(|(_, _, zeta)| *zeta > 0.0).collect();
+    let frequency = curves(summary, BLUE, |b| b.frequency_hz, |m| m.frequency_hz);
+    let mut damping = curves(summary, RED, |b| b.damping_ratio, |m| m.damping_ratio);
+    let all = points(&damping).count();
+    for curve in &mut damping {
+        curve.points.retain(|(_, _, zeta)| *zeta > 0.0);
+    }
+    let omitted = all - points(&damping).count();
 
     let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
     let root = root.titled(title, ("sans-serif", 20))?;
-    let Some(amplitudes) = bounds(frequency.iter().map(|p| p.1)) else {
+    let Some(amplitudes) = bounds(points(&frequency).map(|p| p.1)) else {
         let (x, y) = (SIZE.0 as i32 / 2 - 130, SIZE.1 as i32 / 2);
         root.draw(&Text::new("no amplitude converged", (x, y), ("sans-serif", 22)))?;
         return Ok(root.present()?);
@@ -48,7 +106,7 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
     let x_ticks = ticks(&x);
     let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
 
-    let Range { start, end } = bounds(frequency.iter().map(|p| p.2)).unwrap_or(0.0..1.0);
+    let Range { start, end } = bounds(points(&frequency).map(|p| p.2)).unwrap_or(0.0..1.0);
     let margin = (0.08 * (end - start)).max(1e-3 * end);
     let y = start - margin..end + margin;
     panel(
@@ -59,10 +117,10 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
         "",
         &|f| format!("{f:.2}"),
         &frequency,
-        BLUE,
+        SeriesLabelPosition::LowerLeft,
     )?;
 
-    let y = bounds(damping.iter().map(|p| p.2)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
+    let y = bounds(points(&damping).map(|p| p.2)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
     let y_ticks = ticks(&y);
     let label = format!("{RESPONSE} [m]");
     let chart_y = log(&y, &y_ticks);
@@ -74,14 +132,10 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
         &label,
         &power,
         &damping,
-        RED,
+        SeriesLabelPosition::LowerRight,
     )?;
-    let omitted = damping_all.len() - damping.len();
     if omitted > 0 {
-        let text = format!(
-            "{omitted} of {} points are not positive and left out",
-            damping_all.len()
-        );
+        let text = format!("{omitted} of {all} points are not positive and left out");
         lower.draw(&Text::new(text, (110, 12), ("sans-serif", 14)))?;
     }
     Ok(root.present()?)
@@ -94,8 +148,8 @@ fn panel<X, Y>(
     y_label: &str,
     x_label: &str,
     y_text: &dyn Fn(&f64) -> String,
-    curve: &Curve,
-    colour: RGBColor,
+    curves: &[Curve],
+    legend: SeriesLabelPosition,
 ) -> Result<()>
 where
     X: AsRangedCoord<Value = f64>,
@@ -121,10 +175,36 @@ where
         .x_desc(x_label)
         .y_desc(y_label)
         .draw()?;
-    for run in curve.chunk_by(|a, b| a.0 + 1 == b.0) {
-        chart.draw_series(LineSeries::new(run.iter().map(|p| (p.1, p.2)), colour.stroke_width(2)))?;
+    for curve in curves {
+        let style = curve.colour.stroke_width(2);
+        for run in curve.points.chunk_by(|a, b| a.0 + 1 == b.0) {
+            let line = run.iter().map(|p| (p.1, p.2));
+            match curve.dashes {
+                None => chart.draw_series(LineSeries::new(line, style))?,
+                Some((length, spacing)) => chart.draw_series(DashedLineSeries::new(line, length, spacing, style))?,
+            };
+        }
+        let dots: &[_] = if curve.dashes.is_none() { &curve.points } else { &[] };
+        let dots = dots.iter().map(|p| Circle::new((p.1, p.2), 3, curve.colour.filled()));
+        let drawn = chart.draw_series(dots)?;
+        if curves.len() > 1 {
+            let (length, spacing) = curve.dashes.unwrap_or((SAMPLE, 1));
+            drawn.label(&curve.name).legend(move |(x, y)| {
+                let ends = [(x, y), (x + SAMPLE as i32, y)];
+                DashedPathElement::new(ends, length, spacing, style)
+            });
+        }
     }
-    chart.draw_series(curve.iter().map(|p| Circle::new((p.1, p.2), 3, colour.filled())))?;
+    if curves.len() > 1 {
+        chart
+            .configure_series_labels()
+            .position(legend)
+            .legend_area_size(SAMPLE + 6)
+            .margin(10)
+            .label_font(("sans-serif", 14))
+            .background_style(WHITE.mix(0.8))
+            .draw()?;
+    }
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-const STAGES: [Stage; 8] = [
+const STAGES: [Stage; 9] = [
     Stage::Mesh,
     Stage::Assemble,
     Stage::Factor,
@@ -16,6 +16,7 @@ const STAGES: [Stage; 8] = [
     Stage::Prestress,
     Stage::Modes,
     Stage::Backbone,
+    Stage::Methods,
 ];
 
 /// Parts of a bar.

@@ -83,6 +83,10 @@ pub(crate) fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<S
     key_numbers(&mut out, summary, &name);
     out += "<h2>Backbone in numbers</h2>\n";
     backbone_table(&mut out, summary);
+    if !summary.methods.is_empty() {
+        out += "<h2>Other methods</h2>\n";
+        methods_table(&mut out, summary);
+    }
     out += "<h2>Validity</h2>\n<ul>\n";
     for sentence in validity(run, summary) {
         let _ = writeln!(out, "<li>{}</li>", escape(&sentence));
@@ -270,6 +274,31 @@ fn backbone_table(out: &mut String, summary: &Summary) {
         }
         if let Some(reason) = &point.failure {
             let _ = write!(out, "<td>not converged: {}</td>", escape(reason));
+        }
+        *out += "</tr>\n";
+    }
+    *out += "</table></div>\n";
+}
+
+/// Displacement, frequency and damping ratio of the other methods, side by side.
+fn methods_table(out: &mut String, summary: &Summary) {
+    let cell = |out: &mut String, text: Option<String>| {
+        let _ = write!(out, "<td>{}</td>", text.unwrap_or_else(|| "–".into()));
+    };
+    *out += "<div class=\"wide\"><table class=\"numbers\">\n<tr><th scope=\"col\">no.</th>";
+    for name in summary.methods.keys() {
+        for heading in ["displacement [m]", "frequency [Hz]", "damping ratio [-]"] {
+            let _ = write!(out, "<th scope=\"col\">{}: {heading}</th>", plot::title(name));
+        }
+    }
+    *out += "</tr>\n";
+    for index in 0..summary.backbone.len() {
+        let _ = write!(out, "<tr><td>{}</td>", index + 1);
+        for point in summary.methods.values().filter_map(|points| points.get(index)) {
+            let below = point.damping_floor.map(|floor| format!("&lt; {floor:.1e}"));
+            cell(out, point.response_displacement.map(|v| format!("{v:.4e}")));
+            cell(out, point.frequency_hz.map(|v| format!("{v:.4}")));
+            cell(out, point.damping_ratio.map(|v| format!("{v:.4e}")).or(below));
         }
         *out += "</tr>\n";
     }

@@ -7,7 +7,7 @@
 //!   already subtracted the gap, so `u_n > 0` is interference (m) and a point is in contact iff `u_n > 0`.
 //! - **Units**: SI; jumps in m, tractions in Pa, tangents in Pa/m.
 //! - **State**: as many numbers per point as the law says, [`LawInfo::n_state`], stored `[component][point]`; zeros are
-//!   a point that touches nothing and carries nothing.
+//!   a point that touches nothing and carries nothing ([`LinearisedContact`]: its static state).
 //! - **History**: evaluation is pure in the begin state. Whether the end state becomes the next begin state is the
 //!   caller's decision: at load reversals, or at every converged step. How the begin state enters is the law's
 //!   [`HistoryRule`].
@@ -22,8 +22,9 @@
 //! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`rough`] |
 //! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`elastic_dry_friction`] |
 //! | [`MindlinIwan`] | any of the above, with microslip | curves, number of sliders | [`mindlin_iwan`] |
+//! | [`LinearisedContact`] | constant stiffnesses, constant slip limit | any law's static state | [`linearised`] |
 //!
-//! All carry Coulomb friction; all but [`MindlinIwan`] are a [`FrictionalLaw`] ([`friction`]). Curves of one's own
+//! All carry Coulomb friction; all but the last two are a [`FrictionalLaw`] ([`friction`]). Curves of one's own
 //! implement [`ContactCurves`]. Beside the laws stand single contacts ([`hertz`], [`mindlin`]), onset of yield and
 //! [`adhesion`].
 //!
@@ -62,6 +63,7 @@ pub mod friction;
 pub mod greenwood_williamson;
 pub mod hertz;
 pub mod law;
+pub mod linearised;
 #[cfg(not(feature = "std"))]
 mod math;
 pub mod mindlin;
@@ -101,6 +103,7 @@ pub use law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
 };
+pub use linearised::{LinearisedContact, StaticPoint};
 pub use mindlin_iwan::MindlinIwan;
 pub use parameters::PointParameters;
 pub use rough::{FittedCurves, NormalFit, RoughLaw, TangentialEnds, TangentialFit};

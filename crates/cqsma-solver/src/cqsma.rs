@@ -4,8 +4,8 @@ use crate::Error;
 use crate::force::{HystereticForce, PointCounts};
 use crate::hysteresis::Loop;
 use crate::linear::{Motion, dot, multiply};
-use crate::modes::Linearisation;
-use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Walk};
+use crate::modes::{Linearisation, Mode};
+use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Walk};
 use crate::path::Path;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -202,13 +202,6 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
     settings: &Settings,
     observer: impl Fn(usize) -> O + Sync,
 ) -> Result<Vec<(BackbonePoint, O)>, Error> {
-    if settings.mode >= structure.shapes.ncols() {
-        return Err(Error::Setting {
-            field: "mode",
-            value: settings.mode as f64,
-            requirement: "less than the number of linearised modes (counted from 0)",
-        });
-    }
     let positive = |field, value: usize| {
         let requirement = "at least 1";
         if value == 0 {
@@ -242,7 +235,7 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
             requirement: "positive and finite",
         });
     }
-    let mode = Mode::new(structure, settings.mode);
+    let mode = Mode::try_new(structure, settings.mode)?;
     let interrupted = AtomicBool::new(false);
     let points: Vec<Option<(BackbonePoint, O)>> = modal_forces
         .par_iter()
@@ -266,25 +259,6 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
     points.filter(|_| !interrupted.into_inner()).ok_or(Error::Interrupted)
 }
 
-/// The mode that is followed.
-struct Mode {
-    shape: Vec<f64>,
-    /// `M phi`, the load of unit modal force, and the stuck structure's response to it.
-    unit: Motion,
-}
-
-impl Mode {
-    fn new<S>(structure: &Linearisation<'_, S>, mode: usize) -> Self {
-        let shape: Vec<f64> = structure.shapes.col(mode).iter().copied().collect();
-        let mut load = vec![0.0; shape.len()];
-        multiply(structure.mass, &shape, &mut load);
-        Self {
-            shape,
-            unit: structure.stuck.response(&load),
-        }
-    }
-}
-
 fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
     structure: &Linearisation<'_, F::State>,
     force: &F,
@@ -293,22 +267,13 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
     settings: &Settings,
     observer: &mut O,
 ) -> BackbonePoint {
-    let nc = force.n_dofs();
-    let equilibrium = Equilibrium {
-        stiffness: structure.stiffness,
-        force,
-        stuck: &structure.stuck,
-        reference: &structure.displacement[..nc],
-        reference_force: &structure.contact_force,
-        round_off: structure.round_off,
-    };
     let walk = Walk::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
     let solution = (settings.solver, settings.newton);
     let mut tour = Tour {
         mode,
         peak,
         settings,
-        path: Path::new(equilibrium, &mode.unit, peak, solution, walk),
+        path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, walk),
     };
     let result = tour.measure(structure, observer);
     BackbonePoint {

@@ -5,6 +5,10 @@
 //! modes about it with everything stuck, [`cqsma::run`] walks the hysteresis loops of one mode and turns them into
 //! frequency and damping (Balaji, Chen and Brake 2020, DOI 10.1016/j.ymssp.2020.106615, section 3.1.2).
 //!
+//! Beside it, on the same equilibria: [`masing::run`] takes the loops from one initial loading curve by Masing's rule,
+//! [`rqnma::run`] lets the mode's shape change with the amplitude. QSMA (eqs. 34-36) is [`cqsma::run`] on a force that
+//! is linear in the normal direction.
+//!
 //! The feature `serde` makes results serialisable.
 //!
 //! Residuals are measured in the energy norm of the stuck structure, `sqrt(r^T P^-1 r)`: one number for forces and
@@ -14,14 +18,18 @@ mod error;
 pub mod force;
 pub mod hysteresis;
 mod linear;
+pub mod loading;
+pub mod masing;
 pub mod modes;
 pub mod newton;
 mod path;
 pub mod prestress;
+pub mod rqnma;
 pub mod test_problems;
 
 pub use cqsma::{BackbonePoint, LoopObserver, LoopResult, NoObserver};
 pub use error::Error;
 pub use force::{HystereticForce, Pattern, PointCounts, Sliding};
+pub use loading::{LoadingPoint, LoadingResult};
 pub use modes::Linearisation;
 pub use newton::{Failure, LinearSolver, NewtonSettings, Reason};

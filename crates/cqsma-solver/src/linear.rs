@@ -1,4 +1,5 @@
-//! Linear solves with the tangent: directly, or by GMRES preconditioned with the inverse of the stuck one.
+//! Linear solves with the tangent, bordered or not: directly, or by GMRES preconditioned with the inverse of the stuck
+//! one.
 
 use crate::Error;
 use crate::force::Pattern;
@@ -61,6 +62,12 @@ impl Motion {
         let add = |to: &mut [f64], from: &[f64]| to.iter_mut().zip(from).for_each(|(a, b)| *a += factor * b);
         add(&mut self.v, &other.v);
         add(&mut self.p, &other.p);
+    }
+
+    /// `self *= factor`.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.v.iter_mut().for_each(|v| *v *= factor);
+        self.p.iter_mut().for_each(|p| *p *= factor);
     }
 
     pub(crate) fn copy_from(&mut self, other: &Self) {
@@ -140,18 +147,61 @@ fn symmetrised(pattern: &Pattern, values: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Solves `(stiffness + tangent) x = b` by LU; `None` if the matrix is numerically singular.
+/// What it adds to a linear system that the load is the inertia `lambda M u` of a motion `u` of given amplitude:
+/// `-lambda M` in the matrix, and a border that keeps the solution mass-orthogonal to `u`, with `M u` beside it for the
+/// change of `lambda`.
+pub(crate) struct Border<'a> {
+    pub(crate) mass: MatRef<'a, f64>,
+    pub(crate) lambda: f64,
+    /// The force `M u`, and the stuck structure's response to it.
+    pub(crate) inertia: &'a Motion,
+}
+
+impl Border<'_> {
+    /// Takes the part along the response to `M u` out of a motion; the rest is mass-orthogonal to `u`.
+    fn project(&self, motion: &mut Motion) {
+        let Motion { v, p } = self.inertia;
+        motion.add(-dot(&motion.p, v) / dot(p, v), self.inertia);
+    }
+}
+
+/// Solves `(stiffness + tangent) x = b`, or the bordered system, by LU; `None` if the matrix is numerically singular.
 pub(crate) fn solve_direct(
     stiffness: MatRef<'_, f64>,
     pattern: &Pattern,
     tangent: &[f64],
+    border: Option<&Border<'_>>,
     b: &[f64],
 ) -> Option<Vec<f64>> {
-    dense_algebra::solve_general(with_tangent(stiffness, pattern, tangent), b)
+    let matrix = with_tangent(stiffness, pattern, tangent);
+    let Some(Border { mass, lambda, inertia }) = border else {
+        return dense_algebra::solve_general(matrix, b);
+    };
+    let n = b.len();
+    // The border has the unit of the matrix; its scale only enters the unknown that is dropped.
+    let largest = inertia.p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+    let scale = matrix
+        .diagonal()
+        .column_vector()
+        .iter()
+        .fold(0.0_f64, |m, d| m.max(d.abs()))
+        / largest;
+    let bordered = Mat::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
+        (false, false) => matrix[(i, j)] - lambda * mass[(i, j)],
+        (true, true) => 0.0,
+        _ => scale * inertia.p[i.min(j)],
+    });
+    let mut right: Vec<f64> = b.to_vec();
+    right.push(0.0);
+    let mut x = dense_algebra::solve_general(bordered, &right)?;
+    x.truncate(n);
+    Some(x)
 }
 
 /// Solves `(P + dT) x = r` by GMRES on `1 + P^-1 dT` in the inner product of `P`, where `dT` is the difference between
-/// the tangent and the stuck one: one product with `P^-1` and a sparse one per step.
+/// the tangent and the stuck one: one product with `P^-1` and a sparse one per step. With a border one product with the
+/// mass is added, and the search is kept in the subspace that the border leaves, where the operator is regular although
+/// the matrix nearly is not.
 ///
 /// `start` holds the force `r` and the motion `P^-1 r`, `norm` its energy norm. Returns the solution and the number of
 /// steps, or `None` if `tolerance` (relative, energy norm) is not reached.
@@ -159,6 +209,7 @@ pub(crate) fn solve_krylov(
     stuck: &Stuck,
     pattern: &Pattern,
     tangent: &[f64],
+    border: Option<&Border<'_>>,
     start: &Motion,
     norm: f64,
     tolerance: f64,
@@ -176,10 +227,19 @@ pub(crate) fn solve_krylov(
     let mut rhs = vec![norm];
     let mut image = Motion::zero(n);
     for step in 0..MAX_KRYLOV.min(n) {
-        image.p.fill(0.0);
+        match border {
+            None => image.p.fill(0.0),
+            Some(border) => {
+                multiply(border.mass, &basis[step].v, &mut image.p);
+                image.p.iter_mut().for_each(|p| *p *= -border.lambda);
+            }
+        }
         pattern.add_product(&difference, &basis[step].v, &mut image.p);
         stuck.solve_into(&image.p, &mut image.v);
         image.add(1.0, &basis[step]);
+        if let Some(border) = border {
+            border.project(&mut image);
+        }
         let mut h = Vec::with_capacity(step + 2);
         for known in &basis {
             let c = dot(&image.p, &known.v);

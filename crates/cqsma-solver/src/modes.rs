@@ -3,7 +3,8 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, Sliding};
-use crate::linear::{Stuck, multiply};
+use crate::linear::{Motion, Stuck, multiply};
+use crate::newton::Equilibrium;
 use faer::{Mat, MatRef};
 
 /// The prestressed structure, ready for its loops.
@@ -38,6 +39,18 @@ impl<S> Linearisation<'_, S> {
         Ok(self.stuck.response(force).v)
     }
 
+    /// Equilibrium in increments from the static state.
+    pub(crate) fn equilibrium<'b, F: HystereticForce<State = S>>(&'b self, force: &'b F) -> Equilibrium<'b, F> {
+        Equilibrium {
+            stiffness: self.stiffness,
+            force,
+            stuck: &self.stuck,
+            reference: &self.displacement[..force.n_dofs()],
+            reference_force: &self.contact_force,
+            round_off: self.round_off,
+        }
+    }
+
     /// Frequencies of the modes (Hz).
     pub fn frequencies(&self) -> Vec<f64> {
         self.eigenvalues
@@ -59,6 +72,36 @@ impl<S> Linearisation<'_, S> {
             }
         }
         Ok(())
+    }
+}
+
+/// The mode that is followed.
+pub(crate) struct Mode {
+    pub(crate) shape: Vec<f64>,
+    /// `omega^2` (rad^2/s^2).
+    pub(crate) eigenvalue: f64,
+    /// `M phi`, the load of unit modal force, and the stuck structure's response to it.
+    pub(crate) unit: Motion,
+}
+
+impl Mode {
+    /// Mode number `mode`, zero-based.
+    pub(crate) fn try_new<S>(structure: &Linearisation<'_, S>, mode: usize) -> Result<Self, Error> {
+        let Some(&eigenvalue) = structure.eigenvalues.get(mode) else {
+            return Err(Error::Setting {
+                field: "mode",
+                value: mode as f64,
+                requirement: "less than the number of linearised modes (counted from 0)",
+            });
+        };
+        let shape: Vec<f64> = structure.shapes.col(mode).iter().copied().collect();
+        let mut load = vec![0.0; shape.len()];
+        multiply(structure.mass, &shape, &mut load);
+        Ok(Self {
+            shape,
+            eigenvalue,
+            unit: structure.stuck.response(&load),
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Newton's method for the equilibrium of a structure with a hysteretic force.
 
 use crate::force::{HystereticForce, PointCounts, Sliding};
-use crate::linear::{Motion, Stuck, dot, multiply, solve_direct, solve_krylov};
+use crate::linear::{Border, Motion, Stuck, dot, multiply, solve_direct, solve_krylov};
 use faer::MatRef;
 
 /// When to stop, and when to give up.
@@ -38,6 +38,9 @@ pub enum Reason {
     /// The linear system has no solution.
     #[error("the tangent is singular")]
     Singular,
+    /// A motion of given amplitude whose shape is not that of its neighbour.
+    #[error("the solution belongs to another mode")]
+    OtherMode,
     /// Too many iterations.
     #[error("the iteration limit was reached")]
     IterationLimit,
@@ -108,12 +111,21 @@ pub(crate) struct Equilibrium<'a, F: HystereticForce> {
     pub(crate) round_off: f64,
 }
 
+/// The load of a solve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Load<'a> {
+    /// The factor times a pattern.
+    Pattern(&'a [f64]),
+    /// The inertia `lambda M v` of the motion itself, whose modal amplitude `sqrt(v^T M v)` is the factor; `lambda` is
+    /// found along with the motion.
+    Inertia(MatRef<'a, f64>),
+}
+
 /// What a solve must reach.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goal<'a> {
-    /// The load is this factor times the pattern.
     pub(crate) factor: f64,
-    pub(crate) pattern: &'a [f64],
+    pub(crate) load: Load<'a>,
     /// Energy norm that the tolerance refers to.
     pub(crate) scale: f64,
     pub(crate) sliding: Sliding,
@@ -127,6 +139,8 @@ pub(crate) struct Walk<F: HystereticForce> {
     pub(crate) begin: F::State,
     /// History reached by the last solve.
     pub(crate) end: F::State,
+    /// Square of the frequency at the last evaluation with [`Load::Inertia`].
+    pub(crate) lambda: f64,
     pub(crate) effort: Effort,
     workspace: F::Workspace,
     total: Vec<f64>,
@@ -135,6 +149,8 @@ pub(crate) struct Walk<F: HystereticForce> {
     trial: Motion,
     /// Residual force, and the stuck structure's response to it.
     residual: Motion,
+    /// With [`Load::Inertia`]: the force `M v`, and the stuck structure's response to it.
+    inertia: Motion,
 }
 
 impl<F: HystereticForce> Walk<F> {
@@ -143,6 +159,7 @@ impl<F: HystereticForce> Walk<F> {
         Self {
             end: begin.clone(),
             begin,
+            lambda: f64::NAN,
             effort: Effort::default(),
             workspace: force.workspace(),
             total: vec![0.0; force.n_dofs()],
@@ -150,6 +167,7 @@ impl<F: HystereticForce> Walk<F> {
             tangent: vec![0.0; force.pattern().indices.len()],
             trial: motion.clone(),
             residual: Motion::zero(n),
+            inertia: Motion::zero(n),
             motion,
         }
     }
@@ -161,8 +179,16 @@ impl<F: HystereticForce> Walk<F> {
 }
 
 impl<F: HystereticForce> Equilibrium<'_, F> {
-    /// Leaves residual and tangent at `walk.trial` in the walk; returns the residual's energy norm.
+    /// Leaves residual and tangent at `walk.trial` in the walk, with [`Load::Inertia`] after bringing the trial to the
+    /// amplitude of the goal; returns the residual's energy norm.
     fn evaluate(&self, walk: &mut Walk<F>, goal: &Goal<'_>) -> (f64, PointCounts) {
+        if let Load::Inertia(mass) = goal.load {
+            multiply(mass, &walk.trial.v, &mut walk.inertia.p);
+            let factor = goal.factor / dot(&walk.trial.v, &walk.inertia.p).sqrt();
+            walk.trial.scale(factor);
+            walk.inertia.p.iter_mut().for_each(|p| *p *= factor);
+            self.stuck.solve_into(&walk.inertia.p, &mut walk.inertia.v);
+        }
         let Motion { v, p } = &walk.trial;
         for ((total, u), v) in walk.total.iter_mut().zip(self.reference).zip(v) {
             *total = u + v;
@@ -179,11 +205,23 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         let residual = &mut walk.residual.p;
         residual.fill(0.0);
         self.force.pattern().add_product(self.stuck.tangent(), v, residual);
-        for (r, (p, load)) in residual.iter_mut().zip(p.iter().zip(goal.pattern)) {
-            *r = p - *r - goal.factor * load;
+        for (r, p) in residual.iter_mut().zip(p) {
+            *r = p - *r;
         }
         for (r, (f, f0)) in residual.iter_mut().zip(walk.contact.iter().zip(self.reference_force)) {
             *r += f - f0;
+        }
+        let (factor, load) = match goal.load {
+            Load::Pattern(pattern) => (goal.factor, pattern),
+            Load::Inertia(_) => {
+                // The one that leaves the smallest residual.
+                let Motion { v, p } = &walk.inertia;
+                walk.lambda = dot(v, residual) / dot(v, p);
+                (walk.lambda, p.as_slice())
+            }
+        };
+        for (r, load) in residual.iter_mut().zip(load) {
+            *r -= factor * load;
         }
         self.stuck.solve_into(residual, &mut walk.residual.v);
         walk.effort.evaluations += 1;
@@ -193,17 +231,33 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
     }
 
     /// Newton step from the residual and tangent in the walk.
-    fn step(&self, walk: &mut Walk<F>, merit: f64, tolerance: f64, solver: LinearSolver) -> Option<Motion> {
-        let pattern = self.force.pattern();
+    fn step(
+        &self,
+        walk: &mut Walk<F>,
+        load: Load<'_>,
+        merit: f64,
+        tolerance: f64,
+        solver: LinearSolver,
+    ) -> Option<Motion> {
+        let (pattern, tangent) = (self.force.pattern(), &walk.tangent);
+        let border = match load {
+            Load::Pattern(_) => None,
+            Load::Inertia(mass) => Some(Border {
+                mass,
+                lambda: walk.lambda,
+                inertia: &walk.inertia,
+            }),
+        };
+        let border = border.as_ref();
         if solver == LinearSolver::Krylov {
-            let found = solve_krylov(self.stuck, pattern, &walk.tangent, &walk.residual, merit, tolerance);
+            let found = solve_krylov(self.stuck, pattern, tangent, border, &walk.residual, merit, tolerance);
             if let Some((step, steps)) = found {
                 walk.effort.krylov_steps += steps;
                 return Some(step);
             }
         }
         walk.effort.factorisations += 1;
-        let v = solve_direct(self.stiffness, pattern, &walk.tangent, &walk.residual.p)?;
+        let v = solve_direct(self.stiffness, pattern, tangent, border, &walk.residual.p)?;
         let mut p = vec![0.0; v.len()];
         multiply(self.stiffness, &v, &mut p);
         pattern.add_product(self.stuck.tangent(), &v, &mut p);
@@ -226,6 +280,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         let target = (settings.tolerance * goal.scale).max(self.round_off);
         walk.trial.copy_from(&walk.motion);
         let (mut merit, mut counts) = self.evaluate(walk, goal);
+        walk.motion.copy_from(&walk.trial);
         // Steps that did not reduce the residual although they were cut short.
         let mut stalled = 0;
         for iteration in 0.. {
@@ -254,7 +309,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                 .min(0.1)
                 .max(0.1 * target / merit)
                 .min(0.5);
-            let Some(step) = self.step(walk, merit, forcing, solver) else {
+            let Some(step) = self.step(walk, goal.load, merit, forcing, solver) else {
                 return fail(Reason::Singular, history);
             };
             let mut length = 1.0;

@@ -1,14 +1,26 @@
 //! Equilibria along a load factor: prediction, step halving, commits.
 
 use crate::force::{HystereticForce, PointCounts, Sliding};
-use crate::linear::Motion;
-use crate::newton::{Equilibrium, Failure, Goal, LinearSolver, NewtonSettings, Walk};
+use crate::linear::{Motion, dot, multiply};
+use crate::newton::{Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Walk};
+use faer::MatRef;
 
 /// Smallest step of the load factor, relative to its range, before a failure is final.
 const SMALLEST_STEP: f64 = 1e-3;
 
 /// Degree of the polynomial that a branch is extrapolated with.
 const DEGREE: usize = 2;
+
+/// Longest extrapolation, relative to the distance of the points that it rests on.
+const REACH: f64 = 4.0;
+
+/// Steps before the two halves of the motions are brought together again: extrapolation lets the round-off between them grow
+/// with the square of this number.
+const FRESH: usize = 16;
+
+/// Smallest share that two neighbouring solutions of one mode have in common (square of the cosine in the mass inner
+/// product).
+const SAME_MODE: f64 = 0.5;
 
 /// A walk along the factor of one load.
 pub(crate) struct Path<'a, F: HystereticForce> {
@@ -17,6 +29,8 @@ pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) unit: &'a Motion,
     /// Largest factor of the walk: tolerances and smallest steps refer to it.
     pub(crate) range: f64,
+    /// Given: the factor is the amplitude of the motion, the load its own inertia, and the unit load a first guess.
+    pub(crate) mass: Option<MatRef<'a, f64>>,
     pub(crate) sliding: Sliding,
     pub(crate) solver: LinearSolver,
     pub(crate) settings: NewtonSettings,
@@ -27,6 +41,8 @@ pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) residual: f64,
     /// The last points of the same branch before the one at hand, the later one first, for extrapolation.
     previous: Vec<(f64, Motion)>,
+    /// Steps since the forces of the motions were last turned into their displacements.
+    steps: usize,
 }
 
 impl<'a, F: HystereticForce> Path<'a, F> {
@@ -41,6 +57,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             equilibrium,
             unit,
             range,
+            mass: None,
             sliding: Sliding::Allowed,
             solver,
             settings,
@@ -48,6 +65,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             at: 0.0,
             residual: 0.0,
             previous: Vec::new(),
+            steps: 0,
         }
     }
 
@@ -55,7 +73,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
     pub(crate) fn settle(&mut self, factor: f64) -> Result<PointCounts, Failure> {
         let goal = Goal {
             factor,
-            pattern: &self.unit.p,
+            load: self.mass.map_or(Load::Pattern(&self.unit.p), Load::Inertia),
             scale: self.range * self.unit.norm(),
             sliding: self.sliding,
         };
@@ -67,6 +85,27 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         Ok(converged.counts)
     }
 
+    /// [`settle`](Self::settle), refusing a motion of given amplitude that belongs to another mode than its neighbour.
+    fn settle_beside(&mut self, factor: f64, neighbour: &Motion) -> Result<PointCounts, Failure> {
+        let counts = self.settle(factor)?;
+        let Some(mass) = self.mass else { return Ok(counts) };
+        let known = if neighbour.v.iter().all(|&v| v == 0.0) {
+            &self.unit.v
+        } else {
+            &neighbour.v
+        };
+        let mut inertia = vec![0.0; known.len()];
+        multiply(mass, known, &mut inertia);
+        let common = dot(&self.walk.motion.v, &inertia) / factor;
+        if common * common < SAME_MODE * dot(known, &inertia) {
+            return Err(Failure {
+                reason: Reason::OtherMode,
+                history: Vec::new(),
+            });
+        }
+        Ok(counts)
+    }
+
     /// Walks to `goal` in one step. A step that fails is tried again from the last equilibrium as it stands, then halved.
     pub(crate) fn advance(&mut self, goal: f64) -> Result<PointCounts, Failure> {
         let mut targets = vec![goal];
@@ -75,18 +114,24 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             let (from, origin) = (self.at, self.walk.motion.clone());
             let step = next - from;
             self.predict(next, &origin);
-            let outcome = self.settle(next).or_else(|_| {
+            let mut outcome = self.settle_beside(next, &origin);
+            if outcome.is_err() {
                 self.walk.motion.copy_from(&origin);
-                self.settle(next)
-            });
+                outcome = self.settle_beside(next, &origin);
+            }
             match outcome {
                 Ok(found) => {
                     self.previous.insert(0, (from, origin));
                     self.previous.truncate(DEGREE);
                     counts = found;
                     targets.pop();
+                    self.steps += 1;
+                    if self.steps == FRESH {
+                        self.refresh();
+                    }
                 }
                 Err(failure) => {
+                    self.at = from;
                     self.walk.motion.copy_from(&origin);
                     if step.abs() < SMALLEST_STEP * self.range {
                         return Err(failure);
@@ -98,20 +143,30 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         Ok(counts)
     }
 
-    /// Moves the motion on to where the last points of the branch lead; after a reversal everything sticks.
+    /// Moves the motion on to where the last points of the branch lead. Without any, as after a reversal, everything
+    /// sticks, or a motion of given amplitude keeps its shape.
     fn predict(&mut self, next: f64, origin: &Motion) {
         let from = self.at;
-        if self.previous.is_empty() {
-            self.walk.motion.add(next - from, self.unit);
+        // Points close together tell nothing of what is far away.
+        let reached = |at: f64| (next - from).abs() <= REACH * (at - from).abs();
+        let points: Vec<(f64, &Motion)> = std::iter::once((from, origin))
+            .chain(
+                self.previous
+                    .iter()
+                    .map(|(at, motion)| (*at, motion))
+                    .filter(|(at, _)| reached(*at)),
+            )
+            .collect();
+        if points.len() == 1 {
+            if self.mass.is_none() || from == 0.0 {
+                self.walk.motion.add(next - from, self.unit);
+            }
             return;
         }
-        let points = || std::iter::once((from, origin)).chain(self.previous.iter().map(|(at, motion)| (*at, motion)));
-        for (at, motion) in points() {
+        for &(at, motion) in &points {
             // Lagrange's polynomial through the points.
-            let weight: f64 = points()
-                .filter(|(other, _)| *other != at)
-                .map(|(other, _)| (next - other) / (at - other))
-                .product();
+            let others = points.iter().filter(|(other, _)| *other != at);
+            let weight: f64 = others.map(|(other, _)| (next - other) / (at - other)).product();
             // The origin is there already.
             self.walk
                 .motion
@@ -119,12 +174,23 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         }
     }
 
+    /// Brings the two halves of the motions together: both have taken the same steps, but each with its own round-off.
+    fn refresh(&mut self) {
+        for Motion { v, p } in self
+            .previous
+            .iter_mut()
+            .map(|(_, motion)| motion)
+            .chain([&mut self.walk.motion])
+        {
+            self.equilibrium.stuck.solve_into(p, v);
+        }
+        self.steps = 0;
+    }
+
     /// Makes the history reached the one that later solves start from, and forgets the way there.
     pub(crate) fn turn(&mut self) {
         self.walk.commit();
         self.previous.clear();
-        // Both halves of the motion have taken the same steps; this keeps their round-off from growing with the walk.
-        let Motion { v, p } = &mut self.walk.motion;
-        self.equilibrium.stuck.solve_into(p, v);
+        self.refresh();
     }
 }

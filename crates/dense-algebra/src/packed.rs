@@ -10,7 +10,7 @@ const WIDTH: usize = 4;
 
 /// A symmetric matrix of which every entry off the diagonal blocks is stored once.
 ///
-/// Blocks of [`WIDTH`] columns follow one another, each with its diagonal block in full and then its columns below it.
+/// Blocks of four columns follow one another, each with its diagonal block in full and then its columns below it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Symmetric {
     size: usize,

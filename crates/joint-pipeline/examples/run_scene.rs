@@ -50,5 +50,23 @@ fn main() -> Result<(), joint_pipeline::Error> {
             _ => {}
         }
     }
+    for method in &run.methods {
+        println!("{}", method.method.name());
+        for point in &method.points {
+            match &point.result {
+                Ok(r) => println!(
+                    "{:12.4e} {:12.4} {:12.4e} {:10} {:10} {:10} {:10}",
+                    r.response_displacement,
+                    r.omega / std::f64::consts::TAU,
+                    r.zeta.unwrap_or(f64::NAN),
+                    point.effort.iterations,
+                    point.effort.evaluations,
+                    point.effort.krylov_steps,
+                    point.effort.factorisations
+                ),
+                Err(failure) => println!("not converged: {}", failure.reason),
+            }
+        }
+    }
     Ok(())
 }

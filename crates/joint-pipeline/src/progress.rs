@@ -19,6 +19,8 @@ pub enum Stage {
     Modes,
     /// Hysteresis loops.
     Backbone,
+    /// Methods beside CQSMA (skipped when none is asked for).
+    Methods,
 }
 
 impl Stage {
@@ -33,6 +35,7 @@ impl Stage {
             Stage::Prestress => "prestress",
             Stage::Modes => "modes",
             Stage::Backbone => "backbone",
+            Stage::Methods => "methods",
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::Error;
 use crate::cache::KeyBuilder;
 use crate::checkpoint::Checkpoint;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
+use crate::methods::{self, MethodResult};
 use crate::model::{MeshedStructure, StructuralModel};
 use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, CommitName, Scene};
@@ -105,6 +106,8 @@ pub struct Run {
     pub frequencies: Vec<f64>,
     /// Amplitudes in ascending order.
     pub amplitudes: Vec<AmplitudeResult>,
+    /// Results of the methods beside CQSMA, in the scene's order.
+    pub methods: Vec<MethodResult>,
     /// Limits of the model.
     pub validity: Validity,
 }
@@ -332,6 +335,19 @@ impl Prepared {
             .collect();
         progress.end(Stage::Backbone);
 
+        let methods = methods::Request {
+            scene,
+            interface: &self.interface.interface,
+            reduced,
+            prestress: solution,
+            line: &line,
+            force: &force,
+            response: &response,
+            modal_forces: &forces,
+            settings: &settings,
+        }
+        .run(progress)?;
+
         let frequencies = line.frequencies();
         drop(line);
         let validity = assess(
@@ -346,6 +362,7 @@ impl Prepared {
             validity,
             frequencies,
             amplitudes,
+            methods,
             prestress,
             law: self.interface.report,
             clipped_gaps: self.interface.clipped_gaps,

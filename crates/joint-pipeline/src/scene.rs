@@ -85,9 +85,35 @@ pub struct Scene {
     /// Viscous modal damping ratio that is added to the total, apart from friction (-).
     #[serde(default)]
     pub background_damping: f64,
+    /// Methods beside CQSMA, at the same amplitudes.
+    #[serde(default)]
+    pub methods: Vec<Method>,
     /// Which results are stored as fields.
     #[serde(default)]
     pub output: Output,
+}
+
+/// Methods beside CQSMA.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Loops with the contact linearised about the static state (eqs. 34-36).
+    Qsma,
+    /// Masing's rule on one initial loading curve.
+    Masing,
+    /// Rayleigh-quotient nonlinear modal analysis, with Masing's rule.
+    Rqnma,
+}
+
+impl Method {
+    /// Name as used in scenes and outputs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Qsma => "qsma",
+            Method::Masing => "masing",
+            Method::Rqnma => "rqnma",
+        }
+    }
 }
 
 /// The structure.
@@ -427,6 +453,7 @@ impl Scene {
             bolts: Bolts::default(),
             cqsma: Cqsma::default(),
             background_damping: 0.0,
+            methods: Vec::new(),
             output: Output::default(),
         }
     }
@@ -618,6 +645,15 @@ impl Scene {
             "",
             "between 1e-13 (round-off) and 1e-2",
         )?;
+        for (index, method) in self.methods.iter().enumerate() {
+            check(
+                !self.methods[..index].contains(method),
+                "methods",
+                (index + 1) as f64,
+                "(number in the list)",
+                "different from the methods before it",
+            )?;
+        }
         for number in self.fields_at() {
             let ok = (1..=c.amplitudes).contains(&number);
             check(

@@ -1,6 +1,7 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
 use crate::interface::LawReport;
+use crate::methods::MethodPoint;
 use crate::run::Run;
 use crate::scene::Scene;
 use crate::validity::Validity;
@@ -29,6 +30,8 @@ pub struct Summary {
     pub modes: Vec<ModeSummary>,
     /// Amplitudes in ascending order.
     pub backbone: Vec<BackboneSummary>,
+    /// Backbones of the methods beside CQSMA, by the names that scenes use.
+    pub methods: BTreeMap<&'static str, Vec<MethodSummary>>,
     /// Limits of the model.
     pub validity: Validity,
     /// Seconds per stage, and in total.
@@ -184,6 +187,29 @@ pub struct BackboneSummary {
     pub failure: Option<String>,
 }
 
+/// One amplitude of a method beside CQSMA; `null` where it did not converge.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct MethodSummary {
+    /// Displacement amplitude at the response point (m).
+    pub response_displacement: Option<f64>,
+    /// Frequency (Hz).
+    pub frequency_hz: Option<f64>,
+    /// Total damping ratio, friction plus background; `null` below the floor.
+    pub damping_ratio: Option<f64>,
+    /// What residuals may make of the friction part.
+    pub damping_floor: Option<f64>,
+    /// Modal force (sqrt(kg) m/s^2).
+    pub modal_force: Option<f64>,
+    /// Modal amplitude (sqrt(kg) m).
+    pub modal_amplitude: Option<f64>,
+    /// Residual relative to the load (energy norm).
+    pub residual: Option<f64>,
+    /// Whether it converged.
+    pub converged: bool,
+    /// If not: why.
+    pub failure: Option<String>,
+}
+
 impl Summary {
     /// Summarises a run; times and memory are the caller's to know.
     pub fn new(run: &Run, timings: BTreeMap<String, f64>, peak_memory: Option<u64>) -> Self {
@@ -235,10 +261,44 @@ impl Summary {
                 .map(|&frequency_hz| ModeSummary { frequency_hz })
                 .collect(),
             backbone: run.amplitudes.iter().map(|a| backbone(a, &run.scene)).collect(),
+            methods: run
+                .methods
+                .iter()
+                .map(|m| {
+                    (
+                        m.method.name(),
+                        m.points.iter().map(|p| method(p, &run.scene)).collect(),
+                    )
+                })
+                .collect(),
             validity: run.validity.clone(),
             timings,
             peak_memory,
         }
+    }
+}
+
+fn hertz(omega: f64) -> f64 {
+    omega / (2.0 * std::f64::consts::PI)
+}
+
+fn method(point: &MethodPoint, scene: &Scene) -> MethodSummary {
+    match &point.result {
+        Ok(values) => MethodSummary {
+            response_displacement: Some(values.response_displacement),
+            frequency_hz: Some(hertz(values.omega)),
+            damping_ratio: values.zeta.map(|zeta| zeta + scene.background_damping),
+            damping_floor: Some(values.zeta_floor),
+            modal_force: Some(values.modal_force),
+            modal_amplitude: Some(values.modal_amplitude),
+            residual: Some(values.residual),
+            converged: true,
+            failure: None,
+        },
+        Err(failure) => MethodSummary {
+            failure: Some(failure.reason.to_string()),
+            ..MethodSummary::default()
+        },
     }
 }
 
@@ -247,7 +307,6 @@ fn backbone(amplitude: &crate::run::AmplitudeResult, scene: &Scene) -> BackboneS
     let result = point.result.as_ref().ok();
     let fields = amplitude.fields.as_ref();
     let zeta = result.filter(|r| r.is_resolved()).map(|r| r.zeta);
-    let hertz = |omega: f64| omega / (2.0 * std::f64::consts::PI);
     BackboneSummary {
         status: match (result, zeta) {
             (None, _) => Status::NotConverged,

@@ -56,6 +56,9 @@ pub enum Error {
         /// Points per direction.
         per_direction: usize,
     },
+    /// A law cannot be made of a static state.
+    #[error(transparent)]
+    Law(#[from] contact_laws::Error),
     /// Laws or gaps do not match the quadrature points.
     #[error("{what} cover {found} of the interface's {expected} quadrature points")]
     Coverage {

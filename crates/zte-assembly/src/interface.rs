@@ -4,7 +4,8 @@ use crate::Error;
 use crate::element_sums::{PAIR, PAIRS, integrate, interpolate};
 use crate::operators::Operators;
 use contact_laws::{
-    Components, ComponentsMut, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut, TractionLaw,
+    Components, ComponentsMut, LinearisedContact, PointParameters, Regime, RegimeCounts, StateView, StateViewMut,
+    Sticking, TangentMut, TractionLaw,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -125,6 +126,43 @@ impl Interface {
     pub fn with_gap(&self, gap: Vec<f64>) -> Result<Self, Error> {
         check_gap(&gap, self.operators.n_points())?;
         Ok(Self { gap, ..self.clone() })
+    }
+
+    /// The interface with every law linearised about a static state ([`contact_laws::linearised`]), given by the nodal
+    /// jumps (m), the history committed there and the friction coefficient; and the history that is the static state
+    /// for it.
+    ///
+    /// # Errors
+    /// [`Error::Law`] where the static state is not finite or `mu` is refused.
+    ///
+    /// # Panics
+    /// As [`Interface::evaluate`].
+    pub fn linearised(&self, jump: &[f64], state: &State, mu: f64) -> Result<(Self, State), Error> {
+        let mut workspace = self.workspace();
+        let mut force = vec![0.0; self.n_dofs()];
+        let mut end = state.clone();
+        self.evaluate(
+            jump,
+            Sticking::Coulomb,
+            state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
+        let mut laws: Vec<(Range<usize>, Arc<dyn TractionLaw>)> = Vec::new();
+        let (mut block, mut size) = (0, 0);
+        for (range, law) in &self.laws {
+            let [x, y, n] = workspace.jump.each_ref().map(|u| &u[range.clone()]);
+            let mu = PointParameters::uniform(mu, range.len());
+            let state = StateView::new(&state.values[block..], range.len(), 0);
+            let linear = LinearisedContact::about(law.as_ref(), &mu, Components { x, y, n }, state)?;
+            block += range.len() * law.info().n_state();
+            size += range.len() * linear.info().n_state();
+            laws.push((range.clone(), Arc::new(linear)));
+        }
+        let values = vec![0.0; size];
+        Ok((Self { laws, ..self.clone() }, State { values }))
     }
 
     /// Geometry and quadrature.

@@ -11,6 +11,7 @@ mod friction;
 mod greenwood_williamson;
 mod invariants;
 mod kinks;
+mod linearised;
 mod mindlin_iwan;
 mod oracle;
 mod refusals;

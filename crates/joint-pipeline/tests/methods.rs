@@ -1,0 +1,142 @@
+//! The methods beside CQSMA on the same scenes.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters};
+use cqsma_solver::cqsma::{self, Settings};
+use cqsma_solver::{LoopResult, NewtonSettings, NoObserver, modes, prestress};
+use faer::Mat;
+use joint_pipeline::interface::InterfaceForce;
+use joint_pipeline::progress::Silent;
+use joint_pipeline::scene::{Method, RefinementName};
+use joint_pipeline::summary::Summary;
+use joint_pipeline::{Options, Scene, run};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use zte_assembly::{Element, Interface, InterfaceMesh, Operators, State};
+
+fn loops(interface: &Interface, displacement: &[f64], state: State, k: &Mat<f64>, m: &Mat<f64>) -> Vec<LoopResult> {
+    let force = InterfaceForce::new(interface);
+    let mut line = modes::linearise(k.as_ref(), m.as_ref(), &force, displacement.to_vec(), state, 1).unwrap();
+    line.orient(&[1.0; 12]).unwrap();
+    let forces = [20.0, 75.0, 80.0, 150.0];
+    let points = cqsma::run(&line, &force, &forces, &Settings::default(), |_| NoObserver).unwrap();
+    points.into_iter().map(|(point, _)| point.result.unwrap()).collect()
+}
+
+#[test]
+fn where_pressure_stays_qsma_is_cqsma() {
+    // One square of 1 cm on springs, pressed unevenly, moving along x: pressures do not change, points slip one by one.
+    let mesh = InterfaceMesh {
+        nodes: vec![[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]],
+        elements: vec![Element::Quad4([0, 1, 2, 3])],
+    };
+    let operators = Arc::new(Operators::try_new(&mesh, 3).unwrap());
+    let n = operators.n_points();
+    let curves = PointParameters::uniform(ElasticCurves::try_new(3e12, [1e12, 2e12]).unwrap(), n);
+    let law = FrictionalLaw::try_new(curves, PointParameters::uniform(0.3, n), HistoryRule::Incremental).unwrap();
+    let interface = Interface::try_new(operators, vec![(0..n, Arc::new(law))], vec![0.0; n]).unwrap();
+
+    // Stiff against everything but uniform motion, which keeps the lowest mode uniform.
+    let stiffness = Mat::from_fn(12, 12, |i, j| match (i == j, i % 3 == j % 3) {
+        (true, _) => 1e7 + 0.75e8,
+        (_, true) => -0.25e8,
+        _ => 0.0,
+    });
+    let mass = Mat::identity(12, 12);
+    let (mut load, mut start) = (vec![0.0; 12], vec![0.0; 12]);
+    for node in 0..4 {
+        load[3 * node + 2] = 40.0 + 60.0 * node as f64;
+        start[3 * node + 2] = 1.5e-6;
+    }
+    // A little slip is left from the static load.
+    load[0] = 30.0;
+    let force = InterfaceForce::new(&interface);
+    let rest = prestress::solve(stiffness.as_ref(), &force, &load, &start, &NewtonSettings::default())
+        .unwrap()
+        .unwrap();
+    let u = &rest.displacement;
+    let (linear, at_rest) = interface.linearised(u, &rest.state, 0.3).unwrap();
+    let coupled = loops(&interface, u, rest.state.clone(), &stiffness, &mass);
+    let decoupled = loops(&linear, u, at_rest, &stiffness, &mass);
+    let slipping: Vec<usize> = coupled.iter().map(|r| r.counts.slip).collect();
+    assert!(slipping[0] < slipping[1] && slipping[1] < slipping[3], "{slipping:?}");
+    assert!(coupled[3].zeta > 1e-2, "{}", coupled[3].zeta);
+    for (a, b) in coupled.iter().zip(&decoupled) {
+        // Shakedown leaves points exactly at their limit, where round-off decides.
+        assert!(
+            a.counts.slip.abs_diff(b.counts.slip) <= 1,
+            "{:?} {:?}",
+            a.counts,
+            b.counts
+        );
+        assert!((a.omega / b.omega - 1.0).abs() < 1e-7, "{} {}", a.omega, b.omega);
+        assert!((a.zeta - b.zeta).abs() < 1e-7, "{} {}", a.zeta, b.zeta);
+    }
+}
+
+#[test]
+fn all_methods_agree_at_small_amplitude_and_roughly_beyond() {
+    let mut scene = Scene::new("quick");
+    scene.model.refinement = RefinementName::Quick;
+    scene.cqsma.amplitudes = 6;
+    scene.cqsma.amplitude_from = 1e-8;
+    scene.methods = vec![Method::Rqnma, Method::Qsma, Method::Masing];
+    let run = run(&scene, &Options::default(), &Silent).unwrap();
+    let asked: Vec<Method> = run.methods.iter().map(|m| m.method).collect();
+    assert_eq!(asked, scene.methods);
+
+    for (i, amplitude) in run.amplitudes.iter().enumerate() {
+        let reference = amplitude.point.result.as_ref().unwrap();
+        let x = amplitude.response_displacement.unwrap();
+        println!("{x:10.3e} m  cqsma {:.3} rad/s {:.3e}", reference.omega, reference.zeta);
+        for method in &run.methods {
+            let found = method.points[i].result.as_ref().unwrap();
+            let name = method.method.name();
+            let frequency = found.omega / reference.omega - 1.0;
+            let zeta = found.zeta.unwrap_or(0.0);
+            println!(
+                "{:>22} {frequency:+.2e} {zeta:.3e} at {:.3e} m",
+                name, found.response_displacement
+            );
+            let allowed = if i == 0 { 1e-6 } else { 0.03 };
+            assert!(frequency.abs() < allowed, "{name} {x:e}: {frequency:e}");
+            assert!((found.response_displacement / x - 1.0).abs() < 0.3, "{name} {x:e}");
+            assert!((found.modal_force / found.modal_amplitude / found.omega.powi(2) - 1.0).abs() < 1e-9);
+            if reference.zeta > 5e-3 {
+                assert!((zeta / reference.zeta - 1.0).abs() < 0.3, "{name} {x:e}: {zeta:e}");
+            }
+        }
+    }
+
+    let summary = serde_json::to_value(Summary::new(&run, BTreeMap::new(), None)).unwrap();
+    for name in ["qsma", "masing", "rqnma"] {
+        let points = summary["methods"][name].as_array().unwrap();
+        assert_eq!(points.len(), 6);
+        assert!(
+            points
+                .iter()
+                .all(|p| p["converged"] == true && p["frequency_hz"].is_f64())
+        );
+        assert!(points[5]["damping_ratio"].as_f64().unwrap() > points[5]["damping_floor"].as_f64().unwrap());
+    }
+    // Below the first slip there is no damping in a law that is linear there.
+    assert!(summary["methods"]["qsma"][0]["damping_ratio"].is_null());
+}
+
+#[test]
+fn methods_are_asked_for_by_name_and_once() {
+    let scene = |methods: &str| {
+        let units = r#""units": {"length": "m", "mass": "kg", "time": "s"}"#;
+        Scene::from_json(&format!("{{{units}{methods}}}"), "scene.json", "scene")
+    };
+    assert_eq!(scene("").unwrap().methods, []);
+    let named = scene(r#", "methods": ["masing", "qsma", "rqnma"]"#).unwrap();
+    assert_eq!(named.methods, [Method::Masing, Method::Qsma, Method::Rqnma]);
+    for method in named.methods {
+        assert_eq!(serde_json::to_value(method).unwrap(), method.name());
+    }
+    let error = |methods| scene(methods).unwrap_err().to_string();
+    assert!(error(r#", "methods": ["harmonic-balance"]"#).contains("harmonic-balance"));
+    let repeated = error(r#", "methods": ["qsma", "masing", "qsma"]"#);
+    assert!(repeated.contains("methods = 3"), "{repeated}");
+}
