@@ -29,17 +29,19 @@ fn main() -> Result<(), joint_pipeline::Error> {
     println!("stuck modes [Hz]: {:.2?}", &run.model.reduced.stuck_frequencies[..10]);
     println!("linearised modes [Hz]: {:.2?}", run.frequencies);
     println!(
-        "{:>12} {:>12} {:>12} {:>10} {:>10} {:>10} {:>10}",
-        "x [m]", "f [Hz]", "zeta [-]", "newton", "forces", "krylov", "lu"
+        "{:>12} {:>12} {:>12} {:>12} {:>12} {:>10} {:>10} {:>10} {:>10}",
+        "alpha", "x [m]", "f [Hz]", "zeta [-]", "floor [-]", "newton", "forces", "krylov", "lu"
     );
     for amplitude in &run.amplitudes {
         match (&amplitude.point.result, amplitude.response_displacement) {
             (Ok(r), Some(x)) => {
                 let e = amplitude.point.effort;
                 println!(
-                    "{x:12.4e} {:12.4} {:12.4e} {:10} {:10} {:10} {:10}",
+                    "{:12.4e} {x:12.4e} {:12.4} {:12.4e} {:12.2e} {:10} {:10} {:10} {:10}",
+                    amplitude.point.modal_force,
                     r.omega / std::f64::consts::TAU,
                     r.zeta,
+                    r.zeta_floor,
                     e.iterations,
                     e.evaluations,
                     e.krylov_steps,
