@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// Number of threads [default: one per processor].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Neither read nor store reduced models in results/.cache.
+    /// Neither read nor store reduced models and finished amplitudes in results/.cache.
     #[arg(long)]
     no_cache: bool,
 }

@@ -26,6 +26,39 @@ pub(crate) fn backbone(summary: &Summary, title: &str) -> Result<String> {
     Ok(svg)
 }
 
+/// What a load point costs (ms), logarithmic: above against the number of interface elements, below against the points per
+/// element.
+pub(crate) fn scaling(by_elements: &[(f64, f64)], by_points: &[(f64, f64)]) -> Result<String> {
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let (upper, lower) = root.split_vertically(SIZE.1 / 2);
+        for (area, label, colour, pairs) in [
+            (upper, "interface elements, 4 points each", BLUE, by_elements),
+            (lower, "points per element, 588 elements", RED, by_points),
+        ] {
+            let points: Points = pairs.iter().enumerate().map(|(i, &(x, y))| (i, x, y)).collect();
+            let x = widen(&bounds(pairs.iter().map(|p| p.0)).unwrap_or(1.0..10.0), 1.3);
+            let y = widen(&bounds(pairs.iter().map(|p| p.1)).unwrap_or(1.0..10.0), 2.0);
+            let (x_ticks, y_ticks) = (ticks(&x), ticks(&y));
+            let plain = |value: &f64| format!("{value}");
+            panel(
+                &area,
+                log(&x, &x_ticks),
+                log(&y, &y_ticks),
+                "load point [ms]",
+                label,
+                [&plain, &plain],
+                &[Curve::new("cqsma", colour, points)],
+                SeriesLabelPosition::LowerRight,
+            )?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
 /// Points of a curve with their numbers in the backbone, so that lines break where an amplitude is missing.
 type Points = Vec<(usize, f64, f64)>;
 
@@ -115,7 +148,7 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
         y,
         "frequency [Hz]",
         "",
-        &|f| format!("{f:.2}"),
+        [&power, &|f| format!("{f:.2}")],
         &frequency,
         SeriesLabelPosition::LowerLeft,
     )?;
@@ -130,7 +163,7 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
         chart_y,
         "damping ratio [-]",
         &label,
-        &power,
+        [&power, &power],
         &damping,
         SeriesLabelPosition::LowerRight,
     )?;
@@ -147,7 +180,7 @@ fn panel<X, Y>(
     y: Y,
     y_label: &str,
     x_label: &str,
-    y_text: &dyn Fn(&f64) -> String,
+    [x_text, y_text]: [&dyn Fn(&f64) -> String; 2],
     curves: &[Curve],
     legend: SeriesLabelPosition,
 ) -> Result<()>
@@ -169,7 +202,7 @@ where
         .bold_line_style(GRID)
         .label_style(("sans-serif", 15))
         .axis_desc_style(("sans-serif", 16))
-        .x_label_formatter(&power)
+        .x_label_formatter(x_text)
         .y_label_formatter(y_text)
         .y_labels(7)
         .x_desc(x_label)

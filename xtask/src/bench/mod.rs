@@ -20,6 +20,9 @@ pub(crate) struct Arguments {
     /// Instead, how the cost grows with the number of interface elements and of points per element: some ten minutes.
     #[arg(long)]
     scaling: bool,
+    /// Draw what `--scaling` measured (SVG).
+    #[arg(long, value_name = "FILE", requires = "scaling")]
+    plot: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -30,7 +33,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         crate::print(&table)
     };
     if arguments.scaling {
-        show(&mut figures, "scaling", solver::scaling(&Monitor::new()?)?)?;
+        let (value, table, picture) = solver::scaling(&Monitor::new()?)?;
+        show(&mut figures, "scaling", (value, table))?;
+        if let Some(path) = &arguments.plot {
+            write(path, picture)?;
+        }
     } else {
         show(&mut figures, "kernel", kernel::figures()?)?;
     }
@@ -43,14 +50,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&figures).context("writing the figures as JSON")?;
-        let name = path
-            .file_name()
-            .with_context(|| format!("{} names no file", path.display()))?;
-        let directory = path.parent().unwrap_or(Path::new(""));
-        let output = Output::new(name.to_string_lossy(), text + "\n");
-        files::write_all(directory, &[output])?;
+        write(path, text + "\n")?;
     }
     Ok(())
+}
+
+fn write(path: &Path, text: String) -> Result<()> {
+    let name = path
+        .file_name()
+        .with_context(|| format!("{} names no file", path.display()))?;
+    let directory = path.parent().unwrap_or(Path::new(""));
+    files::write_all(directory, &[Output::new(name.to_string_lossy(), text)])
 }
 
 /// What the figures were measured on.

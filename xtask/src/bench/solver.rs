@@ -144,8 +144,9 @@ pub(super) fn figures(monitor: &Monitor) -> Result<Figures> {
     ))
 }
 
-/// Cost of the backbone against the number of elements at 4 points each, and against points per element.
-pub(super) fn scaling(monitor: &Monitor) -> Result<(Value, String)> {
+/// Cost of the backbone against the number of elements at 4 points each, and against points per element: figures, a table of
+/// them, and a picture.
+pub(super) fn scaling(monitor: &Monitor) -> Result<(Value, String, String)> {
     let mesh = |across, per_block, hole_rings, end| Refinement {
         across,
         per_block,
@@ -216,16 +217,19 @@ pub(super) fn scaling(monitor: &Monitor) -> Result<(Value, String)> {
         .map(|&n| measure(&Refinement::default(), n))
         .collect::<Result<Vec<_>>>()?;
     monitor.finish();
-    let exponents = [
-        exponent(by_elements.iter().map(|r| (r.elements, r.load_point_ms))),
-        exponent(by_points.iter().map(|r| (r.points_per_element, r.load_point_ms))),
-    ];
+    let pairs = |rows: &[Row], count: fn(&Row) -> usize| -> Vec<(f64, f64)> {
+        rows.iter().map(|row| (count(row) as f64, row.load_point_ms)).collect()
+    };
+    let by_elements = pairs(&by_elements, |row| row.elements);
+    let by_points = pairs(&by_points, |row| row.points_per_element);
+    let exponents = [exponent(&by_elements), exponent(&by_points)];
     text += &format!(
         "a load point costs as elements^{:.2}, as points per element^{:.2}\n",
         exponents[0], exponents[1]
     );
     let figures = json!({ "rows": rows, "exponent_elements": exponents[0], "exponent_points": exponents[1] });
-    Ok((figures, text))
+    let picture = crate::plot::scaling(&by_elements, &by_points)?;
+    Ok((figures, text, picture))
 }
 
 struct Row {
@@ -235,8 +239,8 @@ struct Row {
 }
 
 /// Slope of the least-squares line through the logarithms.
-fn exponent(pairs: impl Iterator<Item = (usize, f64)>) -> f64 {
-    let logs: Vec<(f64, f64)> = pairs.map(|(n, t)| ((n as f64).ln(), t.ln())).collect();
+fn exponent(pairs: &[(f64, f64)]) -> f64 {
+    let logs: Vec<(f64, f64)> = pairs.iter().map(|(n, t)| (n.ln(), t.ln())).collect();
     let count = logs.len() as f64;
     let (x, y) = logs
         .iter()
