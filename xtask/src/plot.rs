@@ -1,4 +1,4 @@
-//! The backbone as a picture.
+//! Pictures: the backbone, and the cost of a load point.
 
 use anyhow::{Context, Result};
 use joint_pipeline::summary::{BackboneSummary, MethodSummary, Summary};
@@ -50,7 +50,12 @@ pub(crate) fn scaling(by_elements: &[(f64, f64)], by_points: &[(f64, f64)]) -> R
                 "load point [ms]",
                 label,
                 [&plain, &plain],
-                &[Curve::new("cqsma", colour, points)],
+                &[Curve {
+                    name: String::new(),
+                    colour,
+                    dashes: None,
+                    points,
+                }],
                 SeriesLabelPosition::LowerRight,
             )?;
         }

@@ -135,7 +135,7 @@ use crate::curves::{CurveBlock, PointCurves};
 use crate::error::{Error, Place, require};
 use crate::law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw,
+    TractionLaw, check_points,
 };
 use crate::parameters::PointParameters;
 use crate::return_map::{Block, INCREMENTAL, PAPER, POTENTIAL, Present, Start, Workspace};
@@ -318,11 +318,7 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
         tangent: Option<TangentMut<'_>>,
         regimes: Option<&mut [Regime]>,
     ) -> RegimeCounts {
-        assert!(
-            points.end <= self.len(),
-            "points {points:?} exceed the law's {} points",
-            self.len()
-        );
+        check_points(&points, self);
         if points.len() <= SHORT_BLOCK {
             self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes)
         } else {

@@ -267,6 +267,12 @@ impl LawInfo {
     }
 }
 
+/// Panics when `points` exceeds the law, as [`TractionLaw::evaluate`] promises.
+pub(crate) fn check_points(points: &Range<usize>, law: &impl TractionLaw) {
+    let count = law.len();
+    assert!(points.end <= count, "points {points:?} exceed the law's {count} points");
+}
+
 /// A traction law over a set of points with fixed parameters.
 pub trait TractionLaw: Send + Sync {
     /// Description, with the names and units of state and parameters.

@@ -73,7 +73,7 @@ use crate::error::{Error, Place, require};
 use crate::friction::{PAPER_DOI, require_friction};
 use crate::law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw,
+    TractionLaw, check_points,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -292,11 +292,7 @@ impl TractionLaw for LinearisedContact {
         mut tangent: Option<TangentMut<'_>>,
         mut regimes: Option<&mut [Regime]>,
     ) -> RegimeCounts {
-        assert!(
-            points.end <= self.len(),
-            "points {points:?} exceed the law's {} points",
-            self.len()
-        );
+        check_points(&points, self);
         let n = points.len();
         let begin = begin.components::<N_STATE>(n);
         let mut end = end.components::<N_STATE>(n);

@@ -123,7 +123,7 @@ use crate::error::{Error, Place, require};
 use crate::friction::{JUMP, MU, require_friction};
 use crate::law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw,
+    TractionLaw, check_points,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -294,11 +294,7 @@ impl<C: ContactCurves> TractionLaw for MindlinIwan<C> {
         tangent: Option<TangentMut<'_>>,
         regimes: Option<&mut [Regime]>,
     ) -> RegimeCounts {
-        assert!(
-            points.end <= self.len(),
-            "points {points:?} exceed the law's {} points",
-            self.len()
-        );
+        check_points(&points, self);
         let run = match tangent.is_some() {
             false => Self::run::<false>,
             true => Self::run::<true>,

@@ -14,8 +14,8 @@ const DEGREE: usize = 2;
 /// Longest extrapolation, relative to the distance of the points that it rests on.
 const REACH: f64 = 4.0;
 
-/// Steps before the two halves of the motions are brought together again: extrapolation lets the round-off between them grow
-/// with the square of this number.
+/// Steps before the two halves of the motions are brought together again: extrapolation lets the round-off between them
+/// grow with the square of this number.
 const FRESH: usize = 16;
 
 /// Smallest share that two neighbouring solutions of one mode have in common (square of the cosine in the mass inner
