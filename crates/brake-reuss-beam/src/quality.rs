@@ -1,11 +1,13 @@
-//! Measures of solid meshes: volume, mass, Jacobian determinants, connected components.
-use substructure::hex8::CORNERS;
-use substructure::mesh::{Hex8, Mesh};
+//! Measures of meshes of hexahedra: volume, mass, Jacobian determinants, connected components.
+use substructure::elements::CORNERS;
+use substructure::mesh::{Element, Mesh};
 
 /// Determinant of the map from the reference cube (edge 2) at the local coordinates `xi`.
-fn jacobian_determinant(mesh: &Mesh, element: &Hex8, xi: [f64; 3]) -> f64 {
+fn jacobian_determinant(mesh: &Mesh, element: &Element, xi: [f64; 3]) -> f64 {
+    let nodes = element.cell.nodes();
+    assert_eq!(nodes.len(), CORNERS.len(), "not a hexahedron");
     let mut jacobian = [[0.0; 3]; 3];
-    for (corner, &node) in CORNERS.iter().zip(&element.nodes) {
+    for (corner, &node) in CORNERS.iter().zip(nodes) {
         let factor = [0, 1, 2].map(|a| 1.0 + corner[a] * xi[a]);
         let gradient = [
             corner[0] * factor[1] * factor[2] / 8.0,
@@ -31,25 +33,25 @@ fn gauss_points() -> impl Iterator<Item = [f64; 3]> {
 /// Volume of one element (m^3); 2 x 2 x 2 Gauss points integrate the trilinear map exactly.
 ///
 /// # Panics
-/// If the element refers to nodes that the mesh does not have.
-pub fn element_volume(mesh: &Mesh, element: &Hex8) -> f64 {
+/// If the element is no hexahedron or refers to nodes that the mesh does not have.
+pub fn element_volume(mesh: &Mesh, element: &Element) -> f64 {
     gauss_points().map(|xi| jacobian_determinant(mesh, element, xi)).sum()
 }
 
 /// Volume of a set of elements of the mesh (m^3).
 ///
 /// # Panics
-/// If an element refers to nodes that the mesh does not have.
-pub fn volume(mesh: &Mesh, elements: &[Hex8]) -> f64 {
+/// If an element is no hexahedron or refers to nodes that the mesh does not have.
+pub fn volume(mesh: &Mesh, elements: &[Element]) -> f64 {
     elements.iter().map(|element| element_volume(mesh, element)).sum()
 }
 
 /// Mass of the mesh (kg).
 ///
 /// # Panics
-/// If an element refers to nodes or materials that the mesh does not have.
+/// If an element is no hexahedron or refers to nodes or materials that the mesh does not have.
 pub fn mass(mesh: &Mesh) -> f64 {
-    let density = |element: &Hex8| mesh.materials[usize::from(element.material)].density;
+    let density = |element: &Element| mesh.materials[usize::from(element.material)].density;
     mesh.elements
         .iter()
         .map(|element| density(element) * element_volume(mesh, element))
@@ -60,8 +62,8 @@ pub fn mass(mesh: &Mesh) -> f64 {
 /// cube of edge 2.
 ///
 /// # Panics
-/// If the element refers to nodes that the mesh does not have.
-pub fn least_jacobian_determinant(mesh: &Mesh, element: &Hex8) -> f64 {
+/// If the element is no hexahedron or refers to nodes that the mesh does not have.
+pub fn least_jacobian_determinant(mesh: &Mesh, element: &Element) -> f64 {
     CORNERS
         .iter()
         .copied()
@@ -77,9 +79,9 @@ pub fn least_jacobian_determinant(mesh: &Mesh, element: &Hex8) -> f64 {
 /// a brick and 0 for a degenerate corner (-).
 ///
 /// # Panics
-/// If the element refers to nodes that the mesh does not have.
-pub fn scaled_jacobian(mesh: &Mesh, element: &Hex8) -> f64 {
-    let at = |local: usize| mesh.nodes[element.nodes[local] as usize];
+/// If the element is no hexahedron or refers to nodes that the mesh does not have.
+pub fn scaled_jacobian(mesh: &Mesh, element: &Element) -> f64 {
+    let at = |local: usize| mesh.nodes[element.cell.nodes()[local] as usize];
     CORNERS
         .iter()
         .enumerate()
@@ -114,8 +116,9 @@ pub fn connected_components(mesh: &Mesh) -> (Vec<usize>, usize) {
         node
     }
     for element in &mesh.elements {
-        let first = root(&mut parent, element.nodes[0] as usize);
-        for &node in &element.nodes[1..] {
+        let nodes = element.cell.nodes();
+        let first = root(&mut parent, nodes[0] as usize);
+        for &node in &nodes[1..] {
             let other = root(&mut parent, node as usize);
             parent[other] = first;
         }

@@ -4,7 +4,7 @@ use brake_reuss_beam::geometry::{Geometry, equal_area_radius};
 use brake_reuss_beam::mesh::{BrakeReussBeam, Refinement, build, half_beam, uniform_bar};
 use brake_reuss_beam::{Error, published, quality};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use substructure::mesh::{Dof, Mesh};
+use substructure::mesh::{CouplingKind, Dof, Face, Mesh};
 
 const LOAD: f64 = published::BOLT_LOAD;
 
@@ -54,7 +54,7 @@ fn element_edges(mesh: &Mesh) -> impl Iterator<Item = f64> + '_ {
     ];
     mesh.elements.iter().flat_map(move |element| {
         EDGES.iter().map(move |&(a, b)| {
-            let [p, q] = [a, b].map(|local| mesh.nodes[element.nodes[local] as usize]);
+            let [p, q] = [a, b].map(|local| mesh.nodes[element.cell.nodes()[local] as usize]);
             (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
         })
     })
@@ -104,7 +104,7 @@ fn default_mesh_has_the_intended_size_and_mass() {
     let beam = beam(&Refinement::default());
     let mesh = &beam.assembly.mesh;
     assert_eq!((mesh.nodes.len(), mesh.elements.len()), (26_973, 20_488));
-    let used: BTreeSet<u32> = mesh.elements.iter().flat_map(|e| e.nodes).collect();
+    let used: BTreeSet<u32> = mesh.elements.iter().flat_map(|e| e.cell.nodes()).copied().collect();
     assert_eq!(used.len(), mesh.nodes.len());
     let mass = quality::mass(mesh);
     close(mass, 3.70, 5e-3);
@@ -162,7 +162,7 @@ fn boundary_faces(mesh: &Mesh) -> Vec<Vec<[u32; 4]>> {
     let mut seen: HashMap<[u32; 4], (usize, [u32; 4])> = HashMap::new();
     for element in &mesh.elements {
         for face in FACES {
-            let face = face.map(|local| element.nodes[local]);
+            let face = face.map(|local| element.cell.nodes()[local]);
             let mut key = face;
             key.sort_unstable();
             seen.entry(key).or_insert((0, face)).0 += 1;
@@ -304,7 +304,7 @@ fn interface_nodes_pair_the_half_beams() {
         let elements = &beam.assembly.mesh.elements[beam.part(name).unwrap().elements.clone()];
         let lap: Vec<f64> = elements
             .iter()
-            .flat_map(|e| e.nodes.map(|n| nodes[n as usize]))
+            .flat_map(|e| e.cell.nodes().iter().map(|&n| nodes[n as usize]))
             .filter(|p| p[0].abs() < 0.05)
             .map(|p| p[2])
             .collect();
@@ -327,7 +327,7 @@ fn half_beams_touch_at_the_interface_only() {
     let nodes_of = |name: &str| -> BTreeSet<u32> {
         mesh.elements[beam.part(name).unwrap().elements.clone()]
             .iter()
-            .flat_map(|e| e.nodes)
+            .flat_map(|e| e.cell.nodes().to_vec())
             .collect()
     };
     let (top, bottom) = (nodes_of("top_half_beam"), nodes_of("bottom_half_beam"));
@@ -350,7 +350,14 @@ fn six_washers_are_tied_to_the_faces_they_lie_on() {
         for tie in &beam.assembly.ties {
             let height = if tie.name.starts_with("head") { 0.0127 } else { -0.0127 };
             assert_eq!(tie.slave_nodes.len() % refinement.sectors, 0);
-            let faces: Vec<_> = tie.master_faces.iter().map(|f| f.map(|n| nodes[n as usize])).collect();
+            let faces: Vec<_> = tie
+                .master_faces
+                .iter()
+                .map(|face| match face {
+                    Face::Quad4(f) => f.map(|n| nodes[n as usize]),
+                    other => panic!("{other:?}"),
+                })
+                .collect();
             for &slave in &tie.slave_nodes {
                 let p = nodes[slave as usize];
                 assert_eq!(p[2], height);
@@ -386,10 +393,13 @@ fn couplings_hold_the_bore_and_the_shank_facing_it() {
         assert_eq!(coupling.reference[..2], [x, 0.0]);
         close(coupling.reference[2], 0.5 * (low + high), 1e-14);
         assert_eq!(coupling.nodes.len(), 24 * 4);
-        assert_eq!(coupling.weights.len(), coupling.nodes.len());
-        let total: f64 = coupling.weights.iter().sum();
+        let CouplingKind::Distributing(weights) = &coupling.kind else {
+            panic!("{coupling:?}")
+        };
+        assert_eq!(weights.len(), coupling.nodes.len());
+        let total: f64 = weights.iter().sum();
         let mut centre = [0.0; 3];
-        for (&node, &weight) in coupling.nodes.iter().zip(&coupling.weights) {
+        for (&node, &weight) in coupling.nodes.iter().zip(weights) {
             let p = nodes[node as usize];
             assert!(((p[0] - x).hypot(p[1]) - radius).abs() < 1e-12 * 1.0_f64.max(radius));
             assert!(p[2] > low - 1e-15 && p[2] < high + 1e-15);

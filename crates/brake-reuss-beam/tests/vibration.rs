@@ -5,11 +5,10 @@ use brake_reuss_beam::mesh::{Refinement, build, half_beam, uniform_bar};
 use brake_reuss_beam::published;
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
-use substructure::hex8::Formulation;
 use substructure::mesh::{Assembly, Dof, Equation};
 
 fn modes(assembly: &Assembly, n_elastic: usize) -> (usize, Vec<f64>) {
-    let system = System::try_new(assembly, Formulation::IncompatibleModes).unwrap();
+    let system = System::try_new(assembly).unwrap();
     let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, n_elastic, 1e-7).unwrap();
     (modes.n_zero, modes.frequencies())
 }

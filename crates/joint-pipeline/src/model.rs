@@ -10,7 +10,7 @@ use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, ch
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use substructure::assemble::System;
-use substructure::hex8::Formulation;
+use substructure::elements::Formulation;
 use substructure::mesh::{Dof, Material};
 use zte_assembly::InterfaceMesh;
 
@@ -94,10 +94,14 @@ impl MeshedStructure {
         };
         let formulation = match model.formulation {
             FormulationName::IncompatibleModes => Formulation::IncompatibleModes,
+            FormulationName::BBar => Formulation::BBar,
             FormulationName::Full => Formulation::Full,
+            FormulationName::Reduced => Formulation::Reduced,
         };
+        let mut beam = build(&geometry, refinement, &material, 1.0)?;
+        beam.assembly.mesh.set_formulation(formulation);
         Ok(Self {
-            beam: build(&geometry, refinement, &material, 1.0)?,
+            beam,
             clearance: 0.5 * (geometry.hole_diameter - geometry.shank_diameter),
             formulation,
             settings: Settings {
@@ -126,7 +130,7 @@ impl MeshedStructure {
             return Ok(model);
         }
         progress.begin(Stage::Assemble);
-        let system = System::try_new(&self.beam.assembly, self.formulation)?;
+        let system = System::try_new(&self.beam.assembly)?;
         let pairs = InterfacePairs {
             top: &self.beam.top_nodes,
             bottom: &self.beam.bottom_nodes,
@@ -205,7 +209,8 @@ impl MeshedStructure {
         let assembly = &self.beam.assembly;
         key.numbers(assembly.mesh.nodes.iter().flatten().copied());
         key.integers(assembly.mesh.elements.iter().flat_map(|e| {
-            e.nodes
+            e.cell
+                .nodes()
                 .iter()
                 .map(|&n| u64::from(n))
                 .chain(std::iter::once(u64::from(e.material)))

@@ -163,8 +163,12 @@ pub enum RefinementName {
 pub enum FormulationName {
     /// `C3D8I`.
     IncompatibleModes,
-    /// `C3D8`.
+    /// `C3D8`: mean volumetric strain.
+    BBar,
+    /// Full integration without remedies.
     Full,
+    /// `C3D8R`: one point and hourglass control, lumped mass.
+    Reduced,
 }
 
 /// Elastic material.

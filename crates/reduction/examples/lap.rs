@@ -1,8 +1,8 @@
 //! Two steel blocks, one on the other, reduced: `cargo run --release -p reduction --example lap`.
 #![allow(clippy::print_stdout, reason = "example")]
 use reduction::{InterfacePairs, RelativeSystem, Settings, checks, reduce};
-use substructure::mesh::{Assembly, Hex8, Material};
-use substructure::{assemble::System, hex8::Formulation};
+use substructure::mesh::{Assembly, Cell, Element, Material};
+use substructure::{assemble::System, elements::Formulation};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut blocks = Assembly::default();
@@ -22,13 +22,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if i < 12 && j < 4 && k < 3 {
             let corner = |a: u32| node(b, i + a.div_ceil(2) % 2, j + a / 2 % 2, k + a / 4);
             let nodes = [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
-            blocks.mesh.elements.push(Hex8 { nodes, material: 0 });
+            let cell = Cell::Hex8(nodes, Formulation::IncompatibleModes);
+            blocks.mesh.elements.push(Element { cell, material: 0 });
         }
     }
     let bottom = &(0..45).map(|p| node(0, p % 9 + 4, p / 9, 3)).collect::<Vec<_>>();
     let top = &(0..45).map(|p| node(1, p % 9, p / 9, 0)).collect::<Vec<_>>();
     let frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]; // n points from top to bottom
-    let system = System::try_new(&blocks, Formulation::default())?;
+    let system = System::try_new(&blocks)?;
     let relative = RelativeSystem::try_new(&system, InterfacePairs { top, bottom, frame })?;
     let reduced = reduce(&relative, &[], Settings::default(), &mut |_, _| {})?;
     let springs = vec![1e7; relative.n_relative];

@@ -4,8 +4,8 @@
 use reduction::{Error, InterfacePairs, ReducedModel, RelativeSystem, Settings, checks, reduce};
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
-use substructure::hex8::Formulation;
-use substructure::mesh::{Assembly, Dof, Hex8, LoadPattern, Material, Mesh};
+use substructure::elements::Formulation;
+use substructure::mesh::{Assembly, Cell, Dof, Element, LoadPattern, Material, Mesh};
 use substructure::sparse::{numbering, submatrix};
 
 struct Lap {
@@ -54,7 +54,8 @@ fn lap() -> Lap {
                     };
                     let (low, high) = (ring(k), ring(k + 1));
                     let nodes = [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]];
-                    mesh.elements.push(Hex8 { nodes, material: 0 });
+                    let cell = Cell::Hex8(nodes, Formulation::IncompatibleModes);
+                    mesh.elements.push(Element { cell, material: 0 });
                 }
             }
         }
@@ -88,7 +89,7 @@ fn lap() -> Lap {
 const FRAME: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
 
 fn relative(lap: &Lap) -> (System, RelativeSystem) {
-    let system = System::try_new(&lap.assembly, Formulation::default()).unwrap();
+    let system = System::try_new(&lap.assembly).unwrap();
     let pairs = InterfacePairs {
         top: &lap.top,
         bottom: &lap.bottom,
@@ -205,7 +206,7 @@ fn static_response_of_the_jump_is_exact() {
 #[test]
 fn mismatched_interfaces_are_refused_by_name() {
     let good = lap();
-    let system = System::try_new(&good.assembly, Formulation::default()).unwrap();
+    let system = System::try_new(&good.assembly).unwrap();
     let attempt = |top: &[u32], bottom: &[u32], frame| {
         RelativeSystem::try_new(&system, InterfacePairs { top, bottom, frame }).unwrap_err()
     };

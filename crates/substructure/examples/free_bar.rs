@@ -1,8 +1,8 @@
 //! Frequencies of a free steel bar: `cargo run --release -p substructure --example free_bar`.
 #![allow(clippy::print_stdout, reason = "example")]
 
-use substructure::mesh::{Assembly, Hex8, Material};
-use substructure::{assemble::System, eigen::lowest_modes, hex8::Formulation};
+use substructure::mesh::{Assembly, Cell, Element, Material};
+use substructure::{assemble::System, eigen::lowest_modes, elements::Formulation};
 
 fn main() -> Result<(), substructure::Error> {
     let mut bar = Assembly::default();
@@ -23,10 +23,11 @@ fn main() -> Result<(), substructure::Error> {
             // Corners counter-clockwise round the lower face, then round the upper one.
             let corner = |a: u32| node(i + a.div_ceil(2) % 2, j + a / 2 % 2, k + a / 4);
             let nodes = [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
-            bar.mesh.elements.push(Hex8 { nodes, material: 0 });
+            let cell = Cell::Hex8(nodes, Formulation::IncompatibleModes);
+            bar.mesh.elements.push(Element { cell, material: 0 });
         }
     }
-    let system = System::try_new(&bar, Formulation::default())?;
+    let system = System::try_new(&bar)?;
     let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 6, 1e-6)?;
     println!("mass {:.4} kg, {} components", system.total_mass, system.n_dofs());
     println!("{} rigid-body modes, then {:.2?} Hz", modes.n_zero, modes.frequencies());

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::constraints::DofMap;
-use crate::hex8::{self, Formulation};
+use crate::elements;
 use crate::mesh::{Assembly, Material, Mesh};
 use crate::sparse::congruence;
 use sprs::CsMat;
@@ -29,10 +29,24 @@ impl System {
     ///
     /// # Errors
     /// Invalid meshes, materials and constraints; see [`Error`].
-    pub fn try_new(assembly: &Assembly, formulation: Formulation) -> Result<Self, Error> {
+    pub fn try_new(assembly: &Assembly) -> Result<Self, Error> {
         assembly.mesh.validate()?;
         let dofs = DofMap::try_new(assembly)?;
-        let (stiffness, mass) = element_matrices(&assembly.mesh, &dofs.coordinates, formulation)?;
+        let (mut stiffness, mass) = element_matrices(&assembly.mesh, &dofs.coordinates)?;
+        for (index, spring) in assembly.springs.iter().enumerate() {
+            let fail = |reason| Error::Spring { spring: index, reason };
+            let row = 3 * spring.node as usize + usize::from(spring.component);
+            if spring.component > 2 || row >= stiffness.rows() {
+                return Err(fail("it is not at a displacement component of a node"));
+            }
+            if !(spring.stiffness.is_finite() && spring.stiffness > 0.0) {
+                return Err(fail("its stiffness must be positive and finite"));
+            }
+            match stiffness.get_mut(row, row) {
+                Some(entry) => *entry += spring.stiffness,
+                None => return Err(fail("no element holds its node")),
+            }
+        }
         let total_mass = mass.data().iter().sum();
         let loads = assembly
             .loads
@@ -43,7 +57,7 @@ impl System {
             stiffness: congruence(&dofs.transform, &stiffness),
             mass: congruence(&dofs.transform, &for_three_components(&mass)),
             loads,
-            positions: dofs.positions(),
+            positions: dofs.positions.clone(),
             dofs,
             total_mass,
         })
@@ -110,7 +124,12 @@ impl Mesh {
                 index: index_of,
                 count,
             };
-            if let Some(&node) = element.nodes.iter().find(|&&node| node as usize >= self.nodes.len()) {
+            if let Some(&node) = element
+                .cell
+                .nodes()
+                .iter()
+                .find(|&&node| node as usize >= self.nodes.len())
+            {
                 return Err(dangling("node", node as usize, self.nodes.len()));
             }
             if element.material as usize >= self.materials.len() {
@@ -122,16 +141,12 @@ impl Mesh {
 }
 
 /// Stiffness over all displacement components and mass over all nodes, before constraints.
-fn element_matrices(
-    mesh: &Mesh,
-    coordinates: &[[f64; 3]],
-    formulation: Formulation,
-) -> Result<(CsMat<f64>, CsMat<f64>), Error> {
+fn element_matrices(mesh: &Mesh, coordinates: &[[f64; 3]]) -> Result<(CsMat<f64>, CsMat<f64>), Error> {
     let n = coordinates.len();
     let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); n];
     for element in &mesh.elements {
-        for &node in &element.nodes {
-            neighbours[node as usize].extend(element.nodes);
+        for &node in element.cell.nodes() {
+            neighbours[node as usize].extend(element.cell.nodes());
         }
     }
     let mut start = Vec::with_capacity(n + 1);
@@ -145,21 +160,23 @@ fn element_matrices(
     let mut stiffness = vec![0.0; 9 * blocks];
     let mut mass = vec![0.0; blocks];
     for (index, element) in mesh.elements.iter().enumerate() {
-        let x = element.nodes.map(|node| coordinates[node as usize]);
-        let (k, m) = hex8::matrices(index, &x, &mesh.materials[element.material as usize], formulation)?;
-        for (a, &row) in element.nodes.iter().enumerate() {
+        let nodes = element.cell.nodes();
+        let x: Vec<_> = nodes.iter().map(|&node| coordinates[node as usize]).collect();
+        let of_element = elements::matrices(index, &element.cell, &x, &mesh.materials[element.material as usize])?;
+        let count = nodes.len();
+        for (a, &row) in nodes.iter().enumerate() {
             let row = row as usize;
             let list = &neighbours[row];
-            for (b, column) in element.nodes.iter().enumerate() {
+            for (b, column) in nodes.iter().enumerate() {
                 let Ok(place) = list.binary_search(column) else {
                     continue;
                 };
-                mass[start[row] + place] += m[(a, b)];
+                mass[start[row] + place] += of_element.mass[a * count + b];
                 for i in 0..3 {
                     // Row 3 row + i starts at 9 start + 3 i len.
                     let at = 9 * start[row] + 3 * (i * list.len() + place);
                     for j in 0..3 {
-                        stiffness[at + j] += k[(3 * a + i, 3 * b + j)];
+                        stiffness[at + j] += of_element.stiffness[(3 * a + i) * 3 * count + 3 * b + j];
                     }
                 }
             }

@@ -1,25 +1,30 @@
 //! Ties, distributing couplings and equations, turned into one map from independent to all displacement components.
 
 use crate::Error;
-use crate::mesh::{Assembly, DistributingCoupling, Dof, Tie};
+use crate::mesh::{Assembly, BeyondTolerance, Coupling, CouplingKind, Dof, Face, Tie};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
 
-/// A linear combination of nodal displacement components `3 node + component`.
+/// A linear combination of components: `3 node + component` of the nodes, then six of each coupling's reference point.
 type Combination = Vec<(usize, f64)>;
 
 /// The map from independent displacement components to all of them.
 #[derive(Clone, Debug)]
 pub struct DofMap {
-    /// `u_all = transform * u`, shape `3 n_nodes x n_independent`.
+    /// `u_nodes = transform * u`, shape `3 n_nodes x n_independent`.
     pub transform: CsMat<f64>,
-    /// For each independent component, `3 node + component` of the displacement it stands for.
+    /// For each independent component `3 node + component` of the displacement that it stands for, or, beyond the nodes,
+    /// `3 n_nodes + 6 coupling + component` of a kinematic coupling's reference point.
     pub independent: Vec<usize>,
     /// Node coordinates after slaves were moved onto the surfaces they are tied to (m).
     pub coordinates: Vec<[f64; 3]>,
     /// The largest such move (m).
     pub largest_adjustment: f64,
+    /// Slaves that were left free beyond the tolerance of their tie: number of the tie, node, distance (m).
+    pub untied: Vec<(usize, u32, f64)>,
+    /// Position of each independent component (m).
+    pub positions: Vec<[f64; 3]>,
 }
 
 impl DofMap {
@@ -28,11 +33,6 @@ impl DofMap {
         self.independent
             .binary_search(&(3 * node as usize + component as usize))
             .ok()
-    }
-
-    /// Position of the node of each independent component (m).
-    pub fn positions(&self) -> Vec<[f64; 3]> {
-        self.independent.iter().map(|dof| self.coordinates[dof / 3]).collect()
     }
 
     /// Force over the independent components of unit actions at the given components of the assembly.
@@ -72,11 +72,25 @@ impl DofMap {
         let mut coordinates = assembly.mesh.nodes.clone();
         let mut dependent: BTreeMap<usize, Combination> = BTreeMap::new();
         let mut largest_adjustment = 0.0_f64;
-        for tie in &assembly.ties {
-            largest_adjustment = largest_adjustment.max(insert_tie(tie, &mut coordinates, &mut dependent)?);
+        let mut untied = Vec::new();
+        for (index, tie) in assembly.ties.iter().enumerate() {
+            let (moved, free) = insert_tie(tie, &mut coordinates, &mut dependent)?;
+            largest_adjustment = largest_adjustment.max(moved);
+            untied.extend(free.into_iter().map(|(node, distance)| (index, node, distance)));
+        }
+        for (index, coupling) in assembly.couplings.iter().enumerate() {
+            check_cloud(coupling, &coordinates)?;
+            if let CouplingKind::Kinematic(components) = &coupling.kind {
+                insert_kinematic(index, coupling, *components, &coordinates, &mut dependent)?;
+            }
+        }
+        for &support in &assembly.supports {
+            let combination = expand(assembly, &coordinates, "supports", support)?;
+            // A support of what cannot move anyway is no contradiction.
+            eliminate(combination, &mut dependent)?;
         }
         for equation in &assembly.equations {
-            let mut expression = BTreeMap::new();
+            let mut combination = Combination::new();
             for &(dof, coefficient) in &equation.terms {
                 if !coefficient.is_finite() {
                     return Err(Error::NotFinite {
@@ -84,59 +98,84 @@ impl DofMap {
                         value: coefficient,
                     });
                 }
-                for (full, factor) in expand(assembly, &coordinates, &equation.name, dof)? {
-                    *expression.entry(full).or_insert(0.0) += coefficient * factor;
-                }
+                let terms = expand(assembly, &coordinates, &equation.name, dof)?;
+                combination.extend(terms.into_iter().map(|(full, factor)| (full, coefficient * factor)));
             }
-            let scale = largest(&expression);
-            substitute(&mut expression, &dependent)?;
-            let Some((&pivot, &coefficient)) = expression
-                .iter()
-                // The first of equal candidates, so that round-off in the last digit cannot change the choice.
-                .reduce(|best, next| {
-                    if next.1.abs() > best.1.abs() * (1.0 + 1e-9) {
-                        next
-                    } else {
-                        best
-                    }
-                })
-                .filter(|(_, value)| value.abs() > 1e-10 * scale)
-            else {
+            if !eliminate(combination, &mut dependent)? {
                 return Err(Error::RedundantEquation {
                     equation: equation.name.clone(),
                 });
-            };
-            expression.remove(&pivot);
-            dependent.insert(
-                pivot,
-                expression.into_iter().map(|(dof, c)| (dof, -c / coefficient)).collect(),
-            );
-        }
-        let n_full = 3 * coordinates.len();
-        let independent: Vec<usize> = (0..n_full).filter(|dof| !dependent.contains_key(dof)).collect();
-        let mut column = vec![usize::MAX; n_full];
-        for (index, &dof) in independent.iter().enumerate() {
-            column[dof] = index;
-        }
-        let mut triplets = TriMat::with_capacity((n_full, independent.len()), n_full);
-        for dof in 0..n_full {
-            if column[dof] != usize::MAX {
-                triplets.add_triplet(dof, column[dof], 1.0);
-                continue;
             }
-            let mut expression: BTreeMap<usize, f64> = dependent[&dof].iter().copied().collect();
+        }
+        let n_nodal = 3 * coordinates.len();
+        let references = assembly
+            .couplings
+            .iter()
+            .enumerate()
+            .filter(|(_, coupling)| matches!(coupling.kind, CouplingKind::Kinematic(_)))
+            .flat_map(|(index, _)| (0..6).map(move |c| n_nodal + 6 * index + c));
+        let independent: Vec<usize> = (0..n_nodal)
+            .chain(references)
+            .filter(|dof| !dependent.contains_key(dof))
+            .collect();
+        let column: BTreeMap<usize, usize> = independent.iter().enumerate().map(|(i, &dof)| (dof, i)).collect();
+        let mut triplets = TriMat::with_capacity((n_nodal, independent.len()), n_nodal);
+        for dof in 0..n_nodal {
+            let Some(combination) = dependent.get(&dof) else {
+                triplets.add_triplet(dof, column[&dof], 1.0);
+                continue;
+            };
+            let mut expression: BTreeMap<usize, f64> = combination.iter().copied().collect();
             substitute(&mut expression, &dependent)?;
             for (&master, &coefficient) in &expression {
-                triplets.add_triplet(dof, column[master], coefficient);
+                triplets.add_triplet(dof, column[&master], coefficient);
             }
         }
+        let positions = independent
+            .iter()
+            .map(|&dof| match dof.checked_sub(n_nodal) {
+                None => coordinates[dof / 3],
+                Some(beyond) => assembly.couplings[beyond / 6].reference,
+            })
+            .collect();
         Ok(Self {
             transform: triplets.to_csr(),
             independent,
             coordinates,
             largest_adjustment,
+            untied,
+            positions,
         })
     }
+}
+
+/// Makes the component with the largest coefficient of `combination = 0` dependent on the others; whether there was
+/// one.
+fn eliminate(combination: Combination, dependent: &mut BTreeMap<usize, Combination>) -> Result<bool, Error> {
+    let mut expression = BTreeMap::new();
+    for (dof, coefficient) in combination {
+        *expression.entry(dof).or_insert(0.0) += coefficient;
+    }
+    let scale = largest(&expression);
+    substitute(&mut expression, dependent)?;
+    let pivot = expression
+        .iter()
+        // The first of equal candidates, so that round-off in the last digit cannot change the choice.
+        .reduce(|best, next| {
+            if next.1.abs() > best.1.abs() * (1.0 + 1e-9) {
+                next
+            } else {
+                best
+            }
+        })
+        .filter(|(_, value)| value.abs() > 1e-10 * scale);
+    let Some((&pivot, &coefficient)) = pivot else {
+        return Ok(false);
+    };
+    expression.remove(&pivot);
+    let rest = expression.into_iter().map(|(dof, c)| (dof, -c / coefficient)).collect();
+    dependent.insert(pivot, rest);
+    Ok(true)
 }
 
 fn largest(expression: &BTreeMap<usize, f64>) -> f64 {
@@ -202,30 +241,21 @@ fn expand(assembly: &Assembly, coordinates: &[[f64; 3]], place: &str, dof: Dof) 
             if component > 5 {
                 return Err(dangling("motion component", component as usize, 6));
             }
-            reference_motion(coupling, coordinates, component as usize)
+            let component = component as usize;
+            match &coupling.kind {
+                CouplingKind::Distributing(weights) => mean_motion(coupling, weights, coordinates, component),
+                CouplingKind::Kinematic(_) => Ok(vec![(3 * coordinates.len() + 6 * index as usize + component, 1.0)]),
+            }
         }
     }
 }
 
-/// Mean translation or rotation of a cloud of nodes (weighted least squares), at the reference point.
-///
-/// With centroid `c`, arms `r_i = x_i - c` and `I = sum w_i (|r_i|^2 1 - r_i r_i^T)`:
-/// `theta = I^-1 sum w_i r_i x u_i`, `u_ref = sum w_i u_i + theta x (x_ref - c)`.
-fn reference_motion(
-    coupling: &DistributingCoupling,
-    coordinates: &[[f64; 3]],
-    component: usize,
-) -> Result<Combination, Error> {
+/// Checks references and weights.
+fn check_cloud(coupling: &Coupling, coordinates: &[[f64; 3]]) -> Result<(), Error> {
     let fail = |reason| Error::Coupling {
         coupling: coupling.name.clone(),
         reason,
     };
-    if coupling.nodes.len() != coupling.weights.len() || coupling.nodes.is_empty() {
-        return Err(fail("it needs one weight per node and at least one node"));
-    }
-    if !coupling.weights.iter().all(|w| w.is_finite() && *w > 0.0) {
-        return Err(fail("every weight must be positive and finite"));
-    }
     if let Some(&node) = coupling.nodes.iter().find(|&&node| node as usize >= coordinates.len()) {
         return Err(Error::Dangling {
             place: format!("coupling `{}`", coupling.name),
@@ -234,12 +264,85 @@ fn reference_motion(
             count: coordinates.len(),
         });
     }
-    let total: f64 = coupling.weights.iter().sum();
+    if let Some(&value) = coupling.reference.iter().find(|x| !x.is_finite()) {
+        return Err(Error::NotFinite {
+            place: format!("the reference point of coupling `{}`", coupling.name),
+            value,
+        });
+    }
+    match &coupling.kind {
+        CouplingKind::Distributing(weights) if weights.len() != coupling.nodes.len() || weights.is_empty() => {
+            Err(fail("it needs one weight per node and at least one node"))
+        }
+        CouplingKind::Distributing(weights) if !weights.iter().all(|w| w.is_finite() && *w > 0.0) => {
+            Err(fail("every weight must be positive and finite"))
+        }
+        CouplingKind::Kinematic(_) if coupling.nodes.is_empty() => Err(fail("it has no nodes")),
+        _ => Ok(()),
+    }
+}
+
+/// Makes the cloud of a kinematic coupling follow its reference point: `u = u_ref + theta x (x - x_ref)`.
+fn insert_kinematic(
+    index: usize,
+    coupling: &Coupling,
+    components: [bool; 3],
+    coordinates: &[[f64; 3]],
+    dependent: &mut BTreeMap<usize, Combination>,
+) -> Result<(), Error> {
+    let first = 3 * coordinates.len() + 6 * index;
+    let mut moves = [0.0_f64; 6];
+    for &node in &coupling.nodes {
+        let arm = Vector3::from(coordinates[node as usize]) - Vector3::from(coupling.reference);
+        let rotation = -arm.cross_matrix();
+        for component in (0..3).filter(|&c| components[c]) {
+            let mut combination = vec![(first + component, 1.0)];
+            moves[component] = 1.0;
+            for axis in 0..3 {
+                let coefficient = rotation[(component, axis)];
+                if coefficient != 0.0 {
+                    combination.push((first + 3 + axis, coefficient));
+                    moves[3 + axis] = moves[3 + axis].max(coefficient.abs());
+                }
+            }
+            if dependent.insert(3 * node as usize + component, combination).is_some() {
+                return Err(Error::DependentTwice {
+                    place: coupling.name.clone(),
+                    node,
+                    component: component as u8,
+                });
+            }
+        }
+    }
+    if moves.contains(&0.0) {
+        return Err(Error::Coupling {
+            coupling: coupling.name.clone(),
+            reason: "some motion of its reference point moves no node of the cloud, and would be undetermined",
+        });
+    }
+    Ok(())
+}
+
+/// Mean translation or rotation of a cloud of nodes (weighted least squares), at the reference point.
+///
+/// With centroid `c`, arms `r_i = x_i - c` and `I = sum w_i (|r_i|^2 1 - r_i r_i^T)`:
+/// `theta = I^-1 sum w_i r_i x u_i`, `u_ref = sum w_i u_i + theta x (x_ref - c)`.
+fn mean_motion(
+    coupling: &Coupling,
+    weights: &[f64],
+    coordinates: &[[f64; 3]],
+    component: usize,
+) -> Result<Combination, Error> {
+    let fail = |reason| Error::Coupling {
+        coupling: coupling.name.clone(),
+        reason,
+    };
+    let total: f64 = weights.iter().sum();
     let cloud = || {
         coupling
             .nodes
             .iter()
-            .zip(&coupling.weights)
+            .zip(weights)
             .map(|(&node, w)| (node as usize, Vector3::from(coordinates[node as usize]), w / total))
     };
     let centroid = cloud().fold(Vector3::zeros(), |sum, (_, x, w)| sum + x * w);
@@ -269,15 +372,21 @@ fn reference_motion(
     Ok(combination)
 }
 
-/// Makes the slaves of a tie dependent and moves them onto their faces; returns the largest move.
+/// Makes the slaves of a tie dependent and moves them onto their faces; returns the largest move and the slaves left
+/// free with their distances.
 fn insert_tie(
     tie: &Tie,
     coordinates: &mut [[f64; 3]],
     dependent: &mut BTreeMap<usize, Combination>,
-) -> Result<f64, Error> {
+) -> Result<(f64, Vec<(u32, f64)>), Error> {
     let place = || format!("tie `{}`", tie.name);
-    let all = tie.slave_nodes.iter().chain(tie.master_faces.iter().flatten());
-    if let Some(&node) = all.clone().find(|&&node| node as usize >= coordinates.len()) {
+    let masters = tie.master_faces.iter().flat_map(Face::nodes);
+    if let Some(&node) = tie
+        .slave_nodes
+        .iter()
+        .chain(masters)
+        .find(|&&node| node as usize >= coordinates.len())
+    {
         return Err(Error::Dangling {
             place: place(),
             what: "node",
@@ -285,31 +394,36 @@ fn insert_tie(
             count: coordinates.len(),
         });
     }
-    let mut largest = 0.0_f64;
+    let (mut largest, mut free) = (0.0_f64, Vec::new());
     for &slave in &tie.slave_nodes {
         let x = Vector3::from(coordinates[slave as usize]);
-        let feet = tie.master_faces.iter().map(|&face| {
-            let corners = face.map(|node| Vector3::from(coordinates[node as usize]));
-            let (weights, foot) = project(x, &corners);
-            ((foot - x).norm(), weights, face, foot)
-        });
-        let nearest = feet.min_by(|a, b| a.0.total_cmp(&b.0));
-        let (distance, weights, face, foot) = nearest.unwrap_or((f64::INFINITY, [0.0; 4], [0; 4], x));
-        if distance > tie.position_tolerance {
+        let feet = tie
+            .master_faces
+            .iter()
+            .map(|face| (face, project(x, face, coordinates)));
+        let nearest = feet.min_by(|(_, a), (_, b)| (a.at - x).norm().total_cmp(&(b.at - x).norm()));
+        let distance = nearest.as_ref().map_or(f64::INFINITY, |(_, foot)| (foot.at - x).norm());
+        let Some((face, foot)) = nearest.filter(|_| distance <= tie.position_tolerance) else {
+            if tie.beyond == BeyondTolerance::LeaveFree {
+                free.push((slave, distance));
+                continue;
+            }
             return Err(Error::TieTooFar {
                 tie: tie.name.clone(),
                 node: slave,
                 distance,
                 tolerance: tie.position_tolerance,
             });
-        }
-        largest = largest.max(distance);
-        coordinates[slave as usize] = foot.into();
+        };
+        let arm = if tie.adjust {
+            largest = largest.max(distance);
+            coordinates[slave as usize] = foot.at.into();
+            Vector3::zeros()
+        } else {
+            x - foot.at
+        };
         for component in 0..3 {
-            let masters = face.iter().zip(weights).filter(|(_, weight)| *weight != 0.0);
-            let combination = masters
-                .map(|(&node, weight)| (3 * node as usize + component, weight))
-                .collect();
+            let combination = foot.motion(face.nodes(), arm, component);
             if dependent.insert(3 * slave as usize + component, combination).is_some() {
                 return Err(Error::DependentTwice {
                     place: tie.name.clone(),
@@ -319,40 +433,127 @@ fn insert_tie(
             }
         }
     }
-    Ok(largest)
+    Ok((largest, free))
 }
 
-/// Nearest point of a bilinear face: shape-function weights and position.
-fn project(x: Vector3<f64>, corners: &[Vector3<f64>; 4]) -> ([f64; 4], Vector3<f64>) {
-    let weights = |s: Vector2<f64>| {
-        let (a, b) = (s.x, s.y);
-        [
-            0.25 * (1.0 - a) * (1.0 - b),
-            0.25 * (1.0 + a) * (1.0 - b),
-            0.25 * (1.0 + a) * (1.0 + b),
-            0.25 * (1.0 - a) * (1.0 + b),
-        ]
-    };
-    let at = |s| {
-        weights(s)
+/// The nearest point of a face.
+struct Foot {
+    at: Vector3<f64>,
+    /// Shape functions there, and their derivatives by two natural coordinates.
+    values: Vec<f64>,
+    derivatives: Vec<Vector2<f64>>,
+    /// Derivatives of the position.
+    tangents: [Vector3<f64>; 2],
+}
+
+impl Foot {
+    fn new(face: &Face, s: Vector2<f64>, coordinates: &[[f64; 3]]) -> Self {
+        let (values, derivatives) = face_shape(face, s);
+        let mut foot = Self {
+            at: Vector3::zeros(),
+            tangents: [Vector3::zeros(); 2],
+            values,
+            derivatives,
+        };
+        for ((&node, value), d) in face.nodes().iter().zip(&foot.values).zip(&foot.derivatives) {
+            let x = Vector3::from(coordinates[node as usize]);
+            foot.at += x * *value;
+            foot.tangents[0] += x * d.x;
+            foot.tangents[1] += x * d.y;
+        }
+        foot
+    }
+
+    /// One displacement component of a point at the end of a rigid arm on the face.
+    fn motion(&self, nodes: &[u32], arm: Vector3<f64>, component: usize) -> Combination {
+        let mut rows: Vec<Vector3<f64>> = self
+            .values
             .iter()
-            .zip(corners)
-            .fold(Vector3::zeros(), |sum, (w, c)| sum + c * *w)
+            .map(|&value| Vector3::ith(component, value))
+            .collect();
+        let metric = Matrix2::from_fn(|i, j| self.tangents[i].dot(&self.tangents[j]));
+        if let (true, Some(inverse)) = (arm != Vector3::zeros(), metric.try_inverse()) {
+            let normal = self.tangents[0].cross(&self.tangents[1]).normalize();
+            for (row, d) in rows.iter_mut().zip(&self.derivatives) {
+                // Surface gradient of the shape function. The rotation of the face is
+                // sum -(n x grad) (n . u) + n (n x grad . u) / 2.
+                let weights = inverse * d;
+                let gradient = self.tangents[0] * weights.x + self.tangents[1] * weights.y;
+                let tilt = -normal.cross(&gradient) * normal.transpose();
+                let spin = normal * normal.cross(&gradient).transpose() * 0.5;
+                // theta x arm
+                *row += (-arm.cross_matrix() * (tilt + spin)).row(component).transpose();
+            }
+        }
+        let terms = nodes.iter().zip(&rows);
+        terms
+            .flat_map(|(&node, row)| (0..3).map(move |i| (3 * node as usize + i, row[i])))
+            .filter(|(_, weight)| *weight != 0.0)
+            .collect()
+    }
+}
+
+/// Shape functions of a face and their derivatives: on the square from -1 to 1, or the triangle from 0 to 1.
+fn face_shape(face: &Face, s: Vector2<f64>) -> (Vec<f64>, Vec<Vector2<f64>>) {
+    let (a, b) = (s.x, s.y);
+    let l = [1.0 - a - b, a, b];
+    let d = [Vector2::new(-1.0, -1.0), Vector2::x(), Vector2::y()];
+    match face {
+        Face::Tri3(_) => (l.to_vec(), d.to_vec()),
+        Face::Quad4(_) => {
+            let signs = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+            let values = signs.map(|[p, q]| 0.25 * (1.0 + p * a) * (1.0 + q * b));
+            let slopes = signs.map(|[p, q]| Vector2::new(0.25 * p * (1.0 + q * b), 0.25 * q * (1.0 + p * a)));
+            (values.to_vec(), slopes.to_vec())
+        }
+        Face::Tri6(_) => {
+            let mut values: Vec<f64> = l.iter().map(|l| l * (2.0 * l - 1.0)).collect();
+            let mut slopes: Vec<Vector2<f64>> = l.iter().zip(&d).map(|(l, d)| d * (4.0 * l - 1.0)).collect();
+            for [i, j] in [[0, 1], [1, 2], [2, 0]] {
+                values.push(4.0 * l[i] * l[j]);
+                slopes.push((d[i] * l[j] + d[j] * l[i]) * 4.0);
+            }
+            (values, slopes)
+        }
+    }
+}
+
+/// Natural coordinates brought back into a face.
+fn clamp(face: &Face, s: Vector2<f64>) -> Vector2<f64> {
+    match face {
+        Face::Quad4(_) => s.map(|v| v.clamp(-1.0, 1.0)),
+        Face::Tri3(_) | Face::Tri6(_) => {
+            let s = s.map(|v| v.max(0.0));
+            let excess = s.x + s.y - 1.0;
+            if excess <= 0.0 {
+                return s;
+            }
+            // Onto the slanted edge.
+            let x = (s.x - 0.5 * excess).clamp(0.0, 1.0);
+            Vector2::new(x, 1.0 - x)
+        }
+    }
+}
+
+/// Nearest point of a face, by Gauss-Newton steps in the natural coordinates.
+fn project(x: Vector3<f64>, face: &Face, coordinates: &[[f64; 3]]) -> Foot {
+    let mut s = match face {
+        Face::Quad4(_) => Vector2::zeros(),
+        Face::Tri3(_) | Face::Tri6(_) => Vector2::repeat(1.0 / 3.0),
     };
-    let mut s = Vector2::zeros();
+    let mut foot = Foot::new(face, s, coordinates);
     for _ in 0..30 {
-        let ds = ((corners[1] - corners[0]) * (1.0 - s.y) + (corners[2] - corners[3]) * (1.0 + s.y)) * 0.25;
-        let dt = ((corners[3] - corners[0]) * (1.0 - s.x) + (corners[2] - corners[1]) * (1.0 + s.x)) * 0.25;
-        let gap = x - at(s);
-        let normal = Matrix2::new(ds.dot(&ds), ds.dot(&dt), ds.dot(&dt), dt.dot(&dt));
-        let Some(inverse) = normal.try_inverse() else { break };
-        let step = inverse * Vector2::new(ds.dot(&gap), dt.dot(&gap));
-        let next = (s + step).map(|v| v.clamp(-1.0, 1.0));
+        let gap = x - foot.at;
+        let [ds, dt] = foot.tangents;
+        let metric = Matrix2::new(ds.dot(&ds), ds.dot(&dt), ds.dot(&dt), dt.dot(&dt));
+        let Some(inverse) = metric.try_inverse() else { break };
+        let next = clamp(face, s + inverse * Vector2::new(ds.dot(&gap), dt.dot(&gap)));
         let moved = (next - s).norm();
         s = next;
+        foot = Foot::new(face, s, coordinates);
         if moved < 1e-14 {
             break;
         }
     }
-    (weights(s), at(s))
+    foot
 }

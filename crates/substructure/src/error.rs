@@ -100,6 +100,14 @@ pub enum Error {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A spring to the ground that cannot be one.
+    #[error("ground spring {spring}: {reason}")]
+    Spring {
+        /// Its number.
+        spring: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// A matrix that must be positive definite is not.
     #[error(
         "the {matrix} is not positive definite (pivot {pivot} of {size}); an unconnected part or a missing support \

@@ -1,4 +1,4 @@
-//! Linear finite elements: hexahedra, ties, couplings, equations, sparse mass and stiffness, and eigenpairs.
+//! Linear finite elements: solids, ties, couplings, equations, sparse mass and stiffness, and eigenpairs.
 //!
 //! The road through the crate: an [`mesh::Assembly`] (mesh, ties, couplings, equations, loads) becomes a
 //! [`assemble::System`] (sparse `M`, `K`, loads over the independent displacement components), whose shifted
@@ -7,9 +7,9 @@
 pub mod assemble;
 pub mod constraints;
 pub mod eigen;
+pub mod elements;
 mod error;
 pub mod factor;
-pub mod hex8;
 pub mod mesh;
 pub mod ordering;
 pub mod sparse;

@@ -4,9 +4,12 @@ use faer::Mat;
 use substructure::Error;
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
+use substructure::elements::Formulation;
 use substructure::factor::SparseCholesky;
-use substructure::hex8::Formulation;
-use substructure::mesh::{Assembly, DistributingCoupling, Dof, Equation, Hex8, LoadPattern, Material, Mesh, Tie};
+use substructure::mesh::{
+    Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, LoadPattern, Material, Mesh,
+    Tie,
+};
 use substructure::sparse::multiply_vector;
 
 fn steel() -> Material {
@@ -34,8 +37,8 @@ fn add_block(mesh: &mut Mesh, corner: [f64; 3], size: [f64; 3], cells: [usize; 3
     for k in 0..nz {
         for j in 0..ny {
             for i in 0..nx {
-                mesh.elements.push(Hex8 {
-                    nodes: [
+                let cell = Cell::Hex8(
+                    [
                         node(i, j, k),
                         node(i + 1, j, k),
                         node(i + 1, j + 1, k),
@@ -45,8 +48,9 @@ fn add_block(mesh: &mut Mesh, corner: [f64; 3], size: [f64; 3], cells: [usize; 3
                         node(i + 1, j + 1, k + 1),
                         node(i, j + 1, k + 1),
                     ],
-                    material: 0,
-                });
+                    Formulation::IncompatibleModes,
+                );
+                mesh.elements.push(Element { cell, material: 0 });
             }
         }
     }
@@ -117,7 +121,7 @@ fn timoshenko(length: f64, side: f64, n: usize) -> Vec<f64> {
 #[test]
 fn free_bar_bends_like_a_timoshenko_beam() {
     let (length, side) = (0.72, 0.0254);
-    let system = System::try_new(&bar([96, 6, 6], [length, side, side]), Formulation::default()).unwrap();
+    let system = System::try_new(&bar([96, 6, 6], [length, side, side])).unwrap();
     assert!((system.total_mass / (7857.8 * length * side * side) - 1.0).abs() < 1e-11);
     let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 8, 1e-6).unwrap();
     assert_eq!(modes.n_zero, 6);
@@ -135,7 +139,9 @@ fn free_bar_bends_like_a_timoshenko_beam() {
 #[test]
 fn incompatible_modes_do_not_lock_and_full_integration_does() {
     let first = |formulation| {
-        let system = System::try_new(&bar([36, 1, 1], [0.72, 0.0254, 0.0254]), formulation).unwrap();
+        let mut bar = bar([36, 1, 1], [0.72, 0.0254, 0.0254]);
+        bar.mesh.set_formulation(formulation);
+        let system = System::try_new(&bar).unwrap();
         lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-6)
             .unwrap()
             .frequencies()[0]
@@ -148,7 +154,7 @@ fn incompatible_modes_do_not_lock_and_full_integration_does() {
 #[test]
 fn bar_frequencies_converge_with_second_order() {
     let f = |n: usize| {
-        let system = System::try_new(&bar([12 * n, n, n], [0.3, 0.025, 0.025]), Formulation::default()).unwrap();
+        let system = System::try_new(&bar([12 * n, n, n], [0.3, 0.025, 0.025])).unwrap();
         lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-7)
             .unwrap()
             .frequencies()[0]
@@ -175,13 +181,15 @@ fn tied_blocks(offset: f64) -> Assembly {
     let at = |i: u32, j: u32| lower[(i + 4 * (j + 3)) as usize];
     let master_faces = (0..2).flat_map(|j| (0..3).map(move |i| (i, j)));
     let master_faces = master_faces
-        .map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])
+        .map(|(i, j)| Face::Quad4([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]))
         .collect();
     let tie = Tie {
         name: "glue".into(),
         slave_nodes,
         master_faces,
         position_tolerance: 1e-4,
+        beyond: BeyondTolerance::Refuse,
+        adjust: true,
     };
     Assembly {
         mesh,
@@ -192,7 +200,7 @@ fn tied_blocks(offset: f64) -> Assembly {
 
 #[test]
 fn a_tie_passes_constant_stress_and_rigid_motion() {
-    let system = System::try_new(&tied_blocks(0.0), Formulation::default()).unwrap();
+    let system = System::try_new(&tied_blocks(0.0)).unwrap();
     // A linear displacement field in equilibrium leaves no force on any independent inner component.
     let h = [[1e-3, 2e-4, 0.0], [2e-4, -7e-4, 0.0], [0.0, 0.0, 4e-4]];
     let field = |x: [f64; 3]| [0, 1, 2].map(|i| (0..3).map(|j| h[i][j] * x[j]).sum::<f64>());
@@ -215,11 +223,11 @@ fn a_tie_passes_constant_stress_and_rigid_motion() {
 
 #[test]
 fn a_slave_out_of_tolerance_is_refused_and_one_inside_is_moved() {
-    let system = System::try_new(&tied_blocks(5e-5), Formulation::default()).unwrap();
+    let system = System::try_new(&tied_blocks(5e-5)).unwrap();
     assert!((system.dofs.largest_adjustment - 5e-5).abs() < 1e-12);
     let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
     assert_eq!(modes.n_zero, 6, "an adjusted tie lets the pair rotate freely");
-    let error = System::try_new(&tied_blocks(5e-4), Formulation::default()).unwrap_err();
+    let error = System::try_new(&tied_blocks(5e-4)).unwrap_err();
     assert!(
         matches!(&error, Error::TieTooFar { tie, .. } if tie == "glue"),
         "{error}"
@@ -234,10 +242,10 @@ fn sliding_bars() -> Assembly {
     };
     let a = add_block(&mut mesh, [0.0; 3], [0.05, 0.01, 0.02], [5, 2, 2]);
     let b = add_block(&mut mesh, [0.06, 0.0, 0.0], [0.05, 0.01, 0.02], [5, 3, 2]);
-    let coupling = |name: &str, nodes: Vec<u32>| DistributingCoupling {
+    let coupling = |name: &str, nodes: Vec<u32>| Coupling {
         name: name.into(),
         reference: [0.055, 0.005, 0.01],
-        weights: vec![1.0; nodes.len()],
+        kind: CouplingKind::Distributing(vec![1.0; nodes.len()]),
         nodes,
     };
     let couplings = vec![
@@ -266,7 +274,7 @@ fn sliding_bars() -> Assembly {
 #[test]
 fn couplings_and_equations_leave_exactly_the_free_motions() {
     let assembly = sliding_bars();
-    let system = System::try_new(&assembly, Formulation::default()).unwrap();
+    let system = System::try_new(&assembly).unwrap();
     let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
     assert_eq!(modes.n_zero, 7, "six rigid motions and the sliding one");
     // The load is in equilibrium: no work on any common translation or rotation.
@@ -289,36 +297,30 @@ fn couplings_and_equations_leave_exactly_the_free_motions() {
 fn redundant_circular_and_dangling_constraints_are_refused() {
     let mut assembly = sliding_bars();
     assembly.equations.push(assembly.equations[0].clone());
-    let error = System::try_new(&assembly, Formulation::default()).unwrap_err();
+    let error = System::try_new(&assembly).unwrap_err();
     assert!(matches!(error, Error::RedundantEquation { .. }), "{error}");
     let mut assembly = sliding_bars();
     assembly.equations[0].terms[0].0 = Dof::Reference(9, 1);
     assert!(matches!(
-        System::try_new(&assembly, Formulation::default()),
+        System::try_new(&assembly),
         Err(Error::Dangling { index: 9, .. })
     ));
     let mut assembly = sliding_bars();
     assembly.couplings[0].nodes.truncate(1);
-    assembly.couplings[0].weights.truncate(1);
-    assert!(matches!(
-        System::try_new(&assembly, Formulation::default()),
-        Err(Error::Coupling { .. })
-    ));
+    assembly.couplings[0].kind = CouplingKind::Distributing(vec![1.0]);
+    assert!(matches!(System::try_new(&assembly), Err(Error::Coupling { .. })));
     let mut assembly = tied_blocks(0.0);
     assembly.ties.push(assembly.ties[0].clone());
-    assert!(matches!(
-        System::try_new(&assembly, Formulation::default()),
-        Err(Error::DependentTwice { .. })
-    ));
+    assert!(matches!(System::try_new(&assembly), Err(Error::DependentTwice { .. })));
     let mut assembly = bar([1, 1, 1], [1.0; 3]);
     assembly.mesh.materials[0].poisson_ratio = 0.5;
-    let error = System::try_new(&assembly, Formulation::default()).unwrap_err();
+    let error = System::try_new(&assembly).unwrap_err();
     assert!(error.to_string().contains("poisson_ratio"), "{error}");
 }
 
 #[test]
 fn sparse_solve_is_accurate_and_a_free_body_is_refused() {
-    let system = System::try_new(&bar([20, 4, 4], [0.2, 0.02, 0.02]), Formulation::default()).unwrap();
+    let system = System::try_new(&bar([20, 4, 4], [0.2, 0.02, 0.02])).unwrap();
     let n = system.n_dofs();
     let grounded = &system.stiffness + &system.mass.map(|m| 1e9 * m);
     let factor = SparseCholesky::try_new(&grounded, &system.positions, "test matrix").unwrap();
@@ -347,7 +349,7 @@ fn frequencies_do_not_depend_on_the_unit_system() {
         let material = &mut assembly.mesh.materials[0];
         material.youngs_modulus *= length / mass;
         material.density *= length.powi(3) / mass;
-        let system = System::try_new(&assembly, Formulation::default()).unwrap();
+        let system = System::try_new(&assembly).unwrap();
         lowest_modes(&system.stiffness, &system.mass, &system.positions, 4, 1e-6)
             .unwrap()
             .frequencies()

@@ -18,7 +18,11 @@ use crate::{Error, Result, quality};
 use refinement::require_count;
 use section::{Hardware, Lap, Section, centred};
 use std::ops::Range;
-use substructure::mesh::{Assembly, DistributingCoupling, Dof, Equation, Hex8, LoadPattern, Material, Mesh, Tie};
+use substructure::elements::Formulation;
+use substructure::mesh::{
+    Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element as Solid, Equation, Face, LoadPattern,
+    Material, Mesh, Tie,
+};
 use zte_assembly::mesh::{Element, InterfaceMesh};
 
 /// Neighbouring layers of an arm may differ by this factor at most.
@@ -265,8 +269,8 @@ impl Builder {
                 let corners = [a, b, c, d].map(|node| node as usize);
                 let [e, f, g, h] = corners.map(|node| pair[0][node]);
                 let [i, j, k, l] = corners.map(|node| pair[1][node]);
-                mesh.elements.push(Hex8 {
-                    nodes: [e, f, g, h, i, j, k, l],
+                mesh.elements.push(Solid {
+                    cell: Cell::Hex8([e, f, g, h, i, j, k, l], Formulation::IncompatibleModes),
                     material: 0,
                 });
             }
@@ -427,8 +431,10 @@ impl Fastener {
             assembly.ties.push(Tie {
                 name: format!("{washer}_washer_{number}"),
                 slave_nodes,
-                master_faces: faces.to_vec(),
+                master_faces: faces.iter().copied().map(Face::Quad4).collect(),
                 position_tolerance: TIE_TOLERANCE * geometry.washer_thickness,
+                beyond: BeyondTolerance::Refuse,
+                adjust: true,
             });
         }
 
@@ -443,11 +449,11 @@ impl Fastener {
                 .enumerate()
                 .flat_map(|(i, layer)| vec![if i == 0 || i == last { 0.5 } else { 1.0 }; layer.len()])
                 .collect();
-            assembly.couplings.push(DistributingCoupling {
+            assembly.couplings.push(Coupling {
                 name: format!("{part}_{number}"),
                 reference: [self.x, 0.0, middle],
                 nodes: layers.concat(),
-                weights,
+                kind: CouplingKind::Distributing(weights),
             });
         }
         // All but the displacement along the bolt (component 2).

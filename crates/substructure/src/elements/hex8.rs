@@ -1,0 +1,153 @@
+//! Eight-node hexahedron.
+
+use super::{Jacobian, Matrices, Shape, add_stiffness, add_volumetric, lame};
+use crate::Error;
+use crate::mesh::Material;
+use nalgebra::{SMatrix, Vector3};
+
+/// How the strain of a hexahedron is formed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Formulation {
+    /// Incompatible modes (`C3D8I`): bends without shear locking. The three bending modes of Taylor, Beresford and
+    /// Wilson (1976, DOI 10.1002/nme.1620100602) join the trilinear field; their gradients are taken with the Jacobian
+    /// of the element's centre, scaled by `det J0 / det J`, so that the patch test is passed on distorted elements.
+    #[default]
+    IncompatibleModes,
+    /// Full integration with the mean volumetric strain (`C3D8`; Hughes 1980, DOI 10.1002/nme.1620150914): does not lock
+    /// at Poisson ratios near 0.5, but does in bending.
+    BBar,
+    /// Full integration of the trilinear field: locks in both; kept for comparison.
+    Full,
+    /// The mean strain alone, lumped mass and an artificial stiffness of [`HOURGLASS`] against the deformations that it
+    /// does not see (`C3D8R`; Flanagan and Belytschko 1981, DOI 10.1002/nme.1620170504): soft in bending.
+    Reduced,
+}
+
+/// Natural coordinates of the eight nodes.
+pub const CORNERS: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+
+/// Stiffness against hourglass deformations relative to the shear modulus.
+const HOURGLASS: f64 = 0.005;
+
+fn shape(xi: [f64; 3]) -> Shape<8> {
+    let mut shape = ([0.0; 8], [[0.0; 3]; 8]);
+    for (a, corner) in CORNERS.iter().enumerate() {
+        let f = [0, 1, 2].map(|i| 0.5 * (1.0 + corner[i] * xi[i]));
+        shape.0[a] = f[0] * f[1] * f[2];
+        shape.1[a] = [
+            0.5 * corner[0] * f[1] * f[2],
+            0.5 * corner[1] * f[0] * f[2],
+            0.5 * corner[2] * f[0] * f[1],
+        ];
+    }
+    shape
+}
+
+/// Stiffness and mass; see [`super::matrices`].
+pub(super) fn matrices(
+    element: usize,
+    x: &[[f64; 3]],
+    material: &Material,
+    formulation: Formulation,
+) -> Result<Matrices, Error> {
+    let mut out = Matrices::zeros(8);
+    let [lambda, mu] = lame(material);
+    let bulk = lambda + 2.0 / 3.0 * mu;
+    // The incompatible modes stand behind the nodes like three more of them.
+    let mut extended = vec![0.0; 33 * 33];
+    let centre = Jacobian::try_new(element, 8, x, &shape([0.0; 3]).1)?;
+    let (mut volume, mut mean) = (0.0, [Vector3::zeros(); 8]);
+    let gauss = 1.0 / 3.0_f64.sqrt();
+    for (point, corner) in CORNERS.iter().enumerate() {
+        let xi = corner.map(|sign| sign * gauss);
+        let (values, derivatives) = shape(xi);
+        let jacobian = Jacobian::try_new(element, point, x, &derivatives)?;
+        let weight = jacobian.determinant;
+        out.add_mass(&values, material.density * weight);
+        let g = jacobian.gradients(&derivatives);
+        volume += weight;
+        for (mean, g) in mean.iter_mut().zip(&g) {
+            *mean += g * weight;
+        }
+        match formulation {
+            Formulation::Full => add_stiffness(&mut out.stiffness, &g, [lambda, mu], weight),
+            // What is left without the volumetric strain.
+            Formulation::BBar => add_stiffness(&mut out.stiffness, &g, [lambda - bulk, mu], weight),
+            Formulation::Reduced => {}
+            Formulation::IncompatibleModes => {
+                // Gradients of 1 - xi_m^2.
+                let modes = [0, 1, 2]
+                    .map(|m| centre.inverse.column(m) * (-2.0 * xi[m] * centre.determinant / jacobian.determinant));
+                let all: Vec<_> = g.into_iter().chain(modes).collect();
+                add_stiffness(&mut extended, &all, [lambda, mu], weight);
+            }
+        }
+    }
+    for mean in &mut mean {
+        *mean /= volume;
+    }
+    match formulation {
+        Formulation::Full => {}
+        Formulation::BBar => add_volumetric(&mut out.stiffness, &mean, bulk * volume),
+        Formulation::Reduced => {
+            add_stiffness(&mut out.stiffness, &mean, [lambda, mu], volume);
+            add_hourglass(&mut out.stiffness, x, &mean, HOURGLASS * mu * volume);
+            out.lump();
+        }
+        Formulation::IncompatibleModes => condense(&extended, &mut out.stiffness),
+    }
+    Ok(out)
+}
+
+/// Eliminates the incompatible modes, on which no force acts.
+fn condense(extended: &[f64], stiffness: &mut [f64]) {
+    let all = SMatrix::<f64, 33, 33>::from_row_slice(extended);
+    let coupling = all.fixed_view::<24, 9>(0, 24);
+    let mut condensed: SMatrix<f64, 24, 24> = all.fixed_view::<24, 24>(0, 0).into_owned();
+    // Positive definite for any admissible material and positive Jacobian.
+    if let Some(cholesky) = all.fixed_view::<9, 9>(24, 24).into_owned().cholesky() {
+        condensed -= coupling * cholesky.solve(&coupling.transpose());
+    }
+    for (i, row) in stiffness.chunks_exact_mut(24).enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry = 0.5 * (condensed[(i, j)] + condensed[(j, i)]);
+        }
+    }
+}
+
+/// Adds `scale (b : b) gamma gamma^T` for each of the four hourglass vectors and each direction, `b` the mean gradients.
+///
+/// The vectors are made orthogonal to linear fields, `gamma = h - sum (h . x_i) b_i`, so that neither rotation nor constant
+/// strain meets any resistance.
+fn add_hourglass(stiffness: &mut [f64], x: &[[f64; 3]], mean: &[Vector3<f64>; 8], scale: f64) {
+    let products: [fn([f64; 3]) -> f64; 4] = [
+        |[_, s, t]| s * t,
+        |[r, _, t]| r * t,
+        |[r, s, _]| r * s,
+        |[r, s, t]| r * s * t,
+    ];
+    let size: f64 = mean.iter().map(Vector3::norm_squared).sum();
+    for product in products {
+        let mut gamma = CORNERS.map(product);
+        let along: Vector3<f64> = gamma.iter().zip(x).map(|(h, x)| Vector3::from(*x) * *h).sum();
+        for (gamma, b) in gamma.iter_mut().zip(mean) {
+            *gamma -= along.dot(b);
+        }
+        for (a, ga) in gamma.iter().enumerate() {
+            for (b, gb) in gamma.iter().enumerate() {
+                for i in 0..3 {
+                    stiffness[(3 * a + i) * 24 + 3 * b + i] += scale * size * ga * gb;
+                }
+            }
+        }
+    }
+}
