@@ -1,4 +1,5 @@
 //! Every element formulation: zero-energy modes, patch tests, rates of convergence.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use faer::Mat;
 use substructure::Error;
