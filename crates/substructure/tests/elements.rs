@@ -4,9 +4,10 @@
 use faer::Mat;
 use substructure::Error;
 use substructure::assemble::System;
+use substructure::eigen::lowest_modes;
 use substructure::elements::{CORNERS, Formulation, matrices};
 use substructure::factor::SparseCholesky;
-use substructure::mesh::{Assembly, Cell, Element, Material, Mesh};
+use substructure::mesh::{Assembly, BeyondTolerance, Cell, Element, Material, Mesh, Tie};
 use substructure::sparse::multiply_vector;
 
 type Point = [f64; 3];
@@ -359,5 +360,58 @@ fn inverted_elements_are_refused() {
             matches!(found, Err(Error::InvertedElement { element: 7, .. })),
             "{kind:?}"
         );
+    }
+}
+
+#[test]
+fn faces_of_every_kind_can_be_tied_to() {
+    for kind in kinds() {
+        let mut mesh = cube(kind, 3, 0.03, 0.1, 0.29);
+        let count = mesh.nodes.len() as u32;
+        let below = mesh.elements.len();
+        let top = cube(Kind::Hex(Formulation::IncompatibleModes), 4, 0.02, 0.1, 0.29);
+        mesh.nodes
+            .extend(top.nodes.iter().map(|x| [x[0] + 0.004, x[1] + 0.003, x[2] + 0.03]));
+        mesh.elements.extend(top.elements.iter().map(|element| {
+            let nodes: Vec<u32> = element.cell.nodes().iter().map(|n| n + count).collect();
+            Element {
+                cell: Cell::Hex8(nodes.try_into().unwrap(), Formulation::IncompatibleModes),
+                material: 0,
+            }
+        }));
+        let flat = |nodes: &[u32]| nodes.iter().all(|&n| (mesh.nodes[n as usize][2] - 0.03).abs() < 1e-12);
+        let faces = mesh.elements[..below].iter().flat_map(|element| element.cell.faces());
+        let tie = Tie {
+            name: "glue".into(),
+            slave_nodes: (count..mesh.nodes.len() as u32).filter(|&n| flat(&[n])).collect(),
+            master_faces: faces.filter(|face| flat(face.nodes())).collect(),
+            position_tolerance: 1e-6,
+            beyond: BeyondTolerance::Refuse,
+            adjust: true,
+        };
+        assert_eq!(tie.slave_nodes.len(), 25);
+        let assembly = Assembly {
+            mesh,
+            ties: vec![tie],
+            ..Assembly::default()
+        };
+        let system = System::try_new(&assembly).unwrap();
+        let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
+        assert_eq!(modes.n_zero, 6, "{kind:?}");
+        // A linear field stays linear across the tie.
+        let h = [[1e-3, 2e-4, -3e-4], [5e-4, -7e-4, 1e-4], [2e-4, 6e-4, 4e-4]];
+        let linear = |x: Point| h.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
+        let dofs = &system.dofs;
+        let u: Vec<f64> = dofs
+            .independent
+            .iter()
+            .map(|d| linear(dofs.coordinates[d / 3])[d % 3])
+            .collect();
+        let all = multiply_vector(&dofs.transform, &u);
+        for (node, &x) in dofs.coordinates.iter().enumerate() {
+            for (i, expected) in linear(x).into_iter().enumerate() {
+                assert!((all[3 * node + i] - expected).abs() < 1e-16, "{kind:?} {x:?}");
+            }
+        }
     }
 }

@@ -7,8 +7,8 @@ use substructure::eigen::lowest_modes;
 use substructure::elements::Formulation;
 use substructure::factor::SparseCholesky;
 use substructure::mesh::{
-    Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, LoadPattern, Material, Mesh,
-    Tie,
+    Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, GroundSpring, LoadPattern,
+    Material, Mesh, Tie,
 };
 use substructure::sparse::multiply_vector;
 
@@ -357,4 +357,158 @@ fn frequencies_do_not_depend_on_the_unit_system() {
     for (si, mm) in frequencies(1.0, 1.0).iter().zip(frequencies(1e-3, 1e3)) {
         assert!((si / mm - 1.0).abs() < 1e-9, "{si} {mm}");
     }
+}
+
+#[test]
+fn a_tie_that_is_not_adjusted_keeps_its_distance_and_costs_no_energy() {
+    let mut assembly = tied_blocks(5e-5);
+    assembly.ties[0].adjust = false;
+    let system = System::try_new(&assembly).unwrap();
+    assert_eq!(system.dofs.largest_adjustment, 0.0);
+    assert_eq!(system.dofs.coordinates, assembly.mesh.nodes);
+    let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
+    assert_eq!(modes.n_zero, 6);
+    // Rigid rotation of what is independent is rigid rotation of everything.
+    let turn = |x: [f64; 3]| [3.0 * x[2] - x[1], x[0] + 2.0 * x[2], -2.0 * x[1] - 3.0 * x[0]];
+    let dofs = &system.dofs;
+    let u: Vec<f64> = dofs
+        .independent
+        .iter()
+        .map(|d| turn(dofs.coordinates[d / 3])[d % 3])
+        .collect();
+    let all = multiply_vector(&dofs.transform, &u);
+    for (node, &x) in dofs.coordinates.iter().enumerate() {
+        for (i, expected) in turn(x).into_iter().enumerate() {
+            assert!((all[3 * node + i] - expected).abs() < 1e-15, "{x:?}");
+        }
+    }
+}
+
+#[test]
+fn slaves_beyond_the_tolerance_are_left_free_on_request_and_listed() {
+    let mut assembly = tied_blocks(0.0);
+    let strays: Vec<u32> = assembly.ties[0].slave_nodes[..3].to_vec();
+    for &node in &strays {
+        assembly.mesh.nodes[node as usize][2] += 3e-4;
+    }
+    assert!(matches!(System::try_new(&assembly), Err(Error::TieTooFar { .. })));
+    assembly.ties[0].beyond = BeyondTolerance::LeaveFree;
+    let system = System::try_new(&assembly).unwrap();
+    let untied = &system.dofs.untied;
+    assert_eq!(untied.iter().map(|u| u.1).collect::<Vec<_>>(), strays);
+    assert!(
+        untied
+            .iter()
+            .all(|&(tie, _, distance)| tie == 0 && (distance - 3e-4).abs() < 1e-12)
+    );
+    assert!(
+        strays
+            .iter()
+            .all(|&node| system.dofs.independent_index(node, 0).is_some())
+    );
+}
+
+/// Where two bars face one another both ends follow one point, the first of all couplings of `kind`.
+fn joined_bars(kind: impl Fn(usize) -> CouplingKind) -> System {
+    let mut assembly = sliding_bars();
+    for coupling in &mut assembly.couplings {
+        coupling.kind = kind(coupling.nodes.len());
+    }
+    assembly.equations.push(Equation {
+        name: "component 0".into(),
+        terms: vec![(Dof::Reference(0, 0), 1.0), (Dof::Reference(1, 0), -1.0)],
+    });
+    assembly.loads.clear();
+    System::try_new(&assembly).unwrap()
+}
+
+#[test]
+fn kinematic_couplings_are_rigid_and_distributing_ones_are_not() {
+    let first = |system: &System| {
+        let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 4, 1e-6).unwrap();
+        assert_eq!(modes.n_zero, 6);
+        modes.frequencies()[0]
+    };
+    let rigid = joined_bars(|_| CouplingKind::Kinematic([true; 3]));
+    let soft = joined_bars(|n| CouplingKind::Distributing(vec![1.0; n]));
+    assert!(
+        first(&rigid) > 1.001 * first(&soft),
+        "{} {}",
+        first(&rigid),
+        first(&soft)
+    );
+    // Six unknowns for both clouds together, at the reference point.
+    let beyond = rigid
+        .dofs
+        .independent
+        .iter()
+        .filter(|&&d| d >= 3 * rigid.dofs.coordinates.len());
+    assert_eq!(beyond.count(), 6);
+    assert_eq!(rigid.positions[rigid.n_dofs() - 1], [0.055, 0.005, 0.01]);
+
+    let mut assembly = sliding_bars();
+    assembly.couplings[0].kind = CouplingKind::Kinematic([true, false, false]);
+    let error = System::try_new(&assembly).unwrap_err();
+    assert!(
+        matches!(&error, Error::Coupling { coupling, .. } if coupling == "a"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_clamped_bar_is_a_cantilever() {
+    let mut assembly = bar([60, 2, 2], [0.72, 0.012, 0.012]);
+    let nodes: Vec<u32> = (0..assembly.mesh.nodes.len() as u32).collect();
+    let end = plane(&assembly.mesh, &nodes, 0, 0.0);
+    assembly.supports = end.iter().flat_map(|&n| (0..3).map(move |c| Dof::Node(n, c))).collect();
+    // Twice is not too often.
+    assembly.supports.push(assembly.supports[0]);
+    let system = System::try_new(&assembly).unwrap();
+    let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 2, 1e-6).unwrap();
+    assert_eq!(modes.n_zero, 0);
+    let m = steel();
+    let euler = 1.875_104_1_f64.powi(2) / (2.0 * std::f64::consts::PI * 0.72 * 0.72)
+        * (m.youngs_modulus * 0.012_f64.powi(2) / (12.0 * m.density)).sqrt();
+    for f in &modes.frequencies()[..2] {
+        assert!((f / euler - 1.0).abs() < 5e-3, "{f} {euler}");
+    }
+}
+
+#[test]
+fn a_bar_on_springs_bounces_on_them() {
+    let mut assembly = bar([12, 2, 2], [0.12, 0.02, 0.02]);
+    let corners = [0, 12, 12 + 13 * 2, 13 * 2];
+    assembly.springs = corners
+        .into_iter()
+        .flat_map(|node| {
+            (0..3).map(move |component| GroundSpring {
+                node,
+                component,
+                stiffness: 30.0,
+            })
+        })
+        .collect();
+    let system = System::try_new(&assembly).unwrap();
+    let load = {
+        let u: Vec<f64> = system
+            .dofs
+            .independent
+            .iter()
+            .map(|d| f64::from(u8::from(d % 3 == 2)))
+            .collect();
+        multiply_vector(&system.stiffness, &u)
+    };
+    // Lifting it by one metre stretches four springs.
+    assert!((load.iter().sum::<f64>() / 120.0 - 1.0).abs() < 1e-6);
+    assembly.springs[0].component = 3;
+    assert!(matches!(
+        System::try_new(&assembly),
+        Err(Error::Spring { spring: 0, .. })
+    ));
+    assembly.springs[0].component = 0;
+    assembly.springs[0].stiffness = -1.0;
+    assert!(matches!(
+        System::try_new(&assembly),
+        Err(Error::Spring { spring: 0, .. })
+    ));
 }
