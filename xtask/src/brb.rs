@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     let directory = match &arguments.out {
         Some(path) => path.clone(),
-        None => default_directory(&scene)?,
+        None => default_directory(&scene.name)?,
     };
     // Before the computation: it would be a pity to find out only afterwards.
     std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
@@ -83,14 +83,12 @@ pub(crate) fn damping(b: &BackboneSummary) -> String {
     }
 }
 
-fn default_directory(scene: &Scene) -> Result<PathBuf> {
-    let mut components = Path::new(&scene.name).components();
+/// The folder of this name among the results.
+pub(crate) fn default_directory(name: &str) -> Result<PathBuf> {
+    let mut components = Path::new(name).components();
     match (components.next(), components.next()) {
-        (Some(Component::Normal(_)), None) if !scene.name.starts_with('.') => Ok(Path::new(RESULTS).join(&scene.name)),
-        _ => bail!(
-            "the scene's name `{}` cannot name a folder; choose one with --out",
-            scene.name
-        ),
+        (Some(Component::Normal(_)), None) if !name.starts_with('.') => Ok(Path::new(RESULTS).join(name)),
+        _ => bail!("the scene's name `{name}` cannot name a folder; choose one with --out"),
     }
 }
 

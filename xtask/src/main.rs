@@ -8,6 +8,7 @@ mod files;
 mod layering;
 mod map;
 mod markup;
+mod model;
 mod plot;
 mod progress;
 mod report;
@@ -37,6 +38,8 @@ enum Command {
     /// Run a scene of the Brake-Reuss beam: frequency and damping against amplitude.
     #[command(after_help = EXIT_CODES)]
     Brb(brb::Arguments),
+    /// Describe the structure of a scene: size, mass and, with `--spectrum`, frequencies with linear interfaces.
+    Model(model::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
     /// Check that the dependencies between the crates point one way only.
@@ -60,6 +63,7 @@ fn main() -> ExitCode {
     faer::set_global_parallelism(faer::Par::Seq);
     let result = match Cli::parse().command {
         Command::Brb(arguments) => brb::run(&arguments),
+        Command::Model(arguments) => model::run(&arguments).map(|()| Outcome::Success),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),

@@ -339,16 +339,17 @@ fn validity(run: &Run, summary: &Summary) -> Vec<String> {
             "The adhesive traction is at most {} of the elastic pressure under prestress; adhesion is not modelled.",
             v.adhesive_to_elastic_traction.map_or_else(unknown, percent),
         ),
-        match v.first_beyond_clearance {
-            Some(number) => format!(
+        match (v.bolt_hole_clearance, v.first_beyond_clearance) {
+            (None, _) => "The clearance of the bolt holes is not known, and pinning is not modelled.".into(),
+            (Some(clearance), Some(number)) => format!(
                 "From {} on the faces move tangentially by more than the clearance of the bolt holes, {:.2} mm: shanks \
                  would touch, which is not modelled.",
                 at(number),
-                1e3 * v.bolt_hole_clearance
+                1e3 * clearance
             ),
-            None => format!(
+            (Some(clearance), None) => format!(
                 "The tangential motion stays below the clearance of the bolt holes, {:.2} mm, at all amplitudes.",
-                1e3 * v.bolt_hole_clearance
+                1e3 * clearance
             ),
         },
         match v.first_beyond_shape_deviation {

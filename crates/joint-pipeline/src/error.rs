@@ -51,6 +51,23 @@ pub enum Error {
         /// Force carried there (N).
         carried: f64,
     },
+    /// Two surfaces that cannot be an interface.
+    #[error("the surfaces of the interface do not fit: {reason}")]
+    Facing {
+        /// What is wrong, and where.
+        reason: String,
+    },
+    /// A bolt that pulls the bodies apart.
+    #[error(
+        "bolt {bolt} opens the interface: at unit tension it closes it with {force:.3e} N, which should be about 1; exchange \
+         its two ends, or the two surfaces"
+    )]
+    OpeningLoad {
+        /// Bolt, counted from 1.
+        bolt: usize,
+        /// Force that it puts on a uniform closure (N).
+        force: f64,
+    },
     /// The prestress did not converge; there is nothing to linearise about.
     #[error("the prestress did not converge: {reason}; relative residuals {history:?}")]
     Prestress {

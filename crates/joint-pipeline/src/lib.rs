@@ -7,6 +7,7 @@ mod cache;
 mod checkpoint;
 mod error;
 pub mod interface;
+pub mod joint;
 pub mod methods;
 pub mod model;
 pub mod progress;

@@ -2,17 +2,18 @@
 
 use crate::Error;
 use crate::cache::{self, KeyBuilder};
+use crate::joint::Joint;
 use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, FormulationName, Model, RefinementName};
-use brake_reuss_beam::geometry::Geometry;
-use brake_reuss_beam::mesh::{BrakeReussBeam, Refinement, build};
+use brake_reuss_beam::mesh::Refinement;
 use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, checks, reduce};
 use serde::{Deserialize, Serialize};
+use sprs::{CsMat, TriMat};
 use std::path::Path;
 use substructure::assemble::System;
 use substructure::elements::Formulation;
-use substructure::mesh::{Dof, Material};
-use zte_assembly::InterfaceMesh;
+use substructure::mesh::{Cell, Dof, Material};
+use zte_assembly::{InterfaceMesh, Operators};
 
 /// Frequencies compared between the full and the reduced model.
 const N_CHECKED: usize = 10;
@@ -56,10 +57,8 @@ pub struct StructuralModel {
 /// The meshed structure, before anything is computed with it.
 #[derive(Clone, Debug)]
 pub struct MeshedStructure {
-    beam: BrakeReussBeam,
-    /// The bolt-hole clearance: by how much the bodies can slide before a shank touches its hole (m).
-    pub clearance: f64,
-    formulation: Formulation,
+    /// What is meshed.
+    pub joint: Joint,
     settings: Settings,
     youngs_modulus: f64,
 }
@@ -85,25 +84,21 @@ impl MeshedStructure {
     /// # Errors
     /// Of the mesher.
     pub fn with_refinement(model: &Model, bolts: BoltBehaviour, refinement: &Refinement) -> Result<Self, Error> {
-        let geometry = Geometry::default();
         let material = Material {
             name: "beam, bolts, washers and nuts".into(),
             youngs_modulus: model.material.youngs_modulus,
             poisson_ratio: model.material.poisson_ratio,
             density: model.material.density,
         };
-        let formulation = match model.formulation {
+        let mut joint = Joint::beam(refinement, &material)?;
+        joint.assembly.mesh.set_formulation(match model.formulation {
             FormulationName::IncompatibleModes => Formulation::IncompatibleModes,
             FormulationName::BBar => Formulation::BBar,
             FormulationName::Full => Formulation::Full,
             FormulationName::Reduced => Formulation::Reduced,
-        };
-        let mut beam = build(&geometry, refinement, &material, 1.0)?;
-        beam.assembly.mesh.set_formulation(formulation);
+        });
         Ok(Self {
-            beam,
-            clearance: 0.5 * (geometry.hole_diameter - geometry.shank_diameter),
-            formulation,
+            joint,
             settings: Settings {
                 n_modes: model.modes,
                 n_reported: model.modes.max(N_CHECKED),
@@ -116,7 +111,7 @@ impl MeshedStructure {
 
     /// The interface mesh.
     pub fn interface(&self) -> &InterfaceMesh {
-        &self.beam.interface
+        &self.joint.interface
     }
 
     /// The reduced model, from the cache if it holds one for the same inputs.
@@ -130,18 +125,12 @@ impl MeshedStructure {
             return Ok(model);
         }
         progress.begin(Stage::Assemble);
-        let system = System::try_new(&self.beam.assembly)?;
-        let pairs = InterfacePairs {
-            top: &self.beam.top_nodes,
-            bottom: &self.beam.bottom_nodes,
-            frame: self.beam.frame,
-        };
-        let relative = RelativeSystem::try_new(&system, pairs)?;
-        let direction = self.beam.response_direction;
+        let (system, relative) = self.assemble()?;
+        let direction = self.joint.response_direction;
         let terms: Vec<_> = (0..3_u8)
-            .map(|c| (Dof::Node(self.beam.response_node, c), direction[c as usize]))
+            .map(|c| (Dof::Node(self.joint.response_node, c), direction[c as usize]))
             .collect();
-        let row = relative.row(&system.dofs.force(&self.beam.assembly, "the response", &terms)?);
+        let row = relative.row(&system.dofs.force(&self.joint.assembly, "the response", &terms)?);
         progress.end(Stage::Assemble);
         progress.begin(Stage::Factor);
         let reduced = reduce(&relative, &[row], self.settings, &mut |step, done| match step {
@@ -154,6 +143,7 @@ impl MeshedStructure {
             }
             Step::Stream => progress.fraction(Stage::Reduce, 0.8 * done),
         })?;
+        check_closing(&reduced)?;
         let facts = self.facts(&system, &relative, &reduced, progress)?;
         let model = StructuralModel { reduced, facts };
         if let Some(Err(error)) = cache.map(|directory| cache::store(directory, &key, &model)) {
@@ -161,6 +151,87 @@ impl MeshedStructure {
         }
         progress.end(Stage::Reduce);
         Ok(model)
+    }
+
+    /// The system of both bodies, and the same in relative coordinates.
+    fn assemble(&self) -> Result<(System, RelativeSystem), Error> {
+        let system = System::try_new(&self.joint.assembly)?;
+        let pairs = InterfacePairs {
+            top: &self.joint.top_nodes,
+            bottom: &self.joint.bottom_nodes,
+            frame: self.joint.frame,
+        };
+        let relative = RelativeSystem::try_new(&system, pairs)?;
+        Ok((system, relative))
+    }
+
+    /// What the structure is, without reducing it; on request with its `spectrum`: so many frequencies of each kind, with
+    /// this linear interface or the default's.
+    ///
+    /// # Errors
+    /// Of assembly and eigensolver.
+    pub fn describe(
+        &self,
+        spectrum: Option<(usize, Option<LinearInterface>)>,
+        progress: &dyn Progress,
+    ) -> Result<Description, Error> {
+        progress.begin(Stage::Assemble);
+        let (system, relative) = self.assemble()?;
+        progress.end(Stage::Assemble);
+        let spectrum = spectrum.map(|(count, linear)| {
+            let linear = linear.unwrap_or_else(|| self.check_interface());
+            self.spectrum(&relative, count, linear, progress)
+        });
+        let mesh = &self.joint.assembly.mesh;
+        Ok(Description {
+            n_nodes: mesh.nodes.len(),
+            n_elements: mesh.elements.len(),
+            n_dofs: system.n_dofs(),
+            mass: system.total_mass,
+            n_interface_elements: self.joint.interface.elements.len(),
+            interface_area: self.joint.interface.areas().iter().sum(),
+            n_untied_slaves: system.dofs.untied.len(),
+            largest_adjustment: system.dofs.largest_adjustment,
+            spectrum: spectrum.transpose()?,
+        })
+    }
+
+    fn spectrum(
+        &self,
+        relative: &RelativeSystem,
+        count: usize,
+        linear: LinearInterface,
+        progress: &dyn Progress,
+    ) -> Result<Spectrum, Error> {
+        progress.begin(Stage::Factor);
+        let tolerance = self.settings.mode_tolerance;
+        let modes = |(zero_energy_modes, frequencies_hz)| Frequencies {
+            zero_energy_modes,
+            frequencies_hz,
+        };
+        let unstressed = modes(checks::full_frequencies(relative, None, count, tolerance)?);
+        progress.fraction(Stage::Factor, 0.33);
+        let stuck = modes(checks::stuck_frequencies(relative, count, tolerance)?);
+        progress.fraction(Stage::Factor, 0.67);
+        let springs = linear.matrix(&self.joint.interface)?;
+        let with_linear = modes(checks::full_frequencies(relative, Some(&springs), count, tolerance)?);
+        progress.end(Stage::Factor);
+        Ok(Spectrum {
+            unstressed,
+            stuck,
+            linear,
+            with_linear,
+        })
+    }
+
+    /// The uniform interface stiffness that reductions are checked with.
+    fn check_interface(&self) -> LinearInterface {
+        let stiffness = CHECK_STIFFNESS * self.youngs_modulus;
+        LinearInterface {
+            normal_stiffness: stiffness,
+            tangential_stiffness: stiffness,
+            points_per_direction: 2,
+        }
     }
 
     fn facts(
@@ -171,11 +242,9 @@ impl MeshedStructure {
         progress: &dyn Progress,
     ) -> Result<Facts, Error> {
         let tolerance = self.settings.mode_tolerance;
-        let loose = vec![0.0; relative.n_relative];
-        let (zem_unstressed, unstressed) = checks::full_frequencies(relative, &loose, N_CHECKED, tolerance)?;
+        let (zem_unstressed, unstressed) = checks::full_frequencies(relative, None, N_CHECKED, tolerance)?;
         progress.fraction(Stage::Reduce, 0.88);
-        let area = self.beam.interface.areas().iter().sum::<f64>() / (relative.n_relative as f64 / 3.0);
-        let penalty = vec![CHECK_STIFFNESS * self.youngs_modulus * area; relative.n_relative];
+        let springs = self.check_interface().matrix(&self.joint.interface)?;
         // The check is of the model that vibrates.
         let locked = match self.settings.attachment_modes {
             true => Some((relative.locked()?, reduced.locked()?)),
@@ -184,16 +253,16 @@ impl MeshedStructure {
         let (relative, reduced) = locked
             .as_ref()
             .map_or((relative, reduced), |(full, small)| (full, small));
-        let (_, full) = checks::full_frequencies(relative, &penalty, N_CHECKED, tolerance)?;
-        let small = checks::reduced_frequencies(reduced, &penalty, N_CHECKED)?;
+        let (_, full) = checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance)?;
+        let small = checks::reduced_frequencies(reduced, &springs, N_CHECKED)?;
         let error = full
             .iter()
             .zip(&small)
             .map(|(a, b)| (b / a - 1.0).abs())
             .fold(0.0, f64::max);
         Ok(Facts {
-            n_nodes: self.beam.assembly.mesh.nodes.len(),
-            n_elements: self.beam.assembly.mesh.elements.len(),
+            n_nodes: self.joint.assembly.mesh.nodes.len(),
+            n_elements: self.joint.assembly.mesh.elements.len(),
             n_dofs: system.n_dofs(),
             mass: system.total_mass,
             zem_unstressed,
@@ -206,43 +275,150 @@ impl MeshedStructure {
     /// Hash of everything the reduced model depends on.
     fn key(&self) -> cache::Key {
         let mut key = KeyBuilder::new();
-        let assembly = &self.beam.assembly;
+        let assembly = &self.joint.assembly;
         key.numbers(assembly.mesh.nodes.iter().flatten().copied());
         key.integers(assembly.mesh.elements.iter().flat_map(|e| {
             e.cell
                 .nodes()
                 .iter()
                 .map(|&n| u64::from(n))
-                .chain(std::iter::once(u64::from(e.material)))
+                .chain([u64::from(e.material), kind(&e.cell)])
         }));
         key.integers(
-            self.beam
+            self.joint
                 .top_nodes
                 .iter()
-                .chain(&self.beam.bottom_nodes)
+                .chain(&self.joint.bottom_nodes)
                 .map(|&n| u64::from(n)),
         );
         key.numbers(
-            self.beam
+            self.joint
                 .frame
                 .iter()
                 .flatten()
-                .chain(&self.beam.response_direction)
+                .chain(&self.joint.response_direction)
                 .copied(),
         );
         // Small parts, where a readable form costs nothing.
         key.text(&format!(
-            "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+            "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
             assembly.mesh.materials,
             assembly.ties,
             assembly.couplings,
             assembly.equations,
             assembly.loads,
-            self.beam.response_node,
-            self.formulation,
+            assembly.supports,
+            assembly.springs,
+            self.joint.response_node,
             self.settings,
             (N_CHECKED, CHECK_STIFFNESS),
         ));
         key.finish()
     }
+}
+
+/// A linear interface without friction or opening.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LinearInterface {
+    /// Per area (Pa/m).
+    pub normal_stiffness: f64,
+    /// Per area, in both directions (Pa/m).
+    pub tangential_stiffness: f64,
+    /// Integration points per direction of each element.
+    pub points_per_direction: usize,
+}
+
+impl LinearInterface {
+    /// Stiffness over the jump coordinates (N/m).
+    fn matrix(&self, mesh: &InterfaceMesh) -> Result<CsMat<f64>, Error> {
+        let operators = Operators::try_new(mesh, self.points_per_direction)?;
+        // Integral of the products of the shape functions.
+        let products: CsMat<f64> = &operators.integration * &operators.interpolation;
+        let stiffness = [
+            self.tangential_stiffness,
+            self.tangential_stiffness,
+            self.normal_stiffness,
+        ];
+        let size = 3 * products.rows();
+        let mut matrix = TriMat::with_capacity((size, size), 3 * products.nnz());
+        for (&value, (i, j)) in &products {
+            for (c, k) in stiffness.into_iter().enumerate().filter(|(_, k)| *k != 0.0) {
+                matrix.add_triplet(3 * i + c, 3 * j + c, k * value);
+            }
+        }
+        Ok(matrix.to_csr())
+    }
+}
+
+/// A number of zero-energy modes and the frequencies above them (Hz).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Frequencies {
+    /// Motions without energy.
+    pub zero_energy_modes: usize,
+    /// Ascending.
+    pub frequencies_hz: Vec<f64>,
+}
+
+/// Frequencies of a structure with linear interfaces.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Spectrum {
+    /// Without contact.
+    pub unstressed: Frequencies,
+    /// With the interface stuck.
+    pub stuck: Frequencies,
+    /// The linear interface of `with_linear`.
+    pub linear: LinearInterface,
+    /// With it.
+    pub with_linear: Frequencies,
+}
+
+/// What is known of a structure before it is reduced.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Description {
+    /// Nodes of the solid mesh.
+    pub n_nodes: usize,
+    /// Its elements.
+    pub n_elements: usize,
+    /// Independent displacement components.
+    pub n_dofs: usize,
+    /// Mass (kg).
+    pub mass: f64,
+    /// Interface elements.
+    pub n_interface_elements: usize,
+    /// Area of the interface (m^2).
+    pub interface_area: f64,
+    /// Slaves left free beyond the tolerance of their tie.
+    pub n_untied_slaves: usize,
+    /// Largest move of a slave onto its master face (m).
+    pub largest_adjustment: f64,
+    /// Where asked for.
+    pub spectrum: Option<Spectrum>,
+}
+
+/// Number of a cell's type, for keys.
+fn kind(cell: &Cell) -> u64 {
+    match cell {
+        Cell::Hex8(_, Formulation::IncompatibleModes) => 0,
+        Cell::Hex8(_, Formulation::BBar) => 1,
+        Cell::Hex8(_, Formulation::Full) => 2,
+        Cell::Hex8(_, Formulation::Reduced) => 3,
+        Cell::Wedge6(_) => 4,
+        Cell::Tet4(_) => 5,
+        Cell::Tet10(_) => 6,
+    }
+}
+
+/// Refuses bolts that open the interface: a uniform closure must yield to their load.
+fn check_closing(reduced: &ReducedModel) -> Result<(), Error> {
+    for (index, load) in reduced.loads.iter().enumerate() {
+        let closing: f64 = load[2..reduced.n_relative].iter().step_by(3).sum();
+        // Also catches NaN.
+        if !(closing > 0.0) {
+            return Err(Error::OpeningLoad {
+                bolt: index + 1,
+                force: closing,
+            });
+        }
+    }
+    Ok(())
 }

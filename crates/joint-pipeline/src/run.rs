@@ -117,7 +117,7 @@ pub struct Run {
 pub struct Prepared {
     scene: Scene,
     cache: Option<PathBuf>,
-    clearance: f64,
+    clearance: Option<f64>,
     mesh: InterfaceMesh,
     model: StructuralModel,
     interface: SceneInterface,
@@ -171,7 +171,7 @@ impl Prepared {
         Ok(Self {
             scene: scene.clone(),
             cache: options.cache.clone(),
-            clearance: structure.clearance,
+            clearance: structure.joint.clearance,
             mesh: structure.interface().clone(),
             model,
             interface,

@@ -29,7 +29,7 @@ pub struct Validity {
     /// bound (mean over the points in contact).
     pub adhesive_to_elastic_traction: Option<f64>,
     /// Sliding distance at which a shank would touch its hole (m); pinning is not modelled.
-    pub bolt_hole_clearance: f64,
+    pub bolt_hole_clearance: Option<f64>,
     /// First amplitude number whose tangential motion exceeds that.
     pub first_beyond_clearance: Option<usize>,
     /// Limit on the shape deviation.
@@ -46,7 +46,7 @@ pub(crate) fn assess(
     asperities: &Asperities,
     hardness: f64,
     prestressed: &Fields,
-    clearance: f64,
+    clearance: Option<f64>,
     amplitudes: &[AmplitudeResult],
 ) -> Validity {
     let operators = interface.operators();
@@ -107,7 +107,8 @@ pub(crate) fn assess(
             closed,
         ),
         bolt_hole_clearance: clearance,
-        first_beyond_clearance: first(&|a| a.fields.as_ref().is_some_and(|f| f.largest_sliding > clearance)),
+        first_beyond_clearance: clearance
+            .and_then(|clearance| first(&|a| a.fields.as_ref().is_some_and(|f| f.largest_sliding > clearance))),
         shape_deviation_limit: LARGEST_SHAPE_DEVIATION,
         first_beyond_shape_deviation: first(&|a| {
             a.point

@@ -32,8 +32,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let system = System::try_new(&blocks)?;
     let relative = RelativeSystem::try_new(&system, InterfacePairs { top, bottom, frame })?;
     let reduced = reduce(&relative, &[], Settings::default(), &mut |_, _| {})?;
-    let springs = vec![1e7; relative.n_relative];
-    let full = checks::full_frequencies(&relative, &springs, 4, 1e-7)?.1;
+    let springs = sprs::CsMat::eye(relative.n_relative).map(|one: &f64| 1e7 * one);
+    let full = checks::full_frequencies(&relative, Some(&springs), 4, 1e-7)?.1;
     let small = checks::reduced_frequencies(&reduced, &springs, 4)?;
     println!("full [Hz] {full:.1?}, reduced to {} {small:.1?}", reduced.mass.nrows());
     Ok(())
