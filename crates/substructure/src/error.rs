@@ -151,4 +151,184 @@ pub enum Error {
     /// A small dense problem inside the eigensolver failed.
     #[error(transparent)]
     Dense(#[from] dense_algebra::Error),
+    /// A deck's file cannot be read.
+    #[error("{}: {reason}", path.display())]
+    DeckFile {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What the operating system says.
+        reason: std::io::Error,
+    },
+    /// A deck cannot be understood, or holds what is not supported.
+    #[error("{file}:{line}: {problem}")]
+    Deck {
+        /// File name.
+        file: String,
+        /// Line number, from one.
+        line: u32,
+        /// What is wrong there.
+        problem: DeckProblem,
+    },
+    /// A name that a deck does not define.
+    #[error("the deck has no {what} `{name}`; it has {known}")]
+    NotInDeck {
+        /// Kind of thing.
+        what: &'static str,
+        /// Name asked for.
+        name: String,
+        /// Some of the names it has.
+        known: String,
+    },
+    /// An assembly that no deck can express.
+    #[error("{place} cannot be written to a deck: {reason}")]
+    NotWritable {
+        /// Which part of it.
+        place: String,
+        /// Why, and what to do.
+        reason: &'static str,
+    },
+}
+
+/// What can be wrong at a line of a deck.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeckProblem {
+    /// The line does not follow the rules of decks.
+    #[error("`{found}`: {reason}")]
+    Syntax {
+        /// The line, or the part of it.
+        found: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// An included file cannot be taken in.
+    #[error("*INCLUDE of `{path}`: {reason}")]
+    Include {
+        /// The file.
+        path: String,
+        /// Why not.
+        reason: String,
+    },
+    /// A keyword that changes the mechanics and is not supported, or stands where it may not.
+    #[error("*{keyword} is not supported here: {remedy}")]
+    Keyword {
+        /// The keyword.
+        keyword: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A parameter, or its value, that is not supported.
+    #[error("*{keyword}: parameter `{parameter}` is not supported: {remedy}")]
+    Parameter {
+        /// The keyword.
+        keyword: String,
+        /// The parameter, with its value if any.
+        parameter: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A parameter is missing.
+    #[error("*{keyword} needs the parameter {parameter}")]
+    MissingParameter {
+        /// The keyword.
+        keyword: String,
+        /// The parameter.
+        parameter: &'static str,
+    },
+    /// An element type that is not supported.
+    #[error("element type `{found}` is not supported; use C3D8, C3D8I, C3D8R, C3D4, C3D10 or C3D6 (SPRING1, DCOUP3D)")]
+    ElementType {
+        /// The type.
+        found: String,
+    },
+    /// A constraint type that is not supported.
+    #[error("*MPC type `{found}` is not supported; use BEAM, LINK, PIN or TIE, or *EQUATION")]
+    MpcType {
+        /// The type.
+        found: String,
+    },
+    /// An entry that is not what is expected.
+    #[error("{what} = `{found}` is not admissible; it must be {requirement}")]
+    Value {
+        /// Which entry.
+        what: &'static str,
+        /// The entry.
+        found: String,
+        /// What would be accepted.
+        requirement: &'static str,
+    },
+    /// A wrong number of things.
+    #[error("{what}: {found} given, {expected} needed")]
+    Count {
+        /// What is counted.
+        what: String,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// Something is named that the deck does not define.
+    #[error("{what} `{name}` is not defined; define it, or correct the name")]
+    Undefined {
+        /// Kind of thing.
+        what: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// Something is defined, or made dependent, twice.
+    #[error("{what} `{name}` appeared before, at {first}; remove one of the two")]
+    Duplicate {
+        /// Kind of thing.
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// Where it stood first.
+        first: String,
+    },
+    /// A set or surface holds nothing.
+    #[error("{what} `{name}` is empty; fill it, or remove its uses")]
+    Empty {
+        /// Kind of thing.
+        what: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// A node follows two constraints.
+    #[error(
+        "component {component} of node {node} follows both {second} and {first}; take the node out of one of the two"
+    )]
+    DependentTwice {
+        /// The node.
+        node: String,
+        /// Displacement component, from one.
+        component: u8,
+        /// The earlier constraint and its place.
+        first: String,
+        /// The later one.
+        second: String,
+    },
+    /// An element belongs to no section.
+    #[error("element {element} has no *SOLID SECTION; give its element set one")]
+    NoSection {
+        /// The element.
+        element: String,
+    },
+    /// A component is used that a node does not have.
+    #[error("node {node} has no component {component} to use in {place}: {reason}")]
+    NoSuchComponent {
+        /// The node.
+        node: String,
+        /// Component, from one.
+        component: u8,
+        /// What uses it.
+        place: &'static str,
+        /// Why it has none.
+        reason: &'static str,
+    },
+    /// Sets and copies hold far more than the text suggests.
+    #[error("sets, surfaces and copies hold more than {limit} members by this line, too many for a deck of this size")]
+    TooLarge {
+        /// The limit.
+        limit: usize,
+    },
 }

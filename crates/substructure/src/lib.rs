@@ -3,9 +3,11 @@
 //! The road through the crate: an [`mesh::Assembly`] (mesh, ties, couplings, equations, loads) becomes a
 //! [`assemble::System`] (sparse `M`, `K`, loads over the independent displacement components), whose shifted
 //! stiffness is factored by [`factor::SparseCholesky`] and whose lowest modes come from [`eigen::lowest_modes`].
+//! [`deck`] reads assemblies from input decks of Abaqus and CalculiX, and writes them.
 //! Lengths are metres, forces newtons, masses kilograms.
 pub mod assemble;
 pub mod constraints;
+pub mod deck;
 pub mod eigen;
 pub mod elements;
 mod error;
@@ -14,4 +16,4 @@ pub mod mesh;
 pub mod ordering;
 pub mod sparse;
 
-pub use error::Error;
+pub use error::{DeckProblem, Error};

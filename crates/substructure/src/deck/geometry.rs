@@ -1,0 +1,485 @@
+//! Nodes, elements, sets and surfaces.
+
+use super::reader::{Point, Reader};
+use super::text::{Block, Data, excerpt};
+use super::{Label, Members, Node, Solid, Surface};
+use crate::elements::Formulation;
+use crate::error::{DeckProblem, Error};
+use crate::mesh::Cell;
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use std::collections::HashSet;
+
+impl Reader<'_> {
+    /// `system` is the local coordinate system in force.
+    pub(super) fn geometry(
+        &mut self,
+        instance: u32,
+        system: &mut Isometry3<f64>,
+        block: &Block<'_>,
+    ) -> Result<(), Error> {
+        match block.key.as_str() {
+            "SYSTEM" => {
+                *system = self.system(block)?;
+                Ok(())
+            }
+            "NODE" => self.nodes(instance, system, block),
+            _ => self.elements(instance, block),
+        }
+    }
+
+    /// A local system: origin, a point on its first axis, a point in its first plane. Without the third point the
+    /// z-axis stays and the first axis is projected onto the xy-plane; without lines the global system is restored.
+    fn system(&self, block: &Block<'_>) -> Result<Isometry3<f64>, Error> {
+        block.allow(self.source, &[])?;
+        let Some(line) = block.data.first() else {
+            return Ok(Isometry3::identity());
+        };
+        let [ax, ay, az, bx, by, bz] = line.columns::<6>(self.source)?;
+        let origin = self.vector(line, "origin", [ax, ay, az])?;
+        let translation = Translation3::from(origin);
+        if [bx, by, bz].iter().all(|text| text.is_empty()) {
+            return Ok(Isometry3::from_parts(translation, UnitQuaternion::identity()));
+        }
+        let mut x = self.vector(line, "point on the first axis", [bx, by, bz])? - origin;
+        let z = match block.data.get(1) {
+            Some(line) => {
+                let c = self.vector(line, "point in the first plane", line.columns::<3>(self.source)?)?;
+                // Of unit vectors, so that lengths in any unit make the same test.
+                let [x, c] = [x, c - origin].map(|v| v.try_normalize(0.0).unwrap_or_default());
+                x.cross(&c)
+            }
+            None => {
+                x.z = 0.0;
+                Vector3::z()
+            }
+        };
+        let straight = || line.invalid(self.source, "system", line.text, "three points that span a plane");
+        let x = x.try_normalize(0.0).ok_or_else(straight)?;
+        let z = z.try_normalize(1e-12).ok_or_else(straight)?;
+        let axes = Matrix3::from_columns(&[x, z.cross(&x), z]);
+        let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+        Ok(Isometry3::from_parts(translation, turn))
+    }
+
+    fn nodes(&mut self, instance: u32, system: &Isometry3<f64>, block: &Block<'_>) -> Result<(), Error> {
+        block.allow(self.source, &["NSET", "SYSTEM"])?;
+        let kind = block.choice(self.source, "SYSTEM", &["R", "C", "S"])?;
+        let frame = self.frames[instance as usize].0 * system;
+        let first = self.deck.nodes.len() as u32;
+        for line in &block.data {
+            self.spend(1, line.at)?;
+            // Normals may follow the coordinates; solids have no use for them.
+            let [number, a, b, c, ..] = line.columns::<7>(self.source)?;
+            let label = Label {
+                instance,
+                number: line.label(self.source, "node", number)?,
+            };
+            let [a, b, c]: [f64; 3] = self.vector(line, "coordinate", [a, b, c])?.into();
+            let local = match kind {
+                "C" => {
+                    let (sin, cos) = b.to_radians().sin_cos();
+                    [a * cos, a * sin, c]
+                }
+                "S" => {
+                    let ((sin, cos), (sin_up, cos_up)) = (b.to_radians().sin_cos(), c.to_radians().sin_cos());
+                    [a * cos_up * cos, a * cos_up * sin, a * sin_up]
+                }
+                _ => [a, b, c],
+            };
+            let at = match frame == Isometry3::identity() {
+                true => local,
+                false => (frame * nalgebra::Point3::from(local)).coords.into(),
+            };
+            if !at.iter().all(|x: &f64| x.is_finite()) {
+                return Err(line.invalid(self.source, "coordinate", line.text, "within the range of numbers"));
+            }
+            let index = self.deck.nodes.len() as u32;
+            if let Some(known) = self.nodes.insert(label, index) {
+                let first = self.deck.nodes[known as usize].line;
+                return Err(self.duplicate(line.at, "node", self.deck.name(label), first));
+            }
+            self.deck.nodes.push(Node {
+                label,
+                at,
+                line: line.at,
+            });
+        }
+        match block.optional("NSET") {
+            Some(name) => {
+                let name = self.named(instance, name, block)?;
+                self.add_nodes(name, block, (first..self.deck.nodes.len() as u32).collect())
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn elements(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
+        block.allow(self.source, &["TYPE", "ELSET"])?;
+        let kind = block.required(self.source, "TYPE")?.to_ascii_uppercase();
+        let count = match kind.as_str() {
+            "C3D8" | "C3D8I" | "C3D8R" => 8,
+            "C3D4" => 4,
+            "C3D10" => 10,
+            "C3D6" => 6,
+            "SPRING1" | "DCOUP3D" => 1,
+            _ => {
+                let found = excerpt(&kind);
+                return Err(self.error(block.at, DeckProblem::ElementType { found }));
+            }
+        };
+        let set = block.optional("ELSET");
+        let set = set.map(|name| self.named(instance, name, block)).transpose()?;
+        let first = self.deck.elements.len() as u32;
+        let mut lines = block.data.iter();
+        while let Some(line) = lines.next() {
+            self.spend(1, line.at)?;
+            let (label, nodes) = self.element_line(instance, line, &mut lines, count)?;
+            let name = self.deck.name(label);
+            let known = self.elements.get(&label).map(|&e| self.deck.elements[e as usize].line);
+            if let Some(first) = known.or_else(|| self.points.get(&label).map(|(_, _, line)| *line)) {
+                return Err(self.duplicate(line.at, "element", name, first));
+            }
+            if count == 1 {
+                let point = if kind == "SPRING1" {
+                    Point::Spring
+                } else {
+                    Point::Coupling
+                };
+                self.points.insert(label, (point, nodes[0], line.at));
+                if let Some(set) = &set {
+                    self.point_sets.entry(set.clone()).or_default().push(label);
+                }
+                continue;
+            }
+            if let Some(a) = (1..count).find(|&a| nodes[..a].contains(&nodes[a])) {
+                return Err(self.error(
+                    line.at,
+                    DeckProblem::Value {
+                        what: "nodes of the element",
+                        found: self.deck.node_name(nodes[a]),
+                        requirement: "different from one another (use C3D6 for collapsed hexahedra)",
+                    },
+                ));
+            }
+            let eight = || [0, 1, 2, 3, 4, 5, 6, 7].map(|a| nodes[a]);
+            let cell = match kind.as_str() {
+                "C3D8" => Cell::Hex8(eight(), Formulation::BBar),
+                "C3D8I" => Cell::Hex8(eight(), Formulation::IncompatibleModes),
+                "C3D8R" => Cell::Hex8(eight(), Formulation::Reduced),
+                "C3D4" => Cell::Tet4([0, 1, 2, 3].map(|a| nodes[a])),
+                "C3D6" => Cell::Wedge6([0, 1, 2, 3, 4, 5].map(|a| nodes[a])),
+                _ => Cell::Tet10(nodes),
+            };
+            self.elements.insert(label, self.deck.elements.len() as u32);
+            self.deck.elements.push(Solid {
+                label,
+                cell,
+                material: None,
+                line: line.at,
+            });
+        }
+        match (set, count) {
+            (Some(name), 2..) => self.add_elements(name, block, (first..self.deck.elements.len() as u32).collect()),
+            _ => Ok(()),
+        }
+    }
+
+    /// Label and nodes of an element, whose lines continue while they end in a comma.
+    fn element_line<'t>(
+        &self,
+        instance: u32,
+        line: &Data<'t>,
+        lines: &mut std::slice::Iter<'_, Data<'t>>,
+        count: usize,
+    ) -> Result<(Label, [u32; 10]), Error> {
+        let (mut nodes, mut found) = ([0; 10], 0);
+        let mut entries = line.entries();
+        let label = Label {
+            instance,
+            number: line.label(self.source, "element", entries.next().unwrap_or(""))?,
+        };
+        let mut current = line;
+        loop {
+            for entry in entries {
+                let node = Label {
+                    instance,
+                    number: current.label(self.source, "node", entry)?,
+                };
+                if found < count {
+                    nodes[found] = self.node(current.at, node)?;
+                }
+                found += 1;
+            }
+            if found >= count || !current.text.ends_with(',') {
+                break;
+            }
+            let Some(next) = lines.next() else { break };
+            (current, entries) = (next, next.entries());
+        }
+        if found != count {
+            return Err(self.error(
+                line.at,
+                DeckProblem::Count {
+                    what: format!("nodes of element {}", self.deck.name(label)),
+                    found,
+                    expected: count,
+                },
+            ));
+        }
+        Ok((label, nodes))
+    }
+
+    /// `*NSET` or `*ELSET`.
+    pub(super) fn set(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
+        let of_nodes = block.key == "NSET";
+        let (parameter, what) = if of_nodes {
+            ("NSET", "node set")
+        } else {
+            ("ELSET", "element set")
+        };
+        let text = block.required(self.source, parameter)?;
+        let name = self.named(instance, text, block)?;
+        let instance = self.instance_of(instance, block)?;
+        let mut members = Vec::new();
+        if of_nodes {
+            let known = ["NSET", "ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"];
+            block.allow(self.source, &known)?;
+            if let Some(elements) = block.optional("ELSET") {
+                let set = self.element_set(instance, block.at, elements)?;
+                for &element in set {
+                    members.extend_from_slice(self.deck.elements[element as usize].cell.nodes());
+                }
+                members.sort_unstable();
+                members.dedup();
+            }
+        } else {
+            block.allow(self.source, &["ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"])?;
+        }
+        for line in &block.data {
+            if block.flag("GENERATE") {
+                let before = members.len();
+                self.generate(instance, line, of_nodes, &mut members)?;
+                self.spend(members.len() - before, line.at)?;
+                continue;
+            }
+            for entry in line.entries().filter(|entry| !entry.is_empty()) {
+                if let (false, Some(point)) = (of_nodes, self.point(instance, line, entry)) {
+                    self.point_sets.entry(name.clone()).or_default().push(point);
+                    continue;
+                }
+                let more = match of_nodes {
+                    true => self.node_list(instance, line, entry)?,
+                    false => self.element_list(instance, line, entry)?,
+                };
+                self.spend(more.len(), line.at)?;
+                members.extend(more);
+            }
+        }
+        if members.is_empty() && !self.point_sets.contains_key(&name) {
+            let name = excerpt(text);
+            return Err(self.error(block.at, DeckProblem::Empty { what, name }));
+        }
+        match of_nodes {
+            true => self.add_nodes(name, block, members),
+            false if members.is_empty() => Ok(()),
+            false => self.add_elements(name, block, members),
+        }
+    }
+
+    /// Members of a generated set, all of which must exist.
+    fn generate(&self, instance: u32, line: &Data<'_>, of_nodes: bool, members: &mut Vec<u32>) -> Result<(), Error> {
+        let [first, last, step] = line.columns::<3>(self.source)?;
+        let first = line.label(self.source, "first label", first)?;
+        let last = line.label(self.source, "last label", last)?;
+        let step = match step {
+            "" => 1,
+            text => line.label(self.source, "increment", text)?,
+        };
+        if last < first || (last - first) % step != 0 {
+            return Err(line.invalid(
+                self.source,
+                "generated range",
+                line.text,
+                "`first, last, increment` that leads from the first label to the last",
+            ));
+        }
+        for number in (first..=last).step_by(step as usize) {
+            let label = Label { instance, number };
+            let (index, what) = match of_nodes {
+                true => (&self.nodes, "node"),
+                false => (&self.elements, "element"),
+            };
+            match index.get(&label) {
+                Some(&member) => members.push(member),
+                None => return Err(self.undefined(line.at, what, &self.deck.name(label))),
+            }
+        }
+        Ok(())
+    }
+
+    /// The qualified name of a new set or surface of `instance`.
+    fn named(&self, instance: u32, name: &str, block: &Block<'_>) -> Result<String, Error> {
+        let full = self.full_name(instance, name);
+        let (prefix, instances) = (
+            name.split_once('.').map_or("", |(first, _)| first),
+            &self.deck.instances,
+        );
+        if !prefix.is_empty() && instances.iter().any(|i| i.eq_ignore_ascii_case(prefix)) {
+            return Err(self.error(
+                block.at,
+                DeckProblem::Syntax {
+                    found: excerpt(name),
+                    reason: "a new name may not begin with the name of an instance and a dot",
+                },
+            ));
+        }
+        Ok(full)
+    }
+
+    /// Adds to a node set, new or old.
+    fn add_nodes(&mut self, name: String, block: &Block<'_>, members: Vec<u32>) -> Result<(), Error> {
+        self.spend(members.len(), block.at)?;
+        if block.flag("UNSORTED") {
+            self.unsorted.insert(name.clone());
+        }
+        let nodes = &self.deck.nodes;
+        let key = |&node: &u32| nodes[node as usize].label;
+        let set = self.deck.node_sets.entry(name.clone()).or_default();
+        set.extend(members);
+        if self.unsorted.contains(&name) {
+            let mut seen = HashSet::new();
+            set.retain(|node| seen.insert(*node));
+        } else {
+            set.sort_unstable_by_key(key);
+            set.dedup();
+        }
+        Ok(())
+    }
+
+    /// Adds to an element set, new or old.
+    fn add_elements(&mut self, name: String, block: &Block<'_>, members: Vec<u32>) -> Result<(), Error> {
+        self.spend(members.len(), block.at)?;
+        let elements = &self.deck.elements;
+        let set = self.deck.element_sets.entry(name).or_default();
+        set.extend(members);
+        set.sort_unstable_by_key(|&element| elements[element as usize].label);
+        set.dedup();
+        Ok(())
+    }
+
+    fn element_set(&self, instance: u32, at: super::Line, text: &str) -> Result<&[u32], Error> {
+        let name = self.full_name(instance, text);
+        match self.deck.element_sets.get(&name) {
+            Some(set) => Ok(set),
+            None => Err(self.undefined(at, "element set", &name)),
+        }
+    }
+
+    /// The `SPRING1` or `DCOUP3D` element with this label.
+    fn point(&self, instance: u32, line: &Data<'_>, text: &str) -> Option<Label> {
+        let number = line.label(self.source, "element", text).ok()?;
+        let label = Label { instance, number };
+        self.points.contains_key(&label).then_some(label)
+    }
+
+    /// The element with this label, or the elements of this set.
+    pub(super) fn element_list(&self, instance: u32, line: &Data<'_>, text: &str) -> Result<Vec<u32>, Error> {
+        let (scope, rest) = self.scope(instance, text);
+        if !rest.is_empty() && rest.bytes().all(|c| c.is_ascii_digit()) {
+            let label = Label {
+                instance: scope,
+                number: line.label(self.source, "element", rest)?,
+            };
+            let found = self.elements.get(&label);
+            return match found {
+                Some(&element) => Ok(vec![element]),
+                None => Err(self.undefined(line.at, "element", &self.deck.name(label))),
+            };
+        }
+        Ok(self.element_set(instance, line.at, text)?.to_vec())
+    }
+
+    pub(super) fn surface(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
+        block.allow(self.source, &["NAME", "TYPE", "INTERNAL"])?;
+        let of_elements = block.choice(self.source, "TYPE", &["ELEMENT", "NODE"])? == "ELEMENT";
+        let text = block.required(self.source, "NAME")?;
+        let name = self.named(instance, text, block)?;
+        if let Some(known) = self.deck.surfaces.get(&name) {
+            return Err(self.duplicate(block.at, "surface", name.clone(), known.line));
+        }
+        let (mut faces, mut nodes) = (Vec::new(), Vec::new());
+        for line in &block.data {
+            let [of, second] = line.columns::<2>(self.source)?;
+            if of_elements {
+                let elements = self.element_list(instance, line, of)?;
+                self.spend(elements.len(), line.at)?;
+                for element in elements {
+                    faces.push((element, self.face(line, element, second)?));
+                }
+            } else {
+                let weight = match second {
+                    "" => 1.0,
+                    text => line.number(self.source, "weight", text)?,
+                };
+                let list = self.node_list(instance, line, of)?;
+                self.spend(list.len(), line.at)?;
+                nodes.extend(list.into_iter().map(|node| (node, weight)));
+            }
+        }
+        let members = if of_elements {
+            Members::Faces(faces)
+        } else {
+            Members::Nodes(nodes)
+        };
+        let (count, distinct) = match &members {
+            Members::Faces(faces) => (faces.len(), faces.iter().collect::<HashSet<_>>().len()),
+            Members::Nodes(nodes) => (
+                nodes.len(),
+                nodes.iter().map(|(node, _)| node).collect::<HashSet<_>>().len(),
+            ),
+        };
+        if count == 0 {
+            let (what, name) = ("surface", excerpt(text));
+            return Err(self.error(block.at, DeckProblem::Empty { what, name }));
+        }
+        if count != distinct {
+            return Err(self.error(
+                block.at,
+                DeckProblem::Count {
+                    what: format!("different members of surface `{}`", excerpt(text)),
+                    found: distinct,
+                    expected: count,
+                },
+            ));
+        }
+        self.deck.surfaces.insert(
+            name,
+            Surface {
+                members,
+                line: block.at,
+            },
+        );
+        Ok(())
+    }
+
+    /// Number from zero of the face `S1`, `S2`... of an element.
+    fn face(&self, line: &Data<'_>, element: u32, text: &str) -> Result<u8, Error> {
+        let count = match self.deck.elements[element as usize].cell {
+            Cell::Hex8(..) => 6,
+            Cell::Wedge6(_) => 5,
+            Cell::Tet4(_) | Cell::Tet10(_) => 4,
+        };
+        text.strip_prefix(['S', 's'])
+            .and_then(|digits| digits.parse::<u8>().ok())
+            .filter(|face| (1..=count).contains(face))
+            .map(|face| face - 1)
+            .ok_or_else(|| {
+                line.invalid(
+                    self.source,
+                    "face",
+                    text,
+                    "S1 to S6, as far as the element has that many faces",
+                )
+            })
+    }
+}

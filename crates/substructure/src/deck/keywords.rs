@@ -1,0 +1,88 @@
+//! What each keyword is for.
+
+/// When a block is read: a deck may name things before it defines them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Phase {
+    /// Nodes and elements.
+    Geometry,
+    /// Node and element sets.
+    Sets,
+    /// Surfaces.
+    Surfaces,
+    /// Materials.
+    Materials,
+    /// Sections and springs.
+    Properties,
+    /// Ties, couplings, equations.
+    Constraints,
+    /// Supports, loads and steps.
+    History,
+}
+
+/// What becomes of a keyword.
+pub(super) enum Fate {
+    /// It is read.
+    Read(Phase),
+    /// It only asks for output, or concerns what the model does not have.
+    Ignored,
+    /// It says which analysis a step runs.
+    Procedure,
+    /// It is refused, with a remedy.
+    Refused(&'static str),
+}
+
+/// What becomes of a keyword (capitals, without blanks).
+pub(super) fn fate(key: &str) -> Fate {
+    use Fate::{Ignored, Procedure, Read, Refused};
+    match key {
+        "SYSTEM" | "NODE" | "ELEMENT" => Read(Phase::Geometry),
+        "NSET" | "ELSET" => Read(Phase::Sets),
+        "SURFACE" => Read(Phase::Surfaces),
+        "MATERIAL" | "ELASTIC" | "DENSITY" => Read(Phase::Materials),
+        "SOLIDSECTION" | "SPRING" => Read(Phase::Properties),
+        "TIE" | "COUPLING" | "DISTRIBUTING" | "KINEMATIC" | "DISTRIBUTINGCOUPLING" | "KINEMATICCOUPLING"
+        | "EQUATION" | "MPC" => Read(Phase::Constraints),
+        "BOUNDARY" | "CLOAD" | "STEP" | "ENDSTEP" | "SUBSTRUCTURELOADCASE" | "LOADCASE" | "ENDLOADCASE" => {
+            Read(Phase::History)
+        }
+        "HEADING" | "PREPRINT" | "RESTART" | "OUTPUT" | "NODEOUTPUT" | "ELEMENTOUTPUT" | "ENERGYOUTPUT"
+        | "CONTACTOUTPUT" | "INCREMENTATIONOUTPUT" | "INTEGRATEDOUTPUT" | "INTEGRATEDOUTPUTSECTION" | "MODALOUTPUT"
+        | "NODEFILE" | "ELFILE" | "ENERGYFILE" | "CONTACTFILE" | "MODALFILE" | "FILEFORMAT" | "FILEOUTPUT"
+        | "NODEPRINT" | "ELPRINT" | "ENERGYPRINT" | "CONTACTPRINT" | "MODALPRINT" | "SECTIONPRINT" | "SECTIONFILE"
+        | "FACEPRINT" | "PRINT" | "MONITOR" | "DIAGNOSTICS" | "TIMEPOINTS"
+        // Without temperatures, gravity or a section that names an orientation these act on nothing.
+        | "EXPANSION" | "CONDUCTIVITY" | "SPECIFICHEAT" | "PHYSICALCONSTANTS" | "ORIENTATION" => Ignored,
+        "STATIC" | "FREQUENCY" | "BUCKLE" | "DYNAMIC" | "STEADYSTATEDYNAMICS" | "MODALDYNAMIC" | "MODALDAMPING"
+        | "COMPLEXFREQUENCY" | "SELECTEIGENMODES" | "SUBSTRUCTUREGENERATE" | "RETAINEDNODALDOFS"
+        | "SUBSTRUCTUREMATRIXOUTPUT" | "SUBSTRUCTUREOUTPUT" | "DAMPINGCONTROLS" | "MATRIXGENERATE" | "MATRIXOUTPUT"
+        | "CONTROLS" | "SOLVERCONTROLS" => Procedure,
+        "AMPLITUDE" => Refused("loads and supports of a linear model have no history; remove it and its uses"),
+        "CONTACTPAIR" | "CONTACT" | "CONTACTINCLUSIONS" | "CONTACTPROPERTYASSIGNMENT" | "SURFACEINTERACTION"
+        | "SURFACEBEHAVIOR" | "FRICTION" | "CONTACTDAMPING" | "CONTACTCONTROLS" | "CLEARANCE" | "GAP" => {
+            Refused("remove contact from the deck and give the joint analysis the names of the two surfaces")
+        }
+        "MASS" | "ROTARYINERTIA" | "POINTMASS" | "NONSTRUCTURALMASS" => {
+            Refused("model the mass by solid elements with a density")
+        }
+        "TRANSFORM" => Refused("give supports, loads and equations in global axes"),
+        "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" | "PARAMETER" => {
+            Refused("let the preprocessor write all nodes and elements out")
+        }
+        "RIGIDBODY" => Refused("use *COUPLING with *KINEMATIC"),
+        "PRETENSIONSECTION" => Refused("load the bolt by *CLOAD at the reference nodes of two couplings"),
+        "DLOAD" | "DSLOAD" | "TEMPERATURE" | "INITIALCONDITIONS" => {
+            Refused("only concentrated loads (*CLOAD) are read; remove it, or load a coupling's reference node")
+        }
+        "SHELLSECTION" | "BEAMSECTION" | "BEAMGENERALSECTION" | "MEMBRANESECTION" | "COHESIVESECTION" => {
+            Refused("only solid elements with *SOLID SECTION are supported")
+        }
+        "DASHPOT" | "DAMPING" => Refused("the model is undamped; damping comes from the joint analysis"),
+        "SECTIONCONTROLS" | "HOURGLASSSTIFFNESS" => {
+            Refused("the element formulation is chosen by the element type alone; remove it")
+        }
+        "PLASTIC" | "HYPERELASTIC" | "VISCOELASTIC" | "CREEP" | "USERMATERIAL" => {
+            Refused("materials are linear elastic: keep *ELASTIC and *DENSITY only")
+        }
+        _ => Refused("it may change the mechanics; remove it, or express it by supported keywords"),
+    }
+}

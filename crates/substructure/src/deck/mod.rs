@@ -1,0 +1,341 @@
+//! Input decks of Abaqus and CalculiX (`.inp`).
+//!
+//! [`read`] turns a file into a [`Deck`], which holds what the file says with all names resolved; [`Deck::assembly`]
+//! makes a [`crate::mesh::Assembly`] of it, and [`write()`] goes the other way. A deck has no units; read here, it must
+//! be in SI (m, N, kg, Pa).
+//!
+//! | keyword | read as |
+//! |---|---|
+//! | `*NODE`, `*SYSTEM` | global coordinates; rectangular, cylindrical or spherical |
+//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I` (incompatible), `C3D8R` (reduced), `C3D4`, `C3D10`, `C3D6`; `SPRING1`, `DCOUP3D` |
+//! | `*PART`, `*INSTANCE`, `*ASSEMBLY` | copies, moved, then turned; names become `INSTANCE.NAME`, labels `INSTANCE.12` |
+//! | `*NSET`, `*ELSET`, `*SURFACE` | sets (listed, generated, nested); element faces `S1`-`S6`, or nodes with weights |
+//! | `*MATERIAL`, `*ELASTIC`, `*DENSITY`, `*SOLID SECTION` | isotropic, at one temperature |
+//! | `*SPRING` | of `SPRING1`: to the ground |
+//! | `*TIE` | slave nodes on master faces (node to surface, whatever `TYPE` says) |
+//! | `*COUPLING` with `*DISTRIBUTING` or `*KINEMATIC`; `*DISTRIBUTING COUPLING`, `*KINEMATIC COUPLING` | couplings |
+//! | `*EQUATION`, `*MPC` (`BEAM`, `LINK`, `PIN`, `TIE`) | equations, rigid links |
+//! | `*BOUNDARY` | supports: of the model in the assembly; of a step kept with the step |
+//! | `*STEP`, `*CLOAD`, `*SUBSTRUCTURE LOAD CASE`, `*LOAD CASE` | one load pattern per step or case, of its own loads |
+//! | `*INCLUDE` | the file, relative to the one that includes it |
+//!
+//! Keywords that only ask for output are listed in [`Deck::ignored`], those that choose an analysis in
+//! [`Step::procedures`]. Any other keyword or parameter may change the mechanics, and is an error that names file, line
+//! and remedy.
+//!
+//! Names are compared without regard to case. Sets grow when they are named again, are sorted by label unless
+//! `UNSORTED`, and may only hold what exists.
+//!
+//! **Weights of distributing couplings.** On element surfaces a node's weight is its tributary area, as in both codes
+//! (the integral of its shape function; on quadratic triangles the area is shared by the middles of the edges, which is
+//! that integral on a flat face). On node surfaces it is the second entry of the data line, or one. With
+//! `COUPLING=STRUCTURAL` Abaqus also averages nodal rotations; solids have none, so that it makes no difference here.
+//!
+//! **Tolerance of ties.** Without `POSITION TOLERANCE`, slaves are tied within 5 % of the typical element size in the
+//! master surface, as in Abaqus; the size is taken to be the mean length of the edges of its faces. Slaves beyond stay
+//! free.
+//!
+//! Sources of the formats: the keyword guides of Abaqus (6.6 to 2024) and CalculiX.
+
+mod assembly;
+mod constraints;
+mod geometry;
+mod history;
+mod keywords;
+mod properties;
+mod reader;
+mod text;
+mod write;
+
+pub use assembly::{Choices, DeckModel};
+pub use write::write;
+
+use crate::Error;
+use crate::error::DeckProblem;
+use crate::mesh::Cell;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A line of one of a deck's files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Line {
+    /// Index into [`Deck::files`].
+    pub file: u32,
+    /// Line number, from one.
+    pub number: u32,
+}
+
+/// A node or element number, and the instance it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Label {
+    /// Index into [`Deck::instances`].
+    pub instance: u32,
+    /// Number in the deck.
+    pub number: u32,
+}
+
+/// A node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Its name.
+    pub label: Label,
+    /// Global coordinates (m).
+    pub at: [f64; 3],
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// A solid element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid {
+    /// Its name.
+    pub label: Label,
+    /// Shape, and indices into [`Deck::nodes`].
+    pub cell: Cell,
+    /// Index into [`Deck::materials`], if a section gives it one.
+    pub material: Option<u16>,
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// A surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// What it is made of.
+    pub members: Members,
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// What a surface is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Members {
+    /// Indices into [`Deck::elements`], and face numbers from zero (`S1` is 0).
+    Faces(Vec<(u32, u8)>),
+    /// Indices into [`Deck::nodes`], and weights.
+    Nodes(Vec<(u32, f64)>),
+}
+
+/// A material; what it lacks matters only if a section uses it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckMaterial {
+    /// Name.
+    pub name: String,
+    /// Young's modulus (Pa) and Poisson ratio.
+    pub elastic: Option<[f64; 2]>,
+    /// Mass density (kg/m^3).
+    pub density: Option<f64>,
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// A tie between two surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckTie {
+    /// Name.
+    pub name: String,
+    /// Names of the slave and the master surface in [`Deck::surfaces`].
+    pub surfaces: [String; 2],
+    /// `POSITION TOLERANCE` (m).
+    pub tolerance: Option<f64>,
+    /// Whether slaves are moved onto the master surface.
+    pub adjust: bool,
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// A coupling of a reference node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckCoupling {
+    /// Name.
+    pub name: String,
+    /// Reference node: index into [`Deck::nodes`].
+    pub reference: u32,
+    /// Cloud: indices into [`Deck::nodes`], and weights.
+    pub nodes: Vec<(u32, f64)>,
+    /// Who follows whom.
+    pub kind: DeckCouplingKind,
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// Who follows whom in a coupling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeckCouplingKind {
+    /// The reference node follows the weighted mean, except in the rotations that are `true`, which are free.
+    Distributing([bool; 3]),
+    /// The displacement components of the cloud that are `true` follow the reference node.
+    Kinematic([bool; 3]),
+}
+
+/// Type of a rigid link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkKind {
+    /// Displacement and rotation follow as if a rigid beam lay between.
+    Beam,
+    /// The distance stays.
+    Link,
+    /// Displacements are equal.
+    Pin,
+    /// All components are equal.
+    Tie,
+}
+
+/// A line of `*MPC`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Link {
+    /// Type.
+    pub kind: LinkKind,
+    /// The dependent node, then the other: indices into [`Deck::nodes`].
+    pub nodes: [u32; 2],
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// A homogeneous equation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckEquation {
+    /// Node (index into [`Deck::nodes`]), component 0..6, coefficient.
+    pub terms: Vec<(u32, u8, f64)>,
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// A spring to the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeckSpring {
+    /// Node: index into [`Deck::nodes`].
+    pub node: u32,
+    /// Displacement component 0..3.
+    pub component: u8,
+    /// Stiffness (N/m).
+    pub stiffness: f64,
+    /// Where its stiffness is given.
+    pub line: Line,
+}
+
+/// Values at nodes (indices into [`Deck::nodes`]) and components 0..6.
+pub type AtComponents<T> = BTreeMap<(u32, u8), T>;
+
+/// Loads: forces (N) or moments (N m), with the line that gives each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadCase {
+    /// Name of the substructure load case or load case; `None` for the step itself.
+    pub name: Option<String>,
+    /// Loads.
+    pub loads: AtComponents<(f64, Line)>,
+}
+
+/// A step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Name, or `Step-1` and so on.
+    pub name: String,
+    /// Keywords that choose the analysis. They are not run.
+    pub procedures: Vec<Ignored>,
+    /// Components that the step supports.
+    pub supports: AtComponents<Line>,
+    /// Loads.
+    pub cases: Vec<LoadCase>,
+    /// Where it begins.
+    pub line: Line,
+}
+
+/// A keyword without influence on the model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ignored {
+    /// Keyword in capitals.
+    pub keyword: String,
+    /// How often it occurs.
+    pub count: usize,
+    /// Where it occurs first.
+    pub first_line: Line,
+}
+
+/// What a deck says, with all names resolved. Names of sets and surfaces are in capitals, those of instances
+/// `INSTANCE.NAME`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Deck {
+    /// Names of the files: the deck, then those it includes.
+    pub files: Vec<String>,
+    /// Names of the instances in capitals; the first is empty and stands for the model itself.
+    pub instances: Vec<String>,
+    /// Nodes.
+    pub nodes: Vec<Node>,
+    /// Elements.
+    pub elements: Vec<Solid>,
+    /// Node sets: indices into `nodes`.
+    pub node_sets: BTreeMap<String, Vec<u32>>,
+    /// Element sets: indices into `elements`.
+    pub element_sets: BTreeMap<String, Vec<u32>>,
+    /// Surfaces.
+    pub surfaces: BTreeMap<String, Surface>,
+    /// Materials.
+    pub materials: Vec<DeckMaterial>,
+    /// Springs to the ground.
+    pub springs: Vec<DeckSpring>,
+    /// Ties.
+    pub ties: Vec<DeckTie>,
+    /// Couplings.
+    pub couplings: Vec<DeckCoupling>,
+    /// Rigid links.
+    pub links: Vec<Link>,
+    /// Equations.
+    pub equations: Vec<DeckEquation>,
+    /// Components that the model supports.
+    pub supports: AtComponents<Line>,
+    /// Steps.
+    pub steps: Vec<Step>,
+    /// Keywords that only ask for output, or act on what the model does not have.
+    pub ignored: Vec<Ignored>,
+    /// What else a user should know.
+    pub notes: Vec<String>,
+}
+
+impl Deck {
+    /// `12`, or `INSTANCE.12`.
+    pub fn name(&self, label: Label) -> String {
+        qualified(&self.instances[label.instance as usize], &label.number.to_string())
+    }
+
+    /// `file:line`.
+    pub fn place(&self, line: Line) -> String {
+        format!("{}:{}", self.files[line.file as usize], line.number)
+    }
+
+    fn error(&self, line: Line, problem: DeckProblem) -> Error {
+        Error::Deck {
+            file: self.files[line.file as usize].clone(),
+            line: line.number,
+            problem,
+        }
+    }
+
+    fn node_name(&self, node: u32) -> String {
+        self.name(self.nodes[node as usize].label)
+    }
+}
+
+/// `NAME`, or `INSTANCE.NAME`.
+fn qualified(instance: &str, name: &str) -> String {
+    match instance {
+        "" => name.to_ascii_uppercase(),
+        _ => format!("{instance}.{}", name.to_ascii_uppercase()),
+    }
+}
+
+/// Reads a deck and the files that it includes.
+///
+/// # Errors
+/// [`Error::DeckFile`] if the file cannot be read; [`Error::Deck`] naming file and line of the first defect.
+pub fn read(path: impl AsRef<Path>) -> Result<Deck, Error> {
+    reader::Reader::run(&text::Source::from_file(path.as_ref())?)
+}
+
+/// Reads a deck from its text; `name` stands for the file in messages.
+///
+/// # Errors
+/// As [`read`]; `*INCLUDE` is refused.
+pub fn parse(text: &str, name: &str) -> Result<Deck, Error> {
+    reader::Reader::run(&text::Source::from_text(name, text)?)
+}

@@ -1,0 +1,396 @@
+//! From the text of a deck to blocks: a keyword line with its parameters, and the data lines below it.
+
+use super::Line;
+use crate::error::{DeckProblem, Error};
+use std::path::{Path, PathBuf};
+
+/// How deep files may include one another.
+const INCLUDE_DEPTH: usize = 10;
+/// How many files a deck may include.
+const INCLUDE_COUNT: usize = 1000;
+
+/// All files of a deck, included ones in place of the lines that include them.
+pub(super) struct Source {
+    /// File names.
+    pub(super) files: Vec<String>,
+    text: String,
+    /// End in `text` and origin of each line.
+    lines: Vec<(usize, Line)>,
+}
+
+impl Source {
+    pub(super) fn from_text(name: &str, text: &str) -> Result<Self, Error> {
+        let mut source = Self::empty();
+        source.append(name, text, &mut |source, _, at| {
+            Err(source.error(
+                at,
+                DeckProblem::Include {
+                    path: String::new(),
+                    reason: "a deck given as text has no folder to look in; read it from its file".into(),
+                },
+            ))
+        })?;
+        Ok(source)
+    }
+
+    pub(super) fn from_file(path: &Path) -> Result<Self, Error> {
+        let unreadable = |reason: std::io::Error| Error::DeckFile {
+            path: path.to_owned(),
+            reason,
+        };
+        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let canonical = path.canonicalize().map_err(unreadable)?;
+        let mut source = Self::empty();
+        let name = file_name(path);
+        source.append_file(&name, &bytes, &mut vec![canonical])?;
+        Ok(source)
+    }
+
+    fn empty() -> Self {
+        Self {
+            files: Vec::new(),
+            text: String::new(),
+            lines: Vec::new(),
+        }
+    }
+
+    /// `open` holds the file itself and those that include it.
+    fn append_file(&mut self, name: &str, bytes: &[u8], open: &mut Vec<PathBuf>) -> Result<(), Error> {
+        // Comments may be in any old encoding; nothing else needs more than ASCII.
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        self.append(name, &text, &mut |source, input, at| {
+            let fail = |source: &Self, reason: String| {
+                source.error(
+                    at,
+                    DeckProblem::Include {
+                        path: input.to_owned(),
+                        reason,
+                    },
+                )
+            };
+            let folder = open.last().and_then(|file| file.parent()).unwrap_or(Path::new(""));
+            let path = folder.join(input);
+            let canonical = path.canonicalize().map_err(|e| fail(source, e.to_string()))?;
+            if open.contains(&canonical) {
+                return Err(fail(source, "the file includes itself".into()));
+            }
+            if open.len() > INCLUDE_DEPTH || source.files.len() > INCLUDE_COUNT {
+                return Err(fail(
+                    source,
+                    format!("more than {INCLUDE_DEPTH} files deep, or {INCLUDE_COUNT} files; join some of them"),
+                ));
+            }
+            let bytes = std::fs::read(&canonical).map_err(|e| fail(source, e.to_string()))?;
+            open.push(canonical);
+            source.append_file(input, &bytes, open)?;
+            open.pop();
+            Ok(())
+        })
+    }
+
+    fn append(
+        &mut self,
+        name: &str,
+        text: &str,
+        include: &mut dyn FnMut(&mut Self, &str, Line) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let file = self.files.len() as u32;
+        self.files.push(name.to_owned());
+        for (number, line) in text.lines().enumerate() {
+            let line = line.trim();
+            let at = Line {
+                file,
+                number: u32::try_from(number + 1).unwrap_or(u32::MAX),
+            };
+            if line.is_empty() || line.starts_with("**") {
+                continue;
+            }
+            if let Some(header) = line.strip_prefix('*')
+                && key(header.split(',').next().unwrap_or("")) == "INCLUDE"
+            {
+                let block = Block::new(self, header, at)?;
+                block.allow(self, &["INPUT"])?;
+                let input = block.required(self, "INPUT")?.to_owned();
+                include(self, &input, at)?;
+                continue;
+            }
+            self.text.push_str(line);
+            self.lines.push((self.text.len(), at));
+        }
+        Ok(())
+    }
+
+    /// Number of bytes that are neither comments nor blank lines.
+    pub(super) fn size(&self) -> usize {
+        self.text.len()
+    }
+
+    pub(super) fn error(&self, at: Line, problem: DeckProblem) -> Error {
+        Error::Deck {
+            file: self.files[at.file as usize].clone(),
+            line: at.number,
+            problem,
+        }
+    }
+
+    pub(super) fn blocks(&self) -> Result<Vec<Block<'_>>, Error> {
+        let mut blocks: Vec<Block<'_>> = Vec::new();
+        let (mut start, mut continues) = (0, false);
+        for &(end, at) in &self.lines {
+            let line = &self.text[start..end];
+            start = end;
+            if let Some(header) = line.strip_prefix('*') {
+                continues = header.ends_with(',');
+                blocks.push(Block::new(self, header, at)?);
+                continue;
+            }
+            let Some(block) = blocks.last_mut() else {
+                return Err(self.error(
+                    at,
+                    DeckProblem::Syntax {
+                        found: excerpt(line),
+                        reason: "data stand before the first keyword",
+                    },
+                ));
+            };
+            if continues {
+                block.add_parameters(self, line, at)?;
+                continues = line.ends_with(',');
+            } else {
+                block.data.push(Data { at, text: line });
+            }
+        }
+        Ok(blocks)
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// A keyword or parameter name without blanks, in capitals.
+fn key(text: &str) -> String {
+    text.chars()
+        .filter(|c| !c.is_whitespace())
+        .map(|c| c.to_ascii_uppercase())
+        .collect()
+}
+
+/// The beginning of a text, for messages.
+pub(super) fn excerpt(text: &str) -> String {
+    text.chars().take(60).collect()
+}
+
+/// Entries between commas outside quotes; a comma at the end adds none.
+fn entries(text: &str) -> impl Iterator<Item = &str> {
+    let mut quoted = false;
+    let text = text.strip_suffix(',').unwrap_or(text);
+    text.split(move |c| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    })
+    .map(str::trim)
+}
+
+fn unquoted(text: &str) -> &str {
+    text.strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'))
+        .unwrap_or(text)
+}
+
+/// A data line.
+#[derive(Clone, Copy)]
+pub(super) struct Data<'a> {
+    pub(super) at: Line,
+    pub(super) text: &'a str,
+}
+
+impl<'a> Data<'a> {
+    pub(super) fn entries(&self) -> impl Iterator<Item = &'a str> + use<'a> {
+        entries(self.text).map(unquoted)
+    }
+
+    /// The entries, padded by empty ones; more than `N` are an error.
+    pub(super) fn columns<const N: usize>(&self, source: &Source) -> Result<[&'a str; N], Error> {
+        let mut columns = [""; N];
+        for (i, entry) in self.entries().enumerate() {
+            match columns.get_mut(i) {
+                Some(column) => *column = entry,
+                None if entry.is_empty() => {}
+                None => {
+                    return Err(source.error(
+                        self.at,
+                        DeckProblem::Syntax {
+                            found: excerpt(self.text),
+                            reason: "the line has more entries than the keyword takes",
+                        },
+                    ));
+                }
+            }
+        }
+        Ok(columns)
+    }
+
+    /// A finite number; Fortran's exponents `D` are understood, and an empty entry is zero.
+    pub(super) fn number(&self, source: &Source, what: &'static str, text: &str) -> Result<f64, Error> {
+        if text.is_empty() {
+            return Ok(0.0);
+        }
+        let parsed = match text.find(['d', 'D']) {
+            Some(at) => [&text[..at], "e", &text[at + 1..]].concat().parse::<f64>(),
+            None => text.parse(),
+        };
+        parsed
+            .ok()
+            .filter(|value| value.is_finite())
+            .ok_or_else(|| self.invalid(source, what, text, "a finite number"))
+    }
+
+    pub(super) fn label(&self, source: &Source, what: &'static str, text: &str) -> Result<u32, Error> {
+        text.parse()
+            .ok()
+            .filter(|label| *label > 0)
+            .ok_or_else(|| self.invalid(source, what, text, "a whole number from 1 to 4294967295"))
+    }
+
+    pub(super) fn invalid(&self, source: &Source, what: &'static str, found: &str, requirement: &'static str) -> Error {
+        source.error(
+            self.at,
+            DeckProblem::Value {
+                what,
+                found: excerpt(found),
+                requirement,
+            },
+        )
+    }
+}
+
+/// A keyword with its parameters and data lines.
+pub(super) struct Block<'a> {
+    /// In capitals without blanks and star.
+    pub(super) key: String,
+    /// In capitals, for messages.
+    pub(super) keyword: String,
+    pub(super) at: Line,
+    parameters: Vec<(String, &'a str)>,
+    pub(super) data: Vec<Data<'a>>,
+}
+
+impl<'a> Block<'a> {
+    /// `header` is the keyword line without its star.
+    fn new(source: &Source, header: &'a str, at: Line) -> Result<Self, Error> {
+        let (name, rest) = header.split_once(',').unwrap_or((header, ""));
+        let words: Vec<String> = name.split_whitespace().map(str::to_ascii_uppercase).collect();
+        let mut block = Self {
+            key: key(name),
+            keyword: excerpt(&words.join(" ")),
+            at,
+            parameters: Vec::new(),
+            data: Vec::new(),
+        };
+        if block.key.is_empty() {
+            return Err(source.error(
+                at,
+                DeckProblem::Syntax {
+                    found: excerpt(header),
+                    reason: "no keyword follows the star",
+                },
+            ));
+        }
+        block.add_parameters(source, rest, at)?;
+        Ok(block)
+    }
+
+    fn add_parameters(&mut self, source: &Source, text: &'a str, at: Line) -> Result<(), Error> {
+        for entry in entries(text).filter(|entry| !entry.is_empty()) {
+            let (name, value) = entry.split_once('=').unwrap_or((entry, ""));
+            let name = key(name);
+            if self.parameters.iter().any(|(other, _)| *other == name) {
+                return Err(source.error(
+                    at,
+                    DeckProblem::Syntax {
+                        found: excerpt(entry),
+                        reason: "the parameter is given twice",
+                    },
+                ));
+            }
+            self.parameters.push((name, unquoted(value.trim())));
+        }
+        Ok(())
+    }
+
+    /// Refuses parameters that are not in the list.
+    pub(super) fn allow(&self, source: &Source, known: &[&str]) -> Result<(), Error> {
+        match self.parameters.iter().find(|(name, _)| !known.contains(&name.as_str())) {
+            None => Ok(()),
+            Some((name, _)) => Err(self.refuse(source, name, "remove it, or express the model without it")),
+        }
+    }
+
+    pub(super) fn optional(&self, name: &str) -> Option<&'a str> {
+        self.parameters
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, value)| *value)
+    }
+
+    pub(super) fn required(&self, source: &Source, name: &'static str) -> Result<&'a str, Error> {
+        self.optional(name).filter(|value| !value.is_empty()).ok_or_else(|| {
+            source.error(
+                self.at,
+                DeckProblem::MissingParameter {
+                    keyword: self.keyword.clone(),
+                    parameter: name,
+                },
+            )
+        })
+    }
+
+    pub(super) fn flag(&self, name: &str) -> bool {
+        self.optional(name).is_some()
+    }
+
+    /// The number given as a parameter.
+    pub(super) fn number(&self, source: &Source, name: &'static str) -> Result<Option<f64>, Error> {
+        let Some(text) = self.optional(name) else {
+            return Ok(None);
+        };
+        let line = Data { at: self.at, text };
+        if text.is_empty() {
+            return Err(line.invalid(source, name, text, "a finite number"));
+        }
+        line.number(source, name, text).map(Some)
+    }
+
+    /// The error for a parameter, or a value of it, that is not supported.
+    pub(super) fn refuse(&self, source: &Source, parameter: &str, remedy: &'static str) -> Error {
+        let value = self.optional(parameter).unwrap_or("");
+        let shown = if value.is_empty() {
+            parameter.to_owned()
+        } else {
+            format!("{parameter}={value}")
+        };
+        source.error(
+            self.at,
+            DeckProblem::Parameter {
+                keyword: self.keyword.clone(),
+                parameter: excerpt(&shown),
+                remedy,
+            },
+        )
+    }
+
+    /// One of the listed values of a parameter, or the first if it is not given.
+    pub(super) fn choice(&self, source: &Source, name: &str, values: &[&'static str]) -> Result<&'static str, Error> {
+        match self.optional(name) {
+            None => Ok(values[0]),
+            Some(given) => {
+                let found = values.iter().find(|value| key(given) == **value);
+                found.copied().ok_or_else(|| {
+                    self.refuse(source, name, "this value is not supported; remove it or choose another")
+                })
+            }
+        }
+    }
+}
