@@ -1,0 +1,28 @@
+//! Readers and writers of the matrix files that structural-dynamics programs exchange.
+//!
+//! | module | files |
+//! |---|---|
+//! | [`matrix_market`] | `.mtx`, `.mm`: one matrix as text |
+//! | [`mat`] | `.mat`, level 5 (`-v6`, `-v7`) |
+//! | [`npz`] | `.npz`, with sparse matrices as `scipy.sparse.save_npz` lays them out |
+//! | [`abaqus`] | `.mtx` of `*SUBSTRUCTURE MATRIX OUTPUT` and `*MATRIX OUTPUT` |
+//! | [`calculix`] | `.sti`, `.mas`, `.dof` of `*FREQUENCY, SOLVER=MATRIXSTORAGE` |
+//!
+//! Numbers are passed on as they stand, in the units of the file. Readers refuse what is not finite, out of range,
+//! given twice or asymmetric where symmetry is stated; memory stays within a fixed multiple of the file's size (of
+//! its unpacked size for compressed parts, which is at most 1032 times as large). Writers return whole files as
+//! bytes.
+
+pub mod abaqus;
+pub mod calculix;
+mod error;
+pub mod mat;
+pub mod matrix_market;
+pub mod npz;
+mod text;
+mod triplets;
+pub mod value;
+mod writing;
+
+pub use error::{Error, Place};
+pub use value::Source;

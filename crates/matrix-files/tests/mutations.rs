@@ -1,0 +1,276 @@
+//! Damaged files: whatever the bytes, every reader answers, and memory stays within a multiple of the file's size.
+#![allow(unsafe_code, clippy::unwrap_used)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::collections::BTreeMap;
+use std::io::{Cursor, Read, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use matrix_files::abaqus::{self, Substructure};
+use matrix_files::{Source, calculix, mat, matrix_market, npz};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// The system's allocator with a count of the bytes in use.
+struct Counting;
+
+static IN_USE: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: the system's allocator does the work.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let in_use = IN_USE.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        PEAK.fetch_max(in_use, Ordering::Relaxed);
+        // SAFETY: passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        IN_USE.fetch_sub(layout.size(), Ordering::Relaxed);
+        // SAFETY: passed on.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+type Reader = fn(Source<'_>) -> bool;
+
+fn fixture(name: &str) -> Vec<u8> {
+    std::fs::read(format!("{}/tests/fixtures/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// The three files of CalculiX, one of which is damaged.
+fn calculix_with(role: usize, source: Source<'_>) -> bool {
+    let sound = [
+        &b"1 1 2.0\n1 2 -1.0\n2 2 3.0\n"[..],
+        b"1 1 1.0\n2 2 1.0\n",
+        b"7.1\n7.2\n",
+    ];
+    let file = |i: usize| {
+        let bytes = if i == role { source.bytes } else { sound[i] };
+        Source {
+            name: source.name,
+            bytes,
+        }
+    };
+    let files = calculix::Files {
+        stiffness: file(0),
+        mass: file(1),
+        dofs: file(2),
+    };
+    calculix::parse(files).is_ok()
+}
+
+/// A file of NumPy with a member that is damaged but true to its checksum; all others are those of `csc.npz`.
+fn numpy_with(member: &str, source: Source<'_>) -> bool {
+    let mut sound = zip::ZipArchive::new(Cursor::new(fixture("csc.npz"))).unwrap();
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for index in 0..sound.len() {
+        let mut file = sound.by_index(index).unwrap();
+        let name = file.name().unwrap().into_owned();
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).unwrap();
+        let bytes = if name == member { source.bytes } else { &bytes };
+        let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        archive.start_file(name, stored).unwrap();
+        archive.write_all(bytes).unwrap();
+    }
+    let bytes = archive.finish().unwrap().into_inner();
+    npz::parse(Source {
+        name: source.name,
+        bytes: &bytes,
+    })
+    .is_ok()
+}
+
+/// A member of `csc.npz`.
+fn member(name: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut archive = zip::ZipArchive::new(Cursor::new(fixture("csc.npz"))).unwrap();
+    archive.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
+    bytes
+}
+
+/// A file of MATLAB with one compressed element that is damaged but true to its checksum.
+fn matlab_around(source: Source<'_>) -> bool {
+    let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    packer.write_all(source.bytes).unwrap();
+    let packed = packer.finish().unwrap();
+    let mut bytes = fixture("plain.mat")[..128].to_vec();
+    bytes.extend([15_u32.to_le_bytes(), (packed.len() as u32).to_le_bytes()].concat());
+    bytes.extend(packed);
+    mat::parse(Source {
+        name: source.name,
+        bytes: &bytes,
+    })
+    .is_ok()
+}
+
+#[test]
+fn damaged_files_are_answered_within_bounds() {
+    let substructure = || {
+        abaqus::parse_substructure(Source {
+            name: "",
+            bytes: &fixture("two_hexes.mtx"),
+        })
+        .unwrap()
+    };
+    let size = substructure().dofs.len();
+    let full = Substructure {
+        loads: BTreeMap::from([("BOLT".to_owned(), vec![1.5; size])]),
+        recovery: Some(abaqus::Recovery {
+            matrix: matrix_files::value::Dense::try_new(2, size, vec![0.5; 2 * size]).unwrap(),
+            heading: vec!["** 77, 78".into()],
+        }),
+        ..substructure()
+    };
+    let matlab: Reader = |s| mat::parse(s).is_ok();
+    let numpy: Reader = |s| npz::parse(s).is_ok();
+    let market: Reader = |s| matrix_market::parse(s).is_ok();
+    let reduced: Reader = |s| abaqus::parse_substructure(s).is_ok();
+    // What a byte of the file may become: compressed files hold up to 1032 bytes in one.
+    const PLAIN: usize = 64;
+    const COMPRESSED: usize = 64 * 1032;
+    // What may come on top: messages; buffers for unpacking, and starts for 2^20 rows, which even a short file may
+    // have.
+    const LITTLE: usize = 1 << 12;
+    const SPARSE: usize = (1 << 18) + 2 * 8 * (1 << 20);
+    let files: [(&str, Vec<u8>, usize, usize, Reader); 22] = [
+        ("plain.mat", fixture("plain.mat"), PLAIN, SPARSE, matlab),
+        ("compressed.mat", fixture("compressed.mat"), COMPRESSED, SPARSE, matlab),
+        ("octave_v6.mat", fixture("octave_v6.mat"), PLAIN, SPARSE, matlab),
+        ("plain.npz", fixture("plain.npz"), PLAIN, SPARSE, numpy),
+        ("compressed.npz", fixture("compressed.npz"), COMPRESSED, SPARSE, numpy),
+        ("csc.npz", fixture("csc.npz"), PLAIN, SPARSE, numpy),
+        ("csr.npz", fixture("csr.npz"), COMPRESSED, SPARSE, numpy),
+        (
+            "sparse element",
+            fixture("plain.mat")[128..304].to_vec(),
+            PLAIN,
+            2 * SPARSE,
+            matlab_around,
+        ),
+        (
+            "structure element",
+            fixture("plain.mat")[848..1152].to_vec(),
+            PLAIN,
+            2 * SPARSE,
+            matlab_around,
+        ),
+        ("shape.npy", member("shape.npy"), PLAIN, SPARSE, |s| {
+            numpy_with("shape.npy", s)
+        }),
+        ("indptr.npy", member("indptr.npy"), PLAIN, SPARSE, |s| {
+            numpy_with("indptr.npy", s)
+        }),
+        ("indices.npy", member("indices.npy"), PLAIN, SPARSE, |s| {
+            numpy_with("indices.npy", s)
+        }),
+        ("format.npy", member("format.npy"), PLAIN, SPARSE, |s| {
+            numpy_with("format.npy", s)
+        }),
+        ("symmetric.mtx", fixture("symmetric.mtx"), PLAIN, SPARSE, market),
+        ("array.mtx", fixture("array.mtx"), PLAIN, LITTLE, market),
+        ("integer.mtx", fixture("integer.mtx"), PLAIN, LITTLE, market),
+        ("two_hexes.mtx", fixture("two_hexes.mtx"), PLAIN, LITTLE, reduced),
+        (
+            "all sections",
+            abaqus::substructure_to_bytes(&full).unwrap(),
+            PLAIN,
+            LITTLE,
+            reduced,
+        ),
+        (
+            "assembled",
+            b"1,1, 1,1, 2.5\n2,3, 1,1, -1.0E+5\n-1,1, -1,1, 7.\n".to_vec(),
+            PLAIN,
+            LITTLE,
+            |s| abaqus::parse_assembled(&[("STIFFNESS", s)]).is_ok(),
+        ),
+        ("sti", b"1 1 2.0\n1 2 -1.0\n2 2 3.0\n".to_vec(), PLAIN, LITTLE, |s| {
+            calculix_with(0, s)
+        }),
+        ("mas", b"1 1 2.0\n1 2 -1.0\n2 2 3.0\n".to_vec(), PLAIN, LITTLE, |s| {
+            calculix_with(1, s)
+        }),
+        ("dof", b"7.1\n7.2\n".to_vec(), PLAIN, LITTLE, |s| calculix_with(2, s)),
+    ];
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    for (name, sound, factor, base, read) in files {
+        assert!(read(Source { name, bytes: &sound }), "{name}");
+        let (mut refused, mut accepted) = (0, 0);
+        for _ in 0..3000 {
+            let mut bytes = sound.clone();
+            for _ in 0..random.random_range(1..4) {
+                damage(&mut bytes, &mut random);
+            }
+            let before = IN_USE.load(Ordering::Relaxed);
+            PEAK.store(before, Ordering::Relaxed);
+            let ok = read(Source { name, bytes: &bytes });
+            let used = PEAK.load(Ordering::Relaxed) - before;
+            assert!(
+                used <= factor * bytes.len() + base,
+                "{name}: {used} bytes for a file of {}",
+                bytes.len()
+            );
+            *(if ok { &mut accepted } else { &mut refused }) += 1;
+        }
+        // The damage is neither always fatal nor never.
+        assert!(
+            refused > 300 && accepted > 0,
+            "{name}: {refused} refused, {accepted} read"
+        );
+    }
+}
+
+/// Changes, removes or adds a few bytes.
+fn damage(bytes: &mut Vec<u8>, random: &mut impl Rng) {
+    const FRAGMENTS: [&[u8]; 8] = [
+        b"-1",
+        b"*MATRIX,TYPE=MASS\n",
+        b"** ",
+        b"nan",
+        b"1e999",
+        b"\xff\xff\xff\x7f",
+        &[0; 8],
+        b"\n",
+    ];
+    let at = random.random_range(0..=bytes.len());
+    match random.random_range(0..8) {
+        0 if at < bytes.len() => bytes[at] ^= 1 << random.random_range(0..8),
+        1 if at < bytes.len() => bytes[at] = random.random(),
+        2 => bytes.truncate(at),
+        3 => {
+            let end = (at + random.random_range(1..20)).min(bytes.len());
+            bytes.drain(at..end);
+        }
+        4 => {
+            let fragment = FRAGMENTS[random.random_range(0..FRAGMENTS.len())];
+            let end = (at + random.random_range(0..=fragment.len())).min(bytes.len());
+            bytes.splice(at..end, fragment.iter().copied());
+        }
+        // Another number, in digits or in four bytes.
+        5 => {
+            let digit = |i: &usize| bytes[*i].is_ascii_digit();
+            let from = (at..bytes.len()).find(digit).unwrap_or(bytes.len());
+            let end = (from..bytes.len()).find(|i| !digit(i)).unwrap_or(bytes.len());
+            let number = [0, 2, 7, 400, 70_000, 1_000_000_000_u64][random.random_range(0..6)];
+            bytes.splice(from..end, number.to_string().into_bytes());
+        }
+        6 => {
+            let from = at / 4 * 4;
+            let end = (from + 4).min(bytes.len());
+            let number = [0, 2, 7, 400, 70_000, 1_000_000_000, -1_i32][random.random_range(0..7)];
+            bytes.splice(from..end, number.to_le_bytes());
+        }
+        _ => {
+            let end = (at + random.random_range(1..40)).min(bytes.len());
+            let copied = bytes[at..end].to_vec();
+            let to = random.random_range(0..=bytes.len());
+            bytes.splice(to..to, copied);
+        }
+    }
+}
