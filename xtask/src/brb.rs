@@ -10,14 +10,18 @@ use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
 const FLAT: &str = include_str!("../../fixtures/scenes/brb-flat.json");
+const DECK: &str = include_str!("../../fixtures/scenes/brb-deck.json");
 pub(crate) const RESULTS: &str = "results";
 pub(crate) const SUMMARY: &str = "summary.json";
 
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Scene file; without it the built-in scene brb-flat runs.
+    /// Scene file; without it the built-in scene brb-flat runs, or brb-deck if there is a deck.
     scene: Option<PathBuf>,
+    /// Input deck of the structure, in the place of the one that the scene names.
+    #[arg(long, value_name = "FILE")]
+    deck: Option<PathBuf>,
     /// Folder for the results, made if missing; other files in it are left alone, except that fields of amplitudes
     /// that this run does not store are removed when the folder holds an earlier run of a scene of the same name
     /// [default: a folder in results, named like the scene].
@@ -33,10 +37,7 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let scene = match &arguments.scene {
-        Some(path) => Scene::read(path)?,
-        None => Scene::from_json(FLAT, "the built-in scene", "brb-flat")?,
-    };
+    let scene = read_scene(arguments.scene.as_deref(), arguments.deck.as_deref())?;
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&scene.name)?,
@@ -81,6 +82,26 @@ pub(crate) fn damping(b: &BackboneSummary) -> String {
         (_, Some(zeta), _) => format!("{zeta:.4e}"),
         _ => "-".into(),
     }
+}
+
+/// The scene of a file or a built-in one, with its deck replaced on request.
+pub(crate) fn read_scene(scene: Option<&Path>, deck: Option<&Path>) -> Result<Scene> {
+    let mut scene = match (scene, deck) {
+        (Some(path), _) => Scene::read(path)?,
+        (None, None) => Scene::from_json(FLAT, "the built-in scene", "brb-flat")?,
+        (None, Some(_)) => Scene::from_json(DECK, "the built-in scene", "brb-deck")?,
+    };
+    if let Some(path) = deck {
+        let Some(source) = &mut scene.model.deck else {
+            bail!(
+                "the scene {} has no model.deck to say which surfaces and bolts of {} to take",
+                scene.name,
+                path.display()
+            )
+        };
+        source.path = path.to_owned();
+    }
+    Ok(scene)
 }
 
 /// The folder of this name among the results.

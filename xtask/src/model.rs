@@ -1,10 +1,9 @@
 //! `cargo xtask model`: what a scene's structure is, before anything nonlinear.
 
-use crate::brb::{SUMMARY, default_directory};
+use crate::brb::{SUMMARY, default_directory, read_scene};
 use crate::files::{self, Output};
 use crate::progress::Monitor;
 use anyhow::{Context, Result};
-use joint_pipeline::Scene;
 use joint_pipeline::model::{Frequencies, LinearInterface, MeshedStructure};
 use serde_json::json;
 use std::fmt::Write;
@@ -13,8 +12,11 @@ use std::path::PathBuf;
 /// Options of `model`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Scene file.
-    scene: PathBuf,
+    /// Scene file [default: as for brb].
+    scene: Option<PathBuf>,
+    /// Input deck of the structure, in the place of the one that the scene names.
+    #[arg(long, value_name = "FILE")]
+    deck: Option<PathBuf>,
     /// Also the frequencies of the unstressed assembly, with a stuck and with a linear interface.
     #[arg(long)]
     spectrum: bool,
@@ -34,7 +36,7 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let scene = Scene::read(&arguments.scene)?;
+    let scene = read_scene(arguments.scene.as_deref(), arguments.deck.as_deref())?;
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&format!("{}-model", scene.name))?,
@@ -47,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     });
     std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
     let monitor = Monitor::new()?;
-    let structure = MeshedStructure::try_new(&scene.model, scene.bolts.behaviour)?;
+    let structure = MeshedStructure::try_new(&scene.model, scene.bolts.behaviour, &monitor)?;
     let found = structure.describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)?;
     let timings = monitor.finish();
 

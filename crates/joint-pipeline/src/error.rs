@@ -57,6 +57,14 @@ pub enum Error {
         /// What is wrong, and where.
         reason: String,
     },
+    /// A set that cannot name one response point.
+    #[error("the response is measured at one node, but the set `{set}` has {count}; name a node or a set of one")]
+    ResponseSet {
+        /// Set.
+        set: String,
+        /// Its nodes.
+        count: usize,
+    },
     /// A bolt that pulls the bodies apart.
     #[error(
         "bolt {bolt} opens the interface: at unit tension it closes it with {force:.3e} N, which should be about 1; exchange \

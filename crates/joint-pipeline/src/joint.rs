@@ -1,11 +1,14 @@
 //! What is reduced: two bodies, the interface between them, bolts and a response point.
 
 use crate::Error;
+use crate::scene::{self, MaterialSource, Untied};
 use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::mesh::{Refinement, build};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-use substructure::mesh::{Assembly, Face, Material};
+use substructure::deck::{self, Choices};
+use substructure::elements::Formulation;
+use substructure::mesh::{Assembly, BeyondTolerance, Dof, Face, LoadPattern, Material};
 use zte_assembly::{Element, InterfaceMesh};
 
 /// How far nodes that face one another may be apart, relative to the shortest edge of the interface.
@@ -53,6 +56,79 @@ impl Joint {
             response_node: beam.response_node,
             response_direction: beam.response_direction,
             clearance: Some(0.5 * (geometry.hole_diameter - geometry.shank_diameter)),
+        })
+    }
+}
+
+impl Joint {
+    /// A structure from an input deck, in SI.
+    ///
+    /// # Errors
+    /// Of the deck; [`Error::Facing`].
+    pub fn from_deck(
+        source: &scene::Deck,
+        material: &Material,
+        formulation: Option<Formulation>,
+        notes: &mut dyn FnMut(&str),
+    ) -> Result<Self, Error> {
+        let (length, mass) = source.units.map_or((1.0, 1.0), |u| (u.length_in_si(), u.mass_in_si()));
+        let choices = Choices {
+            formulation,
+            tie_tolerance: source.tie_tolerance.map(|tolerance| tolerance / length),
+            beyond: match source.untied {
+                Untied::Refuse => BeyondTolerance::Refuse,
+                Untied::Free => BeyondTolerance::LeaveFree,
+            },
+            ..Choices::default()
+        };
+        let deck = deck::read(&source.path)?.assembly(&choices)?;
+        deck.notes.iter().for_each(|note| notes(note));
+        let mut assembly = deck.assembly.clone();
+        assembly.convert_units(length, mass);
+        if source.materials == MaterialSource::Scene {
+            assembly.mesh.materials.fill(material.clone());
+        }
+        let facing = Facing::try_new(
+            &assembly.mesh.nodes,
+            deck.surface_faces(&source.top_surface)?,
+            deck.surface_faces(&source.bottom_surface)?,
+            source.along,
+            &|node| deck.node_name(node),
+        )?;
+        let normal = facing.frame[2];
+        assembly.loads = source
+            .bolts
+            .iter()
+            .map(|bolt| {
+                let ends = [(deck.reference(&bolt.top)?, 1.0), (deck.reference(&bolt.bottom)?, -1.0)];
+                let components = |(reference, sign)| {
+                    (0..3_u8).map(move |c| (Dof::Reference(reference, c), sign * normal[usize::from(c)]))
+                };
+                Ok(LoadPattern {
+                    name: format!("{} against {}", bolt.top, bolt.bottom),
+                    terms: ends.into_iter().flat_map(components).collect(),
+                })
+            })
+            .collect::<Result<_, Error>>()?;
+        let response_node = match deck.node_set(&source.response.node) {
+            Ok(&[node]) => node,
+            Ok(nodes) => {
+                return Err(Error::ResponseSet {
+                    set: source.response.node.clone(),
+                    count: nodes.len(),
+                });
+            }
+            Err(_) => deck.node(&source.response.node)?,
+        };
+        Ok(Self {
+            assembly,
+            interface: facing.interface,
+            top_nodes: facing.top_nodes,
+            bottom_nodes: facing.bottom_nodes,
+            frame: facing.frame,
+            response_node,
+            response_direction: source.response.direction,
+            clearance: source.bolt_hole_clearance,
         })
     }
 }

@@ -64,11 +64,17 @@ pub struct MeshedStructure {
 }
 
 impl MeshedStructure {
-    /// Meshes the structure of a scene; bolts are loaded by unit tension, and may be locked later if they behave so.
+    /// Meshes or reads the structure of a scene; bolts are loaded by unit tension, and may be locked later if they behave
+    /// so.
     ///
     /// # Errors
-    /// Of the mesher.
-    pub fn try_new(model: &Model, bolts: BoltBehaviour) -> Result<Self, Error> {
+    /// Of the mesher or the deck.
+    pub fn try_new(model: &Model, bolts: BoltBehaviour, progress: &dyn Progress) -> Result<Self, Error> {
+        if let Some(deck) = &model.deck {
+            let hexahedra = model.formulation.map(formulation);
+            let joint = Joint::from_deck(deck, &material(model), hexahedra, &mut |note| progress.note(note))?;
+            return Ok(Self::new(model, bolts, joint));
+        }
         let refinement = match model.refinement {
             RefinementName::Quick => Refinement::quick(),
             RefinementName::Coarse => Refinement::coarse(),
@@ -79,25 +85,19 @@ impl MeshedStructure {
         Self::with_refinement(model, bolts, &refinement)
     }
 
-    /// The same with a mesh of one's own instead of a named one.
+    /// The block mesh with a refinement of one's own instead of a named one.
     ///
     /// # Errors
     /// Of the mesher.
     pub fn with_refinement(model: &Model, bolts: BoltBehaviour, refinement: &Refinement) -> Result<Self, Error> {
-        let material = Material {
-            name: "beam, bolts, washers and nuts".into(),
-            youngs_modulus: model.material.youngs_modulus,
-            poisson_ratio: model.material.poisson_ratio,
-            density: model.material.density,
-        };
-        let mut joint = Joint::beam(refinement, &material)?;
-        joint.assembly.mesh.set_formulation(match model.formulation {
-            FormulationName::IncompatibleModes => Formulation::IncompatibleModes,
-            FormulationName::BBar => Formulation::BBar,
-            FormulationName::Full => Formulation::Full,
-            FormulationName::Reduced => Formulation::Reduced,
-        });
-        Ok(Self {
+        let mut joint = Joint::beam(refinement, &material(model))?;
+        let hexahedra = model.formulation.map(formulation).unwrap_or_default();
+        joint.assembly.mesh.set_formulation(hexahedra);
+        Ok(Self::new(model, bolts, joint))
+    }
+
+    fn new(model: &Model, bolts: BoltBehaviour, joint: Joint) -> Self {
+        Self {
             joint,
             settings: Settings {
                 n_modes: model.modes,
@@ -106,7 +106,7 @@ impl MeshedStructure {
                 ..Settings::default()
             },
             youngs_modulus: model.material.youngs_modulus,
-        })
+        }
     }
 
     /// The interface mesh.
@@ -393,6 +393,24 @@ pub struct Description {
     pub largest_adjustment: f64,
     /// Where asked for.
     pub spectrum: Option<Spectrum>,
+}
+
+fn material(model: &Model) -> Material {
+    Material {
+        name: "scene".into(),
+        youngs_modulus: model.material.youngs_modulus,
+        poisson_ratio: model.material.poisson_ratio,
+        density: model.material.density,
+    }
+}
+
+fn formulation(name: FormulationName) -> Formulation {
+    match name {
+        FormulationName::IncompatibleModes => Formulation::IncompatibleModes,
+        FormulationName::BBar => Formulation::BBar,
+        FormulationName::Full => Formulation::Full,
+        FormulationName::Reduced => Formulation::Reduced,
+    }
 }
 
 /// Number of a cell's type, for keys.

@@ -147,7 +147,7 @@ pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<
 pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Prepared, Error> {
     scene.validate(&scene.name)?;
     progress.begin(Stage::Mesh);
-    let structure = MeshedStructure::try_new(&scene.model, scene.bolts.behaviour)?;
+    let structure = MeshedStructure::try_new(&scene.model, scene.bolts.behaviour, progress)?;
     progress.end(Stage::Mesh);
     Prepared::try_new(scene, &structure, options, progress)
 }

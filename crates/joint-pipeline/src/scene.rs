@@ -5,7 +5,7 @@
 use crate::Error;
 use contact_laws::{HistoryRule, TangentialReading};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Units of all quantities in the file. Force is mass times length per second squared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +17,24 @@ pub struct Units {
     pub mass: MassUnit,
     /// Unit of time.
     pub time: TimeUnit,
+}
+
+impl Units {
+    /// Unit of length (m).
+    pub fn length_in_si(&self) -> f64 {
+        match self.length {
+            LengthUnit::Metre => 1.0,
+            LengthUnit::Millimetre => 1e-3,
+        }
+    }
+
+    /// Unit of mass (kg).
+    pub fn mass_in_si(&self) -> f64 {
+        match self.mass {
+            MassUnit::Kilogram => 1.0,
+            MassUnit::Tonne => 1e3,
+        }
+    }
 }
 
 /// Unit of length.
@@ -122,19 +140,98 @@ impl Method {
 pub struct Model {
     /// Named refinement of the block mesh.
     pub refinement: RefinementName,
-    /// Element formulation.
-    pub formulation: FormulationName,
-    /// Material of all parts.
+    /// A structure in the place of the block mesh.
+    pub deck: Option<Deck>,
+    /// Formulation of all hexahedra; by default incompatible modes, in a deck that of their element type.
+    pub formulation: Option<FormulationName>,
+    /// Material of all parts, and of the asperities.
     pub material: Material,
     /// Stuck-interface modes retained by the reduction.
     pub modes: usize,
+}
+
+/// A structure from an Abaqus or CalculiX input deck, in the scene's units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Deck {
+    /// The file; in a scene file relative to its folder.
+    pub path: PathBuf,
+    /// Its units; by default those of the scene.
+    #[serde(default)]
+    pub units: Option<Units>,
+    /// Surface of one body at the interface.
+    pub top_surface: String,
+    /// Surface of the other; both have the same nodes.
+    pub bottom_surface: String,
+    /// First direction in the interface.
+    #[serde(default = "defaults::along")]
+    pub along: [f64; 3],
+    /// Bolts.
+    pub bolts: Vec<DeckBolt>,
+    /// Where amplitudes are measured.
+    pub response: DeckResponse,
+    /// How far the slaves of ties may be from their master (length); by default what the deck says.
+    #[serde(default)]
+    pub tie_tolerance: Option<f64>,
+    /// What becomes of slaves farther away.
+    #[serde(default)]
+    pub untied: Untied,
+    /// Whose materials the bodies have.
+    #[serde(default)]
+    pub materials: MaterialSource,
+    /// By how much the bodies can slide before a shank touches its hole (length), if it is known.
+    #[serde(default)]
+    pub bolt_hole_clearance: Option<f64>,
+}
+
+/// The two reference nodes that a bolt pulls towards one another: node labels, or sets of one node.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeckBolt {
+    /// The one on the side of the top body: tension pulls it in the direction from the top body into the bottom one.
+    pub top: String,
+    /// The one on the side of the bottom body.
+    pub bottom: String,
+}
+
+/// Where and in which direction amplitudes are measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeckResponse {
+    /// Node label, or a set of one node.
+    pub node: String,
+    /// Unit vector.
+    pub direction: [f64; 3],
+}
+
+/// What becomes of the slaves of a tie that are beyond its tolerance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Untied {
+    /// They are an error.
+    #[default]
+    Refuse,
+    /// They stay free, as in Abaqus; their number is reported.
+    Free,
+}
+
+/// Whose materials a structure from a file has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MaterialSource {
+    /// The scene's, in all parts.
+    #[default]
+    Scene,
+    /// The file's.
+    Deck,
 }
 
 impl Default for Model {
     fn default() -> Self {
         Self {
             refinement: RefinementName::Default,
-            formulation: FormulationName::IncompatibleModes,
+            deck: None,
+            formulation: None,
             material: Material::default(),
             modes: 20,
         }
@@ -394,6 +491,9 @@ pub struct Output {
 }
 
 mod defaults {
+    pub(super) fn along() -> [f64; 3] {
+        [1.0, 0.0, 0.0]
+    }
     pub(super) fn mu() -> f64 {
         0.2
     }
@@ -416,7 +516,11 @@ impl Scene {
         let stem = path
             .file_stem()
             .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        Self::from_json(&text, &path.display().to_string(), &stem)
+        let mut scene = Self::from_json(&text, &path.display().to_string(), &stem)?;
+        if let (Some(deck), Some(folder)) = (&mut scene.model.deck, path.parent()) {
+            deck.path = folder.join(&deck.path);
+        }
+        Ok(scene)
     }
 
     /// Parses and validates a scene; `place` is named in errors, `name` is used if the scene has none.
@@ -431,6 +535,11 @@ impl Scene {
         let value: serde_json::Value = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
         // Defaults are in SI; quantities given in the file are converted where they stand.
         let mut scene: Self = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
+        if scene.model.deck.is_some() && value.pointer("/model/refinement").is_some() {
+            return Err(syntax(
+                "model.refinement belongs to the block mesh, which model.deck replaces; leave one of them out".into(),
+            ));
+        }
         scene.convert(&value);
         if scene.name.is_empty() {
             scene.name = name.into();
@@ -476,12 +585,7 @@ impl Scene {
     }
 
     fn convert(&mut self, given: &serde_json::Value) {
-        let length = if self.units.length == LengthUnit::Millimetre {
-            1e-3
-        } else {
-            1.0
-        };
-        let mass = if self.units.mass == MassUnit::Tonne { 1e3 } else { 1.0 };
+        let (length, mass) = (self.units.length_in_si(), self.units.mass_in_si());
         let (force, stress) = (mass * length, mass / length);
         let scale = |path: &str, value: &mut f64, factor: f64| {
             if given.pointer(path).is_some() {
@@ -493,6 +597,12 @@ impl Scene {
         scale("/model/material/hardness", &mut material.hardness, stress);
         scale("/model/material/density", &mut material.density, mass / length.powi(3));
         scale("/bolts/load", &mut self.bolts.load, force);
+        if let Some(deck) = &mut self.model.deck {
+            deck.units.get_or_insert(self.units);
+            for value in [&mut deck.tie_tolerance, &mut deck.bolt_hole_clearance] {
+                *value = value.map(|length_given| length_given * length);
+            }
+        }
         scale("/cqsma/amplitude_from", &mut self.cqsma.amplitude_from, length);
         scale("/cqsma/amplitude_to", &mut self.cqsma.amplitude_to, length);
         if let Surface::SyntheticScan(scan) = &mut self.surface {
@@ -566,6 +676,39 @@ impl Scene {
             "",
             "between 1 and 200",
         )?;
+        if let Some(deck) = &self.model.deck {
+            let tolerance = deck.tie_tolerance.unwrap_or(0.0);
+            check(
+                tolerance.is_finite() && tolerance >= 0.0,
+                "model.deck.tie_tolerance",
+                tolerance,
+                "m",
+                "finite and not negative",
+            )?;
+            let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+            check(
+                positive(size(&deck.along)),
+                "model.deck.along",
+                size(&deck.along),
+                "(length of the vector)",
+                "positive and finite",
+            )?;
+            let direction = size(&deck.response.direction);
+            check(
+                (direction - 1.0).abs() < 1e-6,
+                "model.deck.response.direction",
+                direction,
+                "(length of the vector)",
+                "a unit vector",
+            )?;
+            check(
+                !deck.bolts.is_empty(),
+                "model.deck.bolts",
+                0.0,
+                "(number of bolts)",
+                "at least one",
+            )?;
+        }
         let damping = self.background_damping;
         check(
             (0.0..1.0).contains(&damping),

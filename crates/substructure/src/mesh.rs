@@ -236,3 +236,38 @@ pub struct Assembly {
     /// Load patterns.
     pub loads: Vec<LoadPattern>,
 }
+
+impl Assembly {
+    /// Turns all quantities from units of `length` (m), `mass` (kg) and seconds into SI.
+    pub fn convert_units(&mut self, length: f64, mass: f64) {
+        let scale = |x: &mut [f64; 3]| x.iter_mut().for_each(|x| *x *= length);
+        self.mesh.nodes.iter_mut().for_each(scale);
+        for material in &mut self.mesh.materials {
+            material.youngs_modulus *= mass / length;
+            material.density *= mass / length.powi(3);
+        }
+        for tie in &mut self.ties {
+            tie.position_tolerance *= length;
+        }
+        for coupling in &mut self.couplings {
+            scale(&mut coupling.reference);
+        }
+        // Rotations have no unit; in an equation they are multiplied by lengths, in a load by moments.
+        let arm = |dof: &Dof| {
+            if matches!(dof, Dof::Reference(_, 3..)) {
+                length
+            } else {
+                1.0
+            }
+        };
+        for (dof, coefficient) in self.equations.iter_mut().flat_map(|equation| &mut equation.terms) {
+            *coefficient *= arm(dof);
+        }
+        for (dof, value) in self.loads.iter_mut().flat_map(|load| &mut load.terms) {
+            *value *= mass * length * arm(dof);
+        }
+        for spring in &mut self.springs {
+            spring.stiffness *= mass;
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! A public input deck of the Brake-Reuss beam against figures of other codes. The deck is read from
+//! `$BRB_REFERENCE/brb_deck/Job.inp`; without it the tests pass and say so. They take minutes:
+//! `cargo test --release -p joint-pipeline --test deck -- --ignored --nocapture`.
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
+
+use joint_pipeline::Scene;
+use joint_pipeline::model::{Description, LinearInterface, MeshedStructure, Spectrum};
+use joint_pipeline::progress::Silent;
+use serde_json::json;
+use std::path::PathBuf;
+
+fn deck() -> Option<PathBuf> {
+    let path = std::env::var_os("BRB_REFERENCE").map(|folder| PathBuf::from(folder).join("brb_deck/Job.inp"));
+    let found = path.filter(|path| path.exists());
+    if found.is_none() {
+        println!("skipped: no deck at $BRB_REFERENCE/brb_deck/Job.inp");
+    }
+    found
+}
+
+/// The deck with a material (Pa, kg/m^3), hexahedra of one formulation and ties of a tolerance (m).
+fn scene(deck: &PathBuf, [youngs_modulus, density]: [f64; 2], formulation: &str, tolerance: f64) -> Scene {
+    let bolts: Vec<_> = (1..=3)
+        .map(|i| json!({ "top": format!("BPT-{i}_Set-1"), "bottom": format!("NPT-{i}_Set-1") }))
+        .collect();
+    let text = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "model": {
+            "material": { "youngs_modulus": youngs_modulus, "density": density },
+            "formulation": formulation,
+            "deck": {
+                "path": deck,
+                "top_surface": "TOPBEAM_INSURF",
+                "bottom_surface": "BOTBEAM_INSURF",
+                "bolts": bolts,
+                "response": { "node": "OutNodes", "direction": [0.0, 0.0, 1.0] },
+                "tie_tolerance": tolerance,
+                "untied": "free",
+            }
+        }
+    });
+    Scene::from_json(&text.to_string(), "the test's scene", "deck").unwrap()
+}
+
+fn describe(scene: &Scene, linear: Option<LinearInterface>) -> (Description, Spectrum) {
+    let structure = MeshedStructure::try_new(&scene.model, scene.bolts.behaviour, &Silent).unwrap();
+    let mut found = structure.describe(Some((10, linear)), &Silent).unwrap();
+    let spectrum = found.spectrum.take().unwrap();
+    (found, spectrum)
+}
+
+fn compare(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    let differences: Vec<String> = found
+        .iter()
+        .zip(expected)
+        .map(|(f, e)| format!("{f:.2} ({:+.3} %)", 100.0 * (f / e - 1.0)))
+        .collect();
+    println!("{name}: {}", differences.join(", "));
+    assert!(found.len() >= expected.len());
+    for (f, e) in found.iter().zip(expected) {
+        assert!((f / e - 1.0).abs() < tolerance, "{name}: {f} instead of {e}");
+    }
+}
+
+const PAPER: [f64; 2] = [192.85e9, 7857.8];
+const TUTORIAL: [f64; 2] = [200e9, 7800.0];
+
+#[test]
+#[ignore = "a minute"]
+fn stuck_modes_are_those_of_an_independent_code() {
+    let Some(path) = deck() else { return };
+    let (all, spectrum) = describe(&scene(&path, PAPER, "incompatible-modes", 1e-3), None);
+    assert_eq!((all.n_nodes, all.n_elements), (40_651, 31_904));
+    assert_eq!((all.n_interface_elements, all.n_untied_slaves), (600, 0));
+    assert_eq!(spectrum.unstressed.zero_energy_modes, 7);
+    assert_eq!(spectrum.stuck.zero_energy_modes, 6);
+    let expected = [
+        201.43, 233.66, 624.97, 665.12, 1238.4, 1280.3, 1825.4, 1899.3, 2055.3, 3032.9,
+    ];
+    compare(
+        "stuck, incompatible modes",
+        &spectrum.stuck.frequencies_hz,
+        &expected,
+        1e-3,
+    );
+}
+
+#[test]
+#[ignore = "a minute"]
+fn reduced_integration_gives_the_published_unstressed_and_penalty_modes() {
+    let Some(path) = deck() else { return };
+    let scene = scene(&path, TUTORIAL, "reduced", 1e-4);
+    // 5e6 N/m for each of 600 elements at their one integration point.
+    let linear = LinearInterface {
+        normal_stiffness: 5e6 * 600.0 / 2.879_702_8e-3,
+        tangential_stiffness: 0.0,
+        points_per_direction: 1,
+    };
+    let (all, spectrum) = describe(&scene, Some(linear));
+    println!("{} slaves left free", all.n_untied_slaves);
+    let unstressed = [70.323, 151.26, 609.25];
+    compare("unstressed", &spectrum.unstressed.frequencies_hz, &unstressed, 1e-2);
+    let penalty = [
+        143.74, 151.3, 575.08, 642.81, 870.59, 945.37, 1130.3, 1476.4, 1701.3, 1893.6,
+    ];
+    // The fifth is 1.1 % low, with four points per element as with one.
+    compare("normal penalty", &spectrum.with_linear.frequencies_hz, &penalty, 1.2e-2);
+}
+
+#[test]
+#[ignore = "a minute"]
+fn stuck_modes_with_reduced_integration_are_those_of_an_independent_code() {
+    let Some(path) = deck() else { return };
+    let (_, spectrum) = describe(&scene(&path, PAPER, "reduced", 1e-4), None);
+    let expected = [
+        197.43, 232.16, 618.05, 661.44, 1228.27, 1274.18, 1797.09, 1860.45, 2041.92, 3006.51,
+    ];
+    compare("stuck, reduced", &spectrum.stuck.frequencies_hz, &expected, 5e-3);
+}
