@@ -1,4 +1,5 @@
 //! Whole structures against closed forms: bars, ties, couplings and the modes of free bodies.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use faer::Mat;
 use substructure::Error;
