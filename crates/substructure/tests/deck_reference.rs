@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use substructure::assemble::System;
+use substructure::constraints::DofMap;
 use substructure::deck::{self, Choices, Deck, DeckModel};
 use substructure::eigen::{Modes, lowest_modes};
 use substructure::elements::Formulation;
@@ -115,6 +116,20 @@ fn the_deck_is_read_completely() {
             "ENERGY OUTPUT"
         ]
     );
+}
+
+#[test]
+fn the_default_tolerance_leaves_the_known_slaves_free_and_the_deck_survives_writing() {
+    let Some(deck) = reference_deck() else { return };
+    let model = deck.assembly(&Choices::default()).unwrap();
+    let untied = DofMap::try_new(&model.assembly).unwrap().untied;
+    // 16 nodes beneath each bolt head and each nut.
+    assert_eq!(untied.len(), 96);
+    let text = deck::write(&model.assembly).unwrap();
+    let back = deck::parse(&text, "written").unwrap();
+    let back = back.assembly(&Choices::default()).unwrap().assembly;
+    assert_eq!(back.mesh, model.assembly.mesh);
+    assert_eq!(back.ties, model.assembly.ties);
 }
 
 /// The elements of a set alone.

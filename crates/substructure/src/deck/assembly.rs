@@ -489,7 +489,7 @@ impl Deck {
                                     node: self.node_name(reference),
                                     component: component + 1,
                                     place: "*COUPLING",
-                                    reason: "a reference node shared by several couplings must be coupled in all motions",
+                                    reason: "a reference node of several couplings must be coupled in all motions",
                                 },
                             ));
                         }

@@ -7,8 +7,8 @@
 //! | keyword | read as |
 //! |---|---|
 //! | `*NODE`, `*SYSTEM` | global coordinates; rectangular, cylindrical or spherical |
-//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I` (incompatible), `C3D8R` (reduced), `C3D4`, `C3D10`, `C3D6`; `SPRING1`, `DCOUP3D` |
-//! | `*PART`, `*INSTANCE`, `*ASSEMBLY` | copies, moved, then turned; names become `INSTANCE.NAME`, labels `INSTANCE.12` |
+//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I`, `C3D8R` (reduced), `C3D4`, `C3D10`, `C3D6`; `SPRING1`, `DCOUP3D` |
+//! | `*PART`, `*INSTANCE`, `*ASSEMBLY` | copies, moved, then turned; names become `INSTANCE.NAME` and `INSTANCE.12` |
 //! | `*NSET`, `*ELSET`, `*SURFACE` | sets (listed, generated, nested); element faces `S1`-`S6`, or nodes with weights |
 //! | `*MATERIAL`, `*ELASTIC`, `*DENSITY`, `*SOLID SECTION` | isotropic, at one temperature |
 //! | `*SPRING` | of `SPRING1`: to the ground |

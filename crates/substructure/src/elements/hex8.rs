@@ -18,7 +18,7 @@ pub enum Formulation {
     BBar,
     /// Full integration of the trilinear field: locks in both; kept for comparison.
     Full,
-    /// The mean strain alone, lumped mass and an artificial stiffness of [`HOURGLASS`] against the deformations that it
+    /// The mean strain alone, lumped mass and an artificial stiffness of 0.005 shear moduli against the deformations that it
     /// does not see (`C3D8R`; Flanagan and Belytschko 1981, DOI 10.1002/nme.1620170504): soft in bending.
     Reduced,
 }
