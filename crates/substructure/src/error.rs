@@ -1,5 +1,25 @@
 //! Errors of this crate.
 
+use std::fmt;
+
+/// A place in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Position {
+    /// Line of a text file, from 1.
+    Line(usize),
+    /// Byte of a binary file, from 0.
+    Byte(usize),
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+        }
+    }
+}
+
 /// What can be wrong with a mesh, its connections or the matrices made of them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -186,6 +206,50 @@ pub enum Error {
         place: String,
         /// Why, and what to do.
         reason: &'static str,
+    },
+    /// A mesh file breaks its format.
+    #[error("{file}, {at}: expected {expected}, found {found}")]
+    MeshSyntax {
+        /// File name.
+        file: String,
+        /// Where.
+        at: Position,
+        /// What the format asks for.
+        expected: String,
+        /// What stands there.
+        found: String,
+    },
+    /// A mesh file holds what cannot be read and must not be dropped.
+    #[error("{file}, {at}: {what} cannot be read; {remedy}")]
+    MeshUnsupported {
+        /// File name.
+        file: String,
+        /// Where.
+        at: Position,
+        /// What it holds.
+        what: String,
+        /// How to avoid it.
+        remedy: &'static str,
+    },
+    /// A mesh file contradicts itself or what it is read with.
+    #[error("{file}, {at}: {problem}; {remedy}")]
+    MeshContents {
+        /// File name.
+        file: String,
+        /// Where.
+        at: Position,
+        /// What is wrong.
+        problem: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A mesh file cannot carry what is to be written.
+    #[error("{what} cannot be written: {reason}")]
+    MeshUnwritable {
+        /// What.
+        what: String,
+        /// Why, and what would be accepted.
+        reason: String,
     },
 }
 

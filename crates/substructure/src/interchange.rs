@@ -1,0 +1,116 @@
+//! What the readers of mesh files share.
+
+use crate::error::Position;
+use crate::mesh::{Cell, Face};
+use crate::{Error, elements::Formulation};
+
+/// The solid with these nodes in this crate's order; their number tells its shape.
+pub(crate) fn cell(nodes: &[u32]) -> Option<Cell> {
+    match nodes.len() {
+        4 => nodes.try_into().ok().map(Cell::Tet4),
+        6 => nodes.try_into().ok().map(Cell::Wedge6),
+        8 => nodes
+            .try_into()
+            .ok()
+            .map(|nodes| Cell::Hex8(nodes, Formulation::default())),
+        10 => nodes.try_into().ok().map(Cell::Tet10),
+        _ => None,
+    }
+}
+
+/// The face with these nodes; their number tells its shape.
+pub(crate) fn face(nodes: &[u32]) -> Option<Face> {
+    match nodes.len() {
+        3 => nodes.try_into().ok().map(Face::Tri3),
+        4 => nodes.try_into().ok().map(Face::Quad4),
+        6 => nodes.try_into().ok().map(Face::Tri6),
+        _ => None,
+    }
+}
+
+/// The nodes that solids use, numbered anew in their old order.
+pub(crate) struct Kept {
+    /// Old numbers.
+    pub(crate) old: Vec<u32>,
+    new: Vec<Option<u32>>,
+}
+
+impl Kept {
+    /// Of `count` nodes those in `used`, all of them below `count`.
+    pub(crate) fn new(count: usize, used: impl Iterator<Item = u32>) -> Self {
+        let mut new = vec![None; count];
+        for node in used {
+            new[node as usize] = Some(0);
+        }
+        let mut old = Vec::new();
+        for (node, number) in (0_u32..).zip(&mut new) {
+            if number.is_some() {
+                *number = Some(old.len() as u32);
+                old.push(node);
+            }
+        }
+        Self { old, new }
+    }
+
+    /// New number of a node, if it is kept.
+    pub(crate) fn number(&self, node: u32) -> Option<u32> {
+        self.new.get(node as usize).copied().flatten()
+    }
+}
+
+/// The line that byte `at` stands in.
+pub(crate) fn line(bytes: &[u8], at: usize) -> Position {
+    let before = &bytes[..at.min(bytes.len())];
+    Position::Line(1 + before.iter().filter(|byte| **byte == b'\n').count())
+}
+
+/// Where `needle` begins in `bytes`, at or after `from`.
+pub(crate) fn find(bytes: &[u8], from: usize, needle: &[u8]) -> Option<usize> {
+    let tail = bytes.get(from..)?;
+    tail.windows(needle.len())
+        .position(|window| window == needle)
+        .map(|i| from + i)
+}
+
+/// Text for a message: quoted, and not too long.
+pub(crate) fn quoted(text: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    let more = if text.len() > LONGEST { "..." } else { "" };
+    format!("`{}{more}`", String::from_utf8_lossy(&text[..text.len().min(LONGEST)]))
+}
+
+/// Checks what a mesh refers to, and that its coordinates are numbers, before it is written.
+pub(crate) fn check(mesh: &crate::mesh::Mesh) -> Result<(), Error> {
+    for (number, node) in mesh.nodes.iter().enumerate() {
+        if let Some(&value) = node.iter().find(|x| !x.is_finite()) {
+            let place = format!("coordinates of node {number}");
+            return Err(Error::NotFinite { place, value });
+        }
+    }
+    for (number, element) in mesh.elements.iter().enumerate() {
+        let place = format!("element {number}");
+        check_nodes(&place, element.cell.nodes(), mesh.nodes.len())?;
+        if usize::from(element.material) >= mesh.materials.len() {
+            return Err(Error::Dangling {
+                place,
+                what: "material",
+                index: element.material.into(),
+                count: mesh.materials.len(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Checks that all nodes are below `count`.
+pub(crate) fn check_nodes(place: &str, nodes: &[u32], count: usize) -> Result<(), Error> {
+    match nodes.iter().find(|node| **node as usize >= count) {
+        Some(&node) => Err(Error::Dangling {
+            place: place.into(),
+            what: "node",
+            index: node as usize,
+            count,
+        }),
+        None => Ok(()),
+    }
+}
