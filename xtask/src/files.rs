@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 /// A file to be written.
 pub(crate) struct Output {
     pub(crate) name: String,
-    pub(crate) contents: String,
+    pub(crate) contents: Vec<u8>,
 }
 
 impl Output {
-    pub(crate) fn new(name: impl Into<String>, contents: String) -> Self {
+    pub(crate) fn new(name: impl Into<String>, contents: impl Into<Vec<u8>>) -> Self {
         Self {
             name: name.into(),
-            contents,
+            contents: contents.into(),
         }
     }
 }

@@ -30,6 +30,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
             "reduction",
             "cqsma-solver",
             "brake-reuss-beam",
+            "matrix-files",
         ],
     ),
     (
@@ -43,6 +44,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
             "reduction",
             "cqsma-solver",
             "brake-reuss-beam",
+            "matrix-files",
         ],
     ),
 ];

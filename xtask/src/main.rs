@@ -3,6 +3,7 @@ mod bench;
 mod brb;
 mod check;
 mod csv;
+mod export;
 mod fields;
 mod files;
 mod layering;
@@ -40,6 +41,8 @@ enum Command {
     Brb(brb::Arguments),
     /// Describe the structure of a scene: size, mass and, with `--spectrum`, frequencies with linear interfaces.
     Model(model::Arguments),
+    /// Write the reduced model of a scene for other programs: NumPy, MATLAB and Octave, Matrix Market.
+    Export(export::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
     /// Check that the dependencies between the crates point one way only.
@@ -64,6 +67,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Brb(arguments) => brb::run(&arguments),
         Command::Model(arguments) => model::run(&arguments).map(|()| Outcome::Success),
+        Command::Export(arguments) => export::run(&arguments).map(|()| Outcome::Success),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),

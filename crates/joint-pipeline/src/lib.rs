@@ -6,6 +6,7 @@
 mod cache;
 mod checkpoint;
 mod error;
+pub mod export;
 pub mod interface;
 pub mod joint;
 pub mod methods;
