@@ -2,21 +2,22 @@
 //!
 //! The basis is `[[I, 0], [X, Phi]]`: columns of `X` are static responses to a unit jump, made mass-orthogonal to the
 //! zero-energy modes of the stuck structure; `Phi` are its lowest mass-normalised modes, on request joined by its
-//! static responses to the loads (attachment modes). `X` is never stored: with `K_rr X = -K_rD` every product with it is
-//! one more solve, streamed block by block.
+//! static responses to the loads (attachment modes). `X` is never formed: static condensation leaves the matrices over
+//! the jump, and with `K_rr X = -K_rD` the few other products with it are solves.
 
 use crate::Error;
 use crate::locked::Interior;
-use crate::relative::RelativeSystem;
+use crate::relative::{Blocks, RelativeSystem};
 use crate::zem::Supported;
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use dense_algebra::product;
+use faer::{Mat, MatRef};
 use sprs::CsMat;
 use substructure::eigen::{Modes, lowest_modes};
-use substructure::sparse::{multiply_into, multiply_vector};
+use substructure::factor::Condensed;
+use substructure::sparse::multiply_into;
 
-/// Columns of the basis formed together.
-const STREAM: usize = 2 * substructure::factor::BLOCK;
+/// Columns of the condensed matrices that are found again by solves.
+const N_COMPARED: usize = 8;
 
 /// What to retain and what to expect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,16 +66,17 @@ pub struct ReducedModel {
     pub stuck_frequencies: Vec<f64>,
     /// Zero-energy modes of the stuck structure.
     pub zem_stuck: usize,
-    /// Largest asymmetry of the streamed matrices relative to their largest entry, before they were symmetrised.
+    /// Largest asymmetry between rows of the matrices over the jump, from condensation, and the same columns, from
+    /// solves, for some jump coordinates and relative to the largest entry: a measure of round-off.
     pub asymmetry: f64,
 }
 
 /// Parts of a reduction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// Factorising, and the modes of the stuck structure.
+    /// The modes of the stuck structure.
     Factor,
-    /// Streaming the static responses.
+    /// Condensing onto the jump.
     Stream,
 }
 
@@ -105,106 +107,133 @@ pub fn reduce(
     for (index, load) in system.loads.iter().enumerate() {
         check_equilibrium(index, &load[nd..], &stuck)?;
     }
-    progress(Step::Factor, 0.5);
-    let supported = Supported::try_new(&k.rest, &m.rest, positions, stuck.zero_energy())?;
     progress(Step::Factor, 1.0);
-    let nr = k.rest.rows();
+    let (supported, condensed) = Supported::try_new(system, &m.rest, stuck.zero_energy())?;
+    progress(Step::Stream, 0.8);
+    let static_part = StaticPart {
+        k: &k,
+        m: &m,
+        supported: &supported,
+    };
+    let asymmetry = static_part.asymmetry(&condensed)?;
     let mut interior = Interior::modes(&stuck, settings.n_modes.min(stuck.elastic().ncols()));
+    let over_rest = |rows: &[Vec<f64>]| Mat::from_fn(k.rest.rows(), rows.len(), |i, j| rows[j][nd + i]);
     let n_attachment = if settings.attachment_modes {
         system.loads.len()
     } else {
         0
     };
     if n_attachment > 0 {
-        let loads = Mat::from_fn(nr, n_attachment, |i, j| system.loads[j][nd + i]);
+        let loads = over_rest(&system.loads);
         let (responses, momentum) = static_responses(&loads, &m.rest, &supported);
         interior.attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())?;
     }
     let phi = interior.shapes;
     let n_modes = phi.ncols();
     let n = nd + n_modes;
+    // The held rest follows the jump with this momentum along the zero-energy modes, which is taken out.
+    let momentum = static_part.momentum(supported.modes.as_ref());
     let mut stiffness = Mat::<f64>::zeros(n, n);
     let mut mass = Mat::<f64>::zeros(n, n);
-    let mut zero_energy_part = Mat::<f64>::zeros(stuck.n_zero, nd);
-    let k_rest_jump: CsMat<f64> = k.jump_rest.transpose_view().to_csr();
-    let m_rest_jump: CsMat<f64> = m.jump_rest.transpose_view().to_csr();
-    for start in (0..nd).step_by(STREAM) {
-        let width = STREAM.min(nd - start);
-        let unit = Mat::from_fn(nd, width, |i, j| f64::from(u8::from(i == start + j)));
-        // x = -K_rr^-1 K_rD, up to a zero-energy motion.
-        let mut x = Mat::<f64>::zeros(nr, width);
-        multiply_into(&k_rest_jump, unit.as_ref(), x.as_mut());
-        faer::zip!(&mut x).for_each(|faer::unzip!(value)| *value = -*value);
-        supported.solve_in_place(x.as_mut());
-        // K_DD + K_Dr x; the zero-energy part carries no force.
-        let mut product = Mat::<f64>::zeros(nd, width);
-        let mut add = |target: &mut Mat<f64>, matrix: &CsMat<f64>, columns: &Mat<f64>, sign: f64| {
-            multiply_into(matrix, columns.as_ref(), product.as_mut());
-            for j in 0..width {
-                for i in 0..nd {
-                    target[(i, start + j)] += sign * product[(i, j)];
-                }
-            }
-        };
-        add(&mut stiffness, &k.jump, &unit, 1.0);
-        add(&mut stiffness, &k.jump_rest, &x, 1.0);
-        // Momentum of the unit jump, with the zero-energy motion taken out of it and of x.
-        let mut momentum = Mat::<f64>::zeros(nr, width);
-        let mut inertia = Mat::<f64>::zeros(nr, width);
-        multiply_into(&m.rest, x.as_ref(), momentum.as_mut());
-        multiply_into(&m_rest_jump, unit.as_ref(), inertia.as_mut());
-        momentum += &inertia;
-        let a = supported.remove_zero_energy(momentum.as_mut());
-        matmul(
-            x.as_mut(),
-            Accum::Add,
-            supported.modes.as_ref(),
-            a.as_ref(),
-            1.0,
-            Par::Seq,
-        );
-        zero_energy_part.as_mut().subcols_mut(start, width).copy_from(&a);
-        add(&mut mass, &m.jump, &unit, 1.0);
-        add(&mut mass, &m.jump_rest, &x, 1.0);
-        let mut modal = Mat::<f64>::zeros(n_modes, width);
-        matmul(
-            modal.as_mut(),
-            Accum::Replace,
-            phi.transpose(),
-            momentum.as_ref(),
-            1.0,
-            Par::Seq,
-        );
-        for j in 0..width {
-            for i in 0..n_modes {
-                mass[(nd + i, start + j)] = modal[(i, j)];
-                mass[(start + j, nd + i)] = modal[(i, j)];
-            }
-        }
-        // x^T momentum = -K_Dr K_rr^-1 momentum, because the momentum is in equilibrium with the zero-energy modes.
-        supported.solve_in_place(momentum.as_mut());
-        add(&mut mass, &k.jump_rest, &momentum, -1.0);
-        progress(Step::Stream, (start + width) as f64 / nd as f64);
-    }
+    stiffness.submatrix_mut(0, 0, nd, nd).copy_from(&condensed.stiffness);
+    let free = condensed.mass - product(momentum.as_ref(), momentum.transpose());
+    mass.submatrix_mut(0, 0, nd, nd)
+        .copy_from(dense_algebra::symmetric(free.as_ref()));
+    let overlap = product(supported.mass_modes.transpose(), phi.as_ref());
+    let modal = static_part.momentum(phi.as_ref()) - product(momentum.as_ref(), overlap.as_ref());
+    mass.submatrix_mut(0, nd, nd, n_modes).copy_from(&modal);
+    mass.submatrix_mut(nd, 0, n_modes, nd).copy_from(modal.transpose());
     for i in 0..n_modes {
         mass[(nd + i, nd + i)] = 1.0;
         stiffness[(nd + i, nd + i)] = interior.eigenvalues[i];
     }
-    let asymmetry = symmetrise(&mut stiffness, "stiffness")?.max(symmetrise(&mut mass, "mass")?);
-    let onto = |row: &[f64]| project(row, nd, &k.jump_rest, &supported, &zero_energy_part, &phi);
-    let loads = system.loads.iter().map(|load| onto(load)).collect();
-    let recovered: Vec<Vec<f64>> = rows.iter().map(|row| onto(row)).collect();
+    let onto_basis = |rows: &[Vec<f64>]| {
+        let rest = over_rest(rows);
+        let own = Mat::from_fn(nd, rows.len(), |i, j| rows[j][i]);
+        let rigid = product(supported.modes.transpose(), rest.as_ref());
+        let jump = own + static_part.work(rest.clone()) - product(momentum.as_ref(), rigid.as_ref());
+        let modal = product(phi.transpose(), rest.as_ref());
+        Mat::from_fn(
+            rows.len(),
+            n,
+            |i, j| if j < nd { jump[(j, i)] } else { modal[(j - nd, i)] },
+        )
+    };
+    let loads = onto_basis(&system.loads);
+    let recovery = onto_basis(rows);
+    progress(Step::Stream, 1.0);
     Ok(ReducedModel {
         mass,
         stiffness,
-        loads,
+        loads: loads.row_iter().map(|load| load.iter().copied().collect()).collect(),
         n_relative: nd,
         n_attachment,
-        recovery: Mat::from_fn(rows.len(), n, |i, j| recovered[i][j]),
+        recovery,
         stuck_frequencies: stuck.frequencies(),
         zem_stuck: stuck.n_zero,
         asymmetry,
     })
+}
+
+/// Products with the static responses `x` of the held rest to the jump.
+struct StaticPart<'a> {
+    k: &'a Blocks,
+    m: &'a Blocks,
+    supported: &'a Supported,
+}
+
+impl StaticPart<'_> {
+    /// `x^T f` for forces on the rest.
+    fn work(&self, mut forces: Mat<f64>) -> Mat<f64> {
+        self.supported.solve_in_place(forces.as_mut());
+        -multiply(&self.k.jump_rest, forces.as_ref())
+    }
+
+    /// `[I; x]^T M [0; c]` for columns `c` over the rest.
+    fn momentum(&self, columns: MatRef<'_, f64>) -> Mat<f64> {
+        multiply(&self.m.jump_rest, columns) + self.work(multiply(&self.m.rest, columns))
+    }
+
+    /// Compares some of the condensed rows with columns found by solves.
+    fn asymmetry(&self, condensed: &Condensed) -> Result<f64, Error> {
+        let (nd, nr) = (self.k.jump.rows(), self.k.rest.rows());
+        let count = N_COMPARED.min(nd);
+        let chosen: Vec<usize> = (0..count).map(|j| (2 * j + 1) * nd / (2 * count)).collect();
+        let unit = Mat::from_fn(nd, count, |i, j| f64::from(u8::from(i == chosen[j])));
+        let spread = |block: &CsMat<f64>| {
+            let mut columns = Mat::<f64>::zeros(nr, count);
+            for (j, &row) in chosen.iter().enumerate() {
+                for (i, value) in block.outer_view(row).iter().flat_map(|row| row.iter()) {
+                    columns[(i, j)] = *value;
+                }
+            }
+            columns
+        };
+        let mut x = spread(&self.k.jump_rest);
+        self.supported.solve_in_place(x.as_mut());
+        x *= faer::Scale(-1.0);
+        let stiffness = multiply(&self.k.jump, unit.as_ref()) + multiply(&self.k.jump_rest, x.as_ref());
+        let momentum = multiply(&self.m.rest, x.as_ref()) + spread(&self.m.jump_rest);
+        let mass =
+            multiply(&self.m.jump, unit.as_ref()) + multiply(&self.m.jump_rest, x.as_ref()) + self.work(momentum);
+        let compare = |matrix, condensed: &Mat<f64>, columns: &Mat<f64>| {
+            let rows = Mat::from_fn(nd, count, |i, j| condensed[(chosen[j], i)]);
+            let asymmetry = (rows - columns).norm_max() / condensed.norm_max();
+            // `!(a <= b)` also catches NaN.
+            if !(asymmetry <= 1e-6) {
+                return Err(Error::Asymmetry { matrix, asymmetry });
+            }
+            Ok(asymmetry)
+        };
+        let stiffness = compare("stiffness", &condensed.stiffness, &stiffness)?;
+        Ok(stiffness.max(compare("mass", &condensed.mass, &mass)?))
+    }
+}
+
+fn multiply(a: &CsMat<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
+    let mut y = Mat::zeros(a.rows(), x.ncols());
+    multiply_into(a, x, y.as_mut());
+    y
 }
 
 /// Static responses of the stuck structure to balanced loads, mass-orthogonal to its zero-energy modes, and the mass
@@ -217,39 +246,6 @@ fn static_responses(loads: &Mat<f64>, mass: &CsMat<f64>, supported: &Supported) 
     let rigid = supported.remove_zero_energy(momentum.as_mut());
     responses += dense_algebra::product(supported.modes.as_ref(), rigid.as_ref());
     (responses, momentum)
-}
-
-/// `row * basis` for a row over `[jump; rest]`.
-fn project(
-    row: &[f64],
-    nd: usize,
-    k_jump_rest: &CsMat<f64>,
-    supported: &Supported,
-    zero_energy_part: &Mat<f64>,
-    phi: &Mat<f64>,
-) -> Vec<f64> {
-    let rest = Mat::from_fn(row.len() - nd, 1, |i, _| row[nd + i]);
-    let mut solved = rest.clone();
-    supported.solve_in_place(solved.as_mut());
-    let solved: Vec<f64> = solved.col(0).iter().copied().collect();
-    let along = |modes: &Mat<f64>, j: usize| modes.col(j).iter().zip(&row[nd..]).map(|(a, b)| a * b).sum::<f64>();
-    let rigid: Vec<f64> = (0..supported.modes.ncols())
-        .map(|j| along(&supported.modes, j))
-        .collect();
-    let mut out: Vec<f64> = multiply_vector(k_jump_rest, &solved)
-        .iter()
-        .enumerate()
-        .map(|(j, v)| {
-            row[j] - v
-                + rigid
-                    .iter()
-                    .enumerate()
-                    .map(|(z, r)| r * zero_energy_part[(z, j)])
-                    .sum::<f64>()
-        })
-        .collect();
-    out.extend((0..phi.ncols()).map(|j| along(phi, j)));
-    out
 }
 
 fn check_equilibrium(index: usize, load: &[f64], stuck: &Modes) -> Result<(), Error> {
@@ -266,28 +262,4 @@ fn check_equilibrium(index: usize, load: &[f64], stuck: &Modes) -> Result<(), Er
         }
     }
     Ok(())
-}
-
-fn symmetrise(matrix: &mut Mat<f64>, name: &'static str) -> Result<f64, Error> {
-    let n = matrix.nrows();
-    let (mut largest, mut difference) = (0.0_f64, 0.0_f64);
-    for j in 0..n {
-        for i in 0..=j {
-            let (a, b) = (matrix[(i, j)], matrix[(j, i)]);
-            largest = largest.max(a.abs());
-            difference = difference.max((a - b).abs());
-            let mean = 0.5 * (a + b);
-            matrix[(i, j)] = mean;
-            matrix[(j, i)] = mean;
-        }
-    }
-    let asymmetry = difference / largest;
-    // `!(a <= b)` also catches NaN.
-    if !(asymmetry <= 1e-6) {
-        return Err(Error::Asymmetry {
-            matrix: name,
-            asymmetry,
-        });
-    }
-    Ok(asymmetry)
 }

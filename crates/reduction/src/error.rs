@@ -89,9 +89,10 @@ pub enum Error {
         /// Attachment modes.
         attachment: usize,
     },
-    /// The reduced matrices came out unsymmetric, so the solves are not accurate enough.
+    /// Rows of the reduced matrices from condensation and columns from solves differ, so neither is accurate enough.
     #[error(
-        "reduced {matrix} is unsymmetric by {asymmetry:.1e} of its largest entry; the model is too ill-conditioned"
+        "reduced {matrix} is unsymmetric by {asymmetry:.1e} of its largest entry between condensation and solves; the \
+         model is too ill-conditioned"
     )]
     Asymmetry {
         /// Which matrix.

@@ -1,11 +1,12 @@
 //! Static solves in a structure that can move as a rigid body.
 
 use crate::Error;
+use crate::relative::RelativeSystem;
 use faer::linalg::matmul::matmul;
 use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use sprs::CsMat;
-use substructure::factor::SparseCholesky;
+use substructure::factor::{Condensed, SparseCholesky};
 use substructure::sparse::multiply_into;
 
 /// A semi-definite stiffness held at as many components as it has zero-energy modes.
@@ -22,34 +23,38 @@ pub(crate) struct Supported {
 }
 
 impl Supported {
+    /// Supports the rest of a system with the given zero-energy modes, and condenses it onto the jump: a rest that is
+    /// held follows the jump up to a zero-energy motion.
     pub(crate) fn try_new(
-        stiffness: &CsMat<f64>,
+        system: &RelativeSystem,
         mass: &CsMat<f64>,
-        positions: &[[f64; 3]],
         modes: MatRef<'_, f64>,
-    ) -> Result<Self, Error> {
+    ) -> Result<(Self, Condensed), Error> {
+        let nd = system.n_relative;
         let held = components_to_hold(modes);
-        let mut fixed = vec![false; stiffness.rows()];
+        let mut fixed = vec![false; system.stiffness.rows()];
         for &component in &held {
-            fixed[component] = true;
+            fixed[nd + component] = true;
         }
-        let mut matrix = stiffness.clone();
-        for (row, mut entries) in matrix.outer_iterator_mut().enumerate() {
+        let mut stiffness = system.stiffness.clone();
+        for (row, mut entries) in stiffness.outer_iterator_mut().enumerate() {
             for (column, value) in entries.iter_mut() {
                 if row != column && (fixed[row] || fixed[column]) {
                     *value = 0.0;
                 }
             }
         }
-        let factor = SparseCholesky::try_new(&matrix, positions, "stuck stiffness without its zero-energy modes")?;
+        let name = "stuck stiffness without its zero-energy modes";
+        let (factor, condensed) = SparseCholesky::condense(&stiffness, &system.mass, &system.positions, nd, name)?;
         let mut mass_modes = Mat::zeros(modes.nrows(), modes.ncols());
         multiply_into(mass, modes, mass_modes.as_mut());
-        Ok(Self {
+        let supported = Self {
             factor,
             held,
             modes: modes.to_owned(),
             mass_modes,
-        })
+        };
+        Ok((supported, condensed))
     }
 
     /// One particular solution of `K x = b` for columns in equilibrium, in place.

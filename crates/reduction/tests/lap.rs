@@ -171,6 +171,60 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
 }
 
 #[test]
+fn matrices_over_the_jump_are_those_of_the_static_responses() {
+    use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
+    let (_, relative) = relative(&lap());
+    let reduced = reduce(&relative, &[], Settings::default(), &mut |_, _| {}).unwrap();
+    let (n, nd) = (relative.stiffness.rows(), relative.n_relative);
+    let dense = |a: &sprs::CsMat<f64>| faer::Mat::from_fn(n, n, |i, j| a.get(i, j).copied().unwrap_or(0.0));
+    let (k, m) = (dense(&relative.stiffness), dense(&relative.mass));
+    // Responses of the rest held at a node and along two more lines, so by other supports than the library's.
+    let rest: Vec<usize> = (nd..n).collect();
+    let at = |x: [f64; 3]| {
+        let close = |p: &[f64; 3]| p.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-9);
+        (nd..n).filter(|&i| close(&relative.positions[i])).collect::<Vec<_>>()
+    };
+    let (a, b, c) = (at([0.0; 3]), at([0.0, 0.02, 0.0]), at([0.0, 0.0, 0.01]));
+    let held = [a[0], a[1], a[2], b[0], b[2], c[0]];
+    let free: Vec<usize> = rest.iter().copied().filter(|i| !held.contains(i)).collect();
+    let lower = cholesky(faer::Mat::from_fn(free.len(), free.len(), |i, j| k[(free[i], free[j])]).as_ref()).unwrap();
+    let mut x = faer::Mat::from_fn(free.len(), nd, |i, j| -k[(free[i], j)]);
+    solve_lower(lower.as_ref(), x.as_mut());
+    solve_lower_transposed(lower.as_ref(), x.as_mut());
+    let mut basis = faer::Mat::from_fn(n, nd, |i, j| f64::from(u8::from(i == j)));
+    for (i, &row) in free.iter().enumerate() {
+        basis.row_mut(row).copy_from(x.row(i));
+    }
+    // Rigid motions of the stuck structure move the rest only; mass-orthonormal by the factor of their Gram matrix.
+    let rigid = faer::Mat::from_fn(n, 6, |i, mode| {
+        if i < nd {
+            return 0.0;
+        }
+        let (component, p) = ((i - nd) % 3, relative.positions[i]);
+        let (u, v) = ((mode + 1) % 3, (mode + 2) % 3);
+        match mode < 3 {
+            true => f64::from(u8::from(component == mode)),
+            false if component == u => -p[v],
+            false if component == v => p[u],
+            false => 0.0,
+        }
+    });
+    let gram = product(rigid.transpose(), product(m.as_ref(), rigid.as_ref()).as_ref());
+    let mut momentum = product(rigid.transpose(), product(m.as_ref(), basis.as_ref()).as_ref());
+    solve_lower(cholesky(gram.as_ref()).unwrap().as_ref(), momentum.as_mut());
+    let seen = |a: &faer::Mat<f64>| product(basis.transpose(), product(a.as_ref(), basis.as_ref()).as_ref());
+    let mass = seen(&m) - product(momentum.transpose(), momentum.as_ref());
+    for (name, expected, matrix) in [
+        ("stiffness", seen(&k), &reduced.stiffness),
+        ("mass", mass, &reduced.mass),
+    ] {
+        let error = difference(expected.as_ref(), matrix.submatrix(0, 0, nd, nd));
+        println!("{name} {error:.1e}");
+        assert!(error < 1e-9, "{name} {error:.1e}");
+    }
+}
+
+#[test]
 fn static_response_of_the_jump_is_exact() {
     // A static load on the jump with springs across the interface: reduced and full solutions must agree to round-off.
     let (_, relative) = relative(&lap());

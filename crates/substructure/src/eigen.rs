@@ -6,13 +6,14 @@
 
 use crate::Error;
 use crate::factor::SparseCholesky;
-use crate::sparse::{diagonal, multiply_into, multiply_vector};
+use crate::sparse::{diagonal, multiply_into};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 use sprs::CsMat;
+use std::ops::Range;
 
-/// Vectors advanced together.
-const BLOCK: usize = 6;
+/// Vectors advanced together: more cost little, because each solve reads the whole factor.
+const BLOCK: usize = 8;
 
 /// Modes of `K phi = omega^2 M phi` in ascending order.
 #[derive(Clone, Debug)]
@@ -92,13 +93,15 @@ pub fn lowest_modes(
         wanted = (n_zero + n_elastic + 8).max(2 * wanted).min(n);
     };
     let keep = (n_zero + n_elastic).min(eigenvalues.len());
+    let elastic = shapes.subcols(n_zero, keep - n_zero);
+    let mut residual = Mat::zeros(n, elastic.ncols());
+    let mut momentum = residual.clone();
+    multiply_into(stiffness, elastic, residual.as_mut());
+    multiply_into(mass, elastic, momentum.as_mut());
     let (mut worst, mut converged) = (0.0_f64, 0);
-    for mode in n_zero..keep {
-        let shape: Vec<f64> = shapes.col(mode).iter().copied().collect();
-        let (k, m) = (multiply_vector(stiffness, &shape), multiply_vector(mass, &shape));
-        let w2 = eigenvalues[mode];
-        let residual = k.iter().zip(&m).map(|(k, m)| (k - w2 * m).powi(2)).sum::<f64>().sqrt();
-        let relative = residual / (w2 * m.iter().map(|m| m * m).sum::<f64>().sqrt());
+    for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
+        zip!(residual.col_mut(mode), momentum.col(mode)).for_each(|unzip!(r, m)| *r -= w2 * m);
+        let relative = residual.col(mode).norm_l2() / (w2 * momentum.col(mode).norm_l2());
         worst = worst.max(relative);
         converged += usize::from(relative <= tolerance);
     }
@@ -131,18 +134,18 @@ fn krylov_basis(
     let mut krylov = Krylov::new(n, limit);
     let mut block = dense_algebra::scattered(n, BLOCK.min(n));
     loop {
-        krylov.append(mass, &mut block);
+        block = krylov.append(mass, block);
         // The true residual weighs the stiffest components most, the Ritz residual the softest: demand more of it.
-        let done = krylov.size >= 2 * wanted && krylov.converged(wanted, 1e-3 * tolerance)?;
-        if done || krylov.size >= limit || block.ncols() == 0 {
+        let done = krylov.size() >= 2 * wanted && krylov.converged(wanted, 1e-3 * tolerance)?;
+        if done || krylov.size() >= limit || block.ncols() == 0 {
             break;
         }
-        krylov.mark_applied(block.ncols());
         factor.solve_in_place(block.as_mut());
+        krylov.source = krylov.size() - block.ncols()..krylov.size();
     }
     // The zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
     // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them.
-    let shapes = krylov.ritz_vectors(2 * wanted)?;
+    let shapes = krylov.ritz_vectors(wanted + BLOCK)?;
     // One more inverse iteration damps what is left of the stiff components.
     let mut image = Mat::zeros(n, shapes.ncols());
     multiply_into(mass, shapes.as_ref(), image.as_mut());
@@ -150,8 +153,11 @@ fn krylov_basis(
     // It also blows up what the higher modes contain of the zero-energy ones, by omega^2 / sigma: orthogonalise, the
     // lowest first.
     let mut polished = Krylov::new(n, image.ncols());
-    polished.append(mass, &mut image);
-    Ok((krylov.size, polished.basis.subcols(0, polished.size).to_owned()))
+    for first in (0..image.ncols()).step_by(BLOCK) {
+        let width = BLOCK.min(image.ncols() - first);
+        polished.append(mass, image.subcols(first, width).to_owned());
+    }
+    Ok((krylov.size(), polished.basis))
 }
 
 /// Eigenpairs of the pair projected on the columns of `basis`, with mass-normalised vectors.
@@ -188,83 +194,75 @@ struct Krylov {
     mass_basis: Mat<f64>,
     /// Projection coefficients: column `j` expands the operator's image of basis vector `j`.
     projected: Mat<f64>,
-    size: usize,
     /// Basis vectors whose image the next block is.
-    source: std::ops::Range<usize>,
+    source: Range<usize>,
 }
 
 impl Krylov {
     fn new(n: usize, limit: usize) -> Self {
         let room = limit + BLOCK;
+        let empty = || {
+            let mut columns = Mat::with_capacity(n, room);
+            columns.resize_with(n, 0, |_, _| 0.0);
+            columns
+        };
         Self {
-            basis: Mat::zeros(n, room),
-            mass_basis: Mat::zeros(n, room),
+            basis: empty(),
+            mass_basis: empty(),
             projected: Mat::zeros(room, room),
-            size: 0,
             source: 0..0,
         }
     }
 
-    /// Orthonormalises the block against the basis and appends it; on return the block holds `M` times the new
-    /// vectors, ready for the solve. Vectors that add nothing are left out.
-    fn append(&mut self, mass: &CsMat<f64>, block: &mut Mat<f64>) {
-        let n = self.basis.nrows();
-        let source = self.source.clone();
-        let mut added = 0;
-        for column in 0..block.ncols() {
-            let mut w = block.col(column).to_owned();
-            let mut norm = {
-                let m = multiply_vector(mass, w.as_ref().try_as_col_major().map_or(&[], |c| c.as_slice()));
-                w.iter().zip(&m).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt()
-            };
-            let initial = norm;
-            let mut m = Vec::new();
-            for _ in 0..2 {
-                let (basis, mass_basis) = (self.basis.subcols(0, self.size), self.mass_basis.subcols(0, self.size));
-                let mut coefficients = Mat::<f64>::zeros(self.size, 1);
-                let seq = Par::Seq;
-                matmul(
-                    coefficients.as_mut(),
-                    Accum::Replace,
-                    mass_basis.transpose(),
-                    w.as_mat(),
-                    1.0,
-                    seq,
-                );
-                matmul(
-                    w.as_mut().as_mat_mut(),
-                    Accum::Add,
-                    basis,
-                    coefficients.as_ref(),
-                    -1.0,
-                    seq,
-                );
-                if column < source.len() {
-                    for row in 0..self.size {
-                        self.projected[(row, source.start + column)] += coefficients[(row, 0)];
-                    }
-                }
-                m = multiply_vector(mass, w.as_ref().try_as_col_major().map_or(&[], |c| c.as_slice()));
-                norm = w.iter().zip(&m).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt();
-            }
-            if self.size >= self.basis.ncols() || norm <= 1e-12 * initial {
-                continue;
-            }
-            if column < source.len() {
-                self.projected[(self.size, source.start + column)] = norm;
-            }
-            for row in 0..n {
-                self.basis[(row, self.size)] = w[row] / norm;
-                self.mass_basis[(row, self.size)] = m[row] / norm;
-            }
-            self.size += 1;
-            added += 1;
-        }
-        *block = self.mass_basis.subcols(self.size - added, added).to_owned();
+    fn size(&self) -> usize {
+        self.basis.ncols()
     }
 
-    fn mark_applied(&mut self, added: usize) {
-        self.source = self.size - added..self.size;
+    /// Orthonormalises the block against the basis and appends it; returns `M` times the new vectors, ready for the
+    /// solve. Vectors that add nothing are left out.
+    fn append(&mut self, mass: &CsMat<f64>, mut block: Mat<f64>) -> Mat<f64> {
+        let (n, size, width) = (block.nrows(), self.size(), block.ncols());
+        let mut momentum = Mat::zeros(n, width);
+        // The block as it came is basis * along + block * upper.
+        let mut along = Mat::<f64>::zeros(size, width);
+        let mut upper = Mat::<f64>::identity(width, width);
+        for _ in 0..2 {
+            multiply_into(mass, block.as_ref(), momentum.as_mut());
+            let initial: Vec<f64> = (0..block.ncols())
+                .map(|j| dot(&block, j, &momentum, j).max(0.0).sqrt())
+                .collect();
+            let coefficients = dense_algebra::product(self.mass_basis.transpose(), block.as_ref());
+            let take_out = |from: &mut Mat<f64>, basis: &Mat<f64>| {
+                matmul(
+                    from.as_mut(),
+                    Accum::Add,
+                    basis.as_ref(),
+                    coefficients.as_ref(),
+                    -1.0,
+                    Par::Seq,
+                );
+            };
+            take_out(&mut block, &self.basis);
+            take_out(&mut momentum, &self.mass_basis);
+            along += dense_algebra::product(coefficients.as_ref(), upper.as_ref());
+            let new = orthonormalise(&mut block, &mut momentum, &initial);
+            upper = dense_algebra::product(new.as_ref(), upper.as_ref());
+        }
+        for column in 0..self.source.len() {
+            let image = self.source.start + column;
+            for row in 0..size {
+                self.projected[(row, image)] = along[(row, column)];
+            }
+            for row in 0..block.ncols() {
+                self.projected[(size + row, image)] = upper[(row, column)];
+            }
+        }
+        let grow = |basis: &mut Mat<f64>, by: &Mat<f64>| {
+            basis.resize_with(n, size + by.ncols(), |row, column| by[(row, column - size)]);
+        };
+        grow(&mut self.basis, &block);
+        grow(&mut self.mass_basis, &momentum);
+        momentum
     }
 
     /// Eigenpairs of the projected operator over the vectors whose images are known, descending.
@@ -288,7 +286,7 @@ impl Krylov {
         let tail = self.source.clone();
         Ok((0..wanted).all(|pair| {
             let mut squares = 0.0;
-            for row in known..self.size {
+            for row in known..self.size() {
                 let sum: f64 = tail
                     .clone()
                     .map(|j| self.projected[(row, j)] * vectors[(j, pair)])
@@ -315,4 +313,44 @@ impl Krylov {
         );
         Ok(shapes)
     }
+}
+
+fn dot(a: &Mat<f64>, i: usize, b: &Mat<f64>, j: usize) -> f64 {
+    a.col(i).iter().zip(b.col(j).iter()).map(|(a, b)| a * b).sum()
+}
+
+/// Modified Gram-Schmidt on the columns of `block` in the mass inner product, with the mass times them alongside.
+///
+/// Columns left with less than 1e-12 of their `initial` norm are dropped. Returns the coefficients of the old columns
+/// in the new ones.
+fn orthonormalise(block: &mut Mat<f64>, momentum: &mut Mat<f64>, initial: &[f64]) -> Mat<f64> {
+    let (n, width) = (block.nrows(), block.ncols());
+    let mut coefficients = Mat::zeros(width, width);
+    let mut kept = 0;
+    for column in 0..width {
+        for other in 0..kept {
+            let along = dot(block, column, momentum, other);
+            coefficients[(other, column)] = along;
+            for vectors in [&mut *block, &mut *momentum] {
+                let (before, from) = vectors.as_mut().split_at_col_mut(column);
+                zip!(from.col_mut(0), before.col(other)).for_each(|unzip!(a, b)| *a -= along * b);
+            }
+        }
+        let norm = dot(block, column, momentum, column).max(0.0).sqrt();
+        // `!(a > b)` also catches NaN.
+        if !(norm > 1e-12 * initial[column]) {
+            continue;
+        }
+        coefficients[(kept, column)] = norm;
+        for vectors in [&mut *block, &mut *momentum] {
+            for row in 0..n {
+                vectors[(row, kept)] = vectors[(row, column)] / norm;
+            }
+        }
+        kept += 1;
+    }
+    block.truncate(n, kept);
+    momentum.truncate(n, kept);
+    coefficients.truncate(kept, width);
+    coefficients
 }

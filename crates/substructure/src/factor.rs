@@ -1,32 +1,56 @@
-//! Sparse Cholesky factorisation with nested-dissection ordering and blocked solves.
+//! Sparse multifrontal Cholesky factorisation, blocked solves, and static condensation.
+//!
+//! Every part of the dissection is eliminated in a dense front: its own rows and, below, the rows still to come that it
+//! touches. What it leaves on those is added to the front of its parent. If some rows are kept to the end, what is left
+//! there at last is the condensed (Schur) stiffness; and because condensing in steps equals condensing at once, a mass
+//! matrix carried along with each step's static displacements leaves the condensed (Guyan) mass.
 
 use crate::Error;
-use crate::ordering::nested_dissection;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
-use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side, Spec};
+use crate::ordering::{Dissection, nested_dissection};
+use crate::sparse::{numbering, submatrix};
+use dense_algebra::{cholesky, solve_lower, solve_lower_transposed};
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::reborrow::{Reborrow, ReborrowMut};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 use sprs::CsMat;
+use std::ops::Range;
 
 /// Right-hand sides solved together: wide enough to run at the speed of dense products, small enough to stay in cache.
 pub const BLOCK: usize = 64;
 
-/// `L L^T` of a symmetric positive definite sparse matrix.
+/// `L L^T` of a symmetric positive definite sparse matrix, or of the rows of one that are not kept.
 pub struct SparseCholesky {
-    symbolic: SymbolicCholesky<usize>,
-    values: Vec<f64>,
+    /// Row of the solution at each position of the elimination.
+    order: Vec<usize>,
+    fronts: Vec<Front>,
+}
+
+/// Columns of `L` that belong to one part.
+struct Front {
+    first: usize,
+    /// Triangular factor of the part itself.
+    lower: Mat<f64>,
+    /// Positions after the part that it touches, and the rows of `L` there.
+    beyond: Vec<usize>,
+    below: Mat<f64>,
+}
+
+/// A symmetric pair that follows from a larger one when its other rows respond statically.
+#[derive(Clone, Debug)]
+pub struct Condensed {
+    /// Stiffness over the kept rows, exactly symmetric.
+    pub stiffness: Mat<f64>,
+    /// Mass over the kept rows, exactly symmetric.
+    pub mass: Mat<f64>,
 }
 
 impl std::fmt::Debug for SparseCholesky {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SparseCholesky")
-            .field("n", &self.symbolic.nrows())
-            .field("entries", &self.values.len())
+            .field("n", &self.order.len())
+            .field("entries", &self.entries())
             .finish()
     }
 }
@@ -35,53 +59,43 @@ impl SparseCholesky {
     /// Factors `matrix` (full symmetric storage); `positions` (one per row) guide the ordering, `name` is for messages.
     ///
     /// # Errors
-    /// [`Error::NotPositiveDefinite`], or [`Error::LinearAlgebra`] if memory runs out.
+    /// [`Error::NotPositiveDefinite`] with the row at which the factorisation stopped.
     pub fn try_new(matrix: &CsMat<f64>, positions: &[[f64; 3]], name: &'static str) -> Result<Self, Error> {
-        let size = matrix.rows();
-        let fail = |reason: String| Error::LinearAlgebra {
-            operation: "sparse Cholesky factorisation",
-            size,
-            reason,
-        };
-        let order = nested_dissection(matrix, positions);
-        let mut inverse = vec![0; size];
-        for (position, &row) in order.iter().enumerate() {
-            inverse[row] = position;
-        }
-        let indptr = matrix.indptr();
-        let pattern = SymbolicSparseColMatRef::new_checked(size, size, indptr.raw_storage(), None, matrix.indices());
-        let symbolic = factorize_symbolic_cholesky(
-            pattern,
-            Side::Upper,
-            SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, size)),
-            CholeskySymbolicParams::default(),
-        )
-        .map_err(|e| fail(format!("{e:?}")))?;
-        let mut values = vec![0.0; symbolic.len_val()];
-        let par = Par::Seq;
-        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(par, Spec::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| fail("out of memory".into()))?;
-        symbolic
-            .factorize_numeric_llt(
-                &mut values,
-                SparseColMatRef::new(pattern, matrix.data()),
-                Side::Upper,
-                LltRegularization::default(),
-                par,
-                MemStack::new(&mut memory),
-                Spec::default(),
-            )
-            .map_err(|LltError::NonPositivePivot { index }| Error::NotPositiveDefinite {
-                matrix: name,
-                pivot: index,
-                size,
-            })?;
-        Ok(Self { symbolic, values })
+        let (factor, _) = Elimination::new(&[matrix], positions, 0).run(name)?;
+        Ok(factor)
+    }
+
+    /// Factors all rows of `stiffness` but the first `n_kept`, and condenses it and `mass` onto those.
+    ///
+    /// Right-hand sides and solutions of the factor are over the other rows, in their order.
+    ///
+    /// # Errors
+    /// As [`Self::try_new`].
+    pub fn condense(
+        stiffness: &CsMat<f64>,
+        mass: &CsMat<f64>,
+        positions: &[[f64; 3]],
+        n_kept: usize,
+        name: &'static str,
+    ) -> Result<(Self, Condensed), Error> {
+        let elimination = Elimination::new(&[stiffness, mass], positions, n_kept);
+        let (factor, left) = elimination.run(name)?;
+        let kept = factor.order.len()..positions.len();
+        let [stiffness, mass] = [0, 1].map(|which| {
+            let mut own = elimination.assemble(which, &kept, &[], left.as_slice()).own;
+            mirror(&mut own);
+            own
+        });
+        Ok((factor, Condensed { stiffness, mass }))
     }
 
     /// Number of stored entries of the factor.
     pub fn entries(&self) -> usize {
-        self.values.len()
+        let stored = |mat: &Mat<f64>| mat.nrows() * mat.ncols();
+        self.fronts
+            .iter()
+            .map(|front| stored(&front.lower) + stored(&front.below))
+            .sum()
     }
 
     /// Solves for all columns in place, in parallel over blocks of [`BLOCK`] columns.
@@ -89,21 +103,260 @@ impl SparseCholesky {
     /// # Panics
     /// If the number of rows differs from that of the factor.
     pub fn solve_in_place(&self, rhs: MatMut<'_, f64>) {
-        let solve = |mut block: MatMut<'_, f64>| {
-            let scratch = self.symbolic.solve_in_place_scratch::<f64>(block.ncols(), Par::Seq);
-            let mut memory = MemBuffer::new(scratch);
-            LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-                Conj::No,
-                block.as_mut(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-            );
-        };
+        assert_eq!(rhs.nrows(), self.order.len());
         if rhs.ncols() <= BLOCK {
-            solve(rhs);
+            self.solve_block(rhs);
         } else {
             let blocks: Vec<_> = rhs.par_col_chunks_mut(BLOCK).collect();
-            blocks.into_par_iter().for_each(solve);
+            blocks.into_par_iter().for_each(|block| self.solve_block(block));
+        }
+    }
+
+    fn solve_block(&self, mut rhs: MatMut<'_, f64>) {
+        let width = rhs.ncols();
+        // One column per position, so that the values to gather for a front lie together.
+        let mut x = Mat::zeros(width, self.order.len());
+        for (position, &row) in self.order.iter().enumerate() {
+            for lane in 0..width {
+                x[(lane, position)] = rhs[(row, lane)];
+            }
+        }
+        let longest = self.fronts.iter().map(|front| front.beyond.len()).max().unwrap_or(0);
+        let mut gathered = Mat::zeros(width, longest);
+        for front in &self.fronts {
+            let mut own = x.subcols_mut(front.first, front.lower.nrows());
+            solve_lower(front.lower.as_ref(), own.rb_mut().transpose_mut());
+            let mut outer = gathered.subcols_mut(0, front.beyond.len());
+            matmul(
+                outer.rb_mut(),
+                Accum::Replace,
+                own.rb(),
+                front.below.transpose(),
+                1.0,
+                Par::Seq,
+            );
+            for (from, &to) in front.beyond.iter().enumerate() {
+                x.col_mut(to)
+                    .iter_mut()
+                    .zip(outer.rb().col(from).iter())
+                    .for_each(|(a, b)| *a -= b);
+            }
+        }
+        for front in self.fronts.iter().rev() {
+            let mut outer = gathered.subcols_mut(0, front.beyond.len());
+            for (to, &from) in front.beyond.iter().enumerate() {
+                outer.rb_mut().col_mut(to).copy_from(x.col(from));
+            }
+            let mut own = x.subcols_mut(front.first, front.lower.nrows());
+            matmul(
+                own.rb_mut(),
+                Accum::Add,
+                outer.rb(),
+                front.below.as_ref(),
+                -1.0,
+                Par::Seq,
+            );
+            solve_lower_transposed(front.lower.as_ref(), own.transpose_mut());
+        }
+        for (position, &row) in self.order.iter().enumerate() {
+            for lane in 0..width {
+                rhs[(row, lane)] = x[(lane, position)];
+            }
+        }
+    }
+}
+
+/// A stiffness, and perhaps a mass, in the order of their elimination, kept rows last.
+struct Elimination {
+    dissection: Dissection,
+    matrices: Vec<CsMat<f64>>,
+}
+
+/// What eliminated parts leave on later rows: lower triangles over the positions `beyond`, one per matrix.
+struct Update {
+    beyond: Vec<usize>,
+    matrices: Vec<Mat<f64>>,
+}
+
+/// A symmetric matrix over the rows of a part (`own`) and those beyond; only lower triangles are set.
+struct Blocks {
+    own: Mat<f64>,
+    below: Mat<f64>,
+    update: Mat<f64>,
+}
+
+impl Elimination {
+    fn new(matrices: &[&CsMat<f64>], positions: &[[f64; 3]], n_kept: usize) -> Self {
+        let n = positions.len();
+        let dissection = nested_dissection(matrices[0], positions, n_kept);
+        let order: Vec<usize> = dissection.order.iter().copied().chain(0..n_kept).collect();
+        let position = numbering(&order, n);
+        let matrices = matrices
+            .iter()
+            .map(|matrix| submatrix(matrix, &order, &position, n))
+            .collect();
+        Self { dissection, matrices }
+    }
+
+    /// The factor, and what is left on the kept rows.
+    fn run(&self, name: &'static str) -> Result<(SparseCholesky, Option<Update>), Error> {
+        let n_kept = self.matrices[0].rows() - self.dissection.order.len();
+        let order = self.dissection.order.iter().map(|row| row - n_kept).collect();
+        let (fronts, left) = match self.dissection.parts.len() {
+            0 => (Vec::new(), None),
+            n_parts => {
+                let (fronts, left) = self.eliminate(n_parts - 1, name)?;
+                (fronts, Some(left))
+            }
+        };
+        Ok((SparseCholesky { order, fronts }, left))
+    }
+
+    /// Eliminates a part after its children; fronts come in the order of the dissection.
+    fn eliminate(&self, part: usize, name: &'static str) -> Result<(Vec<Front>, Update), Error> {
+        let part = &self.dissection.parts[part];
+        let rows = part.rows.clone();
+        let done: Vec<_> = part
+            .children
+            .par_iter()
+            .map(|&child| self.eliminate(child, name))
+            .collect();
+        let (mut fronts, mut children) = (Vec::new(), Vec::with_capacity(done.len()));
+        for child in done {
+            let (before, update) = child?;
+            fronts.extend(before);
+            children.push(update);
+        }
+        let beyond = self.beyond(&rows, &children);
+        let n = self.dissection.order.len();
+        let Blocks {
+            own,
+            mut below,
+            mut update,
+        } = self.assemble(0, &rows, &beyond, &children);
+        let lower = cholesky(own.as_ref()).map_err(|error| match error {
+            dense_algebra::Error::NotPositiveDefinite { pivot, .. } => Error::NotPositiveDefinite {
+                matrix: name,
+                pivot: self.dissection.order[rows.start + pivot],
+                size: self.matrices[0].rows(),
+            },
+            other => other.into(),
+        })?;
+        solve_lower(lower.as_ref(), below.transpose_mut());
+        add_lower(update.as_mut(), below.as_ref(), below.transpose(), -1.0);
+        let mut matrices = vec![update];
+        if self.matrices.len() > 1 {
+            let mut mass = self.assemble(1, &rows, &beyond, &children);
+            mirror(&mut mass.own);
+            // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
+            let mut follow = below.clone();
+            solve_lower_transposed(lower.as_ref(), follow.transpose_mut());
+            matmul(
+                mass.below.as_mut(),
+                Accum::Add,
+                follow.as_ref(),
+                mass.own.as_ref(),
+                -0.5,
+                Par::Seq,
+            );
+            add_lower(mass.update.as_mut(), follow.as_ref(), mass.below.transpose(), -1.0);
+            add_lower(mass.update.as_mut(), mass.below.as_ref(), follow.transpose(), -1.0);
+            matrices.push(mass.update);
+        }
+        // Right-hand sides do not reach the kept rows.
+        let n_beyond = beyond.partition_point(|&position| position < n);
+        fronts.push(Front {
+            first: rows.start,
+            lower,
+            beyond: beyond[..n_beyond].to_vec(),
+            below: below.subrows(0, n_beyond).to_owned(),
+        });
+        Ok((fronts, Update { beyond, matrices }))
+    }
+
+    /// The later positions that a part touches by itself or through its children.
+    fn beyond(&self, rows: &Range<usize>, children: &[Update]) -> Vec<usize> {
+        let entries = self.matrices.iter().flat_map(|matrix| {
+            let touched = |row| &matrix.indices()[matrix.indptr().outer_inds_sz(row)];
+            rows.clone().flat_map(touched)
+        });
+        let mut beyond: Vec<usize> = entries
+            .chain(children.iter().flat_map(|child| &child.beyond))
+            .copied()
+            .filter(|&position| position >= rows.end)
+            .collect();
+        beyond.sort_unstable();
+        beyond.dedup();
+        beyond
+    }
+
+    /// A matrix over a part and the positions beyond it, with what the part's children left there.
+    fn assemble(&self, which: usize, rows: &Range<usize>, beyond: &[usize], children: &[Update]) -> Blocks {
+        let (n_own, n_beyond) = (rows.len(), beyond.len());
+        let mut own = Mat::zeros(n_own, n_own);
+        let mut below = Mat::zeros(n_beyond, n_own);
+        let mut update = Mat::zeros(n_beyond, n_beyond);
+        let local = |position: usize| match position < rows.end {
+            true => position - rows.start,
+            false => n_own + beyond.partition_point(|&other| other < position),
+        };
+        for (column, row) in rows.clone().enumerate() {
+            let matrix = &self.matrices[which];
+            let range = matrix.indptr().outer_inds_sz(row);
+            for (&position, &value) in matrix.indices()[range.clone()].iter().zip(&matrix.data()[range]) {
+                if position >= row {
+                    match local(position) {
+                        i if i < n_own => own[(i, column)] = value,
+                        i => below[(i - n_own, column)] = value,
+                    }
+                }
+            }
+        }
+        for child in children {
+            let places: Vec<usize> = child.beyond.iter().map(|&position| local(position)).collect();
+            let n_inside = places.partition_point(|&place| place < n_own);
+            let (inside, outside) = places.split_at(n_inside);
+            for (j, &column) in places.iter().enumerate() {
+                let left = child.matrices[which].col(j);
+                if j < n_inside {
+                    for (i, &row) in inside.iter().enumerate().skip(j) {
+                        own[(row, column)] += left[i];
+                    }
+                    for (i, &row) in outside.iter().enumerate() {
+                        below[(row - n_own, column)] += left[n_inside + i];
+                    }
+                } else {
+                    for (i, &row) in outside.iter().enumerate().skip(j - n_inside) {
+                        update[(row - n_own, column - n_own)] += left[n_inside + i];
+                    }
+                }
+            }
+        }
+        Blocks { own, below, update }
+    }
+}
+
+/// Adds `sign * a * b` to the lower triangle.
+fn add_lower(target: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, sign: f64) {
+    let whole = BlockStructure::Rectangular;
+    triangular::matmul(
+        target,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        a,
+        whole,
+        b,
+        whole,
+        sign,
+        Par::Seq,
+    );
+}
+
+/// Copies the lower triangle to the upper one.
+fn mirror(matrix: &mut Mat<f64>) {
+    for j in 0..matrix.ncols() {
+        for i in 0..j {
+            matrix[(i, j)] = matrix[(j, i)];
         }
     }
 }
