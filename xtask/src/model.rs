@@ -4,7 +4,7 @@ use crate::brb::{SUMMARY, default_directory, read_scene};
 use crate::files::{self, Output};
 use crate::progress::Monitor;
 use anyhow::{Context, Result};
-use joint_pipeline::model::{Frequencies, LinearInterface, MeshedStructure};
+use joint_pipeline::model::{Frequencies, LinearInterface, Structure};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -49,18 +49,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     });
     std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
     let monitor = Monitor::new()?;
-    let structure = MeshedStructure::try_new(&scene.model, scene.bolts.behaviour, &monitor)?;
+    let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &monitor)?;
     let found = structure.describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)?;
     let timings = monitor.finish();
 
+    let mesh = match (found.n_nodes, found.n_elements) {
+        (Some(nodes), Some(elements)) => format!("{nodes} nodes, {elements} elements, "),
+        _ => String::new(),
+    };
+    let mass = found
+        .mass
+        .map_or_else(|| "mass not known".into(), |mass| format!("{mass:.4} kg"));
     let mut text = format!(
-        "{}: {} nodes, {} elements, {} independent components, {:.4} kg\n\
+        "{}: {mesh}{} independent components, {mass}\n\
          interface: {} elements, {:.2} mm^2; {} slaves left free, others moved by {:.2e} m at most\n",
         scene.name,
-        found.n_nodes,
-        found.n_elements,
         found.n_dofs,
-        found.mass,
         found.n_interface_elements,
         1e6 * found.interface_area,
         found.n_untied_slaves,

@@ -5,6 +5,7 @@ use crate::markup::escape;
 use crate::{fields, map, plot};
 use anyhow::{Context, Result};
 use joint_pipeline::Run;
+use joint_pipeline::interface::AsperityReport;
 use joint_pipeline::summary::{BackboneSummary, Status, Summary};
 use std::fmt::Write;
 
@@ -126,21 +127,18 @@ fn frequencies<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
 fn key_numbers(out: &mut String, summary: &Summary, name: &dyn Fn(&str) -> String) {
     let (model, law, gap, prestress) = (&summary.model, &summary.law, &summary.gap, &summary.prestress);
     let linearised: Vec<f64> = summary.modes.iter().map(|m| m.frequency_hz).collect();
-    let table_error = match (law.table_error_normal, law.table_error_tangential) {
-        (Some(n), Some(t)) => format!("{n:.1e} normal, {t:.1e} tangential"),
-        _ => "no table in use".into(),
+    let structure = match (model.n_nodes, model.n_elements) {
+        (Some(nodes), Some(elements)) => format!("{nodes} nodes, {elements} elements, {} unknowns", model.n_dofs),
+        _ => format!("matrices over {} coordinates", model.n_dofs),
     };
+    let mass = model
+        .mass
+        .map_or_else(|| "not known".into(), |mass| format!("{mass:.4} kg"));
     rows(
         out,
         [
-            (
-                "Mesh",
-                format!(
-                    "{} nodes, {} elements, {} unknowns",
-                    model.n_nodes, model.n_elements, model.n_dofs
-                ),
-            ),
-            ("Mass", format!("{:.4} kg", model.mass)),
+            ("Structure", structure),
+            ("Mass", mass),
             (
                 "Interface",
                 format!(
@@ -172,13 +170,7 @@ fn key_numbers(out: &mut String, summary: &Summary, name: &dyn Fn(&str) -> Strin
             ),
             (
                 "Traction law",
-                format!(
-                    "{}, tangential stiffness {}, history {}, {} asperity population(s)",
-                    name("/law/kind"),
-                    name("/law/tangential"),
-                    name("/law/history"),
-                    law.n_populations
-                ),
+                format!("{}, history {}", law.kind, name("/law/history")),
             ),
             (
                 "Stiffness at mean pressure",
@@ -188,21 +180,6 @@ fn key_numbers(out: &mut String, summary: &Summary, name: &dyn Fn(&str) -> Strin
                     law.tangential_stiffness,
                     1e6 * law.mean_closure,
                     1e-6 * law.mean_pressure
-                ),
-            ),
-            ("Largest relative error of the tables", table_error),
-            (
-                "Fits to the asperity sums, rms in ln",
-                format!(
-                    "{:.4} normal, {:.4} tangential, {} fallback(s)",
-                    law.fit_rms_normal, law.fit_rms_tangential, law.fit_fallbacks
-                ),
-            ),
-            (
-                "Other choices of tangential stiffness",
-                format!(
-                    "fitted over summed {:.3}; paper over Mindlin reading {:.3}",
-                    law.fitted_to_summed, law.paper_to_mindlin
                 ),
             ),
             (
@@ -233,6 +210,41 @@ fn key_numbers(out: &mut String, summary: &Summary, name: &dyn Fn(&str) -> Strin
             ),
         ],
     );
+    if let Some(asperities) = &law.asperities {
+        rows(out, asperity_numbers(asperities, name));
+    }
+}
+
+fn asperity_numbers(law: &AsperityReport, name: &dyn Fn(&str) -> String) -> [(&'static str, String); 4] {
+    let table_error = match (law.table_error_normal, law.table_error_tangential) {
+        (Some(n), Some(t)) => format!("{n:.1e} normal, {t:.1e} tangential"),
+        _ => "no table in use".into(),
+    };
+    [
+        (
+            "Asperities",
+            format!(
+                "{} population(s), tangential stiffness {}",
+                law.n_populations,
+                name("/law/tangential")
+            ),
+        ),
+        ("Largest relative error of the tables", table_error),
+        (
+            "Fits to the asperity sums, rms in ln",
+            format!(
+                "{:.4} normal, {:.4} tangential, {} fallback(s)",
+                law.fit_rms_normal, law.fit_rms_tangential, law.fit_fallbacks
+            ),
+        ),
+        (
+            "Other choices of tangential stiffness",
+            format!(
+                "fitted over summed {:.3}; paper over Mindlin reading {:.3}",
+                law.fitted_to_summed, law.paper_to_mindlin
+            ),
+        ),
+    ]
 }
 
 /// Heading of a column and its cell for an amplitude.
@@ -330,9 +342,10 @@ fn validity(run: &Run, summary: &Summary) -> Vec<String> {
                 .map_or_else(unknown, |f| format!("{:.4} %", 100.0 * f)),
         ),
         format!(
-            "An asperity begins to yield at an interference of {:.3e} m; the share of the loaded asperities beyond it is \
+            "An asperity begins to yield at an interference of {}; the share of the loaded asperities beyond it is \
              {}. The law is elastic: where that share is large, its stiffness is an elastic prediction and no more.",
-            v.yield_onset_interference,
+            v.yield_onset_interference
+                .map_or_else(unknown, |omega| format!("{omega:.3e} m")),
             v.yielded_asperity_fraction.map_or_else(unknown, percent),
         ),
         format!(

@@ -33,12 +33,6 @@ pub enum Error {
     /// An observer stopped the run.
     #[error("the run was interrupted before all amplitudes were done")]
     Interrupted,
-    /// The linearised modes did not settle.
-    #[error("the linearised modes did not settle in {iterations} subspace iterations")]
-    Modes {
-        /// Iterations made.
-        iterations: usize,
-    },
 }
 
 pub(crate) fn check_size(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {

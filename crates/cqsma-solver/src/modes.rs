@@ -150,7 +150,15 @@ pub fn linearise<'a, F: HystereticForce>(
         None,
     );
     let (lower, stuck) = Stuck::try_new(stiffness, force.pattern(), &tangent)?;
-    let (eigenvalues, shapes) = lowest_modes(lower.as_ref(), mass, n_modes.min(n))?;
+    let (eigenvalues, shapes) =
+        dense_algebra::lowest_pairs(lower.as_ref(), mass, n_modes.min(n)).map_err(|error| match error {
+            dense_algebra::Error::Rank { .. } => Error::Setting {
+                field: "n_modes",
+                value: n_modes as f64,
+                requirement: "no more than the rank of a finite, positive semi-definite mass matrix",
+            },
+            other => other.into(),
+        })?;
     let u = &displacement[..nc];
     Ok(Linearisation {
         stiffness,
@@ -163,88 +171,4 @@ pub fn linearise<'a, F: HystereticForce>(
         eigenvalues,
         shapes,
     })
-}
-
-/// Most subspace iterations; a dozen are usual.
-const MAX_ITERATIONS: usize = 200;
-
-/// Subspace iteration on `C = L^-1 M L^-T`, whose eigenvalues are `1 / omega^2`.
-fn lowest_modes(lower: MatRef<'_, f64>, mass: MatRef<'_, f64>, n_modes: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
-    let n = mass.nrows();
-    let c = dense_algebra::congruent(lower, mass);
-    let width = (2 * n_modes + 10).min(n);
-    let mut image = dense_algebra::scattered(n, width);
-    let mut previous = vec![0.0; n_modes];
-    for _ in 0..MAX_ITERATIONS {
-        let basis = orthonormal(image)?;
-        image = dense_algebra::product(c.as_ref(), basis.as_ref());
-        let small = dense_algebra::symmetric(dense_algebra::product(basis.transpose(), image.as_ref()).as_ref());
-        let (ascending, rotation) = dense_algebra::symmetric_eigen(small.as_ref())?;
-        // Images of the Ritz vectors are nearly orthogonal, however far apart their eigenvalues are.
-        image = dense_algebra::product(image.as_ref(), rotation.as_ref());
-        let values: Vec<f64> = ascending.into_iter().rev().take(n_modes).collect();
-        if values.len() < n_modes || !values.iter().all(|v| *v > 0.0) {
-            return Err(Error::Setting {
-                field: "n_modes",
-                value: n_modes as f64,
-                requirement: "no more than the rank of a finite, positive semi-definite mass matrix",
-            });
-        }
-        let change = values
-            .iter()
-            .zip(&previous)
-            .map(|(a, b)| (a / b - 1.0).abs())
-            .fold(0.0, f64::max);
-        previous.clone_from(&values);
-        // Eigenvalues converge with the square of the shapes: ask for round-off in the values.
-        if change < 1e-13 {
-            let mut shapes = Mat::from_fn(n, n_modes, |i, j| image[(i, image.ncols() - 1 - j)]);
-            dense_algebra::solve_lower_transposed(lower, shapes.as_mut());
-            normalise(mass, shapes.as_mut());
-            return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
-        }
-    }
-    Err(Error::Modes {
-        iterations: MAX_ITERATIONS,
-    })
-}
-
-/// Orthonormal basis of the space of the columns, by two passes over the eigenvectors of their Gram matrix
-/// (Stathopoulos and Wu 2002, SIAM Journal on Scientific Computing 23, 2165-2182); fewer columns than given where some
-/// depend on others or are round-off.
-fn orthonormal(mut columns: Mat<f64>) -> Result<Mat<f64>, Error> {
-    for _ in 0..2 {
-        let longest = columns.col_iter().map(|column| column.norm_l2()).fold(0.0, f64::max);
-        let round_off = f64::EPSILON * columns.nrows() as f64;
-        for column in columns.as_mut().col_iter_mut() {
-            let length = column.norm_l2();
-            let scale = if length > round_off * longest {
-                length.recip()
-            } else {
-                0.0
-            };
-            column.iter_mut().for_each(|v| *v *= scale);
-        }
-        let gram = dense_algebra::product(columns.transpose(), columns.as_ref());
-        let (values, vectors) = dense_algebra::symmetric_eigen(gram.as_ref())?;
-        let kept: Vec<usize> = (0..values.len()).filter(|&j| values[j] > round_off).collect();
-        let turn = Mat::from_fn(values.len(), kept.len(), |i, j| {
-            vectors[(i, kept[j])] / values[kept[j]].sqrt()
-        });
-        columns = dense_algebra::product(columns.as_ref(), turn.as_ref());
-    }
-    Ok(columns)
-}
-
-fn normalise(mass: MatRef<'_, f64>, mut shapes: faer::MatMut<'_, f64>) {
-    let n = mass.nrows();
-    let mut image = vec![0.0; n];
-    for j in 0..shapes.ncols() {
-        let shape: Vec<f64> = (0..n).map(|i| shapes[(i, j)]).collect();
-        multiply(mass, &shape, &mut image);
-        let length = crate::linear::dot(&shape, &image).sqrt();
-        for i in 0..n {
-            shapes[(i, j)] = shape[i] / length;
-        }
-    }
 }

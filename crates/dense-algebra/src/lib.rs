@@ -6,8 +6,10 @@
 //! deflates with an absolute tolerance (a matrix of size 1e12 lost four digits to it, one of size 1e-5 five).
 
 mod packed;
+mod subspace;
 
 pub use packed::Symmetric;
+pub use subspace::lowest_pairs;
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -29,6 +31,16 @@ pub enum Error {
         pivot: usize,
         /// Size of the matrix.
         size: usize,
+    },
+    /// More eigenpairs are asked for than there are.
+    #[error(
+        "{count} eigenpairs are asked for, but the semi-definite matrix of size {size} has fewer, or is not finite"
+    )]
+    Rank {
+        /// Size of the matrix.
+        size: usize,
+        /// Eigenpairs asked for.
+        count: usize,
     },
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalue decomposition of a matrix of size {size} did not converge")]

@@ -57,6 +57,20 @@ pub enum Error {
         /// What is wrong, and where.
         reason: String,
     },
+    /// Matrices that cannot be a structure with an interface.
+    #[error("{}: {reason}", path.display())]
+    Matrices {
+        /// File or folder.
+        path: PathBuf,
+        /// What is wrong, and what would be right.
+        reason: String,
+    },
+    /// Parameters of the law that do not fit the interface.
+    #[error("surface.parameters: {reason}")]
+    Parameters {
+        /// What is wrong, and where.
+        reason: String,
+    },
     /// A set that cannot name one response point.
     #[error("the response is measured at one node, but the set `{set}` has {count}; name a node or a set of one")]
     ResponseSet {
@@ -65,16 +79,32 @@ pub enum Error {
         /// Its nodes.
         count: usize,
     },
-    /// A bolt that pulls the bodies apart.
+    /// A bolt that pulls the bodies apart, or acts along the interface.
     #[error(
-        "bolt {bolt} opens the interface: at unit tension it closes it with {force:.3e} N, which should be about 1; exchange \
-         its two ends, or the two surfaces"
+        "bolt {bolt} does not close the interface: unit tension acts with {closing:.3e} N on a uniform closure, which should be \
+         about 1, and with {sliding:.3e} N on a uniform sliding; exchange its two ends or the two sides, or correct the order \
+         and signs of the components (x, y, normal from the top body into the bottom one)"
     )]
     OpeningLoad {
         /// Bolt, counted from 1.
         bolt: usize,
-        /// Force that it puts on a uniform closure (N).
-        force: f64,
+        /// Generalised force on a uniform closure at unit tension (-).
+        closing: f64,
+        /// The same on a uniform sliding.
+        sliding: f64,
+    },
+    /// The modes that may be retained do not make the reduced model as accurate as asked for.
+    #[error(
+        "with {modes} modes the reduced model is within {error:.1e} of the full one, not within model.reduction_error = \
+         {target:.1e}; raise model.modes or model.reduction_error"
+    )]
+    ReductionTarget {
+        /// Error asked for.
+        target: f64,
+        /// Error reached.
+        error: f64,
+        /// Modes retained.
+        modes: usize,
     },
     /// The prestress did not converge; there is nothing to linearise about.
     #[error("the prestress did not converge: {reason}; relative residuals {history:?}")]
@@ -106,6 +136,9 @@ pub enum Error {
     /// Reduction.
     #[error(transparent)]
     Reduction(#[from] reduction::Error),
+    /// Matrix files.
+    #[error(transparent)]
+    MatrixFile(Box<matrix_files::Error>),
     /// Contact laws.
     #[error(transparent)]
     Law(#[from] contact_laws::Error),
@@ -118,4 +151,10 @@ pub enum Error {
     /// Solver.
     #[error(transparent)]
     Solver(#[from] cqsma_solver::Error),
+}
+
+impl From<matrix_files::Error> for Error {
+    fn from(error: matrix_files::Error) -> Self {
+        Self::MatrixFile(Box::new(error))
+    }
 }

@@ -1,11 +1,14 @@
-//! A reduced model as named arrays, for other programs.
+//! Models for other programs: reduced ones as named arrays, meshes as input decks and mesh files.
 
-use crate::joint::Joint;
+use crate::joint::{Joint, MeshedBodies};
 use crate::model::StructuralModel;
+use crate::scene;
 use faer::MatRef;
 use matrix_files::Error;
 use matrix_files::value::{Array, Dense, Dof};
 use std::collections::BTreeMap;
+use std::path::Path;
+use substructure::mesh::{Dof as Component, Face, Group};
 use zte_assembly::Element;
 
 /// What the arrays are; goes with them where the format has room for text.
@@ -62,6 +65,76 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
     ]
     .map(|(name, array)| (name.to_owned(), array))
     .into())
+}
+
+/// Name of the top side of the interface in mesh files, and of the bottom side.
+const SIDES: [&str; 2] = ["INTERFACE TOP", "INTERFACE BOTTOM"];
+
+/// Name of the set of the response node.
+const RESPONSE: &str = "RESPONSE";
+
+/// The two sides of the interface as faces of the mesh, and the response node.
+pub fn groups(joint: &Joint, bodies: &MeshedBodies) -> ([Group<Face>; 2], [Group<u32>; 1]) {
+    let side = |name: &str, nodes: &[u32]| Group {
+        name: name.to_owned(),
+        members: joint
+            .interface
+            .elements
+            .iter()
+            .map(|element| match element {
+                Element::Quad4(corners) => Face::Quad4(corners.map(|n| nodes[n as usize])),
+                Element::Tri3(corners) => Face::Tri3(corners.map(|n| nodes[n as usize])),
+            })
+            .collect(),
+    };
+    let response = Group {
+        name: RESPONSE.to_owned(),
+        members: vec![bodies.response_node],
+    };
+    let sides = [side(SIDES[0], &bodies.top_nodes), side(SIDES[1], &bodies.bottom_nodes)];
+    (sides, [response])
+}
+
+/// What a scene says of the input deck at `path` that [`substructure::deck::write`] makes of the bodies and their
+/// [`groups`]: the structure is the same, with the scene's material.
+pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path) -> scene::Deck {
+    let normal = joint.frame[2];
+    let n_nodes = bodies.assembly.mesh.nodes.len() as u64;
+    // References are numbered after the nodes. The end that tension pulls along the normal is that of the top body.
+    let end = |terms: &[(Component, f64)], sign: f64| {
+        let pulled = |term: &&(Component, f64)| match term {
+            (Component::Reference(_, c), value) if *c < 3 => sign * value * normal[usize::from(*c)] > 0.0,
+            _ => false,
+        };
+        match terms.iter().find(pulled) {
+            Some((Component::Reference(reference, _), _)) => (n_nodes + u64::from(*reference) + 1).to_string(),
+            _ => String::new(),
+        }
+    };
+    scene::Deck {
+        path: path.to_owned(),
+        units: None,
+        top_surface: SIDES[0].to_owned(),
+        bottom_surface: SIDES[1].to_owned(),
+        along: joint.frame[0],
+        bolts: bodies
+            .assembly
+            .loads
+            .iter()
+            .map(|load| scene::DeckBolt {
+                top: end(&load.terms, 1.0),
+                bottom: end(&load.terms, -1.0),
+            })
+            .collect(),
+        response: scene::DeckResponse {
+            node: RESPONSE.to_owned(),
+            direction: bodies.response_direction,
+        },
+        tie_tolerance: None,
+        untied: scene::Untied::Refuse,
+        materials: scene::MaterialSource::Scene,
+        bolt_hole_clearance: joint.clearance,
+    }
 }
 
 fn dense(matrix: MatRef<'_, f64>) -> Result<Array, Error> {

@@ -1,6 +1,7 @@
 //! From a scene's surface and law to the interface, and the adapter that lets the solver see it.
 
 use crate::Error;
+use crate::parameters::GivenLaw;
 use crate::scene::{Gap, LawKind, Scene, Surface, SyntheticScan};
 use brake_reuss_beam::published;
 use contact_laws::{
@@ -34,12 +35,28 @@ const TABLE_RANGE: [f64; 2] = [1e-10, 1e-3];
 /// What is reported about the law.
 #[derive(Clone, Debug, Serialize)]
 pub struct LawReport {
-    /// `tabulated`, `fitted` or `asperity-sum`.
-    pub kind: LawKind,
-    /// `mindlin` or `paper`.
-    pub tangential: TangentialReading,
+    /// `tabulated`, `fitted`, `asperity-sum` or `elastic`.
+    pub kind: &'static str,
     /// History rule.
     pub history: contact_laws::HistoryRule,
+    /// What follows from asperities; left out where the parameters of the law are given.
+    #[serde(flatten)]
+    pub asperities: Option<AsperityReport>,
+    /// Uniform closure that carries the bolt load (m).
+    pub mean_closure: f64,
+    /// Mean pressure there (Pa).
+    pub mean_pressure: f64,
+    /// Mean normal stiffness of the law in use there (Pa/m).
+    pub normal_stiffness: f64,
+    /// Mean tangential stiffness of the law in use there (Pa/m).
+    pub tangential_stiffness: f64,
+}
+
+/// What is reported about a law that follows from asperities.
+#[derive(Clone, Debug, Serialize)]
+pub struct AsperityReport {
+    /// `mindlin` or `paper`.
+    pub tangential: TangentialReading,
     /// Different asperity populations.
     pub n_populations: usize,
     /// Median rms residual of the fits of eq. (28) to the sums, in ln.
@@ -52,14 +69,6 @@ pub struct LawReport {
     pub table_error_normal: Option<f64>,
     /// Largest relative error of the tables, tangential stiffness.
     pub table_error_tangential: Option<f64>,
-    /// Uniform closure that carries the bolt load (m).
-    pub mean_closure: f64,
-    /// Mean pressure there (Pa).
-    pub mean_pressure: f64,
-    /// Mean normal stiffness of the law in use there (Pa/m).
-    pub normal_stiffness: f64,
-    /// Mean tangential stiffness of the law in use there (Pa/m).
-    pub tangential_stiffness: f64,
     /// The fitted over the summed tangential stiffness there.
     pub fitted_to_summed: f64,
     /// The `paper` over the `mindlin` reading of the summed tangential stiffness there.
@@ -84,7 +93,8 @@ pub struct SceneInterface {
     pub clipped_gaps: usize,
     /// Uniform closure `u_n` above the gap that carries the bolt load (m): the guess that prestress starts from.
     pub closure: f64,
-    pub(crate) asperities: Asperities,
+    /// None where the parameters of the law are given.
+    pub(crate) asperities: Option<Asperities>,
 }
 
 impl SceneInterface {
@@ -94,102 +104,157 @@ impl SceneInterface {
     /// Of the law, the surface, the interface; [`Error::NoContact`].
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, load: f64) -> Result<Self, Error> {
         let operators = Arc::new(Operators::try_new(mesh, scene.points_per_direction)?);
-        let asperities = Asperities::try_new(scene, mesh)?;
+        let n = operators.n_points();
         let element_of: Vec<u32> = operators
             .first_point
             .windows(2)
             .enumerate()
             .flat_map(|(e, r)| vec![e as u32; r[1] - r[0]])
             .collect();
-        let population_of: Vec<u32> = element_of.iter().map(|&e| asperities.of_element[e as usize]).collect();
-        let built = asperities.law(scene, population_of)?;
-        let (gap, clipped_gaps) = asperities.gap(scene, &operators, &element_of);
-        let n = operators.n_points();
-        let interface = Interface::try_new(operators, vec![(0..n, built.law)], gap)?;
+        let law_of = |asperities: Asperities| -> Result<Source, Error> {
+            let built = asperities.law(scene, &operators, &element_of)?;
+            Ok(Source::Asperities(Box::new(built)))
+        };
+        let from = match &scene.surface {
+            Surface::Measured => law_of(Asperities::measured(scene, mesh)?)?,
+            Surface::SyntheticScan(scan) => law_of(Asperities::scanned(scene, scan, mesh)?)?,
+            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(scene, parameters, &element_of)?),
+        };
+        let (law, kind, gap, clipped_gaps) = match &from {
+            Source::Given(given) => (given.law.clone(), given.kind, given.gap.clone(), 0),
+            Source::Asperities(built) => {
+                let clipped = built.raw_gap.iter().filter(|g| **g < 0.0).count();
+                let gap = built.raw_gap.iter().map(|g| g.max(0.0)).collect();
+                (built.law.clone(), built.kind, gap, clipped)
+            }
+        };
+        let interface = Interface::try_new(operators, vec![(0..n, law)], gap)?;
         let closure = uniform_closure(&interface, load)?;
-        let mut report = built.report;
         let flat = interface.with_gap(vec![0.0; n])?;
-        report.mean_closure = uniform_closure(&flat, load)?;
-        report.mean_pressure = load / flat.operators().area();
-        asperities.stiffnesses(&flat, scene, &built.fitted, &mut report)?;
+        let mean_closure = uniform_closure(&flat, load)?;
+        let operators = flat.operators();
+        let (stiffness, asperity_report) = match &from {
+            Source::Given(given) => {
+                let of_curves = |p: usize| stiffnesses(given.at(p), mean_closure);
+                (mean(operators, of_curves), None)
+            }
+            Source::Asperities(built) => {
+                let (stiffness, report) = built.describe(scene, operators, &element_of, mean_closure)?;
+                (stiffness, Some(report))
+            }
+        };
+        let report = LawReport {
+            kind,
+            history: scene.law.history,
+            asperities: asperity_report,
+            mean_closure,
+            mean_pressure: load / operators.area(),
+            normal_stiffness: stiffness[0],
+            tangential_stiffness: stiffness[1],
+        };
         Ok(Self {
             interface,
             report,
             clipped_gaps,
             closure,
-            asperities,
+            asperities: match from {
+                Source::Given(_) => None,
+                Source::Asperities(built) => Some(built.asperities),
+            },
         })
     }
 }
 
+/// What the law follows from.
+enum Source {
+    Given(GivenLaw),
+    Asperities(Box<BuiltLaw>),
+}
+
+/// Average over the area of values at the points.
+fn mean(operators: &Operators, of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    let points = operators.weights.iter().enumerate();
+    let sum = points.fold([0.0; 2], |sum, (p, w)| {
+        let value = of(p);
+        [sum[0] + w * value[0], sum[1] + w * value[1]]
+    });
+    sum.map(|sum| sum / operators.area())
+}
+
+/// Normal and mean tangential stiffness of curves at an interference.
+fn stiffnesses(curves: &dyn ContactCurves, u: f64) -> [f64; 2] {
+    let k = curves.tangential(u);
+    [curves.normal(u).1, 0.5 * (k[0].value + k[1].value)]
+}
+
+/// A law that follows from asperities.
 struct BuiltLaw {
+    asperities: Asperities,
     law: Arc<dyn TractionLaw>,
-    fitted: Vec<FittedCurves>,
-    report: LawReport,
+    kind: &'static str,
+    /// Gap at each point (m), negative values included.
+    raw_gap: Vec<f64>,
+    sums: Vec<AsperitySumCurves>,
+    fits: Vec<Fit>,
+    /// Largest relative errors of the tables, normal and tangential.
+    table_errors: Option<[f64; 2]>,
 }
 
 impl Asperities {
-    fn try_new(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
-        let material = ElasticPair {
-            youngs_modulus: scene.model.material.youngs_modulus,
-            poisson_ratio: scene.model.material.poisson_ratio,
+    /// The measured statistics, the same everywhere.
+    fn measured(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
+        let values = published::ASPERITY_GAP_QUANTILES;
+        let last = (values.len() - 1) as f64;
+        let probabilities: Vec<f64> = (0..values.len()).map(|i| i as f64 / last).collect();
+        let radius = published::EFFECTIVE_RADIUS;
+        let population = AsperityPopulation::try_new(
+            GapDistribution::try_from_quantiles(&probabilities, &values)?,
+            published::ASPERITIES_PER_AREA,
+            [radius, radius],
+        )?;
+        Ok(Self {
+            populations: vec![population],
+            of_element: vec![0; mesh.elements.len()],
+            material: material(scene),
+            scan: None,
+        })
+    }
+
+    /// Those of two synthetic scans, element by element.
+    fn scanned(scene: &Scene, scan: &SyntheticScan, mesh: &InterfaceMesh) -> Result<Self, Error> {
+        let outlines = ElementOutlines::try_new(
+            mesh.nodes.clone(),
+            mesh.elements.iter().map(|e| e.nodes().to_vec()).collect(),
+        )?;
+        let (top, bottom) = (face(scan, mesh, 0)?, face(scan, mesh, 1)?);
+        let mut options = Options::new(material(scene));
+        options.tangential = scene.law.tangential;
+        options.u_ref = U_REF;
+        options.bootstrap = Bootstrap {
+            realisations: scan.bootstrap,
+            seed: scan.seed,
+            ..Bootstrap::default()
         };
-        let n_elements = mesh.elements.len();
-        match &scene.surface {
-            Surface::Measured => {
-                let values = published::ASPERITY_GAP_QUANTILES;
-                let last = (values.len() - 1) as f64;
-                let probabilities: Vec<f64> = (0..values.len()).map(|i| i as f64 / last).collect();
-                let radius = published::EFFECTIVE_RADIUS;
-                let population = AsperityPopulation::try_new(
-                    GapDistribution::try_from_quantiles(&probabilities, &values)?,
-                    published::ASPERITIES_PER_AREA,
-                    [radius, radius],
-                )?;
-                Ok(Self {
-                    populations: vec![population],
-                    of_element: vec![0; n_elements],
-                    material,
-                    scan: None,
-                })
-            }
-            Surface::SyntheticScan(scan) => {
-                let outlines = ElementOutlines::try_new(
-                    mesh.nodes.clone(),
-                    mesh.elements.iter().map(|e| e.nodes().to_vec()).collect(),
-                )?;
-                let (top, bottom) = (face(scan, mesh, 0)?, face(scan, mesh, 1)?);
-                let mut options = Options::new(material);
-                options.tangential = scene.law.tangential;
-                options.u_ref = U_REF;
-                options.bootstrap = Bootstrap {
-                    realisations: scan.bootstrap,
-                    seed: scan.seed,
-                    ..Bootstrap::default()
-                };
-                let found = characterise(&top, &bottom, &outlines, &options)?;
-                let smooth = scene.law.kind == LawKind::Tabulated;
-                let populations = found
-                    .elements
-                    .iter()
-                    .map(|element| {
-                        let population = element.population.law_population()?;
-                        if smooth {
-                            interpolated(&population, element.population.heights())
-                        } else {
-                            Ok(population)
-                        }
-                    })
-                    .collect::<Result<_, Error>>()?;
-                let of_element = (0..n_elements as u32).collect();
-                Ok(Self {
-                    populations,
-                    of_element,
-                    material,
-                    scan: Some(found),
-                })
-            }
-        }
+        let found = characterise(&top, &bottom, &outlines, &options)?;
+        let smooth = scene.law.kind == LawKind::Tabulated;
+        let populations = found
+            .elements
+            .iter()
+            .map(|element| {
+                let population = element.population.law_population()?;
+                if smooth {
+                    interpolated(&population, element.population.heights())
+                } else {
+                    Ok(population)
+                }
+            })
+            .collect::<Result<_, Error>>()?;
+        Ok(Self {
+            populations,
+            of_element: (0..mesh.elements.len() as u32).collect(),
+            material: material(scene),
+            scan: Some(found),
+        })
     }
 
     fn sums(&self, reading: TangentialReading) -> Result<Vec<AsperitySumCurves>, Error> {
@@ -200,34 +265,25 @@ impl Asperities {
         Ok(curves.collect::<Result<_, _>>()?)
     }
 
-    fn law(&self, scene: &Scene, population_of: Vec<u32>) -> Result<BuiltLaw, Error> {
+    fn law(self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> Result<BuiltLaw, Error> {
         let law = &scene.law;
+        let population_of: Vec<u32> = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
         let sums = self.sums(law.tangential)?;
         let fits = self.fits(&sums, law.tangential)?;
         let mu = PointParameters::uniform(scene.mu, population_of.len());
-        let mut report = LawReport {
-            kind: law.kind,
-            tangential: law.tangential,
-            history: law.history,
-            n_populations: self.populations.len(),
-            fit_rms_normal: median(fits.iter().map(|f| f.rms[0]).collect()),
-            fit_rms_tangential: median(fits.iter().map(|f| f.rms[1]).collect()),
-            fit_fallbacks: fits.iter().filter(|f| f.fallback).count(),
-            table_error_normal: None,
-            table_error_tangential: None,
-            mean_closure: 0.0,
-            mean_pressure: 0.0,
-            normal_stiffness: 0.0,
-            tangential_stiffness: 0.0,
-            fitted_to_summed: 0.0,
-            paper_to_mindlin: 0.0,
-        };
-        let fitted: Vec<FittedCurves> = fits.into_iter().map(|f| f.curves).collect();
-        let law: Arc<dyn TractionLaw> = match law.kind {
-            LawKind::AsperitySum => frictional(PointParameters::try_indexed(sums, population_of)?, mu, law.history)?,
+        let mut table_errors = None;
+        let (kind, law): (_, Arc<dyn TractionLaw>) = match law.kind {
+            LawKind::AsperitySum => {
+                let curves = PointParameters::try_indexed(sums.clone(), population_of)?;
+                ("asperity-sum", frictional(curves, mu, law.history)?)
+            }
             LawKind::Fitted => {
-                let curves = PointParameters::try_indexed(fitted.clone(), population_of)?;
-                frictional(FittedPoints::<f64>::new(&curves), mu, law.history)?
+                let fitted = fits.iter().map(|fit| fit.curves).collect();
+                let curves = PointParameters::try_indexed(fitted, population_of)?;
+                (
+                    "fitted",
+                    frictional(FittedPoints::<f64>::new(&curves), mu, law.history)?,
+                )
             }
             LawKind::Tabulated => {
                 // Hundreds of tables: a coarser one each is still far below the scatter of the samples behind it.
@@ -241,17 +297,28 @@ impl Asperities {
                     TableOptions::default()
                 };
                 let tables = sums
-                    .into_par_iter()
-                    .map(|curves| Tabulated::try_new(curves, TABLE_RANGE, options))
+                    .par_iter()
+                    .map(|curves| Tabulated::try_new(curves.clone(), TABLE_RANGE, options))
                     .collect::<Result<Vec<_>, _>>()?;
                 let worst =
                     |of: &dyn Fn(&Tabulated<AsperitySumCurves>) -> f64| tables.iter().map(of).fold(0.0, f64::max);
-                report.table_error_normal = Some(worst(&Tabulated::max_relative_error_normal));
-                report.table_error_tangential = Some(worst(&Tabulated::max_relative_error_tangential));
-                frictional(PointParameters::try_indexed(tables, population_of)?, mu, law.history)?
+                table_errors = Some([
+                    worst(&Tabulated::max_relative_error_normal),
+                    worst(&Tabulated::max_relative_error_tangential),
+                ]);
+                let curves = PointParameters::try_indexed(tables, population_of)?;
+                ("tabulated", frictional(curves, mu, law.history)?)
             }
         };
-        Ok(BuiltLaw { law, fitted, report })
+        Ok(BuiltLaw {
+            raw_gap: self.gap(scene, operators, element_of),
+            asperities: self,
+            law,
+            kind,
+            sums,
+            fits,
+            table_errors,
+        })
     }
 
     fn fits(&self, sums: &[AsperitySumCurves], reading: TangentialReading) -> Result<Vec<Fit>, Error> {
@@ -295,9 +362,9 @@ impl Asperities {
             .collect()
     }
 
-    /// Gap per point (m), and how many came out negative.
-    fn gap(&self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> (Vec<f64>, usize) {
-        let raw: Vec<f64> = operators
+    /// Gap per point (m).
+    fn gap(&self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> Vec<f64> {
+        operators
             .positions
             .iter()
             .zip(element_of)
@@ -306,58 +373,58 @@ impl Asperities {
                 (Gap::Scan, Some(scan)) => scan.elements[element as usize].gap.at([x, y]),
                 _ => 0.0,
             })
-            .collect();
-        let clipped = raw.iter().filter(|g| **g < 0.0).count();
-        (raw.into_iter().map(|g| g.max(0.0)).collect(), clipped)
+            .collect()
     }
+}
 
-    /// Stiffnesses at the mean closure, area-weighted over the elements.
-    fn stiffnesses(
+impl BuiltLaw {
+    /// Mean stiffnesses (Pa/m) at a closure, and the report.
+    fn describe(
         &self,
-        flat: &Interface,
         scene: &Scene,
-        fitted: &[FittedCurves],
-        report: &mut LawReport,
-    ) -> Result<(), Error> {
-        let u = report.mean_closure;
-        let weights: Vec<f64> = flat
-            .operators()
-            .first_point
-            .windows(2)
-            .map(|range| flat.operators().weights[range[0]..range[1]].iter().sum())
-            .collect();
-        let total: f64 = weights.iter().sum();
-        let mean = |of: &dyn Fn(usize) -> f64| {
-            weights
-                .iter()
-                .zip(&self.of_element)
-                .map(|(w, &p)| w * of(p as usize))
-                .sum::<f64>()
-                / total
+        operators: &Operators,
+        element_of: &[u32],
+        closure: f64,
+    ) -> Result<([f64; 2], AsperityReport), Error> {
+        let asperities = &self.asperities;
+        let average = |of: &dyn Fn(usize) -> [f64; 2]| {
+            let values: Vec<[f64; 2]> = (0..self.sums.len()).map(of).collect();
+            mean(operators, |p| {
+                values[asperities.of_element[element_of[p] as usize] as usize]
+            })
         };
-        let sums = self.sums(scene.law.tangential)?;
-        let tangential = |curves: &dyn ContactCurves| {
-            let k = curves.tangential(u);
-            0.5 * (k[0].value + k[1].value)
+        let reading = |reading| -> Result<[f64; 2], Error> {
+            let sums = asperities.sums(reading)?;
+            Ok(average(&|population| stiffnesses(&sums[population], closure)))
         };
-        let in_use = scene.law.kind == LawKind::Fitted;
-        let summed = mean(&|p| tangential(&sums[p]));
-        let fit = mean(&|p| tangential(&fitted[p]));
-        report.normal_stiffness = mean(&|p| {
-            if in_use {
-                fitted[p].normal(u).1
-            } else {
-                sums[p].normal(u).1
-            }
-        });
-        report.tangential_stiffness = if in_use { fit } else { summed };
-        report.fitted_to_summed = fit / summed;
-        let (paper, mindlin) = (
-            self.sums(TangentialReading::Paper)?,
-            self.sums(TangentialReading::Mindlin)?,
-        );
-        report.paper_to_mindlin = mean(&|p| tangential(&paper[p])) / mean(&|p| tangential(&mindlin[p]));
-        Ok(())
+        let summed = average(&|population| stiffnesses(&self.sums[population], closure));
+        let fitted = average(&|population| stiffnesses(&self.fits[population].curves, closure));
+        let [paper, mindlin] = [reading(TangentialReading::Paper)?, reading(TangentialReading::Mindlin)?];
+        let fits = &self.fits;
+        let report = AsperityReport {
+            tangential: scene.law.tangential,
+            n_populations: asperities.populations.len(),
+            fit_rms_normal: median(fits.iter().map(|f| f.rms[0]).collect()),
+            fit_rms_tangential: median(fits.iter().map(|f| f.rms[1]).collect()),
+            fit_fallbacks: fits.iter().filter(|f| f.fallback).count(),
+            table_error_normal: self.table_errors.map(|e| e[0]),
+            table_error_tangential: self.table_errors.map(|e| e[1]),
+            fitted_to_summed: fitted[1] / summed[1],
+            paper_to_mindlin: paper[1] / mindlin[1],
+        };
+        let in_use = if scene.law.kind == LawKind::Fitted {
+            fitted
+        } else {
+            summed
+        };
+        Ok((in_use, report))
+    }
+}
+
+fn material(scene: &Scene) -> ElasticPair {
+    ElasticPair {
+        youngs_modulus: scene.model.material.youngs_modulus,
+        poisson_ratio: scene.model.material.poisson_ratio,
     }
 }
 

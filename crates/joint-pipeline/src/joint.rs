@@ -1,6 +1,7 @@
 //! What is reduced: two bodies, the interface between them, bolts and a response point.
 
 use crate::Error;
+use crate::matrices::{self, ImportedBodies};
 use crate::scene::{self, MaterialSource, Untied};
 use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::mesh::{Refinement, build};
@@ -17,26 +18,42 @@ const COINCIDENCE: f64 = 1e-3;
 /// Least cosine between the normal of a face and the mean normal.
 const FLATNESS: f64 = 0.99;
 
-/// Two bodies with everything that connects and loads them, before contact.
+/// Two bodies with everything that connects and loads them, before contact, and the interface between them.
 #[derive(Clone, Debug)]
 pub struct Joint {
-    /// Bodies; one load pattern of unit tension per bolt.
-    pub assembly: Assembly,
+    /// The bodies.
+    pub bodies: Bodies,
     /// The interface in its plane (m).
     pub interface: InterfaceMesh,
+    /// Unit vectors of the relative coordinates as rows: two in the interface, and the normal from the top body into the
+    /// bottom one.
+    pub frame: [[f64; 3]; 3],
+    /// By how much the bodies can slide before a shank touches its hole (m).
+    pub clearance: Option<f64>,
+}
+
+/// What the bodies are made of.
+#[derive(Clone, Debug)]
+pub enum Bodies {
+    /// Finite elements.
+    Meshed(MeshedBodies),
+    /// Matrices of another program.
+    Imported(ImportedBodies),
+}
+
+/// Bodies of finite elements.
+#[derive(Clone, Debug)]
+pub struct MeshedBodies {
+    /// One load pattern of unit tension per bolt.
+    pub assembly: Assembly,
     /// Node of the top body for each interface node.
     pub top_nodes: Vec<u32>,
     /// Node of the bottom body for each interface node.
     pub bottom_nodes: Vec<u32>,
-    /// Unit vectors of the relative coordinates as rows: two in the interface, and the normal from the top body into the
-    /// bottom one.
-    pub frame: [[f64; 3]; 3],
     /// Where amplitudes are measured.
     pub response_node: u32,
     /// Direction there.
     pub response_direction: [f64; 3],
-    /// By how much the bodies can slide before a shank touches its hole (m).
-    pub clearance: Option<f64>,
 }
 
 impl Joint {
@@ -44,23 +61,38 @@ impl Joint {
     ///
     /// # Errors
     /// Of the mesher.
-    pub fn beam(refinement: &Refinement, material: &Material) -> Result<Self, Error> {
+    pub fn beam(refinement: &Refinement, material: &Material, hexahedra: Formulation) -> Result<Self, Error> {
         let geometry = Geometry::default();
-        let beam = build(&geometry, refinement, material, 1.0)?;
+        let mut beam = build(&geometry, refinement, material, 1.0)?;
+        beam.assembly.mesh.set_formulation(hexahedra);
         Ok(Self {
-            assembly: beam.assembly,
+            bodies: Bodies::Meshed(MeshedBodies {
+                assembly: beam.assembly,
+                top_nodes: beam.top_nodes,
+                bottom_nodes: beam.bottom_nodes,
+                response_node: beam.response_node,
+                response_direction: beam.response_direction,
+            }),
             interface: beam.interface,
-            top_nodes: beam.top_nodes,
-            bottom_nodes: beam.bottom_nodes,
             frame: beam.frame,
-            response_node: beam.response_node,
-            response_direction: beam.response_direction,
             clearance: Some(0.5 * (geometry.hole_diameter - geometry.shank_diameter)),
         })
     }
-}
 
-impl Joint {
+    /// A structure from matrices, in SI.
+    ///
+    /// # Errors
+    /// Of the files; [`Error::Matrices`].
+    pub fn from_matrices(source: &scene::Matrices, notes: &mut dyn FnMut(&str)) -> Result<Self, Error> {
+        let imported = matrices::read(source, notes)?;
+        Ok(Self {
+            bodies: Bodies::Imported(imported.bodies),
+            interface: imported.interface,
+            frame: imported.frame,
+            clearance: source.bolt_hole_clearance,
+        })
+    }
+
     /// A structure from an input deck, in SI.
     ///
     /// # Errors
@@ -121,13 +153,15 @@ impl Joint {
             Err(_) => deck.node(&source.response.node)?,
         };
         Ok(Self {
-            assembly,
+            bodies: Bodies::Meshed(MeshedBodies {
+                assembly,
+                top_nodes: facing.top_nodes,
+                bottom_nodes: facing.bottom_nodes,
+                response_node,
+                response_direction: source.response.direction,
+            }),
             interface: facing.interface,
-            top_nodes: facing.top_nodes,
-            bottom_nodes: facing.bottom_nodes,
             frame: facing.frame,
-            response_node,
-            response_direction: source.response.direction,
             clearance: source.bolt_hole_clearance,
         })
     }

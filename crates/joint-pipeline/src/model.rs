@@ -2,13 +2,15 @@
 
 use crate::Error;
 use crate::cache::{self, KeyBuilder};
-use crate::joint::Joint;
+use crate::joint::{Bodies, Joint};
+use crate::matrices::ImportedBodies;
 use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, FormulationName, Model, RefinementName};
 use brake_reuss_beam::mesh::Refinement;
 use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, checks, reduce};
 use serde::{Deserialize, Serialize};
 use sprs::{CsMat, TriMat};
+use std::borrow::Cow;
 use std::path::Path;
 use substructure::assemble::System;
 use substructure::elements::Formulation;
@@ -26,13 +28,13 @@ const CHECK_STIFFNESS: f64 = 50.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Facts {
     /// Nodes of the solid mesh.
-    pub n_nodes: usize,
+    pub n_nodes: Option<usize>,
     /// Elements of the solid mesh.
-    pub n_elements: usize,
-    /// Independent displacement components after constraints.
+    pub n_elements: Option<usize>,
+    /// Independent displacement components after constraints, or coordinates of imported matrices.
     pub n_dofs: usize,
-    /// Mass (kg).
-    pub mass: f64,
+    /// Mass (kg), if it is known.
+    pub mass: Option<f64>,
     /// Zero-energy modes without any contact.
     pub zem_unstressed: usize,
     /// Frequencies without any contact (Hz).
@@ -54,22 +56,27 @@ pub struct StructuralModel {
     pub facts: Facts,
 }
 
-/// The meshed structure, before anything is computed with it.
+/// The structure of a scene, before anything is computed with it.
 #[derive(Clone, Debug)]
-pub struct MeshedStructure {
-    /// What is meshed.
+pub struct Structure {
+    /// What it is made of.
     pub joint: Joint,
     settings: Settings,
+    reduction_error: Option<f64>,
     youngs_modulus: f64,
 }
 
-impl MeshedStructure {
+impl Structure {
     /// Meshes or reads the structure of a scene; bolts are loaded by unit tension, and may be locked later if they behave
     /// so.
     ///
     /// # Errors
-    /// Of the mesher or the deck.
+    /// Of the mesher, the deck or the matrices.
     pub fn try_new(model: &Model, bolts: BoltBehaviour, progress: &dyn Progress) -> Result<Self, Error> {
+        if let Some(matrices) = &model.matrices {
+            let joint = Joint::from_matrices(matrices, &mut |note| progress.note(note))?;
+            return Ok(Self::new(model, bolts, joint));
+        }
         if let Some(deck) = &model.deck {
             let hexahedra = model.formulation.map(formulation);
             let joint = Joint::from_deck(deck, &material(model), hexahedra, &mut |note| progress.note(note))?;
@@ -90,21 +97,28 @@ impl MeshedStructure {
     /// # Errors
     /// Of the mesher.
     pub fn with_refinement(model: &Model, bolts: BoltBehaviour, refinement: &Refinement) -> Result<Self, Error> {
-        let mut joint = Joint::beam(refinement, &material(model))?;
         let hexahedra = model.formulation.map(formulation).unwrap_or_default();
-        joint.assembly.mesh.set_formulation(hexahedra);
+        let joint = Joint::beam(refinement, &material(model), hexahedra)?;
         Ok(Self::new(model, bolts, joint))
     }
 
     fn new(model: &Model, bolts: BoltBehaviour, joint: Joint) -> Self {
+        let mut settings = Settings {
+            n_modes: model.n_modes(),
+            n_reported: model.n_modes().max(N_CHECKED),
+            attachment_modes: bolts == BoltBehaviour::Locked,
+            ..Settings::default()
+        };
+        if let Bodies::Imported(bodies) = &joint.bodies {
+            settings.expected_zem = bodies.zero_energy_modes;
+            if bodies.is_reduced {
+                settings.n_modes = bodies.relative.stiffness.rows() - bodies.relative.n_relative;
+            }
+        }
         Self {
             joint,
-            settings: Settings {
-                n_modes: model.modes,
-                n_reported: model.modes.max(N_CHECKED),
-                attachment_modes: bolts == BoltBehaviour::Locked,
-                ..Settings::default()
-            },
+            settings,
+            reduction_error: model.reduction_error,
             youngs_modulus: model.material.youngs_modulus,
         }
     }
@@ -125,26 +139,26 @@ impl MeshedStructure {
             return Ok(model);
         }
         progress.begin(Stage::Assemble);
-        let (system, relative) = self.assemble()?;
-        let direction = self.joint.response_direction;
-        let terms: Vec<_> = (0..3_u8)
-            .map(|c| (Dof::Node(self.joint.response_node, c), direction[c as usize]))
-            .collect();
-        let row = relative.row(&system.dofs.force(&self.joint.assembly, "the response", &terms)?);
+        let assembled = self.assemble()?;
         progress.end(Stage::Assemble);
         progress.begin(Stage::Factor);
-        let reduced = reduce(&relative, &[row], self.settings, &mut |step, done| match step {
-            Step::Factor => {
-                progress.fraction(Stage::Factor, done);
-                if done == 1.0 {
-                    progress.end(Stage::Factor);
-                    progress.begin(Stage::Reduce);
+        let mut reduced = reduce(
+            &assembled.relative,
+            &assembled.rows,
+            self.settings,
+            &mut |step, done| match step {
+                Step::Factor => {
+                    progress.fraction(Stage::Factor, done);
+                    if done == 1.0 {
+                        progress.end(Stage::Factor);
+                        progress.begin(Stage::Reduce);
+                    }
                 }
-            }
-            Step::Stream => progress.fraction(Stage::Reduce, 0.8 * done),
-        })?;
+                Step::Stream => progress.fraction(Stage::Reduce, 0.8 * done),
+            },
+        )?;
         check_closing(&reduced)?;
-        let facts = self.facts(&system, &relative, &reduced, progress)?;
+        let facts = self.facts(&assembled, &mut reduced, progress)?;
         let model = StructuralModel { reduced, facts };
         if let Some(Err(error)) = cache.map(|directory| cache::store(directory, &key, &model)) {
             progress.note(&format!("the reduced model was not cached: {error}"));
@@ -153,16 +167,35 @@ impl MeshedStructure {
         Ok(model)
     }
 
-    /// The system of both bodies, and the same in relative coordinates.
-    fn assemble(&self) -> Result<(System, RelativeSystem), Error> {
-        let system = System::try_new(&self.joint.assembly)?;
+    /// The system in relative coordinates.
+    fn assemble(&self) -> Result<Assembled<'_>, Error> {
+        let bodies = match &self.joint.bodies {
+            Bodies::Imported(bodies) => return Ok(Assembled::imported(bodies)),
+            Bodies::Meshed(bodies) => bodies,
+        };
+        let system = System::try_new(&bodies.assembly)?;
         let pairs = InterfacePairs {
-            top: &self.joint.top_nodes,
-            bottom: &self.joint.bottom_nodes,
+            top: &bodies.top_nodes,
+            bottom: &bodies.bottom_nodes,
             frame: self.joint.frame,
         };
         let relative = RelativeSystem::try_new(&system, pairs)?;
-        Ok((system, relative))
+        let terms: Vec<_> = (0..3_u8)
+            .map(|c| {
+                let direction = bodies.response_direction[usize::from(c)];
+                (Dof::Node(bodies.response_node, c), direction)
+            })
+            .collect();
+        let response = relative.row(&system.dofs.force(&bodies.assembly, "the response", &terms)?);
+        Ok(Assembled {
+            relative: Cow::Owned(relative),
+            rows: [response],
+            n_nodes: Some(bodies.assembly.mesh.nodes.len()),
+            n_elements: Some(bodies.assembly.mesh.elements.len()),
+            mass: Some(system.total_mass),
+            n_untied_slaves: system.dofs.untied.len(),
+            largest_adjustment: system.dofs.largest_adjustment,
+        })
     }
 
     /// What the structure is, without reducing it; on request with its `spectrum`: so many frequencies of each kind, with
@@ -176,22 +209,21 @@ impl MeshedStructure {
         progress: &dyn Progress,
     ) -> Result<Description, Error> {
         progress.begin(Stage::Assemble);
-        let (system, relative) = self.assemble()?;
+        let assembled = self.assemble()?;
         progress.end(Stage::Assemble);
         let spectrum = spectrum.map(|(count, linear)| {
             let linear = linear.unwrap_or_else(|| self.check_interface());
-            self.spectrum(&relative, count, linear, progress)
+            self.spectrum(&assembled.relative, count, linear, progress)
         });
-        let mesh = &self.joint.assembly.mesh;
         Ok(Description {
-            n_nodes: mesh.nodes.len(),
-            n_elements: mesh.elements.len(),
-            n_dofs: system.n_dofs(),
-            mass: system.total_mass,
+            n_nodes: assembled.n_nodes,
+            n_elements: assembled.n_elements,
+            n_dofs: assembled.relative.stiffness.rows(),
+            mass: assembled.mass,
             n_interface_elements: self.joint.interface.elements.len(),
             interface_area: self.joint.interface.areas().iter().sum(),
-            n_untied_slaves: system.dofs.untied.len(),
-            largest_adjustment: system.dofs.largest_adjustment,
+            n_untied_slaves: assembled.n_untied_slaves,
+            largest_adjustment: assembled.largest_adjustment,
             spectrum: spectrum.transpose()?,
         })
     }
@@ -234,37 +266,57 @@ impl MeshedStructure {
         }
     }
 
+    /// Compares the reduced model with the full one, after leaving out the modes that the wanted accuracy does not need.
     fn facts(
         &self,
-        system: &System,
-        relative: &RelativeSystem,
-        reduced: &ReducedModel,
+        assembled: &Assembled<'_>,
+        reduced: &mut ReducedModel,
         progress: &dyn Progress,
     ) -> Result<Facts, Error> {
         let tolerance = self.settings.mode_tolerance;
+        let relative: &RelativeSystem = &assembled.relative;
         let (zem_unstressed, unstressed) = checks::full_frequencies(relative, None, N_CHECKED, tolerance)?;
         progress.fraction(Stage::Reduce, 0.88);
         let springs = self.check_interface().matrix(&self.joint.interface)?;
         // The check is of the model that vibrates.
-        let locked = match self.settings.attachment_modes {
-            true => Some((relative.locked()?, reduced.locked()?)),
-            false => None,
+        let is_locked = self.settings.attachment_modes;
+        let full = match is_locked {
+            true => checks::full_frequencies(&relative.locked()?, Some(&springs), N_CHECKED, tolerance)?.1,
+            false => checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance)?.1,
         };
-        let (relative, reduced) = locked
-            .as_ref()
-            .map_or((relative, reduced), |(full, small)| (full, small));
-        let (_, full) = checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance)?;
-        let small = checks::reduced_frequencies(reduced, &springs, N_CHECKED)?;
-        let error = full
-            .iter()
-            .zip(&small)
-            .map(|(a, b)| (b / a - 1.0).abs())
-            .fold(0.0, f64::max);
+        let error_of = |reduced: &ReducedModel| -> Result<f64, Error> {
+            let small = match is_locked {
+                true => checks::reduced_spectrum(&reduced.locked()?, &springs, N_CHECKED)?,
+                false => checks::reduced_spectrum(reduced, &springs, N_CHECKED)?,
+            };
+            let errors = full.iter().zip(&small.frequencies).map(|(a, b)| (b / a - 1.0).abs());
+            Ok(errors.fold(0.0, f64::max))
+        };
+        let mut error = error_of(reduced)?;
+        if let Some(target) = self.reduction_error {
+            let without = checks::reduced_spectrum(reduced, &springs, N_CHECKED)?.without_mode;
+            // From the highest mode down, as long as what is left out stays within the target.
+            let mut left_out = error;
+            let dispensable = without.iter().rev().take_while(|rise| {
+                left_out += **rise;
+                left_out <= target
+            });
+            let n_modes = without.len() - dispensable.count();
+            if error > target {
+                return Err(Error::ReductionTarget {
+                    target,
+                    error,
+                    modes: without.len(),
+                });
+            }
+            reduced.truncate(n_modes);
+            error = error_of(reduced)?;
+        }
         Ok(Facts {
-            n_nodes: self.joint.assembly.mesh.nodes.len(),
-            n_elements: self.joint.assembly.mesh.elements.len(),
-            n_dofs: system.n_dofs(),
-            mass: system.total_mass,
+            n_nodes: assembled.n_nodes,
+            n_elements: assembled.n_elements,
+            n_dofs: assembled.relative.stiffness.rows(),
+            mass: assembled.mass,
             zem_unstressed,
             unstressed_frequencies_hz: unstressed,
             penalty_frequencies_hz: full,
@@ -275,45 +327,81 @@ impl MeshedStructure {
     /// Hash of everything the reduced model depends on.
     fn key(&self) -> cache::Key {
         let mut key = KeyBuilder::new();
-        let assembly = &self.joint.assembly;
-        key.numbers(assembly.mesh.nodes.iter().flatten().copied());
-        key.integers(assembly.mesh.elements.iter().flat_map(|e| {
-            e.cell
-                .nodes()
-                .iter()
-                .map(|&n| u64::from(n))
-                .chain([u64::from(e.material), kind(&e.cell)])
-        }));
-        key.integers(
-            self.joint
-                .top_nodes
-                .iter()
-                .chain(&self.joint.bottom_nodes)
-                .map(|&n| u64::from(n)),
-        );
-        key.numbers(
-            self.joint
-                .frame
-                .iter()
-                .flatten()
-                .chain(&self.joint.response_direction)
-                .copied(),
-        );
-        // Small parts, where a readable form costs nothing.
+        key.numbers(self.joint.frame.iter().flatten().copied());
         key.text(&format!(
-            "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
-            assembly.mesh.materials,
-            assembly.ties,
-            assembly.couplings,
-            assembly.equations,
-            assembly.loads,
-            assembly.supports,
-            assembly.springs,
-            self.joint.response_node,
+            "{:?}{:?}{:?}",
             self.settings,
-            (N_CHECKED, CHECK_STIFFNESS),
+            self.reduction_error,
+            (N_CHECKED, CHECK_STIFFNESS)
         ));
+        // The springs of the spectrum check depend on these.
+        key.numbers(self.joint.interface.nodes.iter().flatten().copied());
+        key.text(&format!("{:?}{:?}", self.joint.interface.elements, self.youngs_modulus));
+        match &self.joint.bodies {
+            Bodies::Imported(bodies) => {
+                let relative = &bodies.relative;
+                for matrix in [&relative.stiffness, &relative.mass] {
+                    key.integers(matrix.indptr().raw_storage().iter().map(|&i| i as u64));
+                    key.integers(matrix.indices().iter().map(|&i| i as u64));
+                    key.numbers(matrix.data().iter().copied());
+                }
+                key.numbers(relative.loads.iter().flatten().chain(&bodies.response).copied());
+                key.text(&format!("{:?}", (relative.n_relative, bodies.mass)));
+            }
+            Bodies::Meshed(bodies) => {
+                let assembly = &bodies.assembly;
+                key.numbers(assembly.mesh.nodes.iter().flatten().copied());
+                key.integers(assembly.mesh.elements.iter().flat_map(|e| {
+                    e.cell
+                        .nodes()
+                        .iter()
+                        .map(|&n| u64::from(n))
+                        .chain([u64::from(e.material), kind(&e.cell)])
+                }));
+                let facing = bodies.top_nodes.iter().chain(&bodies.bottom_nodes);
+                key.integers(facing.map(|&n| u64::from(n)));
+                key.numbers(bodies.response_direction);
+                // Small parts, where a readable form costs nothing.
+                key.text(&format!(
+                    "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+                    assembly.mesh.materials,
+                    assembly.ties,
+                    assembly.couplings,
+                    assembly.equations,
+                    assembly.loads,
+                    assembly.supports,
+                    assembly.springs,
+                    bodies.response_node,
+                ));
+            }
+        }
         key.finish()
+    }
+}
+
+/// A system in relative coordinates, and what is known of it.
+struct Assembled<'a> {
+    relative: Cow<'a, RelativeSystem>,
+    /// Quantities to recover: the response.
+    rows: [Vec<f64>; 1],
+    n_nodes: Option<usize>,
+    n_elements: Option<usize>,
+    mass: Option<f64>,
+    n_untied_slaves: usize,
+    largest_adjustment: f64,
+}
+
+impl<'a> Assembled<'a> {
+    fn imported(bodies: &'a ImportedBodies) -> Self {
+        Self {
+            relative: Cow::Borrowed(&bodies.relative),
+            rows: [bodies.response.clone()],
+            n_nodes: None,
+            n_elements: None,
+            mass: bodies.mass,
+            n_untied_slaves: 0,
+            largest_adjustment: 0.0,
+        }
     }
 }
 
@@ -376,13 +464,13 @@ pub struct Spectrum {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Description {
     /// Nodes of the solid mesh.
-    pub n_nodes: usize,
+    pub n_nodes: Option<usize>,
     /// Its elements.
-    pub n_elements: usize,
-    /// Independent displacement components.
+    pub n_elements: Option<usize>,
+    /// Independent displacement components, or coordinates of imported matrices.
     pub n_dofs: usize,
-    /// Mass (kg).
-    pub mass: f64,
+    /// Mass (kg), if it is known.
+    pub mass: Option<f64>,
     /// Interface elements.
     pub n_interface_elements: usize,
     /// Area of the interface (m^2).
@@ -426,15 +514,17 @@ fn kind(cell: &Cell) -> u64 {
     }
 }
 
-/// Refuses bolts that open the interface: a uniform closure must yield to their load.
+/// Refuses bolts that do not close the interface: of all uniform jumps, a closure must yield most to their load.
 fn check_closing(reduced: &ReducedModel) -> Result<(), Error> {
     for (index, load) in reduced.loads.iter().enumerate() {
-        let closing: f64 = load[2..reduced.n_relative].iter().step_by(3).sum();
+        let [x, y, closing] = [0, 1, 2].map(|c| load[c..reduced.n_relative].iter().step_by(3).sum::<f64>());
+        let sliding = x.hypot(y);
         // Also catches NaN.
-        if !(closing > 0.0) {
+        if !(closing > sliding) {
             return Err(Error::OpeningLoad {
                 bolt: index + 1,
-                force: closing,
+                closing,
+                sliding,
             });
         }
     }

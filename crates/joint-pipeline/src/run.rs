@@ -5,7 +5,7 @@ use crate::cache::KeyBuilder;
 use crate::checkpoint::Checkpoint;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::methods::{self, MethodResult};
-use crate::model::{MeshedStructure, StructuralModel};
+use crate::model::{StructuralModel, Structure};
 use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, CommitName, Scene};
 use crate::validity::{Validity, assess};
@@ -147,7 +147,7 @@ pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<
 pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Prepared, Error> {
     scene.validate(&scene.name)?;
     progress.begin(Stage::Mesh);
-    let structure = MeshedStructure::try_new(&scene.model, scene.bolts.behaviour, progress)?;
+    let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, progress)?;
     progress.end(Stage::Mesh);
     Prepared::try_new(scene, &structure, options, progress)
 }
@@ -159,13 +159,13 @@ impl Prepared {
     /// Of the finite elements, the reduction, the surface and the laws.
     pub fn try_new(
         scene: &Scene,
-        structure: &MeshedStructure,
+        structure: &Structure,
         options: &Options,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let model = structure.reduce(options.cache.as_deref(), progress)?;
         progress.begin(Stage::Characterise);
-        let load = scene.bolts.load * model.reduced.loads.len() as f64;
+        let load = scene.bolts.load * closing(&model);
         let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
         progress.end(Stage::Characterise);
         Ok(Self {
@@ -266,7 +266,7 @@ impl Prepared {
         let mode = scene.cqsma.mode - 1;
         let phi: f64 = line.shapes.col(mode).iter().zip(&response).map(|(a, b)| a * b).sum();
         let omega2 = line.eigenvalues[mode];
-        let participation = phi.abs() * self.model.facts.mass.sqrt();
+        let participation = phi.abs() / self.largest_response(&line, &response);
         if participation < LEAST_PARTICIPATION {
             let frequency = line.frequencies()[mode];
             return Err(Error::NoResponse {
@@ -352,7 +352,7 @@ impl Prepared {
         drop(line);
         let validity = assess(
             &self.interface.interface,
-            &self.interface.asperities,
+            self.interface.asperities.as_ref(),
             scene.model.material.hardness,
             &prestress.fields,
             self.clearance,
@@ -371,6 +371,16 @@ impl Prepared {
             model: self.model,
             scene: self.scene,
         })
+    }
+
+    /// What a mass-normalised mode moves the response point by if that takes part as in a rigid motion; where the mass is
+    /// not known, the most that any of the modes moves it by.
+    fn largest_response(&self, line: &Linearisation<'_, State>, response: &[f64]) -> f64 {
+        let moved = |shape: faer::ColRef<'_, f64>| shape.iter().zip(response).map(|(a, b)| a * b).sum::<f64>().abs();
+        match self.model.facts.mass {
+            Some(mass) => mass.sqrt().recip(),
+            None => line.shapes.col_iter().map(moved).fold(f64::MIN_POSITIVE, f64::max),
+        }
     }
 
     /// Finished amplitudes of an earlier, interrupted run of the same loops.
@@ -431,7 +441,7 @@ impl Prepared {
             loads += static_load[i].abs();
         }
         let carried: f64 = contact.iter().skip(2).step_by(3).sum();
-        let bolts = self.scene.bolts.load * self.model.reduced.loads.len() as f64;
+        let bolts = self.scene.bolts.load * closing(&self.model);
         PrestressResult {
             solution,
             residual_ratio: residual / loads,
@@ -446,11 +456,18 @@ impl Prepared {
     }
 }
 
+/// Generalised force on a uniform closure of the interface at unit tension of all bolts.
+fn closing(model: &StructuralModel) -> f64 {
+    let reduced = &model.reduced;
+    let of_one = |load: &Vec<f64>| load[2..reduced.n_relative].iter().step_by(3).sum::<f64>();
+    reduced.loads.iter().map(of_one).sum()
+}
+
 /// Displacements at the response point that the modal forces are chosen for, by linear estimate (m).
 fn displacements(scene: &Scene) -> Vec<f64> {
     let c = &scene.cqsma;
     let ratio = (c.amplitude_to / c.amplitude_from).ln();
-    let last = (c.amplitudes - 1).max(1) as f64;
+    let last = c.amplitudes.saturating_sub(1).max(1) as f64;
     (0..c.amplitudes)
         .map(|i| c.amplitude_from * (ratio * i as f64 / last).exp())
         .collect()

@@ -79,7 +79,7 @@ pub struct Scene {
     /// Structure.
     #[serde(default)]
     pub model: Model,
-    /// Where the asperities come from.
+    /// What the traction law follows from.
     #[serde(default)]
     pub surface: Surface,
     /// Gap between the faces before they are loaded.
@@ -142,12 +142,26 @@ pub struct Model {
     pub refinement: RefinementName,
     /// A structure in the place of the block mesh.
     pub deck: Option<Deck>,
+    /// Matrices in the place of any mesh.
+    pub matrices: Option<Matrices>,
     /// Formulation of all hexahedra; by default incompatible modes, in a deck that of their element type.
     pub formulation: Option<FormulationName>,
     /// Material of all parts, and of the asperities.
     pub material: Material,
-    /// Stuck-interface modes retained by the reduction.
-    pub modes: usize,
+    /// Stuck-interface modes retained by the reduction, 20 by default; all that there are of matrices over the jump. With
+    /// `reduction_error` the most that may be retained, 60 by default.
+    pub modes: Option<usize>,
+    /// Largest relative error that the reduction may bring into the ten frequencies it is checked by (with a uniform
+    /// linear interface): as few modes are retained as that allows.
+    pub reduction_error: Option<f64>,
+}
+
+impl Model {
+    /// Modes computed for the reduction.
+    pub fn n_modes(&self) -> usize {
+        self.modes
+            .unwrap_or(if self.reduction_error.is_some() { 60 } else { 20 })
+    }
 }
 
 /// A structure from an Abaqus or CalculiX input deck, in the scene's units.
@@ -204,6 +218,90 @@ pub struct DeckResponse {
     pub direction: [f64; 3],
 }
 
+/// A structure as matrices of another program.
+///
+/// | path | what is read |
+/// |---|---|
+/// | `.npz`, `.mat` | arrays `M`, `K`, `dofs`, and where they are there `Fv`, `R`, `L`, `frame`, `interface_nodes`, `interface_elements` |
+/// | a folder | the same, each from a Matrix Market file such as `M.mtx` |
+/// | `.mtx` | a substructure of Abaqus: mass, stiffness, load cases, recovery |
+/// | `.sti` | stiffness and mass of CalculiX, with `.mas` and `.dof` beside it |
+///
+/// `dofs` has a row `label, component` for each coordinate, or for each row of `L` if there is one, which maps the
+/// coordinates of the matrices to those. Over the jump, label `k` is node `k` of the interface mesh, counted from 1, and
+/// components 1, 2, 3 are x, y and the normal; labels that are not positive are other coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Matrices {
+    /// The file, or a folder; in a scene file relative to its folder.
+    pub path: PathBuf,
+    /// Units of matrices and interface mesh; by default those of the scene.
+    #[serde(default)]
+    pub units: Option<Units>,
+    /// What the coordinates are.
+    pub coordinates: Coordinates,
+    /// The interface mesh; by default what the file holds.
+    #[serde(default)]
+    pub interface: Option<PlaneMesh>,
+    /// Loads of unit tension, one per bolt; by default all that the file holds.
+    #[serde(default)]
+    pub bolts: Option<Vec<MatrixVector>>,
+    /// The displacement at which amplitudes are measured.
+    #[serde(default = "defaults::first")]
+    pub response: MatrixVector,
+    /// Motions without energy of the structure with a stuck interface; by default none over the jump, six over both
+    /// sides.
+    #[serde(default)]
+    pub zero_energy_modes: Option<usize>,
+    /// By how much the bodies can slide before a shank touches its hole (length), if it is known.
+    #[serde(default)]
+    pub bolt_hole_clearance: Option<f64>,
+}
+
+/// What the coordinates of matrices are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Coordinates {
+    /// The jump at the interface (top less bottom, normal from the top body into the bottom one) and whatever else.
+    Jump,
+    /// Displacements of both sides, and whatever else.
+    BothSides(Sides),
+}
+
+/// Which nodes face one another.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sides {
+    /// Labels of the nodes of the top side, in the order of the interface mesh.
+    pub top: Vec<u64>,
+    /// Labels of those of the bottom side, in the same order.
+    pub bottom: Vec<u64>,
+    /// Unit vectors as rows: x and y of the interface mesh, and the normal from the top body into the bottom one.
+    pub frame: [[f64; 3]; 3],
+}
+
+/// An interface mesh in its plane.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneMesh {
+    /// Coordinates x, y (length).
+    pub nodes: Vec<[f64; 2]>,
+    /// Quadrilaterals and triangles, node numbers from 1, counter-clockwise.
+    pub elements: Vec<Vec<u32>>,
+}
+
+/// A vector that goes with matrices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MatrixVector {
+    /// Column of `Fv` or row of `R`, or of the recovery matrix, counted from 1.
+    Number(usize),
+    /// Load case of a substructure.
+    LoadCase(String),
+    /// Factors of coordinates: label, component, factor.
+    Terms(Vec<(i64, u32, f64)>),
+}
+
 /// What becomes of the slaves of a tie that are beyond its tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -231,9 +329,11 @@ impl Default for Model {
         Self {
             refinement: RefinementName::Default,
             deck: None,
+            matrices: None,
             formulation: None,
             material: Material::default(),
-            modes: 20,
+            modes: None,
+            reduction_error: None,
         }
     }
 }
@@ -295,8 +395,8 @@ impl Default for Material {
     }
 }
 
-/// Where the asperities come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// What the traction law follows from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Surface {
     /// Measured statistics of a real interface pair, the same everywhere.
@@ -304,6 +404,85 @@ pub enum Surface {
     Measured,
     /// Two seeded synthetic scans, characterised element by element.
     SyntheticScan(SyntheticScan),
+    /// No asperities: the parameters of the law themselves.
+    Parameters(Parameters),
+}
+
+/// Parameters of the traction law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// What each set belongs to.
+    pub per: Per,
+    /// One set for the interface, for each element, or for each integration point (element by element).
+    pub sets: Vec<ParameterSet>,
+}
+
+/// What a set of parameters belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Per {
+    /// The whole interface.
+    Interface,
+    /// An element.
+    Element,
+    /// An integration point.
+    Point,
+}
+
+/// One set of parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterSet {
+    /// Traction and stiffness against interference; of the same kind in all sets.
+    pub curves: Curves,
+    /// Friction coefficient (-); by default that of the scene.
+    #[serde(default)]
+    pub mu: Option<f64>,
+    /// Gap before the faces are loaded (length).
+    #[serde(default)]
+    pub gap: f64,
+}
+
+/// Traction and stiffness against interference.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Curves {
+    /// Constant stiffnesses.
+    Elastic(Elastic),
+    /// Eqs. (28) and (29).
+    Fitted(Fitted),
+}
+
+/// Constant stiffnesses.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Elastic {
+    /// Per area (force/length^3).
+    pub normal_stiffness: f64,
+    /// Per area along x and y (force/length^3).
+    pub tangential_stiffness: [f64; 2],
+}
+
+/// Coefficients of eqs. (28) and (29).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fitted {
+    /// `a, b, c, d, e` of eq. (28) (-).
+    pub normal: [f64; 5],
+    /// `a, b, c, d` of eq. (29) along x and y (-).
+    pub tangential: [[f64; 4]; 2],
+    /// Interference that the logarithms refer to (length).
+    pub u_ref: f64,
+    /// Traction that they refer to (force/length^2); by default one unit.
+    #[serde(default = "defaults::one")]
+    pub t_ref: f64,
+    /// Stiffness that they refer to (force/length^3); by default one unit.
+    #[serde(default = "defaults::one")]
+    pub k_ref: f64,
+    /// Interferences between which the fits hold (length); everywhere by default.
+    #[serde(default)]
+    pub range: Option<[f64; 2]>,
 }
 
 /// Two synthetic faces on the grid of a profilometer.
@@ -438,7 +617,7 @@ pub struct Cqsma {
     pub amplitude_from: f64,
     /// Largest displacement at the response point, by linear estimate (length).
     pub amplitude_to: f64,
-    /// Amplitudes, spaced in log.
+    /// Amplitudes, spaced in log; 0 for prestress and linearised modes alone.
     pub amplitudes: usize,
     /// Vertices per quarter loop.
     pub vertices_per_quarter: usize,
@@ -494,6 +673,12 @@ mod defaults {
     pub(super) fn along() -> [f64; 3] {
         [1.0, 0.0, 0.0]
     }
+    pub(super) fn first() -> super::MatrixVector {
+        super::MatrixVector::Number(1)
+    }
+    pub(super) fn one() -> f64 {
+        1.0
+    }
     pub(super) fn mu() -> f64 {
         0.2
     }
@@ -517,8 +702,12 @@ impl Scene {
             .file_stem()
             .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         let mut scene = Self::from_json(&text, &path.display().to_string(), &stem)?;
-        if let (Some(deck), Some(folder)) = (&mut scene.model.deck, path.parent()) {
-            deck.path = folder.join(&deck.path);
+        if let Some(folder) = path.parent() {
+            let deck = scene.model.deck.as_mut().map(|deck| &mut deck.path);
+            let matrices = scene.model.matrices.as_mut().map(|matrices| &mut matrices.path);
+            deck.into_iter()
+                .chain(matrices)
+                .for_each(|path| *path = folder.join(&*path));
         }
         Ok(scene)
     }
@@ -535,11 +724,7 @@ impl Scene {
         let value: serde_json::Value = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
         // Defaults are in SI; quantities given in the file are converted where they stand.
         let mut scene: Self = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
-        if scene.model.deck.is_some() && value.pointer("/model/refinement").is_some() {
-            return Err(syntax(
-                "model.refinement belongs to the block mesh, which model.deck replaces; leave one of them out".into(),
-            ));
-        }
+        scene.refuse_idle(&value).map_err(syntax)?;
         scene.convert(&value);
         if scene.name.is_empty() {
             scene.name = name.into();
@@ -574,14 +759,66 @@ impl Scene {
     /// Numbers of the amplitudes (from 1) whose fields are stored, ascending.
     pub fn fields_at(&self) -> Vec<usize> {
         let last = self.cqsma.amplitudes;
-        let mut numbers = self
-            .output
-            .fields_at
-            .clone()
-            .unwrap_or_else(|| vec![1, last.div_ceil(2), (3 * last).div_ceil(4), last]);
+        let mut numbers = self.output.fields_at.clone().unwrap_or_else(|| match last {
+            0 => Vec::new(),
+            _ => vec![1, last.div_ceil(2), (3 * last).div_ceil(4), last],
+        });
         numbers.sort_unstable();
         numbers.dedup();
         numbers
+    }
+
+    /// Refuses what is given, other than by default, but would be without effect.
+    fn refuse_idle(&self, given: &serde_json::Value) -> Result<(), String> {
+        let default = serde_json::to_value(Self::new("")).unwrap_or_default();
+        let model = &self.model;
+        let over_jump = (model.matrices.as_ref()).is_some_and(|matrices| matrices.coordinates == Coordinates::Jump);
+        let (deck, matrices) = (model.deck.is_some(), model.matrices.is_some());
+        let parameters = matches!(self.surface, Surface::Parameters(_));
+        // What replaces, what has no effect then, and what that belongs to.
+        let idle = [
+            (deck, "/model/refinement", "the block mesh, which model.deck replaces"),
+            (
+                matrices,
+                "/model/refinement",
+                "the block mesh, which model.matrices replaces",
+            ),
+            (matrices, "/model/formulation", "meshes, which model.matrices replaces"),
+            (matrices, "/model/deck", "meshes, which model.matrices replaces"),
+            (
+                over_jump,
+                "/model/modes",
+                "reductions, and matrices over the jump are reduced",
+            ),
+            (
+                over_jump,
+                "/model/reduction_error",
+                "reductions, and matrices over the jump are reduced",
+            ),
+            (parameters, "/law/kind", "asperities, which surface.parameters replaces"),
+            (
+                parameters,
+                "/law/tangential",
+                "asperities, which surface.parameters replaces",
+            ),
+            (
+                parameters,
+                "/gap",
+                "surfaces; surface.parameters has a gap in each of its sets",
+            ),
+        ];
+        let differs = |path| {
+            given
+                .pointer(path)
+                .is_some_and(|value| default.pointer(path) != Some(value))
+        };
+        match idle.iter().find(|(replaced, path, _)| *replaced && differs(path)) {
+            Some((_, path, owner)) => Err(format!(
+                "{} belongs to {owner}; leave one of them out",
+                path[1..].replace('/', ".")
+            )),
+            None => Ok(()),
+        }
     }
 
     fn convert(&mut self, given: &serde_json::Value) {
@@ -601,6 +838,30 @@ impl Scene {
             deck.units.get_or_insert(self.units);
             for value in [&mut deck.tie_tolerance, &mut deck.bolt_hole_clearance] {
                 *value = value.map(|length_given| length_given * length);
+            }
+        }
+        if let Some(matrices) = &mut self.model.matrices {
+            matrices.units.get_or_insert(self.units);
+            matrices.bolt_hole_clearance = matrices.bolt_hole_clearance.map(|given| given * length);
+        }
+        if let Surface::Parameters(parameters) = &mut self.surface {
+            for set in &mut parameters.sets {
+                set.gap *= length;
+                match &mut set.curves {
+                    Curves::Elastic(elastic) => {
+                        elastic.normal_stiffness *= stress / length;
+                        elastic
+                            .tangential_stiffness
+                            .iter_mut()
+                            .for_each(|k| *k *= stress / length);
+                    }
+                    Curves::Fitted(fitted) => {
+                        fitted.u_ref *= length;
+                        fitted.t_ref *= stress;
+                        fitted.k_ref *= stress / length;
+                        fitted.range.iter_mut().flatten().for_each(|u| *u *= length);
+                    }
+                }
             }
         }
         scale("/cqsma/amplitude_from", &mut self.cqsma.amplitude_from, length);
@@ -670,11 +931,19 @@ impl Scene {
             "positive and finite",
         )?;
         check(
-            (1..=200).contains(&self.model.modes),
+            (1..=200).contains(&self.model.n_modes()),
             "model.modes",
-            self.model.modes as f64,
+            self.model.n_modes() as f64,
             "",
             "between 1 and 200",
+        )?;
+        let target = self.model.reduction_error.unwrap_or(1e-4);
+        check(
+            (1e-9..1.0).contains(&target),
+            "model.reduction_error",
+            target,
+            "",
+            "at least 1e-9 (the accuracy of the check) and below 1",
         )?;
         if let Some(deck) = &self.model.deck {
             let tolerance = deck.tie_tolerance.unwrap_or(0.0);
@@ -709,6 +978,25 @@ impl Scene {
                 "at least one",
             )?;
         }
+        if let Surface::Parameters(Parameters { sets, .. }) = &self.surface {
+            for (index, set) in sets.iter().enumerate() {
+                let (mu, gap) = (set.mu.unwrap_or(0.0), set.gap);
+                let at = format!("{place}: surface.parameters.sets, number {}", index + 1);
+                let value = |field, value, unit| Error::Value {
+                    place: at.clone(),
+                    field,
+                    value,
+                    unit,
+                    requirement: "finite and not negative",
+                };
+                if !(mu.is_finite() && mu >= 0.0) {
+                    return Err(value("mu", mu, ""));
+                }
+                if !(gap.is_finite() && gap >= 0.0) {
+                    return Err(value("gap", gap, "m"));
+                }
+            }
+        }
         let damping = self.background_damping;
         check(
             (0.0..1.0).contains(&damping),
@@ -732,11 +1020,11 @@ impl Scene {
             "finite and not below amplitude_from",
         )?;
         check(
-            (1..=10_000).contains(&c.amplitudes),
+            c.amplitudes <= 10_000,
             "cqsma.amplitudes",
             c.amplitudes as f64,
             "",
-            "between 1 and 10000",
+            "at most 10000",
         )?;
         check(
             (1..=100).contains(&c.modes),

@@ -44,13 +44,13 @@ pub struct Summary {
 #[derive(Clone, Debug, Serialize)]
 pub struct ModelSummary {
     /// Nodes of the solid mesh.
-    pub n_nodes: usize,
+    pub n_nodes: Option<usize>,
     /// Its elements.
-    pub n_elements: usize,
-    /// Independent displacement components.
+    pub n_elements: Option<usize>,
+    /// Independent displacement components, or coordinates of imported matrices.
     pub n_dofs: usize,
-    /// Mass (kg).
-    pub mass: f64,
+    /// Mass (kg), if it is known.
+    pub mass: Option<f64>,
     /// Area of the interface by quadrature (m^2).
     pub interface_area: f64,
     /// Interface elements.
@@ -73,7 +73,7 @@ pub struct ModelSummary {
     pub penalty_frequencies_hz: Vec<f64>,
     /// Largest relative difference of the reduced model to these.
     pub penalty_spectrum_error: f64,
-    /// Asymmetry of the reduced matrices before they were symmetrised, relative to their largest entry.
+    /// Difference between reduced matrices from condensation and from solves, relative to their largest entry.
     pub reduction_asymmetry: f64,
 }
 
@@ -230,7 +230,7 @@ impl Summary {
                 n_interface_elements: operators.n_elements(),
                 n_interface_points: operators.n_points(),
                 n_relative_dofs: reduced.n_relative,
-                n_modes: reduced.mass.nrows() - reduced.n_relative - reduced.n_attachment,
+                n_modes: reduced.n_modes(),
                 zem_unstressed: facts.zem_unstressed,
                 zem_stuck: reduced.zem_stuck,
                 stuck_frequencies_hz: reduced.stuck_frequencies.iter().take(10).copied().collect(),

@@ -2,6 +2,7 @@
 
 use crate::interface::Asperities;
 use crate::run::{AmplitudeResult, Fields};
+use contact_laws::AsperityPopulation;
 use contact_laws::adhesion::critical_interference;
 use serde::Serialize;
 use zte_assembly::Interface;
@@ -22,7 +23,7 @@ pub struct Validity {
     /// The same counted by whole elements with any point in contact.
     pub contact_area_fraction_by_elements: f64,
     /// Interference of one asperity at the onset of yield, `omega_c` (m) (mean over the populations).
-    pub yield_onset_interference: f64,
+    pub yield_onset_interference: Option<f64>,
     /// Fraction of the loaded asperities beyond it under prestress (mean over the points in contact).
     pub yielded_asperity_fraction: Option<f64>,
     /// Adhesive over elastic normal traction under prestress: pull-off `2 pi R w` of every loaded asperity, an upper
@@ -43,7 +44,7 @@ pub struct Validity {
 /// Judges a run from its prestressed interface and its amplitudes.
 pub(crate) fn assess(
     interface: &Interface,
-    asperities: &Asperities,
+    asperities: Option<&Asperities>,
     hardness: f64,
     prestressed: &Fields,
     clearance: Option<f64>,
@@ -62,8 +63,10 @@ pub(crate) fn assess(
         .map(|range| operators.weights[range[0]..range[1]].iter().sum::<f64>())
         .sum();
     let element_of = |p: usize| operators.first_point.partition_point(|&first| first <= p) - 1;
-    let population = |p: usize| &asperities.populations[asperities.of_element[element_of(p)] as usize];
-    let onset = |p: usize| critical_interference(&asperities.material, hardness, population(p).effective_radius());
+    let population = |p: usize| asperities.map(|a| (a, &a.populations[a.of_element[element_of(p)] as usize]));
+    let onset_of = |asperities: &Asperities, population: &AsperityPopulation| {
+        critical_interference(&asperities.material, hardness, population.effective_radius())
+    };
     let law_mean = |of: &dyn Fn(usize) -> Option<f64>, total: f64| {
         touching
             .iter()
@@ -84,22 +87,18 @@ pub(crate) fn assess(
         contact_area_fraction_by_points: (closed / area).min(1.0),
         contact_area_fraction_by_elements: (by_elements / area).min(1.0),
         yield_onset_interference: asperities
-            .populations
-            .iter()
-            .map(|p| critical_interference(&asperities.material, hardness, p.effective_radius()))
-            .sum::<f64>()
-            / asperities.populations.len() as f64,
+            .map(|a| a.populations.iter().map(|p| onset_of(a, p)).sum::<f64>() / a.populations.len() as f64),
         yielded_asperity_fraction: law_mean(
             &|p| {
-                interface
-                    .law(p)
-                    .and_then(|(law, local)| law.yielded_fraction(local, u_n[p], onset(p)))
+                let (asperities, population) = population(p)?;
+                let (law, local) = interface.law(p)?;
+                law.yielded_fraction(local, u_n[p], onset_of(asperities, population))
             },
             closed,
         ),
         adhesive_to_elastic_traction: law_mean(
             &|p| {
-                let pair = population(p);
+                let (_, pair) = population(p)?;
                 let pull_off = 2.0 * std::f64::consts::PI * pair.effective_radius() * WORK_OF_ADHESION;
                 let adhesive = pair.density() * pair.gaps().loaded_fraction(u_n[p]) * pull_off;
                 Some(adhesive / prestressed.traction[2][p])

@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let reduced = reduce(&relative, &[], Settings::default(), &mut |_, _| {})?;
     let springs = sprs::CsMat::eye(relative.n_relative).map(|one: &f64| 1e7 * one);
     let full = checks::full_frequencies(&relative, Some(&springs), 4, 1e-7)?.1;
-    let small = checks::reduced_frequencies(&reduced, &springs, 4)?;
+    let small = checks::reduced_spectrum(&reduced, &springs, 4)?.frequencies;
     println!("full [Hz] {full:.1?}, reduced to {} {small:.1?}", reduced.mass.nrows());
     Ok(())
 }

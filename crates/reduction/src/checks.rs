@@ -43,21 +43,42 @@ pub fn stuck_frequencies(system: &RelativeSystem, n: usize, tolerance: f64) -> R
     Ok((modes.n_zero, modes.frequencies()))
 }
 
-/// Frequencies of the reduced model with the same interface (Hz), `n` lowest.
+/// The reduced model with the same interface: its frequencies, and what they owe to each mode.
+#[derive(Clone, Debug)]
+pub struct ReducedSpectrum {
+    /// The lowest frequencies, ascending (Hz).
+    pub frequencies: Vec<f64>,
+    /// For each stuck-interface mode the largest relative rise of any of these frequencies if that mode were left out,
+    /// to first order. The rises of several modes add up.
+    pub without_mode: Vec<f64>,
+}
+
+/// The `n` lowest frequencies of the reduced model with a linear interface.
 ///
 /// # Errors
-/// If the reduced mass is not positive definite or the eigenvalue decomposition fails.
-pub fn reduced_frequencies(model: &ReducedModel, interface: &CsMat<f64>, n: usize) -> Result<Vec<f64>, Error> {
+/// If the stiffness with the interface is not positive definite, or the subspace iteration does not converge.
+pub fn reduced_spectrum(model: &ReducedModel, interface: &CsMat<f64>, n: usize) -> Result<ReducedSpectrum, Error> {
     let mut stiffness = model.stiffness.clone();
     for (&value, (i, j)) in interface {
         stiffness[(i, j)] += value;
     }
-    let lower = dense_algebra::cholesky(model.mass.as_ref())?;
-    let seen = dense_algebra::congruent(lower.as_ref(), stiffness.as_ref());
-    let values = dense_algebra::symmetric_eigenvalues(seen.as_ref())?;
-    Ok(values
-        .iter()
-        .take(n)
-        .map(|w2| w2.max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
-        .collect())
+    let lower = dense_algebra::cholesky(stiffness.as_ref())?;
+    let (values, shapes) = dense_algebra::lowest_pairs(lower.as_ref(), model.mass.as_ref(), n.min(stiffness.nrows()))?;
+    // A coordinate j that no stiffness couples to others carries the part (omega_j^2 - lambda) eta_j^2 of the Rayleigh
+    // quotient; without it, the quotient of what remains of a mode is higher by as much.
+    let without_mode = (model.n_relative..stiffness.nrows() - model.n_attachment)
+        .map(|j| {
+            let rise = |(i, lambda): (usize, &f64)| {
+                0.5 * (model.stiffness[(j, j)] - lambda).abs() * shapes[(j, i)].powi(2) / lambda
+            };
+            values.iter().enumerate().map(rise).fold(0.0, f64::max)
+        })
+        .collect();
+    Ok(ReducedSpectrum {
+        frequencies: values
+            .iter()
+            .map(|w2| w2.sqrt() / (2.0 * std::f64::consts::PI))
+            .collect(),
+        without_mode,
+    })
 }

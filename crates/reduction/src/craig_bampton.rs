@@ -71,6 +71,32 @@ pub struct ReducedModel {
     pub asymmetry: f64,
 }
 
+impl ReducedModel {
+    /// Stuck-interface modes, without attachment modes.
+    pub fn n_modes(&self) -> usize {
+        self.mass.nrows() - self.n_relative - self.n_attachment
+    }
+
+    /// Keeps the first `n_modes` of the stuck-interface modes and leaves out the others.
+    pub fn truncate(&mut self, n_modes: usize) {
+        let (first, n) = (self.n_relative + n_modes, self.mass.nrows());
+        let last = n - self.n_attachment;
+        if first >= last {
+            return;
+        }
+        let kept: Vec<usize> = (0..first).chain(last..n).collect();
+        let square = |a: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| a[(kept[i], kept[j])]);
+        self.mass = square(&self.mass);
+        self.stiffness = square(&self.stiffness);
+        self.recovery = Mat::from_fn(self.recovery.nrows(), kept.len(), |i, j| self.recovery[(i, kept[j])]);
+        self.loads = self
+            .loads
+            .iter()
+            .map(|load| kept.iter().map(|&i| load[i]).collect())
+            .collect();
+    }
+}
+
 /// Parts of a reduction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
@@ -118,12 +144,14 @@ pub fn reduce(
     let asymmetry = static_part.asymmetry(&condensed)?;
     let mut interior = Interior::modes(&stuck, settings.n_modes.min(stuck.elastic().ncols()));
     let over_rest = |rows: &[Vec<f64>]| Mat::from_fn(k.rest.rows(), rows.len(), |i, j| rows[j][nd + i]);
-    let n_attachment = if settings.attachment_modes {
-        system.loads.len()
-    } else {
-        0
+    // Where no mode is left out, the flexibility at the loads is complete without them.
+    let complete = interior.eigenvalues.len() + stuck.n_zero == k.rest.rows();
+    let n_attachment = match settings.attachment_modes {
+        true if complete => system.loads.len().min(interior.eigenvalues.len()),
+        true => system.loads.len(),
+        false => 0,
     };
-    if n_attachment > 0 {
+    if n_attachment > 0 && !complete {
         let loads = over_rest(&system.loads);
         let (responses, momentum) = static_responses(&loads, &m.rest, &supported);
         interior.attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())?;

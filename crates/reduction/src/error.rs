@@ -46,6 +46,37 @@ pub enum Error {
         /// Largest deviation.
         deviation: f64,
     },
+    /// Matrices and vectors that do not belong together.
+    #[error(
+        "the {what} has {rows} rows and {columns} columns, but the stiffness has {n} rows; all must be square or vectors of \
+         its size, with three jump coordinates per node of the interface"
+    )]
+    MatrixShape {
+        /// Which.
+        what: &'static str,
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+        /// Rows of the stiffness.
+        n: usize,
+    },
+    /// A row of the matrices that cannot be an interface component.
+    #[error(
+        "row {row} is named twice as a component of the interface, or there are no more than {n} rows; name every row once"
+    )]
+    InterfaceRow {
+        /// Row, counted from 0.
+        row: usize,
+        /// Rows that there are.
+        n: usize,
+    },
+    /// Combinations of coordinates that cannot be the jump.
+    #[error("the {rows} rows that give the jump depend on one another, so the jump cannot be a coordinate")]
+    DependentJump {
+        /// Rows.
+        rows: usize,
+    },
     /// The stuck structure has another number of zero-energy modes than the scene expects.
     #[error(
         "with the interface stuck the structure has {found} zero-energy modes, but {expected} were expected; more means an \

@@ -14,4 +14,4 @@ mod zem;
 
 pub use craig_bampton::{ReducedModel, Settings, Step, reduce};
 pub use error::Error;
-pub use relative::{InterfacePairs, RelativeSystem};
+pub use relative::{InterfacePairs, RelativeSystem, SystemMatrices};

@@ -1,9 +1,11 @@
 //! The jump across an interface as coordinates.
 
 use crate::Error;
+use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
+use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
 use substructure::assemble::System;
-use substructure::sparse::{congruence, multiply_vector, numbering, submatrix};
+use substructure::sparse::{congruence, multiply_vector, numbering, submatrix, symmetric_part};
 
 /// Which nodes face each other, and the axes in which their jump is measured.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +31,86 @@ pub struct RelativeSystem {
     pub n_relative: usize,
     /// Position of each coordinate's node (m).
     pub positions: Vec<[f64; 3]>,
-    /// `u = transform * [jump; rest]` over the independent components of the system.
+    /// `u = transform * [jump; rest]` over the coordinates before the change.
     pub(crate) transform: CsMat<f64>,
+}
+
+/// Symmetric matrices with both triangles filled, and what goes with them.
+#[derive(Clone, Copy, Debug)]
+pub struct SystemMatrices<'a> {
+    /// Stiffness, `n x n` (N/m).
+    pub stiffness: &'a CsMat<f64>,
+    /// Mass, `n x n` (kg).
+    pub mass: &'a CsMat<f64>,
+    /// Loads of length `n` (N).
+    pub loads: &'a [Vec<f64>],
+    /// A point for each row (m), which guides the elimination; all alike where they are not known.
+    pub positions: &'a [[f64; 3]],
+}
+
+impl SystemMatrices<'_> {
+    fn check(&self) -> Result<usize, Error> {
+        let n = self.stiffness.rows();
+        let shapes = [
+            ("stiffness", self.stiffness.shape()),
+            ("mass", self.mass.shape()),
+            ("positions", (self.positions.len(), n)),
+        ];
+        let loads = self.loads.iter().map(|load| ("load", (load.len(), n)));
+        for (what, (rows, columns)) in shapes.into_iter().chain(loads) {
+            if (rows, columns) != (n, n) {
+                return Err(Error::MatrixShape { what, rows, columns, n });
+            }
+        }
+        Ok(n)
+    }
+}
+
+/// Full form of a sparse matrix.
+fn full(matrix: &CsMat<f64>) -> Mat<f64> {
+    let mut full = Mat::zeros(matrix.rows(), matrix.cols());
+    for (&value, (i, j)) in matrix {
+        full[(i, j)] = value;
+    }
+    full
+}
+
+/// A full matrix without its zeros.
+fn sparse(matrix: MatRef<'_, f64>) -> CsMat<f64> {
+    let mut entries = TriMat::new((matrix.nrows(), matrix.ncols()));
+    for i in 0..matrix.nrows() {
+        for j in (0..matrix.ncols()).filter(|&j| matrix[(i, j)] != 0.0) {
+            entries.add_triplet(i, j, matrix[(i, j)]);
+        }
+    }
+    entries.to_csr()
+}
+
+fn check_jump(n_relative: usize, n: usize) -> Result<(), Error> {
+    if n_relative == 0 || n_relative > n || !n_relative.is_multiple_of(3) {
+        return Err(Error::MatrixShape {
+            what: "jump",
+            rows: n_relative,
+            columns: 1,
+            n,
+        });
+    }
+    Ok(())
+}
+
+fn check_frame(frame: [[f64; 3]; 3]) -> Result<(), Error> {
+    let mut deviation = 0.0_f64;
+    for i in 0..3 {
+        for j in 0..3 {
+            let product: f64 = (0..3).map(|c| frame[i][c] * frame[j][c]).sum();
+            deviation = deviation.max((product - f64::from(u8::from(i == j))).abs());
+        }
+    }
+    // `!(a <= b)` also catches NaN.
+    if !(deviation <= 1e-12) {
+        return Err(Error::Frame { deviation });
+    }
+    Ok(())
 }
 
 /// The four blocks of a symmetric matrix over `[jump; rest]`.
@@ -53,18 +133,6 @@ impl RelativeSystem {
                 bottom: bottom.len(),
             });
         }
-        let mut deviation = 0.0_f64;
-        for i in 0..3 {
-            for j in 0..3 {
-                let product: f64 = (0..3).map(|c| frame[i][c] * frame[j][c]).sum();
-                deviation = deviation.max((product - f64::from(u8::from(i == j))).abs());
-            }
-        }
-        // `!(a <= b)` also catches NaN.
-        if !(deviation <= 1e-12) {
-            return Err(Error::Frame { deviation });
-        }
-        let n = system.n_dofs();
         let n_relative = 3 * top.len();
         let place = |node: u32, component: u8| {
             let known = (node as usize) < system.dofs.coordinates.len();
@@ -73,12 +141,11 @@ impl RelativeSystem {
                 .flatten()
                 .ok_or(Error::DependentInterface { node, component })
         };
-        let mut top_index = vec![None; n];
-        let mut bottom_index = vec![0; n_relative];
+        let (mut of_top, mut of_bottom) = (vec![0; n_relative], vec![0; n_relative]);
         for (pair, (&t, &b)) in top.iter().zip(bottom).enumerate() {
             for component in 0..3_u8 {
-                top_index[place(t, component)?] = Some(3 * pair + component as usize);
-                bottom_index[3 * pair + component as usize] = place(b, component)?;
+                of_top[3 * pair + usize::from(component)] = place(t, component)?;
+                of_bottom[3 * pair + usize::from(component)] = place(b, component)?;
             }
         }
         let coordinates = |node: u32| system.dofs.coordinates[node as usize];
@@ -99,16 +166,53 @@ impl RelativeSystem {
                 });
             }
         }
+        let both = SystemMatrices {
+            stiffness: &system.stiffness,
+            mass: &system.mass,
+            loads: &system.loads,
+            positions: &system.positions,
+        };
+        Self::from_both_sides(both, &of_top, &of_bottom, frame)
+    }
+
+    /// Changes the coordinates of matrices over the displacements of both sides; `top` and `bottom` are the rows of
+    /// their interface components, three per pair.
+    ///
+    /// # Errors
+    /// [`Error::Frame`], [`Error::MatrixShape`], [`Error::InterfaceRow`] for a row that does not exist or occurs twice.
+    pub fn from_both_sides(
+        system: SystemMatrices<'_>,
+        top: &[usize],
+        bottom: &[usize],
+        frame: [[f64; 3]; 3],
+    ) -> Result<Self, Error> {
+        check_frame(frame)?;
+        let n = system.check()?;
+        let n_relative = top.len();
+        if n_relative == 0 || !n_relative.is_multiple_of(3) || bottom.len() != n_relative {
+            return Err(Error::PairCount {
+                top: n_relative / 3,
+                bottom: bottom.len() / 3,
+            });
+        }
+        let mut used = vec![false; n];
+        for &row in top.iter().chain(bottom) {
+            if row >= n || std::mem::replace(&mut used[row], true) {
+                return Err(Error::InterfaceRow { row, n });
+            }
+        }
+        let mut top_index = vec![None; n];
+        for (jump, &row) in top.iter().enumerate() {
+            top_index[row] = Some(jump);
+        }
         let rest: Vec<usize> = (0..n).filter(|&dof| top_index[dof].is_none()).collect();
-        let column = numbering(&rest, n);
+        let column: Vec<usize> = numbering(&rest, n).into_iter().map(Option::unwrap_or_default).collect();
         let mut transform = TriMat::with_capacity((n, n), n + 4 * n_relative);
         let mut positions = vec![[0.0; 3]; n];
         for dof in 0..n {
             let Some(jump) = top_index[dof] else {
-                if let Some(at) = column[dof] {
-                    transform.add_triplet(dof, n_relative + at, 1.0);
-                    positions[n_relative + at] = system.positions[dof];
-                }
+                transform.add_triplet(dof, n_relative + column[dof], 1.0);
+                positions[n_relative + column[dof]] = system.positions[dof];
                 continue;
             };
             let component = jump % 3;
@@ -118,18 +222,110 @@ impl RelativeSystem {
                 }
             }
             positions[jump] = system.positions[dof];
-            // A bottom component listed as a top one too would have no column of its own.
-            let at = column[bottom_index[jump]].ok_or(Error::DependentInterface {
-                node: bottom[jump / 3],
-                component: component as u8,
-            })?;
-            transform.add_triplet(dof, n_relative + at, 1.0);
+            // A bottom row is never a top one, so it has a column of its own.
+            transform.add_triplet(dof, n_relative + column[bottom[jump]], 1.0);
         }
-        let transform: CsMat<f64> = transform.to_csr();
+        Ok(Self::changed(system, transform.to_csr(), n_relative, positions))
+    }
+
+    /// Takes matrices whose coordinates include the jump, at the rows `jump`, three per pair in the order x, y, n.
+    ///
+    /// # Errors
+    /// [`Error::MatrixShape`], also for no jump or a number of rows that is not a multiple of three;
+    /// [`Error::InterfaceRow`] for a row that does not exist or occurs twice.
+    pub fn from_relative(system: SystemMatrices<'_>, jump: &[usize]) -> Result<Self, Error> {
+        let n = system.check()?;
+        check_jump(jump.len(), n)?;
+        let mut order = jump.to_vec();
+        let mut used = vec![false; n];
+        for &row in jump {
+            if row >= n || std::mem::replace(&mut used[row], true) {
+                return Err(Error::InterfaceRow { row, n });
+            }
+        }
+        order.extend((0..n).filter(|&row| !used[row]));
+        let mut transform = TriMat::with_capacity((n, n), n);
+        order
+            .iter()
+            .zip(0..)
+            .for_each(|(&row, column)| transform.add_triplet(row, column, 1.0));
+        let positions = order.iter().map(|&row| system.positions[row]).collect();
+        Ok(Self::changed(system, transform.to_csr(), jump.len(), positions))
+    }
+
+    /// Takes matrices over coordinates `x` whose combinations `P x` are the jump, three rows of `P` per pair in the order
+    /// x, y, n.
+    ///
+    /// The new coordinates are `[P x; N^T x]` with an orthonormal basis `N` of what `P` does not see, and
+    /// `x = P^T (P P^T)^-1 jump + N z`. All is done with full matrices.
+    ///
+    /// # Errors
+    /// [`Error::MatrixShape`], [`Error::DependentJump`] if the rows of `P` depend on one another.
+    pub fn from_combinations(system: SystemMatrices<'_>, jump: &CsMat<f64>) -> Result<Self, Error> {
+        let n = system.check()?;
+        let nd = jump.rows();
+        check_jump(nd, n)?;
+        if jump.cols() != n {
+            return Err(Error::MatrixShape {
+                what: "matrix of the jump",
+                rows: nd,
+                columns: jump.cols(),
+                n,
+            });
+        }
+        let rows = full(jump);
+        let dependent = |_| Error::DependentJump { rows: nd };
+        let lower = cholesky(product(rows.as_ref(), rows.transpose()).as_ref()).map_err(dependent)?;
+        let project = |mut right: Mat<f64>| {
+            solve_lower(lower.as_ref(), right.as_mut());
+            solve_lower_transposed(lower.as_ref(), right.as_mut());
+            product(rows.transpose(), right.as_ref())
+        };
+        let own = project(Mat::identity(nd, nd));
+        let deviation = (product(rows.as_ref(), own.as_ref()) - Mat::<f64>::identity(nd, nd)).norm_max();
+        // `!(a <= b)` also catches NaN.
+        if !(deviation <= 1e-8) {
+            return Err(Error::DependentJump { rows: nd });
+        }
+        let mut rest = dense_algebra::scattered(n, n - nd);
+        // The second round takes out what round-off left after the first.
+        for _ in 0..2 {
+            let seen = product(rows.as_ref(), rest.as_ref());
+            rest -= project(seen);
+            let gram = cholesky(product(rest.transpose(), rest.as_ref()).as_ref()).map_err(dependent)?;
+            let mut turned = rest.transpose().to_owned();
+            solve_lower(gram.as_ref(), turned.as_mut());
+            rest = turned.transpose().to_owned();
+        }
+        let mut change = Mat::<f64>::zeros(n, n);
+        change.subcols_mut(0, nd).copy_from(own);
+        change.subcols_mut(nd, n - nd).copy_from(rest);
+        let matrix = |a: &CsMat<f64>| {
+            let right = product(full(a).as_ref(), change.as_ref());
+            symmetric_part(sparse(product(change.transpose(), right.as_ref()).as_ref()))
+        };
+        let transform = sparse(change.as_ref());
         let transposed: CsMat<f64> = transform.transpose_view().to_csr();
         Ok(Self {
-            stiffness: congruence(&transform, &system.stiffness),
-            mass: congruence(&transform, &system.mass),
+            stiffness: matrix(system.stiffness),
+            mass: matrix(system.mass),
+            loads: system
+                .loads
+                .iter()
+                .map(|load| multiply_vector(&transposed, load))
+                .collect(),
+            n_relative: nd,
+            // Combinations have no place.
+            positions: vec![[0.0; 3]; n],
+            transform,
+        })
+    }
+
+    fn changed(system: SystemMatrices<'_>, transform: CsMat<f64>, n_relative: usize, positions: Vec<[f64; 3]>) -> Self {
+        let transposed: CsMat<f64> = transform.transpose_view().to_csr();
+        Self {
+            stiffness: congruence(&transform, system.stiffness),
+            mass: congruence(&transform, system.mass),
             loads: system
                 .loads
                 .iter()
@@ -138,10 +334,10 @@ impl RelativeSystem {
             n_relative,
             positions,
             transform,
-        })
+        }
     }
 
-    /// A row over the independent components of the system (for example a response), over `[jump; rest]` instead.
+    /// A row over the coordinates before the change (for example a response), over `[jump; rest]` instead.
     pub fn row(&self, over_independent: &[f64]) -> Vec<f64> {
         multiply_vector(&self.transform.transpose_view().to_csr(), over_independent)
     }

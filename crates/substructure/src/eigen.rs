@@ -12,6 +12,12 @@ use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 use sprs::CsMat;
 use std::ops::Range;
 
+/// Systems of at most this size are always solved whole.
+const WHOLE: usize = 128;
+
+/// Motions whose `omega^2` is more than the inverse of this times [`shift`] have no mass but round-off.
+const MASSLESS: f64 = 1e-13;
+
 /// Vectors advanced together: more cost little, because each solve reads the whole factor.
 const BLOCK: usize = 8;
 
@@ -57,14 +63,14 @@ pub fn shift(stiffness: &CsMat<f64>, mass: &CsMat<f64>) -> f64 {
     1e-8 * diagonal(stiffness).iter().sum::<f64>() / diagonal(mass).iter().sum::<f64>()
 }
 
-/// The `n_elastic` lowest modes that store energy, and all that do not.
+/// The `n_elastic` lowest modes that store energy, or all that have mass if there are fewer, and all that do not.
 ///
 /// A mode counts as free of energy when its `omega^2` is below 1e-4 of [`shift`] or 1e-6 of the first elastic one found,
 /// whichever is larger.
 ///
 /// # Errors
 /// [`Error::NotPositiveDefinite`] if `K + sigma M` is not definite, [`Error::EigenNotConverged`] if the residuals of
-/// the wanted modes do not fall below `tolerance`, or if the structure has fewer modes than asked for.
+/// the wanted modes do not fall below `tolerance`.
 pub fn lowest_modes(
     stiffness: &CsMat<f64>,
     mass: &CsMat<f64>,
@@ -73,6 +79,10 @@ pub fn lowest_modes(
     tolerance: f64,
 ) -> Result<Modes, Error> {
     let n = stiffness.rows();
+    // A subspace of most of the space gains nothing over the whole.
+    if n <= WHOLE || n_elastic > n / 4 {
+        return all_modes(stiffness, mass, n_elastic);
+    }
     let sigma = shift(stiffness, mass);
     let shifted = stiffness + &mass.map(|v| sigma * v);
     let factor = SparseCholesky::try_new(&shifted, positions, "shifted stiffness")?;
@@ -81,12 +91,7 @@ pub fn lowest_modes(
     let (eigenvalues, shapes, n_zero, vectors) = loop {
         let (vectors, basis) = krylov_basis(mass, &factor, wanted, tolerance)?;
         let (eigenvalues, shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
-        let limit = 1e-4 * sigma;
-        let first = eigenvalues.iter().copied().find(|w2| *w2 > limit).unwrap_or(limit);
-        let n_zero = eigenvalues
-            .iter()
-            .take_while(|w2| **w2 < limit.max(1e-6 * first))
-            .count();
+        let n_zero = count_zero(&eigenvalues, 1e-4 * sigma);
         if n_zero + n_elastic <= eigenvalues.len() || wanted == n {
             break (eigenvalues, shapes, n_zero, vectors);
         }
@@ -105,7 +110,7 @@ pub fn lowest_modes(
         worst = worst.max(relative);
         converged += usize::from(relative <= tolerance);
     }
-    if converged < n_elastic {
+    if converged < n_elastic.min(keep - n_zero) {
         return Err(Error::EigenNotConverged {
             converged,
             wanted: n_elastic,
@@ -120,6 +125,50 @@ pub fn lowest_modes(
         n_zero,
         residual: worst,
     })
+}
+
+/// How many of the ascending eigenvalues are round-off.
+fn count_zero(eigenvalues: &[f64], limit: f64) -> usize {
+    let first = eigenvalues.iter().copied().find(|w2| *w2 > limit).unwrap_or(limit);
+    let zero = |w2: &&f64| **w2 < limit.max(1e-6 * first);
+    eigenvalues.iter().take_while(zero).count()
+}
+
+/// The lowest modes of a small pair, found with all others.
+fn all_modes(stiffness: &CsMat<f64>, mass: &CsMat<f64>, n_elastic: usize) -> Result<Modes, Error> {
+    let n = stiffness.rows();
+    let mut modes = Modes {
+        eigenvalues: Vec::new(),
+        shapes: Mat::zeros(n, 0),
+        n_zero: 0,
+        residual: 0.0,
+    };
+    if n == 0 {
+        return Ok(modes);
+    }
+    let sigma = shift(stiffness, mass);
+    let (mut metric, mut full_mass) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(n, n));
+    for (value, (i, j)) in stiffness {
+        metric[(i, j)] += value;
+    }
+    for (value, (i, j)) in mass {
+        metric[(i, j)] += sigma * value;
+        full_mass[(i, j)] += value;
+    }
+    // The mass in the metric of the stiffness, not the other way round: it need not be definite.
+    let (inverse, vectors) = dense_algebra::symmetric_pair(full_mass.as_ref(), metric.as_ref())?;
+    let massless = inverse.iter().take_while(|theta| **theta * sigma < MASSLESS).count();
+    let basis = Mat::from_fn(n, n - massless, |i, j| {
+        vectors[(i, n - 1 - j)] / inverse[n - 1 - j].sqrt()
+    });
+    (modes.eigenvalues, modes.shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
+    let largest = modes.eigenvalues.last().map_or(0.0, |w2| w2.abs());
+    // Above the round-off of the decomposition, which is relative to the largest.
+    modes.n_zero = count_zero(&modes.eigenvalues, (1e-4 * sigma).max(1e-13 * largest));
+    let keep = (modes.n_zero + n_elastic).min(modes.eigenvalues.len());
+    modes.eigenvalues.truncate(keep);
+    modes.shapes.truncate(n, keep);
+    Ok(modes)
 }
 
 /// Approximations of the `wanted` lowest modes, and the size of the subspace they come from.

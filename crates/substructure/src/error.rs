@@ -141,16 +141,6 @@ pub enum Error {
         /// Size.
         size: usize,
     },
-    /// The symbolic or dense factorisation ran out of memory or did not converge.
-    #[error("{operation} of a matrix of size {size} failed: {reason}")]
-    LinearAlgebra {
-        /// What was attempted.
-        operation: &'static str,
-        /// Size.
-        size: usize,
-        /// Library's reason.
-        reason: String,
-    },
     /// The eigensolver did not reach its tolerance.
     #[error(
         "{converged} of {wanted} eigenpairs reached the residual tolerance {tolerance:.1e} with {vectors} vectors \

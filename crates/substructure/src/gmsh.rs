@@ -14,19 +14,10 @@
 use crate::Error;
 use crate::error::Position;
 use crate::interchange::{Kept, cell, check, check_nodes, face, find, line, quoted};
-use crate::mesh::{Element, Face, Material, Mesh};
+use crate::mesh::{Element, Face, Group, Material, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::str::FromStr;
-
-/// A named list.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Group<T> {
-    /// Name.
-    pub name: String,
-    /// Members in the order of the file.
-    pub members: Vec<T>,
-}
 
 /// What a file holds.
 #[derive(Clone, Debug, PartialEq)]

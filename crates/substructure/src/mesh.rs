@@ -191,6 +191,15 @@ pub struct GroundSpring {
     pub stiffness: f64,
 }
 
+/// A named list of nodes or faces.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Group<T> {
+    /// Name.
+    pub name: String,
+    /// Members.
+    pub members: Vec<T>,
+}
+
 /// One displacement or rotation component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dof {

@@ -980,7 +980,7 @@ fn everything() -> Assembly {
 #[test]
 fn what_is_written_is_read_back() {
     let assembly = everything();
-    let text = deck::write(&assembly).unwrap();
+    let text = deck::write(&assembly, &[], &[]).unwrap();
     let back = model(&text).unwrap().assembly;
     let bits = |mesh: &Mesh| mesh.nodes.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&back.mesh), bits(&assembly.mesh));
@@ -1013,8 +1013,13 @@ fn what_is_written_is_read_back() {
     assert_eq!(a.loads, b.loads);
     // Once more: writing is settled.
     assert_eq!(
-        deck::write(&model(&deck::write(&back).unwrap()).unwrap().assembly).unwrap(),
-        deck::write(&back).unwrap()
+        deck::write(
+            &model(&deck::write(&back, &[], &[]).unwrap()).unwrap().assembly,
+            &[],
+            &[]
+        )
+        .unwrap(),
+        deck::write(&back, &[], &[]).unwrap()
     );
 }
 
@@ -1022,15 +1027,18 @@ fn what_is_written_is_read_back() {
 fn what_no_deck_can_say_is_not_written() {
     let mut full = everything();
     full.mesh.set_formulation(Formulation::Full);
-    let error = deck::write(&full).unwrap_err().to_string();
+    let error = deck::write(&full, &[], &[]).unwrap_err().to_string();
     assert!(error.contains("element 0"), "{error}");
     let mut inner = everything();
     inner.ties[0].master_faces[0] = Face::Tri3([0, 1, 9]);
-    let error = deck::write(&inner).unwrap_err().to_string();
+    let error = deck::write(&inner, &[], &[]).unwrap_err().to_string();
     assert!(error.contains("tie `glue`"), "{error}");
     let mut dangling = everything();
     dangling.loads[0].terms[0].0 = Dof::Reference(7, 0);
-    assert!(matches!(deck::write(&dangling), Err(Error::NotWritable { .. })));
+    assert!(matches!(
+        deck::write(&dangling, &[], &[]),
+        Err(Error::NotWritable { .. })
+    ));
 }
 
 /// Pseudo-random numbers that belong to a seed.
@@ -1064,7 +1072,7 @@ fn damaged_decks_give_errors_and_no_panic() {
         "*END PART\n",
         "é",
     ];
-    let written = deck::write(&everything()).unwrap();
+    let written = deck::write(&everything(), &[], &[]).unwrap();
     let mut noise = Noise(7);
     let (mut read, mut refused) = (0, 0);
     for original in [CUBES, PARTS, &written] {

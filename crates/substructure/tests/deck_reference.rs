@@ -125,7 +125,7 @@ fn the_default_tolerance_leaves_the_known_slaves_free_and_the_deck_survives_writ
     let untied = DofMap::try_new(&model.assembly).unwrap().untied;
     // 16 nodes beneath each bolt head and each nut.
     assert_eq!(untied.len(), 96);
-    let text = deck::write(&model.assembly).unwrap();
+    let text = deck::write(&model.assembly, &[], &[]).unwrap();
     let back = deck::parse(&text, "written").unwrap();
     let back = back.assembly(&Choices::default()).unwrap().assembly;
     assert_eq!(back.mesh, model.assembly.mesh);

@@ -8,7 +8,8 @@ use base64::engine::general_purpose::STANDARD;
 use rand::{RngExt, SeedableRng};
 use substructure::Error;
 use substructure::elements::{Formulation, matrices};
-use substructure::gmsh::{self, Group};
+use substructure::gmsh;
+use substructure::mesh::Group;
 use substructure::mesh::{Cell, Element, Face, Material, Mesh};
 use substructure::vtu::{self, Encoding, Field};
 

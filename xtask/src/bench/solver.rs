@@ -10,7 +10,7 @@ use cqsma_solver::{LinearSolver, Linearisation, NewtonSettings, NoObserver, Slid
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use joint_pipeline::interface::InterfaceForce;
-use joint_pipeline::model::MeshedStructure;
+use joint_pipeline::model::Structure;
 use joint_pipeline::run::{Prepared, prepare};
 use joint_pipeline::{Options, Scene};
 use serde_json::{Value, json};
@@ -173,7 +173,7 @@ pub(super) fn scaling(monitor: &Monitor) -> Result<(Value, String, String)> {
     let mut measure = |refinement: &Refinement, points_per_direction: usize| -> Result<Row> {
         let mut scene = Scene::new("scaling");
         scene.points_per_direction = points_per_direction;
-        let structure = MeshedStructure::with_refinement(&scene.model, scene.bolts.behaviour, refinement)?;
+        let structure = Structure::with_refinement(&scene.model, scene.bolts.behaviour, refinement)?;
         let prepared = Prepared::try_new(&scene, &structure, &options, monitor)?;
         let bench = Bench::try_new(&prepared)?;
         let line = bench.linearise()?;

@@ -2,7 +2,7 @@
 
 use crate::elements::Formulation;
 use crate::error::Error;
-use crate::mesh::{Assembly, Cell, CouplingKind, Dof, Face};
+use crate::mesh::{Assembly, Cell, CouplingKind, Dof, Face, Group};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Write;
 
@@ -12,19 +12,22 @@ const PER_LINE: usize = 12;
 /// Writes an assembly as a deck for Abaqus or CalculiX, which [`super::parse`] reads back with the same coordinates.
 ///
 /// Nodes and elements are numbered from one in the order of the mesh, reference points of couplings after the nodes.
-/// Load patterns become steps. [`crate::mesh::BeyondTolerance`] has no keyword: both codes leave such slaves free.
+/// Load patterns become steps. `surfaces` and `node_sets` are written under their names, for steps and scenes to refer to.
+/// [`crate::mesh::BeyondTolerance`] has no keyword: both codes leave such slaves free.
 ///
 /// # Errors
-/// [`Error::NotWritable`] for hexahedra with [`Formulation::Full`], master faces that are no element's and components
+/// [`Error::NotWritable`] for hexahedra with [`Formulation::Full`], faces that are no element's, components and nodes
 /// that do not exist; [`Error::NotFinite`]; errors of [`crate::mesh::Mesh::validate`].
-pub fn write(assembly: &Assembly) -> Result<String, Error> {
+pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u32>]) -> Result<String, Error> {
     let mut deck = Writer {
         text: String::from("*HEADING\nLengths in m, forces in N, masses in kg\n"),
         assembly,
+        faces: HashMap::new(),
     };
     assembly.mesh.validate()?;
     deck.nodes()?;
     deck.elements()?;
+    deck.groups(surfaces, node_sets)?;
     deck.springs()?;
     deck.couplings()?;
     deck.ties()?;
@@ -51,6 +54,8 @@ pub fn write(assembly: &Assembly) -> Result<String, Error> {
 struct Writer<'a> {
     text: String,
     assembly: &'a Assembly,
+    /// Element and number of its face, by ascending nodes; filled by the first that asks.
+    faces: HashMap<Vec<u32>, (usize, usize)>,
 }
 
 fn finite(place: &str, value: f64) -> Result<f64, Error> {
@@ -244,12 +249,6 @@ impl Writer<'_> {
         if self.assembly.ties.is_empty() {
             return Ok(());
         }
-        let mut faces: HashMap<Vec<u32>, (usize, usize)> = HashMap::new();
-        for (i, element) in self.assembly.mesh.elements.iter().enumerate() {
-            for (number, face) in element.cell.faces().iter().enumerate() {
-                faces.entry(sorted(face)).or_insert((i + 1, number + 1));
-            }
-        }
         let names = names(self.assembly.ties.iter().map(|tie| &tie.name));
         for (i, (tie, name)) in self.assembly.ties.iter().zip(&names).enumerate() {
             let place = format!("tie `{}`", tie.name);
@@ -259,19 +258,52 @@ impl Writer<'_> {
                 let [node, _] = self.dof(&place, Dof::Node(node, 0))?;
                 let _ = writeln!(self.text, "{node},");
             }
-            let _ = writeln!(self.text, "*SURFACE, TYPE=ELEMENT, NAME=MASTER-{i}");
-            for face in &tie.master_faces {
-                let Some((element, number)) = faces.get(&sorted(face)) else {
-                    return refuse(place, "one of its master faces is no element's face");
-                };
-                let _ = writeln!(self.text, "{element}, S{number}");
-            }
+            self.surface(&place, &format!("MASTER-{i}"), &tie.master_faces)?;
             let adjust = if tie.adjust { "YES" } else { "NO" };
             let tolerance = finite(&place, tie.position_tolerance)?;
             let _ = writeln!(
                 self.text,
                 "*TIE, NAME=\"{name}\", POSITION TOLERANCE={tolerance:?}, ADJUST={adjust}\nSLAVE-{i}, MASTER-{i}"
             );
+        }
+        Ok(())
+    }
+
+    fn groups(&mut self, surfaces: &[Group<Face>], node_sets: &[Group<u32>]) -> Result<(), Error> {
+        for (set, name) in node_sets.iter().zip(names(node_sets.iter().map(|set| &set.name))) {
+            let place = format!("node set `{}`", set.name);
+            let labels = set
+                .members
+                .iter()
+                .map(|&node| Ok(self.dof(&place, Dof::Node(node, 0))?[0] as usize));
+            let labels = labels.collect::<Result<Vec<_>, Error>>()?;
+            let _ = writeln!(self.text, "*NSET, NSET=\"{name}\"");
+            self.list(&labels);
+        }
+        for (surface, name) in surfaces.iter().zip(names(surfaces.iter().map(|surface| &surface.name))) {
+            self.surface(
+                &format!("surface `{}`", surface.name),
+                &format!("\"{name}\""),
+                &surface.members,
+            )?;
+        }
+        Ok(())
+    }
+
+    fn surface(&mut self, place: &str, name: &str, faces: &[Face]) -> Result<(), Error> {
+        if self.faces.is_empty() {
+            for (i, element) in self.assembly.mesh.elements.iter().enumerate() {
+                for (number, face) in element.cell.faces().iter().enumerate() {
+                    self.faces.entry(sorted(face)).or_insert((i + 1, number + 1));
+                }
+            }
+        }
+        let _ = writeln!(self.text, "*SURFACE, TYPE=ELEMENT, NAME={name}");
+        for face in faces {
+            let Some((element, number)) = self.faces.get(&sorted(face)) else {
+                return refuse(place.to_owned(), "one of its faces is no element's face");
+            };
+            let _ = writeln!(self.text, "{element}, S{number}");
         }
         Ok(())
     }

@@ -1,0 +1,77 @@
+//! A few eigenpairs of a large dense pair.
+
+use crate::{Error, congruent, product, scattered, solve_lower_transposed, symmetric, symmetric_eigen};
+use faer::{Mat, MatRef};
+
+/// Most subspace iterations; a dozen are usual.
+const MAX_ITERATIONS: usize = 200;
+
+/// The `count` lowest eigenpairs of `L L^T y = lambda m y` for a positive semi-definite `m`, with `y^T m y = 1`,
+/// by subspace iteration on `L^-1 m L^-T`, whose eigenvalues are `1 / lambda`.
+///
+/// # Errors
+/// [`Error::Rank`] if `m` has fewer than `count` positive eigenvalues, or holds infinities or NaN;
+/// [`Error::NoConvergence`].
+pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let size = m.nrows();
+    let c = congruent(lower, m);
+    let width = (2 * count + 10).min(size);
+    let mut image = scattered(size, width);
+    let mut previous = vec![0.0; count];
+    for _ in 0..MAX_ITERATIONS {
+        let basis = orthonormal(image)?;
+        image = product(c.as_ref(), basis.as_ref());
+        let small = symmetric(product(basis.transpose(), image.as_ref()).as_ref());
+        let (ascending, rotation) = symmetric_eigen(small.as_ref())?;
+        // Images of the Ritz vectors are nearly orthogonal, however far apart their eigenvalues are.
+        image = product(image.as_ref(), rotation.as_ref());
+        let values: Vec<f64> = ascending.into_iter().rev().take(count).collect();
+        if values.len() < count || !values.iter().all(|v| *v > 0.0) {
+            return Err(Error::Rank { size, count });
+        }
+        let change = values
+            .iter()
+            .zip(&previous)
+            .map(|(a, b)| (a / b - 1.0).abs())
+            .fold(0.0, f64::max);
+        previous.clone_from(&values);
+        // Eigenvalues converge with the square of the shapes: ask for round-off in the values.
+        if change < 1e-13 {
+            let mut shapes = Mat::from_fn(size, count, |i, j| image[(i, image.ncols() - 1 - j)]);
+            solve_lower_transposed(lower, shapes.as_mut());
+            let images = product(m, shapes.as_ref());
+            let length = |j: usize| (shapes.col(j).transpose() * images.col(j)).sqrt();
+            let lengths: Vec<f64> = (0..count).map(length).collect();
+            let shapes = Mat::from_fn(size, count, |i, j| shapes[(i, j)] / lengths[j]);
+            return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
+        }
+    }
+    Err(Error::NoConvergence { size })
+}
+
+/// Orthonormal basis of the space of the columns, by two passes over the eigenvectors of their Gram matrix
+/// (Stathopoulos and Wu 2002, SIAM Journal on Scientific Computing 23, 2165-2182); fewer columns than given where some
+/// depend on others or are round-off.
+fn orthonormal(mut columns: Mat<f64>) -> Result<Mat<f64>, Error> {
+    for _ in 0..2 {
+        let longest = columns.col_iter().map(|column| column.norm_l2()).fold(0.0, f64::max);
+        let round_off = f64::EPSILON * columns.nrows() as f64;
+        for column in columns.as_mut().col_iter_mut() {
+            let length = column.norm_l2();
+            let scale = if length > round_off * longest {
+                length.recip()
+            } else {
+                0.0
+            };
+            column.iter_mut().for_each(|v| *v *= scale);
+        }
+        let gram = product(columns.transpose(), columns.as_ref());
+        let (values, vectors) = symmetric_eigen(gram.as_ref())?;
+        let kept: Vec<usize> = (0..values.len()).filter(|&j| values[j] > round_off).collect();
+        let turn = Mat::from_fn(values.len(), kept.len(), |i, j| {
+            vectors[(i, kept[j])] / values[kept[j]].sqrt()
+        });
+        columns = product(columns.as_ref(), turn.as_ref());
+    }
+    Ok(columns)
+}

@@ -1,0 +1,120 @@
+//! Laws whose parameters a scene gives itself.
+
+use crate::Error;
+use crate::scene::{Curves, Fitted, Parameters, Per, Scene};
+use contact_laws::{
+    ContactCurves, ElasticCurves, FittedCurves, FittedPoints, FrictionalLaw, NormalFit, PointParameters,
+    TangentialEnds, TangentialFit, TractionLaw,
+};
+use std::sync::Arc;
+
+/// A law from given parameters.
+pub(crate) struct GivenLaw {
+    pub(crate) law: Arc<dyn TractionLaw>,
+    /// As in reports.
+    pub(crate) kind: &'static str,
+    /// Gap at each point (m).
+    pub(crate) gap: Vec<f64>,
+    curves: Vec<Box<dyn ContactCurves>>,
+    set_of: Vec<u32>,
+}
+
+impl GivenLaw {
+    /// The law at points whose elements are `element_of`, in ascending order.
+    ///
+    /// # Errors
+    /// [`Error::Parameters`]; those of the law.
+    pub(crate) fn try_new(scene: &Scene, parameters: &Parameters, element_of: &[u32]) -> Result<Self, Error> {
+        let Parameters { per, sets } = parameters;
+        let n_points = element_of.len();
+        let (set_of, expected, what): (Vec<u32>, _, _) = match per {
+            Per::Interface => (vec![0; n_points], 1, "set for the interface"),
+            Per::Element => {
+                let n = element_of.last().map_or(0, |&last| last as usize + 1);
+                (element_of.to_vec(), n, "elements")
+            }
+            Per::Point => ((0..n_points as u32).collect(), n_points, "points"),
+        };
+        if sets.len() != expected {
+            return Err(Error::Parameters {
+                reason: format!("{} sets are given for {expected} {what}", sets.len()),
+            });
+        }
+        let per_point = |of: &dyn Fn(usize) -> f64| set_of.iter().map(|&set| of(set as usize)).collect::<Vec<f64>>();
+        let mu = PointParameters::per_point(per_point(&|set| sets[set].mu.unwrap_or(scene.mu)));
+        let gap = per_point(&|set| sets[set].gap);
+        let mixed = |set: usize| Error::Parameters {
+            reason: format!(
+                "set {} has other curves than the first; give all sets curves of one kind",
+                set + 1
+            ),
+        };
+        let history = scene.law.history;
+        let (law, kind, curves): (Arc<dyn TractionLaw>, _, Vec<Box<dyn ContactCurves>>) = match sets[0].curves {
+            Curves::Elastic(_) => {
+                let curves = sets
+                    .iter()
+                    .enumerate()
+                    .map(|(index, set)| match &set.curves {
+                        Curves::Elastic(e) => Ok(ElasticCurves::try_new(e.normal_stiffness, e.tangential_stiffness)?),
+                        Curves::Fitted(_) => Err(mixed(index)),
+                    })
+                    .collect::<Result<Vec<_>, Error>>()?;
+                let points = PointParameters::try_indexed(curves.clone(), set_of.clone())?;
+                let law = Arc::new(FrictionalLaw::try_new(points, mu, history)?);
+                (law, "elastic", curves.into_iter().map(|c| Box::new(c) as _).collect())
+            }
+            Curves::Fitted(_) => {
+                let curves = sets
+                    .iter()
+                    .enumerate()
+                    .map(|(index, set)| match &set.curves {
+                        Curves::Fitted(fitted) => fitted_curves(fitted),
+                        Curves::Elastic(_) => Err(mixed(index)),
+                    })
+                    .collect::<Result<Vec<_>, Error>>()?;
+                let points = PointParameters::try_indexed(curves.clone(), set_of.clone())?;
+                let law = Arc::new(FrictionalLaw::try_new(FittedPoints::<f64>::new(&points), mu, history)?);
+                (law, "fitted", curves.into_iter().map(|c| Box::new(c) as _).collect())
+            }
+        };
+        Ok(Self {
+            law,
+            kind,
+            gap,
+            curves,
+            set_of,
+        })
+    }
+
+    /// The curves at a point.
+    pub(crate) fn at(&self, point: usize) -> &dyn ContactCurves {
+        &*self.curves[self.set_of[point] as usize]
+    }
+}
+
+fn fitted_curves(fitted: &Fitted) -> Result<FittedCurves, Error> {
+    let [a, b, c, d, e] = fitted.normal;
+    let (u_ref, range) = (fitted.u_ref, fitted.range);
+    let normal = NormalFit {
+        a,
+        b,
+        c,
+        d,
+        e,
+        u_ref,
+        t_ref: fitted.t_ref,
+        range,
+    };
+    let tangential = fitted.tangential.map(|[a, b, c, d]| TangentialFit {
+        a,
+        b,
+        c,
+        d,
+        u_ref,
+        k_ref: fitted.k_ref,
+        range,
+        ends: TangentialEnds::Mindlin,
+    });
+    Ok(FittedCurves::try_new(normal, tangential)?)
+}
