@@ -4,8 +4,10 @@ use contact_laws::{AsperityPopulation, GapDistribution};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
+use crate::areal::ArealParameters;
 use crate::error::{SurfaceError, not_negative, positive};
 use crate::gap::Bilinear;
+use crate::resolution::Resolution;
 use crate::response::{draw, mix};
 
 /// Peak height that enters the half-axes `w_q` of the packing estimate (eq. 26).
@@ -58,18 +60,16 @@ pub struct FaceAsperities {
     pub missing: usize,
     /// Bilinear form of the de-trended heights; everything below is measured from it.
     pub plane: Bilinear,
-    /// Root mean square of the residual heights (m).
-    pub rms_roughness: f64,
-    /// Total roughness R_t, highest minus lowest residual height (m).
-    pub total_roughness: f64,
+    /// Areal parameters of the residual heights.
+    pub areal: ArealParameters,
     /// Peaks found along x lines and along y lines.
     pub peaks: [usize; 2],
     /// Summits (8 neighbours).
     pub summits: usize,
     /// Radius along x and along y by the chosen statistic (m); `None` without a peak along that direction.
     pub radius: [Option<f64>; 2],
-    /// Largest radius the instrument resolves along x and y (m), see [`crate::radius_resolution`].
-    pub radius_resolution: Option<[f64; 2]>,
+    /// What the instrument resolves of all this.
+    pub resolution: Resolution,
     /// Peak heights above the lowest peak (m), both directions, in scan order.
     pub heights: Vec<f64>,
     /// Height of the tallest peak (of the tallest point where there is no peak) above the plane (m).
@@ -78,6 +78,13 @@ pub struct FaceAsperities {
     pub summit_level: f64,
     /// Number of asperities by the chosen count; `None` without peaks.
     pub asperity_count: Option<f64>,
+}
+
+impl FaceAsperities {
+    /// Total roughness R_t, highest minus lowest residual height (m): Sz.
+    pub fn total_roughness(&self) -> f64 {
+        self.areal.sz
+    }
 }
 
 /// Number of ellipses packed on an area (eq. 27): `eta A / (pi w_x w_y)` with `w_q = sqrt(z (2 R_q - z))` (eq. 26).
@@ -287,7 +294,7 @@ pub(crate) fn face_count(
     not_negative("mean peak height", mean_peak, "m")?;
     let height = match height {
         PackingHeight::MeanPeak if mean_peak > 0.0 => mean_peak,
-        _ => face.total_roughness,
+        _ => face.total_roughness(),
     };
     Ok(Some(match count {
         AsperityCount::Packing => packing_count(area, height, radius, efficiency)?,
@@ -308,12 +315,29 @@ mod tests {
                 half_width: [1.0; 2],
                 coefficients: [0.0; 4],
             },
-            rms_roughness: 1e-6,
-            total_roughness: 4e-6,
+            areal: ArealParameters {
+                points: 100,
+                sa: 0.8e-6,
+                sq: 1e-6,
+                sz: 4e-6,
+                ssk: None,
+                sku: None,
+                sdq: None,
+                peaks: 0,
+                spd: 0.0,
+                spc: None,
+            },
             peaks: [heights.len(), 0],
             summits: 0,
             radius,
-            radius_resolution: None,
+            resolution: Resolution {
+                height_step: None,
+                lateral_step: [1e-5; 2],
+                least_curvature: None,
+                curvature: [None; 2],
+                curvature_at_double_step: [None; 2],
+                samples_per_peak: [None; 2],
+            },
             heights,
             tallest: 2e-6,
             summit_level: 2e-6,

@@ -9,6 +9,7 @@
 //! All quantities are SI. x runs along the interface, y across; heights point out of each body towards its mate.
 #![doc = include_str!("../README.md")]
 
+mod areal;
 mod asperities;
 mod characterise;
 mod detrend;
@@ -17,22 +18,25 @@ mod fits;
 mod gap;
 mod partition;
 mod peaks;
+mod resolution;
 mod response;
+mod scan;
 mod synthetic;
 mod topography;
 
+pub use areal::{ArealParameters, ArealPatch};
 pub use asperities::{
     AsperityCount, FaceAsperities, HeightCombination, PackingHeight, PairAsperities, PairRadius, packing_count,
 };
-pub use characterise::{
-    Characterisation, ElementSurface, FaceSummary, InterferenceRange, Options, Summary, characterise,
-};
+pub use characterise::{Characterisation, ElementSurface, InterferenceRange, Options, Summary, characterise};
 pub use detrend::{Detrend, Plane, fit_plane, trend};
 pub use error::SurfaceError;
 pub use fits::{FitFallback, FitReport, NormalFitReport, TangentialFitReport, fit_normal, fit_tangential};
 pub use gap::Bilinear;
 pub use partition::{ElementOutlines, Partition};
-pub use peaks::{LinePeak, RadiusStatistic, Summit, line_peaks, radius_resolution, summits};
+pub use peaks::{LinePeak, RadiusStatistic, Summit, line_peaks, summits};
+pub use resolution::Resolution;
 pub use response::{Bootstrap, CurveBands, TallestPeak, TractionCurves, bootstrap_bands, traction_curves};
+pub use scan::FaceSummary;
 pub use synthetic::{SyntheticFace, Waviness};
 pub use topography::{HeightData, HeightMap};
