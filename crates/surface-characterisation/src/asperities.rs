@@ -8,7 +8,7 @@ use crate::areal::ArealParameters;
 use crate::error::{SurfaceError, not_negative, positive};
 use crate::gap::Bilinear;
 use crate::resolution::Resolution;
-use crate::response::{draw, mix};
+use crate::response::{Realisation, draw, mix};
 
 /// Peak height that enters the half-axes `w_q` of the packing estimate (eq. 26).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -114,6 +114,7 @@ pub struct PairAsperities {
     radius: [f64; 2],
     effective_radius: f64,
     heights: Vec<f64>,
+    contact_height: f64,
 }
 
 impl PairAsperities {
@@ -157,6 +158,7 @@ impl PairAsperities {
             count,
             radius,
             effective_radius,
+            contact_height: heights[0],
             heights,
         })
     }
@@ -191,6 +193,21 @@ impl PairAsperities {
         &self.heights
     }
 
+    /// Height `z_p` (m) at which `u_n = 0`: the tallest of the population, or of the one it was drawn from.
+    pub fn contact_height(&self) -> f64 {
+        self.contact_height
+    }
+
+    /// The same asperities with the heights drawn from this population by `realisation`.
+    pub(crate) fn redrawn(&self, realisation: &Realisation) -> Self {
+        let drawn = self.heights.iter().zip(&realisation.weights);
+        Self {
+            heights: drawn.flat_map(|(z, w)| std::iter::repeat_n(*z, *w as usize)).collect(),
+            contact_height: self.contact_height - realisation.start,
+            ..*self
+        }
+    }
+
     /// The population as the contact laws take it: gaps `z_p - z_i` at first touch, asperities per area, pair radii.
     ///
     /// The laws use `sqrt(R_x R_y)` as effective radius; where this population has another one
@@ -199,7 +216,7 @@ impl PairAsperities {
     /// # Errors
     /// The contact laws' own, for radii or densities that underflow.
     pub fn law_population(&self) -> Result<AsperityPopulation, contact_laws::Error> {
-        let gaps = self.heights.iter().map(|z| self.heights[0] - z).collect();
+        let gaps = self.heights.iter().map(|z| self.contact_height - z).collect();
         let scale = self.effective_radius / (self.radius[0].sqrt() * self.radius[1].sqrt());
         let radii = self.radius.map(|r| r * scale);
         AsperityPopulation::try_new(GapDistribution::try_from_samples(gaps)?, self.asperity_density(), radii)

@@ -10,9 +10,13 @@ use crate::detrend::Detrend;
 use crate::error::{SurfaceError, not_negative, positive};
 use crate::fits::{FitFallback, FitReport, NormalFitReport, TangentialFitReport, fit_normal, fit_tangential};
 use crate::gap::{Bilinear, pair_gap};
+use crate::noise::NoiseHandling;
 use crate::partition::ElementOutlines;
 use crate::peaks::RadiusStatistic;
-use crate::response::{Bootstrap, CurveBands, TractionCurves, bootstrap_bands, check_material, traction_curves};
+use crate::registration::Registration;
+use crate::response::{
+    Bootstrap, CurveBands, TractionCurves, bootstrap_bands, check_material, realisation, traction_curves,
+};
 use crate::scan::{FaceSummary, scan_face};
 use crate::topography::HeightMap;
 
@@ -72,6 +76,10 @@ impl InterferenceRange {
 pub struct Options {
     /// Elastic constants of both bodies.
     pub material: ElasticPair,
+    /// Treatment of noise, before anything else.
+    pub noise: NoiseHandling,
+    /// Motion of the bottom face against the top one.
+    pub registration: Registration,
     /// Plane that is taken off each face.
     pub detrend: Detrend,
     /// How the radii of an element's peaks become one.
@@ -105,6 +113,8 @@ impl Options {
     pub fn new(material: ElasticPair) -> Self {
         Self {
             material,
+            noise: NoiseHandling::default(),
+            registration: Registration::default(),
             detrend: Detrend::default(),
             radius: RadiusStatistic::default(),
             pair_radius: PairRadius::default(),
@@ -184,6 +194,22 @@ pub struct Summary {
 }
 
 impl Characterisation {
+    /// Bootstrap realisation `k` of every element's population, in their order.
+    ///
+    /// It is drawn by [`Options::bootstrap`] (its number of realisations aside: any `k` will do), so that realisation
+    /// `k` of an element is the sample behind the `k`-th of the curves its bands were taken from. Gaps, counts and radii
+    /// are not drawn: the law of a realisation starts where the measured one does. Depends on the heights, the seed,
+    /// the element and `k` alone.
+    ///
+    /// # Errors
+    /// An exponent of [`crate::TallestPeak::MOutOfN`] outside (0, 1).
+    pub fn realisation(&self, k: usize) -> Result<Vec<PairAsperities>, SurfaceError> {
+        self.elements
+            .iter()
+            .map(|e| realisation(&e.population, self.options.bootstrap, e.element, k))
+            .collect()
+    }
+
     /// Counts and medians over the elements; medians are NaN without elements.
     pub fn summary(&self) -> Summary {
         let all = &self.elements;
@@ -236,8 +262,8 @@ pub fn characterise(
     not_negative("pruning", options.pruning, "1")?;
 
     let (top, bottom) = rayon::join(
-        || scan_face("top", top, elements, options),
-        || scan_face("bottom", bottom, elements, options),
+        || scan_face("top", top, elements, Registration::default(), options),
+        || scan_face("bottom", bottom, elements, options.registration, options),
     );
     let (top_found, top) = top?;
     let (bottom_found, bottom) = bottom?;
@@ -253,6 +279,21 @@ pub fn characterise(
         faces: [top, bottom],
         options: *options,
     })
+}
+
+/// What [`characterise`] says of the gap alone, for another registration: of every element, in order.
+pub(crate) fn gaps(
+    top: &(Vec<FaceAsperities>, FaceSummary),
+    bottom: &(Vec<FaceAsperities>, FaceSummary),
+) -> Vec<Bilinear> {
+    let of_element = |(t, b): (&FaceAsperities, &FaceAsperities)| {
+        pair_gap(
+            [&t.plane, &b.plane],
+            [t.tallest, b.tallest],
+            [top.1.reference, bottom.1.reference],
+        )
+    };
+    top.0.iter().zip(&bottom.0).map(of_element).collect()
 }
 
 fn respond(

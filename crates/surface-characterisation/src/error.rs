@@ -105,6 +105,26 @@ pub enum SurfaceError {
         /// Points of the bottom face.
         points_bottom: usize,
     },
+    /// The masks do not fix where a height map lies.
+    #[error(
+        "alignment along {axis}: moving the map by one step leaves as many points inside the elements; it covers more \
+         than the interface or its mask has no edge there: mask what lies beyond the face, or give the shift yourself"
+    )]
+    UndeterminedAlignment {
+        /// `x` or `y`.
+        axis: &'static str,
+    },
+    /// Two element fields have no rank correlation.
+    #[error(
+        "{change} against {field}: fewer than 3 elements in common, or one value in all of them; leave the field out, \
+         or give a run in which it varies"
+    )]
+    UndefinedCorrelation {
+        /// Name of the change.
+        change: String,
+        /// Name of the field.
+        field: String,
+    },
     /// A curve has too few usable samples for a fit.
     #[error("{curve}: {found} samples above zero, a fit needs at least {needed}; sample the curve over a wider range")]
     TooFewSamples {

@@ -1,5 +1,7 @@
 //! One face over all elements: forms, peaks, radii and counts.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use crate::areal::{ArealParameters, ArealPatch};
@@ -10,6 +12,7 @@ use crate::error::SurfaceError;
 use crate::gap::Bilinear;
 use crate::partition::{ElementOutlines, Partition};
 use crate::peaks::{LinePeak, line_peaks, summits};
+use crate::registration::Registration;
 use crate::resolution::{PeakSums, Resolution};
 use crate::topography::HeightMap;
 
@@ -21,7 +24,7 @@ const MARGIN: usize = 8;
 /// What happened to one whole face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaceSummary {
-    /// The plane that was taken off.
+    /// The plane that was taken off; of the bottom face, less the tilt of the registration.
     pub trend: Plane,
     /// Highest level of the face above that plane (m): zero of its gap.
     pub reference: f64,
@@ -31,18 +34,26 @@ pub struct FaceSummary {
     pub missing: usize,
     /// Points with data in no element (bolt holes, beyond the outline), dropped.
     pub outside: usize,
+    /// Points dropped as outliers, anywhere on the map.
+    pub outliers: usize,
     /// Areal parameters of all elements together, above the plane: form and waviness are in them.
     pub areal: ArealParameters,
 }
 
-/// All elements of one face.
+/// All elements of one face, `name`, which `registration` moves.
 pub(crate) fn scan_face(
     name: &'static str,
     map: &HeightMap,
     elements: &ElementOutlines,
+    registration: Registration,
     options: &Options,
 ) -> Result<(Vec<FaceAsperities>, FaceSummary), SurfaceError> {
-    let trend = trend(map, elements, options.detrend)?;
+    let (mut map, outliers) = options.noise.apply(map)?;
+    if registration.shift != [0.0; 2] {
+        map = Cow::Owned(map.into_owned().shifted(registration.shift)?);
+    }
+    let map = map.as_ref();
+    let trend = registration.tilted(trend(map, elements, options.detrend)?, elements)?;
     let partition = Partition::new(map, elements);
     let scans = (0..elements.len())
         .into_par_iter()
@@ -66,6 +77,7 @@ pub(crate) fn scan_face(
         points: partition.points.iter().sum(),
         missing: partition.missing.iter().sum(),
         outside: partition.outside,
+        outliers,
     };
     Ok((found, summary))
 }
