@@ -242,7 +242,9 @@ mod tests {
         // No row of one face is any row of the other: correlations of 200 points stay within 5 sigma.
         for j in 0..64 {
             for k in 0..64 {
-                let sum: f64 = (0..200).map(|i| a.height(i, j).unwrap() * b.height(i, k).unwrap()).sum();
+                let sum: f64 = (0..200)
+                    .map(|i| a.height(i, j).unwrap() * b.height(i, k).unwrap())
+                    .sum();
                 assert!((sum / (200.0 * 4e-12)).abs() < 5.0 / 200f64.sqrt(), "rows {j} and {k}");
             }
         }
