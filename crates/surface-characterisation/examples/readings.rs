@@ -1,10 +1,11 @@
-//! What each reading of the method does to one synthetic pair: a table of ratios to the default readings.
+//! What each reading of the method does to one synthetic pair, as ratios to the default readings, and what the
+//! registration of its faces does to their gap.
 #![allow(clippy::print_stdout)]
 
 use contact_laws::{ElasticPair, TangentialReading};
 use surface_characterisation::{
     AsperityCount, Characterisation, ElementOutlines, HeightCombination, Options, PackingHeight, PairRadius,
-    RadiusStatistic, SurfaceError, SyntheticFace, characterise,
+    RadiusStatistic, Registration, SurfaceError, SyntheticFace, Waviness, characterise, registration_study,
 };
 
 /// One reading that differs from the default.
@@ -42,7 +43,18 @@ fn main() -> Result<(), SurfaceError> {
             origin: [15e-6, 25e-6],
             rms: 1.5e-6,
             correlation_length: [120e-6, 150e-6],
-            waviness: vec![],
+            waviness: vec![
+                Waviness {
+                    amplitude: 4e-6,
+                    wavenumber: [1.0 / 60e-3, 0.0],
+                    phase: 0.4,
+                },
+                Waviness {
+                    amplitude: 1e-6,
+                    wavenumber: [1.0 / 8e-3, 1.0 / 30e-3],
+                    phase: 1.0,
+                },
+            ],
             tilt: [1e-4, -2e-4],
             height_step: Some(0.5e-6),
             seed,
@@ -95,6 +107,38 @@ fn main() -> Result<(), SurfaceError> {
             let ratios: Vec<String> = (0..8).map(|k| format!("{:.2}", figures[k] / base[k])).collect();
             println!("{name} | {}", ratios.join(" | "));
         }
+    }
+
+    let shift = |x: f64, y: f64| Registration {
+        shift: [x, y],
+        ..Registration::default()
+    };
+    let tilt = |x: f64, y: f64| Registration {
+        tilt: [x, y],
+        ..Registration::default()
+    };
+    let cases = [
+        shift(30e-6, 0.0),
+        shift(0.0, 50e-6),
+        shift(300e-6, 0.0),
+        shift(0.0, 300e-6),
+        shift(-600e-6, 0.0),
+        tilt(1e-4, 0.0),
+        tilt(0.0, 1e-4),
+    ];
+    println!("\nshift (um) | tilt (1e-4) | change of the gap: mean | rms about it | largest (um)");
+    for change in registration_study(&top, &bottom, &elements, &Options::new(steel), &cases)? {
+        let Registration { shift, tilt } = change.registration;
+        println!(
+            "{:.0}, {:.0} | {:.0}, {:.0} | {:+.2} | {:.2} | {:.2}",
+            shift[0] * 1e6,
+            shift[1] * 1e6,
+            tilt[0] * 1e4,
+            tilt[1] * 1e4,
+            change.mean * 1e6,
+            change.rms * 1e6,
+            change.largest * 1e6
+        );
     }
     Ok(())
 }
