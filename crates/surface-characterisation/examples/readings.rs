@@ -2,10 +2,11 @@
 //! registration of its faces does to their gap.
 #![allow(clippy::print_stdout)]
 
-use contact_laws::{ElasticPair, TangentialReading};
+use contact_laws::{AsperitySumCurves, ContactCurves, ElasticPair, GreenwoodWilliamsonCurves, TangentialReading};
 use surface_characterisation::{
-    AsperityCount, Characterisation, ElementOutlines, HeightCombination, Options, PackingHeight, PairRadius,
-    RadiusStatistic, Registration, SurfaceError, SyntheticFace, Waviness, characterise, registration_study,
+    AsperityCount, Characterisation, ElementOutlines, HeightCombination, HeightFamily, Options, PackingHeight,
+    PairAsperities, PairRadius, RadiusStatistic, Registration, SurfaceError, SyntheticFace, Waviness, characterise,
+    registration_study, traction_curves,
 };
 
 /// One reading that differs from the default.
@@ -107,6 +108,39 @@ fn main() -> Result<(), SurfaceError> {
             let ratios: Vec<String> = (0..8).map(|k| format!("{:.2}", figures[k] / base[k])).collect();
             println!("{name} | {}", ratios.join(" | "));
         }
+    }
+
+    println!("\nnormal traction by other forms of the heights, over that of the samples: 1 um | 5 um");
+    let c = characterise(&top, &bottom, &elements, &Options::new(steel))?;
+    let reading = TangentialReading::Mindlin;
+    let over_sums = |of: &dyn Fn(&PairAsperities, f64) -> f64| {
+        [1e-6, 5e-6].map(|u| {
+            mean(&c, |e| {
+                let sums = traction_curves(&e.population, steel, reading, &[u]);
+                of(&e.population, u) / sums.map_or(f64::NAN, |c| c.normal[0])
+            })
+        })
+    };
+    for (name, family) in [
+        ("exponential", HeightFamily::Exponential),
+        ("Gaussian", HeightFamily::Gaussian),
+    ] {
+        let closed = |p: &PairAsperities, u: f64| {
+            let curves = p
+                .closed_form(family)
+                .map(|s| GreenwoodWilliamsonCurves::try_new(s, steel, reading));
+            curves.and_then(Result::ok).map_or(f64::NAN, |c| c.normal(u).0)
+        };
+        println!("{name} | {:.3?}", over_sums(&closed));
+    }
+    for levels in [10, 50, 200] {
+        let quantiles = |p: &PairAsperities, u: f64| {
+            let curves = p
+                .quantile_population(levels)
+                .and_then(|p| AsperitySumCurves::try_new(p, steel, reading));
+            curves.map_or(f64::NAN, |c| c.normal(u).0)
+        };
+        println!("{levels} quantiles | {:.3?}", over_sums(&quantiles));
     }
 
     let shift = |x: f64, y: f64| Registration {

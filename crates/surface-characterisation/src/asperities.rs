@@ -1,6 +1,6 @@
 //! Asperities of one face, and the population of a pair of faces.
 
-use contact_laws::{AsperityPopulation, GapDistribution};
+use contact_laws::{AsperityPopulation, GapDistribution, GreenwoodWilliamsonSurface, HeightDistribution};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -49,6 +49,15 @@ pub enum HeightCombination {
     Pooled,
     /// Each peak on a random peak of the other face (seeded): the heights of two independent rough faces add.
     Summed,
+}
+
+/// Closed form that may stand in for sampled heights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HeightFamily {
+    /// Exponential heights, the textbook form of a tail.
+    Exponential,
+    /// Gaussian heights.
+    Gaussian,
 }
 
 /// What one face shows over one element.
@@ -217,9 +226,65 @@ impl PairAsperities {
     /// The contact laws' own, for radii or densities that underflow.
     pub fn law_population(&self) -> Result<AsperityPopulation, contact_laws::Error> {
         let gaps = self.heights.iter().map(|z| self.contact_height - z).collect();
+        self.with_gaps(GapDistribution::try_from_samples(gaps)?)
+    }
+
+    /// The population with the measured quantile function of its gaps, linear between `levels + 1` equidistant
+    /// probabilities, in place of the samples: smooth where [`PairAsperities::law_population`] has a kink per peak.
+    ///
+    /// # Errors
+    /// The contact laws' own; no levels, among others.
+    pub fn quantile_population(&self, levels: usize) -> Result<AsperityPopulation, contact_laws::Error> {
+        let last = self.heights.len() - 1;
+        let probabilities: Vec<f64> = (0..=levels).map(|k| k as f64 / levels as f64).collect();
+        let gaps: Vec<f64> = probabilities
+            .iter()
+            .map(|p| {
+                let position = p * last as f64;
+                let below = (position as usize).min(last);
+                let above = (below + 1).min(last);
+                let height =
+                    self.heights[below] + (position - below as f64) * (self.heights[above] - self.heights[below]);
+                self.contact_height - height
+            })
+            .collect();
+        self.with_gaps(GapDistribution::try_from_quantiles(&probabilities, &gaps)?)
+    }
+
+    /// The population with heights of a closed form that has the sample's mean and standard deviation; `u_n = 0` stays
+    /// where it is. `None` where all heights are equal.
+    ///
+    /// Joints are carried by the tallest few of a hundred peaks, where the form decides and the moments do not: compare
+    /// with the sums before use.
+    pub fn closed_form(&self, family: HeightFamily) -> Option<GreenwoodWilliamsonSurface> {
+        let n = self.heights.len() as f64;
+        let mean = self.heights.iter().sum::<f64>() / n;
+        let deviation = (self.heights.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let (heights, zero) = match family {
+            HeightFamily::Exponential => (HeightDistribution::Exponential { scale: deviation }, mean - deviation),
+            HeightFamily::Gaussian => (
+                HeightDistribution::Gaussian {
+                    standard_deviation: deviation,
+                },
+                mean,
+            ),
+        };
+        (deviation > 0.0).then(|| GreenwoodWilliamsonSurface {
+            heights,
+            reference_height: self.contact_height - zero,
+            asperity_density: self.asperity_density(),
+            radii: self.law_radii(),
+        })
+    }
+
+    fn with_gaps(&self, gaps: GapDistribution) -> Result<AsperityPopulation, contact_laws::Error> {
+        AsperityPopulation::try_new(gaps, self.asperity_density(), self.law_radii())
+    }
+
+    /// Radii whose geometric mean is the effective radius.
+    fn law_radii(&self) -> [f64; 2] {
         let scale = self.effective_radius / (self.radius[0].sqrt() * self.radius[1].sqrt());
-        let radii = self.radius.map(|r| r * scale);
-        AsperityPopulation::try_new(GapDistribution::try_from_samples(gaps)?, self.asperity_density(), radii)
+        self.radius.map(|r| r * scale)
     }
 
     /// The same asperities all of one height: the closed single-asperity form.
@@ -443,6 +508,55 @@ mod tests {
         assert_eq!(count(&f, AsperityCount::Summits, PackingHeight::TotalRoughness), 7.0);
         f.heights = vec![0.0];
         assert_eq!(count(&f, AsperityCount::Packing, PackingHeight::MeanPeak), total);
+    }
+
+    #[test]
+    fn closed_forms_and_quantiles_stand_in_for_their_own_samples() {
+        use contact_laws::{
+            AsperitySumCurves, ContactCurves, ElasticPair, GreenwoodWilliamsonCurves, TangentialReading,
+        };
+        let steel = ElasticPair {
+            youngs_modulus: 192.85e9,
+            poisson_ratio: 0.29,
+        };
+        // Quantiles of both families at (k + 1/2)/n: samples without scatter.
+        let n = 40_000;
+        let probabilities = || (0..n).map(|k| (f64::from(k) + 0.5) / f64::from(n));
+        let exponential = probabilities().map(|p| -0.8e-6 * p.ln()).collect();
+        let gaussian = probabilities()
+            .map(|p| -1.2e-6 * std::f64::consts::SQRT_2 * statrs::function::erf::erfc_inv(2.0 - 2.0 * p))
+            .collect();
+        for (family, heights) in [
+            (HeightFamily::Exponential, exponential),
+            (HeightFamily::Gaussian, gaussian),
+        ] {
+            let pair = PairAsperities::try_new(1e-6, 30.0, [1e-3, 2e-3], 1e-3, heights).unwrap();
+            let reading = TangentialReading::Mindlin;
+            let sums = AsperitySumCurves::try_new(pair.law_population().unwrap(), steel, reading).unwrap();
+            let closed = GreenwoodWilliamsonCurves::try_new(pair.closed_form(family).unwrap(), steel, reading).unwrap();
+            let quantiles =
+                AsperitySumCurves::try_new(pair.quantile_population(n as usize - 1).unwrap(), steel, reading).unwrap();
+            // From where a thousand of the samples carry.
+            for share in [0.7, 0.8, 0.95] {
+                let u = share * (pair.contact_height() - pair.heights()[n as usize / 2]);
+                let expected = (sums.normal(u).0, sums.tangential(u)[0].value);
+                for found in [
+                    (closed.normal(u).0, closed.tangential(u)[0].value),
+                    (quantiles.normal(u).0, quantiles.tangential(u)[0].value),
+                ] {
+                    assert!(
+                        (found.0 / expected.0 - 1.0).abs() < 0.01,
+                        "{family:?} {share}: {found:?} {expected:?}"
+                    );
+                    assert!(
+                        (found.1 / expected.1 - 1.0).abs() < 0.01,
+                        "{family:?} {share}: {found:?} {expected:?}"
+                    );
+                }
+            }
+            assert!(pair.uniform().closed_form(family).is_none());
+            assert!(pair.quantile_population(0).is_err());
+        }
     }
 
     #[test]

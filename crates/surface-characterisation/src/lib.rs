@@ -29,7 +29,8 @@ mod topography;
 
 pub use areal::{ArealParameters, ArealPatch};
 pub use asperities::{
-    AsperityCount, FaceAsperities, HeightCombination, PackingHeight, PairAsperities, PairRadius, packing_count,
+    AsperityCount, FaceAsperities, HeightCombination, HeightFamily, PackingHeight, PairAsperities, PairRadius,
+    packing_count,
 };
 pub use characterise::{Characterisation, ElementSurface, InterferenceRange, Options, Summary, characterise};
 pub use detrend::{Detrend, Plane, fit_plane, trend};
