@@ -11,7 +11,8 @@ const ALLOWED: [(&str, &[&str]); 12] = [
     ("dense-algebra", &[]),
     ("contact-laws", &[]),
     ("contact-laws-c", &["contact-laws"]),
-    ("surface-characterisation", &["contact-laws"]),
+    // Scans come in NumPy files and ZIP archives too.
+    ("surface-characterisation", &["contact-laws", "matrix-files"]),
     ("zte-assembly", &["contact-laws"]),
     ("substructure", &["dense-algebra"]),
     // The relative system is built from the assembled one, and the stuck modes use its eigensolver.

@@ -20,12 +20,14 @@ mod gap;
 mod noise;
 mod partition;
 mod peaks;
+pub mod readers;
 mod registration;
 mod resolution;
 mod response;
 mod scan;
 mod synthetic;
 mod topography;
+pub mod writers;
 
 pub use areal::{ArealParameters, ArealPatch};
 pub use asperities::{
@@ -34,7 +36,7 @@ pub use asperities::{
 };
 pub use characterise::{Characterisation, ElementSurface, InterferenceRange, Options, Summary, characterise};
 pub use detrend::{Detrend, Plane, fit_plane, trend};
-pub use error::SurfaceError;
+pub use error::{FileError, SurfaceError};
 pub use evolution::{
     Correlation, CorrelationOptions, ElementField, Evolution, benjamini_hochberg, changes, correlate, p_as89,
     p_student, spearman,
