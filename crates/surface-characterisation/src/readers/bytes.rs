@@ -76,8 +76,9 @@ impl<'a> Bytes<'a> {
             let n = rest.len();
             return Ok((n > 0).then(|| format!("{n} bytes of filling after the heights ignored")));
         };
-        let readable = |b: &u8| filling(b) || *b >= b' ';
-        if text && rest.iter().all(readable) {
+        // Of a comment in Latin-1 a few bytes are not ASCII.
+        let readable = |b: &&u8| filling(b) || b.is_ascii_graphic();
+        if text && rest.iter().filter(readable).count() * 4 >= rest.len() * 3 {
             return Ok(Some(format!(
                 "a trailer of {} bytes after the heights ignored",
                 rest.len()

@@ -75,7 +75,10 @@ pub(super) fn grid(file: &str, points: &[[f64; 3]], place: impl Fn(usize) -> Pla
                 let (name, value) = (["x", "y"][q], point[q]);
                 return Err(refused(
                     index,
-                    format!("{name} = {value} lies {off:.2} steps of {} beside the grid", axis.step),
+                    format!(
+                        "{name} = {value} lies {off:.2} steps of {:.4e} beside the grid",
+                        axis.step
+                    ),
                 ));
             }
             deviation = deviation.max(off);
@@ -103,7 +106,7 @@ pub(super) fn grid(file: &str, points: &[[f64; 3]], place: impl Fn(usize) -> Pla
 ///
 /// Distances between neighbours are steps, small multiples of them where lines are missing, and next to nothing where
 /// one position was rounded differently. So either every distance counts, or those below the widest gap in their sizes
-/// do not; right is what leaves at least a quarter of the regular positions with a point.
+/// do not; right is what leaves no more than a quarter of the regular positions without a point.
 fn regular(sorted: &[f64]) -> Option<Axis> {
     let (first, last) = (*sorted.first()?, *sorted.last()?);
     let mut gaps: Vec<f64> = sorted
@@ -136,7 +139,7 @@ fn regular(sorted: &[f64]) -> Option<Axis> {
         // Counted one by one, so that the error of the shortest does not add up.
         let steps: f64 = distances().map(|d| (d / shortest).round()).sum();
         let count = steps + 1.0;
-        let full = levels.len() as f64 >= 0.25 * count;
+        let full = levels.len() as f64 >= 0.75 * count;
         (full && steps >= 1.0).then(|| Axis {
             first: levels[0],
             step: (levels[levels.len() - 1] - levels[0]) / steps,
@@ -186,7 +189,7 @@ mod tests {
         points[9][0] += 0.05;
         let message = refused(&points);
         assert!(
-            message.contains("line 10: x = 0.65 lies 0.20 steps of 0.25"),
+            message.contains("line 10: x = 0.65 lies 0.20 steps of 2.5000e-1"),
             "{message}"
         );
         let mut points = rectangle(7, 5);
@@ -194,7 +197,8 @@ mod tests {
         assert!(refused(&points).contains("line 36: a second point at x = 0.1, y = -3"));
         // Scattered points.
         let points: Vec<_> = (1..200)
-            .map(|k| [(f64::from(k) * 0.618).fract(), (f64::from(k) * 0.414).fract(), 0.0])
+            .map(|k| [0.754877666, 0.569840291].map(|a| (f64::from(k * k) * a).fract()))
+            .map(|[x, y]| [x, y, 0.0])
             .collect();
         assert!(refused(&points).contains("no regular x"));
         // A diagonal would need its square.

@@ -1,7 +1,7 @@
 //! Text: a line of heights per line of points, or `x y z` on each line.
 //!
 //! Columns are separated by semicolons, tabs, commas or spaces, in this order of precedence. A comma is a decimal point
-//! where another separator is there and no number has a point; a comma that is followed by a space separates. Lines of
+//! where another separator is there (spaces: between numbers) and no number has a point; a comma before a space separates. Lines of
 //! three numbers are points, unless [`Options::format`] says [`Format::Grid`]. Missing are `NaN`, `BAD`, stars and empty
 //! cells; a separator at the end of every line opens no column. Encodings are ASCII and what contains it (UTF-8,
 //! Latin-1), and UTF-16 with a byte order mark.
@@ -180,8 +180,15 @@ impl Style {
         let [mut comma, mut point] = [None; 2];
         for (number, line) in lines {
             let line = line.trim_ascii();
-            let mut before = 0;
+            // The last byte that is no space, and whether spaces follow it.
+            let (mut before, mut spaced) = (0u8, false);
             for (i, b) in line.iter().enumerate() {
+                if *b == b' ' {
+                    spaced = true;
+                    continue;
+                }
+                inner |= spaced && before.is_ascii_digit() && (b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'*'));
+                (before, spaced) = (*b, false);
                 match b {
                     b';' => semicolon = true,
                     b'\t' => tab = true,
@@ -190,10 +197,8 @@ impl Style {
                         comma = comma.or(Some(number));
                         gap |= line.get(i + 1).is_none_or(|next| *next == b' ');
                     }
-                    b' ' => inner |= before != b',' && before != b' ',
                     _ => {}
                 }
-                before = *b;
             }
         }
         let separator = match (semicolon, tab) {
