@@ -119,7 +119,8 @@ struct Document<'a> {
     fields: BTreeMap<String, (String, usize)>,
     /// As many numbers for each point as there are absolute axes, NaN if missing.
     datums: Vec<f64>,
-    listed: bool,
+    /// Number of absolute axes, known once points are listed: axes come before them.
+    listed: Option<usize>,
 }
 
 impl<'a> Document<'a> {
@@ -139,7 +140,7 @@ impl<'a> Document<'a> {
             file,
             fields: BTreeMap::new(),
             datums: Vec::new(),
-            listed: false,
+            listed: None,
         };
         let decoded = text::decode(Source { name: file, bytes })?;
         let declared = decoded[..decoded.len().min(100)].to_ascii_lowercase();
@@ -210,11 +211,15 @@ impl<'a> Document<'a> {
             }
             return Ok(());
         }
-        self.listed = true;
-        let absolute = AXES
-            .iter()
-            .filter(|axis| self.text(&format!("Record1/Axes/{axis}/AxisType")) == Some("A"))
-            .count();
+        let absolute = match self.listed {
+            Some(absolute) => absolute,
+            None => {
+                let kind = |axis| self.text(&format!("Record1/Axes/{axis}/AxisType"));
+                let absolute = AXES.into_iter().filter(|axis| kind(*axis) == Some("A")).count();
+                self.listed = Some(absolute);
+                absolute
+            }
+        };
         if text.is_empty() {
             self.datums.extend(std::iter::repeat_n(f64::NAN, absolute));
             return Ok(());
@@ -428,7 +433,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
             let width = absolute.iter().map(|d| d.width()).sum();
             (plain(link), width, data.len())
         }
-        None if document.listed => {
+        None if document.listed.is_some() => {
             data = Vec::new();
             valid = None;
             (MAIN.into(), absolute.len(), document.datums.len())
@@ -533,7 +538,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
             let (indices, points): (Vec<_>, Vec<_>) = points.into_iter().unzip();
             let place = |index: usize| Place::Inside {
                 part: format!("`{}`", part.escape_debug()),
-                byte: if document.listed {
+                byte: if link.is_none() {
                     0
                 } else {
                     indices.get(index).map_or(0, |k| k * width)
