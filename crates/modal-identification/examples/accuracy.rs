@@ -51,8 +51,8 @@ fn case(per_cycle: f64, noise: f64, neighbour: f64, bandwidth: f64) -> Result<Id
         &Settings {
             frequency: Some(180.0),
             bandwidth: Some(bandwidth),
-            smoothing: std::env::var("W").map_or(21, |w| w.parse().unwrap()),
-            noise_margin: std::env::var("M").map_or(30.0, |w| w.parse().unwrap()),
+            smoothing: std::env::var("W").map_or(41, |w| w.parse().unwrap()),
+            noise_margin: std::env::var("M").map_or(50.0, |w| w.parse().unwrap()),
             ..Settings::default()
         },
     )?)

@@ -7,7 +7,7 @@
 //! 3. The band-pass filter of [`crate::filter`], centred on the mode, runs over the reversed signal.
 //! 4. Fewer than 40 samples per cycle are interpolated; extrema are vertices of parabolas ([`crate::peaks`]). At both
 //!    ends part of the record is not used, see [`Trims`].
-//! 5. About each point the filter is a factor, a delay and a dispersion, known from its poles; they are undone, so that
+//! 5. About each point the filter is a factor, a delay and some dispersion, known from its poles; they are undone, so that
 //!    amplitude, frequency and damping belong to the same moment of the unfiltered mode.
 //! 6. Decay rate `sigma` and damped angular frequency `omega_d` are differences over two periods (logarithmic decrement, phase);
 //!    `omega = sqrt(omega_d^2 + sigma^2)`, `zeta = sigma/omega`. Amplitude (its logarithm), frequency and damping ratio are
@@ -193,16 +193,25 @@ pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, 
         extrema.truncate(k);
         (trims.end, trims.reason) = (extrema.last().map_or(start, |e| e.0), End::Noise);
     }
-    if trims.reason == End::IrregularPeaks {
-        warnings.push(Warning::IrregularPeaks { time: trims.end });
-    }
     let track = Track::from_extrema(&extrema, &smoother);
-    other_modes(signal, &spectrum, &filter, peak, &track, &mut warnings)?;
-    if let Some(k) = growth(&extrema) {
+    let growth = growth(&extrema);
+    other_modes(
+        signal,
+        &spectrum,
+        &filter,
+        peak,
+        &track,
+        growth.is_some(),
+        &mut warnings,
+    )?;
+    if let Some(k) = growth {
         let end = extrema[k].0 - filter.settling_time(1e-3);
         extrema.retain(|e| e.0 < end);
         (trims.end, trims.reason) = (end, End::LaterExcitation);
         warnings.push(Warning::LaterExcitation { time: end });
+    }
+    if trims.reason == End::IrregularPeaks {
+        warnings.push(Warning::IrregularPeaks { time: trims.end });
     }
     let before = ((trims.hit - filter.settling_time(1e-2)) * rate).max(0.0) as usize;
     if let (Some(k), Some(first)) = (loudest(&filtered[..before]), extrema.first())
@@ -340,13 +349,15 @@ fn growth(extrema: &[(f64, f64)]) -> Option<usize> {
     None
 }
 
-/// Refuses a second mode in the band, reports one beside it.
+/// Refuses a second mode in the band, reports one beside it. After a further hit (`again`) the spectrum is that of a mode
+/// times a comb: then more than two peaks stand out, and those beside the band say nothing.
 fn other_modes(
     signal: &Signal,
     spectrum: &Spectrum,
     filter: &BandPass,
     peak: f64,
     track: &Track,
+    again: bool,
     warnings: &mut Vec<Warning>,
 ) -> Result<(), Error> {
     let [low, high] = filter.edges();
@@ -368,6 +379,7 @@ fn other_modes(
     let (inside, outside): (Vec<Line>, Vec<Line>) =
         (others.into_iter()).partition(|line| (low..=high).contains(&line.frequency));
     if let Some(line) = largest(&inside)
+        && inside.len() <= 2
         && line.magnitude >= 0.1 * main.magnitude
         && modulation(track, line.frequency - main.frequency) >= 0.05
     {
@@ -381,6 +393,7 @@ fn other_modes(
         });
     }
     if let Some(line) = largest(&outside)
+        && !again
         && line.magnitude >= 0.01 * main.magnitude
     {
         warnings.push(Warning::OtherMode {
@@ -413,21 +426,26 @@ fn modulation(track: &Track, frequency: f64) -> f64 {
     (sum / weights).norm() / (omega * span.sin() / span).abs()
 }
 
-/// Smoothed amplitude (of the signal's quantity), frequency and damping ratio.
+/// Smoothed amplitude (of the signal's quantity), frequency and damping ratio, without an eighth of a window at either end,
+/// where the outermost fits follow noise most.
 pub(crate) fn moments(track: &Track, smoother: &SavitzkyGolay) -> Vec<Point> {
     let modal = |rate: &Complex64| Complex64::new(-rate.re / rate.norm(), rate.norm() / TAU);
     let modal: Vec<Complex64> = track.rates().iter().map(modal).collect();
     let modal = smooth(&modal, smoother);
     let points = track.inner();
     let states = smooth(&points.states, smoother);
-    let all = points.times.iter().zip(states).zip(modal);
-    all.map(|((time, state), modal)| Point {
-        time: *time,
-        amplitude: state.re.exp(),
-        frequency_hz: modal.im,
-        damping_ratio: modal.re,
-    })
-    .collect()
+    let all: Vec<_> = points.times.iter().zip(states).zip(modal).collect();
+    let margin = smoother.window() / 8;
+    let inner = all.get(margin..all.len().saturating_sub(margin)).unwrap_or_default();
+    inner
+        .iter()
+        .map(|((time, state), modal)| Point {
+            time: **time,
+            amplitude: state.re.exp(),
+            frequency_hz: modal.im,
+            damping_ratio: modal.re,
+        })
+        .collect()
 }
 
 /// What is worth a word about a finished backbone.

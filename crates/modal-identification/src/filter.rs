@@ -42,12 +42,13 @@ pub struct BandPass {
 }
 
 /// What a filter does to a slowly changing oscillation, about `exp(lambda t)`: the logarithm of its transfer function
-/// and the first two derivatives with respect to `lambda` (1, s, s^2).
+/// and the first three derivatives with respect to `lambda` (1, s, s^2, s^3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Transfer {
     pub(crate) logarithm: Complex64,
     pub(crate) delay: Complex64,
     pub(crate) dispersion: Complex64,
+    pub(crate) skew: Complex64,
 }
 
 impl BandPass {
@@ -161,17 +162,21 @@ impl BandPass {
             logarithm: self.backward_gain(lambda).ln(),
             delay: Complex64::default(),
             dispersion: Complex64::default(),
+            skew: Complex64::default(),
         };
+        let numerator = 1.0 - w2;
         for Section { a: [a1, a2], .. } in self.sections {
             // Logarithmic derivatives with respect to ln w.
-            let (first, second) = (a1 * w + 2.0 * a2 * w2, a1 * w + 4.0 * a2 * w2);
             let denominator = 1.0 + a1 * w + a2 * w2;
-            let ratio = first / denominator;
-            sum.delay += -2.0 * w2 / (1.0 - w2) - ratio;
-            sum.dispersion += -4.0 * w2 / (1.0 - w2).powi(2) - second / denominator + ratio * ratio;
+            let [first, second, third] = [2.0, 4.0, 8.0].map(|power| (a1 * w + power * a2 * w2) / denominator);
+            sum.delay += -2.0 * w2 / numerator - first;
+            sum.dispersion += -4.0 * w2 / numerator.powi(2) - second + first * first;
+            sum.skew +=
+                -8.0 * w2 * (1.0 + w2) / numerator.powi(3) - third + first * (3.0 * second - 2.0 * first * first);
         }
         sum.delay /= self.sample_rate;
         sum.dispersion /= self.sample_rate.powi(2);
+        sum.skew /= self.sample_rate.powi(3);
         sum
     }
 }

@@ -62,6 +62,7 @@ pub(crate) fn cross_check(
             logarithm: 0.5 * distance * distance * tau * tau,
             delay: distance * tau * tau,
             dispersion: Complex64::from(tau * tau),
+            skew: Complex64::default(),
         }
     };
     let (track, _) = track.before_filter(gaussian, smoother);

@@ -9,12 +9,14 @@ use crate::error::Setting;
 /// Degree of the polynomials.
 pub const DEGREE: usize = 3;
 
+/// Values and slopes of one polynomial over a window.
+type Derivatives = [Vec<f64>; 2];
+
 /// A smoother for windows of one length.
 #[derive(Clone, Debug)]
 pub struct SavitzkyGolay {
-    /// Values and slopes of the Gram polynomials over the window, each scaled to unit length.
-    polynomials: [Vec<f64>; DEGREE + 1],
-    slopes: [Vec<f64>; DEGREE + 1],
+    /// The Gram polynomials over the window, each scaled to unit length.
+    polynomials: [Derivatives; DEGREE + 1],
     window: usize,
 }
 
@@ -33,35 +35,28 @@ impl SavitzkyGolay {
             }));
         }
         let half = (window / 2) as f64;
-        let at = |i: usize| (i as f64 - half) / half;
-        let mut polynomials: [Vec<f64>; DEGREE + 1] = Default::default();
-        let mut slopes: [Vec<f64>; DEGREE + 1] = Default::default();
+        let mut polynomials: [Derivatives; DEGREE + 1] = Default::default();
+        polynomials[0] = [vec![1.0; window], vec![0.0; window]];
         for degree in 0..=DEGREE {
-            let below = degree.saturating_sub(1);
-            let (mut p, mut s): (Vec<f64>, Vec<f64>) = match degree {
-                0 => (vec![1.0; window], vec![0.0; window]),
-                _ => {
-                    let (p, s) = (&polynomials[below], &slopes[below]);
-                    let values = (0..window).map(|i| at(i) * p[i]).collect();
-                    (values, (0..window).map(|i| p[i] / half + at(i) * s[i]).collect())
-                }
-            };
-            for lower in 0..degree {
-                let share: f64 = p.iter().zip(&polynomials[lower]).map(|(a, b)| a * b).sum();
-                for i in 0..window {
-                    p[i] -= share * polynomials[lower][i];
-                    s[i] -= share * slopes[lower][i];
+            if degree > 0 {
+                // The next power, by the product rule.
+                let [value, slope] = polynomials[degree - 1].clone();
+                let of = |term: &dyn Fn(f64, usize) -> f64| -> Vec<f64> {
+                    (0..window).map(|i| term((i as f64 - half) / half, i)).collect()
+                };
+                polynomials[degree] = [of(&|x, i| x * value[i]), of(&|x, i| x * slope[i] + value[i] / half)];
+            }
+            let (lower, rest) = polynomials.split_at_mut(degree);
+            for other in &*lower {
+                let share: f64 = rest[0][0].iter().zip(&other[0]).map(|(a, b)| a * b).sum();
+                for (row, subtracted) in rest[0].iter_mut().zip(other) {
+                    row.iter_mut().zip(subtracted).for_each(|(a, b)| *a -= share * b);
                 }
             }
-            let length = p.iter().map(|v| v * v).sum::<f64>().sqrt();
-            polynomials[degree] = p.into_iter().map(|v| v / length).collect();
-            slopes[degree] = s.into_iter().map(|v| v / length).collect();
+            let length = rest[0][0].iter().map(|v| v * v).sum::<f64>().sqrt();
+            rest[0].iter_mut().flatten().for_each(|v| *v /= length);
         }
-        Ok(Self {
-            polynomials,
-            slopes,
-            window,
-        })
+        Ok(Self { polynomials, window })
     }
 
     /// Number of values in a window.
@@ -74,26 +69,25 @@ impl SavitzkyGolay {
         if values.len() < self.window {
             return values.to_vec();
         }
-        self.evaluate(values, &self.polynomials)
+        self.derivative(values, 0)
     }
 
     /// Slope per step of the smoothed values; zeros for fewer than a window.
     pub fn slope(&self, values: &[f64]) -> Vec<f64> {
-        if values.len() < self.window {
-            return vec![0.0; values.len()];
-        }
-        self.evaluate(values, &self.slopes)
+        self.derivative(values, 1)
     }
 
-    fn evaluate(&self, values: &[f64], basis: &[Vec<f64>; DEGREE + 1]) -> Vec<f64> {
+    fn derivative(&self, values: &[f64], order: usize) -> Vec<f64> {
+        let Some(last) = values.len().checked_sub(self.window) else {
+            return vec![0.0; values.len()];
+        };
         let half = self.window / 2;
-        let last = values.len() - self.window;
         let value = |i: usize| {
             let from = i.saturating_sub(half).min(last);
             let window = &values[from..from + self.window];
-            let terms = self.polynomials.iter().zip(basis).map(|(p, b)| {
-                let coefficient: f64 = window.iter().zip(p).map(|(v, p)| v * p).sum();
-                coefficient * b[i - from]
+            let terms = self.polynomials.iter().map(|polynomial| {
+                let coefficient: f64 = window.iter().zip(&polynomial[0]).map(|(v, p)| v * p).sum();
+                coefficient * polynomial[order][i - from]
             });
             terms.sum()
         };

@@ -62,15 +62,16 @@ impl Track {
     }
 
     /// What went into a filter, from what came out. About the rate `lambda` of each point the filter is a factor, a delay
-    /// and a dispersion, `ln y(t) = ln x(t + g) + ln F - g lambda + (c - Im(g)^2) lambda'/2`, with `g` the first and `c`
-    /// the second derivative of `ln F` with respect to `lambda`. Returns the track with smoothed logarithms of the factors.
+    /// and a dispersion, `ln y(t) = ln x(t + g) + ln F - g lambda + (c - Im(g)^2) lambda'/2 + d lambda''/6`, with `g`, `c`, `d`
+    /// the first three derivatives of `ln F` with respect to `lambda`. Returns the track with smoothed logarithms of the factors.
     pub(crate) fn before_filter(
         &self,
         transfer: impl Fn(Complex64) -> Transfer,
         smoother: &SavitzkyGolay,
     ) -> (Self, Vec<Transfer>) {
         let rates = self.rates();
-        let slopes = slope(&rates, smoother);
+        let slopes = both(&rates, |v| smoother.slope(v));
+        let bends = both(&slopes, |v| smoother.slope(v));
         let rates = smooth(&rates, smoother);
         let mut track = self.inner();
         let transfers: Vec<Transfer> = rates.iter().map(|rate| transfer(*rate)).collect();
@@ -84,10 +85,14 @@ impl Track {
                 turn -= TAU * (jump / TAU).round();
             }
             let delay = transfer.delay.re;
-            let bend = slopes[i] / spacing(i);
+            let (slope, bend) = (slopes[i] / spacing(i), bends[i] / spacing(i).powi(2));
             let spread = transfer.dispersion - transfer.delay.im.powi(2);
             track.times[i] += delay;
-            track.states[i] += rates[i] * delay - transfer.logarithm - Complex64::new(0.0, turn) - 0.5 * spread * bend;
+            track.states[i] += rates[i] * delay
+                - transfer.logarithm
+                - Complex64::new(0.0, turn)
+                - 0.5 * spread * slope
+                - transfer.skew * bend / 6.0;
         }
         (track, transfers)
     }
@@ -96,11 +101,6 @@ impl Track {
 /// Real and imaginary parts smoothed.
 pub(crate) fn smooth(values: &[Complex64], smoother: &SavitzkyGolay) -> Vec<Complex64> {
     both(values, |v| smoother.smooth(v))
-}
-
-/// Slope per point of real and imaginary parts.
-fn slope(values: &[Complex64], smoother: &SavitzkyGolay) -> Vec<Complex64> {
-    both(values, |v| smoother.slope(v))
 }
 
 fn both(values: &[Complex64], apply: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Complex64> {

@@ -95,7 +95,7 @@ fn clean_ring_downs_at_any_rate_and_bandwidth() {
                 "{per_cycle} per cycle, {bandwidth} Hz: {f} Hz, {zeta} of zeta"
             );
             assert!(found.warnings.is_empty(), "{:?}", found.warnings);
-            assert!(found.backbone[0].amplitude > 55.0 && found.backbone.last().unwrap().amplitude < 0.3);
+            assert!(found.backbone[0].amplitude > 50.0 && found.backbone.last().unwrap().amplitude < 0.3);
             let check = found.cross_check.unwrap();
             assert!(check.points > 500 && check.frequency_median < 1e-3 && check.damping_median < 1e-3);
             assert!(check.amplitude_median < 1e-3);
@@ -139,11 +139,11 @@ fn an_oscillator_integrated_in_time_has_the_backbone_of_the_textbook() {
             (point.frequency_hz - expected).abs() < 1e-3 + second,
             "{point:?} {expected}"
         );
-        // Damping is viscous: zeta w of it stays what it is.
-        assert!(
-            (point.damping_ratio * point.frequency_hz / (zeta * 180.0) - 1.0).abs() < 2e-3,
-            "{point:?}"
-        );
+        // Viscous damping takes the action, w(a) a^2/2 to first order in k, with the rate 2 zeta w.
+        let slope = 3.0 * cubic * a / (4.0 * omega);
+        let decay = zeta * omega / (1.0 + 0.5 * slope * a / (TAU * expected));
+        let found = point.damping_ratio * TAU * point.frequency_hz;
+        assert!((found / decay - 1.0).abs() < 1e-3, "{point:?} {found} {decay}");
     }
     assert!(found.backbone[0].frequency_hz < 179.5);
 }
@@ -155,7 +155,7 @@ fn noise_and_a_neighbour_cost_what_the_table_says() {
     let (alone, _) = signal(sum(joint(rate, 4.0), &neighbour), rate, "m/s^2");
     let found = identify(&alone, &settings(20.0)).unwrap();
     let [f, zeta] = errors(&found.backbone);
-    assert!(f < 0.1 && zeta < 0.05, "{f} {zeta}");
+    assert!(f < 0.05 && zeta < 0.03, "{f} {zeta}");
     // A bandwidth that lets it in is named by a warning.
     let found = identify(&alone, &settings(60.0)).unwrap();
     let named = found
@@ -178,7 +178,7 @@ fn noise_and_a_neighbour_cost_what_the_table_says() {
     );
     let loud: Vec<Point> = found.backbone.iter().filter(|p| p.amplitude > 10.0).copied().collect();
     let [f, zeta] = errors(&loud);
-    assert!(f < 0.06 && zeta < 0.2, "{f} {zeta}");
+    assert!(f < 0.1 && zeta < 0.2, "{f} {zeta}");
 }
 
 #[test]
@@ -263,7 +263,7 @@ fn the_loudest_mode_is_found_without_a_frequency() {
     let rate = 7200.0;
     let both = sum(joint(rate, 4.0), &linear(20.0, 610.0, 0.001, rate, 4.0));
     let found = identify(&signal(both, rate, "m/s^2").0, &Settings::default()).unwrap();
-    assert!((found.peak_hz - 180.0).abs() < 0.2, "{}", found.peak_hz);
+    assert!((found.peak_hz - 180.0).abs() < 0.5, "{}", found.peak_hz);
     assert!((found.band_hz[1] - found.band_hz[0] - 20.0).abs() < 0.1);
 }
 

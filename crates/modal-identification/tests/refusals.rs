@@ -226,3 +226,77 @@ fn channels_are_chosen_by_name() {
         );
     }
 }
+
+/// A sound file of one channel at 1000 Hz.
+fn sound(format: u16, bits: u16, data: &[u8]) -> Vec<u8> {
+    let block = bits / 8;
+    let mut bytes = b"RIFF".to_vec();
+    bytes.extend((36 + data.len() as u32).to_le_bytes());
+    bytes.extend(b"WAVEfmt ");
+    bytes.extend(16_u32.to_le_bytes());
+    bytes.extend([format, 1].map(u16::to_le_bytes).concat());
+    bytes.extend([1000, 1000 * u32::from(block)].map(u32::to_le_bytes).concat());
+    bytes.extend([block, bits].map(u16::to_le_bytes).concat());
+    bytes.extend(b"data");
+    bytes.extend((data.len() as u32).to_le_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+#[test]
+fn sound_files_of_other_kinds() {
+    let read = |bytes: &[u8]| readers::parse(Source { name: "hit.wav", bytes });
+    let three = sound(1, 24, &[0, 0, 0x40, 0, 0, 0x80, 1, 0, 0]);
+    assert_eq!(read(&three).unwrap().channels[0].samples, [0.5, -1.0, 2_f64.powi(-23)]);
+    for bad in [
+        &three[..three.len() - 2],
+        &sound(3, 64, &[0; 16]),
+        &sound(7, 8, &[0; 16]),
+        b"RIFF",
+    ] {
+        let message = read(bad).unwrap_err().to_string();
+        assert!(message.contains("hit.wav"), "{message}");
+    }
+}
+
+#[test]
+fn universal_files_that_break_their_rules() {
+    let path = format!("{}/tests/fixtures/even_double.uff", env!("CARGO_MANIFEST_DIR"));
+    let sound = std::fs::read_to_string(path).unwrap();
+    let change = |from: &str, to: &str| {
+        assert!(sound.contains(from), "{from}");
+        let text = sound.replacen(from, to, 1);
+        readers::parse(Source {
+            name: "run.uff",
+            bytes: text.as_bytes(),
+        })
+    };
+    for (from, to, place, found) in [
+        ("        40         1", "        41         1", "line ", "40 values"),
+        ("4.88281e-04", "0.00000e+00", "line ", "a step of 0"),
+        (" s  ", " h  ", "line 10", "unit `h` of time"),
+        ("-2.50000000000e+00", "-2.5x000000000e+00", "line 14", "-2.5x"),
+        (
+            "    58 ",
+            "    58b    1     1          11         320",
+            "line 2",
+            "format 1",
+        ),
+        ("    58 ", "    58b    1     2          11        9999", "byte", "9999"),
+    ] {
+        let message = change(from, to).unwrap_err().to_string();
+        assert!(
+            message.contains(place) && message.contains(found) && message.contains("run.uff"),
+            "{message}"
+        );
+    }
+    // A frequency response, and values without a blank between them.
+    let other = change("\n    1         0", "\n    4         0").unwrap();
+    assert!(other.channels.is_empty() && other.skipped[0].reason.contains("type 4"));
+    let joined = change(
+        "  -2.50000000000e+00  -1.25000000000e+00",
+        " -2.50000000000e+000-1.25000000000e+000",
+    )
+    .unwrap();
+    assert_eq!(joined.channels[0].samples[..2], [-2.5, -1.25]);
+}

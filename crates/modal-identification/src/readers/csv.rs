@@ -12,6 +12,9 @@ use super::{Recording, malformed, quoted, recording, seconds};
 use crate::Error;
 use crate::signal::Timing;
 
+/// Columns of a file.
+const MOST_COLUMNS: usize = 1024;
+
 /// A column.
 #[derive(Default)]
 struct Column {
@@ -50,6 +53,10 @@ pub fn parse(source: Source<'_>) -> Result<Recording, Error> {
     let mut row = 0_usize;
     while (reader.read_byte_record(&mut record)).map_err(|e| malformed(source, Place::Line(1), e, "columns of text"))? {
         let line = Place::Line(record.position().map_or(0, |p| p.line()) as usize);
+        if record.len() > MOST_COLUMNS {
+            let most = format!("at most {MOST_COLUMNS}");
+            return Err(malformed(source, line, format!("{} columns", record.len()), most));
+        }
         let cells: Vec<&[u8]> = match record.iter().collect::<Vec<_>>() {
             // A separator behind the last column.
             cells
