@@ -6,6 +6,7 @@ mod csv;
 mod export;
 mod fields;
 mod files;
+mod identify;
 mod layering;
 mod map;
 mod markup;
@@ -43,6 +44,8 @@ enum Command {
     Model(model::Arguments),
     /// Write the reduced model of a scene for other programs: NumPy, MATLAB and Octave, Matrix Market.
     Export(export::Arguments),
+    /// Frequency and damping against amplitude from measured ring-downs; several files are hits to be averaged.
+    Identify(identify::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
     /// Check that the dependencies between the crates point one way only.
@@ -68,6 +71,7 @@ fn main() -> ExitCode {
         Command::Brb(arguments) => brb::run(&arguments),
         Command::Model(arguments) => model::run(&arguments).map(|()| Outcome::Success),
         Command::Export(arguments) => export::run(&arguments).map(|()| Outcome::Success),
+        Command::Identify(arguments) => identify::run(&arguments).map(|()| Outcome::Success),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),

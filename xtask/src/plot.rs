@@ -9,8 +9,8 @@ use plotters::prelude::*;
 use std::ops::Range;
 
 const SIZE: (u32, u32) = (800, 720);
-const BLUE: RGBColor = RGBColor(31, 93, 153);
-const RED: RGBColor = RGBColor(178, 58, 46);
+pub(crate) const BLUE: RGBColor = RGBColor(31, 93, 153);
+pub(crate) const RED: RGBColor = RGBColor(178, 58, 46);
 const GRID: RGBColor = RGBColor(222, 222, 222);
 
 /// Length of the sample of a curve in the legend (pixels).
@@ -54,6 +54,7 @@ pub(crate) fn scaling(by_elements: &[(f64, f64)], by_points: &[(f64, f64)]) -> R
                     name: String::new(),
                     colour,
                     dashes: None,
+                    dots: true,
                     points,
                 }],
                 SeriesLabelPosition::LowerRight,
@@ -65,15 +66,17 @@ pub(crate) fn scaling(by_elements: &[(f64, f64)], by_points: &[(f64, f64)]) -> R
 }
 
 /// Points of a curve with their numbers in the backbone, so that lines break where an amplitude is missing.
-type Points = Vec<(usize, f64, f64)>;
+pub(crate) type Points = Vec<(usize, f64, f64)>;
 
 /// The curve of one method.
-struct Curve {
-    name: String,
-    colour: RGBColor,
-    /// Length and spacing of its dashes (pixels); none: a solid line with dots.
-    dashes: Option<(u32, u32)>,
-    points: Points,
+pub(crate) struct Curve {
+    pub(crate) name: String,
+    pub(crate) colour: RGBColor,
+    /// Length and spacing of its dashes (pixels); none: a solid line.
+    pub(crate) dashes: Option<(u32, u32)>,
+    /// Whether its points are marked.
+    pub(crate) dots: bool,
+    pub(crate) points: Points,
 }
 
 impl Curve {
@@ -88,6 +91,7 @@ impl Curve {
             name: title(name),
             colour,
             dashes,
+            dots: dashes.is_none(),
             points,
         }
     }
@@ -179,7 +183,7 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
     Ok(root.present()?)
 }
 
-fn panel<X, Y>(
+pub(crate) fn panel<X, Y>(
     area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
     x: X,
     y: Y,
@@ -222,7 +226,7 @@ where
                 Some((length, spacing)) => chart.draw_series(DashedLineSeries::new(line, length, spacing, style))?,
             };
         }
-        let dots: &[_] = if curve.dashes.is_none() { &curve.points } else { &[] };
+        let dots: &[_] = if curve.dots { &curve.points } else { &[] };
         let dots = dots.iter().map(|p| Circle::new((p.1, p.2), 3, curve.colour.filled()));
         let drawn = chart.draw_series(dots)?;
         if curves.len() > 1 {
@@ -246,21 +250,21 @@ where
     Ok(())
 }
 
-fn bounds(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
+pub(crate) fn bounds(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     let range = values.fold(f64::INFINITY..f64::NEG_INFINITY, |r, v| r.start.min(v)..r.end.max(v));
     (range.start <= range.end).then_some(range)
 }
 
-fn widen(range: &Range<f64>, factor: f64) -> Range<f64> {
+pub(crate) fn widen(range: &Range<f64>, factor: f64) -> Range<f64> {
     range.start / factor..range.end * factor
 }
 
-fn log(range: &Range<f64>, ticks: &[f64]) -> WithKeyPoints<LogCoord<f64>> {
+pub(crate) fn log(range: &Range<f64>, ticks: &[f64]) -> WithKeyPoints<LogCoord<f64>> {
     range.clone().log_scale().with_key_points(ticks.to_vec())
 }
 
 /// At most about ten ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 times them on short axes.
-fn ticks(range: &Range<f64>) -> Vec<f64> {
+pub(crate) fn ticks(range: &Range<f64>) -> Vec<f64> {
     let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
     let (stride, factors): (usize, &[f64]) = match last - first {
         0..=3 => (1, &[1.0, 2.0, 5.0]),
@@ -274,7 +278,7 @@ fn ticks(range: &Range<f64>) -> Vec<f64> {
 }
 
 /// `m x 10^n`, without `m` where it is one.
-fn power(value: &f64) -> String {
+pub(crate) fn power(value: &f64) -> String {
     let text = format!("{value:e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let mantissa: f64 = mantissa.parse().unwrap_or(f64::NAN);

@@ -1,4 +1,5 @@
 //! Files that other programs wrote (`fixtures/make_fixtures.py`), and what SciPy says of filter and smoothing.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use modal_identification::filter::BandPass;
 use modal_identification::readers::{self, Recording};

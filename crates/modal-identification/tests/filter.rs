@@ -1,5 +1,4 @@
 //! The filter against closed forms.
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::f64::consts::{PI, TAU};
 
