@@ -483,3 +483,144 @@ fn the_layering_holds() {
     let output = xtask(&folder("layering"), &["check-layering"]);
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
 }
+
+/// A ring-down of a mode at 180 Hz with 0.3 % of damping, and a neighbour, as text.
+fn ring_down(scale: f64, neighbour: f64) -> String {
+    let mut text = String::from("time [s],acc [g],still [g]\n");
+    for i in 0..8192 {
+        let t = f64::from(i) / 4096.0;
+        let mode =
+            |a: f64, f: f64| a * (-0.003 * std::f64::consts::TAU * f * t).exp() * (std::f64::consts::TAU * f * t).cos();
+        let a = scale * (mode(5.0, 180.0) + mode(neighbour, 230.0));
+        text += &format!("{t:.9},{a:.9},0\n");
+    }
+    text
+}
+
+#[test]
+fn ring_downs_are_identified_averaged_and_drawn() {
+    let folder = folder("identify");
+    for (name, scale) in [("a.csv", 1.0), ("b.csv", 0.4)] {
+        std::fs::write(folder.join(name), ring_down(scale, 0.2)).unwrap();
+    }
+    let base = [
+        "identify",
+        "a.csv",
+        "b.csv",
+        "--channel",
+        "acc",
+        "--frequency",
+        "181",
+        "--bandwidth",
+        "20",
+    ];
+    let output = xtask(
+        &folder,
+        &[&base[..], &["--out", "out", "--amplitude", "displacement"]].concat(),
+    );
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        printed.contains("channel `still` has one value throughout"),
+        "{printed}"
+    );
+
+    let table = std::fs::read_to_string(folder.join("out/backbone.csv")).unwrap();
+    let mut lines = table.lines();
+    assert_eq!(
+        lines.next().unwrap(),
+        "amplitude [m],frequency_hz,damping_ratio,frequency_spread_hz,damping_ratio_spread,hits"
+    );
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 200);
+    let number = |cell: &str| cell.parse::<f64>().unwrap();
+    assert!(rows.is_sorted_by(|a, b| number(a[0]) < number(b[0])));
+    assert!(rows.iter().any(|r| r[5] == "2" && number(r[3]) < 0.01) && rows[199][5] == "1" && rows[199][3].is_empty());
+    for row in &rows {
+        assert!((number(row[1]) - 180.0).abs() < 0.01, "{row:?}");
+        assert!((number(row[2]) / 0.003 - 1.0).abs() < 0.03, "{row:?}");
+    }
+    // 5 g at the start is more than any amplitude after it.
+    let first = 5.0 * 9.80665 / (std::f64::consts::TAU * 180.0_f64).powi(2);
+    assert!((0.7..1.0).contains(&(number(rows[199][0]) / first)));
+
+    let report = read_json(&folder.join("out/identification.json"));
+    assert_eq!(report["amplitude"], json!({ "quantity": "displacement", "unit": "m" }));
+    assert_eq!(report["settings"]["bandwidth_hz"], 20.0);
+    let hit = &report["hits"][1];
+    assert_eq!((&hit["file"], &hit["channel"]), (&json!("b.csv"), &json!("acc")));
+    assert!((hit["sample_rate_hz"].as_f64().unwrap() - 4096.0).abs() < 0.01);
+    assert!(hit["trims"]["end_s"].as_f64().unwrap() < 2.0 && hit["trims"]["end_reason"].is_string());
+    assert!(
+        hit["cross_check"]["frequency_difference_hz"]["median"]
+            .as_f64()
+            .unwrap()
+            < 0.01
+    );
+    let picture = std::fs::read_to_string(folder.join("out/backbone.svg")).unwrap();
+    for text in [
+        "time [s]",
+        "frequency [Hz]",
+        "damping ratio [-]",
+        "mean + spread",
+        "band",
+    ] {
+        assert!(picture.contains(text), "{text}");
+    }
+    let mut left: Vec<_> = std::fs::read_dir(folder.join("out"))
+        .unwrap()
+        .map(|e| e.unwrap().file_name())
+        .collect();
+    left.sort();
+    assert_eq!(left, ["backbone.csv", "backbone.svg", "identification.json"]);
+}
+
+#[test]
+fn ring_downs_that_cannot_be_identified_leave_no_folder() {
+    let folder = folder("identify-refused");
+    std::fs::write(folder.join("run.csv"), ring_down(1.0, 0.0)).unwrap();
+    std::fs::write(folder.join("both.csv"), ring_down(1.0, 4.0)).unwrap();
+    std::fs::write(folder.join("empty.csv"), "").unwrap();
+    for (arguments, parts) in [
+        (&["run.csv"][..], &["run.csv", "`acc`, `still`"][..]),
+        (&["run.csv", "--channel", "b"], &["`b`"]),
+        (
+            &["run.csv", "--channel", "still"],
+            &["channel `still`", "8192 samples are 0 m/s^2"],
+        ),
+        (&["run.csv", "--channel", "acc", "--unit", "m/s^2"], &["`g`", "`m/s^2`"]),
+        (
+            &["run.csv", "--channel", "acc", "--sample-rate", "1000"],
+            &["4096", "1000 Hz"],
+        ),
+        (
+            &["run.csv", "--channel", "acc", "--smoothing", "4"],
+            &["smoothing window is 4 points", "odd"],
+        ),
+        (&["empty.csv"], &["empty.csv", "no channel"]),
+        (&["nowhere.csv"], &["nowhere.csv"]),
+        (
+            &[
+                "both.csv",
+                "--channel",
+                "acc",
+                "--frequency",
+                "180",
+                "--bandwidth",
+                "140",
+            ],
+            &["both.csv, channel `acc`", "two modes", "180.0", "230.0"],
+        ),
+    ] {
+        let output = xtask(&folder, &[&["identify"], arguments, &["--out", "out"]].concat());
+        assert_eq!(exit_code(&output), 1, "{arguments:?}");
+        let text = messages(&output);
+        assert!(text.starts_with("error: "), "{text}");
+        for part in parts {
+            assert!(text.contains(part), "`{part}` is not in: {text}");
+        }
+        assert!(!folder.join("out").exists(), "{arguments:?}");
+    }
+    let output = xtask(&folder, &["identify", "run.csv"]);
+    assert_eq!(exit_code(&output), 2);
+}

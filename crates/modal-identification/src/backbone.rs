@@ -145,7 +145,7 @@ pub struct Identification {
 /// # Errors
 /// [`Error::Setting`], [`Error::NoPeak`], [`Error::TwoModes`] where the band holds another mode whose peak in the spectrum
 /// is at least a tenth as high, stands twice above the valley between, and which modulates amplitude and phase at the
-/// difference of the frequencies by 5 % or more; [`Error::TooFewCycles`].
+/// difference of the frequencies by 5 % or more, or upsets the order of the extrema; [`Error::TooFewCycles`].
 pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, Error> {
     let rate = signal.sample_rate;
     let smoother = SavitzkyGolay::try_new(settings.smoothing)?;
@@ -195,15 +195,8 @@ pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, 
     }
     let track = Track::from_extrema(&extrema, &smoother);
     let growth = growth(&extrema);
-    other_modes(
-        signal,
-        &spectrum,
-        &filter,
-        peak,
-        &track,
-        growth.is_some(),
-        &mut warnings,
-    )?;
+    let beats = |distance: f64| trims.reason == End::IrregularPeaks || modulation(&track, distance) >= 0.05;
+    other_modes(signal, &spectrum, &filter, peak, beats, growth.is_some(), &mut warnings)?;
     if let Some(k) = growth {
         let end = extrema[k].0 - filter.settling_time(1e-3);
         extrema.retain(|e| e.0 < end);
@@ -349,14 +342,15 @@ fn growth(extrema: &[(f64, f64)]) -> Option<usize> {
     None
 }
 
-/// Refuses a second mode in the band, reports one beside it. After a further hit (`again`) the spectrum is that of a mode
+/// Refuses a second mode in the band, reports one beside it. That the signal `beats` at the distance of two peaks confirms
+/// them. After a further hit (`again`) the spectrum is that of a mode
 /// times a comb: then more than two peaks stand out, and those beside the band say nothing.
 fn other_modes(
     signal: &Signal,
     spectrum: &Spectrum,
     filter: &BandPass,
     peak: f64,
-    track: &Track,
+    beats: impl Fn(f64) -> bool,
     again: bool,
     warnings: &mut Vec<Warning>,
 ) -> Result<(), Error> {
@@ -381,7 +375,7 @@ fn other_modes(
     if let Some(line) = largest(&inside)
         && inside.len() <= 2
         && line.magnitude >= 0.1 * main.magnitude
-        && modulation(track, line.frequency - main.frequency) >= 0.05
+        && beats(line.frequency - main.frequency)
     {
         return Err(Error::TwoModes {
             at: signal.at.clone(),

@@ -205,6 +205,13 @@ fn two_modes_in_the_band_are_refused_by_name() {
             }
             other => panic!("{f}: {:?}", other.map(|o| o.warnings)),
         }
+        // Beats so fast that extrema do not follow one another in turn.
+        let wide = sum(
+            linear(100.0, 180.0, 0.003, rate, 2.0),
+            &linear(80.0, 230.0, 0.003, rate, 2.0),
+        );
+        let found = identify(&self::signal(wide, rate, "m/s^2").0, &settings(140.0));
+        assert!(matches!(found, Err(Error::TwoModes { .. })));
         // A band that holds one of them is enough where they are far enough apart.
         if f == 187.0 {
             assert!(identify(&signal, &settings(4.0)).is_ok());

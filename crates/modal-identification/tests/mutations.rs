@@ -109,6 +109,8 @@ fn damaged_files_are_answered_within_bounds() {
             "{name}: {refused} refused, {accepted} read"
         );
     }
+    // In the same test: the count is shared.
+    rows_of_many_columns_take_memory_in_proportion();
 }
 
 /// Changes, removes or adds a few bytes.
