@@ -609,7 +609,7 @@ fn ring_downs_that_cannot_be_identified_leave_no_folder() {
                 "--bandwidth",
                 "140",
             ],
-            &["both.csv, channel `acc`", "two modes", "180.0", "230.0"],
+            &["both.csv, channel `acc`", "two modes", "179.99 Hz", "230.01 Hz"],
         ),
     ] {
         let output = xtask(&folder, &[&["identify"], arguments, &["--out", "out"]].concat());

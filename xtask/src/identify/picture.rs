@@ -28,12 +28,13 @@ fn panels(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, svg: &mut String
     let Some(hit) = hits.first() else {
         return Ok(root.present()?);
     };
-    let plain = |v: &f64| format!("{v}");
+    // Ticks computed in floating point are off by a unit in the last place.
+    let plain = |v: &f64| format!("{}", (1e6 * v).round() / 1e6);
     let (signal, found) = (&hit.signal, &hit.found);
 
     let rate = signal.sample_rate;
     let thinned = extremes(&signal.samples).map(|(i, v)| (i as f64 / rate, v));
-    let y = margins(bounds(signal.samples.iter().copied()));
+    let y = margins(bounds(signal.samples.iter().copied()), 0.0);
     let used = uprights([found.trims.start, found.trims.end], &y);
     panel(
         &areas[0],
@@ -41,7 +42,7 @@ fn panels(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, svg: &mut String
         y,
         &format!("{} [{}]", signal.quantity, signal.quantity.unit()),
         "time [s]",
-        [&plain, &|v| format!("{v:.3e}")],
+        [&plain, &|v| format!("{v:.1e}")],
         &[curve("signal", GREY, numbered(thinned)), dashed("used", RED, used)],
         SeriesLabelPosition::UpperRight,
     )?;
@@ -81,11 +82,12 @@ fn panels(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, svg: &mut String
     let x = widen(&amplitudes, 1.1);
     let x_ticks = ticks(&x);
     let label = format!("{quantity} amplitude at the sensor [{}]", quantity.unit());
-    for (area, y_label, colour, of_point, of_mean) in [
+    for (area, y_label, colour, least, of_point, of_mean) in [
         (
             &areas[2],
             "frequency [Hz]",
             BLUE,
+            1e-3,
             (|p| p.frequency_hz) as fn(&Point) -> f64,
             (|p| [p.frequency_hz, p.spread.map_or(0.0, |s| s[0])]) as fn(&MeanPoint) -> [f64; 2],
         ),
@@ -93,6 +95,7 @@ fn panels(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, svg: &mut String
             &areas[3],
             "damping ratio [-]",
             RED,
+            0.1,
             |p| p.damping_ratio,
             |p| [p.damping_ratio, p.spread.map_or(0.0, |s| s[1])],
         ),
@@ -115,7 +118,7 @@ fn panels(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, svg: &mut String
             colour,
             numbered(mean.iter().map(|p| (p.amplitude, of_mean(p)[0]))),
         ));
-        let y = margins(bounds(curves.iter().flat_map(|c| c.points.iter().map(|p| p.2))));
+        let y = margins(bounds(curves.iter().flat_map(|c| c.points.iter().map(|p| p.2))), least);
         let digits = move |v: &f64| {
             if colour == RED {
                 format!("{v:.4}")
@@ -168,9 +171,10 @@ fn uprights([a, b]: [f64; 2], y: &Range<f64>) -> Points {
     vec![(0, a, y.start), (1, a, y.end), (3, b, y.start), (4, b, y.end)]
 }
 
-fn margins(range: Option<Range<f64>>) -> Range<f64> {
+fn margins(range: Option<Range<f64>>, least: f64) -> Range<f64> {
     let Range { start, end } = range.unwrap_or(0.0..1.0);
-    let margin = (0.06 * (end - start)).max(1e-6 * end.abs());
+    // Noise on a constant shall not fill the picture.
+    let margin = (0.06 * (end - start)).max(least * end.abs());
     start - margin..end + margin
 }
 
