@@ -194,17 +194,17 @@ pub enum Error {
     /// Two modes in one band.
     #[error(
         "{at}: the band from {low:.2} to {high:.2} Hz holds two modes, at {first:.2} Hz and at {second:.2} Hz with {ratio:.2} \
-         times the amplitude; choose a bandwidth well below their distance of {distance:.2} Hz, or measure where only one of \
+         times the height; choose a bandwidth well below their distance of {distance:.2} Hz, or measure where only one of \
          them moves", distance = (second - first).abs()
     )]
     TwoModes {
         /// File and channel.
         at: String,
-        /// The stronger (Hz).
+        /// The one to be identified (Hz).
         first: f64,
         /// The other (Hz).
         second: f64,
-        /// Its amplitude over that of the stronger, after the filter.
+        /// Its peak in the spectrum over that of the first, after the filter.
         ratio: f64,
         /// Lower edge of the band (Hz).
         low: f64,
@@ -300,7 +300,7 @@ pub enum Warning {
     OtherMode {
         /// Its frequency (Hz).
         frequency: f64,
-        /// Its amplitude over that of the mode, after the filter.
+        /// Its peak in the spectrum over that of the mode, after the filter.
         ratio: f64,
     },
     /// The second method could not be applied.
@@ -348,7 +348,7 @@ impl fmt::Display for Warning {
             Self::NegativeDamping { points } => write!(f, "the damping ratio is not positive at {points} points"),
             Self::OtherMode { frequency, ratio } => write!(
                 f,
-                "another mode at about {frequency:.2} Hz shows in the band with {ratio:.4} times the amplitude"
+                "another mode at about {frequency:.2} Hz shows in the band with {ratio:.4} times the height"
             ),
             Self::NoCrossCheck => write!(f, "too short for the second method; nothing confirms the result"),
             Self::CrossCheckDiffers { frequency, damping } => write!(
