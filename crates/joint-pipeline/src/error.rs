@@ -127,6 +127,22 @@ pub enum Error {
         /// Response of the mass-normalised mode times the root of the total mass.
         participation: f64,
     },
+    /// Samples of heights are asked for of a surface that has none.
+    #[error(
+        "the surface has no samples of heights to draw from: measured quantiles and given parameters have none; describe it          by surface.scans or surface.synthetic-scan"
+    )]
+    NoSamples,
+    /// A scan that cannot be brought onto the interface.
+    #[error("{}: {source}", path.display())]
+    ScannedFace {
+        /// File.
+        path: PathBuf,
+        /// Why not.
+        source: surface_characterisation::SurfaceError,
+    },
+    /// A scan that cannot be read.
+    #[error(transparent)]
+    ScanFile(Box<surface_characterisation::FileError>),
     /// Benchmark geometry or mesh.
     #[error(transparent)]
     Beam(#[from] brake_reuss_beam::Error),
@@ -151,6 +167,12 @@ pub enum Error {
     /// Solver.
     #[error(transparent)]
     Solver(#[from] cqsma_solver::Error),
+}
+
+impl From<surface_characterisation::FileError> for Error {
+    fn from(error: surface_characterisation::FileError) -> Self {
+        Self::ScanFile(Box::new(error))
+    }
 }
 
 impl From<matrix_files::Error> for Error {

@@ -21,6 +21,8 @@ pub enum Stage {
     Backbone,
     /// Methods beside CQSMA (skipped when none is asked for).
     Methods,
+    /// Realisations of an ensemble (skipped when none is asked for).
+    Ensemble,
 }
 
 impl Stage {
@@ -36,6 +38,7 @@ impl Stage {
             Stage::Modes => "modes",
             Stage::Backbone => "backbone",
             Stage::Methods => "methods",
+            Stage::Ensemble => "ensemble",
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Quantities are given in the scene's units and converted to SI once, by [`Scene::from_json`]; all other code sees SI.
 
 use crate::Error;
+pub use crate::scans::{Place, Readings, ScanFile, Scans};
 use contact_laws::{HistoryRule, TangentialReading};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -404,8 +405,17 @@ pub enum Surface {
     Measured,
     /// Two seeded synthetic scans, characterised element by element.
     SyntheticScan(SyntheticScan),
+    /// Two scans from files, characterised element by element.
+    Scans(Box<Scans>),
     /// No asperities: the parameters of the law themselves.
     Parameters(Parameters),
+}
+
+impl Surface {
+    /// Whether there are samples of heights.
+    pub fn is_scanned(&self) -> bool {
+        matches!(self, Self::SyntheticScan(_) | Self::Scans(_))
+    }
 }
 
 /// Parameters of the traction law.
@@ -534,7 +544,7 @@ pub enum Gap {
     Flat,
     /// The measured mesoscale gap of the interface pair whose statistics are used.
     Measured,
-    /// The gap of the synthetic scans.
+    /// The gap of the scans.
     Scan,
 }
 
@@ -705,8 +715,13 @@ impl Scene {
         if let Some(folder) = path.parent() {
             let deck = scene.model.deck.as_mut().map(|deck| &mut deck.path);
             let matrices = scene.model.matrices.as_mut().map(|matrices| &mut matrices.path);
+            let scans = match &mut scene.surface {
+                Surface::Scans(scans) => vec![&mut scans.top.path, &mut scans.bottom.path],
+                _ => Vec::new(),
+            };
             deck.into_iter()
                 .chain(matrices)
+                .chain(scans)
                 .for_each(|path| *path = folder.join(&*path));
         }
         Ok(scene)
@@ -866,6 +881,9 @@ impl Scene {
         }
         scale("/cqsma/amplitude_from", &mut self.cqsma.amplitude_from, length);
         scale("/cqsma/amplitude_to", &mut self.cqsma.amplitude_to, length);
+        if let Surface::Scans(scans) = &mut self.surface {
+            scans.scale(length);
+        }
         if let Surface::SyntheticScan(scan) = &mut self.surface {
             let at = |field: &str| format!("/surface/synthetic-scan/{field}");
             for (field, value) in [
@@ -1099,9 +1117,13 @@ impl Scene {
                 "numbers of amplitudes, between 1 and cqsma.amplitudes",
             )?;
         }
-        let scans = matches!(self.surface, Surface::SyntheticScan(_));
+        if let Surface::Scans(scans) = &self.surface {
+            for (field, value, unit, requirement, ok) in scans.requirements() {
+                check(ok, field, value, unit, requirement)?;
+            }
+        }
         check(
-            scans || self.gap != Gap::Scan,
+            self.surface.is_scanned() || self.gap != Gap::Scan,
             "gap",
             f64::NAN,
             "(scan)",

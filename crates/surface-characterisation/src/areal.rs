@@ -9,6 +9,7 @@ use crate::error::{SurfaceError, not_negative, positive};
 /// Heights are measured from their mean. The standard's scale-limited surface is what the caller hands over: over an
 /// interface element the heights above its bilinear form, over a whole face those above its plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ArealParameters {
     /// Points with data that were evaluated.
     pub points: usize,

@@ -12,6 +12,11 @@ use crate::response::{Realisation, draw, mix};
 
 /// Peak height that enters the half-axes `w_q` of the packing estimate (eq. 26).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum PackingHeight {
     /// The element's total roughness R_t, as published.
     #[default]
@@ -22,6 +27,11 @@ pub enum PackingHeight {
 
 /// Where the number of asperities comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum AsperityCount {
     /// Ellipses packed on the element's area (eq. 27).
     #[default]
@@ -32,6 +42,11 @@ pub enum AsperityCount {
 
 /// How the radii of two faces combine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum PairRadius {
     /// `1/R_q = 1/R_1q + 1/R_2q` per direction, effective radius `sqrt(R_x R_y)`.
     #[default]
@@ -43,6 +58,11 @@ pub enum PairRadius {
 
 /// How the peak heights of two faces combine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum HeightCombination {
     /// The peaks of both faces in one sample.
     #[default]
@@ -62,6 +82,7 @@ pub enum HeightFamily {
 
 /// What one face shows over one element.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FaceAsperities {
     /// Points with data inside the element.
     pub points: usize,
@@ -117,6 +138,7 @@ pub fn packing_count(area: f64, height: f64, radius: [f64; 2], efficiency: f64) 
 
 /// The asperities of a pair of faces over one element: what the asperity sums need.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PairAsperities {
     area: f64,
     count: f64,
@@ -237,18 +259,60 @@ impl PairAsperities {
     pub fn quantile_population(&self, levels: usize) -> Result<AsperityPopulation, contact_laws::Error> {
         let last = self.heights.len() - 1;
         let probabilities: Vec<f64> = (0..=levels).map(|k| k as f64 / levels as f64).collect();
-        let gaps: Vec<f64> = probabilities
-            .iter()
-            .map(|p| {
-                let position = p * last as f64;
-                let below = (position as usize).min(last);
+        let mut least = 0.0;
+        let gaps: Vec<f64> = (0..=levels)
+            .map(|k| {
+                // Whole numbers, so that a level on an order statistic gives it to the last bit.
+                let (below, part) = match levels {
+                    0 => (0, 0.0),
+                    levels => (k * last / levels, (k * last % levels) as f64 / levels as f64),
+                };
                 let above = (below + 1).min(last);
-                let height =
-                    self.heights[below] + (position - below as f64) * (self.heights[above] - self.heights[below]);
-                self.contact_height - height
+                let height = self.heights[below] + part * (self.heights[above] - self.heights[below]);
+                // Rounding between equal heights must not make gaps descend.
+                least = f64::max(least, self.contact_height - height);
+                least
             })
             .collect();
         self.with_gaps(GapDistribution::try_from_quantiles(&probabilities, &gaps)?)
+    }
+
+    /// The population with the distribution of its gaps linear between the order statistics, of which equal ones (as in
+    /// a [`crate::realisation`]) count once, in the middle of their ranks: without any kink of square-root type, which no
+    /// table follows. A sample of one height stays as it is.
+    ///
+    /// # Errors
+    /// The contact laws' own, for radii or densities that underflow.
+    pub fn interpolated_population(&self) -> Result<AsperityPopulation, contact_laws::Error> {
+        let last = self.heights.len() - 1;
+        let (mut probabilities, mut gaps) = (Vec::with_capacity(last + 1), Vec::with_capacity(last + 1));
+        let mut first = 0;
+        for group in self.heights.chunk_by(|a, b| a == b) {
+            let end = first + group.len() - 1;
+            probabilities.push(match (first, end) {
+                (0, _) => 0.0,
+                (_, end) if end == last => 1.0,
+                (first, end) => 0.5 * (first + end) as f64 / last as f64,
+            });
+            gaps.push(self.contact_height - group[0]);
+            first = end + 1;
+        }
+        if gaps.len() < 2 {
+            return self.law_population();
+        }
+        self.with_gaps(GapDistribution::try_from_quantiles(&probabilities, &gaps)?)
+    }
+
+    /// The same asperities with `u_n = 0` at their own tallest, and by how much it lies deeper than before (m): what a
+    /// realisation without the tallest peak adds to the gap.
+    #[must_use]
+    pub fn from_own_tallest(&self) -> (Self, f64) {
+        let depth = self.contact_height - self.heights[0];
+        let population = Self {
+            contact_height: self.heights[0],
+            ..self.clone()
+        };
+        (population, depth)
     }
 
     /// The population with heights of a closed form that has the sample's mean and standard deviation; `u_n = 0` stays

@@ -22,6 +22,7 @@ use crate::topography::HeightMap;
 
 /// Interferences at which the traction curves are sampled, equidistant in their logarithm.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct InterferenceRange {
     /// Least interference (m).
     pub from: f64,
@@ -73,6 +74,7 @@ impl InterferenceRange {
 
 /// Everything that [`characterise`] can be told; [`Options::new`] gives the default readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Options {
     /// Elastic constants of both bodies.
     pub material: ElasticPair,
@@ -134,6 +136,7 @@ impl Options {
 
 /// What is known of one interface element.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ElementSurface {
     /// Index of the element.
     pub element: usize,
@@ -165,6 +168,7 @@ impl ElementSurface {
 
 /// A characterised pair of faces.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Characterisation {
     /// Every element, in the order given.
     pub elements: Vec<ElementSurface>,
@@ -176,6 +180,7 @@ pub struct Characterisation {
 
 /// Counts and medians over the elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Summary {
     /// Number of elements.
     pub elements: usize,

@@ -10,6 +10,11 @@ use crate::topography::HeightMap;
 
 /// What is done to a height map before anything else; nothing by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct NoiseHandling {
     /// Rule by which points are taken for outliers and their data dropped.
     pub outliers: Option<OutlierRule>,
@@ -24,6 +29,11 @@ pub struct NoiseHandling {
 /// mean where more than half of the points equal their local median, as on coarsely quantised maps), and the limit is
 /// never below one stated height step.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct OutlierRule {
     /// Points to each side of the middle one, at least 1.
     pub reach: usize,

@@ -74,6 +74,11 @@ fn vertex(z: &[f64], step: f64) -> Option<(f64, f64, f64)> {
 
 /// How the radii of an element's peaks become one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum RadiusStatistic {
     /// Inverse of the mean curvature. The default: nearly flat peaks do not dominate it.
     #[default]

@@ -16,6 +16,11 @@ use crate::topography::HeightMap;
 /// ([`HeightMap::mirrored_x`]). The shift moves its grid; the tilt is added after a plane was taken off
 /// ([`crate::Detrend`]), about the centre of the rectangle around the interface, so that no de-trending undoes it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Registration {
     /// Shift along x and y (m).
     pub shift: [f64; 2],
@@ -45,6 +50,7 @@ impl Registration {
 
 /// A height map's place against the interface by the edges and holes of its mask.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Alignment {
     /// Shift that brings the map onto the elements (m), a whole number of lateral steps: hand it to
     /// [`HeightMap::shifted`].
@@ -169,6 +175,7 @@ impl BitRows {
 
 /// What another registration does to the gap, over the middles of all elements, weighted by their areas.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct GapChange {
     /// The registration.
     pub registration: Registration,

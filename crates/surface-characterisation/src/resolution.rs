@@ -10,6 +10,7 @@ use crate::topography::HeightMap;
 /// per peak. The lateral step is fine enough where twice the step gives the same curvature and a peak spans many
 /// samples; where the curvature falls with the step, it is the step's and not the surface's.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Resolution {
     /// Height step of the instrument (m), where stated.
     pub height_step: Option<f64>,

@@ -11,6 +11,11 @@ use crate::error::{SurfaceError, positive};
 ///
 /// A resample misses the tallest peak in 37 % of the draws, and the ordinary bootstrap of a maximum is inconsistent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum TallestPeak {
     /// `u_n = 0` stays at the sample's own tallest peak; realisations that lack it have zero traction at first.
     #[default]
@@ -24,6 +29,7 @@ pub enum TallestPeak {
 
 /// How the sampling uncertainty of an element's curves is estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Bootstrap {
     /// Number of realisations; 0 for no bands.
     pub realisations: usize,
@@ -46,6 +52,7 @@ impl Default for Bootstrap {
 
 /// Tractions against interference.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TractionCurves {
     /// Interference `u_n` (m), 0 where the tallest peaks touch.
     pub interference: Vec<f64>,
@@ -60,6 +67,7 @@ pub struct TractionCurves {
 /// Percentiles of 30 realisations under-cover: about 75 % instead of 95 % at small interference, where few peaks
 /// carry the load. More realisations narrow the shortfall but do not remove it.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CurveBands {
     /// Number of realisations behind the percentiles.
     pub realisations: usize,

@@ -23,6 +23,7 @@ const MARGIN: usize = 8;
 
 /// What happened to one whole face.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FaceSummary {
     /// The plane that was taken off; of the bottom face, less the tilt of the registration.
     pub trend: Plane,

@@ -74,6 +74,11 @@ pub struct Options {
 
 /// Where the first line of a grid lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum FirstRow {
     /// Lines ascend along y.
     LowestY,
@@ -83,6 +88,11 @@ pub enum FirstRow {
 
 /// Formats of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 #[non_exhaustive]
 pub enum Format {
     /// ISO 25178-72.
@@ -117,6 +127,7 @@ impl fmt::Display for Format {
 
 /// A unit, and who stated it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum Declaration {
     /// The file, or its format.
     File(LengthUnit),

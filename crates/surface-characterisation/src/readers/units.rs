@@ -7,6 +7,7 @@ use crate::error::UnknownUnit;
 
 /// A unit of length that files or users state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "String", into = "&str"))]
 pub enum LengthUnit {
     /// m.
     Metre,
@@ -59,6 +60,22 @@ impl LengthUnit {
 impl fmt::Display for LengthUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.symbol())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<String> for LengthUnit {
+    type Error = UnknownUnit;
+
+    fn try_from(text: String) -> Result<Self, UnknownUnit> {
+        text.parse()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<LengthUnit> for &str {
+    fn from(unit: LengthUnit) -> Self {
+        unit.symbol()
     }
 }
 
