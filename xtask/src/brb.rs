@@ -13,6 +13,7 @@ const FLAT: &str = include_str!("../../fixtures/scenes/brb-flat.json");
 const DECK: &str = include_str!("../../fixtures/scenes/brb-deck.json");
 pub(crate) const RESULTS: &str = "results";
 pub(crate) const SUMMARY: &str = "summary.json";
+const ENSEMBLE: &str = "ensemble.csv";
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -33,11 +34,18 @@ pub(crate) struct Arguments {
     /// Neither read nor store reduced models and finished amplitudes in results/.cache.
     #[arg(long)]
     no_cache: bool,
+    /// Also run K bootstrap realisations of the laws of all elements, for bands about the backbone; the surface of the
+    /// scene must be scanned.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    ensemble: Option<u16>,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let scene = read_scene(arguments.scene.as_deref(), arguments.deck.as_deref())?;
+    if arguments.ensemble.is_some() && !scene.surface.is_scanned() {
+        return Err(joint_pipeline::Error::NoSamples.into());
+    }
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&scene.name)?,
@@ -54,20 +62,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         cache: (!arguments.no_cache).then(|| Path::new(RESULTS).join(".cache")),
     };
     let monitor = Monitor::new()?;
-    let result = joint_pipeline::run(&scene, &options, &monitor);
+    let result = match arguments.ensemble {
+        None => joint_pipeline::run(&scene, &options, &monitor).map(|run| (run, None)),
+        Some(k) => {
+            joint_pipeline::run_ensemble(&scene, k.into(), &options, &monitor).map(|(run, all)| (run, Some(all)))
+        }
+    };
     let timings = monitor.finish();
-    let run = result.with_context(|| format!("running the scene {}", scene.name))?;
-    let summary = Summary::new(&run, timings, peak_memory());
+    let (run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
+    let mut summary = Summary::new(&run, timings, peak_memory());
+    summary.ensemble = ensemble;
 
     let stale = is_run_of(&directory, &scene.name);
     let outputs = outputs(&run, &summary)?;
     files::write_all(&directory, &outputs)?;
     if stale {
-        files::remove_stale(&directory, &outputs)?;
+        files::remove_stale(&directory, &outputs, &[ENSEMBLE])?;
     }
     print(&account(&summary, &scene.name, &directory))?;
     let others = summary.methods.values().flatten();
-    let complete = summary.backbone.iter().all(|b| b.converged) && others.into_iter().all(|m| m.converged);
+    let mut members = summary.ensemble.iter().flat_map(|all| &all.members);
+    let complete = summary.backbone.iter().all(|b| b.converged)
+        && others.into_iter().all(|m| m.converged)
+        && members.all(|m| m.failure.is_none() && m.not_converged == 0);
     Ok(if complete {
         Outcome::Success
     } else {
@@ -122,7 +139,7 @@ fn is_run_of(directory: &Path, name: &str) -> bool {
 
 /// All files of a run; the summary comes last, so that a new one never stands beside old files.
 fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>> {
-    let field_file = |name: String, fields| Output::new(name, vtu::document(run, &fields::cell_fields(run, fields)));
+    let field_file = |name: String, fields| Output::new(name, vtu::document(&run.mesh, &fields::cell_fields(run, fields)));
     let picture = plot::backbone(summary, &title(run))?;
     let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)];
     for (index, amplitude) in run.amplitudes.iter().enumerate() {
@@ -131,6 +148,9 @@ fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>> {
         }
     }
     outputs.push(Output::new("backbone.csv", csv::document(summary)));
+    if let Some(ensemble) = &summary.ensemble {
+        outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)));
+    }
     outputs.push(Output::new("report.html", report::document(run, summary, &picture)?));
     outputs.push(Output::new("backbone.svg", picture));
     let json = serde_json::to_string_pretty(summary).context("encoding the summary")?;
@@ -195,6 +215,13 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
         let _ = writeln!(
             out,
             "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
+        );
+    }
+    if let Some(ensemble) = &summary.ensemble {
+        let _ = writeln!(
+            out,
+            "{} bootstrap realisations, {} without a backbone; bands in {ENSEMBLE}",
+            ensemble.realisations, ensemble.failed
         );
     }
     let total = summary.timings.get("total").copied().unwrap_or_default();

@@ -1,5 +1,6 @@
 //! The backbone as comma-separated values.
 
+use joint_pipeline::ensemble::Ensemble;
 use joint_pipeline::summary::{BackboneSummary, Summary};
 
 /// Name with unit, and value, of every column.
@@ -42,6 +43,24 @@ fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
                 .map_or_else(String::new, |text| format!("\"{}\"", text.replace('"', "\"\""))),
         ),
     ]
+}
+
+/// Percentiles over the realisations, one row per amplitude; empty cells where there is no value.
+pub(crate) fn ensemble(ensemble: &Ensemble) -> String {
+    let mut out = String::from(
+        "response_displacement [m],realisations,frequency_5 [Hz],frequency_50 [Hz],frequency_95 [Hz],damping_ratio_5 [-],\
+         damping_ratio_50 [-],damping_ratio_95 [-]\n",
+    );
+    for band in &ensemble.bands {
+        let frequencies = band.frequency_hz.iter().map(|f| format!("{f:?}"));
+        let dampings = band.damping_ratio.iter().map(|z| z.map_or_else(String::new, |z| format!("{z:?}")));
+        let cells = [
+            format!("{:?}", band.response_displacement),
+            band.realisations.to_string(),
+        ];
+        out += &(cells.into_iter().chain(frequencies).chain(dampings).collect::<Vec<_>>().join(",") + "\n");
+    }
+    out
 }
 
 /// One row per amplitude; empty cells where there is no value.

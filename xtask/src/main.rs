@@ -1,6 +1,7 @@
 //! The commands of the workspace: `cargo xtask --help`.
 mod bench;
 mod brb;
+mod characterise;
 mod check;
 mod csv;
 mod export;
@@ -46,6 +47,8 @@ enum Command {
     Export(export::Arguments),
     /// Frequency and damping against amplitude from measured ring-downs; several files are hits to be averaged.
     Identify(identify::Arguments),
+    /// Characterise two scans over an interface: gaps, roughness, asperities and traction laws with bands per element.
+    Characterise(characterise::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
     /// Check that the dependencies between the crates point one way only.
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::Model(arguments) => model::run(&arguments).map(|()| Outcome::Success),
         Command::Export(arguments) => export::run(&arguments).map(|()| Outcome::Success),
         Command::Identify(arguments) => identify::run(&arguments).map(|()| Outcome::Success),
+        Command::Characterise(arguments) => characterise::run(&arguments).map(|()| Outcome::Success),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),

@@ -2,16 +2,17 @@
 
 use crate::Error;
 use crate::scans::{Place, ScanFile, Scans};
-use crate::scene::{Scene, Surface, SyntheticScan};
+use crate::scene::{PlaneMesh, Scene, Surface, SyntheticScan};
 use contact_laws::ElasticPair;
 use serde::Serialize;
 use std::path::PathBuf;
 use surface_characterisation::readers::{self, Declaration, Format};
 use surface_characterisation::{
-    Alignment, Bootstrap, Characterisation, ElementOutlines, HeightMap, Options, SyntheticFace, Waviness, align,
-    characterise,
+    Alignment, Bootstrap, Characterisation, ElementOutlines, ElementSurface, FaceSummary, GapChange, HeightMap, LinePeak,
+    Options, Registration, Summary, SyntheticFace, Waviness, align, characterise, line_peaks, registration_study,
 };
 use zte_assembly::InterfaceMesh;
+use zte_assembly::mesh::Element;
 
 /// Reference interference of the fits (m).
 pub(crate) const U_REF: f64 = 1e-6;
@@ -104,6 +105,141 @@ impl ScannedSurface {
             found,
         })
     }
+}
+
+/// Version of the layout of [`SurfaceReport`]; grows with every change that is not a mere addition.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// The machine-readable account of a characterisation, all in SI; elements and their nodes count from 0.
+#[derive(Clone, Debug, Serialize)]
+pub struct SurfaceReport<'a> {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// The files of the top and the bottom face; empty for synthetic faces.
+    pub files: &'a [FileReport],
+    /// All settings and readings.
+    pub options: &'a Options,
+    /// Counts and medians over the elements.
+    pub summary: Summary,
+    /// The whole top and bottom face.
+    pub faces: &'a [FaceSummary; 2],
+    /// What other registrations do to the gap; left out unless asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub registration_study: Option<&'a [GapChange]>,
+    /// Every element.
+    pub elements: &'a [ElementSurface],
+}
+
+/// A line along x through the middle of an element on one face.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// Positions along x (m).
+    pub x: Vec<f64>,
+    /// Their y (m).
+    pub y: f64,
+    /// Heights as they are characterised (m), NaN where there is no data.
+    pub height: Vec<f64>,
+    /// Plane of the face and form of the element (m).
+    pub form: Vec<f64>,
+    /// Peaks of `height - form`; their positions count from the first point (m).
+    pub peaks: Vec<LinePeak>,
+}
+
+impl ScannedSurface {
+    /// The account of it all.
+    pub fn report<'a>(&'a self, study: Option<&'a [GapChange]>) -> SurfaceReport<'a> {
+        SurfaceReport {
+            schema_version: SCHEMA_VERSION,
+            files: &self.files,
+            options: &self.found.options,
+            summary: self.found.summary(),
+            faces: &self.found.faces,
+            registration_study: study,
+            elements: &self.found.elements,
+        }
+    }
+
+    /// What the bottom face's motion against the top one does to the gap: from the registration in use by one and by ten
+    /// lateral steps to either side along x and y, and by slopes of 1e-5 and 1e-4 either way.
+    ///
+    /// # Errors
+    /// As [`surface_characterisation::registration_study`]: shifts that leave elements without data are refused.
+    pub fn registration_study(&self) -> Result<Vec<GapChange>, Error> {
+        let [top, bottom] = &self.faces;
+        let base = self.found.options.registration;
+        let mut all = Vec::new();
+        for axis in 0..2 {
+            for by in [-10.0, -1.0, 1.0, 10.0] {
+                let mut moved = base;
+                moved.shift[axis] += by * bottom.step()[axis];
+                all.push(moved);
+            }
+        }
+        for axis in 0..2 {
+            for by in [-1e-4, -1e-5, 1e-5, 1e-4] {
+                let mut tilted: Registration = base;
+                tilted.tilt[axis] += by;
+                all.push(tilted);
+            }
+        }
+        Ok(registration_study(top, bottom, &self.outlines, &self.found.options, &all)?)
+    }
+
+    /// The profile of `element` on the top (0) or bottom (1) face, from which peaks along x are taken on its line.
+    ///
+    /// # Errors
+    /// Those of the noise handling and the registration, which were good once.
+    pub fn profile(&self, element: usize, side: usize) -> Result<Profile, Error> {
+        let options = &self.found.options;
+        let (map, _) = options.noise.apply(&self.faces[side])?;
+        let mut map = map.into_owned();
+        if side == 1 {
+            map = map.shifted(options.registration.shift)?;
+        }
+        let (trend, face) = (&self.found.faces[side].trend, &self.found.elements[element].faces[side]);
+        let (centre, half) = (face.plane.centre, face.plane.half_width);
+        let nearest = |axis: usize, x: f64, n: usize| {
+            let index = ((x - map.origin()[axis]) / map.step()[axis]).round();
+            index.clamp(0.0, (n - 1) as f64) as usize
+        };
+        let j = nearest(1, centre[1], map.ny());
+        let columns = nearest(0, centre[0] - half[0], map.nx())..nearest(0, centre[0] + half[0], map.nx()) + 1;
+        let positions: Vec<[f64; 2]> = columns.clone().map(|i| map.position(i, j)).collect();
+        let height: Vec<f64> = columns.map(|i| map.height(i, j).unwrap_or(f64::NAN)).collect();
+        let form: Vec<f64> = positions.iter().map(|&p| trend.at(p) + face.plane.at(p)).collect();
+        let residual: Vec<f64> = height.iter().zip(&form).map(|(z, form)| z - form).collect();
+        let level = 0.5 * map.height_step().unwrap_or(0.0);
+        Ok(Profile {
+            x: positions.iter().map(|p| p[0]).collect(),
+            y: map.position(0, j)[1],
+            peaks: line_peaks(&residual, map.step()[0], level),
+            height,
+            form,
+        })
+    }
+}
+
+/// The interface mesh of a plane mesh in a unit of `length` (m).
+///
+/// # Errors
+/// Nodes that do not exist or coincide, elements that are no simple triangles or quadrilaterals.
+pub fn interface_mesh(plane: &PlaneMesh, length: f64) -> Result<InterfaceMesh, Error> {
+    // Number 0, which no element may have, becomes one that no mesh has.
+    let elements = plane.elements.iter().map(|e| e.iter().map(|n| n.wrapping_sub(1)).collect());
+    let nodes: Vec<[f64; 2]> = plane.nodes.iter().map(|x| x.map(|x| x * length)).collect();
+    let elements: Vec<Vec<u32>> = elements.collect();
+    ElementOutlines::try_new(nodes.clone(), elements.clone())?;
+    let elements = elements.iter().filter_map(|nodes| match nodes[..] {
+        [a, b, c] => Some(Element::Tri3([a, b, c])),
+        [a, b, c, d] => Some(Element::Quad4([a, b, c, d])),
+        _ => None,
+    });
+    let mesh = InterfaceMesh {
+        elements: elements.collect(),
+        nodes,
+    };
+    mesh.validate()?;
+    Ok(mesh)
 }
 
 pub(crate) fn material(scene: &Scene) -> ElasticPair {

@@ -100,7 +100,9 @@ pub struct FaceAsperities {
     pub radius: [Option<f64>; 2],
     /// What the instrument resolves of all this.
     pub resolution: Resolution,
-    /// Peak heights above the lowest peak (m), both directions, in scan order.
+    /// Peak heights above the lowest peak (m), both directions, in scan order. Not written out: the population of the pair
+    /// is.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub heights: Vec<f64>,
     /// Height of the tallest peak (of the tallest point where there is no peak) above the plane (m).
     pub tallest: f64,
