@@ -139,7 +139,8 @@ fn is_run_of(directory: &Path, name: &str) -> bool {
 
 /// All files of a run; the summary comes last, so that a new one never stands beside old files.
 fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>> {
-    let field_file = |name: String, fields| Output::new(name, vtu::document(&run.mesh, &fields::cell_fields(run, fields)));
+    let field_file =
+        |name: String, fields| Output::new(name, vtu::document(&run.mesh, &fields::cell_fields(run, fields)));
     let picture = plot::backbone(summary, &title(run))?;
     let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)];
     for (index, amplitude) in run.amplitudes.iter().enumerate() {

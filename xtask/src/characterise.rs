@@ -124,7 +124,10 @@ fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
         || arguments.seed.is_some();
     let scans = match &mut scene.surface {
         Surface::Scans(scans) => scans,
-        _ if given => bail!("options of scans are given, but the surface of the scene {} is not read from files", scene.name),
+        _ if given => bail!(
+            "options of scans are given, but the surface of the scene {} is not read from files",
+            scene.name
+        ),
         _ => return Ok(()),
     };
     for file in [&mut scans.top, &mut scans.bottom] {
@@ -155,8 +158,10 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
     match &arguments.mesh {
         Some(path) if path.as_os_str() != "brb" => {
             let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-            let plane: PlaneMesh = serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
-            interface_mesh(&plane, arguments.mesh_units.metres(1.0)).with_context(|| format!("reading {}", path.display()))
+            let plane: PlaneMesh =
+                serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
+            interface_mesh(&plane, arguments.mesh_units.metres(1.0))
+                .with_context(|| format!("reading {}", path.display()))
         }
         named => {
             let mut model = scene.model.clone();
@@ -173,7 +178,10 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
 fn shown(arguments: &Arguments, elements: &[ElementSurface]) -> Result<usize> {
     match arguments.element {
         Some(element) if element >= elements.len() => {
-            bail!("there is no element {element}; the interface has elements 0 to {}", elements.len() - 1)
+            bail!(
+                "there is no element {element}; the interface has elements 0 to {}",
+                elements.len() - 1
+            )
         }
         Some(element) => Ok(element),
         None => {
@@ -189,7 +197,12 @@ fn quantities(elements: &[ElementSurface]) -> [(&'static str, &'static str, &'st
     let all = |of: &dyn Fn(&ElementSurface) -> f64| elements.iter().map(of).collect();
     [
         ("gap", "gap at the middle", "m", all(&|e| e.gap.at(e.gap.centre))),
-        ("roughness", "total roughness R_t", "m", all(&ElementSurface::total_roughness)),
+        (
+            "roughness",
+            "total roughness R_t",
+            "m",
+            all(&ElementSurface::total_roughness),
+        ),
         ("count", "asperities N", "-", all(&|e| e.population.count())),
         ("radius-x", "radius R_x", "m", all(&|e| e.population.radius()[0])),
         ("radius-y", "radius R_y", "m", all(&|e| e.population.radius()[1])),
@@ -205,7 +218,10 @@ fn outputs(
     let elements = &surface.found.elements;
     let mut outputs = Vec::new();
     for (name, quantity, unit, values) in quantities(elements) {
-        outputs.push(Output::new(format!("map-{name}.svg"), map::svg(mesh, &values, quantity, unit)));
+        outputs.push(Output::new(
+            format!("map-{name}.svg"),
+            map::svg(mesh, &values, quantity, unit),
+        ));
     }
     let element = &elements[shown];
     for (side, name) in ["top", "bottom"].into_iter().enumerate() {
@@ -250,7 +266,9 @@ fn cells(elements: &[ElementSurface]) -> Vec<CellField> {
         field("points_top [-]", &|e| e.faces[0].points as f64),
         field("points_bottom [-]", &|e| e.faces[1].points as f64),
         field("fit_rms_normal [-]", &|e| e.normal.rms),
-        field("fit_rms_tangential [-]", &|e| e.tangential[0].rms.max(e.tangential[1].rms)),
+        field("fit_rms_tangential [-]", &|e| {
+            e.tangential[0].rms.max(e.tangential[1].rms)
+        }),
         field("fallback [-]", &|e| f64::from(u8::from(fell_back(e)))),
     ]
 }

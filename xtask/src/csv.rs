@@ -53,12 +53,21 @@ pub(crate) fn ensemble(ensemble: &Ensemble) -> String {
     );
     for band in &ensemble.bands {
         let frequencies = band.frequency_hz.iter().map(|f| format!("{f:?}"));
-        let dampings = band.damping_ratio.iter().map(|z| z.map_or_else(String::new, |z| format!("{z:?}")));
+        let dampings = band
+            .damping_ratio
+            .iter()
+            .map(|z| z.map_or_else(String::new, |z| format!("{z:?}")));
         let cells = [
             format!("{:?}", band.response_displacement),
             band.realisations.to_string(),
         ];
-        out += &(cells.into_iter().chain(frequencies).chain(dampings).collect::<Vec<_>>().join(",") + "\n");
+        out += &(cells
+            .into_iter()
+            .chain(frequencies)
+            .chain(dampings)
+            .collect::<Vec<_>>()
+            .join(",")
+            + "\n");
     }
     out
 }

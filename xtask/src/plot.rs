@@ -91,7 +91,12 @@ pub(crate) fn response(element: &ElementSurface, fits: &FittedCurves, title: &st
     let along = |q: usize| curves.tangential[q].iter().copied();
     let mut tangential = vec![
         curve("sum", BLUE, None, &mut along(0)),
-        curve("fit (29)", RED, fit, &mut u.iter().map(|&u| fits.tangential(u)[0].value)),
+        curve(
+            "fit (29)",
+            RED,
+            fit,
+            &mut u.iter().map(|&u| fits.tangential(u)[0].value),
+        ),
     ];
     if curves.tangential[0] != curves.tangential[1] {
         tangential[0].name += ", x";
@@ -108,7 +113,13 @@ pub(crate) fn response(element: &ElementSurface, fits: &FittedCurves, title: &st
         let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
         let bands = element.bands.as_ref();
         for (area, x_label, y_label, curves, band) in [
-            (&upper, "", "normal traction [Pa]", &normal[..], bands.map(|b| &b.normal)),
+            (
+                &upper,
+                "",
+                "normal traction [Pa]",
+                &normal[..],
+                bands.map(|b| &b.normal),
+            ),
             (
                 &lower,
                 "interference [m]",
@@ -147,10 +158,14 @@ pub(crate) fn response(element: &ElementSurface, fits: &FittedCurves, title: &st
 /// its peaks (um over mm).
 pub(crate) fn profile(profile: &Profile, title: &str) -> Result<String> {
     let mut svg = String::new();
-    let step = (profile.x.len() > 1).then(|| profile.x[1] - profile.x[0]).unwrap_or(1.0);
+    let step = (profile.x.len() > 1)
+        .then(|| profile.x[1] - profile.x[0])
+        .unwrap_or(1.0);
     let line = |name: &str, colour, dashes, values: &mut dyn Iterator<Item = f64>| {
         let points = profile.x.iter().zip(values).enumerate();
-        let points = points.map(|(i, (x, z))| (i, 1e3 * x, 1e6 * z)).filter(|p| p.2.is_finite());
+        let points = points
+            .map(|(i, (x, z))| (i, 1e3 * x, 1e6 * z))
+            .filter(|p| p.2.is_finite());
         Curve {
             name: name.into(),
             colour,
@@ -289,10 +304,15 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
     let omitted = all - points(&damping).count();
     let ensemble = summary.ensemble.as_ref().map_or(&[][..], |ensemble| &ensemble.bands);
     let of = |colour, ends: &dyn Fn(&BandPoint) -> Option<[f64; 2]>| -> Vec<Band> {
-        let points = ensemble.iter().filter_map(|b| ends(b).map(|[l, h]| (b.response_displacement, l, h)));
+        let points = ensemble
+            .iter()
+            .filter_map(|b| ends(b).map(|[l, h]| (b.response_displacement, l, h)));
         let points: Vec<_> = points.collect();
         // One point has no area.
-        (points.len() > 1).then_some(Band { colour, points }).into_iter().collect()
+        (points.len() > 1)
+            .then_some(Band { colour, points })
+            .into_iter()
+            .collect()
     };
     let frequency_band = of(BLUE, &|b| Some([b.frequency_hz[0], b.frequency_hz[2]]));
     let damping_band = of(RED, &|b| Some([b.damping_ratio[0]?, b.damping_ratio[2]?]));
@@ -383,7 +403,9 @@ where
         .draw()?;
     for band in bands {
         let lower = band.points.iter().map(|&(x, low, _)| (x, low));
-        let outline: Vec<(f64, f64)> = lower.chain(band.points.iter().rev().map(|&(x, _, high)| (x, high))).collect();
+        let outline: Vec<(f64, f64)> = lower
+            .chain(band.points.iter().rev().map(|&(x, _, high)| (x, high)))
+            .collect();
         chart.draw_series([Polygon::new(outline, band.colour.mix(0.2).filled())])?;
     }
     for curve in curves {

@@ -648,7 +648,9 @@ fn faces(folder: &Path) {
         });
         std::fs::write(folder.join(name), rows.collect::<Vec<_>>().join("\n")).unwrap();
     }
-    let nodes: Vec<[f64; 2]> = (0..35).map(|k| [f64::from(k % 7) * 3.0, f64::from(k / 7) * 3.0]).collect();
+    let nodes: Vec<[f64; 2]> = (0..35)
+        .map(|k| [f64::from(k % 7) * 3.0, f64::from(k / 7) * 3.0])
+        .collect();
     let element = |e: u32| {
         let a = e / 6 * 7 + e % 6 + 1;
         [a, a + 1, a + 8, a + 7]
@@ -675,7 +677,12 @@ const CHARACTERISE: [&str; 10] = [
 fn two_scans_are_characterised() {
     let folder = folder("characterise");
     faces(&folder);
-    let files = ["--units=um", "--step=60,100", "--first-row=lowest-y", "--registration-study"];
+    let files = [
+        "--units=um",
+        "--step=60,100",
+        "--first-row=lowest-y",
+        "--registration-study",
+    ];
     let output = xtask(&folder, &[&CHARACTERISE[..], &files].concat());
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
     let out = folder.join("out");
@@ -692,8 +699,16 @@ fn two_scans_are_characterised() {
         assert!((number(e, "/population/area") / 9e-6 - 1.0).abs() < 1e-9);
         counted += number(e, "/faces/0/points");
         // Sq of the faces as they were made, of a patch of 15 by 10 correlation lengths.
-        assert!((number(e, "/faces/0/areal/sq") / 2e-6 - 1.0).abs() < 0.4, "{}", e["faces"][0]["areal"]);
-        for field in ["/normal/parameters/a", "/tangential/1/rms", "/faces/1/resolution/height_step"] {
+        assert!(
+            (number(e, "/faces/0/areal/sq") / 2e-6 - 1.0).abs() < 0.4,
+            "{}",
+            e["faces"][0]["areal"]
+        );
+        for field in [
+            "/normal/parameters/a",
+            "/tangential/1/rms",
+            "/faces/1/resolution/height_step",
+        ] {
             assert!(number(e, field).is_finite(), "{field}");
         }
         assert_eq!(e["bands"]["realisations"], 30);
@@ -705,8 +720,20 @@ fn two_scans_are_characterised() {
 
     // The fields of the VTU are the numbers of the account; pictures are well formed, one polygon per element.
     let vtu = std::fs::read_to_string(out.join("surface.vtu")).unwrap();
-    let body = vtu.split("Name=\"radius_x [m]\"").nth(1).unwrap().split_once('>').unwrap().1;
-    let radii: Vec<f64> = body.split('<').next().unwrap().split_whitespace().map(|v| v.parse().unwrap()).collect();
+    let body = vtu
+        .split("Name=\"radius_x [m]\"")
+        .nth(1)
+        .unwrap()
+        .split_once('>')
+        .unwrap()
+        .1;
+    let radii: Vec<f64> = body
+        .split('<')
+        .next()
+        .unwrap()
+        .split_whitespace()
+        .map(|v| v.parse().unwrap())
+        .collect();
     for (e, radius) in elements.iter().zip(&radii) {
         assert_eq!(number(e, "/population/radius/0"), *radius);
     }
@@ -716,7 +743,10 @@ fn two_scans_are_characterised() {
     }
     for name in ["profile-top.svg", "profile-bottom.svg", "response.svg"] {
         let picture = std::fs::read_to_string(out.join(name)).unwrap();
-        assert!(picture.trim_end().ends_with("</svg>") && picture.contains("<polyline"), "{name}");
+        assert!(
+            picture.trim_end().ends_with("</svg>") && picture.contains("<polyline"),
+            "{name}"
+        );
     }
     let table = std::fs::read_to_string(out.join("registration.csv")).unwrap();
     assert_eq!(table.lines().count(), 17);
@@ -724,13 +754,21 @@ fn two_scans_are_characterised() {
     assert_eq!(study.len(), 16);
     // A tilt about the middle of the interface changes the gap's shape by its slope times the rms distance of the elements'
     // middles, and what the highest points of the face make of it is a mean.
-    let tilted = |tilt: f64| study.iter().find(|c| c["registration"]["tilt"][0] == json!(tilt)).unwrap();
+    let tilted = |tilt: f64| {
+        study
+            .iter()
+            .find(|c| c["registration"]["tilt"][0] == json!(tilt))
+            .unwrap()
+    };
     let middles: f64 = (0..6).map(|k| (f64::from(k) * 3e-3 - 7.5e-3).powi(2)).sum::<f64>() / 6.0;
     let rms = number(tilted(1e-4), "/rms");
     assert!((rms / (1e-4 * middles.sqrt()) - 1.0).abs() < 0.05, "{rms}");
 
     let printed = String::from_utf8(output.stdout).unwrap();
-    assert!(printed.contains("24 elements") && printed.contains("heights in um (as passed)"), "{printed}");
+    assert!(
+        printed.contains("24 elements") && printed.contains("heights in um (as passed)"),
+        "{printed}"
+    );
 }
 
 #[test]
@@ -745,7 +783,10 @@ fn scans_that_cannot_be_characterised_leave_nothing_behind() {
         (&["--units=um", "--step=60,100", "--element=24"], "elements 0 to 23"),
         (&["--units=parsec"], "`parsec` is no unit of length"),
         (&["--units=um", "--step=60,100", "--align=1e-3"], "alignment along x"),
-        (&["--units=um", "--step=60,100", "--align=-1"], "surface.scans.align = -1 m"),
+        (
+            &["--units=um", "--step=60,100", "--align=-1"],
+            "surface.scans.align = -1 m",
+        ),
     ] {
         let output = xtask(&folder, &[&CHARACTERISE[..], more].concat());
         assert!([1, 2].contains(&exit_code(&output)));
@@ -756,7 +797,11 @@ fn scans_that_cannot_be_characterised_leave_nothing_behind() {
     }
     assert_eq!(exit_code(&xtask(&folder, &["characterise", "--out", "out"])), 2);
     let output = xtask(&folder, &["characterise", "--scene", QUICK, "--out", "out"]);
-    assert!(messages(&output).contains("no samples of heights"), "{}", messages(&output));
+    assert!(
+        messages(&output).contains("no samples of heights"),
+        "{}",
+        messages(&output)
+    );
 }
 
 #[test]
@@ -771,7 +816,10 @@ fn an_ensemble_puts_bands_about_the_backbone() {
     let run = |arguments: &[&str]| {
         let output = xtask(&folder, &[&["brb", "scene.json"], arguments].concat());
         assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-        (messages(&output), read_json(&folder.join("results/scanned/summary.json")))
+        (
+            messages(&output),
+            read_json(&folder.join("results/scanned/summary.json")),
+        )
     };
     let (progress, summary) = run(&["--ensemble", "3"]);
     assert!(progress.contains("ensemble ... "), "{progress}");
@@ -798,6 +846,10 @@ fn an_ensemble_puts_bands_about_the_backbone() {
 
     let output = xtask(&folder, &["brb", QUICK, "--ensemble", "3"]);
     assert_eq!(exit_code(&output), 1);
-    assert!(messages(&output).contains("no samples of heights"), "{}", messages(&output));
+    assert!(
+        messages(&output).contains("no samples of heights"),
+        "{}",
+        messages(&output)
+    );
     assert!(!folder.join("results/brb-quick").exists());
 }

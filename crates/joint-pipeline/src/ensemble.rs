@@ -243,11 +243,14 @@ mod tests {
 
     /// A member with the frequencies `f - ln x` and the dampings given.
     fn member(realisation: usize, f: f64, amplitudes: [f64; 3], damping: [Option<f64>; 3]) -> Member {
-        let points = amplitudes.into_iter().zip(damping).map(|(x, damping_ratio)| MemberPoint {
-            response_displacement: x,
-            frequency_hz: f - x.ln(),
-            damping_ratio,
-        });
+        let points = amplitudes
+            .into_iter()
+            .zip(damping)
+            .map(|(x, damping_ratio)| MemberPoint {
+                response_displacement: x,
+                frequency_hz: f - x.ln(),
+                damping_ratio,
+            });
         Member {
             realisation,
             points: points.collect(),

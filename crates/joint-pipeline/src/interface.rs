@@ -15,8 +15,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
 use surface_characterisation::{
-    Characterisation, ElementSurface, InterferenceRange, NormalFitReport, PairAsperities, TangentialFitReport, fit_normal,
-    fit_tangential,
+    Characterisation, ElementSurface, InterferenceRange, NormalFitReport, PairAsperities, TangentialFitReport,
+    fit_normal, fit_tangential,
 };
 use zte_assembly::{Interface, InterfaceMesh, Operators, State, Workspace};
 
@@ -175,9 +175,16 @@ impl SceneInterface {
     /// # Errors
     /// [`Error::NoSamples`] unless the surface is scanned; else as [`SceneInterface::try_new`].
     pub fn realisation(&self, scene: &Scene, k: usize, load: f64) -> Result<(Interface, f64), Error> {
-        let measured = self.asperities.as_ref().and_then(|a| a.scan.as_ref().map(|scan| (a, scan)));
+        let measured = self
+            .asperities
+            .as_ref()
+            .and_then(|a| a.scan.as_ref().map(|scan| (a, scan)));
         let (asperities, (scan, _)) = measured.ok_or(Error::NoSamples)?;
-        let drawn: Vec<_> = scan.realisation(k)?.iter().map(PairAsperities::from_own_tallest).collect();
+        let drawn: Vec<_> = scan
+            .realisation(k)?
+            .iter()
+            .map(PairAsperities::from_own_tallest)
+            .collect();
         let populations = drawn.iter().map(|(pair, _)| population(scene, pair));
         let realisation = Asperities {
             populations: populations.collect::<Result<_, Error>>()?,
@@ -389,7 +396,10 @@ impl BuiltLaw {
         let fits = &self.fits;
         let report = AsperityReport {
             tangential: scene.law.tangential,
-            scans: asperities.scan.as_ref().map_or_else(Vec::new, |(_, files)| files.clone()),
+            scans: asperities
+                .scan
+                .as_ref()
+                .map_or_else(Vec::new, |(_, files)| files.clone()),
             n_populations: asperities.populations.len(),
             fit_rms_normal: median(fits.iter().map(|f| f.rms[0]).collect()),
             fit_rms_tangential: median(fits.iter().map(|f| f.rms[1]).collect()),

@@ -267,12 +267,7 @@ impl Prepared {
         Ok((self.finish(analysis), ensemble))
     }
 
-    fn ensemble(
-        &self,
-        realisations: usize,
-        analysis: &Analysis,
-        progress: &dyn Progress,
-    ) -> Result<Ensemble, Error> {
+    fn ensemble(&self, realisations: usize, analysis: &Analysis, progress: &dyn Progress) -> Result<Ensemble, Error> {
         progress.begin(Stage::Ensemble);
         // Fields and other methods are the business of the measured law.
         let mut scene = self.scene.clone();

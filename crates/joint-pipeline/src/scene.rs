@@ -575,7 +575,7 @@ impl Default for Law {
 #[serde(rename_all = "kebab-case")]
 pub enum LawKind {
     /// Monotone table with a measured error bound. Of scans, the empirical distribution of the heights is interpolated
-    /// linearly between its order statistics.
+    /// linearly between its order statistics ([`surface_characterisation::PairAsperities::interpolated_population`]).
     Tabulated,
     /// Curves fitted with eqs. (28) and (29).
     Fitted,

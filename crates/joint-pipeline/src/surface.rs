@@ -8,8 +8,9 @@ use serde::Serialize;
 use std::path::PathBuf;
 use surface_characterisation::readers::{self, Declaration, Format};
 use surface_characterisation::{
-    Alignment, Bootstrap, Characterisation, ElementOutlines, ElementSurface, FaceSummary, GapChange, HeightMap, LinePeak,
-    Options, Registration, Summary, SyntheticFace, Waviness, align, characterise, line_peaks, registration_study,
+    Alignment, Bootstrap, Characterisation, ElementOutlines, ElementSurface, FaceSummary, GapChange, HeightMap,
+    LinePeak, Options, Registration, Summary, SyntheticFace, Waviness, align, characterise, line_peaks,
+    registration_study,
 };
 use zte_assembly::InterfaceMesh;
 use zte_assembly::mesh::Element;
@@ -182,7 +183,13 @@ impl ScannedSurface {
                 all.push(tilted);
             }
         }
-        Ok(registration_study(top, bottom, &self.outlines, &self.found.options, &all)?)
+        Ok(registration_study(
+            top,
+            bottom,
+            &self.outlines,
+            &self.found.options,
+            &all,
+        )?)
     }
 
     /// The profile of `element` on the top (0) or bottom (1) face, from which peaks along x are taken on its line.
@@ -225,7 +232,10 @@ impl ScannedSurface {
 /// Nodes that do not exist or coincide, elements that are no simple triangles or quadrilaterals.
 pub fn interface_mesh(plane: &PlaneMesh, length: f64) -> Result<InterfaceMesh, Error> {
     // Number 0, which no element may have, becomes one that no mesh has.
-    let elements = plane.elements.iter().map(|e| e.iter().map(|n| n.wrapping_sub(1)).collect());
+    let elements = plane
+        .elements
+        .iter()
+        .map(|e| e.iter().map(|n| n.wrapping_sub(1)).collect());
     let nodes: Vec<[f64; 2]> = plane.nodes.iter().map(|x| x.map(|x| x * length)).collect();
     let elements: Vec<Vec<u32>> = elements.collect();
     ElementOutlines::try_new(nodes.clone(), elements.clone())?;

@@ -279,24 +279,31 @@ impl PairAsperities {
         self.with_gaps(GapDistribution::try_from_quantiles(&probabilities, &gaps)?)
     }
 
-    /// The population with the distribution of its gaps linear between the order statistics, of which equal ones (as in
-    /// a [`crate::realisation`]) count once, in the middle of their ranks: without any kink of square-root type, which no
-    /// table follows. A sample of one height stays as it is.
+    /// The population with the distribution of its gaps linear between order statistics, for tables: without the kinks of
+    /// square-root type at every height, which no table follows.
+    ///
+    /// Equal heights (as in a [`crate::realisation`]) count once, in the middle of their ranks. Beyond the 64th tallest, a
+    /// height counts where its rank is 1/64 above that of the one before: what lies between moves the tractions by far
+    /// less than the sampling does (2e-4 of 4000 Gaussian heights, against 2e-2). A sample of one height stays as it is.
     ///
     /// # Errors
     /// The contact laws' own, for radii or densities that underflow.
     pub fn interpolated_population(&self) -> Result<AsperityPopulation, contact_laws::Error> {
         let last = self.heights.len() - 1;
-        let (mut probabilities, mut gaps) = (Vec::with_capacity(last + 1), Vec::with_capacity(last + 1));
-        let mut first = 0;
+        let (mut probabilities, mut gaps) = (Vec::new(), Vec::new());
+        let (mut first, mut least) = (0, 0.0);
         for group in self.heights.chunk_by(|a, b| a == b) {
             let end = first + group.len() - 1;
-            probabilities.push(match (first, end) {
+            let rank = match (first, end) {
                 (0, _) => 0.0,
-                (_, end) if end == last => 1.0,
-                (first, end) => 0.5 * (first + end) as f64 / last as f64,
-            });
-            gaps.push(self.contact_height - group[0]);
+                (_, end) if end == last => last as f64,
+                (first, end) => 0.5 * (first + end) as f64,
+            };
+            if rank >= least || end == last {
+                probabilities.push(rank / last as f64);
+                gaps.push(self.contact_height - group[0]);
+                least = rank * (1.0 + 1.0 / 64.0);
+            }
             first = end + 1;
         }
         if gaps.len() < 2 {

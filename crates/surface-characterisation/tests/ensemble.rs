@@ -4,7 +4,7 @@
 use contact_laws::{AsperitySumCurves, ContactCurves, ElasticPair};
 use surface_characterisation::{
     Bootstrap, Characterisation, Detrend, ElementOutlines, HeightMap, NoiseHandling, Options, OutlierRule,
-    Registration, SyntheticFace, TallestPeak, characterise, traction_curves,
+    PairAsperities, Registration, SyntheticFace, TallestPeak, characterise, realisation, traction_curves,
 };
 
 fn steel() -> ElasticPair {
@@ -178,4 +178,63 @@ fn noise_is_left_alone_unless_asked_for() {
         assert!(s.faces[0].peaks[0] < c.faces[0].peaks[0]);
         assert!(s.population.effective_radius() > c.population.effective_radius());
     }
+}
+
+/// For tables, heights between which the ranks differ little count as one piece: what that costs, on 4000 heights, of
+/// which a realisation draws some repeatedly.
+#[test]
+fn interpolated_heights_carry_what_their_samples_do() {
+    let element = &run(&Options::new(steel())).elements[1];
+    let base = element.population.heights();
+    // The heights of an element between one another's, until there are enough of them.
+    let heights: Vec<f64> = (0..4000)
+        .map(|k| {
+            let position = (base.len() - 1) as f64 * f64::from(k) / 3999.0;
+            let below = (position as usize).min(base.len() - 2);
+            base[below] + (position - below as f64) * (base[below + 1] - base[below])
+        })
+        .collect();
+    let many = PairAsperities::try_new(1e-6, 100.0, [1e-3; 2], 1e-3, heights).unwrap();
+    let redrawn = realisation(&many, Bootstrap::default(), 0, 3).unwrap();
+    let worst = |pair: &PairAsperities, from: usize| {
+        let curves = |population| AsperitySumCurves::try_new(population, steel(), Default::default()).unwrap();
+        let (sums, smooth) = (
+            curves(pair.law_population().unwrap()),
+            curves(pair.interpolated_population().unwrap()),
+        );
+        assert!(smooth.population().gaps().smallest() == sums.population().gaps().smallest());
+        (from..40).fold([0.0_f64; 2], |[normal, tangential], k| {
+            let u = 0.5e-6 * k as f64;
+            let error = |a: f64, b: f64| (a / b - 1.0).abs();
+            [
+                normal.max(error(smooth.normal(u).0, sums.normal(u).0)),
+                tangential.max(error(smooth.tangential(u)[0].value, sums.tangential(u)[0].value)),
+            ]
+        })
+    };
+    for (name, pair) in [("sample", &many), ("realisation", &redrawn)] {
+        let (pair, _) = pair.from_own_tallest();
+        let found = worst(&pair, 6);
+        println!("{name}: {found:?}");
+        assert!(found[0] < 5e-3 && found[1] < 5e-3, "{name}: {found:?}");
+    }
+    let again = many.interpolated_population().unwrap();
+    assert_eq!(again, many.from_own_tallest().0.interpolated_population().unwrap());
+}
+
+#[test]
+fn a_realisation_begins_at_its_own_tallest_height() {
+    let found = run(&Options::new(steel()));
+    let mut later = 0;
+    for k in 0..20 {
+        for pair in found.realisation(k).unwrap() {
+            let (own, depth) = pair.from_own_tallest();
+            assert_eq!(own.contact_height(), pair.heights()[0]);
+            assert_eq!(depth, pair.contact_height() - pair.heights()[0]);
+            assert_eq!(own.law_population().unwrap().gaps().smallest(), 0.0);
+            later += usize::from(depth > 0.0);
+        }
+    }
+    // 120 draws that miss the tallest with probability 0.37; four standard deviations.
+    assert!((later as f64 - 44.0).abs() < 21.0, "{later}");
 }

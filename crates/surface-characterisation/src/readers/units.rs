@@ -7,7 +7,11 @@ use crate::error::UnknownUnit;
 
 /// A unit of length that files or users state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "String", into = "&str"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "String", into = "&str")
+)]
 pub enum LengthUnit {
     /// m.
     Metre,
