@@ -60,7 +60,11 @@ pub(crate) fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<S
         );
     }
     out += "<h2>Backbone</h2>\n";
-    figure(&mut out, backbone, &format!("Amplitude: {}.", plot::RESPONSE));
+    let bands = summary.ensemble.as_ref().map_or_else(String::new, |all| {
+        let n = all.realisations - all.failed;
+        format!(" Shaded: 5 to 95 % of {n} bootstrap realisations of the laws.")
+    });
+    figure(&mut out, backbone, &format!("Amplitude: {}.{bands}", plot::RESPONSE));
 
     out += "<h2>Interface</h2>\n";
     let caption = "Pressure under prestress, means over the elements; seen from above, the beam's axis to the right.";

@@ -87,7 +87,7 @@ pub(crate) fn members(
         finished: AtomicUsize::new(found * loops),
         all: realisations * loops,
     };
-    let fresh = pending.into_par_iter().map(|k| {
+    let member = |&k: &usize| {
         let member = match analyse(k, &inner) {
             Ok(analysis) => Member::new(k, &analysis.amplitudes, scene.background_damping),
             Err(Error::Solver(cqsma_solver::Error::Interrupted)) => {
@@ -102,8 +102,13 @@ pub(crate) fn members(
         };
         checkpoint.add(k, &member);
         Ok((k, member))
-    });
-    let fresh = fresh.collect::<Result<Vec<_>, Error>>()?;
+    };
+    let mut fresh = Vec::with_capacity(pending.len());
+    // As many at a time as there are threads: a thread that waits for the loops of one may begin another, and so on without
+    // end.
+    for some in pending.chunks(rayon::current_num_threads().max(1)) {
+        fresh.extend(some.par_iter().map(member).collect::<Result<Vec<_>, Error>>()?);
+    }
     let mut done = checkpoint.complete();
     done.extend(fresh);
     Ok(done.into_values().take(realisations).collect())

@@ -283,8 +283,8 @@ impl PairAsperities {
     /// square-root type at every height, which no table follows.
     ///
     /// Equal heights (as in a [`crate::realisation`]) count once, in the middle of their ranks. Beyond the 64th tallest, a
-    /// height counts where its rank is 1/64 above that of the one before: what lies between moves the tractions by far
-    /// less than the sampling does (2e-4 of 4000 Gaussian heights, against 2e-2). A sample of one height stays as it is.
+    /// height counts where its rank is 1/64 above that of the one before: what lies between moves the tractions of 4000
+    /// heights by less than 1e-3 at any interference. A sample of one height stays as it is.
     ///
     /// # Errors
     /// The contact laws' own, for radii or densities that underflow.
