@@ -34,6 +34,8 @@ const ALLOWED: [(&str, &[&str]); 13] = [
             "cqsma-solver",
             "brake-reuss-beam",
             "matrix-files",
+            // Computed motions are identified like measured ones.
+            "modal-identification",
         ],
     ),
     (

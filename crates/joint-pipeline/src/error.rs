@@ -164,6 +164,41 @@ pub enum Error {
     /// Interface elements.
     #[error(transparent)]
     Interface(#[from] zte_assembly::Error),
+    /// Identification of a computed motion.
+    #[error(transparent)]
+    Identification(Box<modal_identification::Error>),
+    /// A setting of a computed motion outside its range.
+    #[error("{field} = {value} {unit} is not admissible; it must be {requirement}")]
+    Motion {
+        /// Setting.
+        field: &'static str,
+        /// Value.
+        value: f64,
+        /// Unit.
+        unit: &'static str,
+        /// What would be accepted.
+        requirement: &'static str,
+    },
+    /// A motion that could not be followed to where it was to be identified.
+    #[error(
+        "the motion could not be followed beyond {time:.4e} s of {wanted:.4e} s: {reason}; relative residuals {history:?}; take more steps per period"
+    )]
+    Transient {
+        /// Time reached (s).
+        time: f64,
+        /// Time asked for (s).
+        wanted: f64,
+        /// Why it ended.
+        reason: cqsma_solver::Reason,
+        /// Residuals of the last attempt.
+        history: Vec<f64>,
+    },
+    /// Backbones that cannot be compared.
+    #[error("{what}")]
+    Comparison {
+        /// What is wrong, and what would be right.
+        what: String,
+    },
     /// Solver.
     #[error(transparent)]
     Solver(#[from] cqsma_solver::Error),
@@ -172,6 +207,12 @@ pub enum Error {
 impl From<surface_characterisation::FileError> for Error {
     fn from(error: surface_characterisation::FileError) -> Self {
         Self::ScanFile(Box::new(error))
+    }
+}
+
+impl From<modal_identification::Error> for Error {
+    fn from(error: modal_identification::Error) -> Self {
+        Self::Identification(Box::new(error))
     }
 }
 

@@ -6,6 +6,7 @@
 mod cache;
 mod checkpoint;
 pub mod ensemble;
+pub mod comparison;
 mod error;
 pub mod export;
 pub mod interface;
@@ -20,6 +21,7 @@ mod scans;
 pub mod scene;
 pub mod summary;
 pub mod surface;
+pub mod transient;
 pub mod validity;
 
 pub use error::Error;

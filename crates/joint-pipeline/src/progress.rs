@@ -23,6 +23,8 @@ pub enum Stage {
     Methods,
     /// Realisations of an ensemble (skipped when none is asked for).
     Ensemble,
+    /// A motion followed in time (none in a run of a scene alone).
+    Transient,
 }
 
 impl Stage {
@@ -39,6 +41,7 @@ impl Stage {
             Stage::Backbone => "backbone",
             Stage::Methods => "methods",
             Stage::Ensemble => "ensemble",
+            Stage::Transient => "transient",
         }
     }
 }

@@ -14,6 +14,7 @@ use contact_laws::{Regime, Sticking};
 use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
 use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{BackbonePoint, Linearisation, LoopObserver, NewtonSettings, modes};
+use reduction::ReducedModel;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -359,27 +360,13 @@ impl Prepared {
 
         progress.begin(Stage::Modes);
         let solution = &prestress.solution;
-        let mut displacement = solution.displacement.clone();
         let locked = match scene.bolts.behaviour {
             BoltBehaviour::DeadLoad => None,
             BoltBehaviour::Locked => Some(reduced.locked()?),
         };
         let vibrating = locked.as_ref().unwrap_or(reduced);
-        if locked.is_some() {
-            // The jump acts on the contact; the other coordinates of the locked structure count from the prestress.
-            displacement.truncate(reduced.n_relative);
-            displacement.resize(vibrating.mass.nrows(), 0.0);
-        }
-        let mut line = modes::linearise(
-            vibrating.stiffness.as_ref(),
-            vibrating.mass.as_ref(),
-            &force,
-            displacement,
-            solution.state.clone(),
-            scene.cqsma.modes,
-        )?;
-        let response: Vec<f64> = vibrating.recovery.row(0).iter().copied().collect();
-        line.orient(&response)?;
+        let response = response(vibrating);
+        let line = linearise(scene, vibrating, &force, solution)?;
         progress.end(Stage::Modes);
 
         progress.begin(Stage::Backbone);
@@ -558,6 +545,32 @@ impl Prepared {
             },
         }
     }
+}
+
+/// Modes of the structure that vibrates, with locked bolts if they are so, about a static state of the one that does not;
+/// the response is not negative on any of them.
+pub(crate) fn linearise<'a>(
+    scene: &Scene,
+    vibrating: &'a ReducedModel,
+    force: &InterfaceForce<'_>,
+    solution: &Prestress<State>,
+) -> Result<Linearisation<'a, State>, Error> {
+    let mut displacement = solution.displacement.clone();
+    if scene.bolts.behaviour == BoltBehaviour::Locked {
+        // The jump acts on the contact; the other coordinates of the locked structure count from the prestress.
+        displacement.truncate(vibrating.n_relative);
+        displacement.resize(vibrating.mass.nrows(), 0.0);
+    }
+    let (stiffness, mass) = (vibrating.stiffness.as_ref(), vibrating.mass.as_ref());
+    let state = solution.state.clone();
+    let mut line = modes::linearise(stiffness, mass, force, displacement, state, scene.cqsma.modes)?;
+    line.orient(&response(vibrating))?;
+    Ok(line)
+}
+
+/// Recovers the displacement at the response point.
+pub(crate) fn response(model: &ReducedModel) -> Vec<f64> {
+    model.recovery.row(0).iter().copied().collect()
 }
 
 /// Generalised force on a uniform closure of the interface at unit tension of all bolts.
