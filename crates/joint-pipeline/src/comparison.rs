@@ -146,6 +146,29 @@ impl Backbone {
         Some((between(a.frequency_hz, b.frequency_hz), damping))
     }
 
+    /// Shares of the amplitudes common to all three (equally spaced in their logarithm) at which frequency and damping ratio
+    /// lie between those of `a` and `b`; none if they share no range. A missing damping ratio lies nowhere.
+    pub fn within(&self, a: &Self, b: &Self) -> Option<[f64; 2]> {
+        let ranges = [self, a, b].map(Self::range);
+        let low = ranges.iter().fold(0.0, |low: f64, r| low.max(r[0]));
+        let high = ranges.iter().fold(f64::INFINITY, |high, r| high.min(r[1]));
+        if !(low < high) {
+            return None;
+        }
+        let mut inside = [0, 0];
+        for amplitude in spaced(low, high) {
+            let (Some(x), Some(a), Some(b)) = (self.at(amplitude), a.at(amplitude), b.at(amplitude)) else {
+                continue;
+            };
+            let between = |x: f64, a: f64, b: f64| usize::from(a.min(b) <= x && x <= a.max(b));
+            inside[0] += between(x.0, a.0, b.0);
+            if let (Some(x), Some(a), Some(b)) = (x.1, a.1, b.1) {
+                inside[1] += between(x, a, b);
+            }
+        }
+        Some(inside.map(|count| count as f64 / POINTS as f64))
+    }
+
     /// This backbone minus `reference` at [`POINTS`] amplitudes; none if they share no range.
     pub fn misfit(&self, reference: &Self) -> Option<Misfit> {
         let ([a, b], [c, d]) = (self.range(), reference.range());
@@ -154,10 +177,7 @@ impl Backbone {
             return None;
         }
         let [mut hertz, mut percent, mut logarithms] = [const { Vec::new() }; 3];
-        for k in 0..POINTS {
-            let inside = low * (high / low).powf(k as f64 / (POINTS - 1) as f64);
-            // Powers may miss the ends by a rounding.
-            let amplitude = inside.clamp(low, high);
+        for amplitude in spaced(low, high) {
             let (Some((f, zeta)), Some((f0, zeta0))) = (self.at(amplitude), reference.at(amplitude)) else {
                 continue;
             };
@@ -175,6 +195,12 @@ impl Backbone {
             damping_points: logarithms.len(),
         })
     }
+}
+
+/// Amplitudes equally spaced in their logarithm, both ends included.
+fn spaced(low: f64, high: f64) -> impl Iterator<Item = f64> {
+    // Powers may miss the ends by a rounding.
+    (0..POINTS).map(move |k| (low * (high / low).powf(k as f64 / (POINTS - 1) as f64)).clamp(low, high))
 }
 
 #[cfg(test)]

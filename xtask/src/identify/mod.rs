@@ -5,7 +5,7 @@ mod picture;
 use crate::files::{self, Output};
 use anyhow::{Context, Result};
 use modal_identification::average::{MeanPoint, average};
-use modal_identification::backbone::{Identification, Point, Settings, identify};
+use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
 use modal_identification::signal::{Quantity, Signal, Stated};
 use modal_identification::{Warning, readers};
 use serde_json::{Value, json};
@@ -54,14 +54,14 @@ pub(crate) struct Arguments {
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum Amplitude {
+pub(crate) enum Amplitude {
     Acceleration,
     Velocity,
     Displacement,
 }
 
 impl Amplitude {
-    fn quantity(self) -> Quantity {
+    pub(crate) fn quantity(self) -> Quantity {
         match self {
             Self::Acceleration => Quantity::Acceleration,
             Self::Velocity => Quantity::Velocity,
@@ -134,7 +134,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// One row per amplitude, ascending; empty cells where there is no value.
-fn table(mean: &[MeanPoint], quantity: Quantity) -> String {
+pub(crate) fn table(mean: &[MeanPoint], quantity: Quantity) -> String {
     let mut out = format!(
         "amplitude [{}],frequency_hz,damping_ratio,frequency_spread_hz,damping_ratio_spread,hits\n",
         quantity.unit()
@@ -153,7 +153,7 @@ fn table(mean: &[MeanPoint], quantity: Quantity) -> String {
 /// Settings, trims and warnings.
 fn report(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, settings: &Settings) -> Value {
     let hit = |hit: &Hit| {
-        let (signal, found, trims) = (&hit.signal, &hit.found, &hit.found.trims);
+        let (signal, found) = (&hit.signal, &hit.found);
         let check = found.cross_check.map(|c| {
             json!({
                 "method": "analytic signal under a Gaussian band",
@@ -172,13 +172,7 @@ fn report(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, settings: &Setti
             "peak_hz": found.peak_hz,
             "band_hz": found.band_hz,
             "upsampling": found.upsampling,
-            "trims": {
-                "hit_s": trims.hit,
-                "start_s": trims.start,
-                "end_s": trims.end,
-                "end_reason": format!("{:?}", trims.reason),
-                "duration_s": trims.duration,
-            },
+            "trims": trims(&found.trims),
             "filter_gain": found.filter_gain,
             "filter_delay_s": found.filter_delay,
             "noise_amplitude": found.noise_amplitude,
@@ -199,6 +193,17 @@ fn report(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, settings: &Setti
         },
         "hits": hits.iter().map(hit).collect::<Vec<_>>(),
         "points": mean.len(),
+    })
+}
+
+/// Ends of what is used.
+pub(crate) fn trims(trims: &Trims) -> Value {
+    json!({
+        "hit_s": trims.hit,
+        "start_s": trims.start,
+        "end_s": trims.end,
+        "end_reason": format!("{:?}", trims.reason),
+        "duration_s": trims.duration,
     })
 }
 
