@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     scene: Option<PathBuf>,
     /// Displacement of the response point that the mode is released from, by linear estimate (m); the quasi-static
     /// backbones begin there.
-    #[arg(long, value_name = "M", default_value_t = 1e-3)]
+    #[arg(long, value_name = "M", default_value_t = 2e-3)]
     amplitude: f64,
     /// Strike the response point instead: impulse of a half-sine of force (N s).
     #[arg(long, value_name = "NS", requires = "contact_time")]
@@ -47,6 +47,9 @@ pub(crate) struct Arguments {
     /// Spectral radius of the integration at infinite frequency, from 0 to 1.
     #[arg(long, value_name = "RHO", default_value_t = Settings::default().spectral_radius)]
     spectral_radius: f64,
+    /// Viscous damping ratio of the other linearised modes (cqsma.modes of them), to quieten what the release excites.
+    #[arg(long, value_name = "ZETA", default_value_t = Settings::default().other_damping)]
+    other_damping: f64,
     /// Folder for signal.csv, backbone.csv, theory.csv, transient.svg and transient.json [default: a folder in results,
     /// named like the scene with `-transient`].
     #[arg(long, value_name = "DIR")]
@@ -89,6 +92,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         periods: arguments.periods,
         steps_per_period: arguments.steps,
         spectral_radius: arguments.spectral_radius,
+        other_damping: arguments.other_damping,
     };
     let options = Options {
         cache: (!arguments.no_cache).then(|| Path::new(crate::brb::RESULTS).join(".cache")),
@@ -200,6 +204,7 @@ fn report(found: &Found, settings: &Settings) -> Value {
         "steps_per_period": settings.steps_per_period,
         "step_s": transient.step,
         "spectral_radius": settings.spectral_radius,
+        "other_damping": settings.other_damping,
         "algorithmic_error": transient.algorithmic,
         "energy": {
             "first": first,

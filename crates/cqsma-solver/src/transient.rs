@@ -58,6 +58,8 @@ pub struct Settings {
     pub spectral_radius: f64,
     /// Viscous damping ratio of every linearised mode.
     pub background_damping: f64,
+    /// Viscous damping ratio of the linearised modes beside that one, where it is larger: quietens what else was excited.
+    pub other_damping: f64,
     /// Newton's method. The tolerance refers to the inertia at the energy of the moment, moving with the frequency of the
     /// mode; the halvings of a step in time are as many as those of a Newton step.
     pub newton: NewtonSettings,
@@ -73,6 +75,7 @@ impl Default for Settings {
             periods: 100,
             spectral_radius: 0.9,
             background_damping: 0.0,
+            other_damping: 0.0,
             newton: NewtonSettings {
                 tolerance: 1e-8,
                 max_iterations: 30,
@@ -290,8 +293,13 @@ fn check<S>(structure: &Linearisation<'_, S>, row: &[f64], start: &Start, settin
     if !(0.0..=1.0).contains(&settings.spectral_radius) {
         return refuse("spectral_radius", settings.spectral_radius, "between 0 and 1");
     }
-    if !(0.0..1.0).contains(&settings.background_damping) {
-        return refuse("background_damping", settings.background_damping, "from 0 to below 1");
+    for (field, ratio) in [
+        ("background_damping", settings.background_damping),
+        ("other_damping", settings.other_damping),
+    ] {
+        if !(0.0..1.0).contains(&ratio) {
+            return refuse(field, ratio, "from 0 to below 1");
+        }
     }
     let positive = |value: f64| value > 0.0 && value.is_finite();
     match start {
@@ -318,7 +326,7 @@ struct Level {
     pulse: f64,
 }
 
-/// Mass times viscous modal damping: `C = sum 2 zeta omega_i (M phi_i) (M phi_i)^T`.
+/// Viscous modal damping: `C = sum 2 zeta omega_i (M phi_i) (M phi_i)^T`.
 struct ModalDamping {
     /// `2 zeta omega_i` and `M phi_i`.
     modes: Vec<(f64, Vec<f64>)>,
@@ -391,13 +399,18 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         let n = mode.shape.len();
         let mass = Symmetric::from_lower(structure.mass);
         let mut damping = ModalDamping { modes: Vec::new() };
-        if settings.background_damping > 0.0 {
-            for (shape, eigenvalue) in structure.shapes.col_iter().zip(&structure.eigenvalues) {
+        for (index, (shape, eigenvalue)) in structure.shapes.col_iter().zip(&structure.eigenvalues).enumerate() {
+            let other = if index == settings.mode {
+                0.0
+            } else {
+                settings.other_damping
+            };
+            let ratio = settings.background_damping.max(other);
+            if ratio > 0.0 {
                 let shape: Vec<f64> = shape.iter().copied().collect();
                 let mut momentum = vec![0.0; n];
                 mass.product_into(&shape, &mut momentum);
-                let factor = 2.0 * settings.background_damping * eigenvalue.max(0.0).sqrt();
-                damping.modes.push((factor, momentum));
+                damping.modes.push((2.0 * ratio * eigenvalue.max(0.0).sqrt(), momentum));
             }
         }
         let zeros = || vec![0.0; n];

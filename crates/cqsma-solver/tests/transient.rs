@@ -379,9 +379,18 @@ fn inadmissible_settings_are_named() {
         (
             "background_damping",
             vec![1.0; 2],
-            release,
+            release.clone(),
             Settings {
                 background_damping: -0.1,
+                ..default()
+            },
+        ),
+        (
+            "other_damping",
+            vec![1.0; 2],
+            release,
+            Settings {
+                other_damping: f64::INFINITY,
                 ..default()
             },
         ),

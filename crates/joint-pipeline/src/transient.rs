@@ -25,6 +25,9 @@ pub struct Settings {
     pub steps_per_period: usize,
     /// Spectral radius of the scheme at infinite frequency.
     pub spectral_radius: f64,
+    /// Viscous damping ratio of the scene's linearised modes beside the one followed, where it is larger than the
+    /// background's.
+    pub other_damping: f64,
 }
 
 /// What begins a ring-down.
@@ -46,10 +49,11 @@ impl Default for Settings {
     fn default() -> Self {
         let solver = transient::Settings::default();
         Self {
-            excitation: Excitation::Release(1e-3),
-            periods: 120,
+            excitation: Excitation::Release(2e-3),
+            periods: 150,
             steps_per_period: solver.steps_per_period,
             spectral_radius: solver.spectral_radius,
+            other_damping: solver.other_damping,
         }
     }
 }
@@ -124,6 +128,7 @@ pub fn ring_down(run: &Run, settings: &Settings, progress: &dyn Progress) -> Res
         periods: settings.periods,
         spectral_radius: settings.spectral_radius,
         background_damping: scene.background_damping,
+        other_damping: settings.other_damping,
         ..transient::Settings::default()
     };
     let frequency_hz = line.frequencies()[mode];
@@ -160,12 +165,12 @@ impl RingDown {
         )
     }
 
-    /// How such a signal is identified by default: a band of a third of the frequency and the shortest smoothing that
+    /// How such a signal is identified by default: a band of half the frequency and the shortest smoothing that
     /// still is one, since there is no noise and amplitudes fall fast.
     pub fn identification(&self) -> backbone::Settings {
         backbone::Settings {
             frequency: Some(self.frequency_hz),
-            bandwidth: Some(self.frequency_hz / 3.0),
+            bandwidth: Some(self.frequency_hz / 2.0),
             smoothing: 9,
             ..backbone::Settings::default()
         }
