@@ -5,8 +5,8 @@
 //! walks the hysteresis loops. [`summary`] is the machine-readable account of a run.
 mod cache;
 mod checkpoint;
-pub mod ensemble;
 pub mod comparison;
+pub mod ensemble;
 mod error;
 pub mod export;
 pub mod interface;
