@@ -42,8 +42,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "UNIT")]
     height_units: Option<LengthUnit>,
     /// Distances of neighbouring points along x and y, in units of the positions, that the scans do not state.
-    #[arg(long, value_name = "DX,DY", value_delimiter = ',', num_args = 2)]
-    step: Option<Vec<f64>>,
+    #[arg(long, value_name = "DX,DY", value_parser = pair)]
+    step: Option<[f64; 2]>,
     /// Where the first line of the scans lies, in formats that leave it open.
     #[arg(long, value_enum)]
     first_row: Option<FirstLine>,
@@ -80,6 +80,15 @@ pub(crate) struct Arguments {
 enum FirstLine {
     LowestY,
     HighestY,
+}
+
+/// Two numbers with a comma between them.
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match (numbers[..].try_into(), text.matches(',').count()) {
+        (Ok(pair), 1) => Ok(pair),
+        _ => Err("give two numbers with a comma between them".into()),
+    }
 }
 
 /// Runs the command.
@@ -133,9 +142,7 @@ fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
     for file in [&mut scans.top, &mut scans.bottom] {
         file.lateral_unit = arguments.units.or(file.lateral_unit);
         file.height_unit = arguments.height_units.or(arguments.units).or(file.height_unit);
-        if let Some(&[dx, dy]) = arguments.step.as_deref() {
-            file.lateral_step = Some([dx, dy]);
-        }
+        file.lateral_step = arguments.step.or(file.lateral_step);
         if let Some(line) = arguments.first_row {
             file.first_row = Some(match line {
                 FirstLine::LowestY => FirstRow::LowestY,
