@@ -158,9 +158,10 @@ pub(crate) fn response(element: &ElementSurface, fits: &FittedCurves, title: &st
 /// its peaks (um over mm).
 pub(crate) fn profile(profile: &Profile, title: &str) -> Result<String> {
     let mut svg = String::new();
-    let step = (profile.x.len() > 1)
-        .then(|| profile.x[1] - profile.x[0])
-        .unwrap_or(1.0);
+    let step = match profile.x[..] {
+        [first, second, ..] => second - first,
+        _ => 1.0,
+    };
     let line = |name: &str, colour, dashes, values: &mut dyn Iterator<Item = f64>| {
         let points = profile.x.iter().zip(values).enumerate();
         let points = points

@@ -234,6 +234,9 @@ fn stiffnesses(curves: &dyn ContactCurves, u: f64) -> [f64; 2] {
     [curves.normal(u).1, 0.5 * (k[0].value + k[1].value)]
 }
 
+/// Name of the kind, law, and largest relative errors (normal, tangential) of its tables.
+type NamedLaw = (&'static str, Arc<dyn TractionLaw>, Option<[f64; 2]>);
+
 /// A law that follows from asperities.
 struct BuiltLaw {
     asperities: Asperities,
@@ -305,15 +308,14 @@ impl Asperities {
         })
     }
 
-    /// The law of the scene's kind from the sums or the fits of all populations: its name, the law, and the largest
-    /// relative errors of its tables.
+    /// The law of the scene's kind from the sums or the fits of all populations.
     fn traction_law(
         &self,
         scene: &Scene,
         element_of: &[u32],
         sums: &[AsperitySumCurves],
         fits: &[Fit],
-    ) -> Result<(&'static str, Arc<dyn TractionLaw>, Option<[f64; 2]>), Error> {
+    ) -> Result<NamedLaw, Error> {
         let history = scene.law.history;
         let population_of: Vec<u32> = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
         let mu = PointParameters::uniform(scene.mu, population_of.len());
