@@ -48,9 +48,9 @@ pub(crate) fn draw(
         "",
         [&power, &|f| format!("{f:.2}")],
         &frequency,
-&[],
+        &[],
         SeriesLabelPosition::LowerLeft,
-)?;
+    )?;
 
     let damping = curves(series, |p| p.damping_ratio);
     let y = bounds(values(&damping)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
@@ -63,9 +63,9 @@ pub(crate) fn draw(
         label,
         [&power, &power],
         &damping,
-&[],
+        &[],
         SeriesLabelPosition::LowerRight,
-)
+    )
 }
 
 fn curves(series: &[Series<'_>], value: fn(&Point) -> Option<f64>) -> Vec<Curve> {

@@ -44,9 +44,9 @@ fn panels(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, svg: &mut String
         "time [s]",
         [&plain, &|v| format!("{v:.1e}")],
         &[curve("signal", GREY, numbered(thinned)), dashed("used", RED, used)],
-&[],
+        &[],
         SeriesLabelPosition::UpperRight,
-)?;
+    )?;
 
     let spectrum = &found.spectrum;
     let last = ((3.0 * found.peak_hz / spectrum.step) as usize).min(spectrum.magnitudes.len() - 1);
@@ -76,9 +76,9 @@ fn panels(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, svg: &mut String
             curve("spectrum", BLUE, numbered(thinned.into_iter())),
             dashed("band", RED, band),
         ],
-&[],
+        &[],
         SeriesLabelPosition::UpperRight,
-)?;
+    )?;
 
     let amplitudes = bounds(mean.iter().map(|p| p.amplitude)).unwrap_or(0.1..1.0);
     let x = widen(&amplitudes, 1.1);
@@ -141,9 +141,9 @@ fn panels(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, svg: &mut String
             &label,
             [&power, &digits],
             &curves,
-&[],
+            &[],
             position,
-)?;
+        )?;
     }
     Ok(root.present()?)
 }
