@@ -80,6 +80,7 @@ pub(crate) fn response(element: &ElementSurface, fits: &FittedCurves, title: &st
             name: name.into(),
             colour,
             dashes,
+            dots: false,
             points: points.filter(|p| p.2 > 0.0).collect(),
         }
     };
@@ -171,6 +172,7 @@ pub(crate) fn profile(profile: &Profile, title: &str) -> Result<String> {
             name: name.into(),
             colour,
             dashes,
+            dots: false,
             points: points.collect(),
         }
     };
@@ -181,17 +183,18 @@ pub(crate) fn profile(profile: &Profile, title: &str) -> Result<String> {
     let residual = &mut profile.height.iter().zip(&profile.form).map(|(z, form)| z - form);
     let arcs = profile.peaks.iter().enumerate().flat_map(|(number, peak)| {
         // Nine points over two steps, with numbers that keep the arcs apart.
-        (0..9).map(move |k| {
+        (0..9_u8).map(move |k| {
             let s = step * (f64::from(k) / 4.0 - 1.0);
             let z = peak.height - 0.5 * peak.curvature * s * s;
             let x = profile.x[0] + peak.position + s;
-            (10 * number + k as usize, 1e3 * x, 1e6 * z)
+            (10 * number + usize::from(k), 1e3 * x, 1e6 * z)
         })
     });
     let arcs = Curve {
         name: "parabolas of the peaks".into(),
         colour: RED,
         dashes: Some((SAMPLE, 1)),
+        dots: false,
         points: arcs.collect(),
     };
     let flat = [line("heights above the form", BLUE, None, residual), arcs];
@@ -236,7 +239,7 @@ pub(crate) struct Curve {
 }
 
 /// A shaded band: position, lower and upper end.
-struct Band {
+pub(crate) struct Band {
     colour: RGBColor,
     points: Vec<(f64, f64, f64)>,
 }

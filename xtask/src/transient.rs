@@ -269,6 +269,7 @@ fn panels(found: &Found, svg: &mut String) -> Result<()> {
             dots: false,
             points,
         }],
+        &[],
         SeriesLabelPosition::UpperRight,
     )?;
     let mut series = vec![Series {

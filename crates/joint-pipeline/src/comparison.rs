@@ -205,7 +205,6 @@ fn spaced(low: f64, high: f64) -> impl Iterator<Item = f64> {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "tests")]
     use super::*;
 
     fn backbone(amplitudes: impl Iterator<Item = f64>, f: impl Fn(f64) -> f64, zeta: impl Fn(f64) -> f64) -> Backbone {
