@@ -4,6 +4,7 @@ use crate::files::{self, Output};
 use crate::progress::{Monitor, peak_memory};
 use crate::{Outcome, csv, fields, plot, print, report, vtu};
 use anyhow::{Context, Result, bail};
+use joint_pipeline::registration::{self, Moved};
 use joint_pipeline::summary::{BackboneSummary, Status, Summary};
 use joint_pipeline::{Options, Run, Scene};
 use std::fmt::Write;
@@ -14,6 +15,7 @@ const DECK: &str = include_str!("../../fixtures/scenes/brb-deck.json");
 pub(crate) const RESULTS: &str = "results";
 pub(crate) const SUMMARY: &str = "summary.json";
 const ENSEMBLE: &str = "ensemble.csv";
+const REGISTRATION: &str = "registration.csv";
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -38,6 +40,19 @@ pub(crate) struct Arguments {
     /// scene must be scanned.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=10_000))]
     ensemble: Option<u16>,
+    /// Instead, the backbone with the bottom face of a scanned surface moved: by SHIFT (m) and tilted by TILT to either side
+    /// along x and y; written to registration.csv.
+    #[arg(long, value_name = "SHIFT,TILT", num_args = 0..=1, default_missing_value = "6e-4,1e-4", value_parser = shift_and_tilt,
+        conflicts_with = "ensemble")]
+    registration_study: Option<[f64; 2]>,
+}
+
+fn shift_and_tilt(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_slice() {
+        &[shift, tilt] if shift.is_finite() && tilt.is_finite() => Ok([shift, tilt]),
+        _ => Err("a shift in metres and a tilt are expected, such as 6e-4,1e-4".into()),
+    }
 }
 
 /// Runs the command.
@@ -62,6 +77,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         cache: (!arguments.no_cache).then(|| Path::new(RESULTS).join(".cache")),
     };
     let monitor = Monitor::new()?;
+    if let Some(moves) = arguments.registration_study {
+        let study = registration::study(&scene, moves, &options, &monitor);
+        monitor.finish();
+        let study = study.with_context(|| format!("moving the bottom face of the scene {}", scene.name))?;
+        let outputs = [Output::new(REGISTRATION, csv::registration(&study))];
+        files::write_all(&directory, &outputs)?;
+        print(&moved(&study, &directory))?;
+        let complete = study.iter().all(|moved| moved.not_converged == 0);
+        return Ok(if complete {
+            Outcome::Success
+        } else {
+            Outcome::Incomplete
+        });
+    }
     let result = match arguments.ensemble {
         None => joint_pipeline::run(&scene, &options, &monitor).map(|run| (run, None)),
         Some(k) => {
@@ -168,6 +197,25 @@ fn title(run: &Run) -> String {
         scene.mu,
         scene.bolts.load / 1e3
     )
+}
+
+/// What is printed at the end of a registration study.
+fn moved(study: &[Moved], directory: &Path) -> String {
+    let mut out = String::new();
+    for moved in study {
+        let ([x, y], [tx, ty]) = (moved.registration.shift, moved.registration.tilt);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "bottom face at ({x:+.2e}, {y:+.2e}) m, tilted by ({tx:+.1e}, {ty:+.1e}): first frequency {:.3} Hz; changes up to {:.3} \
+             Hz and {:.1} % of damping",
+            moved.first_frequency_hz,
+            moved.frequency_change_hz,
+            100.0 * moved.damping_change.exp_m1()
+        );
+    }
+    let _ = writeln!(out, "written to {}: {REGISTRATION}", directory.display());
+    out
 }
 
 /// What is printed at the end.

@@ -844,6 +844,21 @@ fn an_ensemble_puts_bands_about_the_backbone() {
     assert!(summary.get("ensemble").is_none() && !results.join("ensemble.csv").exists());
     assert!(!picture("backbone.svg").contains("<polygon"));
 
+    let output = xtask(
+        &folder,
+        &["brb", "scene.json", "--registration-study=2e-4,1e-5", "--out", "moved"],
+    );
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+    let table = std::fs::read_to_string(folder.join("moved/registration.csv")).unwrap();
+    // The scene as it is and eight motions of its bottom face, three amplitudes each.
+    assert_eq!(table.lines().count(), 1 + 9 * 3);
+    let frequencies: Vec<&str> = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(5).unwrap())
+        .collect();
+    assert!(frequencies.chunks(3).skip(1).all(|moved| moved[0] != frequencies[0]));
+
     let output = xtask(&folder, &["brb", QUICK, "--ensemble", "3"]);
     assert_eq!(exit_code(&output), 1);
     assert!(

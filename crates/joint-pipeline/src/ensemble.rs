@@ -135,7 +135,7 @@ impl Progress for Within<'_> {
 }
 
 impl Member {
-    fn new(realisation: usize, amplitudes: &[AmplitudeResult], background: f64) -> Self {
+    pub(crate) fn new(realisation: usize, amplitudes: &[AmplitudeResult], background: f64) -> Self {
         let points: Vec<MemberPoint> = amplitudes
             .iter()
             .filter_map(|a| {
@@ -157,7 +157,7 @@ impl Member {
 
     /// Frequency and damping at an amplitude between the first and the last one, linear in the logarithm of the amplitude;
     /// damping below the floor is below every other.
-    fn at(&self, amplitude: f64) -> Option<[f64; 2]> {
+    pub(crate) fn at(&self, amplitude: f64) -> Option<[f64; 2]> {
         let [first, .., last] = self.points.as_slice() else {
             return None;
         };

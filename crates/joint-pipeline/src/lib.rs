@@ -16,6 +16,7 @@ pub mod methods;
 pub mod model;
 mod parameters;
 pub mod progress;
+pub mod registration;
 pub mod run;
 mod scans;
 pub mod scene;

@@ -7,6 +7,7 @@ pub use crate::scans::{Place, Readings, ScanFile, Scans};
 use contact_laws::{HistoryRule, TangentialReading};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use surface_characterisation::Registration;
 
 /// Units of all quantities in the file. Force is mass times length per second squared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -416,6 +417,15 @@ impl Surface {
     pub fn is_scanned(&self) -> bool {
         matches!(self, Self::SyntheticScan(_) | Self::Scans(_))
     }
+
+    /// Motion of the bottom face against the top one, of surfaces that are scanned.
+    pub fn registration(&mut self) -> Option<&mut Registration> {
+        match self {
+            Self::SyntheticScan(scan) => Some(&mut scan.registration),
+            Self::Scans(scans) => Some(&mut scans.registration),
+            Self::Measured | Self::Parameters(_) => None,
+        }
+    }
 }
 
 /// Parameters of the traction law.
@@ -517,6 +527,8 @@ pub struct SyntheticScan {
     pub tilt: [f64; 2],
     /// Bootstrap draws for the bands of the curves.
     pub bootstrap: usize,
+    /// Motion of the bottom face against the top one (length, and slopes without unit).
+    pub registration: Registration,
 }
 
 impl Default for SyntheticScan {
@@ -531,6 +543,7 @@ impl Default for SyntheticScan {
             wavelength: 0.2,
             tilt: [1e-4, -2e-4],
             bootstrap: 30,
+            registration: Registration::default(),
         }
     }
 }
@@ -895,6 +908,7 @@ impl Scene {
                 scale(&at(field), value, length);
             }
             for axis in 0..2 {
+                scale(&at("registration/shift"), &mut scan.registration.shift[axis], length);
                 scale(&at("step"), &mut scan.step[axis], length);
                 scale(&at("correlation_length"), &mut scan.correlation_length[axis], length);
             }

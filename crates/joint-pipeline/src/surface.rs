@@ -80,6 +80,7 @@ impl ScannedSurface {
         options.u_ref = U_REF;
         let (faces, files) = match &scene.surface {
             Surface::SyntheticScan(scan) => {
+                options.registration = scan.registration;
                 options.bootstrap = Bootstrap {
                     realisations: scan.bootstrap,
                     seed: scan.seed,
