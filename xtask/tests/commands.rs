@@ -782,14 +782,14 @@ fn scans_that_cannot_be_characterised_leave_nothing_behind() {
         (&["--units=um", "--step=30,100"], "element "),
         (&["--units=um", "--step=60,100", "--element=24"], "elements 0 to 23"),
         (&["--units=parsec"], "`parsec` is no unit of length"),
-        (&["--units=um", "--step=60,100", "--align=1e-3"], "alignment along x"),
+        (&["--units=um", "--step=60,100", "--align=1"], "alignment reach = 1 m"),
         (
             &["--units=um", "--step=60,100", "--align=-1"],
             "surface.scans.align = -1 m",
         ),
     ] {
         let output = xtask(&folder, &[&CHARACTERISE[..], more].concat());
-        assert!([1, 2].contains(&exit_code(&output)));
+        assert!([1, 2].contains(&exit_code(&output)), "{more:?}");
         let text = messages(&output);
         assert!(text.contains(expected), "`{expected}` is not in: {text}");
         let left = std::fs::read_dir(folder.join("out")).map_or(0, Iterator::count);
