@@ -2,9 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use cqsma_solver::newton::NewtonSettings;
-use cqsma_solver::test_problems::{Jenkins, JenkinsChain};
+use cqsma_solver::test_problems::{FrictionalBar, Jenkins, JenkinsChain};
 use cqsma_solver::transient::{Sample, Settings, Start, Transient, algorithmic_error, run};
-use cqsma_solver::{Error, HystereticForce, Linearisation, modes};
+use cqsma_solver::{Error, HystereticForce, Linearisation, NoObserver, cqsma, modes};
 use faer::Mat;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
@@ -410,4 +410,73 @@ fn inadmissible_settings_are_named() {
         &mut |_| ControlFlow::Break(()),
     );
     assert!(matches!(stopped, Err(Error::Interrupted)));
+}
+
+/// One mode whose load never changes its place, so that nothing but the decay itself tells the motion from its loops.
+#[test]
+fn the_period_of_a_frictional_bar_is_that_of_the_first_harmonic_and_not_of_the_secant() {
+    let bar = FrictionalBar::new(120, 6.0, 1.0, (1.0, 1.0), 1.0);
+    let (k, m) = (bar.stiffness.as_ref(), bar.mass.as_ref());
+    let n = bar.stiffness.nrows();
+    let mut row = vec![0.0; n];
+    row[0] = 1.0;
+    let mut line = modes::linearise(k, m, &bar.force, vec![0.0; n], bar.force.initial_state(), 1).unwrap();
+    line.orient(&row).unwrap();
+    let settings = Settings {
+        steps_per_period: 400,
+        periods: 12,
+        ..Settings::default()
+    };
+    let start = Start::Release {
+        modal_force: bar.modal_force(4.0 * bar.onset_force()),
+    };
+    let found = go(&line, &bar.force, &row, &start, &settings);
+    assert!(found.failure.is_none());
+    // Reversals, by parabolas through three samples: time and magnitude.
+    let reversals: Vec<(f64, f64)> = found
+        .samples
+        .windows(3)
+        .filter(|w| (w[1].displacement - w[0].displacement) * (w[2].displacement - w[1].displacement) < 0.0)
+        .map(|w| {
+            let [a, b, c] = [0, 1, 2].map(|i| w[i].displacement);
+            let offset = 0.5 * (a - c) / (a - 2.0 * b + c);
+            (w[1].time + offset * found.step, (b - 0.25 * (a - c) * offset).abs())
+        })
+        .collect();
+    let mut seen = 0;
+    for w in reversals.windows(5) {
+        let amplitude = w[2].1;
+        // From u(0)/u_y = (1 + p^2)/2.
+        let ratio = 2.0 * amplitude / bar.onset_displacement() - 1.0;
+        if ratio < 1.5 {
+            continue;
+        }
+        let force = ratio.sqrt() * bar.onset_force();
+        let time = w[4].0 - w[0].0;
+        let (turn, decay) = (2.0 * TAU / time, (w[0].1 / w[4].1).ln() / time);
+        let omega = turn.hypot(decay) / found.algorithmic.frequency_ratio;
+        let settings = cqsma::Settings {
+            vertices_per_quarter: 64,
+            ..cqsma::Settings::default()
+        };
+        let points = cqsma::run(&line, &bar.force, &[bar.modal_force(force)], &settings, |_| NoObserver).unwrap();
+        let of_loop = points[0].0.result.as_ref().unwrap();
+        let (harmonic, secant) = (
+            of_loop.hysteresis.harmonic_omega() / omega - 1.0,
+            bar.omega(force) / omega - 1.0,
+        );
+        let damping = bar.zeta(force) / (decay / omega) - 1.0;
+        eprintln!(
+            "p {:.3}: zeta {:.4}, harmonic {harmonic:+.5}, secant {secant:+.5}, damping {damping:+.4}",
+            ratio.sqrt(),
+            decay / omega
+        );
+        assert!(
+            harmonic.abs() < 3e-3 && harmonic.abs() < 0.5 * secant.abs(),
+            "{harmonic} {secant}"
+        );
+        assert!(damping.abs() < 0.2, "{damping}");
+        seen += 1;
+    }
+    assert!(seen >= 3, "{seen}");
 }
