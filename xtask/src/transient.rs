@@ -210,7 +210,7 @@ fn report(found: &Found, settings: &Settings) -> Value {
             "first": first,
             "last": last,
             "error": transient.energy_error(),
-            "kinetic_elsewhere": elsewhere(found),
+            "kinetic_elsewhere": transient.share_elsewhere(),
         },
         "residual": transient.residual,
         "halved_steps": transient.halved_steps,
@@ -226,14 +226,6 @@ fn report(found: &Found, settings: &Settings) -> Value {
         "theory_minus_ring_down": misfits,
         "identification_of_cqsma_minus_cqsma": found.own_error,
     })
-}
-
-/// Share of the kinetic energy outside the mode.
-fn elsewhere(found: &Found) -> f64 {
-    let samples = &found.ring.transient.samples;
-    let sum =
-        |part: fn(&joint_pipeline::transient::Energy) -> f64| samples.iter().map(|s| part(&s.energy)).sum::<f64>();
-    sum(|e| e.kinetic_elsewhere) / sum(|e| e.kinetic)
 }
 
 fn draw(found: &Found) -> Result<String> {
@@ -308,7 +300,7 @@ fn printed(found: &Found) -> String {
         found.seconds,
         1e3 * found.seconds / (transient.samples.len() - 1) as f64,
         transient.energy_error(),
-        elsewhere(found),
+        transient.share_elsewhere(),
     );
     let _ = writeln!(
         out,

@@ -166,6 +166,12 @@ impl Transient {
         let change = |s: &Sample| (s.energy.balance() - first.energy.balance()).abs();
         self.samples.iter().map(change).fold(0.0, f64::max) / most
     }
+
+    /// Share of the kinetic energy outside the mode, over all samples.
+    pub fn share_elsewhere(&self) -> f64 {
+        let sum = |part: fn(&Energy) -> f64| self.samples.iter().map(|s| part(&s.energy)).sum::<f64>();
+        sum(|e| e.kinetic_elsewhere) / sum(|e| e.kinetic)
+    }
 }
 
 /// Weights of the generalised-alpha method for a spectral radius at infinite frequency.

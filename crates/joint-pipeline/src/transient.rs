@@ -6,7 +6,6 @@ use crate::progress::{Progress, Stage};
 use crate::run::{linearise, response};
 use crate::scene::{BoltBehaviour, Scene};
 use crate::{Error, Run};
-pub use cqsma_solver::transient::Energy;
 use cqsma_solver::transient::{self, Start, Transient};
 use modal_identification::backbone::{Identification, identify};
 use modal_identification::signal::{Quantity, Signal};

@@ -24,6 +24,8 @@ fn ring_down_and_quasi_static_backbone_agree_within_what_was_measured() {
         excitation: Excitation::Release(AMPLITUDE),
         periods: 90,
         steps_per_period: 60,
+        // What a release from gross slip excites besides changes the damping by 10 %.
+        other_damping: 0.05,
         ..Settings::default()
     };
     let ring = ring_down(quick(), &settings, &Silent).unwrap();
@@ -47,15 +49,17 @@ fn ring_down_and_quasi_static_backbone_agree_within_what_was_measured() {
         let damping = misfit.damping_ln.unwrap();
         eprintln!("{name}: {misfit:?}");
         assert!(misfit.amplitudes[1] > 5.0 * misfit.amplitudes[0]);
-        assert!(misfit.frequency_percent.rms < 0.15, "{name}: {misfit:?}");
-        assert!(damping.rms < 0.15, "{name}: {damping:?}");
+        // RQNMA damps too much at the onset of slip.
+        let bound = if name == "rqnma" { 0.2 } else { 0.06 };
+        assert!(misfit.frequency_percent.rms < 0.25, "{name}: {misfit:?}");
+        assert!(damping.rms < bound, "{name}: {damping:?}");
         if name == "cqsma" {
             let own = ring
                 .identified_again(&theory, &ring.identification())
                 .unwrap()
                 .misfit(&theory)
                 .unwrap();
-            assert!(own.frequency_percent.rms < 0.03, "{own:?}");
+            assert!(own.frequency_percent.rms < 0.06, "{own:?}");
             assert!(own.damping_ln.unwrap().rms < 0.02, "{own:?}");
         }
     }
