@@ -230,23 +230,25 @@ fn a_ring_down_is_computed_identified_and_compared() {
         "transient",
         quick,
         "--amplitude",
-        "1e-3",
+        "2e-3",
         "--periods",
-        "45",
+        "80",
         "--steps",
         "50",
+        "--other-damping",
+        "0.05",
         "--out",
         "ring",
     ];
     let text = succeeds(&folder, &arguments);
-    assert!(text.contains("2250 steps"), "{text}");
+    assert!(text.contains("4000 steps"), "{text}");
     let report = read_json(&folder.join("ring/transient.json"));
     let number = |pointer: &str| report.pointer(pointer).and_then(Value::as_f64).unwrap();
     assert!(number("/energy/error") < 1e-4, "{report:#}");
     assert!(number("/algorithmic_error/damping_ratio").abs() < 1e-6);
     assert!(number("/theory_minus_ring_down/cqsma/frequency_hz/rms") < 0.5);
     let signal = std::fs::read_to_string(folder.join("ring/signal.csv")).unwrap();
-    assert_eq!(signal.lines().count(), 2252);
+    assert_eq!(signal.lines().count(), 4002);
     assert!(
         std::fs::read_to_string(folder.join("ring/transient.svg"))
             .unwrap()
