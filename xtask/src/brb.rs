@@ -4,6 +4,8 @@ use crate::files::{self, Output};
 use crate::progress::{Monitor, peak_memory};
 use crate::{Outcome, csv, fields, plot, print, report, vtu};
 use anyhow::{Context, Result, bail};
+use joint_pipeline::accuracy::{self, ErrorEstimate};
+use joint_pipeline::progress::Progress;
 use joint_pipeline::registration::{self, Moved};
 use joint_pipeline::summary::{BackboneSummary, Status, Summary};
 use joint_pipeline::{Options, Run, Scene};
@@ -40,6 +42,9 @@ pub(crate) struct Arguments {
     /// scene must be scanned.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=10_000))]
     ensemble: Option<u16>,
+    /// Also run the scene with finer settings, and report the differences as an estimate of its errors.
+    #[arg(long, conflicts_with = "registration_study")]
+    estimate_error: bool,
     /// Instead, the backbone with the bottom face of a scanned surface moved: by SHIFT (m) and tilted by TILT to either side
     /// along x and y; written to registration.csv.
     #[arg(long, value_name = "SHIFT,TILT", num_args = 0..=1, default_missing_value = "6e-4,1e-4", value_parser = shift_and_tilt,
@@ -61,6 +66,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if arguments.ensemble.is_some() && !scene.surface.is_scanned() {
         return Err(joint_pipeline::Error::NoSamples.into());
     }
+    let finer = match arguments.estimate_error {
+        true => Some(accuracy::refined(&scene)?),
+        false => None,
+    };
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&scene.name)?,
@@ -101,6 +110,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let (run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
     let mut summary = Summary::new(&run, timings, peak_memory());
     summary.ensemble = ensemble;
+    if let Some((rung, scene)) = finer {
+        let monitor = Monitor::new()?;
+        monitor.note(&format!("again, with the settings `{}`", rung.name));
+        let fine = joint_pipeline::run(&scene, &options, &monitor);
+        monitor.finish();
+        let fine = fine.with_context(|| format!("running the scene {} with finer settings", scene.name))?;
+        summary.error_estimate = Some(ErrorEstimate::new(&run, rung, &fine));
+    }
 
     let stale = is_run_of(&directory, &scene.name);
     let outputs = outputs(&run, &summary)?;
@@ -271,6 +288,23 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
             out,
             "{} bootstrap realisations, {} without a backbone; bands in {ENSEMBLE}",
             ensemble.realisations, ensemble.failed
+        );
+    }
+    if let Some(rung) = summary.accuracy {
+        let _ = writeln!(
+            out,
+            "settings `{}`, measured errors on the flat beam: {} in frequency, {} in the logarithm of damping",
+            rung.name, rung.frequency_error, rung.damping_error
+        );
+    }
+    if let Some(estimate) = &summary.error_estimate {
+        let _ = writeln!(
+            out,
+            "against the settings `{}`: first frequency {:+.2e}, frequencies within {}, logarithm of damping within {}",
+            estimate.finer,
+            estimate.linear_frequency,
+            cell(estimate.frequency, &|v| format!("{v:.1e}")),
+            cell(estimate.damping, &|v| format!("{v:.1e}"))
         );
     }
     let total = summary.timings.get("total").copied().unwrap_or_default();

@@ -17,6 +17,7 @@ mod overlay;
 mod plot;
 mod progress;
 mod report;
+mod trade;
 mod transient;
 mod vtu;
 
@@ -56,6 +57,8 @@ enum Command {
     Transient(transient::Arguments),
     /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
     Compare(compare::Arguments),
+    /// Measure what every numerical setting costs and misses: errors, time and memory, rung by rung.
+    Trade(trade::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
     /// Check that the dependencies between the crates point one way only.
@@ -85,6 +88,7 @@ fn main() -> ExitCode {
         Command::Characterise(arguments) => characterise::run(&arguments).map(|()| Outcome::Success),
         Command::Transient(arguments) => transient::run(&arguments).map(|()| Outcome::Success),
         Command::Compare(arguments) => compare::run(&arguments).map(|()| Outcome::Success),
+        Command::Trade(arguments) => trade::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),

@@ -38,6 +38,12 @@ pub enum Error {
         /// What would be accepted.
         requirement: &'static str,
     },
+    /// The scene is as fine as the finest measured settings.
+    #[error(
+        "no measured set of settings is finer than the scene's, so that its error cannot be estimated; choose a coarser mesh, fewer \
+         modes or fewer vertices"
+    )]
+    NothingFiner,
     /// The bolts cannot close the interface.
     #[error(
         "the bolt load of {load:.4e} N cannot be carried by the interface: even a closure of {closure:.3e} m carries only \

@@ -3,6 +3,7 @@
 //! A [`scene::Scene`] says what is modelled; [`run::run`] meshes, assembles and reduces the structure (or takes the
 //! reduced model from a cache), turns the surface into traction laws, finds the prestress and the modes about it, and
 //! walks the hysteresis loops. [`summary`] is the machine-readable account of a run.
+pub mod accuracy;
 mod cache;
 mod checkpoint;
 pub mod comparison;

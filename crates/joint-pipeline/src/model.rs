@@ -85,13 +85,16 @@ impl Structure {
             let joint = Joint::from_deck(deck, &material(model), hexahedra, &mut |note| progress.note(note))?;
             return Ok(Self::new(model, bolts, joint));
         }
-        let refinement = match model.refinement {
+        let mut refinement = match model.refinement {
             RefinementName::Quick => Refinement::quick(),
             RefinementName::Coarse => Refinement::coarse(),
             RefinementName::Default => Refinement::default(),
             RefinementName::Fine => Refinement::fine(),
             RefinementName::Finest => Refinement::finest(),
         };
+        if let Some(layers) = model.arm_layers {
+            refinement.arm_layers = layers;
+        }
         Self::with_refinement(model, bolts, &refinement)
     }
 

@@ -3,6 +3,7 @@
 //! Quantities are given in the scene's units and converted to SI once, by [`Scene::from_json`]; all other code sees SI.
 
 use crate::Error;
+use crate::accuracy::Accuracy;
 pub use crate::scans::{Place, Readings, ScanFile, Scans};
 use contact_laws::{HistoryRule, TangentialReading};
 use serde::{Deserialize, Serialize};
@@ -78,6 +79,9 @@ pub struct Scene {
     /// Name of the scene; the file's name by default.
     #[serde(default)]
     pub name: String,
+    /// How exact the result shall be: settings that the scene does not give are those of the cheapest set that is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// Structure.
     #[serde(default)]
     pub model: Model,
@@ -146,6 +150,8 @@ pub struct Model {
     pub deck: Option<Deck>,
     /// Matrices in the place of any mesh.
     pub matrices: Option<Matrices>,
+    /// Layers of elements along each arm of the block mesh, if they shall not be those of the refinement.
+    pub arm_layers: Option<usize>,
     /// Formulation of all hexahedra; by default incompatible modes, in a deck that of their element type.
     pub formulation: Option<FormulationName>,
     /// Material of all parts, and of the asperities.
@@ -330,6 +336,7 @@ impl Default for Model {
     fn default() -> Self {
         Self {
             refinement: RefinementName::Default,
+            arm_layers: None,
             deck: None,
             matrices: None,
             formulation: None,
@@ -571,6 +578,19 @@ pub struct Law {
     pub tangential: TangentialReading,
     /// How the stuck traction follows from the last committed state.
     pub history: HistoryRule,
+    /// Numbers that fitted curves are evaluated with.
+    pub precision: Precision,
+}
+
+/// Numbers that fitted curves are evaluated with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Precision {
+    /// 64 bits.
+    #[default]
+    Double,
+    /// 32 bits; residuals cannot fall below about 1e-6.
+    Single,
 }
 
 impl Default for Law {
@@ -579,6 +599,7 @@ impl Default for Law {
             kind: LawKind::Tabulated,
             tangential: TangentialReading::Mindlin,
             history: HistoryRule::Incremental,
+            precision: Precision::Double,
         }
     }
 }
@@ -750,9 +771,14 @@ impl Scene {
             message,
         };
         let value: serde_json::Value = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
-        // Defaults are in SI; quantities given in the file are converted where they stand.
         let mut scene: Self = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
         scene.refuse_idle(&value).map_err(syntax)?;
+        if let Some(accuracy) = scene.accuracy {
+            let mut filled = value.clone();
+            accuracy.rung().map_err(syntax)?.fill(&mut filled);
+            scene = serde_json::from_value(filled).map_err(|e| syntax(e.to_string()))?;
+        }
+        // Defaults are in SI; quantities given in the file are converted where they stand.
         scene.convert(&value);
         if scene.name.is_empty() {
             scene.name = name.into();
@@ -770,6 +796,7 @@ impl Scene {
                 time: TimeUnit::Second,
             },
             name: name.into(),
+            accuracy: None,
             model: Model::default(),
             surface: Surface::default(),
             gap: Gap::default(),
@@ -809,6 +836,12 @@ impl Scene {
             (
                 matrices,
                 "/model/refinement",
+                "the block mesh, which model.matrices replaces",
+            ),
+            (deck, "/model/arm_layers", "the block mesh, which model.deck replaces"),
+            (
+                matrices,
+                "/model/arm_layers",
                 "the block mesh, which model.matrices replaces",
             ),
             (matrices, "/model/formulation", "meshes, which model.matrices replaces"),
@@ -1029,6 +1062,13 @@ impl Scene {
                 }
             }
         }
+        check(
+            self.law.precision == Precision::Double || self.law.kind == LawKind::Fitted,
+            "law.precision",
+            32.0,
+            "bits",
+            "`double` unless law.kind is `fitted`",
+        )?;
         let damping = self.background_damping;
         check(
             (0.0..1.0).contains(&damping),

@@ -1,5 +1,6 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
+use crate::accuracy::{ErrorEstimate, Rung};
 use crate::ensemble::Ensemble;
 use crate::interface::LawReport;
 use crate::methods::MethodPoint;
@@ -36,6 +37,12 @@ pub struct Summary {
     /// Backbones of bootstrap realisations; left out unless asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Ensemble>,
+    /// The measured set of settings that the accuracy asked for led to; left out of scenes that ask for none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<&'static Rung>,
+    /// Differences to a run with finer settings; left out unless asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_estimate: Option<ErrorEstimate>,
     /// Limits of the model.
     pub validity: Validity,
     /// Seconds per stage, and in total.
@@ -276,6 +283,8 @@ impl Summary {
                 })
                 .collect(),
             ensemble: None,
+            accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.rung().ok()),
+            error_estimate: None,
             validity: run.validity.clone(),
             timings,
             peak_memory,

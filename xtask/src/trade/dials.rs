@@ -1,0 +1,366 @@
+//! What is varied: every dial with its rungs, from coarse to fine.
+
+use contact_laws::{HistoryRule, TangentialReading};
+use joint_pipeline::Scene;
+use joint_pipeline::accuracy::RUNGS;
+use joint_pipeline::scene::{
+    CommitName, FormulationName, Gap, LawKind, Method, Precision, RefinementName, Surface, SyntheticScan,
+};
+
+/// Response amplitudes at which rungs are compared (m): at the onset of slip, in microslip, near macroslip.
+pub(crate) const AMPLITUDES: [f64; 3] = [5e-5, 2e-4, 6e-4];
+
+/// Bootstrap realisations that show what the sampling of the surface leaves open.
+const REALISATIONS: u16 = 20;
+
+/// A setting that is varied while all others stay.
+pub(crate) struct Dial {
+    pub(crate) name: &'static str,
+    /// In words.
+    pub(crate) what: &'static str,
+    /// The last is the reference.
+    pub(crate) rungs: Vec<Rung>,
+    /// How the errors of the default enter its budget.
+    pub(crate) share: Share,
+}
+
+/// What the difference of a dial's default to its reference is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Share {
+    /// A numerical error of the default scene.
+    Error,
+    /// A choice between models.
+    Choice,
+    /// Neither: several settings at once, or another scene.
+    None,
+}
+
+/// A value of a dial.
+pub(crate) struct Rung {
+    pub(crate) name: String,
+    pub(crate) scene: Scene,
+    pub(crate) source: Source,
+    /// Size of the step, if the dial is a discretisation that is refined: errors go with a power of it.
+    pub(crate) size: Option<f64>,
+}
+
+/// Where the backbone of a rung comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// The loops of CQSMA.
+    Loops,
+    /// Another method.
+    Method(Method),
+    /// The upper ends of the bands of an ensemble of this size.
+    Ensemble(u16),
+}
+
+impl Rung {
+    fn new(name: impl Into<String>, scene: Scene) -> Self {
+        Self {
+            name: name.into(),
+            scene,
+            source: Source::Loops,
+            size: None,
+        }
+    }
+}
+
+/// A refined discretisation: `n` steps per unit.
+fn refined<T: Copy + Into<f64> + ToString>(base: &Scene, counts: &[T], set: fn(&mut Scene, T)) -> Vec<Rung> {
+    let rung = |&n: &T| {
+        let mut scene = base.clone();
+        set(&mut scene, n);
+        Rung {
+            size: Some(1.0 / n.into()),
+            ..Rung::new(n.to_string(), scene)
+        }
+    };
+    counts.iter().map(rung).collect()
+}
+
+fn named<T: Copy>(base: &Scene, values: &[(&str, T)], set: fn(&mut Scene, T)) -> Vec<Rung> {
+    let rung = |&(name, value): &(&str, T)| {
+        let mut scene = base.clone();
+        set(&mut scene, value);
+        Rung::new(name, scene)
+    };
+    values.iter().map(rung).collect()
+}
+
+/// Fits the amplitudes of a scene to the comparison.
+pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
+    scene.cqsma.amplitude_from = 2e-5;
+    scene.cqsma.amplitude_to = 1.2e-3;
+    scene.cqsma.amplitudes = 10;
+    scene.output.fields_at = Some(Vec::new());
+    scene.methods.clear();
+    if quick {
+        scene.model.refinement = RefinementName::Quick;
+    }
+    scene
+}
+
+/// All dials about the scene `base`; `quick` leaves out what takes more than seconds on its coarse mesh.
+pub(crate) fn all(base: &Scene, quick: bool) -> Vec<Dial> {
+    let error = |name, what, rungs| Dial {
+        name,
+        what,
+        rungs,
+        share: Share::Error,
+    };
+    let mut meshes = vec![
+        ("quick", RefinementName::Quick),
+        ("coarse", RefinementName::Coarse),
+        ("default", RefinementName::Default),
+        ("fine", RefinementName::Fine),
+        ("finest", RefinementName::Finest),
+    ];
+    meshes.truncate(if quick { 3 } else { 5 });
+    let finest = meshes[meshes.len() - 1];
+    let mesh = named(base, &meshes, |scene, refinement| scene.model.refinement = refinement);
+    let mut formulations = named(
+        base,
+        &[
+            ("reduced", FormulationName::Reduced),
+            ("full", FormulationName::Full),
+            ("b-bar", FormulationName::BBar),
+            ("incompatible-modes", FormulationName::IncompatibleModes),
+        ],
+        |scene, formulation| scene.model.formulation = Some(formulation),
+    );
+    let reference = named(base, &[finest], |scene, refinement| scene.model.refinement = refinement);
+    formulations.extend(reference.into_iter().map(|rung| Rung {
+        name: format!("incompatible-modes, {} mesh", rung.name),
+        ..rung
+    }));
+    let mut dials = vec![
+        error("mesh", "block mesh: interface elements, bodies with them", mesh),
+        Dial {
+            share: Share::None,
+            ..error(
+                "formulation",
+                "formulation of the hexahedra, on the scene's mesh",
+                formulations,
+            )
+        },
+        error(
+            "arms",
+            "layers of elements along each arm",
+            refined(base, &[13_u16, 25, 50, 100, 200], |scene, n| {
+                scene.model.arm_layers = Some(n.into());
+            }),
+        ),
+        error(
+            "points",
+            "quadrature points per direction of an interface element",
+            refined(base, &[1_u8, 2, 3, 4, 5], |scene, n| {
+                scene.points_per_direction = n.into()
+            }),
+        ),
+        error(
+            "modes",
+            "stuck-interface modes retained",
+            named(
+                base,
+                &[("4", 4), ("10", 10), ("20", 20), ("40", 40), ("80", 80)],
+                |scene, n| scene.model.modes = Some(n),
+            ),
+        ),
+        error(
+            "vertices",
+            "vertices per quarter loop",
+            refined(base, &[1_u8, 2, 4, 8, 16, 32, 64], |scene, n| {
+                scene.cqsma.vertices_per_quarter = n.into();
+            }),
+        ),
+        Dial {
+            share: Share::Choice,
+            ..error(
+                "commit",
+                "when the friction history is committed, and vertices per quarter",
+                named(
+                    base,
+                    &[
+                        ("at reversals, 8", (CommitName::AtReversals, 8)),
+                        ("at every vertex, 8", (CommitName::AtEveryVertex, 8)),
+                        ("at every vertex, 32", (CommitName::AtEveryVertex, 32)),
+                        ("at every vertex, 64", (CommitName::AtEveryVertex, 64)),
+                    ],
+                    |scene, (commit, vertices)| {
+                        scene.cqsma.commit = commit;
+                        scene.cqsma.vertices_per_quarter = vertices;
+                    },
+                ),
+            )
+        },
+        error(
+            "tolerance",
+            "residual of every vertex relative to the load",
+            named(
+                base,
+                &[
+                    ("1e-3", 1e-3),
+                    ("1e-5", 1e-5),
+                    ("1e-7", 1e-7),
+                    ("1e-9", 1e-9),
+                    ("1e-11", 1e-11),
+                ],
+                |scene, tolerance| scene.cqsma.tolerance = tolerance,
+            ),
+        ),
+        Dial {
+            share: Share::Choice,
+            ..error("method", "quasi-static method", methods(base))
+        },
+        error("law", "how the asperity sums are evaluated, one population", laws(base)),
+        Dial {
+            share: Share::Choice,
+            ..error(
+                "reading",
+                "tangential stiffness and history of the published law",
+                readings(base),
+            )
+        },
+    ];
+    let scan = {
+        let mut scene = base.clone();
+        scene.surface = Surface::SyntheticScan(SyntheticScan::default());
+        scene.gap = Gap::Scan;
+        scene.law.kind = LawKind::Fitted;
+        scene
+    };
+    let none = |name, what, rungs| Dial {
+        share: Share::None,
+        ..error(name, what, rungs)
+    };
+    dials.push(none(
+        "scan-law",
+        "law of every element from its own samples (synthetic scans)",
+        scan_laws(&scan),
+    ));
+    dials.push(none(
+        "bootstrap",
+        "95 % end of bootstrap realisations against the samples themselves",
+        bootstrap(&scan),
+    ));
+    if !quick {
+        dials.push(none("accuracy", "whole sets of settings", sets(base)));
+    }
+    dials
+}
+
+fn methods(base: &Scene) -> Vec<Rung> {
+    let method = |method: Method| {
+        let mut scene = base.clone();
+        scene.methods = vec![method];
+        Rung {
+            source: Source::Method(method),
+            ..Rung::new(method.name(), scene)
+        }
+    };
+    let mut rungs: Vec<Rung> = [Method::Rqnma, Method::Masing, Method::Qsma].map(method).into();
+    rungs.push(Rung::new("cqsma", base.clone()));
+    rungs
+}
+
+fn laws(base: &Scene) -> Vec<Rung> {
+    named(
+        base,
+        &[
+            ("fitted, single precision", (LawKind::Fitted, Precision::Single, 1e-5)),
+            ("fitted", (LawKind::Fitted, Precision::Double, base.cqsma.tolerance)),
+            (
+                "tabulated",
+                (LawKind::Tabulated, Precision::Double, base.cqsma.tolerance),
+            ),
+            (
+                "asperity-sum",
+                (LawKind::AsperitySum, Precision::Double, base.cqsma.tolerance),
+            ),
+        ],
+        |scene, (kind, precision, tolerance)| {
+            scene.law.kind = kind;
+            scene.law.precision = precision;
+            scene.cqsma.tolerance = tolerance;
+        },
+    )
+}
+
+fn readings(base: &Scene) -> Vec<Rung> {
+    named(
+        base,
+        &[
+            (
+                "paper's stiffness, paper's history",
+                (TangentialReading::Paper, HistoryRule::Paper),
+            ),
+            (
+                "paper's stiffness",
+                (TangentialReading::Paper, HistoryRule::Incremental),
+            ),
+            ("paper's history", (TangentialReading::Mindlin, HistoryRule::Paper)),
+            (
+                "history from a potential",
+                (TangentialReading::Mindlin, HistoryRule::Potential),
+            ),
+            ("default", (TangentialReading::Mindlin, HistoryRule::Incremental)),
+        ],
+        |scene, (tangential, history)| {
+            scene.law.tangential = tangential;
+            scene.law.history = history;
+        },
+    )
+}
+
+fn scan_laws(scan: &Scene) -> Vec<Rung> {
+    let mut uniform = scan.clone();
+    uniform.surface = Surface::Measured;
+    uniform.gap = Gap::Flat;
+    uniform.law.kind = LawKind::Tabulated;
+    let mut rungs = vec![Rung::new("measured statistics, the same everywhere, flat", uniform)];
+    rungs.extend(named(
+        scan,
+        &[
+            ("fitted per element", LawKind::Fitted),
+            ("tabulated per element", LawKind::Tabulated),
+            ("asperity-sum per element", LawKind::AsperitySum),
+        ],
+        |scene, kind| scene.law.kind = kind,
+    ));
+    rungs
+}
+
+fn bootstrap(scan: &Scene) -> Vec<Rung> {
+    vec![
+        Rung {
+            source: Source::Ensemble(REALISATIONS),
+            ..Rung::new(format!("{REALISATIONS} realisations"), scan.clone())
+        },
+        Rung::new("samples", scan.clone()),
+    ]
+}
+
+/// The sets that scenes can ask for, against one that is finer in everything.
+fn sets(base: &Scene) -> Vec<Rung> {
+    let mut rungs: Vec<Rung> = RUNGS
+        .iter()
+        .map(|rung| {
+            let mut scene = base.clone();
+            scene.model.refinement = rung.refinement;
+            scene.model.modes = Some(rung.modes);
+            scene.points_per_direction = rung.points_per_direction;
+            scene.cqsma.vertices_per_quarter = rung.vertices_per_quarter;
+            scene.cqsma.tolerance = rung.tolerance;
+            Rung::new(rung.name, scene)
+        })
+        .collect();
+    let mut beyond = base.clone();
+    beyond.model.refinement = RefinementName::Finest;
+    beyond.model.modes = Some(40);
+    beyond.points_per_direction = 3;
+    beyond.cqsma.vertices_per_quarter = 64;
+    beyond.cqsma.tolerance = 1e-10;
+    rungs.push(Rung::new("beyond", beyond));
+    rungs
+}

@@ -1,0 +1,573 @@
+//! `cargo xtask trade`: what accuracy costs, measured setting by setting.
+//!
+//! Every rung of every dial is a run of `brb` in a process of its own, one after another, so that time and memory are
+//! its own. A rung is judged against the last one of its dial.
+
+mod dials;
+mod page;
+
+use crate::brb::{SUMMARY, read_scene};
+use crate::files::{self, Output};
+use crate::{Outcome, print};
+use anyhow::{Context, Result, anyhow, bail};
+use dials::{AMPLITUDES, Dial, Rung, Share, Source};
+use joint_pipeline::Scene;
+use joint_pipeline::accuracy::{Extrapolation, RUNGS, extrapolate};
+use joint_pipeline::comparison::{Backbone, Point};
+use serde_json::{Map, Value, json};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Scene whose settings are varied; without it the built-in scene brb-flat.
+    scene: Option<PathBuf>,
+    /// Dials to measure [default: all].
+    #[arg(long, value_name = "DIAL", num_args = 1..)]
+    only: Vec<String>,
+    /// A coarse mesh and only what takes seconds on it, for a look.
+    #[arg(long)]
+    quick: bool,
+    /// Folder for the results and the runs, made if missing; finished runs of the same settings found there are kept.
+    #[arg(long, value_name = "DIR", default_value = "results/trade")]
+    out: PathBuf,
+}
+
+/// A rung that was run.
+pub(crate) struct Measured {
+    /// Linearised frequency of the mode followed (Hz).
+    linear: f64,
+    /// Over displacement.
+    backbone: Backbone,
+    /// Of mesh, assembly and reduction (s).
+    structure_seconds: f64,
+    /// Of everything else that its backbone needs (s).
+    interface_seconds: f64,
+    peak_memory: Option<u64>,
+    n_elements: f64,
+    not_converged: usize,
+}
+
+/// How far a rung is from its reference.
+#[derive(Clone, Copy)]
+pub(crate) struct Errors {
+    /// Relative, of the linearised frequency.
+    pub(crate) linear: f64,
+    /// Of the frequency shift, relative to the linearised frequency, at the three amplitudes.
+    pub(crate) shift: [Option<f64>; 3],
+    /// Of the logarithm of the damping ratio there.
+    pub(crate) damping: [Option<f64>; 3],
+}
+
+impl Errors {
+    /// Largest relative error of a frequency.
+    pub(crate) fn frequency(&self) -> f64 {
+        let at = |shift: &Option<f64>| shift.map_or(0.0, |shift| (self.linear + shift).abs());
+        self.shift.iter().map(at).fold(self.linear.abs(), f64::max)
+    }
+
+    /// Largest error of the logarithm of the damping ratio.
+    pub(crate) fn damping(&self) -> Option<f64> {
+        self.damping.iter().flatten().map(|e| e.abs()).reduce(f64::max)
+    }
+}
+
+/// A rung with what came of it.
+pub(crate) struct Outcomes {
+    pub(crate) measured: Result<Measured, String>,
+    pub(crate) errors: Option<Errors>,
+    /// Whether no other rung of the dial is both faster and nearer to the reference.
+    pub(crate) pareto: bool,
+}
+
+/// The limit of a refinement, from its three finest rungs.
+pub(crate) struct Limit {
+    /// What converges.
+    pub(crate) quantity: &'static str,
+    pub(crate) extrapolation: Option<Extrapolation>,
+    /// Distance of the finest rung from the limit: relative of frequencies, of the logarithm of damping.
+    pub(crate) uncertainty: Option<f64>,
+}
+
+/// A dial that was measured.
+pub(crate) struct Ladder {
+    pub(crate) dial: Dial,
+    pub(crate) outcomes: Vec<Outcomes>,
+    pub(crate) limits: Vec<Limit>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let scene = read_scene(arguments.scene.as_deref(), None)?;
+    let base = dials::base(scene, arguments.quick);
+    let mut dials = dials::all(&base, arguments.quick);
+    for name in &arguments.only {
+        if dials.iter().all(|dial| dial.name != name) {
+            let names: Vec<&str> = dials.iter().map(|dial| dial.name).collect();
+            bail!("there is no dial `{name}`; there are {}", names.join(", "));
+        }
+    }
+    if !arguments.only.is_empty() {
+        dials.retain(|dial| arguments.only.iter().any(|name| name == dial.name));
+    }
+    let runs = arguments.out.join("runs");
+    std::fs::create_dir_all(&runs).with_context(|| format!("making the folder {}", runs.display()))?;
+    let runs = runs
+        .canonicalize()
+        .with_context(|| format!("finding the folder {}", runs.display()))?;
+    let mut bench = Bench::new(runs, dials.iter().map(|dial| dial.rungs.len()).sum());
+    let ladders: Vec<Ladder> = dials
+        .into_iter()
+        .map(|dial| {
+            let measured = dial.rungs.iter().map(|rung| bench.run(dial.name, rung)).collect();
+            ladder(dial, measured)
+        })
+        .collect();
+    let default = bench.structure_of(&base);
+    let report = report(&ladders, &base, default);
+    let outputs = [
+        Output::new("trade.csv", page::csv(&ladders)),
+        Output::new("trade.md", page::markdown(&ladders)),
+        Output::new("trade.svg", page::pareto(&ladders)?),
+        Output::new("trade.json", format!("{report:#}\n")),
+    ];
+    files::write_all(&arguments.out, &outputs)?;
+    let failed = ladders
+        .iter()
+        .flat_map(|ladder| &ladder.outcomes)
+        .filter(|outcome| outcome.measured.is_err())
+        .count();
+    let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
+    print(&format!(
+        "\n{}\nwritten to {}: {names}\n",
+        page::markdown(&ladders),
+        arguments.out.display()
+    ))?;
+    for (rung, reason) in exceeded(&ladders) {
+        print(&format!("{rung}: {reason}\n"))?;
+    }
+    Ok(if failed == 0 && exceeded(&ladders).is_empty() {
+        Outcome::Success
+    } else {
+        Outcome::Incomplete
+    })
+}
+
+/// Runs scenes one after another, each in its own process.
+struct Bench {
+    folder: PathBuf,
+    done: usize,
+    all: usize,
+    /// Scenes without their names, the reduced structures among them, and what was measured.
+    known: Vec<(Value, Value)>,
+}
+
+impl Bench {
+    fn new(folder: PathBuf, all: usize) -> Self {
+        Self {
+            folder,
+            done: 0,
+            all,
+            known: Vec::new(),
+        }
+    }
+
+    /// Runs a rung, or takes what an equal scene gave.
+    fn run(&mut self, dial: &str, rung: &Rung) -> Result<Measured, String> {
+        self.done += 1;
+        let slug: String = format!("{dial}-{}", rung.name)
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+            .collect();
+        let measured = self
+            .summary(&slug, rung)
+            .and_then(|summary| self.measured(rung, &summary))
+            .map_err(|error| format!("{error:#}"));
+        let account = match &measured {
+            Ok(m) => format!("{:.1} s", m.structure_seconds + m.interface_seconds),
+            Err(reason) => format!("failed: {reason}"),
+        };
+        // Progress that nobody can read must not stop the run.
+        let _ = writeln!(
+            std::io::stderr(),
+            "{:>3} of {} {dial}, {}: {account}",
+            self.done,
+            self.all,
+            rung.name
+        );
+        measured
+    }
+
+    fn summary(&mut self, slug: &str, rung: &Rung) -> Result<Value> {
+        let scene = comparable(&rung.scene, rung.source);
+        if let Some((_, summary)) = self.known.iter().find(|(known, _)| *known == scene) {
+            return Ok(summary.clone());
+        }
+        let folder = self.folder.join(slug);
+        let path = folder.join(SUMMARY);
+        let earlier = std::fs::read_to_string(&path).ok();
+        let earlier = earlier.and_then(|text| serde_json::from_str::<Value>(&text).ok());
+        // A run that is there was measured as this one would be, if its scene is the same.
+        let kept = earlier.filter(|summary| of_summary(summary, rung.source) == scene);
+        let summary = match kept {
+            Some(summary) => summary,
+            None => self.measure(slug, rung, &folder)?,
+        };
+        self.known.push((scene, summary.clone()));
+        Ok(summary)
+    }
+
+    fn measure(&self, slug: &str, rung: &Rung, folder: &Path) -> Result<Value> {
+        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        let path = folder.join("scene.json");
+        let mut scene = rung.scene.clone();
+        scene.name = slug.into();
+        let text = serde_json::to_string_pretty(&scene).context("encoding the scene")?;
+        std::fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
+        let program = std::env::current_exe().context("finding this program")?;
+        let mut command = Command::new(program);
+        command.arg("brb").arg(&path).arg("--out").arg(folder);
+        if let Source::Ensemble(count) = rung.source {
+            command.args(["--ensemble", &count.to_string()]);
+        }
+        // The cache of reduced structures is relative to the working directory.
+        command.current_dir(&self.folder).stdin(Stdio::null());
+        let output = command.output().with_context(|| format!("starting the run {slug}"))?;
+        // Exit code 3: some amplitudes did not converge, which the summary counts.
+        if !matches!(output.status.code(), Some(0 | 3)) {
+            let messages = String::from_utf8_lossy(&output.stderr);
+            return Err(anyhow!(
+                "{}",
+                messages.lines().last().unwrap_or("the run ended without a message")
+            ));
+        }
+        let path = folder.join(SUMMARY);
+        let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
+        serde_json::from_str(&text).with_context(|| format!("{} is not JSON", path.display()))
+    }
+
+    /// Seconds and memory of reducing the structure of a scene, from the run that did it.
+    fn structure_of(&self, scene: &Scene) -> (f64, Option<u64>) {
+        let model = json!([scene.model, scene.bolts.behaviour]);
+        let same = self.known.iter().filter(|(_, summary)| {
+            let scene = &summary["scene"];
+            json!([scene["model"], scene["bolts"]["behaviour"]]) == model
+        });
+        let longest = same.max_by(|(_, a), (_, b)| structure_seconds(a).total_cmp(&structure_seconds(b)));
+        longest.map_or((0.0, None), |(_, summary)| {
+            (structure_seconds(summary), summary["peak_memory"].as_u64())
+        })
+    }
+
+    fn measured(&self, rung: &Rung, summary: &Value) -> Result<Measured> {
+        let mode = rung.scene.cqsma.mode - 1;
+        let number = |value: &Value, what: &str| value.as_f64().with_context(|| format!("the summary has no {what}"));
+        let linear = number(&summary["modes"][mode]["frequency_hz"], "linearised frequency")?;
+        let name = match rung.source {
+            Source::Loops => String::new(),
+            Source::Method(method) => format!("/methods/{}", method.name()),
+            Source::Ensemble(_) => "/ensemble/bands".into(),
+        };
+        let list = match rung.source {
+            Source::Loops => &summary["backbone"],
+            _ => summary.pointer(&name).unwrap_or(&Value::Null),
+        };
+        let list = list.as_array().context("the summary has no backbone")?;
+        // Of bands, the upper end.
+        let end = |value: &Value| match rung.source {
+            Source::Ensemble(_) => value[2].as_f64(),
+            _ => value.as_f64(),
+        };
+        let points: Vec<Point> = list
+            .iter()
+            .filter_map(|point| {
+                Some(Point {
+                    amplitude: point["response_displacement"].as_f64()?,
+                    frequency_hz: end(&point["frequency_hz"])?,
+                    damping_ratio: end(&point["damping_ratio"]),
+                })
+            })
+            .collect();
+        let not_converged = rung.scene.cqsma.amplitudes.saturating_sub(points.len());
+        let seconds = |stage: &str| summary["timings"][stage].as_f64().unwrap_or(0.0);
+        let own = match rung.source {
+            Source::Loops => "backbone",
+            Source::Method(_) => "methods",
+            Source::Ensemble(_) => "ensemble",
+        };
+        let (structure, memory) = self.structure_of(&rung.scene);
+        Ok(Measured {
+            linear,
+            backbone: Backbone::try_new(&rung.name, points)?,
+            structure_seconds: structure,
+            interface_seconds: ["characterise", "prestress", "modes", own].map(seconds).iter().sum(),
+            peak_memory: summary["peak_memory"].as_u64().max(memory),
+            n_elements: number(&summary["model"]["n_interface_elements"], "number of elements")?,
+            not_converged,
+        })
+    }
+}
+
+fn structure_seconds(summary: &Value) -> f64 {
+    let seconds = |stage: &str| summary["timings"][stage].as_f64().unwrap_or(0.0);
+    ["mesh", "assemble", "factor", "reduce"].map(seconds).iter().sum()
+}
+
+/// A scene as its summary has it, without its name, and what else is computed.
+fn comparable(scene: &Scene, source: Source) -> Value {
+    without_name(json!(scene), source)
+}
+
+fn of_summary(summary: &Value, source: Source) -> Value {
+    let members = summary["ensemble"]["realisations"].as_u64().unwrap_or(0);
+    let asked = match source {
+        Source::Ensemble(count) => u64::from(count),
+        _ => 0,
+    };
+    if members == asked {
+        without_name(summary["scene"].clone(), source)
+    } else {
+        Value::Null
+    }
+}
+
+fn without_name(mut scene: Value, source: Source) -> Value {
+    if let Some(object) = scene.as_object_mut() {
+        object.remove("name");
+    }
+    let ensemble = match source {
+        Source::Ensemble(count) => count,
+        _ => 0,
+    };
+    json!([scene, ensemble])
+}
+
+/// Judges the rungs of a dial by its last one.
+fn ladder(dial: Dial, measured: Vec<Result<Measured, String>>) -> Ladder {
+    let errors: Vec<Option<Errors>> = match measured.last() {
+        Some(Ok(reference)) => measured
+            .iter()
+            .map(|rung| rung.as_ref().ok().map(|rung| errors(rung, reference)))
+            .collect(),
+        _ => measured.iter().map(|_| None).collect(),
+    };
+    let limits = limits(&dial, &measured);
+    let cost: Vec<Option<(f64, f64)>> = measured
+        .iter()
+        .zip(&errors)
+        .map(|(measured, errors)| {
+            let (measured, errors) = (measured.as_ref().ok()?, errors.as_ref()?);
+            let seconds = measured.structure_seconds + measured.interface_seconds;
+            Some((
+                seconds,
+                errors.damping().unwrap_or(f64::INFINITY).max(errors.frequency()),
+            ))
+        })
+        .collect();
+    let outcomes = measured
+        .into_iter()
+        .zip(errors)
+        .enumerate()
+        .map(|(index, (measured, errors))| {
+            let beaten = |own: (f64, f64)| cost.iter().flatten().any(|other| other.0 < own.0 && other.1 < own.1);
+            Outcomes {
+                measured,
+                errors,
+                pareto: cost[index].is_some_and(|own| !beaten(own)),
+            }
+        })
+        .collect();
+    Ladder { dial, outcomes, limits }
+}
+
+fn errors(rung: &Measured, reference: &Measured) -> Errors {
+    let at = |amplitude: f64| rung.backbone.at(amplitude).zip(reference.backbone.at(amplitude));
+    let shift = |amplitude| {
+        let ((own, _), (right, _)) = at(amplitude)?;
+        Some(((own - rung.linear) - (right - reference.linear)) / reference.linear)
+    };
+    let damping = |amplitude| {
+        let ((_, own), (_, right)) = at(amplitude)?;
+        Some((own? / right?).ln())
+    };
+    Errors {
+        linear: rung.linear / reference.linear - 1.0,
+        shift: AMPLITUDES.map(shift),
+        damping: AMPLITUDES.map(damping),
+    }
+}
+
+/// Limits of what a refinement converges to.
+fn limits(dial: &Dial, measured: &[Result<Measured, String>]) -> Vec<Limit> {
+    let sizes: Vec<Option<f64>> = dial
+        .rungs
+        .iter()
+        .zip(measured)
+        .map(|(rung, measured)| match (dial.name, measured) {
+            // All lengths of the mesh go with the root of the area of an element.
+            ("mesh", Ok(measured)) => Some(measured.n_elements.powf(-0.5)),
+            _ => rung.size,
+        })
+        .collect();
+    let [.., Some(a), Some(b), Some(c)] = sizes[..] else {
+        return Vec::new();
+    };
+    let [.., Ok(first), Ok(second), Ok(third)] = measured else {
+        return Vec::new();
+    };
+    let of = |quantity, value: &dyn Fn(&Measured) -> Option<f64>, is_logarithm: bool| {
+        let values = [first, second, third].map(value);
+        let [Some(x), Some(y), Some(z)] = values else {
+            return Limit {
+                quantity,
+                extrapolation: None,
+                uncertainty: None,
+            };
+        };
+        let extrapolation = extrapolate([a, b, c], [x, y, z]);
+        let distance = |e: &Extrapolation| {
+            let difference = (z - e.limit).abs();
+            if is_logarithm {
+                difference
+            } else {
+                difference / e.limit.abs()
+            }
+        };
+        Limit {
+            quantity,
+            uncertainty: extrapolation.as_ref().map(distance),
+            extrapolation,
+        }
+    };
+    vec![
+        of("linearised frequency [Hz]", &|m| Some(m.linear), false),
+        of(
+            "ln(damping ratio) at the middle amplitude",
+            &|m| Some(m.backbone.at(AMPLITUDES[1])?.1?.ln()),
+            true,
+        ),
+    ]
+}
+
+/// Rungs of scenes that are farther from the reference than their entry says.
+fn exceeded(ladders: &[Ladder]) -> Vec<(&'static str, String)> {
+    let mut found = Vec::new();
+    for ladder in ladders.iter().filter(|ladder| ladder.dial.name == "accuracy") {
+        for (rung, outcome) in RUNGS.iter().zip(&ladder.outcomes) {
+            let Some(errors) = &outcome.errors else { continue };
+            let (frequency, damping) = (errors.frequency(), errors.damping().unwrap_or(f64::INFINITY));
+            if frequency > rung.frequency_error || damping > rung.damping_error {
+                found.push((
+                    rung.name,
+                    format!(
+                        "measured errors {frequency:.1e} and {damping:.1e}, but {:.1e} and {:.1e} are what scenes are promised",
+                        rung.frequency_error, rung.damping_error
+                    ),
+                ));
+            }
+        }
+    }
+    found
+}
+
+/// What `trade.json` holds.
+fn report(ladders: &[Ladder], base: &Scene, (structure, memory): (f64, Option<u64>)) -> Value {
+    let mut rungs = Vec::new();
+    let (mut pareto, mut reference, mut orders) = (Map::new(), Map::new(), Map::new());
+    for ladder in ladders {
+        let dial = &ladder.dial;
+        let name = |rung: &Rung| format!("{}: {}", dial.name, rung.name);
+        for (rung, outcome) in dial.rungs.iter().zip(&ladder.outcomes) {
+            let mut row = json!({
+                "name": name(rung),
+                "dial": dial.name,
+                "setting": rung.name,
+                "errors": outcome.errors.map(|errors| json!({
+                    "linear_frequency": errors.linear,
+                    "frequency_shift": errors.shift,
+                    "damping_ln": errors.damping,
+                })),
+                "status": match &outcome.measured {
+                    Ok(_) => "measured".to_owned(),
+                    Err(reason) => format!("failed: {reason}"),
+                },
+            });
+            if let Ok(measured) = &outcome.measured {
+                let backbone = AMPLITUDES.map(|a| measured.backbone.at(a));
+                row["seconds"] = json!(measured.structure_seconds + measured.interface_seconds);
+                row["structure_seconds"] = json!(measured.structure_seconds);
+                row["interface_seconds"] = json!(measured.interface_seconds);
+                row["peak_memory"] = json!(measured.peak_memory);
+                row["not_converged"] = json!(measured.not_converged);
+                row["linear_frequency_hz"] = json!(measured.linear);
+                row["frequency_hz"] = json!(backbone.map(|at| at.map(|(f, _)| f)));
+                row["damping_ratio"] = json!(backbone.map(|at| at.and_then(|(_, zeta)| zeta)));
+            }
+            rungs.push(row);
+        }
+        let best = dial.rungs.iter().zip(&ladder.outcomes).filter(|(_, o)| o.pareto);
+        pareto.insert(dial.name.into(), best.map(|(rung, _)| json!(rung.name)).collect());
+        reference.insert(dial.name.into(), json!(dial.rungs.last().map(|rung| &rung.name)));
+        let limits = ladder.limits.iter().map(|limit| {
+            json!({
+                "quantity": limit.quantity,
+                "order": limit.extrapolation.map(|e| e.order),
+                "limit": limit.extrapolation.map(|e| e.limit),
+                "uncertainty": limit.uncertainty,
+            })
+        });
+        orders.insert(dial.name.into(), limits.collect());
+    }
+    json!({
+        "scene": base,
+        "amplitudes": AMPLITUDES,
+        "rungs": rungs,
+        "pareto": pareto,
+        "reference": reference,
+        "limits": orders,
+        "budget": budget(ladders, base),
+        "structure": {"seconds": structure, "peak_memory": memory},
+    })
+}
+
+/// Parts of the error of the scene that the dials are about: of the rungs whose scene it is.
+pub(crate) fn budget(ladders: &[Ladder], base: &Scene) -> Value {
+    let own = comparable(base, Source::Loops);
+    let mut parts = Map::new();
+    let mut squares = [0.0; 2];
+    for ladder in ladders.iter().filter(|ladder| ladder.dial.share != Share::None) {
+        let rungs = ladder.dial.rungs.iter().zip(&ladder.outcomes);
+        let errors = rungs
+            .filter(|(rung, _)| rung.source == Source::Loops && comparable(&rung.scene, rung.source) == own)
+            .find_map(|(_, outcome)| outcome.errors);
+        let Some(errors) = errors else { continue };
+        // What the reference itself is away from the limit counts as well.
+        let rest = |index: usize| {
+            ladder
+                .limits
+                .get(index)
+                .and_then(|limit| limit.uncertainty)
+                .unwrap_or(0.0)
+        };
+        let [frequency, damping] = [errors.frequency() + rest(0), errors.damping().unwrap_or(0.0) + rest(1)];
+        if ladder.dial.share == Share::Error {
+            squares[0] += frequency * frequency;
+            squares[1] += damping * damping;
+        }
+        let kind = if ladder.dial.share == Share::Error {
+            "error"
+        } else {
+            "choice"
+        };
+        parts.insert(
+            ladder.dial.name.into(),
+            json!({"kind": kind, "frequency": frequency, "damping_ln": damping}),
+        );
+    }
+    json!({
+        "parts": parts,
+        "root_sum_of_squares_of_errors": {"frequency": squares[0].sqrt(), "damping_ln": squares[1].sqrt()},
+    })
+}
