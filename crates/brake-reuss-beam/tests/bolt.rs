@@ -1,5 +1,5 @@
 //! Stiffness of the bolt model.
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::mesh::{Refinement, build};
 use brake_reuss_beam::published;

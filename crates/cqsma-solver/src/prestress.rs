@@ -29,14 +29,18 @@ pub struct Prestress<S> {
 /// are below five.
 const FAR_GUESS: f64 = 10.0;
 
+/// Searches, each but the first beginning where the one before ended.
+const MOST_SEARCHES: usize = 5;
+
 /// Solves `K u + F(u) = load` from the guess `start`.
 ///
 /// The energy norm is that of the structure linearised at `start` with everything stuck, so `start` must close the
 /// interface: a uniform closure that carries the load on average makes the first Newton step the solution of that
-/// linear problem. The equilibrium is first found with sliding prevented, then with friction; where Newton's method fails
-/// the load is applied in steps. The outer `Result` tells of input that cannot be used, the inner one of a solve that did
-/// not converge. A guess so far off that its energy norm says little about the solution is replaced by the solution and
-/// the work repeated from there.
+/// linear problem. The equilibrium is first found with sliding prevented, then with friction. A guess so far off that its
+/// energy norm says little about the solution is replaced by what was found from it, and the work repeated from there;
+/// so is one from which Newton's method came nearer, but did not arrive. Where that does not help either, the load is
+/// applied in steps. The outer `Result` tells of input that cannot be used, the inner one of a solve that did not
+/// converge.
 ///
 /// # Errors
 /// Sizes that do not match, and [`Error::Dense`] if `start` leaves the structure loose.
@@ -50,34 +54,76 @@ pub fn solve<F: HystereticForce>(
     let n = stiffness.nrows();
     check_size("the static load", load.len(), n)?;
     check_size("the starting guess", start.len(), n)?;
-    let attempt = |start: &[f64]| attempt(stiffness, force, load, start, settings);
-    let first = match attempt(start)? {
-        Ok(found) if found.stretch > FAR_GUESS => found.solution,
-        other => return Ok(other.map(|found| found.solution)),
-    };
-    Ok(attempt(&first.displacement)?.map(|found| {
-        let mut second = found.solution;
-        second.effort += first.effort;
-        second.iterations = std::array::from_fn(|stage| first.iterations[stage] + second.iterations[stage]);
-        second
-    }))
+    let mut work = Work::default();
+    let mut from = start.to_vec();
+    let mut is_refined = false;
+    for _ in 0..MOST_SEARCHES {
+        match search(stiffness, force, load, &from, Road::Direct, settings, &mut work) {
+            Ok(Ok(found)) if found.stretch <= FAR_GUESS || is_refined => return Ok(Ok(found.solution)),
+            Ok(Ok(found)) => {
+                is_refined = true;
+                from = found.solution.displacement;
+            }
+            Ok(Err(lost)) if lost.is_nearer() => from = lost.displacement,
+            Ok(Err(_)) => break,
+            Err(error) if from == start => return Err(error),
+            // Where a search ended may leave the structure loose.
+            Err(_) => break,
+        }
+    }
+    let last = search(stiffness, force, load, start, Road::InSteps, settings, &mut work)?;
+    Ok(last.map(|found| found.solution).map_err(|lost| lost.failure))
+}
+
+/// How a search goes about its load.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Road {
+    /// All at once.
+    Direct,
+    /// In steps, if all at once does not do.
+    InSteps,
+}
+
+/// Work done by all searches.
+#[derive(Default)]
+struct Work {
+    iterations: [usize; 2],
+    effort: Effort,
 }
 
 /// A solution, and how good its guess was.
-struct Attempt<S> {
+struct Found<S> {
     solution: Prestress<S>,
     /// Energy norm of the motion, in the stuck structure at the guess, over that of the load.
     stretch: f64,
 }
 
-/// One search from `start`.
-fn attempt<F: HystereticForce>(
+/// Where a search without success ended.
+struct Lost {
+    failure: Failure,
+    displacement: Vec<f64>,
+}
+
+impl Lost {
+    /// Whether another search from here may do better.
+    fn is_nearer(&self) -> bool {
+        match self.failure.history.as_slice() {
+            [first, .., last] => *last < 0.5 * first,
+            _ => false,
+        }
+    }
+}
+
+/// One search from `start`, whose work is added up.
+fn search<F: HystereticForce>(
     stiffness: MatRef<'_, f64>,
     force: &F,
     load: &[f64],
     start: &[f64],
+    road: Road,
     settings: &NewtonSettings,
-) -> Result<Result<Attempt<F::State>, Failure>, Error> {
+    work: &mut Work,
+) -> Result<Result<Found<F::State>, Lost>, Error> {
     let n = stiffness.nrows();
     let nc = force.n_dofs();
     let initial = force.initial_state();
@@ -110,33 +156,40 @@ fn attempt<F: HystereticForce>(
     };
     let walk = Walk::<F>::new(force, guess, initial);
     let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), walk);
-    let mut iterations = [0; 2];
     let mut counts = PointCounts::default();
     for (stage, sliding) in [Sliding::Prevented, Sliding::Allowed].into_iter().enumerate() {
         path.sliding = sliding;
         path.residual = 0.0;
         let before = path.walk.effort.iterations;
         let guess = path.walk.motion.clone();
-        let solved = path.settle(1.0).or_else(|_| {
+        let solved = path.settle(1.0).or_else(|failure| {
+            if road == Road::Direct {
+                return Err(failure);
+            }
             path.walk.motion.copy_from(&guess);
             path.at = 0.0;
             path.advance(1.0)
         });
+        work.iterations[stage] += path.walk.effort.iterations - before;
         match solved {
             Ok(found) => counts = found,
-            Err(failure) => return Ok(Err(failure)),
+            Err(failure) => {
+                work.effort += path.walk.effort;
+                let displacement = path.walk.motion.v;
+                return Ok(Err(Lost { failure, displacement }));
+            }
         }
-        iterations[stage] = path.walk.effort.iterations - before;
     }
     path.walk.commit();
+    work.effort += path.walk.effort;
     let stretch = path.walk.motion.norm() / unit.norm();
     let solution = Prestress {
         displacement: path.walk.motion.v,
         state: path.walk.begin,
-        iterations,
-        effort: path.walk.effort,
+        iterations: work.iterations,
+        effort: work.effort,
         residual: path.residual,
         counts,
     };
-    Ok(Ok(Attempt { solution, stretch }))
+    Ok(Ok(Found { solution, stretch }))
 }
