@@ -20,6 +20,9 @@ use zte_assembly::{InterfaceMesh, Operators};
 /// Frequencies compared between the full and the reduced model.
 const N_CHECKED: usize = 10;
 
+/// Residual that modes reach where only their frequencies matter, whose error is of the order of its square.
+const FREQUENCY_TOLERANCE: f64 = 1e-4;
+
 /// Uniform stiffness of the spectrum check, as a multiple of Young's modulus per metre: of the order of a bolted
 /// interface's contact stiffness.
 const CHECK_STIFFNESS: f64 = 50.0;
@@ -273,7 +276,7 @@ impl Structure {
         reduced: &mut ReducedModel,
         progress: &dyn Progress,
     ) -> Result<Facts, Error> {
-        let tolerance = self.settings.mode_tolerance;
+        let tolerance = FREQUENCY_TOLERANCE;
         let relative: &RelativeSystem = &assembled.relative;
         let (zem_unstressed, unstressed) = checks::full_frequencies(relative, None, N_CHECKED, tolerance)?;
         progress.fraction(Stage::Reduce, 0.88);
