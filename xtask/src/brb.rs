@@ -4,6 +4,7 @@ use crate::files::{self, Output};
 use crate::progress::{Monitor, peak_memory};
 use crate::{Outcome, csv, fields, plot, print, report, vtu};
 use anyhow::{Context, Result, bail};
+use joint_pipeline::registration::{self, Moved};
 use joint_pipeline::summary::{BackboneSummary, Status, Summary};
 use joint_pipeline::{Options, Run, Scene};
 use std::fmt::Write;
@@ -13,6 +14,8 @@ const FLAT: &str = include_str!("../../fixtures/scenes/brb-flat.json");
 const DECK: &str = include_str!("../../fixtures/scenes/brb-deck.json");
 pub(crate) const RESULTS: &str = "results";
 pub(crate) const SUMMARY: &str = "summary.json";
+const ENSEMBLE: &str = "ensemble.csv";
+const REGISTRATION: &str = "registration.csv";
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -33,11 +36,31 @@ pub(crate) struct Arguments {
     /// Neither read nor store reduced models and finished amplitudes in results/.cache.
     #[arg(long)]
     no_cache: bool,
+    /// Also run K bootstrap realisations of the laws of all elements, for bands about the backbone; the surface of the
+    /// scene must be scanned.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    ensemble: Option<u16>,
+    /// Instead, the backbone with the bottom face of a scanned surface moved: by SHIFT (m) and tilted by TILT to either side
+    /// along x and y; written to registration.csv.
+    #[arg(long, value_name = "SHIFT,TILT", num_args = 0..=1, default_missing_value = "6e-4,1e-4", value_parser = shift_and_tilt,
+        conflicts_with = "ensemble")]
+    registration_study: Option<[f64; 2]>,
+}
+
+fn shift_and_tilt(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_slice() {
+        &[shift, tilt] if shift.is_finite() && tilt.is_finite() => Ok([shift, tilt]),
+        _ => Err("a shift in metres and a tilt are expected, such as 6e-4,1e-4".into()),
+    }
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let scene = read_scene(arguments.scene.as_deref(), arguments.deck.as_deref())?;
+    if arguments.ensemble.is_some() && !scene.surface.is_scanned() {
+        return Err(joint_pipeline::Error::NoSamples.into());
+    }
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&scene.name)?,
@@ -54,20 +77,43 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         cache: (!arguments.no_cache).then(|| Path::new(RESULTS).join(".cache")),
     };
     let monitor = Monitor::new()?;
-    let result = joint_pipeline::run(&scene, &options, &monitor);
+    if let Some(moves) = arguments.registration_study {
+        let study = registration::study(&scene, moves, &options, &monitor);
+        monitor.finish();
+        let study = study.with_context(|| format!("moving the bottom face of the scene {}", scene.name))?;
+        let outputs = [Output::new(REGISTRATION, csv::registration(&study))];
+        files::write_all(&directory, &outputs)?;
+        print(&moved(&study, &directory))?;
+        let complete = study.iter().all(|moved| moved.not_converged == 0);
+        return Ok(if complete {
+            Outcome::Success
+        } else {
+            Outcome::Incomplete
+        });
+    }
+    let result = match arguments.ensemble {
+        None => joint_pipeline::run(&scene, &options, &monitor).map(|run| (run, None)),
+        Some(k) => {
+            joint_pipeline::run_ensemble(&scene, k.into(), &options, &monitor).map(|(run, all)| (run, Some(all)))
+        }
+    };
     let timings = monitor.finish();
-    let run = result.with_context(|| format!("running the scene {}", scene.name))?;
-    let summary = Summary::new(&run, timings, peak_memory());
+    let (run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
+    let mut summary = Summary::new(&run, timings, peak_memory());
+    summary.ensemble = ensemble;
 
     let stale = is_run_of(&directory, &scene.name);
     let outputs = outputs(&run, &summary)?;
     files::write_all(&directory, &outputs)?;
     if stale {
-        files::remove_stale(&directory, &outputs)?;
+        files::remove_stale(&directory, &outputs, &[ENSEMBLE])?;
     }
     print(&account(&summary, &scene.name, &directory))?;
     let others = summary.methods.values().flatten();
-    let complete = summary.backbone.iter().all(|b| b.converged) && others.into_iter().all(|m| m.converged);
+    let mut members = summary.ensemble.iter().flat_map(|all| &all.members);
+    let complete = summary.backbone.iter().all(|b| b.converged)
+        && others.into_iter().all(|m| m.converged)
+        && members.all(|m| m.failure.is_none() && m.not_converged == 0);
     Ok(if complete {
         Outcome::Success
     } else {
@@ -122,7 +168,8 @@ fn is_run_of(directory: &Path, name: &str) -> bool {
 
 /// All files of a run; the summary comes last, so that a new one never stands beside old files.
 fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>> {
-    let field_file = |name: String, fields| Output::new(name, vtu::document(run, &fields::cell_fields(run, fields)));
+    let field_file =
+        |name: String, fields| Output::new(name, vtu::document(&run.mesh, &fields::cell_fields(run, fields)));
     let picture = plot::backbone(summary, &title(run))?;
     let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)];
     for (index, amplitude) in run.amplitudes.iter().enumerate() {
@@ -131,6 +178,9 @@ fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>> {
         }
     }
     outputs.push(Output::new("backbone.csv", csv::document(summary)));
+    if let Some(ensemble) = &summary.ensemble {
+        outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)));
+    }
     outputs.push(Output::new("report.html", report::document(run, summary, &picture)?));
     outputs.push(Output::new("backbone.svg", picture));
     let json = serde_json::to_string_pretty(summary).context("encoding the summary")?;
@@ -147,6 +197,25 @@ fn title(run: &Run) -> String {
         scene.mu,
         scene.bolts.load / 1e3
     )
+}
+
+/// What is printed at the end of a registration study.
+fn moved(study: &[Moved], directory: &Path) -> String {
+    let mut out = String::new();
+    for moved in study {
+        let ([x, y], [tx, ty]) = (moved.registration.shift, moved.registration.tilt);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "bottom face at ({x:+.2e}, {y:+.2e}) m, tilted by ({tx:+.1e}, {ty:+.1e}): first frequency {:.3} Hz; changes up to {:.3} \
+             Hz and {:.1} % of damping",
+            moved.first_frequency_hz,
+            moved.frequency_change_hz,
+            100.0 * moved.damping_change.exp_m1()
+        );
+    }
+    let _ = writeln!(out, "written to {}: {REGISTRATION}", directory.display());
+    out
 }
 
 /// What is printed at the end.
@@ -195,6 +264,13 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
         let _ = writeln!(
             out,
             "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
+        );
+    }
+    if let Some(ensemble) = &summary.ensemble {
+        let _ = writeln!(
+            out,
+            "{} bootstrap realisations, {} without a backbone; bands in {ENSEMBLE}",
+            ensemble.realisations, ensemble.failed
         );
     }
     let total = summary.timings.get("total").copied().unwrap_or_default();

@@ -1,5 +1,7 @@
 //! The backbone as comma-separated values.
 
+use joint_pipeline::ensemble::Ensemble;
+use joint_pipeline::registration::Moved;
 use joint_pipeline::summary::{BackboneSummary, Summary};
 
 /// Name with unit, and value, of every column.
@@ -42,6 +44,49 @@ fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
                 .map_or_else(String::new, |text| format!("\"{}\"", text.replace('"', "\"\""))),
         ),
     ]
+}
+
+/// Backbones with the bottom face moved, one row per amplitude; empty cells where damping is below its floor.
+pub(crate) fn registration(study: &[Moved]) -> String {
+    let mut out = String::from(
+        "shift_x [m],shift_y [m],tilt_x [-],tilt_y [-],response_displacement [m],frequency [Hz],damping_ratio [-]\n",
+    );
+    for moved in study {
+        let ([x, y], [tx, ty]) = (moved.registration.shift, moved.registration.tilt);
+        for point in &moved.points {
+            let (amplitude, frequency) = (point.response_displacement, point.frequency_hz);
+            let damping = point.damping_ratio.map_or_else(String::new, |z| format!("{z:?}"));
+            out += &format!("{x:?},{y:?},{tx:?},{ty:?},{amplitude:?},{frequency:?},{damping}\n");
+        }
+    }
+    out
+}
+
+/// Percentiles over the realisations, one row per amplitude; empty cells where there is no value.
+pub(crate) fn ensemble(ensemble: &Ensemble) -> String {
+    let mut out = String::from(
+        "response_displacement [m],realisations,frequency_5 [Hz],frequency_50 [Hz],frequency_95 [Hz],damping_ratio_5 [-],\
+         damping_ratio_50 [-],damping_ratio_95 [-]\n",
+    );
+    for band in &ensemble.bands {
+        let frequencies = band.frequency_hz.iter().map(|f| format!("{f:?}"));
+        let dampings = band
+            .damping_ratio
+            .iter()
+            .map(|z| z.map_or_else(String::new, |z| format!("{z:?}")));
+        let cells = [
+            format!("{:?}", band.response_displacement),
+            band.realisations.to_string(),
+        ];
+        out += &(cells
+            .into_iter()
+            .chain(frequencies)
+            .chain(dampings)
+            .collect::<Vec<_>>()
+            .join(",")
+            + "\n");
+    }
+    out
 }
 
 /// One row per amplitude; empty cells where there is no value.

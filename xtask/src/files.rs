@@ -48,8 +48,8 @@ pub(crate) fn amplitude_file(number: usize) -> String {
     format!("interface-amplitude-{number:02}.vtu")
 }
 
-/// Removes the interface files of amplitudes that are not among `outputs`.
-pub(crate) fn remove_stale(directory: &Path, outputs: &[Output]) -> Result<()> {
+/// Removes the interface files of amplitudes, and those `named`, that are not among `outputs`.
+pub(crate) fn remove_stale(directory: &Path, outputs: &[Output], named: &[&str]) -> Result<()> {
     let entries = std::fs::read_dir(directory).with_context(|| format!("listing {}", directory.display()))?;
     for entry in entries {
         let path = entry
@@ -63,7 +63,8 @@ pub(crate) fn remove_stale(directory: &Path, outputs: &[Output]) -> Result<()> {
             .and_then(|rest| rest.strip_suffix(".vtu"));
         let ours = number
             .and_then(|n| n.parse().ok())
-            .is_some_and(|n| amplitude_file(n) == name);
+            .is_some_and(|n| amplitude_file(n) == name)
+            || named.contains(&name);
         if ours && outputs.iter().all(|output| output.name != name) {
             std::fs::remove_file(&path).with_context(|| format!("removing {} of an earlier run", path.display()))?;
         }

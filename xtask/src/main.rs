@@ -1,18 +1,23 @@
 //! The commands of the workspace: `cargo xtask --help`.
 mod bench;
 mod brb;
+mod characterise;
 mod check;
+mod compare;
 mod csv;
 mod export;
 mod fields;
 mod files;
+mod identify;
 mod layering;
 mod map;
 mod markup;
 mod model;
+mod overlay;
 mod plot;
 mod progress;
 mod report;
+mod transient;
 mod vtu;
 
 use clap::{Parser, Subcommand};
@@ -43,6 +48,14 @@ enum Command {
     Model(model::Arguments),
     /// Write the reduced model of a scene for other programs: NumPy, MATLAB and Octave, Matrix Market.
     Export(export::Arguments),
+    /// Frequency and damping against amplitude from measured ring-downs; several files are hits to be averaged.
+    Identify(identify::Arguments),
+    /// Characterise two scans over an interface: gaps, roughness, asperities and traction laws with bands per element.
+    Characterise(characterise::Arguments),
+    /// Follow the ring-down of a scene in time, identify it, and lay it over the quasi-static backbones.
+    Transient(transient::Arguments),
+    /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
+    Compare(compare::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
     /// Check that the dependencies between the crates point one way only.
@@ -68,6 +81,10 @@ fn main() -> ExitCode {
         Command::Brb(arguments) => brb::run(&arguments),
         Command::Model(arguments) => model::run(&arguments).map(|()| Outcome::Success),
         Command::Export(arguments) => export::run(&arguments).map(|()| Outcome::Success),
+        Command::Identify(arguments) => identify::run(&arguments).map(|()| Outcome::Success),
+        Command::Characterise(arguments) => characterise::run(&arguments).map(|()| Outcome::Success),
+        Command::Transient(arguments) => transient::run(&arguments).map(|()| Outcome::Success),
+        Command::Compare(arguments) => compare::run(&arguments).map(|()| Outcome::Success),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),

@@ -1,8 +1,8 @@
 //! Maps of the interface as SVG.
 
 use crate::markup::escape;
-use joint_pipeline::Run;
 use std::fmt::Write;
+use zte_assembly::InterfaceMesh;
 
 /// Nine equally spaced colours of the viridis map, dark to light.
 const VIRIDIS: [[f64; 3]; 9] = [
@@ -31,8 +31,8 @@ fn colour(t: f64) -> String {
 }
 
 /// The interface seen from above, one colour per element, with a colour bar from the smallest to the largest value.
-pub(crate) fn svg(run: &Run, values: &[f64], quantity: &str, unit: &str) -> String {
-    let nodes = &run.mesh.nodes;
+pub(crate) fn svg(mesh: &InterfaceMesh, values: &[f64], quantity: &str, unit: &str) -> String {
+    let nodes = &mesh.nodes;
     let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| nodes.iter().map(|x| x[axis]).fold(from, pick);
     let (left, right) = (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
     let (bottom, top) = (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
@@ -51,7 +51,7 @@ pub(crate) fn svg(run: &Run, values: &[f64], quantity: &str, unit: &str) -> Stri
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.1}\" role=\"img\" \
          aria-label=\"{label}\" font-family=\"sans-serif\" font-size=\"14\">"
     );
-    for (element, &value) in run.mesh.elements.iter().zip(values) {
+    for (element, &value) in mesh.elements.iter().zip(values) {
         let corners: Vec<String> = element
             .nodes()
             .iter()

@@ -1,16 +1,20 @@
-//! Pictures: the backbone, and the cost of a load point.
+//! Pictures: the backbone, the response and the profiles of an element, and the cost of a load point.
 
 use anyhow::{Context, Result};
+use contact_laws::{ContactCurves, FittedCurves};
+use joint_pipeline::ensemble::BandPoint;
 use joint_pipeline::summary::{BackboneSummary, MethodSummary, Summary};
+use joint_pipeline::surface::Profile;
 use plotters::coord::combinators::{LogCoord, WithKeyPoints};
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use std::ops::Range;
+use surface_characterisation::ElementSurface;
 
 const SIZE: (u32, u32) = (800, 720);
-const BLUE: RGBColor = RGBColor(31, 93, 153);
-const RED: RGBColor = RGBColor(178, 58, 46);
+pub(crate) const BLUE: RGBColor = RGBColor(31, 93, 153);
+pub(crate) const RED: RGBColor = RGBColor(178, 58, 46);
 const GRID: RGBColor = RGBColor(222, 222, 222);
 
 /// Length of the sample of a curve in the legend (pixels).
@@ -54,8 +58,164 @@ pub(crate) fn scaling(by_elements: &[(f64, f64)], by_points: &[(f64, f64)]) -> R
                     name: String::new(),
                     colour,
                     dashes: None,
+                    dots: true,
                     points,
                 }],
+                &[],
+                SeriesLabelPosition::LowerRight,
+            )?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// Normal traction above, tangential stiffness along x and y below, against interference: sums over the heights, their
+/// bands and their fits.
+pub(crate) fn response(element: &ElementSurface, fits: &FittedCurves, title: &str) -> Result<String> {
+    let (curves, u) = (&element.curves, &element.curves.interference);
+    let curve = |name: &str, colour, dashes, values: &mut dyn Iterator<Item = f64>| {
+        let points = u.iter().zip(values).enumerate().map(|(i, (&u, v))| (i, u, v));
+        Curve {
+            name: name.into(),
+            colour,
+            dashes,
+            dots: false,
+            points: points.filter(|p| p.2 > 0.0).collect(),
+        }
+    };
+    let (green, fit) = (RGBColor(34, 130, 60), Some((9, 5)));
+    let normal = [
+        curve("sum", BLUE, None, &mut curves.normal.iter().copied()),
+        curve("fit (28)", RED, fit, &mut u.iter().map(|&u| fits.normal(u).0)),
+    ];
+    let along = |q: usize| curves.tangential[q].iter().copied();
+    let mut tangential = vec![
+        curve("sum", BLUE, None, &mut along(0)),
+        curve(
+            "fit (29)",
+            RED,
+            fit,
+            &mut u.iter().map(|&u| fits.tangential(u)[0].value),
+        ),
+    ];
+    if curves.tangential[0] != curves.tangential[1] {
+        tangential[0].name += ", x";
+        tangential[1].name += ", x";
+        tangential.push(curve("sum, y", green, None, &mut along(1)));
+        let y = &mut u.iter().map(|&u| fits.tangential(u)[1].value);
+        tangential.push(curve("fit (29), y", RGBColor(122, 58, 150), fit, y));
+    }
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let root = root.titled(title, ("sans-serif", 20))?;
+        let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
+        let bands = element.bands.as_ref();
+        for (area, x_label, y_label, curves, band) in [
+            (
+                &upper,
+                "",
+                "normal traction [Pa]",
+                &normal[..],
+                bands.map(|b| &b.normal),
+            ),
+            (
+                &lower,
+                "interference [m]",
+                "tangential stiffness [Pa/m]",
+                &tangential,
+                bands.map(|b| &b.tangential[0]),
+            ),
+        ] {
+            let x = bounds(points(curves).map(|p| p.1)).unwrap_or(1e-7..1e-5);
+            let y = widen(&bounds(points(curves).map(|p| p.2)).unwrap_or(1.0..10.0), 2.0);
+            let (x_ticks, y_ticks) = (ticks(&x), ticks(&y));
+            // Where a realisation does not touch yet, its zero lies below every logarithmic axis.
+            let within = |v: f64| v.clamp(y.start, y.end);
+            let band = band.map(|[low, high]| Band {
+                colour: BLUE,
+                points: (0..u.len()).map(|k| (u[k], within(low[k]), within(high[k]))).collect(),
+            });
+            panel(
+                area,
+                log(&x, &x_ticks),
+                log(&y, &y_ticks),
+                y_label,
+                x_label,
+                [&power, &power],
+                curves,
+                band.as_slice(),
+                SeriesLabelPosition::LowerRight,
+            )?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// A line through an element: above the heights with the form that is taken off, below what remains with the parabolas of
+/// its peaks (um over mm).
+pub(crate) fn profile(profile: &Profile, title: &str) -> Result<String> {
+    let mut svg = String::new();
+    let step = match profile.x[..] {
+        [first, second, ..] => second - first,
+        _ => 1.0,
+    };
+    let line = |name: &str, colour, dashes, values: &mut dyn Iterator<Item = f64>| {
+        let points = profile.x.iter().zip(values).enumerate();
+        let points = points
+            .map(|(i, (x, z))| (i, 1e3 * x, 1e6 * z))
+            .filter(|p| p.2.is_finite());
+        Curve {
+            name: name.into(),
+            colour,
+            dashes,
+            dots: false,
+            points: points.collect(),
+        }
+    };
+    let raw = [
+        line("heights", BLUE, None, &mut profile.height.iter().copied()),
+        line("plane and form", RED, Some((9, 5)), &mut profile.form.iter().copied()),
+    ];
+    let residual = &mut profile.height.iter().zip(&profile.form).map(|(z, form)| z - form);
+    let arcs = profile.peaks.iter().enumerate().flat_map(|(number, peak)| {
+        // Nine points over two steps, with numbers that keep the arcs apart.
+        (0..9_u8).map(move |k| {
+            let s = step * (f64::from(k) / 4.0 - 1.0);
+            let z = peak.height - 0.5 * peak.curvature * s * s;
+            let x = profile.x[0] + peak.position + s;
+            (10 * number + usize::from(k), 1e3 * x, 1e6 * z)
+        })
+    });
+    let arcs = Curve {
+        name: "parabolas of the peaks".into(),
+        colour: RED,
+        dashes: Some((SAMPLE, 1)),
+        dots: false,
+        points: arcs.collect(),
+    };
+    let flat = [line("heights above the form", BLUE, None, residual), arcs];
+    {
+        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let root = root.titled(title, ("sans-serif", 20))?;
+        let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
+        for (area, x_label, curves) in [(&upper, "", &raw), (&lower, "x [mm]", &flat)] {
+            let x = bounds(points(&raw).map(|p| p.1)).unwrap_or(0.0..1.0);
+            let Range { start, end } = bounds(points(curves).map(|p| p.2)).unwrap_or(0.0..1.0);
+            let margin = 0.08 * (end - start) + f64::MIN_POSITIVE;
+            panel(
+                area,
+                x,
+                start - margin..end + margin,
+                "height [um]",
+                x_label,
+                [&|x| format!("{x:.2}"), &|z| format!("{z:.1}")],
+                curves,
+                &[],
                 SeriesLabelPosition::LowerRight,
             )?;
         }
@@ -65,15 +225,23 @@ pub(crate) fn scaling(by_elements: &[(f64, f64)], by_points: &[(f64, f64)]) -> R
 }
 
 /// Points of a curve with their numbers in the backbone, so that lines break where an amplitude is missing.
-type Points = Vec<(usize, f64, f64)>;
+pub(crate) type Points = Vec<(usize, f64, f64)>;
 
 /// The curve of one method.
-struct Curve {
-    name: String,
+pub(crate) struct Curve {
+    pub(crate) name: String,
+    pub(crate) colour: RGBColor,
+    /// Length and spacing of its dashes (pixels); none: a solid line.
+    pub(crate) dashes: Option<(u32, u32)>,
+    /// Whether its points are marked.
+    pub(crate) dots: bool,
+    pub(crate) points: Points,
+}
+
+/// A shaded band: position, lower and upper end.
+pub(crate) struct Band {
     colour: RGBColor,
-    /// Length and spacing of its dashes (pixels); none: a solid line with dots.
-    dashes: Option<(u32, u32)>,
-    points: Points,
+    points: Vec<(f64, f64, f64)>,
 }
 
 impl Curve {
@@ -88,6 +256,7 @@ impl Curve {
             name: title(name),
             colour,
             dashes,
+            dots: dashes.is_none(),
             points,
         }
     }
@@ -123,6 +292,12 @@ fn points(curves: &[Curve]) -> impl Iterator<Item = &(usize, f64, f64)> {
     curves.iter().flat_map(|curve| &curve.points)
 }
 
+/// All values of curves and bands.
+fn heights<'a>(curves: &'a [Curve], bands: &'a [Band]) -> impl Iterator<Item = f64> + 'a {
+    let bands = bands.iter().flat_map(|b| b.points.iter().flat_map(|p| [p.1, p.2]));
+    points(curves).map(|p| p.2).chain(bands)
+}
+
 fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
     let frequency = curves(summary, BLUE, |b| b.frequency_hz, |m| m.frequency_hz);
     let mut damping = curves(summary, RED, |b| b.damping_ratio, |m| m.damping_ratio);
@@ -131,6 +306,20 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
         curve.points.retain(|(_, _, zeta)| *zeta > 0.0);
     }
     let omitted = all - points(&damping).count();
+    let ensemble = summary.ensemble.as_ref().map_or(&[][..], |ensemble| &ensemble.bands);
+    let of = |colour, ends: &dyn Fn(&BandPoint) -> Option<[f64; 2]>| -> Vec<Band> {
+        let points = ensemble
+            .iter()
+            .filter_map(|b| ends(b).map(|[l, h]| (b.response_displacement, l, h)));
+        let points: Vec<_> = points.collect();
+        // One point has no area.
+        (points.len() > 1)
+            .then_some(Band { colour, points })
+            .into_iter()
+            .collect()
+    };
+    let frequency_band = of(BLUE, &|b| Some([b.frequency_hz[0], b.frequency_hz[2]]));
+    let damping_band = of(RED, &|b| Some([b.damping_ratio[0]?, b.damping_ratio[2]?]));
 
     let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
@@ -144,7 +333,7 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
     let x_ticks = ticks(&x);
     let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
 
-    let Range { start, end } = bounds(points(&frequency).map(|p| p.2)).unwrap_or(0.0..1.0);
+    let Range { start, end } = bounds(heights(&frequency, &frequency_band)).unwrap_or(0.0..1.0);
     let margin = (0.08 * (end - start)).max(1e-3 * end);
     let y = start - margin..end + margin;
     panel(
@@ -155,10 +344,11 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
         "",
         [&power, &|f| format!("{f:.2}")],
         &frequency,
+        &frequency_band,
         SeriesLabelPosition::LowerLeft,
     )?;
 
-    let y = bounds(points(&damping).map(|p| p.2)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
+    let y = bounds(heights(&damping, &damping_band)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
     let y_ticks = ticks(&y);
     let label = format!("{RESPONSE} [m]");
     let chart_y = log(&y, &y_ticks);
@@ -170,6 +360,7 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
         &label,
         [&power, &power],
         &damping,
+        &damping_band,
         SeriesLabelPosition::LowerRight,
     )?;
     if omitted > 0 {
@@ -179,7 +370,7 @@ fn draw(summary: &Summary, title: &str, svg: &mut String) -> Result<()> {
     Ok(root.present()?)
 }
 
-fn panel<X, Y>(
+pub(crate) fn panel<X, Y>(
     area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
     x: X,
     y: Y,
@@ -187,6 +378,7 @@ fn panel<X, Y>(
     x_label: &str,
     [x_text, y_text]: [&dyn Fn(&f64) -> String; 2],
     curves: &[Curve],
+    bands: &[Band],
     legend: SeriesLabelPosition,
 ) -> Result<()>
 where
@@ -213,6 +405,13 @@ where
         .x_desc(x_label)
         .y_desc(y_label)
         .draw()?;
+    for band in bands {
+        let lower = band.points.iter().map(|&(x, low, _)| (x, low));
+        let outline: Vec<(f64, f64)> = lower
+            .chain(band.points.iter().rev().map(|&(x, _, high)| (x, high)))
+            .collect();
+        chart.draw_series([Polygon::new(outline, band.colour.mix(0.2).filled())])?;
+    }
     for curve in curves {
         let style = curve.colour.stroke_width(2);
         for run in curve.points.chunk_by(|a, b| a.0 + 1 == b.0) {
@@ -222,7 +421,7 @@ where
                 Some((length, spacing)) => chart.draw_series(DashedLineSeries::new(line, length, spacing, style))?,
             };
         }
-        let dots: &[_] = if curve.dashes.is_none() { &curve.points } else { &[] };
+        let dots: &[_] = if curve.dots { &curve.points } else { &[] };
         let dots = dots.iter().map(|p| Circle::new((p.1, p.2), 3, curve.colour.filled()));
         let drawn = chart.draw_series(dots)?;
         if curves.len() > 1 {
@@ -246,21 +445,21 @@ where
     Ok(())
 }
 
-fn bounds(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
+pub(crate) fn bounds(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     let range = values.fold(f64::INFINITY..f64::NEG_INFINITY, |r, v| r.start.min(v)..r.end.max(v));
     (range.start <= range.end).then_some(range)
 }
 
-fn widen(range: &Range<f64>, factor: f64) -> Range<f64> {
+pub(crate) fn widen(range: &Range<f64>, factor: f64) -> Range<f64> {
     range.start / factor..range.end * factor
 }
 
-fn log(range: &Range<f64>, ticks: &[f64]) -> WithKeyPoints<LogCoord<f64>> {
+pub(crate) fn log(range: &Range<f64>, ticks: &[f64]) -> WithKeyPoints<LogCoord<f64>> {
     range.clone().log_scale().with_key_points(ticks.to_vec())
 }
 
 /// At most about ten ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 times them on short axes.
-fn ticks(range: &Range<f64>) -> Vec<f64> {
+pub(crate) fn ticks(range: &Range<f64>) -> Vec<f64> {
     let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
     let (stride, factors): (usize, &[f64]) = match last - first {
         0..=3 => (1, &[1.0, 2.0, 5.0]),
@@ -274,7 +473,7 @@ fn ticks(range: &Range<f64>) -> Vec<f64> {
 }
 
 /// `m x 10^n`, without `m` where it is one.
-fn power(value: &f64) -> String {
+pub(crate) fn power(value: &f64) -> String {
     let text = format!("{value:e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let mantissa: f64 = mantissa.parse().unwrap_or(f64::NAN);

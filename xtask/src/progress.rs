@@ -7,7 +7,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-const STAGES: [Stage; 9] = [
+const STAGES: [Stage; 10] = [
     Stage::Mesh,
     Stage::Assemble,
     Stage::Factor,
@@ -17,6 +17,7 @@ const STAGES: [Stage; 9] = [
     Stage::Modes,
     Stage::Backbone,
     Stage::Methods,
+    Stage::Ensemble,
 ];
 
 /// Parts of a bar.

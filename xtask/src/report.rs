@@ -60,19 +60,23 @@ pub(crate) fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<S
         );
     }
     out += "<h2>Backbone</h2>\n";
-    figure(&mut out, backbone, &format!("Amplitude: {}.", plot::RESPONSE));
+    let bands = summary.ensemble.as_ref().map_or_else(String::new, |all| {
+        let n = all.realisations - all.failed;
+        format!(" Shaded: 5 to 95 % of {n} bootstrap realisations of the laws.")
+    });
+    figure(&mut out, backbone, &format!("Amplitude: {}.{bands}", plot::RESPONSE));
 
     out += "<h2>Interface</h2>\n";
     let caption = "Pressure under prestress, means over the elements; seen from above, the beam's axis to the right.";
     let pressure = fields::pressure(run, &run.prestress.fields);
-    figure(&mut out, &map::svg(run, &pressure, "pressure", "Pa"), caption);
+    figure(&mut out, &map::svg(&run.mesh, &pressure, "pressure", "Pa"), caption);
     for (index, amplitude) in run.amplitudes.iter().enumerate() {
         let stored = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref());
         let (Some(stored), Some(x)) = (stored, amplitude.response_displacement) else {
             continue;
         };
         let flux = fields::total_flux(run, stored);
-        let picture = map::svg(run, &flux, "dissipated energy per area and cycle", "J/m^2");
+        let picture = map::svg(&run.mesh, &flux, "dissipated energy per area and cycle", "J/m^2");
         figure(
             &mut out,
             &picture,

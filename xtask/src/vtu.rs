@@ -2,12 +2,12 @@
 
 use crate::fields::CellField;
 use crate::markup::escape;
-use joint_pipeline::Run;
 use std::fmt::{Display, Write};
+use zte_assembly::InterfaceMesh;
 
 /// The interface as an ASCII unstructured grid with the given cell data.
-pub(crate) fn document(run: &Run, cells: &[CellField]) -> String {
-    let (nodes, elements) = (&run.mesh.nodes, &run.mesh.elements);
+pub(crate) fn document(mesh: &InterfaceMesh, cells: &[CellField]) -> String {
+    let (nodes, elements) = (&mesh.nodes, &mesh.elements);
     let mut out = String::from("<?xml version=\"1.0\"?>\n");
     out += "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
     out += "<UnstructuredGrid>\n";

@@ -1,5 +1,7 @@
 //! What a closed hysteresis loop says: frequency, damping, dissipation.
 
+use std::f64::consts::PI;
+
 /// Vertices of one closed loop of modal force against modal amplitude.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -32,6 +34,35 @@ impl Loop {
             })
     }
 
+    /// Angular frequency of the sinusoidal motion of the loop's range that the force balances in its first harmonic (rad/s):
+    /// with `q = middle + Q cos(theta)`, `omega^2 = 1/(pi Q) closed integral of force cos(theta) d theta`, exact on the edges.
+    ///
+    /// The secant takes the force at the reversals for the whole of the motion; a free oscillation feels all of it, and
+    /// where the loop bends has a period closer to this one.
+    pub fn harmonic_omega(&self) -> f64 {
+        let (low, high) = self.extremes();
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        // Loops begin at the positive reversal: down in the first half of the vertices, up in the second.
+        let last = self.amplitude.len().saturating_sub(1);
+        let angle = |i: usize| {
+            let angle = ((self.amplitude[i] - middle) / half).clamp(-1.0, 1.0).acos();
+            if 2 * i <= last { angle } else { 2.0 * PI - angle }
+        };
+        // By parts: minus the integral of sin(theta) over the force, which grows by its slope times -Q sin(theta) d theta.
+        let edge = |i: usize| {
+            let (a, b) = (angle(i), angle(i + 1));
+            let force = self.force[i + 1] - self.force[i];
+            let way = half * (b.cos() - a.cos());
+            let squares = 0.5 * (b - a) - 0.25 * ((2.0 * b).sin() - (2.0 * a).sin());
+            if way == 0.0 {
+                -force / half * a.sin()
+            } else {
+                force / way * squares
+            }
+        };
+        ((0..last).map(edge).sum::<f64>() / PI).sqrt()
+    }
+
     /// Distance between the last and the first vertex relative to the loop's range.
     pub fn closure(&self) -> f64 {
         let (low, high) = self.extremes();
@@ -54,4 +85,39 @@ fn polygon(force: &[f64], amplitude: &[f64], stride: usize) -> f64 {
         .zip(next)
         .map(|(&a, &b)| 0.5 * (at(a).0 + at(b).0) * (at(b).1 - at(a).1))
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_harmonic_is_that_of_closed_forms() {
+        let steps = 4000;
+        let along = |i: usize| (2.0 * PI * i as f64 / steps as f64).cos();
+        let loop_of = |force: &dyn Fn(usize, f64) -> f64| Loop {
+            force: (0..=steps).map(|i| force(i, along(i))).collect(),
+            amplitude: (0..=steps).map(|i| 0.3 + 2.0 * along(i)).collect(),
+        };
+        let linear = loop_of(&|_, c| 5.0 * 2.0 * c);
+        assert!((linear.harmonic_omega() - 5.0_f64.sqrt()).abs() < 1e-12);
+        // Duffing: k (1 + 3/4 e Q^2), where the secant has k (1 + e Q^2).
+        let duffing = loop_of(&|_, c| 5.0 * (2.0 * c + 0.1 * (2.0 * c).powi(3)));
+        let exact = 5.0 * (1.0 + 0.75 * 0.1 * 4.0);
+        assert!((duffing.harmonic_omega().powi(2) / exact - 1.0).abs() < 1e-5);
+        // Dry friction beside a spring has no part in phase with the motion but for the edges that it jumps on.
+        let friction = loop_of(&|i, c| {
+            10.0 * c
+                - if i == 0 || i == steps {
+                    -1.0
+                } else {
+                    (steps as f64 / 2.0 - i as f64).signum()
+                }
+        });
+        assert!(
+            (friction.harmonic_omega().powi(2) / 5.0 - 1.0).abs() < 1e-3,
+            "{}",
+            friction.harmonic_omega().powi(2)
+        );
+    }
 }

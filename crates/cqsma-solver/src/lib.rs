@@ -7,7 +7,8 @@
 //!
 //! Beside it, on the same equilibria: [`masing::run`] takes the loops from one initial loading curve by Masing's rule,
 //! [`rqnma::run`] lets the mode's shape change with the amplitude. QSMA (eqs. 34-36) is [`cqsma::run`] on a force that
-//! is linear in the normal direction.
+//! is linear in the normal direction. [`transient::run`] assumes none of what they have in common: it integrates the
+//! motion in time.
 //!
 //! The feature `serde` makes results serialisable.
 //!
@@ -26,6 +27,7 @@ mod path;
 pub mod prestress;
 pub mod rqnma;
 pub mod test_problems;
+pub mod transient;
 
 pub use cqsma::{BackbonePoint, LoopObserver, LoopResult, NoObserver};
 pub use error::Error;

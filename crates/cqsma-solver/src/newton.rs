@@ -144,7 +144,8 @@ pub(crate) struct Walk<F: HystereticForce> {
     pub(crate) effort: Effort,
     workspace: F::Workspace,
     total: Vec<f64>,
-    contact: Vec<f64>,
+    /// Force of the contact at the last evaluation: that at the solution, after a solve.
+    pub(crate) contact: Vec<f64>,
     tangent: Vec<f64>,
     trial: Motion,
     /// Residual force, and the stuck structure's response to it.

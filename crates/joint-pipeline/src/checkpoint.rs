@@ -1,11 +1,10 @@
-//! Finished amplitudes of a run under way, so that an interrupted one goes on where it stopped.
+//! Finished parts of a run under way, so that an interrupted one goes on where it stopped.
 //!
-//! One line of JSON per amplitude, written when it is done. Numbers are written so that they read back bit by bit, and
-//! amplitudes are independent: what is taken from here and what is computed afresh make the same backbone as one run.
+//! One line of JSON per part, an amplitude or a realisation, written when it is done. Numbers are written so that they read
+//! back bit by bit, and parts are independent: what is taken from here and what is computed afresh make the same as one run.
 
 use crate::cache::Key;
-use crate::run::LoopFields;
-use cqsma_solver::BackbonePoint;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,42 +12,40 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Amplitudes by their place in the backbone.
-type Finished = BTreeMap<usize, (BackbonePoint, Option<LoopFields>)>;
-
-/// Amplitudes that are done, and where they are written down.
-#[derive(Default)]
-pub(crate) struct Checkpoint {
-    finished: Finished,
+/// Parts that are done, by their number, and where they are written down.
+pub(crate) struct Checkpoint<T> {
+    finished: BTreeMap<usize, T>,
     path: PathBuf,
     /// None if the folder cannot be written, or nothing is to be kept.
     file: Option<Mutex<File>>,
 }
 
-#[derive(Serialize)]
-struct Written<'a> {
+#[derive(Serialize, Deserialize)]
+struct Line<T> {
     index: usize,
-    point: &'a BackbonePoint,
-    fields: Option<&'a LoopFields>,
+    value: T,
 }
 
-#[derive(Deserialize)]
-struct Read {
-    index: usize,
-    point: BackbonePoint,
-    fields: Option<LoopFields>,
+impl<T> Default for Checkpoint<T> {
+    fn default() -> Self {
+        Self {
+            finished: BTreeMap::new(),
+            path: PathBuf::new(),
+            file: None,
+        }
+    }
 }
 
-impl Checkpoint {
-    /// Reads what an earlier run with the same key has finished, and goes on writing there. Whatever cannot be read, such
-    /// as a line that was cut off, counts as not done.
-    pub(crate) fn open(directory: &Path, key: &Key) -> Self {
-        let path = directory.join(format!("loops-{}.jsonl", key.short()));
+impl<T: DeserializeOwned> Checkpoint<T> {
+    /// Reads what an earlier run with the same key has finished of `what`, and goes on writing there. Whatever cannot be
+    /// read, such as a line that was cut off, counts as not done.
+    pub(crate) fn open(directory: &Path, what: &str, key: &Key) -> Self {
+        let path = directory.join(format!("{what}-{}.jsonl", key.short()));
         let text = std::fs::read_to_string(&path).unwrap_or_default();
         let finished = text
             .lines()
-            .filter_map(|line| serde_json::from_str::<Read>(line).ok())
-            .map(|read| (read.index, (read.point, read.fields)))
+            .filter_map(|line| serde_json::from_str::<Line<T>>(line).ok())
+            .map(|line| (line.index, line.value))
             .collect();
         let mut file = std::fs::create_dir_all(directory)
             .and_then(|()| File::options().create(true).append(true).open(&path))
@@ -72,10 +69,11 @@ impl Checkpoint {
         self.finished.contains_key(&index)
     }
 
-    /// Writes an amplitude down. A run goes on without its checkpoint if that fails: it is a convenience.
-    pub(crate) fn add(&self, index: usize, point: &BackbonePoint, fields: Option<&LoopFields>) {
+    /// Writes down a part, which may be given by reference. A run goes on without its checkpoint if that fails: it is a
+    /// convenience.
+    pub(crate) fn add(&self, index: usize, value: impl Serialize) {
         let Some(file) = &self.file else { return };
-        if let Ok(mut line) = serde_json::to_vec(&Written { index, point, fields }) {
+        if let Ok(mut line) = serde_json::to_vec(&Line { index, value }) {
             line.push(b'\n');
             let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
             let _ = file.write_all(&line).and_then(|()| file.sync_data());
@@ -83,7 +81,7 @@ impl Checkpoint {
     }
 
     /// The run is complete: what was found at the beginning; the file is of no more use.
-    pub(crate) fn complete(self) -> Finished {
+    pub(crate) fn complete(self) -> BTreeMap<usize, T> {
         if self.file.is_some() {
             let _ = std::fs::remove_file(&self.path);
         }

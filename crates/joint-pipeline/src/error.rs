@@ -127,6 +127,22 @@ pub enum Error {
         /// Response of the mass-normalised mode times the root of the total mass.
         participation: f64,
     },
+    /// Samples of heights are asked for of a surface that has none.
+    #[error(
+        "the surface has no samples of heights to draw from: measured quantiles and given parameters have none; describe it          by surface.scans or surface.synthetic-scan"
+    )]
+    NoSamples,
+    /// A scan that cannot be brought onto the interface.
+    #[error("{}: {source}", path.display())]
+    ScannedFace {
+        /// File.
+        path: PathBuf,
+        /// Why not.
+        source: surface_characterisation::SurfaceError,
+    },
+    /// A scan that cannot be read.
+    #[error(transparent)]
+    ScanFile(Box<surface_characterisation::FileError>),
     /// Benchmark geometry or mesh.
     #[error(transparent)]
     Beam(#[from] brake_reuss_beam::Error),
@@ -148,9 +164,56 @@ pub enum Error {
     /// Interface elements.
     #[error(transparent)]
     Interface(#[from] zte_assembly::Error),
+    /// Identification of a computed motion.
+    #[error(transparent)]
+    Identification(Box<modal_identification::Error>),
+    /// A setting of a computed motion outside its range.
+    #[error("{field} = {value} {unit} is not admissible; it must be {requirement}")]
+    Motion {
+        /// Setting.
+        field: &'static str,
+        /// Value.
+        value: f64,
+        /// Unit.
+        unit: &'static str,
+        /// What would be accepted.
+        requirement: &'static str,
+    },
+    /// A motion that could not be followed to where it was to be identified.
+    #[error(
+        "the motion could not be followed beyond {time:.4e} s of {wanted:.4e} s: {reason}; relative residuals {history:?}; take more steps per period"
+    )]
+    Transient {
+        /// Time reached (s).
+        time: f64,
+        /// Time asked for (s).
+        wanted: f64,
+        /// Why it ended.
+        reason: cqsma_solver::Reason,
+        /// Residuals of the last attempt.
+        history: Vec<f64>,
+    },
+    /// Backbones that cannot be compared.
+    #[error("{what}")]
+    Comparison {
+        /// What is wrong, and what would be right.
+        what: String,
+    },
     /// Solver.
     #[error(transparent)]
     Solver(#[from] cqsma_solver::Error),
+}
+
+impl From<surface_characterisation::FileError> for Error {
+    fn from(error: surface_characterisation::FileError) -> Self {
+        Self::ScanFile(Box::new(error))
+    }
+}
+
+impl From<modal_identification::Error> for Error {
+    fn from(error: modal_identification::Error) -> Self {
+        Self::Identification(Box::new(error))
+    }
 }
 
 impl From<matrix_files::Error> for Error {

@@ -2,7 +2,8 @@
 
 use crate::Error;
 use crate::parameters::GivenLaw;
-use crate::scene::{Gap, LawKind, Scene, Surface, SyntheticScan};
+use crate::scene::{Gap, LawKind, Scene, Surface};
+use crate::surface::{FileReport, ScannedSurface, U_REF, material};
 use brake_reuss_beam::published;
 use contact_laws::{
     AsperityPopulation, AsperitySumCurves, ContactCurves, ElasticPair, FittedCurves, FittedPoints, FrictionalLaw,
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
 use surface_characterisation::{
-    Bootstrap, Characterisation, ElementOutlines, InterferenceRange, Options, SyntheticFace, Waviness, characterise,
+    Characterisation, ElementSurface, InterferenceRange, NormalFitReport, PairAsperities, TangentialFitReport,
     fit_normal, fit_tangential,
 };
 use zte_assembly::{Interface, InterfaceMesh, Operators, State, Workspace};
@@ -25,9 +26,6 @@ const FIT_RANGE: InterferenceRange = InterferenceRange {
     to: 20e-6,
     points: 200,
 };
-
-/// Reference interference of the fits (m).
-const U_REF: f64 = 1e-6;
 
 /// Interferences covered by tables (m); beyond them the curves continue as power laws.
 const TABLE_RANGE: [f64; 2] = [1e-10, 1e-3];
@@ -57,6 +55,9 @@ pub struct LawReport {
 pub struct AsperityReport {
     /// `mindlin` or `paper`.
     pub tangential: TangentialReading,
+    /// Files that the surface was scanned from; left out if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub scans: Vec<FileReport>,
     /// Different asperity populations.
     pub n_populations: usize,
     /// Median rms residual of the fits of eq. (28) to the sums, in ln.
@@ -80,7 +81,7 @@ pub(crate) struct Asperities {
     pub(crate) populations: Vec<AsperityPopulation>,
     pub(crate) of_element: Vec<u32>,
     pub(crate) material: ElasticPair,
-    scan: Option<Characterisation>,
+    scan: Option<(Characterisation, Vec<FileReport>)>,
 }
 
 /// The interface of a scene.
@@ -95,6 +96,8 @@ pub struct SceneInterface {
     pub closure: f64,
     /// None where the parameters of the law are given.
     pub(crate) asperities: Option<Asperities>,
+    operators: Arc<Operators>,
+    element_of: Vec<u32>,
 }
 
 impl SceneInterface {
@@ -117,7 +120,7 @@ impl SceneInterface {
         };
         let from = match &scene.surface {
             Surface::Measured => law_of(Asperities::measured(scene, mesh)?)?,
-            Surface::SyntheticScan(scan) => law_of(Asperities::scanned(scene, scan, mesh)?)?,
+            Surface::SyntheticScan(_) | Surface::Scans(_) => law_of(Asperities::scanned(scene, mesh)?)?,
             Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(scene, parameters, &element_of)?),
         };
         let (law, kind, gap, clipped_gaps) = match &from {
@@ -128,18 +131,17 @@ impl SceneInterface {
                 (built.law.clone(), built.kind, gap, clipped)
             }
         };
-        let interface = Interface::try_new(operators, vec![(0..n, law)], gap)?;
+        let interface = Interface::try_new(operators.clone(), vec![(0..n, law)], gap)?;
         let closure = uniform_closure(&interface, load)?;
         let flat = interface.with_gap(vec![0.0; n])?;
         let mean_closure = uniform_closure(&flat, load)?;
-        let operators = flat.operators();
         let (stiffness, asperity_report) = match &from {
             Source::Given(given) => {
                 let of_curves = |p: usize| stiffnesses(given.at(p), mean_closure);
-                (mean(operators, of_curves), None)
+                (mean(&operators, of_curves), None)
             }
             Source::Asperities(built) => {
-                let (stiffness, report) = built.describe(scene, operators, &element_of, mean_closure)?;
+                let (stiffness, report) = built.describe(scene, &operators, &element_of, mean_closure)?;
                 (stiffness, Some(report))
             }
         };
@@ -161,7 +163,52 @@ impl SceneInterface {
                 Source::Given(_) => None,
                 Source::Asperities(built) => Some(built.asperities),
             },
+            operators,
+            element_of,
         })
+    }
+
+    /// The interface with the laws of bootstrap realisation `k` of all elements, and the closure as in
+    /// [`SceneInterface::closure`]. Gaps are those of this interface; where a realisation lacks the tallest peak, contact
+    /// begins at its own tallest, by so much later.
+    ///
+    /// # Errors
+    /// [`Error::NoSamples`] unless the surface is scanned; else as [`SceneInterface::try_new`].
+    pub fn realisation(&self, scene: &Scene, k: usize, load: f64) -> Result<(Interface, f64), Error> {
+        let measured = self
+            .asperities
+            .as_ref()
+            .and_then(|a| a.scan.as_ref().map(|scan| (a, scan)));
+        let (asperities, (scan, _)) = measured.ok_or(Error::NoSamples)?;
+        let drawn: Vec<_> = scan
+            .realisation(k)?
+            .iter()
+            .map(PairAsperities::from_own_tallest)
+            .collect();
+        let populations = drawn.iter().map(|(pair, _)| population(scene, pair));
+        let realisation = Asperities {
+            populations: populations.collect::<Result<_, Error>>()?,
+            of_element: asperities.of_element.clone(),
+            material: asperities.material,
+            scan: None,
+        };
+        let sums = realisation.sums(scene.law.tangential)?;
+        let fits = match scene.law.kind {
+            LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,
+            LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
+        };
+        let (_, law, _) = realisation.traction_law(scene, &self.element_of, &sums, &fits)?;
+        let own = self.interface.gap().iter().zip(&self.element_of);
+        let gap: Vec<f64> = own.map(|(gap, &e)| gap + drawn[e as usize].1).collect();
+        let interface = Interface::try_new(self.operators.clone(), vec![(0..gap.len(), law)], gap)?;
+        let closure = uniform_closure(&interface, load)?;
+        Ok((interface, closure))
+    }
+
+    /// What the readers of the scans had to settle by convention, one sentence each.
+    pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
+        let scans = self.report.asperities.iter().flat_map(|report| &report.scans);
+        scans.flat_map(|file| file.notes.iter().map(|note| format!("{}: {note}", file.path.display())))
     }
 }
 
@@ -186,6 +233,9 @@ fn stiffnesses(curves: &dyn ContactCurves, u: f64) -> [f64; 2] {
     let k = curves.tangential(u);
     [curves.normal(u).1, 0.5 * (k[0].value + k[1].value)]
 }
+
+/// Name of the kind, law, and largest relative errors (normal, tangential) of its tables.
+type NamedLaw = (&'static str, Arc<dyn TractionLaw>, Option<[f64; 2]>);
 
 /// A law that follows from asperities.
 struct BuiltLaw {
@@ -220,40 +270,15 @@ impl Asperities {
         })
     }
 
-    /// Those of two synthetic scans, element by element.
-    fn scanned(scene: &Scene, scan: &SyntheticScan, mesh: &InterfaceMesh) -> Result<Self, Error> {
-        let outlines = ElementOutlines::try_new(
-            mesh.nodes.clone(),
-            mesh.elements.iter().map(|e| e.nodes().to_vec()).collect(),
-        )?;
-        let (top, bottom) = (face(scan, mesh, 0)?, face(scan, mesh, 1)?);
-        let mut options = Options::new(material(scene));
-        options.tangential = scene.law.tangential;
-        options.u_ref = U_REF;
-        options.bootstrap = Bootstrap {
-            realisations: scan.bootstrap,
-            seed: scan.seed,
-            ..Bootstrap::default()
-        };
-        let found = characterise(&top, &bottom, &outlines, &options)?;
-        let smooth = scene.law.kind == LawKind::Tabulated;
-        let populations = found
-            .elements
-            .iter()
-            .map(|element| {
-                let population = element.population.law_population()?;
-                if smooth {
-                    interpolated(&population, element.population.heights())
-                } else {
-                    Ok(population)
-                }
-            })
-            .collect::<Result<_, Error>>()?;
+    /// Those of two scans, element by element.
+    fn scanned(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
+        let ScannedSurface { found, files, .. } = ScannedSurface::try_new(scene, mesh)?;
+        let populations = found.elements.iter().map(|e| population(scene, &e.population));
         Ok(Self {
-            populations,
+            populations: populations.collect::<Result<_, Error>>()?,
             of_element: (0..mesh.elements.len() as u32).collect(),
             material: material(scene),
-            scan: Some(found),
+            scan: Some((found, files)),
         })
     }
 
@@ -266,28 +291,48 @@ impl Asperities {
     }
 
     fn law(self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> Result<BuiltLaw, Error> {
-        let law = &scene.law;
+        let sums = self.sums(scene.law.tangential)?;
+        let fits = match &self.scan {
+            Some((scan, _)) => scan.elements.iter().map(Fit::of_element).collect::<Result<_, _>>()?,
+            None => fits_of(&sums, scene.law.tangential, FIT_RANGE)?,
+        };
+        let (kind, law, table_errors) = self.traction_law(scene, element_of, &sums, &fits)?;
+        Ok(BuiltLaw {
+            raw_gap: self.gap(scene, operators, element_of),
+            asperities: self,
+            law,
+            kind,
+            sums,
+            fits,
+            table_errors,
+        })
+    }
+
+    /// The law of the scene's kind from the sums or the fits of all populations.
+    fn traction_law(
+        &self,
+        scene: &Scene,
+        element_of: &[u32],
+        sums: &[AsperitySumCurves],
+        fits: &[Fit],
+    ) -> Result<NamedLaw, Error> {
+        let history = scene.law.history;
         let population_of: Vec<u32> = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
-        let sums = self.sums(law.tangential)?;
-        let fits = self.fits(&sums, law.tangential)?;
         let mu = PointParameters::uniform(scene.mu, population_of.len());
-        let mut table_errors = None;
-        let (kind, law): (_, Arc<dyn TractionLaw>) = match law.kind {
+        Ok(match scene.law.kind {
             LawKind::AsperitySum => {
-                let curves = PointParameters::try_indexed(sums.clone(), population_of)?;
-                ("asperity-sum", frictional(curves, mu, law.history)?)
+                let curves = PointParameters::try_indexed(sums.to_vec(), population_of)?;
+                ("asperity-sum", frictional(curves, mu, history)?, None)
             }
             LawKind::Fitted => {
                 let fitted = fits.iter().map(|fit| fit.curves).collect();
                 let curves = PointParameters::try_indexed(fitted, population_of)?;
-                (
-                    "fitted",
-                    frictional(FittedPoints::<f64>::new(&curves), mu, law.history)?,
-                )
+                let points = FittedPoints::<f64>::new(&curves);
+                ("fitted", frictional(points, mu, history)?, None)
             }
             LawKind::Tabulated => {
                 // Hundreds of tables: a coarser one each is still far below the scatter of the samples behind it.
-                let options = if self.scan.is_some() {
+                let options = if sums.len() > 1 {
                     TableOptions {
                         tolerance_normal: 1e-3,
                         tolerance_tangential: 1e-2,
@@ -302,64 +347,14 @@ impl Asperities {
                     .collect::<Result<Vec<_>, _>>()?;
                 let worst =
                     |of: &dyn Fn(&Tabulated<AsperitySumCurves>) -> f64| tables.iter().map(of).fold(0.0, f64::max);
-                table_errors = Some([
+                let errors = [
                     worst(&Tabulated::max_relative_error_normal),
                     worst(&Tabulated::max_relative_error_tangential),
-                ]);
+                ];
                 let curves = PointParameters::try_indexed(tables, population_of)?;
-                ("tabulated", frictional(curves, mu, law.history)?)
+                ("tabulated", frictional(curves, mu, history)?, Some(errors))
             }
-        };
-        Ok(BuiltLaw {
-            raw_gap: self.gap(scene, operators, element_of),
-            asperities: self,
-            law,
-            kind,
-            sums,
-            fits,
-            table_errors,
         })
-    }
-
-    fn fits(&self, sums: &[AsperitySumCurves], reading: TangentialReading) -> Result<Vec<Fit>, Error> {
-        if let Some(scan) = &self.scan {
-            return scan
-                .elements
-                .iter()
-                .map(|e| {
-                    Ok(Fit {
-                        curves: FittedCurves::try_new(
-                            e.normal.parameters,
-                            [e.tangential[0].parameters, e.tangential[1].parameters],
-                        )?,
-                        rms: [e.normal.rms, e.tangential[0].rms.max(e.tangential[1].rms)],
-                        fallback: e.normal.fallback.is_some() || e.tangential.iter().any(|t| t.fallback.is_some()),
-                    })
-                })
-                .collect();
-        }
-        let u = FIT_RANGE.samples()?;
-        let ends = match reading {
-            TangentialReading::Mindlin => TangentialEnds::Mindlin,
-            TangentialReading::Paper => TangentialEnds::Constant,
-        };
-        sums.iter()
-            .map(|curves| {
-                let t: Vec<f64> = u.iter().map(|&u| curves.normal(u).0).collect();
-                let normal = fit_normal(&u, &t, U_REF)?;
-                let tangential = [0, 1].map(|q| {
-                    let k: Vec<f64> = u.iter().map(|&u| curves.tangential(u)[q].value).collect();
-                    fit_tangential(&u, &k, U_REF, ends)
-                });
-                let [x, y] = tangential;
-                let (x, y) = (x?, y?);
-                Ok(Fit {
-                    curves: FittedCurves::try_new(normal.parameters, [x.parameters, y.parameters])?,
-                    rms: [normal.rms, x.rms.max(y.rms)],
-                    fallback: normal.fallback.is_some() || x.fallback.is_some() || y.fallback.is_some(),
-                })
-            })
-            .collect()
     }
 
     /// Gap per point (m).
@@ -370,7 +365,7 @@ impl Asperities {
             .zip(element_of)
             .map(|(&[x, y], &element)| match (scene.gap, &self.scan) {
                 (Gap::Measured, _) => published::mesoscale_gap(x, y),
-                (Gap::Scan, Some(scan)) => scan.elements[element as usize].gap.at([x, y]),
+                (Gap::Scan, Some((scan, _))) => scan.elements[element as usize].gap.at([x, y]),
                 _ => 0.0,
             })
             .collect()
@@ -403,6 +398,10 @@ impl BuiltLaw {
         let fits = &self.fits;
         let report = AsperityReport {
             tangential: scene.law.tangential,
+            scans: asperities
+                .scan
+                .as_ref()
+                .map_or_else(Vec::new, |(_, files)| files.clone()),
             n_populations: asperities.populations.len(),
             fit_rms_normal: median(fits.iter().map(|f| f.rms[0]).collect()),
             fit_rms_tangential: median(fits.iter().map(|f| f.rms[1]).collect()),
@@ -421,35 +420,58 @@ impl BuiltLaw {
     }
 }
 
-fn material(scene: &Scene) -> ElasticPair {
-    ElasticPair {
-        youngs_modulus: scene.model.material.youngs_modulus,
-        poisson_ratio: scene.model.material.poisson_ratio,
-    }
+/// The population of a pair of faces as the scene's law takes it. A sum over single samples has a kink of square-root type
+/// at every one of them, which no table follows: tables take the heights interpolated.
+fn population(scene: &Scene, pair: &PairAsperities) -> Result<AsperityPopulation, Error> {
+    Ok(match scene.law.kind {
+        LawKind::Tabulated => pair.interpolated_population()?,
+        LawKind::Fitted | LawKind::AsperitySum => pair.law_population()?,
+    })
 }
 
-/// The population with its sample of heights (tallest first) interpolated linearly between the order statistics: a
-/// sum over single samples has a kink of square-root type at every one of them, which no table follows.
-fn interpolated(population: &AsperityPopulation, heights: &[f64]) -> Result<AsperityPopulation, Error> {
-    if heights.len() < 2 {
-        return Ok(population.clone());
-    }
-    let last = (heights.len() - 1) as f64;
-    let probabilities: Vec<f64> = (0..heights.len()).map(|i| i as f64 / last).collect();
-    let mut gaps: Vec<f64> = heights.iter().map(|z| heights[0] - z).collect();
-    gaps.sort_by(f64::total_cmp);
-    let distribution = GapDistribution::try_from_quantiles(&probabilities, &gaps)?;
-    Ok(AsperityPopulation::try_new(
-        distribution,
-        population.density(),
-        population.radii(),
-    )?)
+/// Fits of eqs. (28) and (29) to sums over a range of interferences.
+fn fits_of(
+    sums: &[AsperitySumCurves],
+    reading: TangentialReading,
+    range: InterferenceRange,
+) -> Result<Vec<Fit>, Error> {
+    let u = range.samples()?;
+    let ends = match reading {
+        TangentialReading::Mindlin => TangentialEnds::Mindlin,
+        TangentialReading::Paper => TangentialEnds::Constant,
+    };
+    let fits = sums.par_iter().map(|curves| {
+        let t: Vec<f64> = u.iter().map(|&u| curves.normal(u).0).collect();
+        let normal = fit_normal(&u, &t, U_REF)?;
+        let tangential = [0, 1].map(|q| {
+            let k: Vec<f64> = u.iter().map(|&u| curves.tangential(u)[q].value).collect();
+            fit_tangential(&u, &k, U_REF, ends)
+        });
+        let [x, y] = tangential;
+        Fit::try_new(&normal, &[x?, y?])
+    });
+    fits.collect::<Vec<_>>().into_iter().collect()
 }
 
 struct Fit {
     curves: FittedCurves,
     rms: [f64; 2],
     fallback: bool,
+}
+
+impl Fit {
+    fn of_element(element: &ElementSurface) -> Result<Self, Error> {
+        Self::try_new(&element.normal, &element.tangential)
+    }
+
+    fn try_new(normal: &NormalFitReport, tangential: &[TangentialFitReport; 2]) -> Result<Self, Error> {
+        let [x, y] = tangential;
+        Ok(Self {
+            curves: FittedCurves::try_new(normal.parameters, [x.parameters, y.parameters])?,
+            rms: [normal.rms, x.rms.max(y.rms)],
+            fallback: normal.fallback.is_some() || x.fallback.is_some() || y.fallback.is_some(),
+        })
+    }
 }
 
 fn frictional<C: PointCurves + 'static>(
@@ -468,44 +490,6 @@ fn median(mut values: Vec<f64>) -> f64 {
     } else {
         0.5 * (values[(n - 1) / 2] + values[n / 2])
     }
-}
-
-/// One face of the pair, over the bounding box of the interface; the bottom one has its own seed and waviness phase.
-fn face(scan: &SyntheticScan, mesh: &InterfaceMesh, side: u64) -> Result<surface_characterisation::HeightMap, Error> {
-    let bounds = |axis: usize| {
-        mesh.nodes
-            .iter()
-            .map(|x| x[axis])
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
-    };
-    let (x, y) = (bounds(0), bounds(1));
-    // A wrong step must end in an error of the generator, not in a request for all memory.
-    let points = [(x, scan.step[0]), (y, scan.step[1])].map(|((low, high), step)| {
-        let count = ((high - low) / step).floor() + 1.0;
-        if count.is_finite() {
-            count.clamp(0.0, 1e5) as usize
-        } else {
-            0
-        }
-    });
-    let synthetic = SyntheticFace {
-        points,
-        step: scan.step,
-        origin: [x.0, y.0],
-        rms: scan.rms,
-        correlation_length: scan.correlation_length,
-        waviness: vec![Waviness {
-            amplitude: scan.waviness,
-            wavenumber: [1.0 / scan.wavelength, 0.0],
-            phase: 0.5 * std::f64::consts::PI * side as f64,
-        }],
-        tilt: scan.tilt,
-        height_step: Some(scan.height_step),
-        seed: scan.seed.wrapping_add(side),
-    };
-    let geometry = brake_reuss_beam::geometry::Geometry::default();
-    let (holes, radius) = (geometry.hole_positions(), 0.5 * geometry.hole_diameter);
-    Ok(synthetic.generate(move |[x, y]| holes.iter().any(|hole| (x - hole).hypot(y) < radius))?)
 }
 
 /// The rigid approach of the two faces at which the interface carries `load` (N); bisection on a rising function.

@@ -5,6 +5,8 @@
 //! walks the hysteresis loops. [`summary`] is the machine-readable account of a run.
 mod cache;
 mod checkpoint;
+pub mod comparison;
+pub mod ensemble;
 mod error;
 pub mod export;
 pub mod interface;
@@ -14,11 +16,15 @@ pub mod methods;
 pub mod model;
 mod parameters;
 pub mod progress;
+pub mod registration;
 pub mod run;
+mod scans;
 pub mod scene;
 pub mod summary;
+pub mod surface;
+pub mod transient;
 pub mod validity;
 
 pub use error::Error;
-pub use run::{Options, Run, run};
+pub use run::{Options, Run, run, run_ensemble};
 pub use scene::Scene;

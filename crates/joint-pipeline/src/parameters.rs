@@ -1,7 +1,7 @@
 //! Laws whose parameters a scene gives itself.
 
 use crate::Error;
-use crate::scene::{Curves, Fitted, Parameters, Per, Scene};
+use crate::scene::{Curves, Fitted, ParameterSet, Parameters, Per, Scene};
 use contact_laws::{
     ContactCurves, ElasticCurves, FittedCurves, FittedPoints, FrictionalLaw, NormalFit, PointParameters,
     TangentialEnds, TangentialFit, TractionLaw,
@@ -35,11 +35,12 @@ impl GivenLaw {
             }
             Per::Point => ((0..n_points as u32).collect(), n_points, "points"),
         };
-        if sets.len() != expected {
+        let complete = (sets.len() == expected).then_some(sets.as_slice());
+        let Some([ParameterSet { curves: first, .. }, ..]) = complete else {
             return Err(Error::Parameters {
                 reason: format!("{} sets are given for {expected} {what}", sets.len()),
             });
-        }
+        };
         let per_point = |of: &dyn Fn(usize) -> f64| set_of.iter().map(|&set| of(set as usize)).collect::<Vec<f64>>();
         let mu = PointParameters::per_point(per_point(&|set| sets[set].mu.unwrap_or(scene.mu)));
         let gap = per_point(&|set| sets[set].gap);
@@ -50,7 +51,7 @@ impl GivenLaw {
             ),
         };
         let history = scene.law.history;
-        let (law, kind, curves): (Arc<dyn TractionLaw>, _, Vec<Box<dyn ContactCurves>>) = match sets[0].curves {
+        let (law, kind, curves): (Arc<dyn TractionLaw>, _, Vec<Box<dyn ContactCurves>>) = match first {
             Curves::Elastic(_) => {
                 let curves = sets
                     .iter()

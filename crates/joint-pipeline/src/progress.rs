@@ -21,6 +21,10 @@ pub enum Stage {
     Backbone,
     /// Methods beside CQSMA (skipped when none is asked for).
     Methods,
+    /// Realisations of an ensemble (skipped when none is asked for).
+    Ensemble,
+    /// A motion followed in time (none in a run of a scene alone).
+    Transient,
 }
 
 impl Stage {
@@ -36,6 +40,8 @@ impl Stage {
             Stage::Modes => "modes",
             Stage::Backbone => "backbone",
             Stage::Methods => "methods",
+            Stage::Ensemble => "ensemble",
+            Stage::Transient => "transient",
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::cache::KeyBuilder;
 use crate::checkpoint::Checkpoint;
+use crate::ensemble::{self, Ensemble};
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::methods::{self, MethodResult};
 use crate::model::{StructuralModel, Structure};
@@ -13,6 +14,7 @@ use contact_laws::{Regime, Sticking};
 use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
 use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{BackbonePoint, Linearisation, LoopObserver, NewtonSettings, modes};
+use reduction::ReducedModel;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -112,6 +114,17 @@ pub struct Run {
     pub validity: Validity,
 }
 
+/// What the nonlinear solves made of an interface.
+pub(crate) struct Analysis {
+    prestress: PrestressResult,
+    pub(crate) frequencies: Vec<f64>,
+    pub(crate) amplitudes: Vec<AmplitudeResult>,
+    methods: Vec<MethodResult>,
+}
+
+/// Amplitudes that are done.
+type Loops = Checkpoint<(BackbonePoint, Option<LoopFields>)>;
+
 /// A scene with its structure reduced and its interface built: everything before the first nonlinear solve.
 #[derive(Debug)]
 pub struct Prepared {
@@ -138,6 +151,22 @@ impl std::fmt::Debug for SceneInterface {
 /// Whatever makes the scene impossible to run. Amplitudes that do not converge are results, not errors.
 pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
     prepare(scene, options, progress)?.solve(progress)
+}
+
+/// Runs a scene and an ensemble of `realisations` bootstrap realisations of its laws, see [`Prepared::solve_ensemble`].
+///
+/// # Errors
+/// As [`run`] and [`Prepared::solve_ensemble`].
+pub fn run_ensemble(
+    scene: &Scene,
+    realisations: usize,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<(Run, Ensemble), Error> {
+    if !scene.surface.is_scanned() {
+        return Err(Error::NoSamples);
+    }
+    prepare(scene, options, progress)?.solve_ensemble(realisations, progress)
 }
 
 /// Builds and reduces the structure, and turns the surface into laws.
@@ -167,6 +196,7 @@ impl Prepared {
         progress.begin(Stage::Characterise);
         let load = scene.bolts.load * closing(&model);
         let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
+        interface.notes().for_each(|note| progress.note(&note));
         progress.end(Stage::Characterise);
         Ok(Self {
             scene: scene.clone(),
@@ -202,12 +232,16 @@ impl Prepared {
 
     /// The guess that prestress starts from: a uniform closure that carries the bolt load (m).
     pub fn start(&self) -> Vec<f64> {
+        self.uniform(self.interface.closure)
+    }
+
+    fn uniform(&self, closure: f64) -> Vec<f64> {
         let reduced = &self.model.reduced;
         let mut start = vec![0.0; reduced.mass.nrows()];
         start[2..reduced.n_relative]
             .iter_mut()
             .step_by(3)
-            .for_each(|u| *u = self.interface.closure);
+            .for_each(|u| *u = closure);
         start
     }
 
@@ -216,10 +250,97 @@ impl Prepared {
     /// # Errors
     /// [`Error::Prestress`] and defects of the linear structure.
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
-        let scene = &self.scene;
+        let interface = &self.interface;
+        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
+        Ok(self.finish(analysis))
+    }
+
+    /// As [`Prepared::solve`], and then the backbones of `realisations` bootstrap realisations of all elements' laws on
+    /// the same reduced structure. With a cache, realisations of an interrupted ensemble are taken from there.
+    ///
+    /// # Errors
+    /// As [`Prepared::solve`]; [`Error::NoSamples`] for surfaces that are not scanned; an interruption. Whatever else
+    /// ends a realisation is part of the result.
+    pub fn solve_ensemble(self, realisations: usize, progress: &dyn Progress) -> Result<(Run, Ensemble), Error> {
+        let interface = &self.interface;
+        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
+        let ensemble = self.ensemble(realisations, &analysis, progress)?;
+        Ok((self.finish(analysis), ensemble))
+    }
+
+    fn ensemble(&self, realisations: usize, analysis: &Analysis, progress: &dyn Progress) -> Result<Ensemble, Error> {
+        progress.begin(Stage::Ensemble);
+        // Fields and other methods are the business of the measured law.
+        let mut scene = self.scene.clone();
+        scene.methods.clear();
+        scene.output.fields_at = Some(Vec::new());
+        let load = scene.bolts.load * closing(&self.model);
+        let checkpoint = match &self.cache {
+            None => Checkpoint::default(),
+            Some(directory) => {
+                let mut key = self.key(&scene);
+                // Whatever else the realisations depend on has left its mark in the measured backbone.
+                key.numbers(analysis.prestress.solution.displacement.iter().copied());
+                key.numbers(analysis.frequencies.iter().copied());
+                Checkpoint::open(directory, "ensemble", &key.finish())
+            }
+        };
+        let members = ensemble::members(&scene, realisations, checkpoint, progress, |k, progress| {
+            let (interface, closure) = self.interface.realisation(&scene, k, load)?;
+            self.analyse(&scene, &interface, closure, progress)
+        })?;
+        progress.end(Stage::Ensemble);
+        Ok(Ensemble::new(members, &analysis.amplitudes))
+    }
+
+    fn key(&self, scene: &Scene) -> KeyBuilder {
+        let mut key = KeyBuilder::new();
+        key.text(&serde_json::to_string(scene).unwrap_or_default());
+        key.text(contact_laws::instruction_set());
+        key
+    }
+
+    fn finish(self, analysis: Analysis) -> Run {
+        let Analysis {
+            prestress,
+            frequencies,
+            amplitudes,
+            methods,
+        } = analysis;
+        let validity = assess(
+            &self.interface.interface,
+            self.interface.asperities.as_ref(),
+            self.scene.model.material.hardness,
+            &prestress.fields,
+            self.clearance,
+            &amplitudes,
+        );
+        Run {
+            validity,
+            frequencies,
+            amplitudes,
+            methods,
+            prestress,
+            law: self.interface.report,
+            clipped_gaps: self.interface.clipped_gaps,
+            interface: self.interface.interface,
+            mesh: self.mesh,
+            model: self.model,
+            scene: self.scene,
+        }
+    }
+
+    /// Prestress, modes and backbone of an interface, of which `closure` carries the bolt load (m).
+    fn analyse(
+        &self,
+        scene: &Scene,
+        interface: &Interface,
+        closure: f64,
+        progress: &dyn Progress,
+    ) -> Result<Analysis, Error> {
         let reduced = &self.model.reduced;
         let stiffness = reduced.stiffness.as_ref();
-        let force = InterfaceForce::new(&self.interface.interface);
+        let force = InterfaceForce::new(interface);
         let newton = NewtonSettings {
             tolerance: scene.cqsma.tolerance,
             ..NewtonSettings::default()
@@ -227,7 +348,7 @@ impl Prepared {
 
         progress.begin(Stage::Prestress);
         let static_load = self.static_load();
-        let start = self.start();
+        let start = self.uniform(closure);
         let solution = prestress::solve(stiffness, &force, &static_load, &start, &newton)?.map_err(|failure| {
             Error::Prestress {
                 reason: failure.reason,
@@ -239,27 +360,13 @@ impl Prepared {
 
         progress.begin(Stage::Modes);
         let solution = &prestress.solution;
-        let mut displacement = solution.displacement.clone();
         let locked = match scene.bolts.behaviour {
             BoltBehaviour::DeadLoad => None,
             BoltBehaviour::Locked => Some(reduced.locked()?),
         };
         let vibrating = locked.as_ref().unwrap_or(reduced);
-        if locked.is_some() {
-            // The jump acts on the contact; the other coordinates of the locked structure count from the prestress.
-            displacement.truncate(reduced.n_relative);
-            displacement.resize(vibrating.mass.nrows(), 0.0);
-        }
-        let mut line = modes::linearise(
-            vibrating.stiffness.as_ref(),
-            vibrating.mass.as_ref(),
-            &force,
-            displacement,
-            solution.state.clone(),
-            scene.cqsma.modes,
-        )?;
-        let response: Vec<f64> = vibrating.recovery.row(0).iter().copied().collect();
-        line.orient(&response)?;
+        let response = response(vibrating);
+        let line = linearise(scene, vibrating, &force, solution)?;
         progress.end(Stage::Modes);
 
         progress.begin(Stage::Backbone);
@@ -291,13 +398,13 @@ impl Prepared {
             newton,
             ..Settings::default()
         };
-        let checkpoint = self.checkpoint(&line, mode, &forces, progress);
+        let checkpoint = self.checkpoint(scene, &line, mode, &forces, progress);
         let pending: Vec<usize> = (0..forces.len()).filter(|i| !checkpoint.holds(*i)).collect();
         let pending_forces: Vec<f64> = pending.iter().map(|&i| forces[i]).collect();
         let stored = scene.fields_at();
         let finished = AtomicUsize::new(forces.len() - pending.len());
         let finish = |index: usize, point: &BackbonePoint, fields: Option<&LoopFields>| {
-            checkpoint.add(index, point, fields);
+            checkpoint.add(index, (point, fields));
             let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
             progress.fraction(Stage::Backbone, done as f64 / forces.len() as f64);
             if progress.interrupted() {
@@ -309,7 +416,7 @@ impl Prepared {
         let points = cqsma::run(&line, &force, &pending_forces, &settings, |at| {
             let index = pending[at];
             let store = stored.contains(&(index + 1));
-            Watcher::new(&self.interface.interface, &prestress.fields, index, store, &finish)
+            Watcher::new(interface, &prestress.fields, index, store, &finish)
         })?;
         let points: Vec<_> = points
             .into_iter()
@@ -337,7 +444,7 @@ impl Prepared {
 
         let methods = methods::Request {
             scene,
-            interface: &self.interface.interface,
+            interface,
             reduced,
             prestress: solution,
             line: &line,
@@ -350,26 +457,11 @@ impl Prepared {
 
         let frequencies = line.frequencies();
         drop(line);
-        let validity = assess(
-            &self.interface.interface,
-            self.interface.asperities.as_ref(),
-            scene.model.material.hardness,
-            &prestress.fields,
-            self.clearance,
-            &amplitudes,
-        );
-        Ok(Run {
-            validity,
+        Ok(Analysis {
+            prestress,
             frequencies,
             amplitudes,
             methods,
-            prestress,
-            law: self.interface.report,
-            clipped_gaps: self.interface.clipped_gaps,
-            interface: self.interface.interface,
-            mesh: self.mesh,
-            model: self.model,
-            scene: self.scene,
         })
     }
 
@@ -386,22 +478,21 @@ impl Prepared {
     /// Finished amplitudes of an earlier, interrupted run of the same loops.
     fn checkpoint(
         &self,
+        scene: &Scene,
         line: &Linearisation<'_, State>,
         mode: usize,
         forces: &[f64],
         progress: &dyn Progress,
-    ) -> Checkpoint {
+    ) -> Loops {
         let Some(directory) = &self.cache else {
-            return Checkpoint::default();
+            return Loops::default();
         };
-        let mut key = KeyBuilder::new();
-        key.text(&serde_json::to_string(&self.scene).unwrap_or_default());
-        key.text(contact_laws::instruction_set());
+        let mut key = self.key(scene);
         // Whatever else the loops depend on has left its mark in the static state or the mode.
         key.numbers(line.displacement().iter().copied());
         key.numbers(line.shapes.col(mode).iter().copied());
         key.numbers(forces.iter().copied());
-        let checkpoint = Checkpoint::open(directory, &key.finish());
+        let checkpoint = Checkpoint::open(directory, "loops", &key.finish());
         let (found, all) = (checkpoint.len(), forces.len());
         if found > 0 {
             progress.note(&format!(
@@ -454,6 +545,32 @@ impl Prepared {
             },
         }
     }
+}
+
+/// Modes of the structure that vibrates, with locked bolts if they are so, about a static state of the one that does not;
+/// the response is not negative on any of them.
+pub(crate) fn linearise<'a>(
+    scene: &Scene,
+    vibrating: &'a ReducedModel,
+    force: &InterfaceForce<'_>,
+    solution: &Prestress<State>,
+) -> Result<Linearisation<'a, State>, Error> {
+    let mut displacement = solution.displacement.clone();
+    if scene.bolts.behaviour == BoltBehaviour::Locked {
+        // The jump acts on the contact; the other coordinates of the locked structure count from the prestress.
+        displacement.truncate(vibrating.n_relative);
+        displacement.resize(vibrating.mass.nrows(), 0.0);
+    }
+    let (stiffness, mass) = (vibrating.stiffness.as_ref(), vibrating.mass.as_ref());
+    let state = solution.state.clone();
+    let mut line = modes::linearise(stiffness, mass, force, displacement, state, scene.cqsma.modes)?;
+    line.orient(&response(vibrating))?;
+    Ok(line)
+}
+
+/// Recovers the displacement at the response point.
+pub(crate) fn response(model: &ReducedModel) -> Vec<f64> {
+    model.recovery.row(0).iter().copied().collect()
 }
 
 /// Generalised force on a uniform closure of the interface at unit tension of all bolts.

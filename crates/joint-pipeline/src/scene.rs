@@ -3,9 +3,11 @@
 //! Quantities are given in the scene's units and converted to SI once, by [`Scene::from_json`]; all other code sees SI.
 
 use crate::Error;
+pub use crate::scans::{Place, Readings, ScanFile, Scans};
 use contact_laws::{HistoryRule, TangentialReading};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use surface_characterisation::Registration;
 
 /// Units of all quantities in the file. Force is mass times length per second squared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -404,8 +406,26 @@ pub enum Surface {
     Measured,
     /// Two seeded synthetic scans, characterised element by element.
     SyntheticScan(SyntheticScan),
+    /// Two scans from files, characterised element by element.
+    Scans(Box<Scans>),
     /// No asperities: the parameters of the law themselves.
     Parameters(Parameters),
+}
+
+impl Surface {
+    /// Whether there are samples of heights.
+    pub fn is_scanned(&self) -> bool {
+        matches!(self, Self::SyntheticScan(_) | Self::Scans(_))
+    }
+
+    /// Motion of the bottom face against the top one, of surfaces that are scanned.
+    pub fn registration(&mut self) -> Option<&mut Registration> {
+        match self {
+            Self::SyntheticScan(scan) => Some(&mut scan.registration),
+            Self::Scans(scans) => Some(&mut scans.registration),
+            Self::Measured | Self::Parameters(_) => None,
+        }
+    }
 }
 
 /// Parameters of the traction law.
@@ -507,6 +527,8 @@ pub struct SyntheticScan {
     pub tilt: [f64; 2],
     /// Bootstrap draws for the bands of the curves.
     pub bootstrap: usize,
+    /// Motion of the bottom face against the top one (length, and slopes without unit).
+    pub registration: Registration,
 }
 
 impl Default for SyntheticScan {
@@ -521,6 +543,7 @@ impl Default for SyntheticScan {
             wavelength: 0.2,
             tilt: [1e-4, -2e-4],
             bootstrap: 30,
+            registration: Registration::default(),
         }
     }
 }
@@ -534,7 +557,7 @@ pub enum Gap {
     Flat,
     /// The measured mesoscale gap of the interface pair whose statistics are used.
     Measured,
-    /// The gap of the synthetic scans.
+    /// The gap of the scans.
     Scan,
 }
 
@@ -565,7 +588,7 @@ impl Default for Law {
 #[serde(rename_all = "kebab-case")]
 pub enum LawKind {
     /// Monotone table with a measured error bound. Of scans, the empirical distribution of the heights is interpolated
-    /// linearly between its order statistics.
+    /// linearly between its order statistics ([`surface_characterisation::PairAsperities::interpolated_population`]).
     Tabulated,
     /// Curves fitted with eqs. (28) and (29).
     Fitted,
@@ -705,8 +728,13 @@ impl Scene {
         if let Some(folder) = path.parent() {
             let deck = scene.model.deck.as_mut().map(|deck| &mut deck.path);
             let matrices = scene.model.matrices.as_mut().map(|matrices| &mut matrices.path);
+            let scans = match &mut scene.surface {
+                Surface::Scans(scans) => vec![&mut scans.top.path, &mut scans.bottom.path],
+                _ => Vec::new(),
+            };
             deck.into_iter()
                 .chain(matrices)
+                .chain(scans)
                 .for_each(|path| *path = folder.join(&*path));
         }
         Ok(scene)
@@ -866,6 +894,9 @@ impl Scene {
         }
         scale("/cqsma/amplitude_from", &mut self.cqsma.amplitude_from, length);
         scale("/cqsma/amplitude_to", &mut self.cqsma.amplitude_to, length);
+        if let Surface::Scans(scans) = &mut self.surface {
+            scans.scale(length);
+        }
         if let Surface::SyntheticScan(scan) = &mut self.surface {
             let at = |field: &str| format!("/surface/synthetic-scan/{field}");
             for (field, value) in [
@@ -877,6 +908,7 @@ impl Scene {
                 scale(&at(field), value, length);
             }
             for axis in 0..2 {
+                scale(&at("registration/shift"), &mut scan.registration.shift[axis], length);
                 scale(&at("step"), &mut scan.step[axis], length);
                 scale(&at("correlation_length"), &mut scan.correlation_length[axis], length);
             }
@@ -1099,9 +1131,13 @@ impl Scene {
                 "numbers of amplitudes, between 1 and cqsma.amplitudes",
             )?;
         }
-        let scans = matches!(self.surface, Surface::SyntheticScan(_));
+        if let Surface::Scans(scans) = &self.surface {
+            for (field, value, unit, requirement, ok) in scans.requirements() {
+                check(ok, field, value, unit, requirement)?;
+            }
+        }
         check(
-            scans || self.gap != Gap::Scan,
+            self.surface.is_scanned() || self.gap != Gap::Scan,
             "gap",
             f64::NAN,
             "(scan)",

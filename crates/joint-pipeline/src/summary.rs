@@ -1,5 +1,6 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
+use crate::ensemble::Ensemble;
 use crate::interface::LawReport;
 use crate::methods::MethodPoint;
 use crate::run::Run;
@@ -32,6 +33,9 @@ pub struct Summary {
     pub backbone: Vec<BackboneSummary>,
     /// Backbones of the methods beside CQSMA, by the names that scenes use.
     pub methods: BTreeMap<&'static str, Vec<MethodSummary>>,
+    /// Backbones of bootstrap realisations; left out unless asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ensemble: Option<Ensemble>,
     /// Limits of the model.
     pub validity: Validity,
     /// Seconds per stage, and in total.
@@ -211,7 +215,7 @@ pub struct MethodSummary {
 }
 
 impl Summary {
-    /// Summarises a run; times and memory are the caller's to know.
+    /// Summarises a run without an ensemble; times and memory are the caller's to know.
     pub fn new(run: &Run, timings: BTreeMap<String, f64>, peak_memory: Option<u64>) -> Self {
         let (reduced, facts) = (&run.model.reduced, &run.model.facts);
         let operators = run.interface.operators();
@@ -271,6 +275,7 @@ impl Summary {
                     )
                 })
                 .collect(),
+            ensemble: None,
             validity: run.validity.clone(),
             timings,
             peak_memory,

@@ -181,3 +181,46 @@ fn hard_contact_with_friction_against_the_method_paper() {
         );
     }
 }
+
+#[test]
+#[ignore = "two minutes"]
+fn bungees_do_not_change_two_decimals() {
+    let Some(path) = deck() else { return };
+    let scene = scene(&path, PAPER, "incompatible-modes", 1e-3);
+    let mut structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent).unwrap();
+    // With the springs the six rigid motions are modes too.
+    let mut frequencies = |count| {
+        let spectrum = structure
+            .describe(Some((count, None)), &Silent)
+            .unwrap()
+            .spectrum
+            .unwrap();
+        let elastic = spectrum.with_linear.frequencies_hz.into_iter().filter(|f| *f > 10.0);
+        let found: Vec<f64> = elastic.take(10).collect();
+        let Bodies::Meshed(bodies) = &mut structure.joint.bodies else {
+            panic!("a deck gives a mesh");
+        };
+        let nodes = &bodies.assembly.mesh.nodes;
+        let ends = [1.0, -1.0].map(|sign| {
+            let at = |node: &usize| sign * nodes[*node][0];
+            (0..nodes.len()).max_by(|a, b| at(a).total_cmp(&at(b))).unwrap() as u32
+        });
+        bodies.assembly.springs = ends
+            .into_iter()
+            .flat_map(|node| (0..3).map(move |component| (node, component)))
+            .map(|(node, component)| GroundSpring {
+                node,
+                component,
+                stiffness: 30.0,
+            })
+            .collect();
+        found
+    };
+    let (free, hung) = (frequencies(10), frequencies(16));
+    assert_eq!((free.len(), hung.len()), (10, 10));
+    for (free, hung) in free.iter().zip(&hung) {
+        println!("{free:.4} Hz free, {hung:.4} Hz hung");
+        assert!((free - hung).abs() < 5e-3, "{free} {hung}");
+    }
+    assert!(hung[0] > free[0]);
+}

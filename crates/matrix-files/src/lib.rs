@@ -4,16 +4,18 @@
 //! |---|---|
 //! | [`matrix_market`] | `.mtx`, `.mm`: one matrix as text |
 //! | [`mat`] | `.mat`, level 5 (`-v6`, `-v7`) |
-//! | [`npz`] | `.npz`, with sparse matrices as `scipy.sparse.save_npz` lays them out |
+//! | [`npz`] | `.npz`, with sparse matrices as `scipy.sparse.save_npz` lays them out; `.npy` |
 //! | [`abaqus`] | `.mtx` of `*SUBSTRUCTURE MATRIX OUTPUT` and `*MATRIX OUTPUT` |
+//! | [`archive`] | members of any ZIP archive |
 //! | [`calculix`] | `.sti`, `.mas`, `.dof` of `*FREQUENCY, SOLVER=MATRIXSTORAGE` |
 //!
-//! Numbers are passed on as they stand, in the units of the file. Readers refuse what is not finite, out of range,
-//! given twice or asymmetric where symmetry is stated; memory stays within a fixed multiple of the file's size (of
-//! its unpacked size for compressed parts, which is at most 1032 times as large). Writers return whole files as
-//! bytes.
+//! Numbers are passed on as they stand, in the units of the file. Readers refuse what is not finite (but for
+//! measurements), out of range, given twice or asymmetric where symmetry is stated; memory stays within a fixed
+//! multiple of the file's size (of its unpacked size for compressed parts, which is at most 1032 times as large).
+//! Writers return whole files as bytes.
 
 pub mod abaqus;
+pub mod archive;
 pub mod calculix;
 mod error;
 pub mod mat;

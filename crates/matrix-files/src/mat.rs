@@ -12,6 +12,7 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 use sprs::CsMat;
 
+use crate::archive::INFLATION;
 use crate::text;
 use crate::value::{Array, Collection, Dense, Skipped, Source, plausible};
 use crate::{Error, Place, writing};
@@ -46,8 +47,6 @@ const COMPLEX: u32 = 0x800;
 const NAME_LENGTH: usize = 63;
 /// Structures inside one another.
 const DEPTH: usize = 8;
-/// Deflate packs at most 1032 bytes into one.
-pub(crate) const INFLATION: usize = 1032;
 
 /// Reads the file at `path`.
 ///

@@ -5,14 +5,14 @@
 //! file it is called [`MATRIX`] here; beside others its arrays are called `name.format`, `name.shape` and so on.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{Cursor, Read, Write as _};
+use std::io::{Cursor, Write as _};
 use std::path::Path;
 
 use sprs::CsMat;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, ZipWriter};
 
-use crate::mat::INFLATION;
+use crate::archive;
 use crate::text;
 use crate::triplets::{self, Entry};
 use crate::value::{Array, Collection, Dense, Skipped, Source, plausible};
@@ -42,71 +42,52 @@ pub fn read(path: &Path) -> Result<Collection, Error> {
 /// [`Error::Malformed`], [`Error::Unsupported`] for sparse matrices in other formats, [`Error::Oversized`],
 /// [`Error::OutOfRange`], [`Error::NotFinite`].
 pub fn parse(source: Source<'_>) -> Result<Collection, Error> {
-    let broken = |e: &dyn std::fmt::Display| Error::Malformed {
+    let mut found = arrays(source, false)?;
+    sparse_matrices(source, &mut found.arrays)?;
+    Ok(found)
+}
+
+/// Reads the arrays of a measurement: full ones only, and with NaN and infinities kept, since NumPy marks missing values
+/// by NaN.
+///
+/// # Errors
+/// [`Error::Malformed`], [`Error::Oversized`].
+pub fn parse_measured(source: Source<'_>) -> Result<Collection, Error> {
+    arrays(source, true)
+}
+
+/// Reads one array in a file of its own (`.npy`), with NaN and infinities kept as by [`parse_measured`].
+///
+/// # Errors
+/// [`Error::Malformed`], [`Error::Unsupported`], [`Error::Oversized`].
+pub fn parse_measured_array(source: Source<'_>) -> Result<Array, Error> {
+    let npy = Npy {
+        file: source.name,
+        member: None,
+        measured: true,
+        bytes: source.bytes,
+    };
+    npy.parse()?.map_err(|found| Error::Unsupported {
         file: source.name.into(),
         place: Place::Byte(0),
-        found: e.to_string(),
-        expected: "a ZIP archive of arrays".into(),
-    };
-    let mut archive = ZipArchive::new(Cursor::new(source.bytes)).map_err(|e| broken(&e))?;
-    if archive.has_duplicate_names() {
-        return Err(broken(&"two members of the same name"));
-    }
+        found,
+        remedy: "save real numbers as an array of one or two dimensions",
+    })
+}
+
+fn arrays(source: Source<'_>, measured: bool) -> Result<Collection, Error> {
+    let mut archive = archive::Archive::open(source)?;
     let mut found = Collection::default();
-    // Members that share their bytes would unpack to more than the file's size allows.
-    let mut packed_so_far: u64 = 0;
-    for index in 0..archive.len() {
-        let member = archive.by_index(index).map_err(|e| broken(&e))?;
-        let name = member.name().map_err(|e| broken(&e))?.into_owned();
-        let member_at = |byte| Place::Inside {
-            part: format!("`{}`", name.escape_debug()),
-            byte,
-        };
-        packed_so_far = packed_so_far.saturating_add(member.compressed_size());
-        if packed_so_far > source.bytes.len() as u64 {
-            return Err(Error::Oversized {
-                file: source.name.into(),
-                place: member_at(0),
-                what: "the number of bytes of all members",
-                stated: packed_so_far.into(),
-                possible: source.bytes.len(),
-            });
-        }
-        let size = member.size();
-        let possible = usize::try_from(member.compressed_size())
-            .unwrap_or(usize::MAX)
-            .saturating_mul(INFLATION);
-        let Some(size) = usize::try_from(size).ok().filter(|size| *size <= possible) else {
-            return Err(Error::Oversized {
-                file: source.name.into(),
-                place: member_at(0),
-                what: "the number of unpacked bytes",
-                stated: size.into(),
-                possible,
-            });
-        };
-        let mut bytes = Vec::with_capacity(size);
-        let unpacked = member.take(size as u64 + 1).read_to_end(&mut bytes);
-        let failure = match unpacked {
-            Ok(n) if n == size => None,
-            Ok(n) => Some(format!("{n} bytes or more, not {size}")),
-            Err(e) => Some(e.to_string()),
-        };
-        if let Some(found) = failure {
-            return Err(Error::Malformed {
-                file: source.name.into(),
-                place: member_at(0),
-                found,
-                expected: "data as long as stated and true to their checksum".into(),
-            });
-        }
+    for (index, name) in archive.names()?.into_iter().enumerate() {
+        let bytes = archive.member(index)?;
         let Some(key) = name.strip_suffix(".npy") else {
             found.skip(&name, "it is no array");
             continue;
         };
         let npy = Npy {
             file: source.name,
-            member: &name,
+            member: Some(&name),
+            measured,
             bytes: &bytes,
         };
         match npy.parse()? {
@@ -118,7 +99,6 @@ pub fn parse(source: Source<'_>) -> Result<Collection, Error> {
             }
         }
     }
-    sparse_matrices(source, &mut found.arrays)?;
     Ok(found)
 }
 
@@ -135,7 +115,10 @@ impl Collection {
 #[derive(Clone, Copy)]
 struct Npy<'a> {
     file: &'a str,
-    member: &'a str,
+    /// Its name in the archive, unless it is the file itself.
+    member: Option<&'a str>,
+    /// Whether NaN and infinities are kept.
+    measured: bool,
     bytes: &'a [u8],
 }
 
@@ -149,9 +132,12 @@ struct Header {
 
 impl Npy<'_> {
     fn place(&self, byte: usize) -> Place {
-        Place::Inside {
-            part: format!("`{}`", self.member.escape_debug()),
-            byte,
+        match self.member {
+            None => Place::Byte(byte),
+            Some(member) => Place::Inside {
+                part: format!("`{}`", member.escape_debug()),
+                byte,
+            },
         }
     }
 
@@ -306,7 +292,8 @@ impl Npy<'_> {
     }
 
     fn finite(&self, start: usize, size: usize, values: Dense<f64>) -> Result<Dense<f64>, Error> {
-        match values.data().iter().position(|v| !v.is_finite()) {
+        let refused = |v: &f64| !v.is_finite() && !self.measured;
+        match values.data().iter().position(refused) {
             None => Ok(values),
             Some(at) => Err(Error::NotFinite {
                 file: self.file.into(),

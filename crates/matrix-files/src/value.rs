@@ -82,7 +82,7 @@ impl<T> Index<(usize, usize)> for Dense<T> {
     }
 }
 
-/// One array of a file. Every number in it is finite.
+/// One array of a file. Every number in it is finite, except in measurements ([`crate::npz::parse_measured`]).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Array {

@@ -404,7 +404,7 @@ fn matlab_files_with_the_highest_byte_first() {
 
 #[test]
 fn numpy_files() {
-    refused(npz::parse(source(b"PK")), "a ZIP archive of arrays");
+    refused(npz::parse(source(b"PK")), "a ZIP archive");
     let number = |value: f64| {
         let m = matrix_files::value::Dense::try_new(1, 1, vec![value]).unwrap();
         npz::to_bytes(&[("M".to_owned(), Array::Dense(m))].into()).unwrap()
@@ -460,6 +460,19 @@ fn numpy_files() {
     refused(npz::parse(source(&twice)), "two members of the same name");
     let found = npz::parse(source(&altered(b"<f8", b"<c8", true))).unwrap();
     assert_eq!((found.arrays.len(), found.skipped[0].name.as_str()), (0, "M"));
+
+    // In measurements NaN marks what is missing.
+    let missing = altered(&at_data, &f64::NAN.to_le_bytes(), true);
+    let nan = |array: &Array| matches!(array, Array::Dense(m) if m.data()[0].is_nan());
+    assert!(nan(&npz::parse_measured(source(&missing)).unwrap().arrays["M"]));
+    let begin = missing.windows(6).position(|w| w == b"\x93NUMPY").unwrap();
+    let alone = &missing[begin..begin + 128 + 8];
+    assert!(nan(&npz::parse_measured_array(source(alone)).unwrap()));
+    refused(
+        npz::parse_measured_array(source(&alone[..130])),
+        "byte 128: the number of bytes of the entries is stated as 8",
+    );
+    refused(npz::parse_measured_array(source(&missing)), "expected `\\x93NUMPY`");
 }
 
 /// CRC-32 of ZIP files.

@@ -3,8 +3,9 @@
 use crate::Error;
 use crate::craig_bampton::ReducedModel;
 use crate::relative::RelativeSystem;
+use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
-use substructure::eigen::lowest_modes;
+use substructure::eigen::{count_zero, lowest_modes};
 
 /// Frequencies of the full system with a linear interface, a stiffness over the jump coordinates (N/m), or without any
 /// contact (Hz).
@@ -62,8 +63,7 @@ pub fn reduced_spectrum(model: &ReducedModel, interface: &CsMat<f64>, n: usize) 
     for (&value, (i, j)) in interface {
         stiffness[(i, j)] += value;
     }
-    let lower = dense_algebra::cholesky(stiffness.as_ref())?;
-    let (values, shapes) = dense_algebra::lowest_pairs(lower.as_ref(), model.mass.as_ref(), n.min(stiffness.nrows()))?;
+    let (values, shapes) = lowest_pairs(stiffness.as_ref(), model, n)?;
     // A coordinate j that no stiffness couples to others carries the part (omega_j^2 - lambda) eta_j^2 of the Rayleigh
     // quotient; without it, the quotient of what remains of a mode is higher by as much.
     let without_mode = (model.n_relative..stiffness.nrows() - model.n_attachment)
@@ -75,10 +75,44 @@ pub fn reduced_spectrum(model: &ReducedModel, interface: &CsMat<f64>, n: usize) 
         })
         .collect();
     Ok(ReducedSpectrum {
-        frequencies: values
-            .iter()
-            .map(|w2| w2.sqrt() / (2.0 * std::f64::consts::PI))
-            .collect(),
+        frequencies: values.into_iter().map(frequency).collect(),
         without_mode,
     })
+}
+
+/// Frequencies of the reduced model without any contact (Hz).
+///
+/// Returns the number of zero-energy modes, those that the reduction took out included, and the `n` lowest frequencies
+/// above them; fewer if the jump alone has more than six motions that cost no energy.
+///
+/// # Errors
+/// If the stiffness is not positive semi-definite, or the subspace iteration does not converge.
+pub fn unstressed_spectrum(model: &ReducedModel, n: usize) -> Result<(usize, Vec<f64>), Error> {
+    // The lowest value that one coordinate alone would have: of the order of those that are sought.
+    let alone = |i: usize| model.stiffness[(i, i)] / model.mass[(i, i)];
+    let sigma = (0..model.mass.nrows())
+        .map(alone)
+        .filter(|w2| *w2 > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if sigma.is_infinite() {
+        return Ok((model.zem_stuck + model.mass.nrows(), Vec::new()));
+    }
+    let shifted = &model.stiffness + faer::Scale(sigma) * &model.mass;
+    // The sides of an interface without bolts move rigidly against each other.
+    let (values, _) = lowest_pairs(shifted.as_ref(), model, n + 6)?;
+    let values: Vec<f64> = values.into_iter().map(|value| value - sigma).collect();
+    let n_zero = count_zero(&values, 1e-6 * sigma);
+    let elastic = values[n_zero..].iter().take(n).copied();
+    Ok((model.zem_stuck + n_zero, elastic.map(frequency).collect()))
+}
+
+fn lowest_pairs(stiffness: MatRef<'_, f64>, model: &ReducedModel, n: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let lower = dense_algebra::cholesky(stiffness)?;
+    let n = n.min(stiffness.nrows());
+    Ok(dense_algebra::lowest_pairs(lower.as_ref(), model.mass.as_ref(), n)?)
+}
+
+/// Of the mode with this `omega^2` (Hz).
+fn frequency(w2: f64) -> f64 {
+    w2.sqrt() / (2.0 * std::f64::consts::PI)
 }

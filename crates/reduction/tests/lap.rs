@@ -133,6 +133,7 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
             frequencies
         })
         .collect();
+    let (_, free) = checks::full_frequencies(&relative, None, 10, 1e-7).unwrap();
     let errors: Vec<f64> = [5, 20, 80]
         .iter()
         .map(|&n_modes| {
@@ -156,6 +157,14 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
                         "Rayleigh-Ritz frequencies lie above the exact ones: {a} {b}"
                     );
                     worst = worst.max(b / a - 1.0);
+                }
+            }
+            let (zero, unstressed) = checks::unstressed_spectrum(&reduced, 10).unwrap();
+            assert_eq!(zero, 12, "two free blocks");
+            for (a, b) in free.iter().zip(&unstressed) {
+                assert!(b / a > 1.0 - 1e-8, "without contact: {a} {b}");
+                if n_modes == 80 {
+                    assert!(b / a < 1.0 + 3e-3, "without contact: {a} {b}");
                 }
             }
             if n_modes >= 10 {

@@ -30,7 +30,9 @@ pub struct Modes {
     pub shapes: Mat<f64>,
     /// How many of them cost no energy.
     pub n_zero: usize,
-    /// Largest relative residual `|K phi - omega^2 M phi| / (omega^2 |M phi|)` of the modes that store energy.
+    /// Largest relative residual `|K phi - omega^2 M phi| / ((omega^2 + sigma) |M phi|)` of the modes that store energy,
+    /// with the [`shift`] sigma: a mode below it, such as that of a body on soft springs, is told from the zero-energy
+    /// modes by its Rayleigh quotient, whose error is of the square of the residual.
     pub residual: f64,
 }
 
@@ -106,7 +108,7 @@ pub fn lowest_modes(
     let (mut worst, mut converged) = (0.0_f64, 0);
     for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
         zip!(residual.col_mut(mode), momentum.col(mode)).for_each(|unzip!(r, m)| *r -= w2 * m);
-        let relative = residual.col(mode).norm_l2() / (w2 * momentum.col(mode).norm_l2());
+        let relative = residual.col(mode).norm_l2() / ((w2 + sigma) * momentum.col(mode).norm_l2());
         worst = worst.max(relative);
         converged += usize::from(relative <= tolerance);
     }
@@ -127,8 +129,8 @@ pub fn lowest_modes(
     })
 }
 
-/// How many of the ascending eigenvalues are round-off.
-fn count_zero(eigenvalues: &[f64], limit: f64) -> usize {
+/// How many of the ascending eigenvalues are round-off: below the `limit`, or 1e-6 of the first above it.
+pub fn count_zero(eigenvalues: &[f64], limit: f64) -> usize {
     let first = eigenvalues.iter().copied().find(|w2| *w2 > limit).unwrap_or(limit);
     let zero = |w2: &&f64| **w2 < limit.max(1e-6 * first);
     eigenvalues.iter().take_while(zero).count()

@@ -5,24 +5,24 @@ use rayon::prelude::*;
 
 use crate::asperities::{
     AsperityCount, FaceAsperities, HeightCombination, PackingHeight, PairAsperities, PairOptions, PairRadius, combine,
-    face_count,
 };
-use crate::detrend::{Detrend, LinearFit, Plane, trend};
-use crate::error::{SurfaceError, positive};
+use crate::detrend::Detrend;
+use crate::error::{SurfaceError, not_negative, positive};
 use crate::fits::{FitFallback, FitReport, NormalFitReport, TangentialFitReport, fit_normal, fit_tangential};
 use crate::gap::{Bilinear, pair_gap};
-use crate::partition::{ElementOutlines, Partition};
-use crate::peaks::{LinePeak, RadiusStatistic, line_peaks, radius_resolution, summits};
-use crate::response::{Bootstrap, CurveBands, TractionCurves, bootstrap_bands, check_material, traction_curves};
+use crate::noise::NoiseHandling;
+use crate::partition::ElementOutlines;
+use crate::peaks::RadiusStatistic;
+use crate::registration::Registration;
+use crate::response::{
+    Bootstrap, CurveBands, TractionCurves, bootstrap_bands, check_material, realisation, traction_curves,
+};
+use crate::scan::{FaceSummary, scan_face};
 use crate::topography::HeightMap;
-
-/// Fewest points of one face in an element from which a form and its roughness are told apart.
-const LEAST_POINTS: usize = 16;
-/// Points beyond an element that its peaks may lean on, so that those at its edge are resolved too.
-const MARGIN: usize = 8;
 
 /// Interferences at which the traction curves are sampled, equidistant in their logarithm.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct InterferenceRange {
     /// Least interference (m).
     pub from: f64,
@@ -74,9 +74,14 @@ impl InterferenceRange {
 
 /// Everything that [`characterise`] can be told; [`Options::new`] gives the default readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Options {
     /// Elastic constants of both bodies.
     pub material: ElasticPair,
+    /// Treatment of noise, before anything else.
+    pub noise: NoiseHandling,
+    /// Motion of the bottom face against the top one.
+    pub registration: Registration,
     /// Plane that is taken off each face.
     pub detrend: Detrend,
     /// How the radii of an element's peaks become one.
@@ -99,6 +104,8 @@ pub struct Options {
     pub u_ref: f64,
     /// Bands of the curves. Its seed also serves [`HeightCombination::Summed`].
     pub bootstrap: Bootstrap,
+    /// Wolf pruning of the areal parameters as a fraction of Sz, see [`crate::ArealPatch::parameters`].
+    pub pruning: f64,
     /// With fewer peaks than this in an element's pair, the closed single-asperity form takes the place of the sums.
     pub least_peaks: usize,
 }
@@ -108,6 +115,8 @@ impl Options {
     pub fn new(material: ElasticPair) -> Self {
         Self {
             material,
+            noise: NoiseHandling::default(),
+            registration: Registration::default(),
             detrend: Detrend::default(),
             radius: RadiusStatistic::default(),
             pair_radius: PairRadius::default(),
@@ -119,6 +128,7 @@ impl Options {
             interference: InterferenceRange::default(),
             u_ref: 1e-6,
             bootstrap: Bootstrap::default(),
+            pruning: 0.05,
             least_peaks: 5,
         }
     }
@@ -126,6 +136,7 @@ impl Options {
 
 /// What is known of one interface element.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ElementSurface {
     /// Index of the element.
     pub element: usize,
@@ -151,36 +162,25 @@ pub struct ElementSurface {
 impl ElementSurface {
     /// Total roughness R_t of the pair, the mean of both faces' (m).
     pub fn total_roughness(&self) -> f64 {
-        0.5 * (self.faces[0].total_roughness + self.faces[1].total_roughness)
+        0.5 * (self.faces[0].total_roughness() + self.faces[1].total_roughness())
     }
-}
-
-/// What happened to one whole face.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FaceSummary {
-    /// The plane that was taken off.
-    pub trend: Plane,
-    /// Highest level of the face above that plane (m): zero of its gap.
-    pub reference: f64,
-    /// Points with data that belong to an element.
-    pub points: usize,
-    /// Points without data inside elements.
-    pub missing: usize,
-    /// Points with data in no element (bolt holes, beyond the outline), dropped.
-    pub outside: usize,
 }
 
 /// A characterised pair of faces.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Characterisation {
     /// Every element, in the order given.
     pub elements: Vec<ElementSurface>,
     /// Top and bottom face.
     pub faces: [FaceSummary; 2],
+    /// The readings and settings that gave all this.
+    pub options: Options,
 }
 
 /// Counts and medians over the elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Summary {
     /// Number of elements.
     pub elements: usize,
@@ -199,6 +199,22 @@ pub struct Summary {
 }
 
 impl Characterisation {
+    /// Bootstrap realisation `k` of every element's population, in their order.
+    ///
+    /// It is drawn by [`Options::bootstrap`] (its number of realisations aside: any `k` will do), so that realisation
+    /// `k` of an element is the sample behind the `k`-th of the curves its bands were taken from. Gaps, counts and radii
+    /// are not drawn: the law of a realisation starts where the measured one does. Depends on the heights, the seed,
+    /// the element and `k` alone.
+    ///
+    /// # Errors
+    /// An exponent of [`crate::TallestPeak::MOutOfN`] outside (0, 1).
+    pub fn realisation(&self, k: usize) -> Result<Vec<PairAsperities>, SurfaceError> {
+        self.elements
+            .iter()
+            .map(|e| realisation(&e.population, self.options.bootstrap, e.element, k))
+            .collect()
+    }
+
     /// Counts and medians over the elements; medians are NaN without elements.
     pub fn summary(&self) -> Summary {
         let all = &self.elements;
@@ -248,8 +264,14 @@ pub fn characterise(
     positive("packing efficiency", options.packing_efficiency, "1")?;
     let interference = options.interference.samples()?;
 
-    let (top_found, top) = scan_face("top", top, elements, options)?;
-    let (bottom_found, bottom) = scan_face("bottom", bottom, elements, options)?;
+    not_negative("pruning", options.pruning, "1")?;
+
+    let (top, bottom) = rayon::join(
+        || scan_face("top", top, elements, Registration::default(), options),
+        || scan_face("bottom", bottom, elements, options.registration, options),
+    );
+    let (top_found, top) = top?;
+    let (bottom_found, bottom) = bottom?;
     let reference = [top.reference, bottom.reference];
     let responses = top_found
         .into_par_iter()
@@ -260,195 +282,23 @@ pub fn characterise(
     Ok(Characterisation {
         elements: responses.into_iter().collect::<Result<_, _>>()?,
         faces: [top, bottom],
+        options: *options,
     })
 }
 
-/// All elements of one face.
-fn scan_face(
-    name: &'static str,
-    map: &HeightMap,
-    elements: &ElementOutlines,
-    options: &Options,
-) -> Result<(Vec<FaceAsperities>, FaceSummary), SurfaceError> {
-    let trend = trend(map, elements, options.detrend)?;
-    let partition = Partition::new(map, elements);
-    let scans = (0..elements.len())
-        .into_par_iter()
-        .map(|e| {
-            let scan = ElementScan {
-                map,
-                partition: &partition,
-                trend: &trend,
-                elements,
-                element: e,
-            };
-            scan.asperities(name, options)
-        })
-        .collect::<Vec<_>>();
-    // In order, so that of several errors the first element's is reported on any number of threads.
-    let found = scans.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let summary = FaceSummary {
-        trend,
-        reference: found.iter().map(|f| f.summit_level).fold(f64::NEG_INFINITY, f64::max),
-        points: partition.points.iter().sum(),
-        missing: partition.missing.iter().sum(),
-        outside: partition.outside,
+/// What [`characterise`] says of the gap alone, for another registration: of every element, in order.
+pub(crate) fn gaps(
+    top: &(Vec<FaceAsperities>, FaceSummary),
+    bottom: &(Vec<FaceAsperities>, FaceSummary),
+) -> Vec<Bilinear> {
+    let of_element = |(t, b): (&FaceAsperities, &FaceAsperities)| {
+        pair_gap(
+            [&t.plane, &b.plane],
+            [t.tallest, b.tallest],
+            [top.1.reference, bottom.1.reference],
+        )
     };
-    Ok((found, summary))
-}
-
-/// One element of one face.
-struct ElementScan<'a> {
-    map: &'a HeightMap,
-    partition: &'a Partition,
-    trend: &'a Plane,
-    elements: &'a ElementOutlines,
-    element: usize,
-}
-
-/// Residual heights over an element and its margin; NaN where there is no data or no element.
-struct Patch {
-    heights: Vec<f64>,
-    n: [usize; 2],
-    first: [usize; 2],
-}
-
-impl ElementScan<'_> {
-    fn asperities(&self, face: &'static str, options: &Options) -> Result<FaceAsperities, SurfaceError> {
-        let (map, element) = (self.map, self.element);
-        let (points, missing) = (self.partition.points[element], self.partition.missing[element]);
-        let too_few = SurfaceError::TooFewPoints {
-            element,
-            face,
-            points,
-            missing,
-            needed: LEAST_POINTS,
-        };
-        if points < LEAST_POINTS {
-            return Err(too_few);
-        }
-        let (low, high) = self.elements.element_bounds(element);
-        // One point wider than the bounding box: owned points may lie on the outline within rounding.
-        let window = [0, 1].map(|k| {
-            let (first, end) = map.indices_within(k, low[k], high[k]);
-            (first.saturating_sub(1), (end + 1).min([map.nx(), map.ny()][k]))
-        });
-        let owned = || {
-            let columns = window[0].0..window[0].1;
-            (window[1].0..window[1].1)
-                .flat_map(move |j| columns.clone().map(move |i| (i, j)))
-                .filter(|&(i, j)| self.partition.owns(element, i, j))
-                .filter_map(|(i, j)| {
-                    let p = map.position(i, j);
-                    map.height(i, j).map(|z| (p, z - self.trend.at(p)))
-                })
-        };
-
-        let mut plane = Bilinear::zero(self.elements, element);
-        let mut fit = LinearFit::<4>::default();
-        for (p, z) in owned() {
-            fit.add(plane.columns(p), z);
-        }
-        plane.coefficients = fit.solve().ok_or(too_few)?;
-        let (mut square, mut lowest, mut tallest_point) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
-        let mut summit_level = f64::NEG_INFINITY;
-        for (p, z) in owned() {
-            let residual = z - plane.at(p);
-            square += residual * residual;
-            lowest = lowest.min(residual);
-            tallest_point = tallest_point.max(residual);
-            summit_level = summit_level.max(z);
-        }
-
-        let patch = self.patch(&plane, window);
-        let level = map.height_step().map_or(0.0, |q| 0.5 * q);
-        let mut curvatures = [vec![], vec![]];
-        let mut heights = Vec::new();
-        for axis in 0..2 {
-            for (vertex, peak) in self.line_peaks_along(axis, &patch, level) {
-                curvatures[axis].push(peak.curvature);
-                heights.push(peak.height);
-                summit_level = summit_level.max(peak.height + plane.at(vertex));
-            }
-        }
-        let summits = summits(&patch.heights, patch.n[0], level)
-            .into_iter()
-            .filter(|s| self.partition.owns(element, patch.first[0] + s.i, patch.first[1] + s.j))
-            .count();
-        let tallest = heights.iter().copied().reduce(f64::max).unwrap_or(tallest_point);
-        if let Some(datum) = heights.iter().copied().reduce(f64::min) {
-            for z in &mut heights {
-                *z -= datum;
-            }
-        }
-        let mut face = FaceAsperities {
-            points,
-            missing,
-            plane,
-            rms_roughness: (square / points as f64).sqrt(),
-            total_roughness: tallest_point - lowest,
-            peaks: [curvatures[0].len(), curvatures[1].len()],
-            summits,
-            radius: [options.radius.of(&curvatures[0]), options.radius.of(&curvatures[1])],
-            radius_resolution: radius_resolution(map),
-            heights,
-            tallest,
-            summit_level,
-            asperity_count: None,
-        };
-        let area = self.elements.area(element);
-        face.asperity_count = face_count(
-            &face,
-            area,
-            options.count,
-            options.packing_height,
-            options.packing_efficiency,
-        )?;
-        Ok(face)
-    }
-
-    fn patch(&self, plane: &Bilinear, window: [(usize, usize); 2]) -> Patch {
-        let limit = [self.map.nx(), self.map.ny()];
-        let first = [0, 1].map(|k| window[k].0.saturating_sub(MARGIN));
-        let n = [0, 1].map(|k| (window[k].1 + MARGIN).min(limit[k]) - first[k]);
-        let mut heights = Vec::with_capacity(n[0] * n[1]);
-        for j in first[1]..first[1] + n[1] {
-            for i in first[0]..first[0] + n[0] {
-                let p = self.map.position(i, j);
-                let z = self.map.height(i, j).filter(|_| self.partition.element(i, j).is_some());
-                heights.push(z.map_or(f64::NAN, |z| z - self.trend.at(p) - plane.at(p)));
-            }
-        }
-        Patch { heights, n, first }
-    }
-
-    /// Peaks along x lines (`axis` 0) or y lines (1) whose middle the element owns, with the position of the vertex.
-    fn line_peaks_along(&self, axis: usize, patch: &Patch, level: f64) -> Vec<([f64; 2], LinePeak)> {
-        let (along, across) = (patch.n[axis], patch.n[1 - axis]);
-        let (stride, line_stride) = if axis == 0 { (1, patch.n[0]) } else { (patch.n[0], 1) };
-        let step = self.map.step()[axis];
-        let mut profile = vec![0.0; along];
-        let mut found = Vec::new();
-        for line in 0..across {
-            for (k, z) in profile.iter_mut().enumerate() {
-                *z = patch.heights[line * line_stride + k * stride];
-            }
-            for peak in line_peaks(&profile, step, level) {
-                let (i, j) = if axis == 0 {
-                    (peak.index, line)
-                } else {
-                    (line, peak.index)
-                };
-                let (i, j) = (patch.first[0] + i, patch.first[1] + j);
-                if self.partition.owns(self.element, i, j) {
-                    let mut vertex = self.map.position(i, j);
-                    vertex[axis] += peak.position - peak.index as f64 * step;
-                    found.push((vertex, peak));
-                }
-            }
-        }
-        found
-    }
+    top.0.iter().zip(&bottom.0).map(of_element).collect()
 }
 
 fn respond(

@@ -8,6 +8,11 @@ use crate::topography::HeightMap;
 
 /// Which points carry the plane that is taken off each face before anything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Detrend {
     /// Points along the free edges: within `width` times the shorter side of the rectangle around the interface.
     FreeEdges {
@@ -29,6 +34,7 @@ impl Default for Detrend {
 
 /// A plane `z = offset + slope . (x - centre)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Plane {
     /// Point of reference in the plane of the interface (m).
     pub centre: [f64; 2],

@@ -1,6 +1,9 @@
-//! The one error type of the crate.
+//! The errors of the crate: of surfaces, and of the files that hold them.
 
+use matrix_files::Place;
 use thiserror::Error;
+
+use crate::readers::{Declaration, Format};
 
 /// Why a surface could not be characterised.
 ///
@@ -105,6 +108,26 @@ pub enum SurfaceError {
         /// Points of the bottom face.
         points_bottom: usize,
     },
+    /// The masks do not fix where a height map lies.
+    #[error(
+        "alignment along {axis}: moving the map by one step leaves as many points inside the elements; it covers more \
+         than the interface or its mask has no edge there: mask what lies beyond the face, or give the shift yourself"
+    )]
+    UndeterminedAlignment {
+        /// `x` or `y`.
+        axis: &'static str,
+    },
+    /// Two element fields have no rank correlation.
+    #[error(
+        "{change} against {field}: fewer than 3 elements in common, or one value in all of them; leave the field out, \
+         or give a run in which it varies"
+    )]
+    UndefinedCorrelation {
+        /// Name of the change.
+        change: String,
+        /// Name of the field.
+        field: String,
+    },
     /// A curve has too few usable samples for a fit.
     #[error("{curve}: {found} samples above zero, a fit needs at least {needed}; sample the curve over a wider range")]
     TooFewSamples {
@@ -114,6 +137,155 @@ pub enum SurfaceError {
         found: usize,
         /// Samples needed.
         needed: usize,
+    },
+}
+
+/// Text that names no unit of length.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("`{}` is no unit of length; use m, cm, mm, um, nm, pm, angstrom or in", found.escape_debug())]
+pub struct UnknownUnit {
+    /// The text.
+    pub found: String,
+}
+
+/// Why a scan could not be read or written.
+#[non_exhaustive]
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// The file cannot be opened, breaks the rules of its format, is of a variant that is not read, or claims to hold
+    /// more than it can.
+    #[error(transparent)]
+    Layout(#[from] matrix_files::Error),
+    /// Nothing in the file tells its format.
+    #[error(
+        "{file}: the contents, beginning with {found}, are {problem}; give a scan as X3P, SDF (ISO 25178-71 or BCR), \
+         SUR, .npy, .npz or text (grid or x y z)"
+    )]
+    UnknownFormat {
+        /// File.
+        file: String,
+        /// Its first bytes.
+        found: String,
+        /// Why they are not understood.
+        problem: String,
+    },
+    /// A checksum of the file does not match.
+    #[error("{file}: `{part}` has the MD5 checksum {computed}, but {stated} is stated; the file was damaged or edited")]
+    Checksum {
+        /// File.
+        file: String,
+        /// Member of the archive.
+        part: String,
+        /// Checksum stated, hexadecimal.
+        stated: String,
+        /// Checksum computed.
+        computed: String,
+    },
+    /// The file does not say in which unit its numbers are, and neither does the caller.
+    #[error("{file}: the file does not state the unit of {quantity}; pass `{option}` (m, mm, um, nm, ...)")]
+    UnitRequired {
+        /// File.
+        file: String,
+        /// Whose unit.
+        quantity: &'static str,
+        /// Field of [`crate::readers::Options`] to set.
+        option: &'static str,
+    },
+    /// The file states a unit that is not known.
+    #[error("{file}, {place}: {source}")]
+    Unit {
+        /// File.
+        file: String,
+        /// Place.
+        place: Place,
+        /// The unit.
+        source: UnknownUnit,
+    },
+    /// The file does not say how far apart its points are, and neither does the caller.
+    #[error(
+        "{file}: {format} without positions of its points; pass `lateral_step`, the distances of neighbours along x and \
+         y in `lateral_unit`"
+    )]
+    StepRequired {
+        /// File.
+        file: String,
+        /// Its format.
+        format: Format,
+    },
+    /// The caller states something else than the file.
+    #[error("{file}: `{option}` is given as {given}, but the file states {stated}; leave it out, or correct the file")]
+    Contradiction {
+        /// File.
+        file: String,
+        /// Field of [`crate::readers::Options`].
+        option: &'static str,
+        /// What the caller says.
+        given: String,
+        /// What the file says.
+        stated: String,
+    },
+    /// The caller asks for something that has no meaning for this file.
+    #[error("{file}: `{option}` has no meaning for this {format}; leave it out")]
+    UnusedOption {
+        /// File.
+        file: String,
+        /// Field of [`crate::readers::Options`].
+        option: &'static str,
+        /// Format of the file.
+        format: Format,
+    },
+    /// The file holds several height maps, or not the one asked for.
+    #[error("{file}: the height map is not determined, since the file holds {found}; pass `{option}`")]
+    Choice {
+        /// File.
+        file: String,
+        /// What there is.
+        found: String,
+        /// Field of [`crate::readers::Options`] to set.
+        option: &'static str,
+    },
+    /// The points do not form a regular grid along x and y.
+    #[error("{file}, {place}: {problem}; resample the points onto a regular grid along x and y, or export the grid")]
+    NotAGrid {
+        /// File.
+        file: String,
+        /// Place.
+        place: Place,
+        /// What is wrong.
+        problem: String,
+    },
+    /// What was read cannot be a scan: most likely a unit is wrong.
+    #[error(
+        "{file}: the {quantity} is {value:.3e}{unit}, expected {low:e} to {high:e}{unit}, since {reason}; positions were \
+         taken in {lateral}, heights in {height}: correct the one that is wrong, or set `accept_implausible`"
+    )]
+    Implausible {
+        /// File.
+        file: String,
+        /// What is out of range.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its unit with a leading space, empty when dimensionless.
+        unit: &'static str,
+        /// Smallest plausible value.
+        low: f64,
+        /// Largest plausible value.
+        high: f64,
+        /// Why.
+        reason: &'static str,
+        /// Unit of positions.
+        lateral: Declaration,
+        /// Unit of heights.
+        height: Declaration,
+    },
+    /// The heights make no map.
+    #[error("{file}: {source}")]
+    Map {
+        /// File.
+        file: String,
+        /// Why not.
+        source: SurfaceError,
     },
 }
 

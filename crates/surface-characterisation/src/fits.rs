@@ -29,6 +29,7 @@ fn rises(p: &[f64; 5], [low, high]: [f64; 2]) -> bool {
 
 /// Why a fit is not the full form over the given samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum FitFallback {
     /// No strictly rising form of eq. (28) was found: the best power law (c = 0) is given.
     PowerLaw,
@@ -40,6 +41,7 @@ pub enum FitFallback {
 
 /// A fit and what is known of its quality.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FitReport<P> {
     /// The fitted parameters, with the range of the non-zero samples.
     pub parameters: P,

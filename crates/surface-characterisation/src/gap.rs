@@ -7,6 +7,7 @@ use crate::partition::ElementOutlines;
 /// Scaled local coordinates keep the normal matrix of the fit well conditioned; in plain metres its condition number
 /// exceeds 1e6.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Bilinear {
     /// Centre of the element's bounding box (m).
     pub centre: [f64; 2],

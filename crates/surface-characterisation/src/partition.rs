@@ -95,6 +95,13 @@ impl ElementOutlines {
         self.elements[element].iter().map(|&n| self.nodes[n as usize])
     }
 
+    /// Mean of an element's corners (m). Panics when `element >= len()`.
+    pub fn middle(&self, element: usize) -> [f64; 2] {
+        let n = self.corners(element).len() as f64;
+        self.corners(element)
+            .fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n])
+    }
+
     /// Lower left and upper right corner of the rectangle around all elements (m).
     pub fn bounds(&self) -> ([f64; 2], [f64; 2]) {
         (0..self.len()).map(|e| self.element_bounds(e)).fold(

@@ -1,7 +1,5 @@
 //! Peaks along scan lines (eq. 25) and summits of a patch.
 
-use crate::topography::HeightMap;
-
 /// A peak of one profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinePeak {
@@ -76,6 +74,11 @@ fn vertex(z: &[f64], step: f64) -> Option<(f64, f64, f64)> {
 
 /// How the radii of an element's peaks become one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum RadiusStatistic {
     /// Inverse of the mean curvature. The default: nearly flat peaks do not dominate it.
     #[default]
@@ -93,14 +96,6 @@ impl RadiusStatistic {
             Self::Mean => curvatures.iter().map(|c| 1.0 / c).sum::<f64>() / n,
         })
     }
-}
-
-/// Largest radius (m) that a three-point kernel resolves along x and along y: `dx^2 / q` with the height step `q`.
-///
-/// A quantised profile can only give the radii `dx^2 / (k q)` with integer `k`, so estimates near this limit say more
-/// about the instrument than about the surface. `None` where the map states no height step.
-pub fn radius_resolution(map: &HeightMap) -> Option<[f64; 2]> {
-    map.height_step().map(|q| map.step().map(|d| d * d / q))
 }
 
 /// A summit of a patch: a point, or a plateau, above all of its surroundings.
@@ -234,10 +229,6 @@ mod tests {
         assert_eq!(RadiusStatistic::InverseMeanCurvature.of(&curvatures), Some(0.4));
         assert_eq!(RadiusStatistic::Mean.of(&curvatures), Some(0.625));
         assert_eq!(RadiusStatistic::Mean.of(&[]), None);
-        let map = HeightMap::try_new(3, 3, [30e-6, 50e-6], [0.0; 2], vec![0.0f32; 9]).unwrap();
-        assert_eq!(radius_resolution(&map), None);
-        let [rx, ry] = radius_resolution(&map.with_height_step(0.5e-6).unwrap()).unwrap();
-        assert!((rx - 1.8e-3).abs() < 1e-15 && (ry - 5e-3).abs() < 1e-15);
     }
 
     /// Integer heights make plateaus common and shifts exact.

@@ -11,6 +11,11 @@ use crate::error::{SurfaceError, positive};
 ///
 /// A resample misses the tallest peak in 37 % of the draws, and the ordinary bootstrap of a maximum is inconsistent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum TallestPeak {
     /// `u_n = 0` stays at the sample's own tallest peak; realisations that lack it have zero traction at first.
     #[default]
@@ -24,6 +29,7 @@ pub enum TallestPeak {
 
 /// How the sampling uncertainty of an element's curves is estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Bootstrap {
     /// Number of realisations; 0 for no bands.
     pub realisations: usize,
@@ -46,6 +52,7 @@ impl Default for Bootstrap {
 
 /// Tractions against interference.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TractionCurves {
     /// Interference `u_n` (m), 0 where the tallest peaks touch.
     pub interference: Vec<f64>,
@@ -60,6 +67,7 @@ pub struct TractionCurves {
 /// Percentiles of 30 realisations under-cover: about 75 % instead of 95 % at small interference, where few peaks
 /// carry the load. More realisations narrow the shortfall but do not remove it.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CurveBands {
     /// Number of realisations behind the percentiles.
     pub realisations: usize,
@@ -112,27 +120,9 @@ pub fn bootstrap_bands(
     if bootstrap.realisations == 0 {
         return Ok(None);
     }
-    let n = population.heights().len();
-    let (size, fixed) = match bootstrap.tallest {
-        TallestPeak::Fixed => (n, true),
-        TallestPeak::MOutOfN { exponent } if exponent > 0.0 && exponent < 1.0 => {
-            (((n as f64).powf(exponent).ceil() as usize).clamp(1, n), false)
-        }
-        TallestPeak::MOutOfN { exponent } => {
-            return Err(SurfaceError::InvalidValue {
-                field: "m-out-of-n exponent",
-                value: exponent,
-                unit: "1",
-                requirement: "in (0, 1)",
-            });
-        }
-    };
-    let samples: Vec<_> = (0..bootstrap.realisations)
-        .map(|r| {
-            let mut rng = Pcg64::seed_from_u64(mix(bootstrap.seed, element as u64, r as u64));
-            Realisation::drawn(population, size, fixed, &mut rng)
-        })
-        .collect();
+    let samples = (0..bootstrap.realisations)
+        .map(|k| Realisation::drawn(population, bootstrap, element, k))
+        .collect::<Result<Vec<_>, _>>()?;
     let curves = realisations(population, material, reading, interference, &samples)?;
     let band = |of: &dyn Fn(&TractionCurves) -> &Vec<f64>| {
         let mut bounds = [
@@ -171,12 +161,12 @@ pub(crate) fn check_material(material: &ElasticPair) -> Result<(), SurfaceError>
 }
 
 /// A weighted sample of a population's heights.
-struct Realisation {
-    /// Weight of each height, tallest first.
-    weights: Vec<f64>,
+pub(crate) struct Realisation {
+    /// Weight of each height, tallest first: a whole number.
+    pub(crate) weights: Vec<f64>,
     total: f64,
-    /// Depth of the height at which `u_n = 0`, below the population's tallest (m).
-    start: f64,
+    /// Depth of the height at which `u_n = 0`, below the population's own (m).
+    pub(crate) start: f64,
 }
 
 impl Realisation {
@@ -189,19 +179,61 @@ impl Realisation {
         }
     }
 
-    fn drawn(population: &PairAsperities, size: usize, fixed: bool, rng: &mut Pcg64) -> Self {
+    /// Realisation `k` of `element`.
+    fn drawn(
+        population: &PairAsperities,
+        bootstrap: Bootstrap,
+        element: usize,
+        k: usize,
+    ) -> Result<Self, SurfaceError> {
         let z = population.heights();
+        let (size, fixed) = match bootstrap.tallest {
+            TallestPeak::Fixed => (z.len(), true),
+            TallestPeak::MOutOfN { exponent } if exponent > 0.0 && exponent < 1.0 => (
+                ((z.len() as f64).powf(exponent).ceil() as usize).clamp(1, z.len()),
+                false,
+            ),
+            TallestPeak::MOutOfN { exponent } => {
+                return Err(SurfaceError::InvalidValue {
+                    field: "m-out-of-n exponent",
+                    value: exponent,
+                    unit: "1",
+                    requirement: "in (0, 1)",
+                });
+            }
+        };
+        let mut rng = Pcg64::seed_from_u64(mix(bootstrap.seed, element as u64, k as u64));
         let mut weights = vec![0.0; z.len()];
         for _ in 0..size {
-            weights[draw(rng, z.len())] += 1.0;
+            weights[draw(&mut rng, z.len())] += 1.0;
         }
         let tallest = weights.iter().position(|&w| w > 0.0).unwrap_or(0);
-        Self {
+        Ok(Self {
             weights,
             total: size as f64,
-            start: if fixed { 0.0 } else { z[0] - z[tallest] },
-        }
+            start: if fixed {
+                0.0
+            } else {
+                population.contact_height() - z[tallest]
+            },
+        })
     }
+}
+
+/// Bootstrap realisation `k` of `element`'s population: the sample behind the `k`-th curve of [`bootstrap_bands`].
+///
+/// Heights are drawn with replacement; area, count and radii stay. With [`TallestPeak::Fixed`] the contact height is
+/// the population's, which the drawn heights need not reach. Depends on nothing but its arguments.
+///
+/// # Errors
+/// An exponent outside (0, 1).
+pub fn realisation(
+    population: &PairAsperities,
+    bootstrap: Bootstrap,
+    element: usize,
+    k: usize,
+) -> Result<PairAsperities, SurfaceError> {
+    Ok(population.redrawn(&Realisation::drawn(population, bootstrap, element, k)?))
 }
 
 /// Curves of several realisations at once: the powers of the penetrations are computed once per interference.
@@ -223,7 +255,7 @@ fn realisations(
     }
     check_material(&material)?;
     let z = population.heights();
-    let depth: Vec<f64> = z.iter().map(|h| z[0] - h).collect();
+    let depth: Vec<f64> = z.iter().map(|h| population.contact_height() - h).collect();
     let density = population.asperity_density();
     let root_radius = population.effective_radius().sqrt();
     // Equal elastic bodies: (2/3) E/(1 - nu^2) = (4/3) E*.
@@ -301,9 +333,10 @@ pub(crate) fn draw(rng: &mut Pcg64, n: usize) -> usize {
     ((u128::from(rng.next_u64()) * n as u128) >> 64) as usize
 }
 
-/// One seed from a seed and two indices (SplitMix64 steps), so that neighbouring indices give unrelated streams.
+/// One seed from a seed and two indices (SplitMix64 steps), so that neighbours of all three give unrelated streams.
 pub(crate) fn mix(seed: u64, a: u64, b: u64) -> u64 {
-    [a, b].iter().fold(seed, |state, &part| {
+    // The seed is scattered before the first index meets it: else seed 1 with index 2 would be seed 2 with index 1.
+    [seed, a, b].iter().fold(0, |state, &part| {
         let mut z = (state ^ part).wrapping_add(0x9e37_79b9_7f4a_7c15);
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

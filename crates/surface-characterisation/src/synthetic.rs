@@ -228,6 +228,29 @@ mod tests {
     }
 
     #[test]
+    fn faces_of_neighbouring_seeds_are_unrelated() {
+        let white = |seed| {
+            let face = SyntheticFace {
+                points: [200, 64],
+                correlation_length: [1e-6; 2],
+                seed,
+                ..face()
+            };
+            face.generate(|_| false).unwrap()
+        };
+        let (a, b) = (white(1), white(2));
+        // No row of one face is any row of the other: correlations of 200 points stay within 5 sigma.
+        for j in 0..64 {
+            for k in 0..64 {
+                let sum: f64 = (0..200)
+                    .map(|i| a.height(i, j).unwrap() * b.height(i, k).unwrap())
+                    .sum();
+                assert!((sum / (200.0 * 4e-12)).abs() < 5.0 / 200f64.sqrt(), "rows {j} and {k}");
+            }
+        }
+    }
+
+    #[test]
     fn waviness_tilt_steps_and_holes() {
         let wave = Waviness {
             amplitude: 5e-6,

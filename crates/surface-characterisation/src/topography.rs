@@ -186,6 +186,12 @@ impl HeightMap {
         Ok(self)
     }
 
+    /// The same grid with other heights and another height resolution.
+    pub(crate) fn with_heights(&self, heights: Vec<f64>, height_step: Option<f64>) -> Result<Self, SurfaceError> {
+        let map = Self::try_new(self.nx, self.ny, self.step, self.origin, heights)?;
+        Ok(Self { height_step, ..map })
+    }
+
     /// Height at the flat index, NaN where there is no data.
     pub(crate) fn value(&self, index: usize) -> f64 {
         match &self.heights {

@@ -137,7 +137,7 @@ fn swapping_x_and_y_swaps_the_radii_only() {
             (s.points, s.summits, [s.peaks[1], s.peaks[0]])
         );
         assert!(close(p.radius[0].unwrap(), s.radius[1].unwrap(), 1e-9));
-        assert!(close(p.total_roughness, s.total_roughness, 1e-9));
+        assert!(close(p.total_roughness(), s.total_roughness(), 1e-9));
     }
     for (t, s) in plain.curves.normal.iter().zip(&swapped.curves.normal) {
         assert!(close(*t, *s, 1e-8));

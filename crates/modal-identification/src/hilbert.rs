@@ -1,0 +1,141 @@
+//! The second method: the analytic signal (Hilbert) under a Gaussian band, independent of the recursive filter and of
+//! extrema. Its band has no delay, but smears the hit: the first and last stretches are not compared.
+
+use std::f64::consts::{LN_2, PI, TAU};
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex64;
+
+use crate::backbone::{Point, Trims, moments};
+use crate::filter::Transfer;
+use crate::smoothing::SavitzkyGolay;
+use crate::spectrum::transform;
+use crate::track::Track;
+
+/// Standard deviations of the Gaussian that are kept in frequency, and left out at the ends in time.
+const REACH: f64 = 6.0;
+
+/// How the second method differs from the first, over the points compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CrossCheck {
+    /// Number of points compared.
+    pub points: usize,
+    /// Median of the magnitude of the difference of frequency (Hz).
+    pub frequency_median: f64,
+    /// Largest difference of frequency (Hz).
+    pub frequency_largest: f64,
+    /// Median of the magnitude of the difference of the damping ratio over the ratio of the first method.
+    pub damping_median: f64,
+    /// Largest such difference.
+    pub damping_largest: f64,
+    /// Median of the magnitude of the difference of amplitude over the amplitude.
+    pub amplitude_median: f64,
+}
+
+/// Compares the points of the first method with those of the second, in `samples` without their mean; `None` where the
+/// record leaves nothing to compare.
+pub(crate) fn cross_check(
+    samples: &[f64],
+    rate: f64,
+    trims: Trims,
+    [centre, bandwidth]: [f64; 2],
+    points: &[Point],
+    smoother: &SavitzkyGolay,
+) -> Option<CrossCheck> {
+    // Half-power points at the same distance as those of the filter; `tau` is the duration of the Gaussian.
+    let tau = LN_2.sqrt() / (PI * bandwidth);
+    let first = (trims.start * rate) as usize;
+    let last = samples.len().min((trims.end * rate) as usize);
+    let duration = last.checked_sub(first)? as f64 / rate;
+    let margin = REACH * tau;
+    let track = track(&samples[first..last], rate, first as f64 / rate, centre, tau);
+    let kept = track.times.iter().zip(&track.states);
+    let kept = kept.filter(|(t, _)| (trims.start + margin..trims.start + duration - margin).contains(*t));
+    let (times, states) = kept.map(|(t, s)| (*t, *s)).unzip();
+    let track = Track { times, states };
+    if track.times.len() < smoother.window() + 8 {
+        return None;
+    }
+    let gaussian = |lambda: Complex64| {
+        let distance = lambda - Complex64::new(0.0, TAU * centre);
+        Transfer {
+            logarithm: 0.5 * distance * distance * tau * tau,
+            delay: distance * tau * tau,
+            dispersion: Complex64::from(tau * tau),
+            skew: Complex64::default(),
+        }
+    };
+    let (track, _) = track.before_filter(gaussian, smoother);
+    differences(points, &moments(&track, smoother))
+}
+
+/// Amplitude and phase of the analytic signal under the Gaussian, twice per cycle.
+fn track(samples: &[f64], rate: f64, start: f64, centre: f64, tau: f64) -> Track {
+    // Zeros behind the end take what the Gaussian smears around the circle.
+    let padded = samples.len() + (2.0 * REACH * tau * rate) as usize + 1;
+    let size = padded.next_power_of_two();
+    let lines = transform(samples.iter().copied(), size);
+    let step = rate / size as f64;
+    let middle = (centre / step).round() as usize;
+    // Shifted to zero, the band needs only as many lines as there are half cycles.
+    let count = ((2.0 * centre / step).ceil() as usize).next_power_of_two().min(size);
+    let mut band = vec![Complex64::default(); count];
+    for offset in -(count as i64 / 2)..count as i64 / 2 {
+        let line = middle as i64 + offset;
+        if line > 0 && line < size as i64 / 2 {
+            let distance = TAU * (line as f64 * step - centre) * tau;
+            let weight = 2.0 / size as f64 * (-0.5 * distance * distance).exp();
+            band[offset.rem_euclid(count as i64) as usize] = weight * lines[line as usize];
+        }
+    }
+    FftPlanner::new().plan_fft_inverse(count).process(&mut band);
+    let carrier = TAU * middle as f64 * step;
+    let spacing = size as f64 / rate / count as f64;
+    let within = ((samples.len() as f64 / rate) / spacing) as usize;
+    let mut out = Track::default();
+    let (mut turns, mut before) = (0.0, 0.0);
+    for (i, value) in band.iter().take(within).enumerate() {
+        let (amplitude, phase) = value.to_polar();
+        if i > 0 {
+            turns -= TAU * ((phase - before) / TAU).round();
+        }
+        before = phase;
+        let time = i as f64 * spacing;
+        out.times.push(start + time);
+        out.states
+            .push(Complex64::new(amplitude.ln(), phase + turns + carrier * time));
+    }
+    out
+}
+
+/// Differences at the times of the first points, between which the second are interpolated.
+fn differences(first: &[Point], second: &[Point]) -> Option<CrossCheck> {
+    let [mut frequency, mut damping, mut amplitude] = [const { Vec::new() }; 3];
+    for point in first {
+        let after = second.partition_point(|p| p.time < point.time);
+        let (Some(a), Some(b)) = (after.checked_sub(1).map(|i| second[i]), second.get(after)) else {
+            continue;
+        };
+        let part = (point.time - a.time) / (b.time - a.time);
+        let between = |value: fn(&Point) -> f64| value(&a) + part * (value(b) - value(&a));
+        frequency.push((between(|p| p.frequency_hz) - point.frequency_hz).abs());
+        damping.push((between(|p| p.damping_ratio) / point.damping_ratio - 1.0).abs());
+        amplitude.push((between(|p| p.amplitude.ln()) - point.amplitude.ln()).exp_m1().abs());
+    }
+    let points = frequency.len();
+    let median = |values: &mut Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        Some((*values.get(points / 2)?, *values.last()?))
+    };
+    let (frequency_median, frequency_largest) = median(&mut frequency)?;
+    let (damping_median, damping_largest) = median(&mut damping)?;
+    let (amplitude_median, _) = median(&mut amplitude)?;
+    Some(CrossCheck {
+        points,
+        frequency_median,
+        frequency_largest,
+        damping_median,
+        damping_largest,
+        amplitude_median,
+    })
+}

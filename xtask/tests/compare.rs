@@ -1,0 +1,290 @@
+//! `transient` and `compare` as a user meets them.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn xtask(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
+    command.args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let output = xtask(folder, arguments);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {text}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Fails with one line that names all of these.
+fn fails(folder: &Path, arguments: &[&str], expected: &[&str]) {
+    let output = xtask(folder, arguments);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {text}");
+    for part in expected {
+        assert!(text.contains(part), "`{part}` is not in: {text}");
+    }
+}
+
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn read_json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn amplitudes() -> Vec<f64> {
+    (0..=20).map(|k| 1e-7 * 10_f64.powf(f64::from(k) / 5.0)).collect()
+}
+
+fn frequency(x: f64) -> f64 {
+    170.0 - 2.0 * (x / 1e-7).ln()
+}
+
+fn damping(x: f64) -> f64 {
+    20.0 * x
+}
+
+/// A run whose frequency is linear in ln x and whose damping is a power of x, with a band about it if asked for.
+fn write_run(folder: &Path, name: &str, with_band: bool) {
+    let backbone: Vec<Value> = amplitudes()
+        .iter()
+        .map(|&x| {
+            json!({ "response_displacement": x, "frequency_hz": frequency(x), "damping_ratio": damping(x), "converged": true })
+        })
+        .chain([json!({ "response_displacement": null, "frequency_hz": null, "damping_ratio": null, "converged": false })])
+        .collect();
+    let mut summary = json!({ "backbone": backbone });
+    if with_band {
+        let list = |shift: f64, factor: f64| {
+            let f: Vec<f64> = amplitudes().iter().map(|x| frequency(*x) + shift).collect();
+            let zeta: Vec<f64> = amplitudes().iter().map(|x| damping(*x) * factor).collect();
+            (f, zeta)
+        };
+        let ((f0, z0), (f1, z1), (f2, z2)) = (list(-1.0, 0.5), list(0.0, 1.0), list(1.0, 1.1));
+        summary["ensemble"] = json!({
+            "response_displacement": amplitudes(),
+            "quantiles": [0.05, 0.5, 0.95],
+            "frequency_hz": [f0, f1, f2],
+            "damping_ratio": [z0, z1, z2],
+        });
+    }
+    std::fs::create_dir_all(folder.join(name)).unwrap();
+    std::fs::write(folder.join(name).join("summary.json"), summary.to_string()).unwrap();
+}
+
+/// Measured: 0.5 Hz below the theory, 1.25 times its damping, over a decade and a half, amplitudes in `unit`.
+fn write_experiment(folder: &Path, name: &str, unit: &str, amplitude: impl Fn(f64) -> f64) {
+    let mut text =
+        format!("amplitude [{unit}],frequency_hz,damping_ratio,frequency_spread_hz,damping_ratio_spread,hits\n");
+    for k in 0..=15 {
+        let x = 1e-6 * 10_f64.powf(f64::from(k) / 10.0);
+        text += &format!(
+            "{:?},{:?},{:?},,,1\n",
+            amplitude(x),
+            frequency(x) - 0.5,
+            1.25 * damping(x)
+        );
+    }
+    std::fs::create_dir_all(folder.join(name)).unwrap();
+    std::fs::write(folder.join(name).join("backbone.csv"), text).unwrap();
+}
+
+#[test]
+fn known_differences_are_found_in_any_quantity_and_unit() {
+    let folder = folder("compare-known");
+    write_run(&folder, "run", true);
+    let omega = |x: f64| TAU * (frequency(x) - 0.5);
+    write_experiment(&folder, "displacement", "um", |x| 1e6 * x);
+    write_experiment(&folder, "velocity", "mm/s", |x| 1e3 * x * omega(x));
+    write_experiment(&folder, "acceleration", "g", |x| x * omega(x).powi(2) / 9.80665);
+    let text = succeeds(
+        &folder,
+        &[
+            "compare",
+            "run",
+            "displacement",
+            "velocity/backbone.csv",
+            "acceleration",
+            "--out",
+            "out",
+        ],
+    );
+    assert!(text.contains("within the band"), "{text}");
+    let report = read_json(&folder.join("out/compare.json"));
+    assert_eq!(report["amplitude"]["quantity"], "displacement");
+    assert!(report["norm"].as_str().unwrap().contains("root mean square"));
+    for (index, name) in ["displacement", "velocity", "acceleration"].iter().enumerate() {
+        let found = &report["experiments"][index];
+        assert_eq!(found["name"], *name);
+        let value = |pointer: &str| found.pointer(pointer).and_then(Value::as_f64).unwrap();
+        // Straight lines in the coordinates of the interpolation: whatever the grids, exact.
+        for what in ["mean", "rms", "largest"] {
+            assert!(
+                (value(&format!("/misfit/frequency_hz/{what}")) - 0.5).abs() < 1e-9,
+                "{name}"
+            );
+        }
+        assert!((value("/misfit/damping_ln/mean") + 1.25_f64.ln()).abs() < 1e-9);
+        assert!((value("/misfit/amplitudes/0") / 1e-6 - 1.0).abs() < 1e-9);
+        assert!((value("/misfit/amplitudes/1") / 10_f64.powf(-4.5) - 1.0).abs() < 1e-9);
+        // Half a hertz is within one, a quarter more damping is not within a tenth.
+        assert_eq!(
+            (value("/within_band/frequency"), value("/within_band/damping")),
+            (1.0, 0.0)
+        );
+    }
+    let table = std::fs::read_to_string(folder.join("out/compare.csv")).unwrap();
+    let columns: Vec<usize> = table.lines().map(|l| l.split(',').count()).collect();
+    assert_eq!(columns, [15; 4]);
+    let picture = std::fs::read_to_string(folder.join("out/compare.svg")).unwrap();
+    for part in [
+        "theory: run",
+        "95 %",
+        "velocity",
+        "displacement amplitude at the response point [m]",
+    ] {
+        assert!(picture.contains(part), "{part}");
+    }
+
+    // Over acceleration the theory is converted by its own frequency: the same shapes, no longer exactly straight.
+    succeeds(
+        &folder,
+        &[
+            "compare",
+            "run",
+            "velocity",
+            "--amplitude",
+            "acceleration",
+            "--out",
+            "other",
+        ],
+    );
+    let other = read_json(&folder.join("other/compare.json"));
+    let first = &other["theory"]["backbone"][0];
+    let expected = 1e-7 * (TAU * frequency(1e-7)).powi(2);
+    assert!((first["amplitude"].as_f64().unwrap() / expected - 1.0).abs() < 1e-12);
+    let rms = other["experiments"][0]["misfit"]["frequency_hz"]["rms"]
+        .as_f64()
+        .unwrap();
+    assert!((rms - 0.5).abs() < 0.03, "{rms}");
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused_by_name() {
+    let folder = folder("compare-refused");
+    write_run(&folder, "run", false);
+    write_experiment(&folder, "good", "m", |x| x);
+    write_experiment(&folder, "far", "m", |x| 1e6 * x);
+    write_experiment(&folder, "volts", "V", |x| x);
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("plain.csv", "a,b\n1,2\n");
+    write(
+        "words.csv",
+        "amplitude [m],frequency_hz,damping_ratio\n1e-6,170,0.01\n1e-5,many,0.01\n",
+    );
+    write("one.csv", "amplitude [m],frequency_hz,damping_ratio\n1e-6,170,0.01\n");
+    write("empty.csv", "");
+    write(
+        "failed.json",
+        r#"{"backbone": [{"response_displacement": null, "frequency_hz": null}]}"#,
+    );
+    write("other.json", r#"{"hits": []}"#);
+    write(
+        "band.json",
+        r#"{"backbone": [{"response_displacement": 1e-6, "frequency_hz": 170}], "ensemble": {}}"#,
+    );
+    for (run, experiment, expected) in [
+        ("run", "far", &["far", "share no amplitude", "1.000e-7"] as &[&str]),
+        ("run", "volts", &["volts", "`V`"]),
+        ("run", "plain.csv", &["plain.csv", "amplitude [unit]"]),
+        ("run", "words.csv", &["words.csv, line 3", "frequency_hz", "`many`"]),
+        ("run", "one.csv", &["one.csv", "two different amplitudes"]),
+        ("run", "empty.csv", &["empty.csv", "first line"]),
+        ("run", "missing", &["missing"]),
+        (
+            "failed.json",
+            "good",
+            &["failed.json", "none of the 1 amplitudes", "converged"],
+        ),
+        ("other.json", "good", &["other.json", "`backbone`"]),
+        ("band.json", "good", &["ensemble", "response_displacement"]),
+        ("good", "good", &["summary.json"]),
+    ] {
+        fails(&folder, &["compare", run, experiment, "--out", "out"], expected);
+        assert!(!folder.join("out").exists());
+    }
+}
+
+#[test]
+fn a_ring_down_is_computed_identified_and_compared() {
+    let folder = folder("ring-down");
+    let quick = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/brb-quick.json");
+    let arguments = [
+        "transient",
+        quick,
+        "--amplitude",
+        "2e-3",
+        "--periods",
+        "80",
+        "--steps",
+        "50",
+        "--other-damping",
+        "0.05",
+        "--out",
+        "ring",
+    ];
+    let text = succeeds(&folder, &arguments);
+    assert!(text.contains("4000 steps"), "{text}");
+    let report = read_json(&folder.join("ring/transient.json"));
+    let number = |pointer: &str| report.pointer(pointer).and_then(Value::as_f64).unwrap();
+    assert!(number("/energy/error") < 1e-4, "{report:#}");
+    assert!(number("/algorithmic_error/damping_ratio").abs() < 1e-6);
+    assert!(number("/theory_minus_ring_down/cqsma/frequency_hz/rms") < 0.5);
+    let signal = std::fs::read_to_string(folder.join("ring/signal.csv")).unwrap();
+    assert_eq!(signal.lines().count(), 4002);
+    assert!(
+        std::fs::read_to_string(folder.join("ring/transient.svg"))
+            .unwrap()
+            .contains("ring-down, identified")
+    );
+
+    // The signal can be identified from its file as well, and both compared with a run of the scene.
+    let identify = [
+        "identify",
+        "ring/signal.csv",
+        "--channel",
+        "acceleration",
+        "--bandwidth",
+        "80",
+        "--smoothing",
+        "9",
+    ];
+    succeeds(&folder, &[&identify[..], &["--out", "again"]].concat());
+    succeeds(&folder, &["brb", quick, "--out", "run"]);
+    succeeds(&folder, &["compare", "run", "ring", "again", "--out", "compare"]);
+    let compared = read_json(&folder.join("compare/compare.json"));
+    assert_eq!(compared["amplitude"]["unit"], "m/s^2");
+    for (index, name) in ["ring", "again"].iter().enumerate() {
+        let experiment = &compared["experiments"][index];
+        assert_eq!(experiment["name"], *name);
+        let value = |pointer: &str| experiment.pointer(pointer).and_then(Value::as_f64).unwrap();
+        // Eight amplitudes with lines between them are a coarse theory.
+        assert!(
+            value("/misfit/frequency_hz/rms") < 1.0 && value("/misfit/damping_ln/rms") < 0.3,
+            "{experiment:#}"
+        );
+    }
+    fails(&folder, &["transient", quick, "--amplitude=-1"], &["amplitude"]);
+    fails(
+        &folder,
+        &["transient", quick, "--steps", "2"],
+        &["steps_per_period = 2"],
+    );
+}
