@@ -281,7 +281,7 @@ fn a_ring_down_is_computed_identified_and_compared() {
             "{experiment:#}"
         );
     }
-    fails(&folder, &["transient", quick, "--amplitude", "-1"], &["amplitude"]);
+    fails(&folder, &["transient", quick, "--amplitude=-1"], &["amplitude"]);
     fails(
         &folder,
         &["transient", quick, "--steps", "2"],
