@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::parameters::GivenLaw;
-use crate::scene::{Gap, LawKind, Precision, Scene, Surface};
+use crate::scene::{Gap, LawKind, Scene, Surface};
 use crate::surface::{FileReport, ScannedSurface, U_REF, material};
 use brake_reuss_beam::published;
 use contact_laws::{
@@ -327,11 +327,8 @@ impl Asperities {
             LawKind::Fitted => {
                 let fitted = fits.iter().map(|fit| fit.curves).collect();
                 let curves = PointParameters::try_indexed(fitted, population_of)?;
-                let law = match scene.law.precision {
-                    Precision::Double => frictional(FittedPoints::<f64>::new(&curves), mu, history)?,
-                    Precision::Single => frictional(FittedPoints::<f32>::new(&curves), mu, history)?,
-                };
-                ("fitted", law, None)
+                let points = FittedPoints::<f64>::new(&curves);
+                ("fitted", frictional(points, mu, history)?, None)
             }
             LawKind::Tabulated => {
                 // Hundreds of tables: a coarser one each is still far below the scatter of the samples behind it.

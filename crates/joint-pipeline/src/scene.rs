@@ -578,19 +578,6 @@ pub struct Law {
     pub tangential: TangentialReading,
     /// How the stuck traction follows from the last committed state.
     pub history: HistoryRule,
-    /// Numbers that fitted curves are evaluated with.
-    pub precision: Precision,
-}
-
-/// Numbers that fitted curves are evaluated with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Precision {
-    /// 64 bits.
-    #[default]
-    Double,
-    /// 32 bits; residuals cannot fall below about 1e-6.
-    Single,
 }
 
 impl Default for Law {
@@ -599,7 +586,6 @@ impl Default for Law {
             kind: LawKind::Tabulated,
             tangential: TangentialReading::Mindlin,
             history: HistoryRule::Incremental,
-            precision: Precision::Double,
         }
     }
 }
@@ -1062,13 +1048,6 @@ impl Scene {
                 }
             }
         }
-        check(
-            self.law.precision == Precision::Double || self.law.kind == LawKind::Fitted,
-            "law.precision",
-            32.0,
-            "bits",
-            "`double` unless law.kind is `fitted`",
-        )?;
         let damping = self.background_damping;
         check(
             (0.0..1.0).contains(&damping),
