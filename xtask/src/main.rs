@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod csv;
 mod export;
+mod extremes;
 mod fields;
 mod files;
 mod identify;
@@ -58,6 +59,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
+    /// Put hostile but finite situations to the whole road, and check that each does what it must.
+    Extremes(extremes::Arguments),
     /// Check that the dependencies between the crates point one way only.
     CheckLayering,
     /// Check a finished run against bounds that hold for every sound scene of the beam.
@@ -86,6 +89,7 @@ fn main() -> ExitCode {
         Command::Transient(arguments) => transient::run(&arguments).map(|()| Outcome::Success),
         Command::Compare(arguments) => compare::run(&arguments).map(|()| Outcome::Success),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
+        Command::Extremes(arguments) => extremes::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),
     };
