@@ -396,7 +396,11 @@ fn loads_within_the_round_off_of_the_static_forces_are_called_so() {
             Err(failure) => {
                 assert_eq!(failure.reason, Reason::BelowRoundOff);
                 assert!(failure.history[0] > 1e-2 && point.modal_force < 1e-13, "{failure:?}");
-                assert_eq!((found, point.effort.iterations), (0, 0), "resolved above, refused below");
+                assert_eq!(
+                    (found, point.effort.iterations),
+                    (0, 0),
+                    "resolved above, refused below"
+                );
             }
         }
     }
@@ -404,7 +408,12 @@ fn loads_within_the_round_off_of_the_static_forces_are_called_so() {
     // The sweeps refuse the same amplitudes and go on with the larger ones.
     let settings = cqsma_solver::loading::Settings::default();
     let swept = cqsma_solver::masing::run(&line, &chain.force, &modal, &settings).unwrap();
-    assert!(swept[0].result.as_ref().is_err_and(|f| f.reason == Reason::BelowRoundOff));
+    assert!(
+        swept[0]
+            .result
+            .as_ref()
+            .is_err_and(|f| f.reason == Reason::BelowRoundOff)
+    );
     assert!(swept.last().unwrap().result.is_ok());
 }
 

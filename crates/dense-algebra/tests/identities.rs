@@ -159,9 +159,14 @@ fn a_mode_far_below_the_others_does_not_keep_them_from_being_found() {
         assert!((gram - Mat::<f64>::identity(6, 6)).norm_max() < 1e-7);
     }
     // Where the others drown altogether, that is said.
-    let values: Vec<f64> = (0..120).map(|i| if i == 0 { 1e-12 } else { 1e3 + f64::from(i) }).collect();
+    let values: Vec<f64> = (0..120)
+        .map(|i| if i == 0 { 1e-12 } else { 1e3 + f64::from(i) })
+        .collect();
     if let Ok(lower) = cholesky(with_spectrum(&values).as_ref()) {
         let error = lowest_pairs(lower.as_ref(), Mat::identity(120, 120).as_ref(), 6).unwrap_err();
-        assert!(matches!(error, Error::NoConvergence { size: 120 } | Error::Rank { .. }), "{error}");
+        assert!(
+            matches!(error, Error::NoConvergence { size: 120 } | Error::Rank { .. }),
+            "{error}"
+        );
     }
 }

@@ -300,7 +300,10 @@ fn a_node_that_nothing_holds_is_refused_by_name() {
     let loose = assembly.mesh.nodes.len();
     assembly.mesh.nodes.push([0.5, 0.5, 1.0]);
     let error = System::try_new(&assembly).unwrap_err();
-    assert!(matches!(error, Error::LooseNode { node, component: 0 } if node == loose), "{error}");
+    assert!(
+        matches!(error, Error::LooseNode { node, component: 0 } if node == loose),
+        "{error}"
+    );
     // An equation that ties it to the bar holds it.
     assembly.equations = (0..3_u8)
         .map(|c| Equation {

@@ -1,6 +1,8 @@
 //! The scene that the cases start from, and ways to run it.
 
 use anyhow::{Context, Result, bail};
+use cqsma_solver::modes;
+use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::joint::{Bodies, MeshedBodies};
 use joint_pipeline::model::Structure;
 use joint_pipeline::progress::Silent;
@@ -16,6 +18,7 @@ const FULL: &str = include_str!("../../../fixtures/scenes/brb-flat.json");
 pub(super) struct Bench {
     pub(super) scene: Scene,
     pub(super) base: Run,
+    pub(super) full: bool,
     /// A folder that goes with the bench.
     pub(super) folder: PathBuf,
 }
@@ -41,7 +44,12 @@ impl Bench {
         std::fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let cache = Some(folder.clone());
         let base = run(&scene, &Options { cache }, &Silent).context("running the scene that all cases start from")?;
-        Ok(Self { scene, base, folder })
+        Ok(Self {
+            scene,
+            base,
+            full,
+            folder,
+        })
     }
 
     /// Reduced models are taken from the folder of the bench.
@@ -49,6 +57,11 @@ impl Bench {
         Options {
             cache: Some(self.folder.clone()),
         }
+    }
+
+    /// Runs a scene.
+    pub(super) fn run_scene(&self, scene: &Scene) -> Result<Run, Error> {
+        run(scene, &self.options(), &Silent)
     }
 
     /// The scene after a change.
@@ -60,7 +73,7 @@ impl Bench {
 
     /// Runs the scene after a change.
     pub(super) fn run(&self, change: impl FnOnce(&mut Scene)) -> Result<Run, Error> {
-        run(&self.changed(change), &self.options(), &Silent)
+        self.run_scene(&self.changed(change))
     }
 
     /// Runs the scene on its structure after a change of the mesh.
@@ -112,4 +125,27 @@ pub(super) fn meshed(structure: &mut Structure) -> Result<&mut MeshedBodies> {
         Bodies::Meshed(bodies) => Ok(bodies),
         Bodies::Imported(_) => bail!("the scene is on matrices, which have no mesh"),
     }
+}
+
+/// The modal force (sqrt(kg) m/s^2) beyond which the inertia of the mode pulls the halves apart with more than the tension of
+/// the bolts, which is constant: beyond it there is no equilibrium.
+pub(super) fn separation(run: &Run) -> Result<f64> {
+    let (reduced, mode) = (&run.model.reduced, run.scene.cqsma.mode);
+    let (stiffness, mass) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
+    let rest = &run.prestress.solution;
+    let force = InterfaceForce::new(&run.interface);
+    let line = modes::linearise(
+        stiffness,
+        mass,
+        &force,
+        rest.displacement.clone(),
+        rest.state.clone(),
+        mode,
+    )?;
+    let shape = line.shapes.col(mode - 1);
+    // A uniform closure costs no energy, so the contact alone answers what acts on it.
+    let on_closure = |of: &dyn Fn(usize) -> f64| (2..reduced.n_relative).step_by(3).map(of).sum::<f64>();
+    let inertia = on_closure(&|i| mass.row(i) * shape);
+    let bolts = reduced.loads.iter().map(|load| on_closure(&|i| load[i])).sum::<f64>();
+    Ok(run.scene.bolts.load * bolts / inertia.abs())
 }

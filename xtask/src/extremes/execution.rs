@@ -43,9 +43,12 @@ fn threads(bench: &Bench) -> Result<Findings> {
     };
     let (one, many) = (with(1)?, with(64)?);
     let mut findings = Findings::default();
-    findings.sound("", &one);
+    findings.sound("", &one)?;
     findings.that("one and 64 threads, same digits", digits(&one) == digits(&many));
-    findings.that("as with a reduced model from the cache", digits(&one) == digits(&bench.base));
+    findings.that(
+        "as with a reduced model from the cache",
+        digits(&one) == digits(&bench.base),
+    );
     findings.outcome = format!("{} characters of digits agree", digits(&one).len());
     Ok(findings)
 }
@@ -81,9 +84,12 @@ fn interrupted(bench: &Bench) -> Result<Findings> {
         let text = std::fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
         // A power cut in the middle of a line.
         std::fs::write(&path, &text[..text.len() - 20])?;
-        let resumed = run(&bench.scene, &bench.options(), &Silent)?;
+        let resumed = bench.run_scene(&bench.scene)?;
         findings.count(&resumed);
-        findings.that(&format!("resumed after {stop}, same digits"), digits(&resumed) == undisturbed);
+        findings.that(
+            &format!("resumed after {stop}, same digits"),
+            digits(&resumed) == undisturbed,
+        );
         findings.that(&format!("nothing left behind after {stop}"), !path.exists());
     }
     findings.outcome = format!("interrupted at {} points, the same digits", last - 1);

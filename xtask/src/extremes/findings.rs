@@ -1,5 +1,7 @@
 //! What came of a case.
 
+use super::bench::separation;
+use anyhow::Result;
 use joint_pipeline::{Error, Run};
 use serde_json::{Map, Value, json};
 
@@ -16,6 +18,13 @@ pub(super) struct Findings {
 struct Check {
     holds: bool,
     account: Value,
+}
+
+/// Largest magnitude; NaN, where there is one.
+pub(super) fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
+    values
+        .into_iter()
+        .fold(0.0, |m: f64, v| if v.abs() <= m { m } else { v.abs() })
 }
 
 /// What the message of a refusal must name.
@@ -46,7 +55,9 @@ impl Findings {
 
     pub(super) fn checks(&self) -> Map<String, Value> {
         let checks = self.checks.iter();
-        checks.map(|(name, check)| (name.clone(), check.account.clone())).collect()
+        checks
+            .map(|(name, check)| (name.clone(), check.account.clone()))
+            .collect()
     }
 
     fn add(&mut self, name: &str, holds: bool, mut account: Value) {
@@ -61,7 +72,11 @@ impl Findings {
 
     /// A magnitude that must not exceed what is allowed; NaN does.
     pub(super) fn within(&mut self, name: &str, value: f64, allowed: f64) {
-        self.add(name, value.abs() <= allowed, json!({ "value": value, "allowed": allowed }));
+        self.add(
+            name,
+            value.abs() <= allowed,
+            json!({ "value": value, "allowed": allowed }),
+        );
     }
 
     /// A value between two others.
@@ -87,17 +102,23 @@ impl Findings {
         *self.iterations.get_or_insert(0) += of_loops + of_prestress;
     }
 
-    /// What holds for every sound run: finite numbers, vertical equilibrium, residuals as small as asked for, and as much
-    /// energy dissipated at the points as the loops do work.
-    pub(super) fn sound(&mut self, prefix: &str, run: &Run) {
+    /// What holds for every sound run: finite numbers, vertical equilibrium, residuals as small as asked for, as much energy
+    /// dissipated at the points as the loops do work, and convergence wherever there is an equilibrium.
+    pub(super) fn sound(&mut self, prefix: &str, run: &Run) -> Result<()> {
+        self.sound_within(prefix, run, run.scene.cqsma.tolerance)
+    }
+
+    /// As [`Findings::sound`], with the residuals of loops that round-off allows.
+    pub(super) fn sound_within(&mut self, prefix: &str, run: &Run, largest_residual: f64) -> Result<()> {
         self.count(run);
         let name = |what: &str| format!("{prefix}{what}");
         let p = &run.prestress;
-        let tolerance = run.scene.cqsma.tolerance;
-        self.within(&name("equilibrium"), p.equilibrium_error, 10.0 * p.residual_ratio + 1e-12);
+        self.within(
+            &name("equilibrium"),
+            p.equilibrium_error,
+            10.0 * p.residual_ratio + 1e-12,
+        );
         self.within(&name("residual of the prestress"), p.residual_ratio, 1e-6);
-        let failed = run.amplitudes.iter().filter(|a| a.point.result.is_err()).count();
-        self.within(&name("amplitudes that did not converge"), failed as f64, 0.0);
         let mut finite = run.frequencies.iter().all(|f| f.is_finite());
         finite &= p.solution.displacement.iter().all(|u| u.is_finite());
         let (mut residual, mut energy) = (0.0_f64, 0.0_f64);
@@ -105,31 +126,46 @@ impl Findings {
             let (Ok(r), Some(fields)) = (&a.point.result, &a.fields) else {
                 continue;
             };
-            let numbers = [r.modal_amplitude, r.omega, r.zeta, r.zeta_floor, r.loop_area, fields.dissipation];
+            let numbers = [
+                r.modal_amplitude,
+                r.omega,
+                r.zeta,
+                r.zeta_floor,
+                r.loop_area,
+                fields.dissipation,
+            ];
             finite &= numbers.iter().all(|v| v.is_finite());
             residual = residual.max(r.residual);
             // A residual moves work between the modal force and the points.
             let work = a.point.modal_force * r.modal_amplitude;
-            let allowed = 1e-6 * fields.dissipation.abs() + 10.0 * tolerance.max(r.residual) * work;
-            energy = energy.max((fields.dissipation - r.loop_area).abs() / allowed);
+            let allowed = 1e-6 * fields.dissipation.abs() + 10.0 * run.scene.cqsma.tolerance.max(r.residual) * work;
+            energy = worst([energy, (fields.dissipation - r.loop_area).abs() / allowed]);
         }
         self.that(&name("all numbers are finite"), finite);
         if !run.amplitudes.is_empty() {
-            self.within(&name("residual of the loops"), residual, tolerance);
+            self.within(&name("residual of the loops"), residual, largest_residual);
             self.within(&name("energy identity, of what is allowed"), energy, 1.0);
         }
+        let failed = run.amplitudes.iter().filter(|a| a.point.result.is_err());
+        let least = failed.map(|a| a.point.modal_force).fold(f64::INFINITY, f64::min);
+        if least.is_finite() {
+            let limit = separation(run)?;
+            self.between(
+                &name("modal force without an equilibrium, over the bolts' limit"),
+                least / limit,
+                1.0,
+                f64::MAX,
+            );
+        }
+        Ok(())
     }
 
     /// Frequencies and damping of `run` are those of `other` times a factor, at amplitudes of the response times another.
     pub(super) fn alike(&mut self, prefix: &str, run: &Run, other: &Run, factor: [f64; 2], tolerance: f64) {
         let name = |what: &str| format!("{prefix}{what}");
         let [of_frequency, of_motion] = factor;
-        let worst = |errors: &mut dyn Iterator<Item = f64>| {
-            // NaN must not be lost on the way.
-            errors.fold(0.0_f64, |m, e| if e.abs() <= m { m } else { e.abs() })
-        };
         let pairs = run.frequencies.iter().zip(&other.frequencies);
-        let linear = worst(&mut pairs.map(|(a, b)| a / (b * of_frequency) - 1.0));
+        let linear = worst(pairs.map(|(a, b)| a / (b * of_frequency) - 1.0));
         self.within(&name("linear frequencies"), linear, tolerance);
         self.that(
             &name("the same number of results"),
@@ -137,9 +173,13 @@ impl Findings {
         );
         let mut errors = [Vec::new(), Vec::new(), Vec::new()];
         for (a, b) in run.amplitudes.iter().zip(&other.amplitudes) {
-            let (Ok(r), Ok(s)) = (&a.point.result, &b.point.result) else {
-                errors[0].push(f64::NAN);
-                continue;
+            let (r, s) = match (&a.point.result, &b.point.result) {
+                (Ok(r), Ok(s)) => (r, s),
+                (Err(_), Err(_)) => continue,
+                _ => {
+                    errors[0].push(f64::NAN);
+                    continue;
+                }
             };
             errors[0].push(r.omega / (s.omega * of_frequency) - 1.0);
             let motion = [a, b].map(|a| a.response_displacement.unwrap_or(f64::NAN));
@@ -148,7 +188,7 @@ impl Findings {
             let noise = r.zeta_floor + s.zeta_floor;
             errors[2].push(((r.zeta - s.zeta).abs() - noise).max(0.0) / s.zeta.abs().max(noise));
         }
-        let [omega, motion, zeta] = errors.map(|errors| worst(&mut errors.into_iter()));
+        let [omega, motion, zeta] = errors.map(worst);
         self.within(&name("frequencies"), omega, tolerance);
         self.within(&name("response"), motion, tolerance);
         self.within(&name("damping"), zeta, tolerance);
@@ -168,7 +208,11 @@ impl Findings {
             ("names the value", refusal.value),
             ("names the remedy", refusal.remedy),
         ] {
-            self.add(&name(what), text.contains(word), json!({ "text": text, "wanted": word }));
+            self.add(
+                &name(what),
+                text.contains(word),
+                json!({ "text": text, "wanted": word }),
+            );
         }
         self.outcome = format!("refused: {text}");
     }

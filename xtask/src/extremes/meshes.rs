@@ -85,14 +85,21 @@ fn pinch(structure: &mut Structure, how: Pinch) -> Result<()> {
         Pinch::Line(part) => (part, Some(0.0)),
     };
     let is_moved = |x: f64, y: f64| (x - third).abs() < 1e-9 && middle.is_none_or(|m: f64| (y - m).abs() < 1e-9);
-    let places: Vec<[f64; 2]> = interface.nodes.iter().copied().filter(|n| is_moved(n[0], n[1])).collect();
+    let places: Vec<[f64; 2]> = interface
+        .nodes
+        .iter()
+        .copied()
+        .filter(|n| is_moved(n[0], n[1]))
+        .collect();
     let to = second + part * (third - second);
     for node in interface.nodes.iter_mut().filter(|n| is_moved(n[0], n[1])) {
         node[0] = to;
     }
     // The bodies' coordinates along and across are those of the interface.
     for node in &mut meshed(structure)?.assembly.mesh.nodes {
-        let moved = places.iter().any(|p| (p[0] - node[0]).abs() < 1e-9 && (p[1] - node[1]).abs() < 1e-9);
+        let moved = places
+            .iter()
+            .any(|p| (p[0] - node[0]).abs() < 1e-9 && (p[1] - node[1]).abs() < 1e-9);
         if moved {
             node[0] = to;
         }
@@ -100,21 +107,26 @@ fn pinch(structure: &mut Structure, how: Pinch) -> Result<()> {
     Ok(())
 }
 
-fn like_the_sound_mesh(findings: &mut Findings, prefix: &str, bench: &Bench, run: &Run, tolerance: f64) {
-    findings.sound(prefix, run);
+fn like_the_sound_mesh(findings: &mut Findings, prefix: &str, bench: &Bench, run: &Run, tolerance: f64) -> Result<()> {
+    findings.sound(prefix, run)?;
     findings.equal(
         &format!("{prefix}first frequency (Hz)"),
         run.frequencies[0],
         bench.base.frequencies[0],
         tolerance,
     );
-    findings.within(&format!("{prefix}reduced against full model"), run.model.facts.penalty_error, 1e-4);
+    findings.within(
+        &format!("{prefix}reduced against full model"),
+        run.model.facts.penalty_error,
+        1e-4,
+    );
+    Ok(())
 }
 
 fn pinched(bench: &Bench, how: Pinch) -> Result<Findings> {
     let run = bench.run_on_changed(|structure, _| pinch(structure, how))??;
     let mut findings = Findings::default();
-    like_the_sound_mesh(&mut findings, "", bench, &run, 2e-3);
+    like_the_sound_mesh(&mut findings, "", bench, &run, 2e-3)?;
     findings.outcome = format!(
         "converged, {:.4} Hz instead of {:.4} Hz",
         run.frequencies[0], bench.base.frequencies[0]
@@ -125,7 +137,7 @@ fn pinched(bench: &Bench, how: Pinch) -> Result<Findings> {
 fn nearly_coincident(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();
     let close = bench.run_on_changed(|structure, _| pinch(structure, Pinch::Line(1e-9)))??;
-    like_the_sound_mesh(&mut findings, "a billionth, ", bench, &close, 2e-3);
+    like_the_sound_mesh(&mut findings, "a billionth, ", bench, &close, 2e-3)?;
     let apart = |distance: f64| {
         bench.run_on_changed(|structure, _| {
             let bodies = meshed(structure)?;
@@ -135,7 +147,7 @@ fn nearly_coincident(bench: &Bench) -> Result<Findings> {
         })
     };
     let within = apart(1e-9)??;
-    like_the_sound_mesh(&mut findings, "pair 1e-9 m apart, ", bench, &within, 1e-6);
+    like_the_sound_mesh(&mut findings, "pair 1e-9 m apart, ", bench, &within, 1e-6)?;
     let refusal = Refusal {
         place: "interface pair 0",
         value: "1.000e-4 m apart",
@@ -193,34 +205,26 @@ fn duplicates(bench: &Bench) -> Result<Findings> {
         Ok(())
     })?;
     let refusal = Refusal {
-        place: "node",
-        value: "twice",
-        remedy: "once",
+        place: "interface pair ",
+        value: "stands in an earlier pair",
+        remedy: "merge coinciding nodes",
     };
     findings.refused("a pair twice, ", twice, &refusal);
     let first = std::mem::take(&mut findings.outcome);
-    let unused = bench.run_on_changed(|structure, _| {
+    let mut copy = 0;
+    let loose = bench.run_on_changed(|structure, _| {
         let mesh = &mut meshed(structure)?.assembly.mesh;
-        let copy = mesh.nodes[0];
-        mesh.nodes.push(copy);
+        copy = mesh.nodes.len();
+        mesh.nodes.push(mesh.nodes[0]);
         Ok(())
     })?;
-    match unused {
-        Ok(run) => {
-            findings.sound("unused, ", &run);
-            findings.alike("unused, ", &run, &bench.base, [1.0; 2], 1e-6);
-            findings.outcome = format!("{first}; the other ran, {:.4} Hz", run.frequencies[0]);
-        }
-        Err(error) => {
-            let refusal = Refusal {
-                place: "node",
-                value: "",
-                remedy: "remove",
-            };
-            findings.refused::<()>("unused, ", Err(error), &refusal);
-            findings.outcome = format!("{first}; the other {}", findings.outcome);
-        }
-    }
+    let refusal = Refusal {
+        place: &format!("node {copy}"),
+        value: "belongs to no element",
+        remedy: "remove it from the mesh",
+    };
+    findings.refused("a loose node, ", loose, &refusal);
+    findings.outcome = format!("{first}; then {}", findings.outcome);
     Ok(findings)
 }
 
@@ -261,13 +265,21 @@ fn incompressible(bench: &Bench) -> Result<Findings> {
     };
     let mut findings = Findings::default();
     let modes = with(0.4999, FormulationName::IncompatibleModes)?;
-    findings.sound("", &modes);
-    let (near, b_bar) = (with(0.49, FormulationName::IncompatibleModes)?, with(0.4999, FormulationName::BBar)?);
+    findings.sound("", &modes)?;
+    let (near, b_bar) = (
+        with(0.49, FormulationName::IncompatibleModes)?,
+        with(0.4999, FormulationName::BBar)?,
+    );
     let full = with(0.4999, FormulationName::Full)?;
     let first = |run: &Run| run.frequencies[0];
-    findings.equal("as with 0.49", first(&modes), first(&near), 0.01);
+    findings.equal("as with 0.49", first(&modes), first(&near), 0.03);
     findings.equal("as with B-bar", first(&modes), first(&b_bar), 0.03);
-    findings.between("full integration over incompatible modes", first(&full) / first(&modes), 1.02, 10.0);
+    findings.between(
+        "full integration over incompatible modes",
+        first(&full) / first(&modes),
+        1.02,
+        10.0,
+    );
     findings.outcome = format!(
         "converged, {:.3} Hz ({:.3} Hz with 0.49, {:.3} Hz by B-bar, {:.3} Hz by full integration)",
         first(&modes),

@@ -51,7 +51,9 @@ struct Case {
 
 /// All groups of cases, in the order of the table.
 fn table() -> impl Iterator<Item = &'static Case> {
-    [loads::CASES, laws::CASES, meshes::CASES, execution::CASES].into_iter().flatten()
+    [loads::CASES, laws::CASES, meshes::CASES, execution::CASES]
+        .into_iter()
+        .flatten()
 }
 
 /// Runs the command.
@@ -59,7 +61,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let cases: Vec<&Case> = table()
         .filter(|case| arguments.only.is_empty() || arguments.only.iter().any(|name| name == case.name))
         .collect();
-    if let Some(unknown) = arguments.only.iter().find(|name| cases.iter().all(|case| case.name != **name)) {
+    if let Some(unknown) = arguments
+        .only
+        .iter()
+        .find(|name| cases.iter().all(|case| case.name != **name))
+    {
         let known: Vec<&str> = table().map(|case| case.name).collect();
         bail!("there is no case `{unknown}`; there are {}", known.join(", "));
     }
@@ -104,7 +110,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if failed.is_empty() {
         Ok(())
     } else {
-        bail!("{} of {all} cases did not do what they must: {}", failed.len(), failed.join(", "))
+        bail!(
+            "{} of {all} cases did not do what they must: {}",
+            failed.len(),
+            failed.join(", ")
+        )
     }
 }
 
