@@ -24,7 +24,7 @@ struct Check {
 pub(super) fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     values
         .into_iter()
-        .fold(0.0, |m: f64, v| if v.abs() <= m { m } else { v.abs() })
+        .fold(0.0, |m: f64, v| if m.is_nan() || v.abs() <= m { m } else { v.abs() })
 }
 
 /// What the message of a refusal must name.
@@ -215,5 +215,55 @@ impl Findings {
             );
         }
         self.outcome = format!("refused: {text}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a single check holds.
+    fn holds(check: impl FnOnce(&mut Findings)) -> bool {
+        let mut findings = Findings::default();
+        check(&mut findings);
+        findings.passed()
+    }
+
+    #[test]
+    fn nothing_passes_unchecked_and_nan_fails_everything() {
+        assert!(!Findings::default().passed());
+        assert!(holds(|f| f.within("x", -2.0, 2.0)) && !holds(|f| f.within("x", -2.1, 2.0)));
+        assert!(holds(|f| f.between("x", 1.0, 1.0, 2.0)) && !holds(|f| f.between("x", 2.1, 1.0, 2.0)));
+        assert!(holds(|f| f.equal("x", 1.01, 1.0, 0.02)) && !holds(|f| f.equal("x", 1.03, 1.0, 0.02)));
+        assert!(!holds(|f| f.within("x", f64::NAN, f64::MAX)));
+        assert!(!holds(|f| f.between("x", f64::NAN, f64::MIN, f64::MAX)));
+        assert!(!holds(|f| f.equal("x", f64::NAN, 1.0, f64::MAX)));
+        assert!(worst([1.0, f64::NAN, -3.0]).is_nan());
+        assert_eq!(worst([1.0, -3.0, 2.0]), 3.0);
+        // One broken check of many breaks the case.
+        let both = |f: &mut Findings| {
+            f.that("a", true);
+            f.that("b", false);
+        };
+        assert!(!holds(both));
+    }
+
+    #[test]
+    fn a_refusal_must_name_place_value_and_remedy() {
+        let outcome = || {
+            Err::<(), _>(Error::NoContact {
+                load: 3.0,
+                closure: 1.0,
+                carried: 0.5,
+            })
+        };
+        let names = |remedy| Refusal {
+            place: "bolt load",
+            value: "3.0000e0 N",
+            remedy,
+        };
+        assert!(holds(|f| f.refused("", outcome(), &names("check the gap"))));
+        assert!(!holds(|f| f.refused("", outcome(), &names("buy new bolts"))));
+        assert!(!holds(|f| f.refused("", Ok(()), &names("check the gap"))));
     }
 }

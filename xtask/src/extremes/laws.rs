@@ -5,6 +5,7 @@ use super::bench::Bench;
 use super::findings::{Findings, Refusal, worst};
 use anyhow::{Context, Result};
 use contact_laws::ElasticPair;
+use joint_pipeline::Error;
 use joint_pipeline::run::Fields;
 use joint_pipeline::scene::{
     Curves, Elastic, Fitted, Gap, LawKind, Method, ParameterSet, Parameters, Per, ScanFile, Scans, Surface,
@@ -521,7 +522,16 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
             scene.gap = Gap::Scan;
         })
     };
-    let found = ScannedSurface::try_new(&on(smooth(0.6), LawKind::Fitted), &bench.base.mesh)?.found;
+    // The smoothest of them on which every element has a peak.
+    let characterised = |part: f64| ScannedSurface::try_new(&on(smooth(part), LawKind::Fitted), &bench.base.mesh);
+    let (mut part, mut next) = (0.5, characterised(0.5));
+    let mut found = Err(Error::NoSamples);
+    while next.is_ok() {
+        found = next;
+        part += 0.1;
+        next = characterised(part);
+    }
+    let (rough_enough, found) = (smooth(part - 0.1), found?.found);
     let counts = found.elements.iter().map(|e| e.population.heights().len());
     findings.between(
         "scans, fewest peaks in an element",
@@ -531,7 +541,7 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     );
     let mut frequencies = Vec::new();
     for kind in [LawKind::AsperitySum, LawKind::Tabulated, LawKind::Fitted] {
-        let run = bench.run_scene(&on(smooth(0.6), kind))?;
+        let run = bench.run_scene(&on(rough_enough, kind))?;
         let report = run.law.asperities.as_ref().context("no asperities")?;
         let name = run.law.kind;
         findings.sound(&format!("scans, {name}, "), &run)?;
@@ -547,7 +557,7 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
         value: "no peak on either face",
         remedy: "coarsen the interface mesh",
     };
-    let smoothest = bench.run_scene(&on(smooth(3.0), LawKind::Tabulated));
+    let smoothest = bench.run_scene(&on(smooth(part), LawKind::Tabulated));
     findings.refused("smoother scans, ", smoothest, &refusal);
     findings.outcome = format!(
         "converged, scans {}; smoother ones {}",

@@ -120,8 +120,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 
 /// Runs a case and says what came of it: its entry in the file, and its line in the table.
 fn judge(case: &'static Case, bench: &Arc<Bench>, limit: Duration) -> (Value, String) {
+    let bench = Arc::clone(bench);
     let began = Instant::now();
-    let findings = attend(case, bench, limit).unwrap_or_else(Findings::defect);
+    let findings = attend(move || (case.run)(&bench), limit).unwrap_or_else(Findings::defect);
     let seconds = began.elapsed().as_secs_f64();
     let passed = findings.passed();
     let mut line = format!(
@@ -148,12 +149,11 @@ fn judge(case: &'static Case, bench: &Arc<Bench>, limit: Duration) -> (Value, St
     (account, line)
 }
 
-/// Runs a case on a thread of its own, which a panic ends and a hang outlasts; says what was wrong with it.
-fn attend(case: &'static Case, bench: &Arc<Bench>, limit: Duration) -> Result<Findings, String> {
+/// Does work on a thread of its own, which a panic ends and a hang outlasts; says what was wrong with it.
+fn attend(work: impl FnOnce() -> Result<Findings> + Send + 'static, limit: Duration) -> Result<Findings, String> {
     let (answer, answered) = mpsc::channel();
-    let bench = Arc::clone(bench);
     std::thread::spawn(move || {
-        let outcome = catch_unwind(AssertUnwindSafe(|| (case.run)(&bench)));
+        let outcome = catch_unwind(AssertUnwindSafe(work));
         // Nobody listens any more once the time is over.
         let _ = answer.send(outcome);
     });
@@ -165,6 +165,40 @@ fn attend(case: &'static Case, bench: &Arc<Bench>, limit: Duration) -> Result<Fi
             let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
             Err(format!("panic: {}", text.unwrap_or("without a message")))
         }
-        Err(_) => Err(format!("no answer within {} s", limit.as_secs())),
+        Err(_) => Err(format!("no answer within {} s", limit.as_secs_f64())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::anyhow;
+
+    #[test]
+    fn whatever_a_case_does_is_reported() {
+        let long = Duration::from_secs(60);
+        let of = |outcome: Result<Findings, String>| outcome.err().unwrap_or_else(|| "nothing wrong".into());
+        assert_eq!(of(attend(|| Ok(Findings::default()), long)), "nothing wrong");
+        assert_eq!(
+            of(attend(|| Err(anyhow!("no mesh")), long)),
+            "unexpected error: no mesh"
+        );
+        assert_eq!(of(attend(|| panic!("at {}", 7), long)), "panic: at 7");
+        let hang = || {
+            std::thread::sleep(Duration::from_secs(5));
+            Ok(Findings::default())
+        };
+        assert_eq!(of(attend(hang, Duration::from_millis(20))), "no answer within 0.02 s");
+        assert!(!Findings::defect("panic".into()).passed());
+    }
+
+    #[test]
+    fn cases_have_names_of_their_own_and_say_what_must_happen() {
+        let mut names: Vec<&str> = table().map(|case| case.name).collect();
+        names.sort_unstable();
+        let all = names.len();
+        names.dedup();
+        assert_eq!(names.len(), all);
+        assert!(table().all(|case| !case.change.is_empty() && !case.expected.is_empty()));
     }
 }
