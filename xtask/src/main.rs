@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod csv;
 mod export;
+mod extremes;
 mod fields;
 mod files;
 mod identify;
@@ -61,6 +62,8 @@ enum Command {
     Trade(trade::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
+    /// Put hostile but finite situations to the whole road, and check that each does what it must.
+    Extremes(extremes::Arguments),
     /// Check that the dependencies between the crates point one way only.
     CheckLayering,
     /// Check a finished run against bounds that hold for every sound scene of the beam.
@@ -90,6 +93,7 @@ fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments).map(|()| Outcome::Success),
         Command::Trade(arguments) => trade::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
+        Command::Extremes(arguments) => extremes::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),
     };

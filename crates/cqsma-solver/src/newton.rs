@@ -44,6 +44,13 @@ pub enum Reason {
     /// Too many iterations.
     #[error("the iteration limit was reached")]
     IterationLimit,
+    /// The load is so small that the round-off of the contact forces is no small part of it. The history holds this part
+    /// alone.
+    #[error(
+        "the load is within the round-off that the contact forces leave at the static state, so that neither frequency nor \
+         damping can be told; take a larger amplitude"
+    )]
+    BelowRoundOff,
 }
 
 /// Why a solve gave up.

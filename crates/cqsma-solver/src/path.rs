@@ -22,6 +22,9 @@ const FRESH: usize = 16;
 /// product).
 const SAME_MODE: f64 = 0.5;
 
+/// Largest share of the load that the round-off of the contact forces may be: the motion is known no better than that.
+const LARGEST_ROUND_OFF: f64 = 1e-2;
+
 /// A walk along the factor of one load.
 pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) equilibrium: Equilibrium<'a, F>,
@@ -71,10 +74,19 @@ impl<'a, F: HystereticForce> Path<'a, F> {
 
     /// Solves at `factor` from the motion at hand.
     pub(crate) fn settle(&mut self, factor: f64) -> Result<PointCounts, Failure> {
+        let scale = self.range * self.unit.norm();
+        // Residuals below round-off count as converged, which says nothing where round-off is as large as the load. Without
+        // any load there is nothing to compare with.
+        if scale > 0.0 && self.equilibrium.round_off > LARGEST_ROUND_OFF * scale {
+            return Err(Failure {
+                reason: Reason::BelowRoundOff,
+                history: vec![self.equilibrium.round_off / scale],
+            });
+        }
         let goal = Goal {
             factor,
             load: self.mass.map_or(Load::Pattern(&self.unit.p), Load::Inertia),
-            scale: self.range * self.unit.norm(),
+            scale,
             sliding: self.sliding,
         };
         let converged = self
@@ -133,7 +145,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
                 Err(failure) => {
                     self.at = from;
                     self.walk.motion.copy_from(&origin);
-                    if step.abs() < SMALLEST_STEP * self.range {
+                    if failure.reason == Reason::BelowRoundOff || step.abs() < SMALLEST_STEP * self.range {
                         return Err(failure);
                     }
                     targets.push(from + 0.5 * step);

@@ -358,3 +358,71 @@ fn a_stopped_run_begins_no_more_loops() {
     let reported = reported.into_inner();
     assert!((1..100).contains(&reported), "{reported}");
 }
+
+#[test]
+fn loads_within_the_round_off_of_the_static_forces_are_called_so() {
+    let chain = JenkinsChain::new(6, 2000.0, (400.0, 1.0));
+    let load = vec![0.1; 6];
+    let (stiffness, mass) = (chain.stiffness.as_ref(), chain.mass.as_ref());
+    let newton = Settings::default().newton;
+    let rest = prestress::solve(stiffness, &chain.force, &load, &[0.0; 6], &newton)
+        .unwrap()
+        .unwrap();
+    let mut line = modes::linearise(stiffness, mass, &chain.force, rest.displacement, rest.state, 1).unwrap();
+    line.orient(&[1.0; 6]).unwrap();
+    let linear = line.eigenvalues[0].sqrt();
+    // Decades from far below the round-off of forces of 0.1 N to where friction is told.
+    let modal: Vec<f64> = (-24..1).map(|i| 10.0_f64.powi(i)).collect();
+    let points: Vec<BackbonePoint> = run(&line, &chain.force, &modal, &Settings::default(), |_| NoObserver)
+        .unwrap()
+        .into_iter()
+        .map(|(point, _)| point)
+        .collect();
+    let mut found = 0;
+    for point in &points {
+        match &point.result {
+            Ok(result) => {
+                found += 1;
+                // Whatever is given out as a frequency is one: its error is half of that of the motion.
+                assert!(
+                    (result.omega / linear - 1.0).abs() <= result.residual,
+                    "{:e}: {} {linear}, {:e}",
+                    point.modal_force,
+                    result.omega,
+                    result.residual
+                );
+                assert!(result.residual <= 1e-2);
+            }
+            Err(failure) => {
+                assert_eq!(failure.reason, Reason::BelowRoundOff);
+                assert!(failure.history[0] > 1e-2 && point.modal_force < 1e-13, "{failure:?}");
+                assert_eq!(
+                    (found, point.effort.iterations),
+                    (0, 0),
+                    "resolved above, refused below"
+                );
+            }
+        }
+    }
+    assert!((12..22).contains(&found), "{found}");
+    // The sweeps refuse the same amplitudes and go on with the larger ones.
+    let settings = cqsma_solver::loading::Settings::default();
+    let swept = cqsma_solver::masing::run(&line, &chain.force, &modal, &settings).unwrap();
+    assert!(
+        swept[0]
+            .result
+            .as_ref()
+            .is_err_and(|f| f.reason == Reason::BelowRoundOff)
+    );
+    assert!(swept.last().unwrap().result.is_ok());
+}
+
+#[test]
+fn a_static_load_within_round_off_is_no_equilibrium() {
+    // Ends as far apart as 1e16 times what the load moves them by.
+    let chain = JenkinsChain::new(2, 2000.0, (400.0, f64::INFINITY));
+    let newton = Settings::default().newton;
+    let far = prestress::solve(chain.stiffness.as_ref(), &chain.force, &[1e-16; 2], &[1e3; 2], &newton);
+    let failure = far.unwrap().unwrap_err();
+    assert_eq!(failure.reason, Reason::BelowRoundOff);
+}

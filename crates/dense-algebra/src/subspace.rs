@@ -6,6 +6,16 @@ use faer::{Mat, MatRef};
 /// Most subspace iterations; a dozen are usual.
 const MAX_ITERATIONS: usize = 200;
 
+/// Relative change of the eigenvalues from one iteration to the next at which they count as found. Eigenvalues converge with
+/// the square of the shapes: round-off in the values is asked for.
+const SETTLED: f64 = 1e-13;
+
+/// Round-off in all eigenvalues, relative to the largest: one far below it cannot settle any closer.
+const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
+
+/// Largest part of an eigenvalue that this round-off may be.
+const LARGEST_ROUND_OFF: f64 = 1e-6;
+
 /// The `count` lowest eigenpairs of `L L^T y = lambda m y` for a positive semi-definite `m`, with `y^T m y = 1`,
 /// by subspace iteration on `L^-1 m L^-T`, whose eigenvalues are `1 / lambda`.
 ///
@@ -29,24 +39,33 @@ pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) ->
         if values.len() < count || !values.iter().all(|v| *v > 0.0) {
             return Err(Error::Rank { size, count });
         }
-        let change = values
-            .iter()
-            .zip(&previous)
-            .map(|(a, b)| (a / b - 1.0).abs())
-            .fold(0.0, f64::max);
+        let round_off = values.first().map_or(0.0, |largest| ROUND_OFF * largest);
+        let settled = values.iter().zip(&previous).all(|(value, before)| {
+            let change = (value - before).abs();
+            change < SETTLED * value || (change < round_off && round_off < LARGEST_ROUND_OFF * value)
+        });
         previous.clone_from(&values);
-        // Eigenvalues converge with the square of the shapes: ask for round-off in the values.
-        if change < 1e-13 {
+        if settled {
             let mut shapes = Mat::from_fn(size, count, |i, j| image[(i, image.ncols() - 1 - j)]);
             solve_lower_transposed(lower, shapes.as_mut());
-            let images = product(m, shapes.as_ref());
-            let length = |j: usize| (shapes.col(j).transpose() * images.col(j)).sqrt();
-            let lengths: Vec<f64> = (0..count).map(length).collect();
-            let shapes = Mat::from_fn(size, count, |i, j| shapes[(i, j)] / lengths[j]);
+            normalise(&mut shapes, m);
             return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
         }
     }
     Err(Error::NoConvergence { size })
+}
+
+/// Makes the columns orthonormal in the inner product of `m`, the first ones first: a far lower eigenvalue enlarges what
+/// round-off leaves of its shape in the others.
+fn normalise(shapes: &mut Mat<f64>, m: MatRef<'_, f64>) {
+    for j in 0..shapes.ncols() {
+        let before = shapes.subcols(0, j);
+        let shape = shapes.subcols(j, 1);
+        let common = product(before.transpose(), product(m, shape).as_ref());
+        let own = shape - product(before, common.as_ref());
+        let length = (own.col(0).transpose() * product(m, own.as_ref()).col(0)).sqrt();
+        shapes.col_mut(j).copy_from(own.col(0) / faer::Scale(length));
+    }
 }
 
 /// Orthonormal basis of the space of the columns, by two passes over the eigenvectors of their Gram matrix

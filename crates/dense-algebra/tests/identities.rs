@@ -1,7 +1,7 @@
 //! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
 
 use dense_algebra::{
-    Error, Symmetric, cholesky, congruent, product, solve_general, solve_lower, solve_lower_transposed,
+    Error, Symmetric, cholesky, congruent, lowest_pairs, product, solve_general, solve_lower, solve_lower_transposed,
     symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
 };
 use faer::Mat;
@@ -137,5 +137,36 @@ fn packed_products_and_inverses_fit_the_dense_ones() {
         for (back, x) in back.iter().zip(&x) {
             assert!((back - x).abs() < 1e-9, "{n}: {back} {x}");
         }
+    }
+}
+
+#[test]
+fn a_mode_far_below_the_others_does_not_keep_them_from_being_found() {
+    // One soft direction, as of parts that hardly touch: round-off of its inverse is 1e-9 of the others'.
+    for soft in [1e-2, 1e-6] {
+        let n = 120;
+        let values: Vec<f64> = (0..n)
+            .map(|i| if i == 0 { soft } else { 1.0 + f64::from(i).powi(2) })
+            .collect();
+        let lower = cholesky(with_spectrum(&values).as_ref()).unwrap();
+        let (found, shapes) = lowest_pairs(lower.as_ref(), Mat::identity(n as usize, n as usize).as_ref(), 6).unwrap();
+        for (f, v) in found.iter().zip(&values) {
+            // Round-off of the largest eigenvalue (1.4e4) and of the largest inverse.
+            let allowed = 1e-9 + 1e-10 / v + 1e-14 * v / soft;
+            assert!((f / v - 1.0).abs() < allowed, "{soft:e}: {f:e} {v:e}");
+        }
+        let gram = product(shapes.transpose(), shapes.as_ref());
+        assert!((gram - Mat::<f64>::identity(6, 6)).norm_max() < 1e-7);
+    }
+    // Where the others drown altogether, that is said.
+    let values: Vec<f64> = (0..120)
+        .map(|i| if i == 0 { 1e-12 } else { 1e3 + f64::from(i) })
+        .collect();
+    if let Ok(lower) = cholesky(with_spectrum(&values).as_ref()) {
+        let error = lowest_pairs(lower.as_ref(), Mat::identity(120, 120).as_ref(), 6).unwrap_err();
+        assert!(
+            matches!(error, Error::NoConvergence { size: 120 } | Error::Rank { .. }),
+            "{error}"
+        );
     }
 }

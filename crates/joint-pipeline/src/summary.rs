@@ -7,6 +7,7 @@ use crate::methods::MethodPoint;
 use crate::run::Run;
 use crate::scene::Scene;
 use crate::validity::Validity;
+use cqsma_solver::Reason;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -135,6 +136,8 @@ pub enum Status {
     Resolved,
     /// All vertices converged, but what was found of damping may be noise.
     BelowFloor,
+    /// The load is within the round-off of the contact forces: there is neither frequency nor damping.
+    BelowRoundOff,
     /// A vertex did not converge.
     NotConverged,
 }
@@ -322,9 +325,10 @@ fn backbone(amplitude: &crate::run::AmplitudeResult, scene: &Scene) -> BackboneS
     let fields = amplitude.fields.as_ref();
     let zeta = result.filter(|r| r.is_resolved()).map(|r| r.zeta);
     BackboneSummary {
-        status: match (result, zeta) {
-            (None, _) => Status::NotConverged,
-            (Some(_), None) => Status::BelowFloor,
+        status: match (&point.result, zeta) {
+            (Err(failure), _) if failure.reason == Reason::BelowRoundOff => Status::BelowRoundOff,
+            (Err(_), _) => Status::NotConverged,
+            (Ok(_), None) => Status::BelowFloor,
             _ => Status::Resolved,
         },
         modal_force: point.modal_force,

@@ -29,6 +29,17 @@ pub enum Error {
         /// Distance (m).
         distance: f64,
     },
+    /// A node belongs to two pairs, or to both sides.
+    #[error(
+        "interface pair {pair}: node {node} stands in an earlier pair or on both sides already; merge coinciding nodes of the \
+         interface, and give every node once"
+    )]
+    PairTwice {
+        /// Pair number.
+        pair: usize,
+        /// Node.
+        node: u32,
+    },
     /// An interface component depends on others through a constraint.
     #[error(
         "component {component} of interface node {node} is missing or made dependent by a tie, coupling or equation; \

@@ -4,6 +4,7 @@ use crate::Error;
 use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
 use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
+use std::collections::BTreeSet;
 use substructure::assemble::System;
 use substructure::sparse::{congruence, multiply_vector, numbering, submatrix, symmetric_part};
 
@@ -124,7 +125,7 @@ impl RelativeSystem {
     /// Changes the coordinates of a system.
     ///
     /// # Errors
-    /// Pairs that do not match, do not coincide, or are not free; axes that are not orthonormal.
+    /// Pairs that do not match, do not coincide, share nodes, or are not free; axes that are not orthonormal.
     pub fn try_new(system: &System, pairs: InterfacePairs<'_>) -> Result<Self, Error> {
         let (top, bottom, frame) = (pairs.top, pairs.bottom, pairs.frame);
         if top.len() != bottom.len() || top.is_empty() {
@@ -142,7 +143,13 @@ impl RelativeSystem {
                 .ok_or(Error::DependentInterface { node, component })
         };
         let (mut of_top, mut of_bottom) = (vec![0; n_relative], vec![0; n_relative]);
+        let mut paired = BTreeSet::new();
         for (pair, (&t, &b)) in top.iter().zip(bottom).enumerate() {
+            for node in [t, b] {
+                if !paired.insert(node) {
+                    return Err(Error::PairTwice { pair, node });
+                }
+            }
             for component in 0..3_u8 {
                 of_top[3 * pair + usize::from(component)] = place(t, component)?;
                 of_bottom[3 * pair + usize::from(component)] = place(b, component)?;

@@ -292,6 +292,14 @@ fn mismatched_interfaces_are_refused_by_name() {
         attempt(&good.top, &crossed, FRAME),
         Error::PairApart { pair: 3, .. }
     ));
+    let [mut tops, mut bottoms] = [good.top.clone(), good.bottom.clone()];
+    tops.push(good.top[3]);
+    bottoms.push(good.bottom[3]);
+    let twice = attempt(&tops, &bottoms, FRAME);
+    assert!(
+        matches!(twice, Error::PairTwice { pair: 45, node } if node == good.top[3]),
+        "{twice}"
+    );
     let mut skew = FRAME;
     skew[0][1] = 0.1;
     assert!(matches!(attempt(&good.top, &good.bottom, skew), Error::Frame { .. }));

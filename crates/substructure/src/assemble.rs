@@ -48,13 +48,15 @@ impl System {
             }
         }
         let total_mass = mass.data().iter().sum();
+        let stiffness = congruence(&dofs.transform, &stiffness);
+        refuse_loose(&assembly.mesh, &dofs, &stiffness)?;
         let loads = assembly
             .loads
             .iter()
             .map(|load| dofs.force(assembly, &load.name, &load.terms))
             .collect::<Result<_, _>>()?;
         Ok(Self {
-            stiffness: congruence(&dofs.transform, &stiffness),
+            stiffness,
             mass: congruence(&dofs.transform, &for_three_components(&mass)),
             loads,
             positions: dofs.positions.clone(),
@@ -138,6 +140,23 @@ impl Mesh {
         }
         Ok(())
     }
+}
+
+/// Refuses nodes without elements whose components no constraint brings into the stiffness.
+fn refuse_loose(mesh: &Mesh, dofs: &DofMap, stiffness: &CsMat<f64>) -> Result<(), Error> {
+    let mut used = vec![false; mesh.nodes.len()];
+    for &node in mesh.elements.iter().flat_map(|element| element.cell.nodes()) {
+        used[node as usize] = true;
+    }
+    for node in (0..used.len()).filter(|&node| !used[node]) {
+        for component in 0..3_u8 {
+            let row = dofs.independent_index(node as u32, component);
+            if row.is_some_and(|row| stiffness.outer_view(row).is_none_or(|entries| entries.nnz() == 0)) {
+                return Err(Error::LooseNode { node, component });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Stiffness over all displacement components and mass over all nodes, before constraints.

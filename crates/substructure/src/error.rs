@@ -71,6 +71,17 @@ pub enum Error {
         /// Determinant (m^3).
         determinant: f64,
     },
+    /// A node that nothing holds.
+    #[error(
+        "node {node} belongs to no element, and no constraint holds its component {component}; remove it from the mesh, or \
+         give the elements that coincide with it there this node"
+    )]
+    LooseNode {
+        /// Node.
+        node: usize,
+        /// Component 0..3.
+        component: u8,
+    },
     /// A slave node is too far from the surface it is tied to.
     #[error(
         "tie `{tie}`: slave node {node} is {distance:.3e} m from the master surface, beyond the position tolerance \

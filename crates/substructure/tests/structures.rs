@@ -295,6 +295,26 @@ fn couplings_and_equations_leave_exactly_the_free_motions() {
 }
 
 #[test]
+fn a_node_that_nothing_holds_is_refused_by_name() {
+    let mut assembly = bar([2, 1, 1], [2.0, 1.0, 1.0]);
+    let loose = assembly.mesh.nodes.len();
+    assembly.mesh.nodes.push([0.5, 0.5, 1.0]);
+    let error = System::try_new(&assembly).unwrap_err();
+    assert!(
+        matches!(error, Error::LooseNode { node, component: 0 } if node == loose),
+        "{error}"
+    );
+    // An equation that ties it to the bar holds it.
+    assembly.equations = (0..3_u8)
+        .map(|c| Equation {
+            name: format!("hold {c}"),
+            terms: vec![(Dof::Node(loose as u32, c), 1.0), (Dof::Node(0, c), -1.0)],
+        })
+        .collect();
+    assert!(System::try_new(&assembly).is_ok());
+}
+
+#[test]
 fn redundant_circular_and_dangling_constraints_are_refused() {
     let mut assembly = sliding_bars();
     assembly.equations.push(assembly.equations[0].clone());
