@@ -14,6 +14,7 @@ mod map;
 mod markup;
 mod model;
 mod overlay;
+mod paper;
 mod plot;
 mod progress;
 mod report;
@@ -56,6 +57,8 @@ enum Command {
     Transient(transient::Arguments),
     /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
     Compare(compare::Arguments),
+    /// Recompute the results of the method paper that need no private scan, each beside the published figure.
+    Paper(paper::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
     /// Check that the dependencies between the crates point one way only.
@@ -85,6 +88,7 @@ fn main() -> ExitCode {
         Command::Characterise(arguments) => characterise::run(&arguments).map(|()| Outcome::Success),
         Command::Transient(arguments) => transient::run(&arguments).map(|()| Outcome::Success),
         Command::Compare(arguments) => compare::run(&arguments).map(|()| Outcome::Success),
+        Command::Paper(arguments) => paper::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),
         Command::CheckResults { directory } => check::run(&directory).map(|()| Outcome::Success),
