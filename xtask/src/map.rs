@@ -141,27 +141,31 @@ pub(crate) fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> Str
         let mut paths = vec![String::new(); CLASSES];
         for (element, value) in mesh.elements.iter().zip(&map.values).filter(|(_, v)| v.is_finite()) {
             let class = (((value - low) / range * CLASSES as f64) as usize).min(CLASSES - 1);
-            for (i, &node) in element.nodes().iter().enumerate() {
+            // Whole tenths of a pixel, all corners but the first as steps: the shortest text for a polygon.
+            let mut before: Option<[i32; 2]> = None;
+            for &node in element.nodes() {
                 let [x, y] = mesh.nodes[node as usize];
-                let command = if i == 0 { 'M' } else { 'L' };
-                let _ = write!(
-                    paths[class],
-                    "{command}{:.1} {:.1}",
-                    scale * (x - left),
-                    scale * (top - y)
-                );
+                let at = [x - left, top - y].map(|length| (10.0 * scale * length).round() as i32);
+                let _ = match before {
+                    None => write!(paths[class], "M{} {}l", at[0], at[1]),
+                    Some([x, y]) => write!(paths[class], "{} {} ", at[0] - x, at[1] - y),
+                };
+                before = Some(at);
             }
-            paths[class].push('Z');
+            paths[class].push('z');
         }
         let _ = writeln!(
             out,
-            "<g transform=\"translate({x0:.0} {y0:.0})\" stroke-width=\".7\">\n<rect width=\"{TILE}\" \
-             height=\"{map_height:.1}\" fill=\"none\" stroke=\"#bbb\"/>"
+            "<g transform=\"translate({x0:.0} {y0:.0})\" stroke-width=\"7\">\n<rect width=\"{TILE}\" \
+             height=\"{map_height:.1}\" fill=\"none\" stroke=\"#bbb\" stroke-width=\".7\"/>"
         );
         for (class, path) in paths.iter().enumerate() {
             let fill = colour((class as f64 + 0.5) / CLASSES as f64);
             if !path.is_empty() {
-                let _ = writeln!(out, "<path fill=\"{fill}\" stroke=\"{fill}\" d=\"{path}\"/>");
+                let _ = writeln!(
+                    out,
+                    "<path transform=\"scale(.1)\" fill=\"{fill}\" stroke=\"{fill}\" d=\"{path}\"/>"
+                );
             }
             let _ = writeln!(
                 out,

@@ -19,6 +19,8 @@ use joint_pipeline::scene::{
 };
 use joint_pipeline::surface::ScannedSurface;
 use runs::{Record, RunResult};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -74,8 +76,11 @@ static ENTRIES: [Entry; 13] = [
 /// What an entry needs, and what it makes of it.
 pub(crate) struct Plan<'a> {
     pub(crate) scenes: Vec<Scene>,
-    pub(crate) evaluate: Box<dyn FnOnce(&Results<'_>) -> Result<Findings> + 'a>,
+    pub(crate) evaluate: Box<Evaluate<'a>>,
 }
+
+/// What an entry makes of the results of its scenes.
+type Evaluate<'a> = dyn FnOnce(&Results<'_>) -> Result<Findings> + 'a;
 
 /// What came of the scenes of a plan, in their order.
 pub(crate) struct Results<'a> {
@@ -205,6 +210,8 @@ impl Computed {
 /// What entries make their scenes from.
 pub(crate) struct Inputs {
     quick: bool,
+    cache: Option<PathBuf>,
+    pub(crate) structure: Structure,
     pub(crate) mesh: InterfaceMesh,
     scan: OnceLock<Result<ScannedSurface, String>>,
 }
@@ -215,13 +222,15 @@ pub(crate) fn synthetic() -> SyntheticScan {
 }
 
 impl Inputs {
-    fn try_new(quick: bool) -> Result<Self> {
+    fn try_new(quick: bool, cache: Option<PathBuf>) -> Result<Self> {
         let mut scene = Scene::new("paper");
         refine(&mut scene, quick);
         let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent)?;
         Ok(Self {
             quick,
+            cache,
             mesh: structure.interface().clone(),
+            structure,
             scan: OnceLock::new(),
         })
     }
@@ -252,6 +261,18 @@ impl Inputs {
         scene.mu = 0.6;
         scene.points_per_direction = 5;
         scene
+    }
+
+    /// What an entry made of its own inputs and the structure in an earlier run, or makes now.
+    ///
+    /// # Errors
+    /// Of `make`, and of the folder it is stored in.
+    pub(crate) fn kept<T: Serialize + DeserializeOwned>(
+        &self,
+        inputs: &impl Serialize,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<T> {
+        runs::kept(self.cache.as_deref(), &(self.quick, inputs), make)
     }
 
     /// The synthetic pair, characterised once.
@@ -307,6 +328,11 @@ pub(crate) fn given(curves: Vec<Curves>) -> Surface {
     })
 }
 
+/// A published claim, and whether it is seen here.
+pub(crate) fn claim(holds: bool, text: &str) -> String {
+    format!("{text} - {}", if holds { "seen here too" } else { "NOT seen here" })
+}
+
 /// Entries with these ids, all without any.
 ///
 /// # Errors
@@ -327,8 +353,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ended> {
     let out = &arguments.out;
     std::fs::create_dir_all(out).with_context(|| format!("making the folder {}", out.display()))?;
     let cache = (!arguments.no_cache).then(|| Path::new(RESULTS).join(".cache"));
-    let inputs = Inputs::try_new(arguments.quick)?;
-    let computed = compute(&inputs, &entries, cache.as_deref())?;
+    let inputs = Inputs::try_new(arguments.quick, cache)?;
+    let computed = compute(&inputs, &entries)?;
 
     let rows: Vec<Value> = computed.iter().map(Computed::json).collect();
     let json = serde_json::to_string_pretty(&rows).context("encoding the entries")?;
@@ -348,9 +374,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ended> {
         files::write_all(&folder, &svg.collect::<Vec<_>>())?;
         files::write_all(&docs, &[Output::new("paper.md", page::markdown(&computed))])?;
     }
-    let failed = computed.iter().filter(|c| c.findings.is_err()).count();
     print(&page::account(&computed, out, began.elapsed().as_secs_f64()))?;
-    Ok(if failed == 0 { Ended::Success } else { Ended::Incomplete })
+    Ok(ended(&computed))
+}
+
+fn ended(computed: &[Computed]) -> Ended {
+    if computed.iter().all(|entry| entry.findings.is_ok()) {
+        Ended::Success
+    } else {
+        Ended::Incomplete
+    }
 }
 
 fn pictures(computed: &[Computed]) -> impl Iterator<Item = &Picture> {
@@ -360,12 +393,12 @@ fn pictures(computed: &[Computed]) -> impl Iterator<Item = &Picture> {
 
 /// Runs the scenes of all entries, each once, and lets the entries make of them what they do. What fails in one entry
 /// leaves the others alone.
-fn compute(inputs: &Inputs, entries: &[&'static Entry], cache: Option<&Path>) -> Result<Vec<Computed>> {
+fn compute(inputs: &Inputs, entries: &[&'static Entry]) -> Result<Vec<Computed>> {
     let plans: Vec<Result<Plan<'_>>> = entries.iter().map(|entry| (entry.plan)(inputs)).collect();
     let scenes_of = |plan: &Result<Plan<'_>>| plan.as_ref().map_or_else(|_| Vec::new(), |plan| plan.scenes.clone());
     let scenes: Vec<Scene> = plans.iter().flat_map(scenes_of).collect();
     let (different, of) = runs::unique(&scenes)?;
-    let results = runs::run_all(&different, cache)?;
+    let results = runs::run_all(&different, inputs.cache.as_deref())?;
     let mut numbers = of.into_iter();
     let mut computed = Vec::with_capacity(entries.len());
     for (&entry, plan) in entries.iter().zip(plans) {
@@ -466,6 +499,60 @@ mod tests {
         }
     }
 
+    #[test]
+    fn what_fails_in_one_entry_leaves_the_others_alone() {
+        static UNPLANNED: Entry = Entry {
+            id: "unplanned",
+            title: "",
+            inputs: "",
+            plan: |_| bail!("there is no scan"),
+        };
+        static REFUSED: Entry = Entry {
+            id: "refused",
+            title: "",
+            inputs: "",
+            plan: |inputs| {
+                let mut scene = inputs.scene("sticky");
+                scene.mu = -1.0;
+                Ok(Plan {
+                    scenes: vec![scene],
+                    evaluate: Box::new(|results| Err(results.of(0).err().unwrap_or_else(|| anyhow!("it ran")))),
+                })
+            },
+        };
+        static FINE: Entry = Entry {
+            id: "fine",
+            title: "",
+            inputs: "",
+            plan: |inputs| {
+                Ok(Plan {
+                    scenes: vec![inputs.scene("as by default")],
+                    evaluate: Box::new(|results| {
+                        Ok(Findings {
+                            figures: vec![Figure::new("f1 (Hz)", None, results.of(0)?.first(), "")],
+                            comparable: false,
+                            judgement: String::new(),
+                            pictures: Vec::new(),
+                        })
+                    }),
+                })
+            },
+        };
+        let inputs = Inputs::try_new(true, None).expect("the quick mesh");
+        let computed = compute(&inputs, &[&UNPLANNED, &REFUSED, &FINE]).expect("entries fail alone");
+        let rows: Vec<Value> = computed.iter().map(Computed::json).collect();
+        assert_eq!(rows[0]["status"], "failed: there is no scan");
+        let refused = rows[1]["status"].as_str().expect("a text");
+        assert!(refused.starts_with("failed: the scene sticky failed"), "{refused}");
+        assert!(refused.contains("mu"), "{refused}");
+        assert_eq!(rows[2]["status"], "computed");
+        assert!(rows[2]["computed"]["f1 (Hz)"].as_f64().expect("a number") > 100.0);
+        assert!(matches!(ended(&computed), Ended::Incomplete));
+        assert!(matches!(ended(&computed[2..]), Ended::Success));
+        let page = page::html(&computed, true);
+        assert!(page.contains("Failed: there is no scan") && page::markdown(&computed).contains("failed: there is"));
+    }
+
     /// A scene that cannot run fails its own entry and no other.
     #[test]
     fn results_name_the_scene_that_failed() {
@@ -474,10 +561,9 @@ mod tests {
             seconds: 2.0,
             frequencies: vec![168.0],
             contact: [1.0; 3],
-            mean_closure: 0.0,
+            slipping: 0.0,
             central: Default::default(),
             nodal: Default::default(),
-            equilibrium_error: 0.0,
             backbone: Vec::new(),
             methods: Default::default(),
         }));

@@ -2,11 +2,13 @@
 
 use crate::progress::{Batch, Task};
 use anyhow::{Context, Result};
+use contact_laws::Regime;
 use joint_pipeline::model::Structure;
 use joint_pipeline::progress::Progress;
 use joint_pipeline::run::{Fields, Prepared};
 use joint_pipeline::summary::Summary;
 use joint_pipeline::{Options, Run, Scene};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -16,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Changes whenever what is stored of a run, or how it is computed, does.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Scenes that run at the same time; their loops share all threads, and each holds a reduced model of its own.
 const WORKERS: usize = 2;
@@ -31,14 +33,12 @@ pub(crate) struct Record {
     /// Part of the area in contact: by points, by elements with any point in contact, by elements with their centre in
     /// contact.
     pub(crate) contact: [f64; 3],
-    /// Uniform closure that carries the bolt load (m).
-    pub(crate) mean_closure: f64,
+    /// Part of the area that slips under prestress, by points.
+    pub(crate) slipping: f64,
     /// Traction x, y, n at the centre of each element under prestress (Pa).
     pub(crate) central: [Vec<f64>; 3],
     /// The same at the nodes, by least squares (Pa).
     pub(crate) nodal: [Vec<f64>; 3],
-    /// Relative error of the vertical equilibrium.
-    pub(crate) equilibrium_error: f64,
     /// Amplitudes in ascending order.
     pub(crate) backbone: Vec<Point>,
     /// Displacement (m), frequency (Hz) and damping ratio of other methods, by the names that scenes use.
@@ -89,6 +89,10 @@ impl Record {
         let areas = run.mesh.areas();
         let closed = areas.iter().zip(&central[2]).filter(|(_, pressure)| **pressure > 0.0);
         let by_centres = closed.map(|(area, _)| area).sum::<f64>() / areas.iter().sum::<f64>();
+        let slips = prestress.regime.iter().zip(&operators.weights);
+        let slips = slips
+            .filter(|(regime, _)| **regime == Regime::Slip)
+            .map(|(_, weight)| weight);
         let summary = Summary::new(run, BTreeMap::new(), None);
         let backbone = summary.backbone.iter().zip(&run.amplitudes).enumerate();
         let backbone = backbone.filter_map(|(index, (point, amplitude))| {
@@ -120,10 +124,9 @@ impl Record {
                 validity.contact_area_fraction_by_elements,
                 by_centres,
             ],
-            mean_closure: run.law.mean_closure,
+            slipping: slips.sum::<f64>() / operators.area(),
             nodal: prestress.traction.each_ref().map(|t| operators.nodal_least_squares(t)),
             central,
-            equilibrium_error: run.prestress.equilibrium_error,
             backbone: backbone.collect(),
             methods: methods.collect(),
         }
@@ -170,37 +173,58 @@ pub(crate) fn unique(scenes: &[Scene]) -> Result<(Vec<Scene>, Vec<usize>)> {
     Ok((different, of))
 }
 
-/// Hash of all that a record depends on.
+/// Hash of all that the record of a scene depends on.
 fn key(scene: &Scene) -> Result<String> {
-    let unnamed = Scene {
+    hash(&Scene {
         name: String::new(),
         ..scene.clone()
-    };
+    })
+}
+
+/// Hash of inputs and of what turns them into results.
+fn hash(inputs: &impl Serialize) -> Result<String> {
     let mut hash = Sha256::new();
     hash.update(VERSION.to_le_bytes());
     hash.update(env!("CARGO_PKG_VERSION"));
     hash.update(contact_laws::instruction_set());
-    hash.update(serde_json::to_vec(&unnamed).context("encoding a scene")?);
+    hash.update(serde_json::to_vec(inputs).context("encoding inputs")?);
     Ok(hash.finalize().iter().take(16).map(|b| format!("{b:02x}")).collect())
 }
 
-fn path_of(folder: &Path, scene: &Scene) -> Result<PathBuf> {
-    Ok(folder.join(format!("paper-{}.json", key(scene)?)))
+fn path_of(folder: &Path, key: &str) -> PathBuf {
+    folder.join(format!("paper-{key}.json"))
 }
 
-/// An intact record of an earlier run; anything else counts as absent.
-fn stored(folder: &Path, scene: &Scene) -> Option<Record> {
-    let text = std::fs::read(path_of(folder, scene).ok()?).ok()?;
-    serde_json::from_slice(&text).ok()
+/// An intact result of an earlier run; anything else counts as absent.
+fn stored<T: DeserializeOwned>(folder: &Path, key: &str) -> Option<T> {
+    serde_json::from_slice(&std::fs::read(path_of(folder, key)).ok()?).ok()
 }
 
 /// Written under another name first, so that an interrupted run leaves no half of one.
-fn store(folder: &Path, scene: &Scene, record: &Record) -> Result<()> {
-    let path = path_of(folder, scene)?;
+fn store(folder: &Path, key: &str, result: &impl Serialize) -> Result<()> {
+    let path = path_of(folder, key);
     std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
     let part = path.with_extension(format!("part{}", std::process::id()));
-    std::fs::write(&part, serde_json::to_vec(record)?).with_context(|| format!("writing {}", part.display()))?;
+    std::fs::write(&part, serde_json::to_vec(result)?).with_context(|| format!("writing {}", part.display()))?;
     std::fs::rename(&part, &path).with_context(|| format!("moving {} into place", path.display()))
+}
+
+/// What was made of these inputs in an earlier run, or is made now and stored.
+pub(crate) fn kept<T: Serialize + DeserializeOwned>(
+    cache: Option<&Path>,
+    inputs: &impl Serialize,
+    make: impl FnOnce() -> Result<T>,
+) -> Result<T> {
+    let Some(folder) = cache else {
+        return make();
+    };
+    let key = hash(inputs)?;
+    if let Some(found) = stored(folder, &key) {
+        return Ok(found);
+    }
+    let made = make()?;
+    store(folder, &key, &made)?;
+    Ok(made)
 }
 
 /// Load points of a scene, roughly: the unit of progress.
@@ -215,7 +239,7 @@ fn work(scene: &Scene) -> f64 {
 pub(crate) fn run_all(scenes: &[Scene], cache: Option<&Path>) -> Result<Vec<RunResult>> {
     let mut results: Vec<Option<RunResult>> = scenes
         .iter()
-        .map(|scene| Some(Ok(Arc::new(stored(cache?, scene)?))))
+        .map(|scene| Some(Ok(Arc::new(stored(cache?, &key(scene).ok()?)?))))
         .collect();
     // Structures in the order in which scenes ask for them.
     let mut structures: Vec<(String, Vec<usize>)> = Vec::new();
@@ -294,7 +318,7 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
                     };
                     batch.end(&task, &end);
                     if let (Some(folder), Ok(record)) = (cache, &result)
-                        && let Err(error) = store(folder, scene, record)
+                        && let Err(error) = key(scene).and_then(|key| store(folder, &key, record))
                     {
                         task.note(&format!("the result was not stored: {error:#}"));
                     }

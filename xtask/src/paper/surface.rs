@@ -44,7 +44,7 @@ fn fig_12(inputs: &Inputs) -> Result<Plan<'_>> {
                 .flat_map(|&(x, n)| [(x, n as f64), (x + width, n as f64)])
                 .collect();
 
-            let population = representatives(inputs)?[1].population.law_population()?;
+            let population = representatives(inputs)?.median.population.law_population()?;
             let adhesion = Adhesion::try_new(figures_of.work_of_adhesion, figures_of.intermolecular_distance)?;
             let elastic = AsperitySumCurves::try_new(population.clone(), pair, TangentialReading::Mindlin)?;
             let interferences = (0..=120).map(|i| 1e-9 * 10_f64.powf(f64::from(i) / 28.0));
