@@ -93,6 +93,11 @@ fn line(bar: Option<&ProgressBar>, text: &str) {
     }
 }
 
+/// A line where there is no bar yet.
+pub(crate) fn say(text: &str) {
+    line(None, text);
+}
+
 /// Progress of many runs as one display.
 pub(crate) struct Batch {
     bar: Option<ProgressBar>,

@@ -645,6 +645,18 @@ fn an_entry_of_the_paper_is_computed_written_and_stored() {
     assert!((number("difference", mode) - (computed / 167.42 - 1.0)).abs() < 1e-12);
     // Friction that sticks holds more than none.
     assert!(number("computed", "mode 1 without friction (Hz)") < computed);
+    // Springs stiffen, by less than two decimals show.
+    for mode in 1..=10 {
+        let [free, hung] = ["free", "on cords"].map(|how| number("computed", &format!("mode {mode}, {how} (Hz)")));
+        assert!(free < hung && hung < free + 5e-3, "{mode}: {free} {hung}");
+    }
+    let mut fields: Vec<&str> = entry.as_object().unwrap().keys().map(String::as_str).collect();
+    fields.sort_unstable();
+    let agreed = "comparable computed difference id inputs judgement published seconds status title";
+    assert_eq!(fields, agreed.split_whitespace().collect::<Vec<_>>());
+    let names = |column: &str| entry[column].as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names("published"), names("computed"));
+    assert_eq!(names("difference"), names("computed"));
     let page = std::fs::read_to_string(folder.join("page/report.html")).unwrap();
     assert!(page.contains("Table 3") && page.contains("167.42") && page.contains("quick look"));
     for outside in ["http-equiv", "src=", "<script", "<link"] {

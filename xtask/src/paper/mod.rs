@@ -9,7 +9,7 @@ mod surface;
 
 use crate::brb::RESULTS;
 use crate::files::{self, Output};
-use crate::{Outcome as Ended, print};
+use crate::{Outcome as Ended, print, progress};
 use anyhow::{Context, Result, anyhow, bail};
 use joint_pipeline::Scene;
 use joint_pipeline::model::Structure;
@@ -394,7 +394,17 @@ fn pictures(computed: &[Computed]) -> impl Iterator<Item = &Picture> {
 /// Runs the scenes of all entries, each once, and lets the entries make of them what they do. What fails in one entry
 /// leaves the others alone.
 fn compute(inputs: &Inputs, entries: &[&'static Entry]) -> Result<Vec<Computed>> {
-    let plans: Vec<Result<Plan<'_>>> = entries.iter().map(|entry| (entry.plan)(inputs)).collect();
+    let plan = |entry: &&'static Entry| {
+        let began = Instant::now();
+        let plan = (entry.plan)(inputs);
+        progress::say(&format!(
+            "{:>10} planned ... {:.1} s",
+            entry.id,
+            began.elapsed().as_secs_f64()
+        ));
+        plan
+    };
+    let plans: Vec<Result<Plan<'_>>> = entries.iter().map(plan).collect();
     let scenes_of = |plan: &Result<Plan<'_>>| plan.as_ref().map_or_else(|_| Vec::new(), |plan| plan.scenes.clone());
     let scenes: Vec<Scene> = plans.iter().flat_map(scenes_of).collect();
     let (different, of) = runs::unique(&scenes)?;
