@@ -15,6 +15,7 @@ mod map;
 mod markup;
 mod model;
 mod overlay;
+mod paper;
 mod plot;
 mod progress;
 mod report;
@@ -60,6 +61,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Measure what every numerical setting costs and misses: errors, time and memory, rung by rung.
     Trade(trade::Arguments),
+    /// Recompute the results of the method paper that need no private scan, each beside the published figure.
+    Paper(paper::Arguments),
     /// Time the kernels in one run: ratios between them, not times, are what to compare.
     Bench(bench::Arguments),
     /// Put hostile but finite situations to the whole road, and check that each does what it must.
@@ -92,6 +95,7 @@ fn main() -> ExitCode {
         Command::Transient(arguments) => transient::run(&arguments).map(|()| Outcome::Success),
         Command::Compare(arguments) => compare::run(&arguments).map(|()| Outcome::Success),
         Command::Trade(arguments) => trade::run(&arguments),
+        Command::Paper(arguments) => paper::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments).map(|()| Outcome::Success),
         Command::Extremes(arguments) => extremes::run(&arguments).map(|()| Outcome::Success),
         Command::CheckLayering => layering::run().map(|()| Outcome::Success),

@@ -248,6 +248,7 @@ impl Curve {
     fn new(name: &str, main: RGBColor, points: Points) -> Self {
         let (colour, dashes) = match name {
             "qsma" => (RGBColor(214, 126, 0), Some((9, 5))),
+            "qsma-twice" => (RGBColor(110, 110, 110), Some((5, 9))),
             "masing" => (RGBColor(34, 130, 60), Some((2, 4))),
             "rqnma" => (RGBColor(122, 58, 150), Some((14, 4))),
             _ => (main, None),
@@ -266,6 +267,7 @@ impl Curve {
 pub(crate) fn title(method: &str) -> String {
     match method {
         "masing" => "Masing".into(),
+        "qsma-twice" => "QSMA, contact twice".into(),
         acronym => acronym.to_uppercase(),
     }
 }
@@ -405,6 +407,7 @@ where
         .x_desc(x_label)
         .y_desc(y_label)
         .draw()?;
+    let legend_wanted = curves.len() > 1 && curves.iter().any(|curve| !curve.name.is_empty());
     for band in bands {
         let lower = band.points.iter().map(|&(x, low, _)| (x, low));
         let outline: Vec<(f64, f64)> = lower
@@ -424,7 +427,7 @@ where
         let dots: &[_] = if curve.dots { &curve.points } else { &[] };
         let dots = dots.iter().map(|p| Circle::new((p.1, p.2), 3, curve.colour.filled()));
         let drawn = chart.draw_series(dots)?;
-        if curves.len() > 1 {
+        if legend_wanted && !curve.name.is_empty() {
             let (length, spacing) = curve.dashes.unwrap_or((SAMPLE, 1));
             drawn.label(&curve.name).legend(move |(x, y)| {
                 let ends = [(x, y), (x + SAMPLE as i32, y)];
@@ -432,7 +435,7 @@ where
             });
         }
     }
-    if curves.len() > 1 {
+    if legend_wanted {
         chart
             .configure_series_labels()
             .position(legend)
@@ -443,6 +446,92 @@ where
             .draw()?;
     }
     Ok(())
+}
+
+/// One diagram among several over the same abscissa.
+pub(crate) struct Panel {
+    pub(crate) y_label: &'static str,
+    /// Whether its ordinate is logarithmic; then points that are not positive are left out.
+    pub(crate) log: bool,
+    pub(crate) legend: SeriesLabelPosition,
+    pub(crate) curves: Vec<Curve>,
+}
+
+/// Diagrams above one another; their abscissa is logarithmic on request.
+pub(crate) fn stack(x_label: &str, x_log: bool, panels: Vec<Panel>) -> Result<String> {
+    const HEIGHT: u32 = 300;
+    let mut svg = String::new();
+    {
+        let size = (SIZE.0, HEIGHT * panels.len() as u32 + 20);
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE)?;
+        let all = panels.iter().flat_map(|panel| points(&panel.curves)).map(|p| p.1);
+        let all = bounds(all.filter(|x| x.is_finite() && (!x_log || *x > 0.0))).unwrap_or(1.0..10.0);
+        let x = if x_log { widen(&all, 1.3) } else { margin(&all) };
+        let x_ticks = ticks(&x);
+        let last = panels.len().saturating_sub(1);
+        for ((index, mut diagram), area) in panels.into_iter().enumerate().zip(root.split_evenly((last + 1, 1))) {
+            let label = if index == last { x_label } else { "" };
+            for curve in &mut diagram.curves {
+                let drawable = |x: f64, y: f64| x.is_finite() && y.is_finite() && (!x_log || x > 0.0);
+                curve
+                    .points
+                    .retain(|(_, x, y)| drawable(*x, *y) && (!diagram.log || *y > 0.0));
+            }
+            let range = bounds(points(&diagram.curves).map(|p| p.2)).unwrap_or(1.0..10.0);
+            let plain = |v: &f64| format!("{}", (v * 1e6).round() * 1e-6);
+            let x_text: &dyn Fn(&f64) -> String = if x_log { &power } else { &plain };
+            let (curves, legend, name) = (&diagram.curves, diagram.legend, diagram.y_label);
+            let y = if diagram.log {
+                widen(&range, 1.5)
+            } else {
+                margin(&range)
+            };
+            let y_ticks = ticks(&y);
+            let (linear_text, axis) = (decimals(&y), [x_text, &power as &dyn Fn(&f64) -> String]);
+            let linear = [x_text, &linear_text as &dyn Fn(&f64) -> String];
+            match (x_log, diagram.log) {
+                (true, true) => panel(
+                    &area,
+                    log(&x, &x_ticks),
+                    log(&y, &y_ticks),
+                    name,
+                    label,
+                    axis,
+                    curves,
+                    &[],
+                    legend,
+                ),
+                (true, false) => panel(&area, log(&x, &x_ticks), y, name, label, linear, curves, &[], legend),
+                (false, true) => panel(
+                    &area,
+                    x.clone(),
+                    log(&y, &y_ticks),
+                    name,
+                    label,
+                    axis,
+                    curves,
+                    &[],
+                    legend,
+                ),
+                (false, false) => panel(&area, x.clone(), y, name, label, linear, curves, &[], legend),
+            }?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// The range with some air at both ends.
+fn margin(range: &Range<f64>) -> Range<f64> {
+    let air = (0.08 * (range.end - range.start)).max(1e-3 * range.end.abs());
+    range.start - air..range.end + air
+}
+
+/// Numbers of a linear axis with as many decimals as its range asks for.
+fn decimals(range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
+    let places = (1.0 - (range.end - range.start).log10().floor()).clamp(0.0, 6.0) as usize;
+    move |v| format!("{v:.places$}")
 }
 
 pub(crate) fn bounds(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {

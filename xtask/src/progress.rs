@@ -38,24 +38,8 @@ struct Timing {
 
 impl Monitor {
     pub(crate) fn new() -> anyhow::Result<Self> {
-        let bar = if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::with_draw_target(Some(STEPS as u64), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} %  {elapsed}{left}")?;
-            // Before the first sign of progress there is nothing to estimate from.
-            let left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
-                if state.pos() > 0 {
-                    // Whether there is room to write is the display's affair.
-                    let _ = write!(out, ", about {} left", HumanDuration(state.eta()));
-                }
-            };
-            bar.set_style(style.with_key("left", left).progress_chars("=> "));
-            bar.enable_steady_tick(Duration::from_millis(250));
-            Some(bar)
-        } else {
-            None
-        };
         Ok(Self {
-            bar,
+            bar: progress_bar()?,
             began: Instant::now(),
             stages: Mutex::new(BTreeMap::new()),
         })
@@ -78,11 +62,128 @@ impl Monitor {
     }
 
     fn line(&self, text: &str) {
-        match &self.bar {
-            Some(bar) => bar.println(text),
-            // Progress that nobody can read must not stop the run.
-            None => drop(writeln!(std::io::stderr(), "{text}")),
+        line(self.bar.as_ref(), text);
+    }
+}
+
+/// A bar with an estimate, if standard error is a terminal.
+fn progress_bar() -> anyhow::Result<Option<ProgressBar>> {
+    if !std::io::stderr().is_terminal() {
+        return Ok(None);
+    }
+    let bar = ProgressBar::with_draw_target(Some(STEPS as u64), ProgressDrawTarget::stderr());
+    let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} %  {elapsed}{left}")?;
+    // Before the first sign of progress there is nothing to estimate from.
+    let left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+        if state.pos() > 0 {
+            // Whether there is room to write is the display's affair.
+            let _ = write!(out, ", about {} left", HumanDuration(state.eta()));
         }
+    };
+    bar.set_style(style.with_key("left", left).progress_chars("=> "));
+    bar.enable_steady_tick(Duration::from_millis(250));
+    Ok(Some(bar))
+}
+
+fn line(bar: Option<&ProgressBar>, text: &str) {
+    match bar {
+        Some(bar) => bar.println(text),
+        // Progress that nobody can read must not stop the run.
+        None => drop(writeln!(std::io::stderr(), "{text}")),
+    }
+}
+
+/// A line where there is no bar yet.
+pub(crate) fn say(text: &str) {
+    line(None, text);
+}
+
+/// Progress of many runs as one display.
+pub(crate) struct Batch {
+    bar: Option<ProgressBar>,
+    total: f64,
+    /// Work done, in the unit of `total`, and finished runs.
+    done: Mutex<(f64, usize)>,
+    runs: usize,
+}
+
+impl Batch {
+    /// A display of `runs` runs whose work adds up to `total`, in any unit.
+    pub(crate) fn new(runs: usize, total: f64) -> anyhow::Result<Self> {
+        let bar = progress_bar()?;
+        if let Some(bar) = &bar {
+            bar.set_prefix("scenes");
+        }
+        Ok(Self {
+            bar,
+            total: total.max(f64::MIN_POSITIVE),
+            done: Mutex::new((0.0, 0)),
+            runs,
+        })
+    }
+
+    /// A run that is about to begin.
+    pub(crate) fn task(&self, work: f64) -> Task<'_> {
+        Task {
+            batch: self,
+            work,
+            told: Mutex::new(0.0),
+        }
+    }
+
+    /// A run has ended; its `line` is shown.
+    pub(crate) fn end(&self, task: &Task<'_>, line: &str) {
+        task.reach(1.0);
+        let number = {
+            let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+            done.1 += 1;
+            done.1
+        };
+        self.note(&format!("{number:>4} of {} {line}", self.runs));
+    }
+
+    /// Ends the display.
+    pub(crate) fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    pub(crate) fn note(&self, text: &str) {
+        line(self.bar.as_ref(), text);
+    }
+}
+
+/// One run of a [`Batch`].
+pub(crate) struct Task<'a> {
+    batch: &'a Batch,
+    work: f64,
+    told: Mutex<f64>,
+}
+
+impl Task<'_> {
+    fn reach(&self, part: f64) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        let more = (part - *told).max(0.0);
+        *told += more;
+        let mut done = self.batch.done.lock().unwrap_or_else(PoisonError::into_inner);
+        done.0 += more * self.work;
+        if let Some(bar) = &self.batch.bar {
+            bar.set_position((done.0 / self.batch.total * STEPS) as u64);
+        }
+    }
+}
+
+impl Progress for Task<'_> {
+    fn fraction(&self, stage: Stage, done: f64) {
+        // Loops are where the time goes; what comes before and after is little.
+        if stage == Stage::Backbone {
+            self.reach(0.9 * done);
+        }
+    }
+
+    fn note(&self, text: &str) {
+        self.batch.note(&format!("             {text}"));
     }
 }
 

@@ -10,6 +10,7 @@
 //! plane `z = 0`. Everything is SI.
 mod error;
 pub mod geometry;
+pub mod identification;
 pub mod mesh;
 pub mod published;
 pub mod quality;

@@ -29,6 +29,89 @@ pub const BOLT_LOAD: f64 = 12_845.0;
 /// The paper's 2050 microstrain give 12 850 N by this figure, not quite [`BOLT_LOAD`].
 pub const BOLT_LOAD_PER_STRAIN: f64 = 6_268_300.0;
 
+/// Tension of a bolt (N) at a strain (-) of its gauge (paper, eq. 46).
+pub fn bolt_load(strain: f64) -> f64 {
+    BOLT_LOAD_PER_STRAIN * strain
+}
+
+/// Tension that a torque of 20 N m gives (paper, section 3.3) (N), and the bolt strain stated for it (-).
+pub const TORQUE_BOLT_LOAD: (f64, f64) = (11_580.0, 1847e-6);
+
+/// Mean bolt strain of the experiment (paper, section 3.3) (-).
+pub const BOLT_STRAIN: f64 = 2050e-6;
+
+/// Pendulum stiffness (N/m) of one of two cords that carry a mass (kg) at a length (m) in a gravity (m/s^2) (paper,
+/// eq. 48).
+pub fn pendulum_stiffness(mass: f64, length: f64, gravity: f64) -> f64 {
+    0.5 * mass * gravity / length
+}
+
+/// The figure that the paper gives for [`pendulum_stiffness`] (N/m), of [`PAPER_MASS`] at [`CORD_LENGTH`].
+pub const PENDULUM_STIFFNESS: f64 = 30.0;
+
+/// Length of the bungee cords (paper, appendix A) (m).
+pub const CORD_LENGTH: f64 = 0.6096;
+
+/// What the paper needs to judge adhesion (section 3.2.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdhesionFigures {
+    /// Hardness coefficient `K` of eq. (45) (-).
+    pub hardness_coefficient: f64,
+    /// Composite modulus `E*` (Pa).
+    pub composite_modulus: f64,
+    /// Hardness (Pa).
+    pub hardness: f64,
+    /// Intermolecular distance (m).
+    pub intermolecular_distance: f64,
+    /// Work of adhesion of low-carbon steel on itself (J/m^2).
+    pub work_of_adhesion: f64,
+    /// What the intermolecular distance over the critical interference stays below in all elements (-).
+    pub relative_distance_bound: f64,
+    /// What the adhesive traction over the elastic one stays below at working interferences (-).
+    pub traction_ratio_bound: f64,
+}
+
+/// Paper, section 3.2.1.
+pub const ADHESION: AdhesionFigures = AdhesionFigures {
+    hardness_coefficient: 0.5729,
+    composite_modulus: 105.28e9,
+    hardness: 9.47e9,
+    intermolecular_distance: 0.4e-9,
+    work_of_adhesion: 2.5,
+    relative_distance_bound: 1e-3,
+    traction_ratio_bound: 0.1,
+};
+
+/// Elements of the paper's interface, as the p of its Table 2 imply.
+pub const INTERFACE_ELEMENTS: usize = 588;
+
+/// Fields of a run that the paper correlates with changes of the surface (Table 2): pressure under prestress, and
+/// dissipated flux at its points 1 and 2, with topography and flat.
+pub const EVOLUTION_FIELDS: [&str; 6] = ["T_n", "D_1", "D_2", "T_n flat", "D_1 flat", "D_2 flat"];
+
+/// Changes of the surface that it correlates them with: total roughness, radii along x and y, number of asperities.
+pub const EVOLUTION_CHANGES: [&str; 4] = ["dR_t", "dbeta_x", "dbeta_y", "dN"];
+
+/// Spearman's rho of [`EVOLUTION_FIELDS`] (rows) with [`EVOLUTION_CHANGES`] (columns) (paper, Table 2a).
+pub const EVOLUTION_RHO: [[f64; 4]; 6] = [
+    [0.0822, -0.0578, 0.0393, -0.1534],
+    [-0.067, 0.0615, -0.0253, 0.0533],
+    [-0.0829, 0.0507, -0.0361, 0.0322],
+    [0.1528, -0.0462, 0.0345, -0.0408],
+    [-0.0365, -0.081, -0.0411, 0.0156],
+    [-0.0862, 0.0036, -0.0261, 0.0502],
+];
+
+/// The p of [`EVOLUTION_RHO`] (paper, Table 2b).
+pub const EVOLUTION_P: [[f64; 4]; 6] = [
+    [0.0463, 0.1616, 0.3411, 0.0002],
+    [0.1046, 0.1364, 0.5395, 0.1969],
+    [0.0445, 0.2197, 0.3819, 0.435],
+    [0.0002, 0.2632, 0.4041, 0.3236],
+    [0.3767, 0.0497, 0.3202, 0.7051],
+    [0.0368, 0.9315, 0.5282, 0.2244],
+];
+
 /// Mass of the assembled beam as the paper states it (kg).
 pub const PAPER_MASS: f64 = 3.68;
 

@@ -60,6 +60,15 @@ fn tables_agree_with_the_reference() {
     same(&[BOLT_LOAD], &paper["bolt_load_n"]);
     same(&[PAPER_MASS], &paper["mass_kg"]);
     same(&[LOW_AMPLITUDE_DAMPING], &paper["low_amplitude_damping_about"]);
+    same(&EVOLUTION_RHO.concat(), &paper["table2"]["rho"]);
+    same(&EVOLUTION_P.concat(), &paper["table2"]["p"]);
+    same(&[INTERFACE_ELEMENTS as f64], &paper["table2"]["n_inferred"]);
+    same(&[ADHESION.hardness_coefficient], &paper["K_eq45"]);
+    same(&[ADHESION.composite_modulus], &paper["E_star"]);
+    same(&[ADHESION.hardness], &paper["hardness"]);
+    same(&[ADHESION.intermolecular_distance], &paper["intermolecular_m"]);
+    same(&[ADHESION.work_of_adhesion], &paper["work_of_adhesion"]);
+    same(&[PENDULUM_STIFFNESS], &paper["pendulum_stiffness_n_per_m"]);
     let steel = steel();
     same(&[steel.youngs_modulus], &paper["E"]);
     same(&[steel.poisson_ratio], &paper["nu"]);
@@ -171,4 +180,15 @@ fn mesoscale_gap_is_the_clipped_legendre_sum() {
 fn the_paper_relates_bolt_load_and_strain() {
     // 2050 microstrain give 12.850 kN by eq. 46; the paper's text uses 12.845 kN.
     assert!((BOLT_LOAD_PER_STRAIN * 2050e-6 / BOLT_LOAD - 1.0).abs() < 5e-4);
+}
+
+#[test]
+fn bolt_loads_and_cords_of_the_paper() {
+    assert!((bolt_load(BOLT_STRAIN) - 12_850.0).abs() < 0.1);
+    assert!((bolt_load(BOLT_STRAIN) / BOLT_LOAD - 1.0).abs() < 5e-4);
+    let (load, strain) = TORQUE_BOLT_LOAD;
+    assert!((bolt_load(strain) / load - 1.0).abs() < 5e-4);
+    let cord = pendulum_stiffness(PAPER_MASS, CORD_LENGTH, 9.80665);
+    assert!((cord - 29.6).abs() < 0.01, "{cord}");
+    assert_eq!((cord / 10.0).round() * 10.0, PENDULUM_STIFFNESS);
 }

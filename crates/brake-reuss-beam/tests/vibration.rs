@@ -1,6 +1,7 @@
 //! Frequencies of the mesh against an independent code on another mesh of the same beam.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 use brake_reuss_beam::geometry::Geometry;
+use brake_reuss_beam::identification::material_of_half_beam;
 use brake_reuss_beam::mesh::{Refinement, build, half_beam, uniform_bar};
 use brake_reuss_beam::published;
 use substructure::assemble::System;
@@ -34,6 +35,29 @@ fn free_half_beam_has_the_independent_frequencies() {
     let (n_zero, frequencies) = modes(&assembly, 7);
     assert_eq!(n_zero, 6);
     compare(&frequencies, &published::HALF_BEAM_FREQUENCIES, 3e-3);
+}
+
+#[test]
+fn material_is_identified_from_mass_and_frequency_of_an_independent_half_beam() {
+    let steel = published::steel();
+    let identify = |mass, frequency| {
+        material_of_half_beam(
+            &Geometry::default(),
+            &Refinement::default(),
+            steel.poisson_ratio,
+            mass,
+            frequency,
+        )
+    };
+    let found = identify(published::HALF_BEAM_MASS, published::HALF_BEAM_FREQUENCIES[0]).unwrap();
+    // The other code's half-beam has holes of 32-gons and other tolerances; its modulus is the paper's.
+    assert!((found.density / steel.density - 1.0).abs() < 2e-3, "{}", found.density);
+    assert!(
+        (found.youngs_modulus / steel.youngs_modulus - 1.0).abs() < 5e-3,
+        "{}",
+        found.youngs_modulus
+    );
+    assert!(identify(-1.0, 600.0).unwrap_err().to_string().contains("mass = -1 kg"));
 }
 
 #[test]

@@ -24,6 +24,7 @@ pub mod scene;
 pub mod summary;
 pub mod surface;
 pub mod transient;
+pub mod trends;
 pub mod validity;
 
 pub use error::Error;

@@ -7,7 +7,8 @@ use crate::scene::{Method, Scene};
 use cqsma_solver::loading::{self, LoadingPoint};
 use cqsma_solver::newton::Effort;
 use cqsma_solver::prestress::Prestress;
-use cqsma_solver::{Failure, Linearisation, NoObserver, cqsma, masing, modes, rqnma};
+use cqsma_solver::{Failure, HystereticForce, Linearisation, NoObserver, Sliding, cqsma, masing, modes, rqnma};
+use faer::MatRef;
 use rayon::prelude::*;
 use reduction::ReducedModel;
 use zte_assembly::{Interface, State};
@@ -76,6 +77,7 @@ impl Request<'_> {
             .map(|&method| {
                 let points = match method {
                     Method::Qsma => self.qsma()?,
+                    Method::QsmaTwice => self.qsma_twice()?,
                     Method::Masing => self.masing()?,
                     Method::Rqnma => self.rqnma()?,
                 };
@@ -92,12 +94,50 @@ impl Request<'_> {
         } = self.prestress;
         let jump = &displacement[..self.interface.n_dofs()];
         let (linear, state) = self.interface.linearised(jump, state, self.scene.mu)?;
-        let force = InterfaceForce::new(&linear);
-        let (stiffness, mass) = (self.reduced.stiffness.as_ref(), self.reduced.mass.as_ref());
-        let n_modes = self.scene.cqsma.modes;
-        let mut line = modes::linearise(stiffness, mass, &force, displacement.clone(), state, n_modes)?;
+        self.loops(self.reduced.stiffness.as_ref(), &InterfaceForce::new(&linear), state)
+    }
+
+    /// QSMA with the contact as it is beside the normal stiffness that linearising it gave.
+    fn qsma_twice(&self) -> Result<Vec<MethodPoint>, Error> {
+        let (force, pattern) = (self.force, self.force.pattern());
+        let jump = &self.prestress.displacement[..force.n_dofs()];
+        let begin = &self.prestress.state;
+        let (mut end, mut workspace) = (begin.clone(), force.workspace());
+        let (mut contact, mut tangent) = (vec![0.0; jump.len()], vec![0.0; pattern.indices.len()]);
+        let sliding = Sliding::Prevented;
+        force.evaluate(
+            jump,
+            sliding,
+            begin,
+            &mut end,
+            &mut workspace,
+            &mut contact,
+            Some(&mut tangent),
+        );
+        let mut stiffness = self.reduced.stiffness.clone();
+        for row in (2..jump.len()).step_by(3) {
+            for entry in pattern.indptr[row]..pattern.indptr[row + 1] {
+                let column = pattern.indices[entry];
+                if column % 3 == 2 {
+                    stiffness[(row, column)] += tangent[entry];
+                }
+            }
+        }
+        self.loops(stiffness.as_ref(), force, begin.clone())
+    }
+
+    /// Loops about the static state with another stiffness or another force.
+    fn loops(
+        &self,
+        stiffness: MatRef<'_, f64>,
+        force: &InterfaceForce<'_>,
+        state: State,
+    ) -> Result<Vec<MethodPoint>, Error> {
+        let (mass, n_modes) = (self.reduced.mass.as_ref(), self.scene.cqsma.modes);
+        let displacement = self.prestress.displacement.clone();
+        let mut line = modes::linearise(stiffness, mass, force, displacement, state, n_modes)?;
         line.orient(self.response)?;
-        let points = cqsma::run(&line, &force, self.modal_forces, self.settings, |_| NoObserver)?;
+        let points = cqsma::run(&line, force, self.modal_forces, self.settings, |_| NoObserver)?;
         let points = points.into_iter().map(|(point, _)| MethodPoint {
             result: point.result.map(|r| MethodValues {
                 modal_force: point.modal_force,

@@ -14,7 +14,7 @@ use std::borrow::Cow;
 use std::path::Path;
 use substructure::assemble::System;
 use substructure::elements::Formulation;
-use substructure::mesh::{Cell, Dof, Material};
+use substructure::mesh::{Cell, Dof, GroundSpring, Material};
 use zte_assembly::{InterfaceMesh, Operators};
 
 /// Frequencies compared between the full and the reduced model.
@@ -26,6 +26,9 @@ const FREQUENCY_TOLERANCE: f64 = 1e-4;
 /// Uniform stiffness of the spectrum check, as a multiple of Young's modulus per metre: of the order of a bolted
 /// interface's contact stiffness.
 const CHECK_STIFFNESS: f64 = 50.0;
+
+/// Of a free body.
+const RIGID_MOTIONS: usize = 6;
 
 /// What is known of the full model behind a reduced one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -234,6 +237,53 @@ impl Structure {
         })
     }
 
+    /// The `count` lowest elastic modes of the full structure whose interface is `linear` on the elements that are `closed`, and
+    /// open on all others. Frequencies of rigid motions on ground springs are not among them.
+    ///
+    /// # Errors
+    /// Of assembly and eigensolver.
+    pub fn frequencies(
+        &self,
+        linear: LinearInterface,
+        closed: impl Fn(usize) -> bool,
+        count: usize,
+    ) -> Result<Frequencies, Error> {
+        let assembled = self.assemble()?;
+        let springs = linear.matrix(&self.joint.interface, closed)?;
+        let tolerance = self.settings.mode_tolerance;
+        let (zero_energy_modes, frequencies) =
+            checks::full_frequencies(&assembled.relative, Some(&springs), count + RIGID_MOTIONS, tolerance)?;
+        // Springs to the ground make modes of rigid motions.
+        let rigid = RIGID_MOTIONS.saturating_sub(zero_energy_modes);
+        Ok(Frequencies {
+            zero_energy_modes,
+            frequencies_hz: frequencies.into_iter().skip(rigid).take(count).collect(),
+        })
+    }
+
+    /// The structure on two cords: springs to the ground of this stiffness (N/m) along each axis at the outermost nodes along
+    /// the interface. None for matrices, whose nodes are not known.
+    pub fn hung(&self, stiffness: f64) -> Option<Self> {
+        let mut hung = self.clone();
+        let along = hung.joint.frame[0];
+        let Bodies::Meshed(bodies) = &mut hung.joint.bodies else {
+            return None;
+        };
+        let place = |x: &[f64; 3]| x.iter().zip(along).map(|(x, a)| x * a).sum::<f64>();
+        let nodes = (0_u32..).zip(bodies.assembly.mesh.nodes.iter().map(place));
+        let first = nodes.clone().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        let last = nodes.max_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        let springs = [first, last].into_iter().flat_map(|node| {
+            (0..3).map(move |component| GroundSpring {
+                node,
+                component,
+                stiffness,
+            })
+        });
+        bodies.assembly.springs.extend(springs);
+        Some(hung)
+    }
+
     fn spectrum(
         &self,
         relative: &RelativeSystem,
@@ -251,7 +301,7 @@ impl Structure {
         progress.fraction(Stage::Factor, 0.33);
         let stuck = modes(checks::stuck_frequencies(relative, count, tolerance)?);
         progress.fraction(Stage::Factor, 0.67);
-        let springs = linear.matrix(&self.joint.interface)?;
+        let springs = linear.matrix(&self.joint.interface, |_| true)?;
         let with_linear = modes(checks::full_frequencies(relative, Some(&springs), count, tolerance)?);
         progress.end(Stage::Factor);
         Ok(Spectrum {
@@ -283,7 +333,7 @@ impl Structure {
         let relative: &RelativeSystem = &assembled.relative;
         let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
         progress.fraction(Stage::Reduce, 0.85);
-        let springs = self.check_interface().matrix(&self.joint.interface)?;
+        let springs = self.check_interface().matrix(&self.joint.interface, |_| true)?;
         // The check is of the model that vibrates.
         let is_locked = self.settings.attachment_modes;
         let full = match is_locked {
@@ -423,11 +473,19 @@ pub struct LinearInterface {
 }
 
 impl LinearInterface {
-    /// Stiffness over the jump coordinates (N/m).
-    fn matrix(&self, mesh: &InterfaceMesh) -> Result<CsMat<f64>, Error> {
+    /// Stiffness over the jump coordinates (N/m), of the `closed` elements alone.
+    fn matrix(&self, mesh: &InterfaceMesh, closed: impl Fn(usize) -> bool) -> Result<CsMat<f64>, Error> {
         let operators = Operators::try_new(mesh, self.points_per_direction)?;
+        let mut interpolation = operators.interpolation;
+        for element in (0..mesh.elements.len()).filter(|&element| !closed(element)) {
+            for point in operators.first_point[element]..operators.first_point[element + 1] {
+                if let Some(mut row) = interpolation.outer_view_mut(point) {
+                    row.iter_mut().for_each(|(_, value)| *value = 0.0);
+                }
+            }
+        }
         // Integral of the products of the shape functions.
-        let products: CsMat<f64> = &operators.integration * &operators.interpolation;
+        let products: CsMat<f64> = &operators.integration * &interpolation;
         let stiffness = [
             self.tangential_stiffness,
             self.tangential_stiffness,

@@ -7,6 +7,7 @@ use contact_laws::{
     TangentialEnds, TangentialFit, TractionLaw,
 };
 use std::sync::Arc;
+use surface_characterisation::ElementSurface;
 
 /// A law from given parameters.
 pub(crate) struct GivenLaw {
@@ -91,6 +92,33 @@ impl GivenLaw {
     /// The curves at a point.
     pub(crate) fn at(&self, point: usize) -> &dyn ContactCurves {
         &*self.curves[self.set_of[point] as usize]
+    }
+}
+
+impl From<&ElementSurface> for Curves {
+    /// The fits of one element of a scan. Scenes continue eq. (29) beyond its range as a Mindlin stiffness.
+    fn from(element: &ElementSurface) -> Self {
+        let NormalFit {
+            a,
+            b,
+            c,
+            d,
+            e,
+            u_ref,
+            t_ref,
+            range,
+        } = element.normal.parameters;
+        Self::Fitted(Fitted {
+            normal: [a, b, c, d, e],
+            tangential: element.tangential.each_ref().map(|fit| {
+                let TangentialFit { a, b, c, d, .. } = fit.parameters;
+                [a, b, c, d]
+            }),
+            u_ref,
+            t_ref,
+            k_ref: element.tangential[0].parameters.k_ref,
+            range,
+        })
     }
 }
 

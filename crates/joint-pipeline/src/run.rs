@@ -193,6 +193,21 @@ impl Prepared {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let model = structure.reduce(options.cache.as_deref(), progress)?;
+        Self::with_model(scene, structure, model, options, progress)
+    }
+
+    /// The scene on a structure that is already reduced, so that several scenes share one reduction.
+    ///
+    /// # Errors
+    /// Of the surface and the laws.
+    pub fn with_model(
+        scene: &Scene,
+        structure: &Structure,
+        model: StructuralModel,
+        options: &Options,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        scene.validate(&scene.name)?;
         progress.begin(Stage::Characterise);
         let load = scene.bolts.load * closing(&model);
         let interface = SceneInterface::try_new(scene, structure.interface(), load)?;

@@ -123,6 +123,9 @@ pub struct Scene {
 pub enum Method {
     /// Loops with the contact linearised about the static state (eqs. 34-36).
     Qsma,
+    /// The same with the contact as it is instead of linearised, beside the normal stiffness that linearising it gave: the
+    /// mistake that the method paper warns of, to see how much too stiff it makes a joint.
+    QsmaTwice,
     /// Masing's rule on one initial loading curve.
     Masing,
     /// Rayleigh-quotient nonlinear modal analysis, with Masing's rule.
@@ -134,6 +137,7 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             Method::Qsma => "qsma",
+            Method::QsmaTwice => "qsma-twice",
             Method::Masing => "masing",
             Method::Rqnma => "rqnma",
         }

@@ -7,7 +7,7 @@ use cqsma_solver::{LoopResult, NewtonSettings, NoObserver, modes, prestress};
 use faer::Mat;
 use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Method, RefinementName};
+use joint_pipeline::scene::{Curves, Elastic, Method, ParameterSet, Parameters, Per, RefinementName, Surface};
 use joint_pipeline::summary::Summary;
 use joint_pipeline::{Options, Scene, run};
 use std::collections::BTreeMap;
@@ -124,14 +124,49 @@ fn all_methods_agree_at_small_amplitude_and_roughly_beyond() {
 }
 
 #[test]
+fn contact_counted_twice_is_contact_of_twice_the_stiffness() {
+    let scene = |normal_stiffness: f64| {
+        let mut scene = Scene::new("elastic");
+        scene.model.refinement = RefinementName::Quick;
+        scene.surface = Surface::Parameters(Parameters {
+            per: Per::Interface,
+            sets: vec![ParameterSet {
+                curves: Curves::Elastic(Elastic {
+                    normal_stiffness,
+                    tangential_stiffness: [2e12; 2],
+                }),
+                mu: None,
+                gap: 0.0,
+            }],
+        });
+        scene.cqsma.amplitudes = 1;
+        scene.cqsma.amplitude_from = 1e-8;
+        scene.cqsma.amplitude_to = 1e-8;
+        scene.methods = vec![Method::Qsma, Method::QsmaTwice];
+        let run = run(&scene, &Options::default(), &Silent).unwrap();
+        run.methods
+            .iter()
+            .map(|m| m.points[0].result.as_ref().unwrap().omega)
+            .collect::<Vec<f64>>()
+    };
+    // Soft enough that a doubled stiffness hardly changes which part of the interface is open.
+    let (once, twice) = (scene(2e11), scene(4e11));
+    let (rise, expected) = (once[1] / once[0] - 1.0, twice[0] / once[0] - 1.0);
+    println!("{rise:.5} {expected:.5}");
+    assert!(expected > 1e-3, "{expected}");
+    assert!((rise / expected - 1.0).abs() < 0.1, "{rise} {expected}");
+}
+
+#[test]
 fn methods_are_asked_for_by_name_and_once() {
     let scene = |methods: &str| {
         let units = r#""units": {"length": "m", "mass": "kg", "time": "s"}"#;
         Scene::from_json(&format!("{{{units}{methods}}}"), "scene.json", "scene")
     };
     assert_eq!(scene("").unwrap().methods, []);
-    let named = scene(r#", "methods": ["masing", "qsma", "rqnma"]"#).unwrap();
-    assert_eq!(named.methods, [Method::Masing, Method::Qsma, Method::Rqnma]);
+    let named = scene(r#", "methods": ["masing", "qsma", "rqnma", "qsma-twice"]"#).unwrap();
+    let all = [Method::Masing, Method::Qsma, Method::Rqnma, Method::QsmaTwice];
+    assert_eq!(named.methods, all);
     for method in named.methods {
         assert_eq!(serde_json::to_value(method).unwrap(), method.name());
     }

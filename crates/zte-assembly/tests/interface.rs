@@ -456,3 +456,48 @@ fn defects_are_refused_by_name() {
         })
     ));
 }
+
+#[test]
+fn nodal_least_squares_recovers_nodal_fields_and_keeps_integrals() {
+    let mesh = patch();
+    for points in [2, 3, 5] {
+        let operators = Operators::try_new(&mesh, points).unwrap();
+        let at_points = |nodal: &[f64]| -> Vec<f64> {
+            let rows = operators.interpolation.outer_iterator();
+            rows.map(|row| row.iter().map(|(j, n)| n * nodal[j]).sum()).collect()
+        };
+        let nodal: Vec<f64> = (0..mesh.nodes.len()).map(|i| 1e7 * (i as f64).sin()).collect();
+        let found = operators.nodal_least_squares(&at_points(&nodal));
+        for (found, given) in found.iter().zip(&nodal) {
+            assert!((found - given).abs() < 1e-3, "{found} instead of {given}");
+        }
+        // A pressure that ends within an element is no interpolant: the residual is orthogonal to all interpolants.
+        let pressure: Vec<f64> = operators
+            .positions
+            .iter()
+            .map(|[x, _]| (x - 0.017).max(0.0) * 1e9)
+            .collect();
+        let found = operators.nodal_least_squares(&pressure);
+        assert!(found.iter().any(|p| *p < 0.0), "it overshoots at the edge of contact");
+        let rest: Vec<f64> = at_points(&found).iter().zip(&pressure).map(|(a, b)| a - b).collect();
+        let scale: f64 = pressure.iter().zip(&operators.weights).map(|(p, w)| p * w).sum();
+        for row in operators.integration.outer_iterator() {
+            let moment: f64 = row.iter().map(|(p, t)| t * rest[p]).sum();
+            assert!(moment.abs() < 1e-11 * scale, "{moment}");
+        }
+    }
+}
+
+#[test]
+fn central_points_are_the_centres_where_the_rule_has_them() {
+    let mesh = patch();
+    let operators = Operators::try_new(&mesh, 3).unwrap();
+    for (element, point) in mesh.elements.iter().zip(operators.central_points()) {
+        if let Element::Quad4(nodes) = element {
+            for axis in 0..2 {
+                let centre = 0.25 * nodes.iter().map(|&n| mesh.nodes[n as usize][axis]).sum::<f64>();
+                assert!((operators.positions[point][axis] - centre).abs() < 1e-12);
+            }
+        }
+    }
+}
