@@ -57,7 +57,9 @@ impl BrakeReussBeam {
         });
         let slaves: Vec<u32> = ties.iter().flat_map(|tie| tie.slave_nodes.iter().copied()).collect();
         // The faces that slaves lie on keep them in the plane.
-        let on_plane = (0..).zip(&nodes).filter(|(node, at)| at[1] == 0.0 && !slaves.contains(node));
+        let on_plane = (0..)
+            .zip(&nodes)
+            .filter(|(node, at)| at[1] == 0.0 && !slaves.contains(node));
         let supports = on_plane.map(|(node, _)| Dof::Node(node, 1)).collect();
         let mut equations = Vec::with_capacity(3 * images.len() + of_whole.equations.len());
         for (&node, &image) in &images {
