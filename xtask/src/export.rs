@@ -8,6 +8,7 @@ use joint_pipeline::Scene;
 use joint_pipeline::export::{ABOUT, arrays, deck, groups};
 use joint_pipeline::joint::Bodies;
 use joint_pipeline::model::Structure;
+use joint_pipeline::scene::Symmetry;
 use matrix_files::value::Array;
 use matrix_files::{mat, matrix_market, npz};
 use std::path::{Path, PathBuf};
@@ -57,6 +58,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         None => default_directory(&format!("{}-export", scene.name))?,
     };
     std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    if scene.model.symmetry == Symmetry::Half {
+        bail!(
+            "the half of the scene {} stands for the whole only here; leave out model.symmetry to export it",
+            scene.name
+        );
+    }
     let monitor = Monitor::new()?;
     let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &monitor)?;
     let reduced = || {

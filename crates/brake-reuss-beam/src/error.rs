@@ -77,4 +77,15 @@ pub enum Error {
         /// Least determinant over corners and Gauss points (m^3).
         determinant: f64,
     },
+    /// A beam that has no half.
+    #[error(
+        "node {node} at {position:?} m has no mirror image beyond the plane y = 0; mesh the beam symmetrically about it, or \
+         take the whole beam"
+    )]
+    NotSymmetric {
+        /// Node.
+        node: u32,
+        /// Its position (m).
+        position: [f64; 3],
+    },
 }

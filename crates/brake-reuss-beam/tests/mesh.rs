@@ -4,6 +4,7 @@ use brake_reuss_beam::geometry::{Geometry, equal_area_radius};
 use brake_reuss_beam::mesh::{BrakeReussBeam, Refinement, build, half_beam, uniform_bar};
 use brake_reuss_beam::{Error, published, quality};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use substructure::assemble::System;
 use substructure::mesh::{CouplingKind, Dof, Face, Mesh};
 
 const LOAD: f64 = published::BOLT_LOAD;
@@ -661,5 +662,31 @@ fn scaling_keeps_refinements_meshable() {
         let beam = beam(&refinement);
         assert_eq!(beam.interface.elements.len(), refinement.interface_elements());
         close(quality::mass(&beam.assembly.mesh), 3.702, 1e-4);
+    }
+}
+
+#[test]
+fn the_half_has_the_mass_and_the_loads_of_the_whole() {
+    for (name, refinement) in Refinement::presets().into_iter().take(3) {
+        let whole = beam(&refinement);
+        let half = whole.half().unwrap();
+        let [of_whole, of_half] = [&whole, &half].map(|beam| System::try_new(&beam.assembly).unwrap());
+        close(of_half.total_mass, of_whole.total_mass, 1e-12);
+        assert_eq!(2 * half.interface.elements.len(), whole.interface.elements.len());
+        let area = |beam: &BrakeReussBeam| beam.interface.areas().iter().sum::<f64>();
+        close(2.0 * area(&half), area(&whole), 1e-12);
+        assert_eq!(
+            half.parts.last().unwrap().elements.end,
+            half.assembly.mesh.elements.len()
+        );
+        // Nodes of the interface are those of the mesh, and do not leave the plane where they are on it.
+        for (i, &[x, y]) in half.interface.nodes.iter().enumerate() {
+            for node in [half.top_nodes[i], half.bottom_nodes[i]] {
+                let at = half.assembly.mesh.nodes[node as usize];
+                assert_eq!((at[0], at[1] == 0.0), (x, y == 0.0));
+                let across = of_half.dofs.row(3 * node as usize + 1).count();
+                assert_eq!(across, usize::from(y > 0.0), "{name}");
+            }
+        }
     }
 }

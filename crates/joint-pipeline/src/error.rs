@@ -44,6 +44,17 @@ pub enum Error {
          modes or fewer vertices"
     )]
     NothingFiner,
+    /// Half of a scene that need not be symmetric.
+    #[error(
+        "{place}: {what} need not be symmetric about y = 0, so that the half cannot stand for the whole; leave out \
+         model.symmetry = half, or take the block mesh with flat faces and one law everywhere"
+    )]
+    Symmetry {
+        /// File name of the scene.
+        place: String,
+        /// What need not be symmetric.
+        what: &'static str,
+    },
     /// The bolts cannot close the interface.
     #[error(
         "the bolt load of {load:.4e} N cannot be carried by the interface: even a closure of {closure:.3e} m carries only \

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::parameters::GivenLaw;
-use crate::scene::{Gap, LawKind, Scene, Surface};
+use crate::scene::{Gap, LawKind, Scene, Surface, Symmetry};
 use crate::surface::{FileReport, ScannedSurface, U_REF, material};
 use brake_reuss_beam::published;
 use contact_laws::{
@@ -106,7 +106,7 @@ impl SceneInterface {
     /// # Errors
     /// Of the law, the surface, the interface; [`Error::NoContact`].
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, load: f64) -> Result<Self, Error> {
-        let operators = Arc::new(Operators::try_new(mesh, scene.points_per_direction)?);
+        let operators = Arc::new(operators(mesh, scene.model.symmetry, scene.points_per_direction)?);
         let n = operators.n_points();
         let element_of: Vec<u32> = operators
             .first_point
@@ -210,6 +210,18 @@ impl SceneInterface {
         let scans = self.report.asperities.iter().flat_map(|report| &report.scans);
         scans.flat_map(|file| file.notes.iter().map(|note| format!("{}: {note}", file.path.display())))
     }
+}
+
+/// Geometry and quadrature of the interface of which `mesh` is all or half.
+pub(crate) fn operators(
+    mesh: &InterfaceMesh,
+    symmetry: Symmetry,
+    points_per_direction: usize,
+) -> Result<Operators, Error> {
+    Ok(match symmetry {
+        Symmetry::None => Operators::try_new(mesh, points_per_direction)?,
+        Symmetry::Half => Operators::try_new_mirrored(mesh, points_per_direction)?,
+    })
 }
 
 /// What the law follows from.

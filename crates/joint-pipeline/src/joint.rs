@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::matrices::{self, ImportedBodies};
-use crate::scene::{self, MaterialSource, Untied};
+use crate::scene::{self, MaterialSource, Symmetry, Untied};
 use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::mesh::{Refinement, build};
 use nalgebra::Vector3;
@@ -57,13 +57,21 @@ pub struct MeshedBodies {
 }
 
 impl Joint {
-    /// The Brake-Reuss beam.
+    /// The Brake-Reuss beam, or its half `y >= 0`.
     ///
     /// # Errors
     /// Of the mesher.
-    pub fn beam(refinement: &Refinement, material: &Material, hexahedra: Formulation) -> Result<Self, Error> {
+    pub fn beam(
+        refinement: &Refinement,
+        symmetry: Symmetry,
+        material: &Material,
+        hexahedra: Formulation,
+    ) -> Result<Self, Error> {
         let geometry = Geometry::default();
         let mut beam = build(&geometry, refinement, material, 1.0)?;
+        if symmetry == Symmetry::Half {
+            beam = beam.half()?;
+        }
         beam.assembly.mesh.set_formulation(hexahedra);
         Ok(Self {
             bodies: Bodies::Meshed(MeshedBodies {

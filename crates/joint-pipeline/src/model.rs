@@ -2,10 +2,11 @@
 
 use crate::Error;
 use crate::cache::{self, KeyBuilder};
+use crate::interface::operators;
 use crate::joint::{Bodies, Joint};
 use crate::matrices::ImportedBodies;
 use crate::progress::{Progress, Stage};
-use crate::scene::{BoltBehaviour, FormulationName, Model, RefinementName};
+use crate::scene::{BoltBehaviour, FormulationName, Model, RefinementName, Symmetry};
 use brake_reuss_beam::mesh::Refinement;
 use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, checks, reduce};
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,7 @@ use std::path::Path;
 use substructure::assemble::System;
 use substructure::elements::Formulation;
 use substructure::mesh::{Cell, Dof, GroundSpring, Material};
-use zte_assembly::{InterfaceMesh, Operators};
+use zte_assembly::InterfaceMesh;
 
 /// Frequencies compared between the full and the reduced model.
 const N_CHECKED: usize = 10;
@@ -29,6 +30,8 @@ const CHECK_STIFFNESS: f64 = 50.0;
 
 /// Of a free body.
 const RIGID_MOTIONS: usize = 6;
+/// Zero-energy modes of the half of a free structure with the interface stuck: along x and z, and about y.
+const HALF_ZERO_ENERGY_MODES: usize = 3;
 
 /// What is known of the full model behind a reduced one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,6 +71,7 @@ pub struct Structure {
     /// What it is made of.
     pub joint: Joint,
     settings: Settings,
+    symmetry: Symmetry,
     reduction_error: Option<f64>,
     youngs_modulus: f64,
 }
@@ -77,8 +81,14 @@ impl Structure {
     /// so.
     ///
     /// # Errors
-    /// Of the mesher, the deck or the matrices.
+    /// Of the mesher, the deck or the matrices; [`Error::Symmetry`].
     pub fn try_new(model: &Model, bolts: BoltBehaviour, progress: &dyn Progress) -> Result<Self, Error> {
+        if model.symmetry == Symmetry::Half && (model.deck.is_some() || model.matrices.is_some()) {
+            return Err(Error::Symmetry {
+                place: "the structure".into(),
+                what: "a deck or matrices",
+            });
+        }
         if let Some(matrices) = &model.matrices {
             let joint = Joint::from_matrices(matrices, &mut |note| progress.note(note))?;
             return Ok(Self::new(model, bolts, joint));
@@ -98,6 +108,9 @@ impl Structure {
         if let Some(layers) = model.arm_layers {
             refinement.arm_layers = layers;
         }
+        if model.symmetry == Symmetry::Half {
+            progress.note("only the half y >= 0 is modelled, which leaves out all modes that are not symmetric");
+        }
         Self::with_refinement(model, bolts, &refinement)
     }
 
@@ -107,7 +120,7 @@ impl Structure {
     /// Of the mesher.
     pub fn with_refinement(model: &Model, bolts: BoltBehaviour, refinement: &Refinement) -> Result<Self, Error> {
         let hexahedra = model.formulation.map(formulation).unwrap_or_default();
-        let joint = Joint::beam(refinement, &material(model), hexahedra)?;
+        let joint = Joint::beam(refinement, model.symmetry, &material(model), hexahedra)?;
         Ok(Self::new(model, bolts, joint))
     }
 
@@ -118,6 +131,9 @@ impl Structure {
             attachment_modes: bolts == BoltBehaviour::Locked,
             ..Settings::default()
         };
+        if model.symmetry == Symmetry::Half {
+            settings.expected_zem = HALF_ZERO_ENERGY_MODES;
+        }
         if let Bodies::Imported(bodies) = &joint.bodies {
             settings.expected_zem = bodies.zero_energy_modes;
             if bodies.is_reduced {
@@ -127,6 +143,7 @@ impl Structure {
         Self {
             joint,
             settings,
+            symmetry: model.symmetry,
             reduction_error: model.reduction_error,
             youngs_modulus: model.material.youngs_modulus,
         }
@@ -230,7 +247,7 @@ impl Structure {
             n_dofs: assembled.relative.stiffness.rows(),
             mass: assembled.mass,
             n_interface_elements: self.joint.interface.elements.len(),
-            interface_area: self.joint.interface.areas().iter().sum(),
+            interface_area: operators(&self.joint.interface, self.symmetry, 2)?.area(),
             n_untied_slaves: assembled.n_untied_slaves,
             largest_adjustment: assembled.largest_adjustment,
             spectrum: spectrum.transpose()?,
@@ -249,7 +266,7 @@ impl Structure {
         count: usize,
     ) -> Result<Frequencies, Error> {
         let assembled = self.assemble()?;
-        let springs = linear.matrix(&self.joint.interface, closed)?;
+        let springs = self.springs(linear, closed)?;
         let tolerance = self.settings.mode_tolerance;
         let (zero_energy_modes, frequencies) =
             checks::full_frequencies(&assembled.relative, Some(&springs), count + RIGID_MOTIONS, tolerance)?;
@@ -301,7 +318,7 @@ impl Structure {
         progress.fraction(Stage::Factor, 0.33);
         let stuck = modes(checks::stuck_frequencies(relative, count, tolerance)?);
         progress.fraction(Stage::Factor, 0.67);
-        let springs = linear.matrix(&self.joint.interface, |_| true)?;
+        let springs = self.springs(linear, |_| true)?;
         let with_linear = modes(checks::full_frequencies(relative, Some(&springs), count, tolerance)?);
         progress.end(Stage::Factor);
         Ok(Spectrum {
@@ -310,6 +327,37 @@ impl Structure {
             linear,
             with_linear,
         })
+    }
+
+    /// Stiffness of a linear interface over the jump coordinates (N/m).
+    fn springs(&self, linear: LinearInterface, closed: impl Fn(usize) -> bool) -> Result<CsMat<f64>, Error> {
+        let operators = operators(&self.joint.interface, self.symmetry, linear.points_per_direction)?;
+        let mut interpolation = operators.interpolation.clone();
+        for element in (0..operators.n_elements()).filter(|&element| !closed(element)) {
+            for point in operators.first_point[element]..operators.first_point[element + 1] {
+                if let Some(mut row) = interpolation.outer_view_mut(point) {
+                    row.iter_mut().for_each(|(_, value)| *value = 0.0);
+                }
+            }
+        }
+        // Integral of the products of the shape functions.
+        let products: CsMat<f64> = &operators.integration * &interpolation;
+        let stiffness = [
+            linear.tangential_stiffness,
+            linear.tangential_stiffness,
+            linear.normal_stiffness,
+        ];
+        let is_held = |coordinate: usize| operators.held().binary_search(&coordinate).is_ok();
+        let size = 3 * products.rows();
+        let mut matrix = TriMat::with_capacity((size, size), 3 * products.nnz());
+        for (&value, (i, j)) in &products {
+            for (c, k) in stiffness.into_iter().enumerate().filter(|(_, k)| *k != 0.0) {
+                if !(is_held(3 * i + c) || is_held(3 * j + c)) {
+                    matrix.add_triplet(3 * i + c, 3 * j + c, k * value);
+                }
+            }
+        }
+        Ok(matrix.to_csr())
     }
 
     /// The uniform interface stiffness that reductions are checked with.
@@ -333,7 +381,7 @@ impl Structure {
         let relative: &RelativeSystem = &assembled.relative;
         let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
         progress.fraction(Stage::Reduce, 0.85);
-        let springs = self.check_interface().matrix(&self.joint.interface, |_| true)?;
+        let springs = self.springs(self.check_interface(), |_| true)?;
         // The check is of the model that vibrates.
         let is_locked = self.settings.attachment_modes;
         let full = match is_locked {
@@ -470,36 +518,6 @@ pub struct LinearInterface {
     pub tangential_stiffness: f64,
     /// Integration points per direction of each element.
     pub points_per_direction: usize,
-}
-
-impl LinearInterface {
-    /// Stiffness over the jump coordinates (N/m), of the `closed` elements alone.
-    fn matrix(&self, mesh: &InterfaceMesh, closed: impl Fn(usize) -> bool) -> Result<CsMat<f64>, Error> {
-        let operators = Operators::try_new(mesh, self.points_per_direction)?;
-        let mut interpolation = operators.interpolation;
-        for element in (0..mesh.elements.len()).filter(|&element| !closed(element)) {
-            for point in operators.first_point[element]..operators.first_point[element + 1] {
-                if let Some(mut row) = interpolation.outer_view_mut(point) {
-                    row.iter_mut().for_each(|(_, value)| *value = 0.0);
-                }
-            }
-        }
-        // Integral of the products of the shape functions.
-        let products: CsMat<f64> = &operators.integration * &interpolation;
-        let stiffness = [
-            self.tangential_stiffness,
-            self.tangential_stiffness,
-            self.normal_stiffness,
-        ];
-        let size = 3 * products.rows();
-        let mut matrix = TriMat::with_capacity((size, size), 3 * products.nnz());
-        for (&value, (i, j)) in &products {
-            for (c, k) in stiffness.into_iter().enumerate().filter(|(_, k)| *k != 0.0) {
-                matrix.add_triplet(3 * i + c, 3 * j + c, k * value);
-            }
-        }
-        Ok(matrix.to_csr())
-    }
 }
 
 /// A number of zero-energy modes and the frequencies above them (Hz).

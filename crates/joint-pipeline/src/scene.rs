@@ -156,6 +156,8 @@ pub struct Model {
     pub matrices: Option<Matrices>,
     /// Layers of elements along each arm of the block mesh, if they shall not be those of the refinement.
     pub arm_layers: Option<usize>,
+    /// Which part of the block mesh is modelled.
+    pub symmetry: Symmetry,
     /// Formulation of all hexahedra; by default incompatible modes, in a deck that of their element type.
     pub formulation: Option<FormulationName>,
     /// Material of all parts, and of the asperities.
@@ -343,6 +345,7 @@ impl Default for Model {
             arm_layers: None,
             deck: None,
             matrices: None,
+            symmetry: Symmetry::None,
             formulation: None,
             material: Material::default(),
             modes: None,
@@ -365,6 +368,19 @@ pub enum RefinementName {
     Fine,
     /// About 2400.
     Finest,
+}
+
+/// Which part of the structure is modelled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Symmetry {
+    /// All of it.
+    #[default]
+    None,
+    /// The half `y >= 0`, with half the unknowns, of a scene that is symmetric about `y = 0`: flat faces with one law
+    /// everywhere. Results are those of the whole, in motions that are symmetric too; modes that are not, such as bending
+    /// in the plane of the interface and torsion, are not in it, and modes are numbered without them.
+    Half,
 }
 
 /// Element formulations.
@@ -836,6 +852,12 @@ impl Scene {
             ),
             (matrices, "/model/formulation", "meshes, which model.matrices replaces"),
             (matrices, "/model/deck", "meshes, which model.matrices replaces"),
+            (deck, "/model/symmetry", "the block mesh, which model.deck replaces"),
+            (
+                matrices,
+                "/model/symmetry",
+                "the block mesh, which model.matrices replaces",
+            ),
             (
                 over_jump,
                 "/model/modes",
@@ -1032,6 +1054,25 @@ impl Scene {
                 "(number of bolts)",
                 "at least one",
             )?;
+        }
+        if self.model.symmetry == Symmetry::Half {
+            let of_parts = match &self.surface {
+                Surface::Measured => false,
+                Surface::SyntheticScan(_) | Surface::Scans(_) => true,
+                Surface::Parameters(parameters) => parameters.per != Per::Interface,
+            };
+            let asymmetric = [
+                (self.model.deck.is_some(), "model.deck"),
+                (self.model.matrices.is_some(), "model.matrices"),
+                (of_parts, "the surface"),
+                (self.gap != Gap::Flat, "the gap"),
+            ];
+            if let Some((_, what)) = asymmetric.into_iter().find(|(found, _)| *found) {
+                return Err(Error::Symmetry {
+                    place: place.into(),
+                    what,
+                });
+            }
         }
         if let Surface::Parameters(Parameters { sets, .. }) = &self.surface {
             for (index, set) in sets.iter().enumerate() {

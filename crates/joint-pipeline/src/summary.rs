@@ -5,7 +5,7 @@ use crate::ensemble::Ensemble;
 use crate::interface::LawReport;
 use crate::methods::MethodPoint;
 use crate::run::Run;
-use crate::scene::Scene;
+use crate::scene::{Scene, Symmetry};
 use crate::validity::Validity;
 use cqsma_solver::Reason;
 use serde::Serialize;
@@ -46,6 +46,8 @@ pub struct Summary {
     pub error_estimate: Option<ErrorEstimate>,
     /// Limits of the model.
     pub validity: Validity,
+    /// What the scene does not require and was left out, and why; empty if nothing was.
+    pub skipped: BTreeMap<String, String>,
     /// Seconds per stage, and in total.
     pub timings: BTreeMap<String, f64>,
     /// Largest memory of the process (bytes), where the system tells.
@@ -289,10 +291,21 @@ impl Summary {
             accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.rung().ok()),
             error_estimate: None,
             validity: run.validity.clone(),
+            skipped: skipped(&run.scene),
             timings,
             peak_memory,
         }
     }
+}
+
+fn skipped(scene: &Scene) -> BTreeMap<String, String> {
+    let half = scene.model.symmetry == Symmetry::Half;
+    let reason = "model.symmetry is half: only modes symmetric about y = 0 are in the results, numbered among themselves; mass, \
+                  energies, forces and areas are those of the whole structure, while nodes, elements, points, coordinates and \
+                  fields are those of its half y >= 0";
+    half.then(|| ("half_of_the_structure".to_owned(), reason.to_owned()))
+        .into_iter()
+        .collect()
 }
 
 fn hertz(omega: f64) -> f64 {

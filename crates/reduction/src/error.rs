@@ -51,6 +51,17 @@ pub enum Error {
         /// Component 0..3.
         component: u8,
     },
+    /// Interface nodes are fixed in a direction that is no axis of the jump, or all of them in all directions.
+    #[error(
+        "component {component} of both nodes of interface pair {pair} is fixed, which leaves no jump to compute; interface \
+         nodes may be fixed along axes of the interface's frame, and not all of them in all directions"
+    )]
+    FixedInterface {
+        /// Pair number.
+        pair: usize,
+        /// Component 0..3.
+        component: usize,
+    },
     /// The local axes are not orthonormal.
     #[error("the interface axes are not orthonormal: their products differ from the identity by {deviation:.1e}")]
     Frame {

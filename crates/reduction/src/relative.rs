@@ -124,8 +124,13 @@ pub(crate) struct Blocks {
 impl RelativeSystem {
     /// Changes the coordinates of a system.
     ///
+    /// Where both nodes of a pair are fixed along an axis, as on a plane of symmetry, their jump is zero. Its coordinate
+    /// stays, with the largest stiffness and the smallest mass of all the others and without coupling to them, so that
+    /// nothing moves it and no low mode has it; forces on it must be left out.
+    ///
     /// # Errors
-    /// Pairs that do not match, do not coincide, share nodes, or are not free; axes that are not orthonormal.
+    /// Pairs that do not match, do not coincide, share nodes, are not free or fixed along other directions; axes that
+    /// are not orthonormal.
     pub fn try_new(system: &System, pairs: InterfacePairs<'_>) -> Result<Self, Error> {
         let (top, bottom, frame) = (pairs.top, pairs.bottom, pairs.frame);
         if top.len() != bottom.len() || top.is_empty() {
@@ -135,14 +140,19 @@ impl RelativeSystem {
             });
         }
         let n_relative = 3 * top.len();
+        let dofs = &system.dofs;
+        let is_fixed = |node: u32, component: u8| {
+            let full = 3 * node as usize + usize::from(component);
+            full < dofs.transform.rows() && dofs.row(full).next().is_none()
+        };
         let place = |node: u32, component: u8| {
-            let known = (node as usize) < system.dofs.coordinates.len();
+            let known = (node as usize) < dofs.coordinates.len();
             known
-                .then(|| system.dofs.independent_index(node, component))
+                .then(|| dofs.independent_index(node, component))
                 .flatten()
                 .ok_or(Error::DependentInterface { node, component })
         };
-        let (mut of_top, mut of_bottom) = (vec![0; n_relative], vec![0; n_relative]);
+        let mut rows = Vec::with_capacity(n_relative);
         let mut paired = BTreeSet::new();
         for (pair, (&t, &b)) in top.iter().zip(bottom).enumerate() {
             for node in [t, b] {
@@ -151,8 +161,11 @@ impl RelativeSystem {
                 }
             }
             for component in 0..3_u8 {
-                of_top[3 * pair + usize::from(component)] = place(t, component)?;
-                of_bottom[3 * pair + usize::from(component)] = place(b, component)?;
+                let both_fixed = is_fixed(t, component) && is_fixed(b, component);
+                rows.push(match both_fixed {
+                    true => None,
+                    false => Some((place(t, component)?, place(b, component)?)),
+                });
             }
         }
         let coordinates = |node: u32| system.dofs.coordinates[node as usize];
@@ -179,7 +192,7 @@ impl RelativeSystem {
             loads: &system.loads,
             positions: &system.positions,
         };
-        Self::from_both_sides(both, &of_top, &of_bottom, frame)
+        Self::from_pairs(both, &rows, frame)
     }
 
     /// Changes the coordinates of matrices over the displacements of both sides; `top` and `bottom` are the rows of
@@ -193,8 +206,6 @@ impl RelativeSystem {
         bottom: &[usize],
         frame: [[f64; 3]; 3],
     ) -> Result<Self, Error> {
-        check_frame(frame)?;
-        let n = system.check()?;
         let n_relative = top.len();
         if n_relative == 0 || !n_relative.is_multiple_of(3) || bottom.len() != n_relative {
             return Err(Error::PairCount {
@@ -202,22 +213,55 @@ impl RelativeSystem {
                 bottom: bottom.len() / 3,
             });
         }
+        let rows: Vec<_> = top.iter().zip(bottom).map(|(&t, &b)| Some((t, b))).collect();
+        Self::from_pairs(system, &rows, frame)
+    }
+
+    /// `pairs` are the rows of top and bottom for each component of each pair, none where both are fixed.
+    fn from_pairs(
+        system: SystemMatrices<'_>,
+        pairs: &[Option<(usize, usize)>],
+        frame: [[f64; 3]; 3],
+    ) -> Result<Self, Error> {
+        check_frame(frame)?;
+        let n = system.check()?;
+        let n_relative = pairs.len();
         let mut used = vec![false; n];
-        for &row in top.iter().chain(bottom) {
+        for row in pairs.iter().flatten().flat_map(|&(t, b)| [t, b]) {
             if row >= n || std::mem::replace(&mut used[row], true) {
                 return Err(Error::InterfaceRow { row, n });
             }
         }
-        let mut top_index = vec![None; n];
-        for (jump, &row) in top.iter().enumerate() {
-            top_index[row] = Some(jump);
+        let mut of_top = vec![None; n];
+        let mut zero = Vec::new();
+        for (index, rows) in pairs.iter().enumerate() {
+            let component = index % 3;
+            let Some((top, bottom)) = rows else {
+                let along = |axis: &[f64; 3]| (0..3).all(|c| (axis[c] != 0.0) == (c == component));
+                let alone = frame.iter().position(along).filter(|&own| {
+                    let others = (0..3).filter(|&axis| axis != own);
+                    others.into_iter().all(|axis| frame[axis][component] == 0.0)
+                });
+                let axis = alone.ok_or(Error::FixedInterface {
+                    pair: index / 3,
+                    component,
+                })?;
+                zero.push(index - component + axis);
+                continue;
+            };
+            of_top[*top] = Some((index, *bottom));
         }
-        let rest: Vec<usize> = (0..n).filter(|&dof| top_index[dof].is_none()).collect();
+        zero.sort_unstable();
+        if zero.len() == n_relative {
+            return Err(Error::FixedInterface { pair: 0, component: 0 });
+        }
+        let rest: Vec<usize> = (0..n).filter(|&dof| of_top[dof].is_none()).collect();
         let column: Vec<usize> = numbering(&rest, n).into_iter().map(Option::unwrap_or_default).collect();
-        let mut transform = TriMat::with_capacity((n, n), n + 4 * n_relative);
-        let mut positions = vec![[0.0; 3]; n];
+        let n_changed = n + zero.len();
+        let mut transform = TriMat::with_capacity((n, n_changed), n + 4 * n_relative);
+        let mut positions = vec![[0.0; 3]; n_changed];
         for dof in 0..n {
-            let Some(jump) = top_index[dof] else {
+            let Some((jump, bottom)) = of_top[dof] else {
                 transform.add_triplet(dof, n_relative + column[dof], 1.0);
                 positions[n_relative + column[dof]] = system.positions[dof];
                 continue;
@@ -226,13 +270,38 @@ impl RelativeSystem {
             for (axis, direction) in frame.iter().enumerate() {
                 if direction[component] != 0.0 {
                     transform.add_triplet(dof, jump - component + axis, direction[component]);
+                    positions[jump - component + axis] = system.positions[dof];
                 }
             }
-            positions[jump] = system.positions[dof];
             // A bottom row is never a top one, so it has a column of its own.
-            transform.add_triplet(dof, n_relative + column[bottom[jump]], 1.0);
+            transform.add_triplet(dof, n_relative + column[bottom], 1.0);
         }
-        Ok(Self::changed(system, transform.to_csr(), n_relative, positions))
+        for &jump in &zero {
+            let pair = jump - jump % 3;
+            let other = (pair..pair + 3).find(|other| zero.binary_search(other).is_err());
+            positions[jump] = other.map_or([0.0; 3], |other| positions[other]);
+        }
+        let mut changed = Self::changed(system, transform.to_csr(), n_relative, positions);
+        changed.leave_alone(&zero);
+        Ok(changed)
+    }
+
+    /// Gives jump coordinates without stiffness and mass the largest and the smallest of the others.
+    fn leave_alone(&mut self, zero: &[usize]) {
+        if zero.is_empty() {
+            return;
+        }
+        let others = |matrix: &CsMat<f64>| -> Vec<f64> {
+            let free = (0..self.n_relative).filter(|i| zero.binary_search(i).is_err());
+            free.map(|i| matrix.get(i, i).copied().unwrap_or(0.0)).collect()
+        };
+        let stiffness = others(&self.stiffness).into_iter().fold(0.0, f64::max);
+        let mass = others(&self.mass).into_iter().fold(f64::INFINITY, f64::min);
+        for (matrix, value) in [(&mut self.stiffness, stiffness), (&mut self.mass, mass)] {
+            let mut alone = TriMat::new(matrix.shape());
+            zero.iter().for_each(|&i| alone.add_triplet(i, i, value));
+            *matrix = &*matrix + &alone.to_csr();
+        }
     }
 
     /// Takes matrices whose coordinates include the jump, at the rows `jump`, three per pair in the order x, y, n.

@@ -331,6 +331,76 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
     assert!(matches!(error, Error::UnbalancedLoad { .. }), "{error}");
 }
 
+#[test]
+fn a_jump_that_is_fixed_stays_as_a_coordinate_that_nothing_moves() {
+    // Half of a lap that is symmetric about y = 0.
+    let mut half = lap();
+    let on_plane = (0..).zip(&half.assembly.mesh.nodes).filter(|(_, at)| at[1] == 0.0);
+    half.assembly.supports = on_plane.map(|(node, _)| Dof::Node(node, 1)).collect();
+    let (system, relative_system) = relative(&half);
+    let held: Vec<usize> = (0..9).map(|pair| 3 * pair + 1).collect();
+    assert_eq!(relative_system.stiffness.rows(), system.n_dofs() + held.len());
+    for &i in &held {
+        for matrix in [&relative_system.stiffness, &relative_system.mass] {
+            let row = matrix.outer_view(i).unwrap();
+            let coupled: Vec<usize> = row.iter().filter(|(_, v)| **v != 0.0).map(|(j, _)| j).collect();
+            assert_eq!(coupled, [i]);
+            assert!(matrix.get(i, i).is_some_and(|v| *v > 0.0));
+        }
+        assert_eq!(relative_system.positions[i], relative_system.positions[i - 1]);
+    }
+    // No mode has it.
+    let own = lowest_modes(&system.stiffness, &system.mass, &system.positions, 12, 1e-7).unwrap();
+    let (zero, frequencies) = checks::full_frequencies(&relative_system, None, 12, 1e-7).unwrap();
+    assert_eq!((own.n_zero, zero), (6, 6));
+    for (a, b) in own.frequencies().iter().zip(&frequencies) {
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    let settings = Settings {
+        expected_zem: 3,
+        n_modes: 80,
+        ..Settings::default()
+    };
+    let reduced = reduce(&relative_system, &[], settings, &mut |_, _| {}).unwrap();
+    let springs = |i: usize| if held.contains(&i) { 0.0 } else { 1e8 };
+    let springs = diagonal(&(0..relative_system.n_relative).map(springs).collect::<Vec<_>>());
+    let small = checks::reduced_spectrum(&reduced, &springs, 12).unwrap().frequencies;
+    let (_, full) = checks::full_frequencies(&relative_system, Some(&springs), 12, 1e-7).unwrap();
+    for (a, b) in full.iter().zip(&small) {
+        assert!(b / a > 1.0 - 1e-8 && b / a < 1.0 + 3e-3, "{a} {b}");
+    }
+    for &i in &held {
+        let others = (0..reduced.mass.nrows()).filter(|&j| j != i);
+        assert!(
+            others
+                .into_iter()
+                .all(|j| reduced.stiffness[(i, j)] == 0.0 && reduced.mass[(i, j)].abs() < 1e-14)
+        );
+        assert!(reduced.stiffness[(i, i)] / reduced.mass[(i, i)] > (1e3 * small[11]).powi(2));
+    }
+
+    let attempt = |half: &Lap, frame| {
+        let system = System::try_new(&half.assembly).unwrap();
+        let (top, bottom) = (&half.top, &half.bottom);
+        RelativeSystem::try_new(&system, InterfacePairs { top, bottom, frame }).unwrap_err()
+    };
+    let turned = [[0.6, 0.8, 0.0], [0.8, -0.6, 0.0], [0.0, 0.0, -1.0]];
+    let error = attempt(&half, turned);
+    assert!(
+        matches!(error, Error::FixedInterface { pair: 0, component: 1 }),
+        "{error}"
+    );
+    half.assembly
+        .supports
+        .retain(|dof| matches!(dof, Dof::Node(node, _) if *node != half.top[4]));
+    let error = attempt(&half, FRAME);
+    let expected = half.bottom[4];
+    assert!(
+        matches!(error, Error::DependentInterface { node, component: 1 } if node == expected),
+        "{error}"
+    );
+}
+
 /// Node of the lower block; those of the upper one follow.
 fn node(i: u32, j: u32, k: u32) -> u32 {
     i + 13 * (j + 5 * k)

@@ -48,6 +48,10 @@ pub struct Interface {
     pattern: Arc<Pattern>,
     /// First value of the block of each ordered pair of an element's nodes, node by node.
     block_starts: Arc<Vec<[[usize; 4]; 4]>>,
+    /// Whether a node's jump along y is held at zero; empty if none is.
+    is_held: Arc<Vec<bool>>,
+    /// Values of the pattern in the rows and columns of held coordinates.
+    held_values: Arc<Vec<usize>>,
 }
 
 impl Interface {
@@ -110,12 +114,15 @@ impl Interface {
             starts
         });
         let block_starts = Arc::new(block_starts.collect());
+        let (is_held, held_values) = held(&operators, &pattern);
         Ok(Self {
             operators,
             laws,
             gap,
             pattern: Arc::new(pattern),
             block_starts,
+            is_held: Arc::new(is_held),
+            held_values: Arc::new(held_values),
         })
     }
 
@@ -278,6 +285,9 @@ impl Interface {
             let mut nodal = [[0.0; 3]; 4];
             for (values, &node) in nodal.iter_mut().zip(nodes) {
                 values.copy_from_slice(&jump[3 * node as usize..][..3]);
+                if !self.is_held.is_empty() && self.is_held[node as usize] {
+                    values[1] = 0.0;
+                }
             }
             interpolate(
                 &shape.values,
@@ -302,6 +312,9 @@ impl Interface {
                     *value += sum[a];
                 }
             }
+        }
+        for &coordinate in self.operators.held() {
+            force[coordinate] = 0.0;
         }
     }
 
@@ -338,6 +351,9 @@ impl Interface {
                 }
             }
         }
+        for &value in &*self.held_values {
+            values[value] = 0.0;
+        }
     }
 }
 
@@ -356,6 +372,22 @@ impl std::fmt::Debug for Interface {
             )
             .finish()
     }
+}
+
+/// Which nodes have a held coordinate, and the values of the pattern in its row or column.
+fn held(operators: &Operators, pattern: &Pattern) -> (Vec<bool>, Vec<usize>) {
+    let held = operators.held();
+    if held.is_empty() {
+        return (Vec::new(), Vec::new());
+    }
+    let mut is_held = vec![false; operators.n_nodes()];
+    held.iter().for_each(|coordinate| is_held[coordinate / 3] = true);
+    let of = |coordinate: usize| coordinate % 3 == 1 && is_held[coordinate / 3];
+    let rows = pattern.indptr.windows(2).enumerate();
+    let values = rows
+        .flat_map(|(row, ends)| (ends[0]..ends[1]).filter(move |&at| of(row) || of(pattern.indices[at])))
+        .collect();
+    (is_held, values)
 }
 
 fn check_gap(gap: &[f64], expected: usize) -> Result<(), Error> {

@@ -25,6 +25,8 @@ pub struct Operators {
     /// First point of each element, and the number of points at the end.
     pub first_point: Vec<usize>,
     elements: Vec<Element>,
+    /// Coordinates, of three per node, that are held at zero.
+    held: Vec<usize>,
     quadrilateral: ShapeValues,
     triangle: ShapeValues,
 }
@@ -85,9 +87,41 @@ impl Operators {
             positions,
             first_point,
             elements: mesh.elements.clone(),
+            held: Vec::new(),
             quadrilateral: ShapeValues::new(&quadrature, &Element::Quad4([0, 1, 2, 3])),
             triangle: ShapeValues::new(&quadrature, &Element::Tri3([0, 1, 2])),
         })
+    }
+
+    /// The interface whose half `y >= 0` is `mesh` and whose other half is the mirror image, in motions that are symmetric
+    /// too: every point stands for its image as well, and the jump along y of nodes on the line `y = 0` is zero and
+    /// takes no force.
+    ///
+    /// # Errors
+    /// As [`Operators::try_new`]; [`Error::Value`] for a node beyond the line, and where none is on it.
+    pub fn try_new_mirrored(mesh: &InterfaceMesh, points_per_direction: usize) -> Result<Self, Error> {
+        let mut operators = Self::try_new(mesh, points_per_direction)?;
+        let ys = || mesh.nodes.iter().map(|x| x[1]);
+        let least = ys().enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((index, value)) = least.filter(|(_, y)| *y != 0.0) {
+            return Err(Error::Value {
+                quantity: "least y",
+                place: "interface node",
+                index,
+                value,
+                requirement: "0, on the line of symmetry of the half that is meshed",
+            });
+        }
+        operators.weights.iter_mut().for_each(|w| *w *= 2.0);
+        operators.integration.scale(2.0);
+        let on_line = ys().enumerate().filter(|(_, y)| *y == 0.0);
+        operators.held = on_line.map(|(node, _)| 3 * node + 1).collect();
+        Ok(operators)
+    }
+
+    /// Coordinates (3 node + component), ascending, whose jump is zero by symmetry and takes no force.
+    pub fn held(&self) -> &[usize] {
+        &self.held
     }
 
     /// Nodes, points and shape functions of each element.

@@ -501,3 +501,128 @@ fn central_points_are_the_centres_where_the_rule_has_them() {
         }
     }
 }
+
+/// `mesh` and its mirror image about the line y = 0, and for each node of the whole that of the half and its side.
+fn with_image(mesh: &InterfaceMesh) -> (InterfaceMesh, Vec<(usize, f64)>) {
+    let mut whole = mesh.clone();
+    let mut origin: Vec<_> = (0..mesh.nodes.len()).map(|node| (node, 1.0)).collect();
+    let image: Vec<u32> = mesh
+        .nodes
+        .iter()
+        .zip(0..)
+        .map(|(&[x, y], node)| {
+            if y == 0.0 {
+                return node;
+            }
+            whole.nodes.push([x, -y]);
+            origin.push((node as usize, -1.0));
+            whole.nodes.len() as u32 - 1
+        })
+        .collect();
+    let images = mesh.elements.iter().map(|element| match element {
+        Element::Tri3([a, b, c]) => Element::Tri3([a, c, b].map(|n| image[*n as usize])),
+        Element::Quad4([a, b, c, d]) => Element::Quad4([a, d, c, b].map(|n| image[*n as usize])),
+    });
+    whole.elements.extend(images);
+    (whole, origin)
+}
+
+#[test]
+fn the_half_of_a_symmetric_interface_stands_for_the_whole() {
+    let half_mesh = patch();
+    let (whole_mesh, origin) = with_image(&half_mesh);
+    let n_half = 3 * half_mesh.nodes.len();
+    let of = |operators: Operators| {
+        let n = operators.n_points();
+        Interface::try_new(Arc::new(operators), vec![(0..n, law(n, 0.3))], vec![0.0; n]).unwrap()
+    };
+    let half = of(Operators::try_new_mirrored(&half_mesh, 2).unwrap());
+    let whole = of(Operators::try_new(&whole_mesh, 2).unwrap());
+    assert!((half.operators().area() / whole.operators().area() - 1.0).abs() < 1e-14);
+    let held: Vec<usize> = (0..5).map(|node| 3 * node + 1).collect();
+    assert_eq!(half.operators().held(), held);
+
+    // Motions of the whole from those of the half; of held coordinates whatever is given is ignored.
+    let spread = |u: &[f64]| -> Vec<f64> {
+        let components = origin.iter().flat_map(|&(node, side)| {
+            let y = if half_mesh.nodes[node][1] == 0.0 { 0.0 } else { side };
+            [(3 * node, 1.0), (3 * node + 1, y), (3 * node + 2, 1.0)]
+        });
+        components.map(|(i, factor)| factor * u[i]).collect()
+    };
+    let gather = |f: &[f64]| -> Vec<f64> {
+        let mut sums = vec![0.0; n_half];
+        for (i, &(node, side)) in origin.iter().enumerate() {
+            for (c, factor) in [1.0, side, 1.0].into_iter().enumerate() {
+                sums[3 * node + c] += factor * f[3 * i + c];
+            }
+        }
+        held.iter().for_each(|&i| sums[i] = 0.0);
+        sums
+    };
+    let evaluate = |interface: &Interface, u: &[f64]| {
+        let state = interface.initial_state();
+        let (mut end, mut workspace) = (state.clone(), interface.workspace());
+        let mut force = vec![0.0; interface.n_dofs()];
+        let mut tangent = vec![0.0; interface.pattern().indices.len()];
+        let counts = interface.evaluate(
+            u,
+            Sticking::Coulomb,
+            &state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            Some(&mut tangent),
+        );
+        (counts, force, tangent)
+    };
+    let product = |interface: &Interface, values: &[f64], v: &[f64]| -> Vec<f64> {
+        let pattern = interface.pattern();
+        let rows = pattern.indptr.windows(2).map(|ends| ends[0]..ends[1]);
+        rows.map(|row| row.map(|at| values[at] * v[pattern.indices[at]]).sum())
+            .collect()
+    };
+    let agree = |a: &[f64], b: &[f64]| {
+        let scale = a.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        assert!(scale > 0.0);
+        for (i, (a, b)) in a.iter().zip(b).enumerate() {
+            assert!((a - b).abs() <= 1e-13 * scale, "{i}: {a} {b}");
+        }
+        held.iter().for_each(|&i| assert_eq!(a[i], 0.0));
+    };
+    let wave = |scale: [f64; 3], phase: f64| -> Vec<f64> {
+        (0..n_half)
+            .map(|i| scale[i % 3] * (phase + 0.7 * i as f64).sin())
+            .collect()
+    };
+    let u: Vec<f64> = wave([1e-6, 1e-6, 1e-6], 0.3)
+        .iter()
+        .zip(0..)
+        .map(|(u, i)| u + if i % 3 == 2 { 0.8e-6 } else { 0.0 })
+        .collect();
+    let (of_half, of_whole) = (evaluate(&half, &u), evaluate(&whole, &spread(&u)));
+    assert!(of_half.0.stick > 0 && of_half.0.slip > 0 && of_half.0.open > 0);
+    assert_eq!(
+        (2 * of_half.0.stick, 2 * of_half.0.slip),
+        (of_whole.0.stick, of_whole.0.slip)
+    );
+    agree(&of_half.1, &gather(&of_whole.1));
+    let v = wave([1.0; 3], 1.1);
+    agree(
+        &product(&half, &of_half.2, &v),
+        &gather(&product(&whole, &of_whole.2, &spread(&v))),
+    );
+}
+
+#[test]
+fn halves_that_cross_or_miss_the_line_are_refused() {
+    for shift in [-0.001, 0.001] {
+        let mut mesh = patch();
+        mesh.nodes.iter_mut().for_each(|x| x[1] += shift);
+        let refused = Operators::try_new_mirrored(&mesh, 2);
+        assert!(
+            matches!(refused, Err(Error::Value { value, .. }) if value == shift),
+            "{refused:?}"
+        );
+    }
+}

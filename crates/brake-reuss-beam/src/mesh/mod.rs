@@ -8,6 +8,7 @@
 //!   freely through washers and holes.
 //! - Ties glue each washer to the beam's face. Distributing couplings on the nut's bore and on the part of the shank
 //!   that faces it lead to two reference points, whose motions are equal except for the displacement along the bolt.
+mod half;
 mod refinement;
 mod section;
 
