@@ -5,7 +5,7 @@ use crate::ensemble::Ensemble;
 use crate::interface::LawReport;
 use crate::methods::MethodPoint;
 use crate::run::Run;
-use crate::scene::{Scene, Symmetry};
+use crate::scene::{BoltBehaviour, CommitName, Scene, Symmetry};
 use crate::validity::Validity;
 use cqsma_solver::Reason;
 use serde::Serialize;
@@ -47,7 +47,7 @@ pub struct Summary {
     /// Limits of the model.
     pub validity: Validity,
     /// What the scene does not require and was left out, and why; empty if nothing was.
-    pub skipped: BTreeMap<String, String>,
+    pub skipped: BTreeMap<&'static str, String>,
     /// Seconds per stage, and in total.
     pub timings: BTreeMap<String, f64>,
     /// Largest memory of the process (bytes), where the system tells.
@@ -298,14 +298,32 @@ impl Summary {
     }
 }
 
-fn skipped(scene: &Scene) -> BTreeMap<String, String> {
-    let half = scene.model.symmetry == Symmetry::Half;
-    let reason = "model.symmetry is half: only modes symmetric about y = 0 are in the results, numbered among themselves; mass, \
-                  energies, forces and areas are those of the whole structure, while nodes, elements, points, coordinates and \
-                  fields are those of its half y >= 0";
-    half.then(|| ("half_of_the_structure".to_owned(), reason.to_owned()))
-        .into_iter()
-        .collect()
+/// What the scene does not require, and is therefore not computed, not stored or not modelled.
+fn skipped(scene: &Scene) -> BTreeMap<&'static str, String> {
+    let mut skipped = BTreeMap::new();
+    if scene.model.symmetry == Symmetry::Half {
+        let reason = "model.symmetry is half: only modes symmetric about y = 0 are in the results, numbered among themselves; \
+                      mass, energies, forces and areas are those of the whole structure, while nodes, elements, points, \
+                      coordinates and fields are those of its half y >= 0";
+        skipped.insert("half_of_the_structure", reason.to_owned());
+    }
+    if scene.bolts.behaviour == BoltBehaviour::DeadLoad {
+        let reason = "bolts.behaviour is dead-load: no static responses to the bolt loads join the modes";
+        skipped.insert("attachment_modes", reason.to_owned());
+    }
+    let (amplitudes, stored) = (scene.cqsma.amplitudes, scene.fields_at().len());
+    if stored < amplitudes {
+        let reason = format!(
+            "output.fields_at asks for the fields of {stored} of {amplitudes} amplitudes; the others keep sums over the interface"
+        );
+        skipped.insert("fields", reason);
+    }
+    if scene.cqsma.commit == CommitName::AtReversals && amplitudes > 0 {
+        let reason = "cqsma.commit is at-reversals: cycles before the measured one are walked from reversal to reversal, because \
+                      the vertices between cannot change what follows";
+        skipped.insert("vertices_of_the_first_cycles", reason.to_owned());
+    }
+    skipped
 }
 
 fn hertz(omega: f64) -> f64 {

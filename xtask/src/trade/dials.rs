@@ -4,7 +4,7 @@ use contact_laws::{HistoryRule, TangentialReading};
 use joint_pipeline::Scene;
 use joint_pipeline::accuracy::RUNGS;
 use joint_pipeline::scene::{
-    CommitName, FormulationName, Gap, LawKind, Method, RefinementName, Surface, SyntheticScan,
+    CommitName, FormulationName, Gap, LawKind, Method, RefinementName, Surface, Symmetry, SyntheticScan,
 };
 
 /// Response amplitudes at which rungs are compared (m): at the onset of slip, in microslip, near macroslip.
@@ -212,6 +212,7 @@ pub(crate) fn all(base: &Scene, quick: bool) -> Vec<Dial> {
             share: Share::Choice,
             ..error("method", "quasi-static method", methods(base))
         },
+        error("symmetry", "half of the structure, or the whole", symmetry(base)),
         error("law", "how the asperity sums are evaluated, one population", laws(base)),
         Dial {
             share: Share::Choice,
@@ -261,6 +262,16 @@ fn methods(base: &Scene) -> Vec<Rung> {
     let mut rungs: Vec<Rung> = [Method::Rqnma, Method::Masing, Method::Qsma].map(method).into();
     rungs.push(Rung::new("cqsma", base.clone()));
     rungs
+}
+
+fn symmetry(base: &Scene) -> Vec<Rung> {
+    named(
+        base,
+        &[("half", Symmetry::Half), ("whole", Symmetry::None)],
+        |scene, symmetry| {
+            scene.model.symmetry = symmetry;
+        },
+    )
 }
 
 fn laws(base: &Scene) -> Vec<Rung> {
