@@ -3,12 +3,14 @@
 //! `cargo test --release -p joint-pipeline --test deck -- --ignored --nocapture`.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
+use joint_pipeline::joint::Bodies;
 use joint_pipeline::model::{Description, LinearInterface, Spectrum, Structure};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{Curves, Elastic, ParameterSet, Parameters, Per, Surface};
 use joint_pipeline::{Options, Scene, run};
 use serde_json::json;
 use std::path::PathBuf;
+use substructure::mesh::GroundSpring;
 
 fn deck() -> Option<PathBuf> {
     let path = std::env::var_os("BRB_REFERENCE").map(|folder| PathBuf::from(folder).join("brb_deck/Job.inp"));
