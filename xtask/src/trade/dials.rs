@@ -178,7 +178,7 @@ pub(crate) fn all(base: &Scene, quick: bool) -> Vec<Dial> {
             share: Share::Choice,
             ..error(
                 "commit",
-                "when the friction history is committed, and vertices per quarter",
+                "when the friction history is committed, and vertices per quarter (at every vertex: four cycles)",
                 named(
                     base,
                     &[
@@ -188,6 +188,10 @@ pub(crate) fn all(base: &Scene, quick: bool) -> Vec<Dial> {
                     ],
                     |scene, (commit, vertices)| {
                         scene.cqsma.commit = commit;
+                        if commit == CommitName::AtEveryVertex {
+                            // The interface creeps for dozens of cycles, by less than what is measured here.
+                            scene.cqsma.cycles = Some(4);
+                        }
                         scene.cqsma.vertices_per_quarter = vertices;
                     },
                 ),
