@@ -391,6 +391,7 @@ mod tests {
         assert!(fine.model.refinement as usize > standard.model.refinement as usize);
         let mut vertices = standard.clone();
         vertices.model.refinement = RefinementName::Quick;
+        vertices.model.modes = Some(10);
         assert_eq!(refined(&vertices).unwrap().0.name, "coarse");
         vertices.cqsma.vertices_per_quarter = 4096;
         assert!(matches!(refined(&vertices), Err(Error::NothingFiner)));
