@@ -595,7 +595,7 @@ fn the_half_of_a_symmetric_interface_stands_for_the_whole() {
             .map(|i| scale[i % 3] * (phase + 0.7 * i as f64).sin())
             .collect()
     };
-    let u: Vec<f64> = wave([1e-6, 1e-6, 1e-6], 0.3)
+    let u: Vec<f64> = wave([0.4e-6, 0.4e-6, 3e-6], 0.3)
         .iter()
         .zip(0..)
         .map(|(u, i)| u + if i % 3 == 2 { 0.8e-6 } else { 0.0 })
