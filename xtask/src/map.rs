@@ -110,15 +110,16 @@ const CLASSES: usize = 24;
 pub(crate) fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> String {
     const TILE: f64 = 420.0;
     const GAP: f64 = 16.0;
+    const LABEL: f64 = 8.0;
     let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| mesh.nodes.iter().map(|x| x[axis]).fold(from, pick);
     let (left, right) = (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
     let (bottom, top) = (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
     let scale = TILE / (right - left);
     let map_height = scale * (top - bottom);
-    let row = map_height + 54.0;
+    let row = map_height + 62.0;
     let (width, height) = (
         columns as f64 * (TILE + GAP) + GAP,
-        maps.len().div_ceil(columns) as f64 * row + GAP,
+        maps.len().div_ceil(columns) as f64 * row + GAP + LABEL,
     );
     let mut out = String::new();
     let labels: Vec<&str> = maps.iter().map(|map| map.label.as_str()).collect();
@@ -132,7 +133,7 @@ pub(crate) fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> Str
     for (index, map) in maps.iter().enumerate() {
         let (x0, y0) = (
             GAP + (index % columns) as f64 * (TILE + GAP),
-            GAP + (index / columns) as f64 * row,
+            GAP + LABEL + (index / columns) as f64 * row,
         );
         let finite = || map.values.iter().copied().filter(|v| v.is_finite());
         let low = finite().fold(f64::INFINITY, f64::min);
@@ -141,11 +142,11 @@ pub(crate) fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> Str
         let mut paths = vec![String::new(); CLASSES];
         for (element, value) in mesh.elements.iter().zip(&map.values).filter(|(_, v)| v.is_finite()) {
             let class = (((value - low) / range * CLASSES as f64) as usize).min(CLASSES - 1);
-            // Whole tenths of a pixel, all corners but the first as steps: the shortest text for a polygon.
+            // Whole quarters of a pixel, all corners but the first as steps: the shortest text for a polygon.
             let mut before: Option<[i32; 2]> = None;
             for &node in element.nodes() {
                 let [x, y] = mesh.nodes[node as usize];
-                let at = [x - left, top - y].map(|length| (10.0 * scale * length).round() as i32);
+                let at = [x - left, top - y].map(|length| (4.0 * scale * length).round() as i32);
                 let _ = match before {
                     None => write!(paths[class], "M{} {}l", at[0], at[1]),
                     Some([x, y]) => write!(paths[class], "{} {} ", at[0] - x, at[1] - y),
@@ -156,7 +157,7 @@ pub(crate) fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> Str
         }
         let _ = writeln!(
             out,
-            "<g transform=\"translate({x0:.0} {y0:.0})\" stroke-width=\"7\">\n<rect width=\"{TILE}\" \
+            "<g transform=\"translate({x0:.0} {y0:.0})\" stroke-width=\"3\">\n<rect width=\"{TILE}\" \
              height=\"{map_height:.1}\" fill=\"none\" stroke=\"#bbb\" stroke-width=\".7\"/>"
         );
         for (class, path) in paths.iter().enumerate() {
@@ -164,7 +165,7 @@ pub(crate) fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> Str
             if !path.is_empty() {
                 let _ = writeln!(
                     out,
-                    "<path transform=\"scale(.1)\" fill=\"{fill}\" stroke=\"{fill}\" d=\"{path}\"/>"
+                    "<path transform=\"scale(.25)\" fill=\"{fill}\" stroke=\"{fill}\" d=\"{path}\"/>"
                 );
             }
             let _ = writeln!(
@@ -187,7 +188,7 @@ pub(crate) fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> Str
             out,
             "<text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text>\n</g>",
             0.5 * TILE,
-            map_height + 28.0,
+            -6.0,
             escape(&map.label)
         );
     }

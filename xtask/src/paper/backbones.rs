@@ -24,7 +24,7 @@ pub(super) const LARGEST: f64 = 1e-3;
 pub(super) const EXTENDED: [f64; 2] = [1e-5, 1e-2];
 
 /// Part of the slipping area between which power laws are fitted.
-const PARTIAL_SLIP: [f64; 2] = [0.01, 0.9];
+const PARTIAL_SLIP: [f64; 2] = [0.2, 0.9];
 
 /// Colours from dark to light that stay apart for all eyes and in grey.
 fn shades(n: usize) -> Vec<RGBColor> {
@@ -113,14 +113,11 @@ pub(super) const FIG_19: Entry = Entry {
     id: "fig19",
     title: "Fig. 19: frequency, damping and dissipation for friction coefficients from 0.05 to 0.99",
     inputs: "Measured statistics and gap of another pair, 12.845 kN per bolt, displacement of 0.5 um to 1 mm by linear estimate. \
-             Power laws are fitted to the energy per cycle where 1 to 90 % of the area slips.",
+             Power laws are fitted to the energy per cycle where 20 to 90 % of the area slips.",
     plan: fig_19,
 };
 
-const MUS: [f64; 7] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 0.99];
-
-/// Damping ratio that tells slip.
-const ONSET: f64 = 1e-4;
+pub(super) const MUS: [f64; 7] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 0.99];
 
 /// Displacement where damping is compared (m).
 const COMPARED: f64 = 1e-4;
@@ -152,23 +149,19 @@ fn fig_19(inputs: &Inputs) -> Result<Plan<'_>> {
                     note,
                 ),
                 Figure::new(
-                    "offset from the measured frequency (Hz)",
-                    table.topography_per_element - table.measured,
+                    "offset of that from the measured frequency (Hz)",
+                    None,
                     runs[0].first() - table.measured,
-                    note,
+                    "published: -6.7 by Table 1, about 8 in words",
                 ),
             ];
             let mut slopes = Vec::new();
             let mut damping = Vec::new();
             let mut onsets = Vec::new();
             for (mu, run) in MUS.iter().zip(&runs) {
-                let onset = run
-                    .backbone
-                    .iter()
-                    .find(|p| p.damping.is_some_and(|zeta| zeta >= ONSET));
-                if let Some(point) = onset {
+                if let Some(point) = run.backbone.iter().find(|p| p.slip > 0.0) {
                     onsets.push(point.displacement);
-                    let name = format!("displacement from which damping exceeds 1e-4, mu = {mu} (m)");
+                    let name = format!("displacement from which any part slips, mu = {mu} (m)");
                     figures.push(Figure::new(
                         name,
                         None,
@@ -265,6 +258,9 @@ pub(super) const METHODS: Entry = Entry {
 /// Displacements where methods are compared: stuck, in partial slip and where contact opens (m).
 const COMPARED_METHODS: [f64; 4] = [2e-6, 1e-4, 2.5e-4, 1e-3];
 
+/// Displacement from which damping is compared (m).
+const SLIPPING: f64 = 5e-5;
+
 fn methods(inputs: &Inputs) -> Result<Plan<'_>> {
     let mut scene = inputs.backbone("five methods", 17, 1e-6, 1.5e-3);
     scene.methods = vec![Method::Qsma, Method::QsmaTwice, Method::Masing, Method::Rqnma];
@@ -276,8 +272,8 @@ fn methods(inputs: &Inputs) -> Result<Plan<'_>> {
             let mut figures = Vec::new();
             let ours = [run.curve(FREQUENCY), run.curve(DAMPING)];
             let mut lines = [
-                vec![curve("CQSMA".into(), BLUE, None, &ours[0])],
-                vec![curve(String::new(), BLUE, None, &ours[1])],
+                vec![curve("CQSMA".into(), RED, None, &ours[0])],
+                vec![curve(String::new(), RED, None, &ours[1])],
             ];
             // Frequency and damping over those of CQSMA, less one, by method and displacement.
             let mut changes: Vec<[[f64; 2]; 4]> = Vec::new();
@@ -291,6 +287,10 @@ fn methods(inputs: &Inputs) -> Result<Plan<'_>> {
                 let mut rows = [[f64::NAN; 2]; 4];
                 for (row, x) in rows.iter_mut().zip(COMPARED_METHODS) {
                     for (k, what) in ["frequency", "damping"].into_iter().enumerate() {
+                        // Where nothing slips damping is that of round-off and history rules.
+                        if k == 1 && x < SLIPPING {
+                            continue;
+                        }
                         if let (Some(theirs), Some(ours)) = (at(&theirs[k], x), at(&ours[k], x)) {
                             row[k] = theirs / ours - 1.0;
                             let name = format!(
@@ -322,7 +322,7 @@ fn methods(inputs: &Inputs) -> Result<Plan<'_>> {
             };
             let percent = |value: f64| format!("{:+.2} %", 100.0 * value);
             let judgement = format!(
-                "{}: {} in frequency without slip and {} at 1 mm. QSMA with linear contact is off by {} and {}, {}. Damping at 0.1 mm differs from that of \
+                "Claim: {}, by {} in frequency without slip and {} at 1 mm. QSMA with linear contact is off by {} and {}, {}. Damping at 0.1 mm differs from that of \
                  CQSMA by {} (QSMA), {} (Masing) and {} (RQNMA).",
                 claim(
                     twice[0][0] > 1e-4 && twice[0][0] > 10.0 * qsma[0][0].abs(),
@@ -529,10 +529,10 @@ fn experiment(inputs: &Inputs) -> Result<Plan<'_>> {
                 Figure::new("f1 against the measured one (Hz)", measured, ours.first(), other),
                 Figure::new(
                     "friction damping at 1 um",
-                    published::LOW_AMPLITUDE_DAMPING,
+                    None,
                     // None is resolved where there is next to none.
                     at(&damping, 1e-6).unwrap_or(0.0),
-                    "measured: about, and with all other damping of beam and suspension",
+                    "measured: about 0.001, with all other damping of beam and suspension",
                 ),
                 Figure::new(
                     "largest friction damping up to 1 mm",
@@ -601,7 +601,7 @@ fn experiment(inputs: &Inputs) -> Result<Plan<'_>> {
             let friction = at(&damping, 1e-6).unwrap_or(0.0);
             let rise = largest / published::LOW_AMPLITUDE_DAMPING;
             let judgement = format!(
-                "The measured first frequency is met to {:+.2} %. {}: up to {:.1} % by friction, {rise:.0} times the measured low-amplitude 0.1 %, of which \
+                "The measured first frequency is met to {:+.2} %. Claim: {}, up to {:.1} % by friction, {rise:.0} times the measured low-amplitude 0.1 %, of which \
                  friction explains {}. Against EPMC on the same surface frequencies differ by at most {:.1} % flat and {:.1} % with topography, damping by \
                  at most {:.0} % and {:.0} %; asperities that yield are part of EPMC and not of this model.",
                 100.0 * (ours.first() / measured - 1.0),
@@ -619,7 +619,7 @@ fn experiment(inputs: &Inputs) -> Result<Plan<'_>> {
             );
             Ok(Findings {
                 figures,
-                comparable: true,
+                comparable: false,
                 judgement,
                 pictures: vec![Picture {
                     name: "epmc",

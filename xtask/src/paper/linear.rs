@@ -1,6 +1,5 @@
 //! Entries that frequencies and static states are enough for.
 
-use super::backbones::{EXTENDED, LARGEST, SMALLEST, extended, family};
 use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, given, per_element};
 use crate::plot::{BLUE, Curve, Panel, RED, stack};
 use anyhow::{Context, Result, bail};
@@ -13,7 +12,6 @@ use contact_laws::{ContactCurves, ElasticPair, FittedCurves};
 use joint_pipeline::Scene;
 use joint_pipeline::model::{LinearInterface, Structure};
 use joint_pipeline::scene::{Curves, Elastic, Gap};
-use joint_pipeline::trends::{self, power_law};
 use plotters::prelude::SeriesLabelPosition;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -90,12 +88,17 @@ fn table_1(inputs: &Inputs) -> Result<Plan<'_>> {
                 ("flat, uniform: element drawn", table.flat_uniform, drawn, scans),
                 ("flat, uniform: median element", table.flat_uniform, median, scans),
                 (
-                    "flat, uniform: tenth percentile of stiffness",
+                    "flat, uniform: tenth percentile of traction at 5 um",
                     table.flat_uniform,
                     soft,
                     scans,
                 ),
-                ("flat, uniform: ninetieth percentile", table.flat_uniform, stiff, scans),
+                (
+                    "flat, uniform: ninetieth percentile of traction at 5 um",
+                    table.flat_uniform,
+                    stiff,
+                    scans,
+                ),
                 (
                     "topography, measured statistics",
                     table.topography_per_element,
@@ -117,12 +120,17 @@ fn table_1(inputs: &Inputs) -> Result<Plan<'_>> {
             ];
             let figures =
                 rows.map(|(name, paper, value, note)| Figure::new(format!("{name} (Hz)"), paper, value, note));
+            let ends = [drawn, median, soft, stiff];
+            let (least, most) = (
+                ends.into_iter().fold(f64::INFINITY, f64::min),
+                ends.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            );
             let rises = [topography - flat, topography_measured - flat_measured];
             let published = table.topography_per_element - table.flat_per_element;
             let by_chance = table.flat_uniform - table.flat_per_element;
             let judgement = format!(
                 "Topography changes the frequency by {:+.1} Hz with scans and {:+.1} Hz with measured statistics, {} as the paper's {published:+.1} Hz; \
-                 uniform roughness gives {soft:.1} to {stiff:.1} Hz for eight of ten elements, so the paper's {by_chance:+.1} Hz for one drawn {}; \
+                 uniform roughness gives {least:.1} to {most:.1} Hz by four elements of very different stiffness, so the paper's {by_chance:+.1} Hz for one drawn {}; \
                  with measured statistics and gap the experiment is met to {:+.2} % (the paper: {:+.2} %).",
                 rises[0],
                 rises[1],
@@ -131,7 +139,7 @@ fn table_1(inputs: &Inputs) -> Result<Plan<'_>> {
                 } else {
                     "NOT all of the same sign"
                 },
-                if stiff - soft > by_chance.abs() {
+                if most - least > by_chance.abs() {
                     "can be chance, as it says"
                 } else {
                     "is more than the chance of the draw here"
@@ -423,10 +431,10 @@ fn table_4(inputs: &Inputs) -> Result<Plan<'_>> {
             ];
             let judgement = format!(
                 "{} ({:.0} % with topography at the lowest load, published {:.0} %; more than 1 % of the mean pressure is on {:.0} %, at the highest load \
-                 {:.0} %). From the lowest load to the highest the frequency changes by {:+.2} Hz flat (published {:+.2}) and {:+.2} Hz with topography \
+                 {:.0} %; its gap is another, see fig17). From the lowest load to the highest the frequency changes by {:+.2} Hz flat (published {:+.2}) and {:+.2} Hz with topography \
                  ({:+.2}). Claims: {}.",
                 if touching {
-                    "Tall asperities of this surface touch where those of the paper do not"
+                    "More of this surface touches than of the paper's at every strain"
                 } else {
                     "The area in contact is not always larger than the published one"
                 },
@@ -583,212 +591,3 @@ fn numbers(_: &Inputs) -> Result<Plan<'_>> {
         }),
     })
 }
-
-pub(super) const CLAIMS: Entry = Entry {
-    id: "claims",
-    title: "Claims in words around Figs. 17 to 22, and Fig. 20",
-    inputs: "Measured statistics and gap of another pair. Prestress at mu = 0.05 to 0.99; backbones of Figs. 19 and 21; prestress \
-             with 1, 4, 9 and 25 points per element; one slider at two friction coefficients in closed form (Fig. 20).",
-    plan: claims,
-};
-
-/// Friction coefficients of the prestress.
-const STATIC_MUS: [f64; 4] = [0.05, 0.2, 0.6, 0.99];
-
-/// Friction coefficients of the backbones that are compared.
-const MUS: [f64; 5] = [0.05, 0.1, 0.2, 0.75, 0.99];
-
-/// Displacements between which the bend of the damping curve is judged (m), and where they are divided.
-const REGIME: [f64; 3] = [3e-5, 1e-4, 3e-4];
-
-fn claims(inputs: &Inputs) -> Result<Plan<'_>> {
-    let mut scenes: Vec<Scene> = STATIC_MUS
-        .map(|mu| Scene {
-            mu,
-            ..inputs.prestress(&format!("prestress, mu = {mu}"), Gap::Measured)
-        })
-        .into();
-    scenes.extend([1, 2, 3, 5].map(|points| Scene {
-        points_per_direction: points,
-        ..inputs.prestress(&format!("prestress, {} points", points * points), Gap::Measured)
-    }));
-    scenes.extend(MUS.map(|mu| family(inputs, mu)));
-    scenes.push(extended(inputs, Gap::Measured));
-    let mesh = &inputs.mesh;
-    Ok(Plan {
-        scenes,
-        evaluate: Box::new(move |results| {
-            let mut figures = Vec::new();
-            let reference = results.of(2)?;
-            let (mut pressure_change, mut frequency_change) = (0.0_f64, 0.0_f64);
-            let largest = reference.central[2].iter().copied().fold(0.0, f64::max);
-            for index in 0..STATIC_MUS.len() {
-                let run = results.of(index)?;
-                let pairs = run.central[2].iter().zip(&reference.central[2]);
-                let change = pairs.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
-                pressure_change = pressure_change.max(change / largest);
-                frequency_change = frequency_change.max((run.first() / reference.first() - 1.0).abs());
-            }
-            figures.push(Figure::new(
-                "largest change of pressure for mu 0.05 to 0.99, over the largest pressure",
-                None,
-                pressure_change,
-                "published: little to no appreciable change",
-            ));
-            figures.push(Figure::new("the same of f1", None, frequency_change, ""));
-
-            let (mut fewest, mut by_points) = (None, 0.0_f64);
-            for (k, points) in [1_usize, 4, 9, 25].into_iter().enumerate() {
-                let Ok(run) = results.of(STATIC_MUS.len() + k) else {
-                    continue;
-                };
-                fewest.get_or_insert(points);
-                by_points = by_points.max((run.first() / reference.first() - 1.0).abs());
-                figures.push(Figure::new(
-                    format!("f1 with {points} points per element (Hz)"),
-                    None,
-                    run.first(),
-                    "",
-                ));
-            }
-
-            let backbones = STATIC_MUS.len() + 4;
-            let damping =
-                |index: usize| -> Result<Vec<(f64, f64)>> { Ok(results.of(backbones + index)?.curve(|p| p.damping)) };
-            let mut bends = Vec::new();
-            for (index, mu) in MUS.into_iter().enumerate().take(3) {
-                let curve = damping(index)?;
-                let slope = |from, to| power_law(&curve, [from, to]).map_or(f64::NAN, |law| law.slope);
-                let bend = slope(REGIME[1], REGIME[2]) - slope(REGIME[0], REGIME[1]);
-                bends.push(bend);
-                figures.push(Figure::new(
-                    format!("bend of damping at mu = {mu}: slope above less slope below 1e-4 m (log-log)"),
-                    None,
-                    bend,
-                    "published: concave (negative) below mu = 0.2",
-                ));
-            }
-            let (almost, most) = (damping(3)?, damping(4)?);
-            let apart = most.iter().filter(|(x, _)| *x > REGIME[0]);
-            let apart = apart
-                .filter_map(|(x, zeta)| Some((trends::at(&almost, *x)? / zeta - 1.0).abs()))
-                .fold(0.0, f64::max);
-            let (low, high) = (damping(0)?, damping(2)?);
-            let between = high.iter().filter(|(x, _)| *x > REGIME[0]);
-            let between = between
-                .filter_map(|(x, zeta)| Some((trends::at(&low, *x)? / zeta - 1.0).abs()))
-                .fold(0.0, f64::max);
-            figures.push(Figure::new(
-                "largest difference of damping, mu = 0.75 against 0.99, above 3e-5 m",
-                None,
-                apart,
-                "published: one curve",
-            ));
-
-            let long = results.of(backbones + MUS.len())?;
-            let peak = super::maps::marked(long)[2];
-            let fields = peak
-                .and_then(|p| p.fields.as_ref())
-                .context("no field at the peak of damping")?;
-            let (areas, centres) = (mesh.areas(), super::maps::centres(mesh));
-            let mean = |from: f64, to: f64| {
-                let inside = (0..areas.len()).filter(|&e| (from..to).contains(&centres[e]));
-                let (moved, area) = inside.fold((0.0, 0.0), |(sum, area), e| {
-                    (sum + areas[e] * fields.sliding[e], area + areas[e])
-                });
-                moved / area
-            };
-            let parts = [mean(-0.06, -0.02), mean(-0.02, 0.02), mean(0.02, 0.06)];
-            for (name, value) in ["left", "middle", "right"].into_iter().zip(parts) {
-                figures.push(Figure::new(
-                    format!("mean relative motion along the beam at point 3, {name} third (m)"),
-                    None,
-                    value,
-                    "published: the ends move apart, the middle stays",
-                ));
-            }
-            let expands = parts[0] * parts[2] < 0.0 && parts[1].abs() < 0.5 * parts[0].abs().min(parts[2].abs());
-            let (crossing, svg) = sliders()?;
-            figures.push(Figure::new(
-                "Fig. 20: amplitude over that of first slip at mu = 0.2, from where mu = 0.6 dissipates more",
-                None,
-                crossing,
-                "closed form",
-            ));
-            let insensitive = pressure_change < 0.1 && frequency_change < 1e-2;
-            let bent = bends[0] < 0.0 && bends[2] > bends[0];
-            let claims = [
-                claim(insensitive, "prestress hardly depends on mu"),
-                claim(
-                    fewest.is_some_and(|n| n > 1),
-                    "a number of points per element below which the solver does not converge",
-                ),
-                claim(bent, "damping bends down at small mu and less, or up, from 0.2 on"),
-                claim(apart < 0.5 * between, "near mu = 1 damping converges to one curve"),
-                claim(
-                    expands,
-                    "at point 3 the ends of the interface move apart while its middle stays",
-                ),
-            ];
-            let fewest = fewest.map_or_else(|| "no number of points".into(), |n: usize| format!("{n} per element"));
-            let judgement = format!(
-                "{}. Fewest points that converge: {fewest}; with more f1 changes by at most {:.2} %.{}",
-                claims.join("; "),
-                100.0 * by_points,
-                if bent {
-                    ""
-                } else {
-                    " The bend depends on where in the transition the amplitudes lie, and the paper does not print their range."
-                },
-            );
-            Ok(Findings {
-                figures,
-                comparable: false,
-                judgement,
-                pictures: vec![Picture {
-                    name: "fig20",
-                    svg,
-                    caption: "One slider with a low and a high friction coefficient: energy per cycle against amplitude. Between the first slip of \
-                              the one and the crossing the low coefficient dissipates more."
-                        .into(),
-                }],
-            })
-        }),
-    })
-}
-
-/// Energy per cycle of one slider at two friction coefficients, in units of `mu t_n d` of the lower one, against the
-/// amplitude over its slip limit `d`: where the higher one overtakes, and the picture.
-fn sliders() -> Result<(f64, String)> {
-    let (low, high) = (0.2, 0.6);
-    let ratio: f64 = high / low;
-    // D = 4 mu t_n (u - d), d = mu t_n / k.
-    let energy = |ratio: f64, u: f64| 4.0 * ratio * (u - ratio).max(0.0);
-    let crossing = ratio + 1.0;
-    let curve = |mu: f64, colour, dashes| Curve {
-        name: format!("mu = {mu}"),
-        colour,
-        dashes,
-        dots: false,
-        points: (0..=120)
-            .map(|i| 0.05 * f64::from(i))
-            .enumerate()
-            .map(|(i, u)| (i, u, energy(mu / low, u)))
-            .collect(),
-    };
-    let panel = Panel {
-        y_label: "energy per cycle / (mu t d) [-]",
-        log: false,
-        legend: SeriesLabelPosition::UpperLeft,
-        curves: vec![curve(low, RED, None), curve(high, BLUE, Some((9, 5)))],
-    };
-    let svg = stack(
-        "amplitude over the slip limit of the lower coefficient [-]",
-        false,
-        vec![panel],
-    )?;
-    Ok((crossing, svg))
-}
-
-/// The range of the families and that of the extended backbones overlap, so that claims may use either.
-const _: () = assert!(SMALLEST < REGIME[0] && REGIME[2] < LARGEST && LARGEST < EXTENDED[1]);
