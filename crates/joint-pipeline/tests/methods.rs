@@ -149,12 +149,12 @@ fn contact_counted_twice_is_contact_of_twice_the_stiffness() {
             .map(|m| m.points[0].result.as_ref().unwrap().omega)
             .collect::<Vec<f64>>()
     };
-    // Soft enough that a doubled stiffness hardly changes which part of the interface is open.
-    let (once, twice) = (scene(2e11), scene(4e11));
+    // So soft that the faces stay closed everywhere, whatever the bodies bend.
+    let (once, twice) = (scene(1e10), scene(2e10));
     let (rise, expected) = (once[1] / once[0] - 1.0, twice[0] / once[0] - 1.0);
     println!("{rise:.5} {expected:.5}");
     assert!(expected > 1e-3, "{expected}");
-    assert!((rise / expected - 1.0).abs() < 0.1, "{rise} {expected}");
+    assert!((rise / expected - 1.0).abs() < 1e-2, "{rise} {expected}");
 }
 
 #[test]
