@@ -1,5 +1,9 @@
 //! The half of a symmetric scene against the whole.
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "tests, which print what they measure"
+)]
 
 use joint_pipeline::model::Structure;
 use joint_pipeline::progress::Silent;
