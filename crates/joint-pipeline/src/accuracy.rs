@@ -1,7 +1,7 @@
 //! How exact a scene asks to be: settings chosen by their measured errors.
 //!
-//! [`RUNGS`] are whole sets of numerical settings, each with the errors that `cargo xtask trade` measured for it on the
-//! flat beam against a finer computation of the same model. A scene that asks for an accuracy gets the settings of
+//! [`RUNGS`] are whole sets of numerical settings, each with the sum of the errors that `cargo xtask trade` measured for its
+//! mesh, points and vertices on the flat beam against finer computations of the same model. A scene that asks for an accuracy gets the settings of
 //! a rung wherever it does not give its own.
 
 use crate::comparison::Backbone;
