@@ -160,7 +160,8 @@ fn fig_19(inputs: &Inputs) -> Result<Plan<'_>> {
             let mut onsets = Vec::new();
             for (mu, run) in MUS.iter().zip(&runs) {
                 if let Some(point) = run.backbone.iter().find(|p| p.slip > 0.0) {
-                    onsets.push(point.displacement);
+                    // By number: at one modal force displacements differ in their last digits.
+                    onsets.push(point.index);
                     let name = format!("displacement from which any part slips, mu = {mu} (m)");
                     figures.push(Figure::new(
                         name,
