@@ -30,9 +30,10 @@ pub struct Modes {
     pub shapes: Mat<f64>,
     /// How many of them cost no energy.
     pub n_zero: usize,
-    /// Largest relative residual `|K phi - omega^2 M phi| / ((omega^2 + sigma) |M phi|)` of the modes that store energy,
-    /// with the [`shift`] sigma: a mode below it, such as that of a body on soft springs, is told from the zero-energy
-    /// modes by its Rayleigh quotient, whose error is of the square of the residual.
+    /// Largest relative residual `|K phi - omega^2 M phi| / ((omega^2 + sigma) |M phi|)` of the modes that store energy, in
+    /// the norm of the inverse of the stiffness shifted by sigma ([`shift`]): shifted frequencies are known to its square. A
+    /// mode below the shift, such as that of a body on soft springs, is told from the zero-energy modes by its Rayleigh
+    /// quotient.
     pub residual: f64,
 }
 
@@ -105,10 +106,15 @@ pub fn lowest_modes(
     let mut momentum = residual.clone();
     multiply_into(stiffness, elastic, residual.as_mut());
     multiply_into(mass, elastic, momentum.as_mut());
-    let (mut worst, mut converged) = (0.0_f64, 0);
     for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
         zip!(residual.col_mut(mode), momentum.col(mode)).for_each(|unzip!(r, m)| *r -= w2 * m);
-        let relative = residual.col(mode).norm_l2() / ((w2 + sigma) * momentum.col(mode).norm_l2());
+    }
+    // Plain lengths would count the round-off of the stiffest components most, which move the least: with nearly
+    // incompressible material they would never be small.
+    let (residual_lengths, momentum_lengths) = (lengths(&factor, residual), lengths(&factor, momentum));
+    let (mut worst, mut converged) = (0.0_f64, 0);
+    for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
+        let relative = residual_lengths[mode] / ((w2 + sigma) * momentum_lengths[mode]);
         worst = worst.max(relative);
         converged += usize::from(relative <= tolerance);
     }
@@ -127,6 +133,15 @@ pub fn lowest_modes(
         n_zero,
         residual: worst,
     })
+}
+
+/// Lengths of forces in the norm of the inverse of the factorised stiffness.
+fn lengths(factor: &SparseCholesky, forces: Mat<f64>) -> Vec<f64> {
+    let mut motions = forces.clone();
+    factor.solve_in_place(motions.as_mut());
+    (0..forces.ncols())
+        .map(|j| dot(&forces, j, &motions, j).max(0.0).sqrt())
+        .collect()
 }
 
 /// How many of the ascending eigenvalues are round-off: below the `limit`, or 1e-6 of the first above it.

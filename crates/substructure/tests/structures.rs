@@ -153,6 +153,26 @@ fn incompatible_modes_do_not_lock_and_full_integration_does() {
 }
 
 #[test]
+fn modes_of_a_nearly_incompressible_bar_are_found() {
+    // The bulk modulus is up to 5e4 times the shear modulus, which the stiffest components feel most.
+    let first = |poisson_ratio: f64| {
+        let mut assembly = bar([24, 3, 3], [0.4, 0.02, 0.02]);
+        assembly.mesh.materials[0].poisson_ratio = poisson_ratio;
+        assembly.mesh.set_formulation(Formulation::BBar);
+        let system = System::try_new(&assembly).unwrap();
+        let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 8, 1e-6).unwrap();
+        assert_eq!(modes.n_zero, 6);
+        assert!(modes.residual < 1e-7, "{poisson_ratio}: {:e}", modes.residual);
+        modes.frequencies()[0]
+    };
+    let usual = first(0.49);
+    for poisson_ratio in [0.4999, 0.499_99] {
+        let found = first(poisson_ratio);
+        assert!((found / usual - 1.0).abs() < 0.01, "{poisson_ratio}: {found} {usual}");
+    }
+}
+
+#[test]
 fn bar_frequencies_converge_with_second_order() {
     let f = |n: usize| {
         let system = System::try_new(&bar([12 * n, n, n], [0.3, 0.025, 0.025])).unwrap();
