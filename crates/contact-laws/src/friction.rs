@@ -326,6 +326,10 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
         }
     }
 
+    fn dissipates(&self) -> bool {
+        (0..self.mu.len()).any(|point| *self.mu.at(point) != 0.0)
+    }
+
     fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64> {
         self.curves.contact_area_ratio(point, u_n)
     }

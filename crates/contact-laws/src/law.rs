@@ -313,6 +313,12 @@ pub trait TractionLaw: Send + Sync {
         regimes: Option<&mut [Regime]>,
     ) -> RegimeCounts;
 
+    /// Whether friction can take energy. If not, tractions under Coulomb's law depend on the jump alone: a path back gives what
+    /// the path there gave.
+    fn dissipates(&self) -> bool {
+        true
+    }
+
     /// Real contact area per nominal area at `point` under the interference `u_n` (m); none for laws without
     /// asperities.
     fn contact_area_ratio(&self, _point: usize, _u_n: f64) -> Option<f64> {

@@ -117,7 +117,7 @@ pub struct LoopResult {
     pub coarse_loop_area: Option<f64>,
     /// Part of the motion at the peak that is mass-orthogonal to the mode, relative.
     pub shape_deviation: f64,
-    /// Cycles walked, the measured one included.
+    /// Cycles walked, the measured one included; one where nothing dissipates, walked one way.
     pub cycles: usize,
     /// Whether the loop closed within the tolerance asked for; always false for a fixed number of cycles.
     pub closed: bool,
@@ -297,11 +297,14 @@ impl<F: HystereticForce> Tour<'_, F> {
         structure: &Linearisation<'_, F::State>,
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
-        let (cycles, settled) = self.settle_down()?;
+        let (cycles, settled, at_peak) = self.settle_down()?;
         let mut hysteresis = Loop::default();
-        let mut total = vec![0.0; self.mode.shape.len()];
         let mut deviation = 0.0_f64;
         self.path.residual = 0.0;
+        // Without dissipation the way back passes the same vertices, whose displacements are kept for it.
+        let one_way = !self.path.equilibrium.force.dissipates();
+        let mut passed: Vec<Vec<f64>> = Vec::new();
+        let mut total = vec![0.0; self.mode.shape.len()];
         let mut record = |tour: &Self| {
             let v = &tour.path.walk.motion.v;
             let q = dot(&tour.mode.unit.p, v);
@@ -311,6 +314,9 @@ impl<F: HystereticForce> Tour<'_, F> {
                 *t = u + v;
             }
             observer.vertex(tour.path.at, &total, &tour.path.walk.begin);
+            if one_way {
+                passed.push(total.clone());
+            }
             if tour.path.at.abs() >= tour.peak {
                 let rest: Vec<f64> = v.iter().zip(&tour.mode.shape).map(|(v, phi)| v - q * phi).collect();
                 let mut momentum = vec![0.0; v.len()];
@@ -323,14 +329,24 @@ impl<F: HystereticForce> Tour<'_, F> {
         let edges = 2 * self.settings.vertices_per_quarter;
         let start = self.path.walk.motion.clone();
         self.branch(-self.peak, edges, &mut record)?;
-        let counts = self.branch(self.peak, edges, &mut record)?;
+        let (counts, closure) = if one_way {
+            for (vertex, total) in passed.iter().enumerate().rev().skip(1) {
+                let (force, amplitude) = (hysteresis.force[vertex], hysteresis.amplitude[vertex]);
+                hysteresis.force.push(force);
+                hysteresis.amplitude.push(amplitude);
+                observer.vertex(force, total, &self.path.walk.begin);
+            }
+            (at_peak, 0.0)
+        } else {
+            (self.branch(self.peak, edges, &mut record)?, self.distance(&start))
+        };
         Ok(LoopResult::new(
             self.peak,
             hysteresis,
             Circumstances {
                 cycles: cycles + 1,
-                closed: settled || self.closed(&start),
-                closure: self.distance(&start),
+                closed: settled || self.is_closed(closure),
+                closure,
                 residual: self.path.residual,
                 shape_deviation: deviation,
                 counts,
@@ -338,9 +354,9 @@ impl<F: HystereticForce> Tour<'_, F> {
         ))
     }
 
-    /// Walks the first loading and the cycles before the measured one; returns how many cycles these were, and whether
-    /// the last of them was closed.
-    fn settle_down(&mut self) -> Result<(usize, bool), Failure> {
+    /// Walks the first loading and the cycles before the measured one; returns how many cycles these were, whether the last
+    /// of them was closed, and the regimes at its end.
+    fn settle_down(&mut self) -> Result<(usize, bool, PointCounts), Failure> {
         // With commits at reversals only, the vertices between them do not influence what follows: these cycles need no
         // more than their reversals.
         let quarter = self.settings.vertices_per_quarter;
@@ -348,20 +364,21 @@ impl<F: HystereticForce> Tour<'_, F> {
             Commit::AtReversals => (1, 1),
             Commit::AtEveryVertex => (quarter, 2 * quarter),
         };
-        self.branch(self.peak, loading, &mut |_| {})?;
+        let mut counts = self.branch(self.peak, loading, &mut |_| {})?;
         let most = match self.settings.cycles {
+            _ if !self.path.equilibrium.force.dissipates() => 1,
             Cycles::Fixed(n) => n,
             Cycles::UntilClosed { most, .. } => most,
         };
         for cycle in 1..most {
             let start = self.path.walk.motion.clone();
             self.branch(-self.peak, half, &mut |_| {})?;
-            self.branch(self.peak, half, &mut |_| {})?;
-            if self.closed(&start) {
-                return Ok((cycle, true));
+            counts = self.branch(self.peak, half, &mut |_| {})?;
+            if self.is_closed(self.distance(&start)) {
+                return Ok((cycle, true, counts));
             }
         }
-        Ok((most - 1, false))
+        Ok((most - 1, false, counts))
     }
 
     /// Distance from `start` relative to the motion at hand (energy norm).
@@ -371,10 +388,11 @@ impl<F: HystereticForce> Tour<'_, F> {
         difference.norm() / self.path.walk.motion.norm()
     }
 
-    fn closed(&self, start: &Motion) -> bool {
+    /// Whether a cycle whose ends are `distance` apart is closed.
+    fn is_closed(&self, distance: f64) -> bool {
         match self.settings.cycles {
             Cycles::Fixed(_) => false,
-            Cycles::UntilClosed { tolerance, .. } => self.distance(start) <= tolerance,
+            Cycles::UntilClosed { tolerance, .. } => distance <= tolerance,
         }
     }
 

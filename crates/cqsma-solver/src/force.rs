@@ -61,6 +61,11 @@ pub trait HystereticForce: Sync {
     fn initial_state(&self) -> Self::State;
     /// Scratch memory.
     fn workspace(&self) -> Self::Workspace;
+    /// Whether it can take energy. If not, forces with [`Sliding::Allowed`] depend on the displacements alone, and the way back
+    /// of a loop is not walked.
+    fn dissipates(&self) -> bool {
+        true
+    }
     /// Force (N) and, on request, tangent values (N/m) at displacements `u` (m) over the leading coordinates.
     fn evaluate(
         &self,

@@ -198,8 +198,10 @@ impl SceneInterface {
             LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
         };
         let (_, law, _) = realisation.traction_law(scene, &self.element_of, &sums, &fits)?;
-        let own = self.interface.gap().iter().zip(&self.element_of);
-        let gap: Vec<f64> = own.map(|(gap, &e)| gap + drawn[e as usize].1).collect();
+        let mut gap: Vec<f64> = self.element_of.iter().map(|&e| drawn[e as usize].1).collect();
+        for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
+            *gap += own;
+        }
         let interface = Interface::try_new(self.operators.clone(), vec![(0..gap.len(), law)], gap)?;
         let closure = uniform_closure(&interface, load)?;
         Ok((interface, closure))
@@ -525,7 +527,12 @@ fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
         );
         force.iter().skip(2).step_by(3).sum::<f64>()
     };
-    let smallest = interface.gap().iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = interface
+        .gap()
+        .unwrap_or(&[0.0])
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
     let (mut low, mut high) = (smallest, smallest + 1e-9);
     while carried(high) < load {
         low = high;
@@ -595,6 +602,10 @@ impl HystereticForce for InterfaceForce<'_> {
 
     fn workspace(&self) -> Workspace {
         self.interface.workspace()
+    }
+
+    fn dissipates(&self) -> bool {
+        self.interface.dissipates()
     }
 
     fn evaluate(

@@ -233,7 +233,7 @@ impl Summary {
         let operators = run.interface.operators();
         let prestress = &run.prestress;
         let bolts = run.scene.bolts.load * reduced.loads.len() as f64;
-        let gaps = || run.interface.gap().iter().copied();
+        let gaps = || run.interface.gap().unwrap_or(&[0.0]).iter().copied();
         Self {
             schema_version: SCHEMA_VERSION,
             scene: serde_json::to_value(&run.scene).unwrap_or(serde_json::Value::Null),
@@ -291,7 +291,7 @@ impl Summary {
             accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.rung().ok()),
             error_estimate: None,
             validity: run.validity.clone(),
-            skipped: skipped(&run.scene),
+            skipped: skipped(run),
             timings,
             peak_memory,
         }
@@ -299,8 +299,26 @@ impl Summary {
 }
 
 /// What the scene does not require, and is therefore not computed, not stored or not modelled.
-fn skipped(scene: &Scene) -> BTreeMap<&'static str, String> {
+fn skipped(run: &Run) -> BTreeMap<&'static str, String> {
+    let scene = &run.scene;
     let mut skipped = BTreeMap::new();
+    if run.interface.gap().is_none() {
+        let reason = "the faces touch everywhere before the bolts are tightened: no gap is kept or subtracted";
+        skipped.insert("gap", reason.to_owned());
+    }
+    let (open, points) = (run.prestress.solution.counts.open, run.interface.operators().n_points());
+    if open > 0 {
+        let reason = format!(
+            "{open} of {points} points are open under the bolt loads; of a point that is open only the closure is computed, \
+             at every vertex, until it is closed"
+        );
+        skipped.insert("laws_of_open_points", reason);
+    }
+    if scene.cqsma.amplitudes > 0 && !run.interface.dissipates() {
+        let reason = "mu is zero: the history of friction cannot change what follows; no cycle is walked before the measured one, \
+                      and that only one way, as the way back passes the same vertices";
+        skipped.insert("way_back_of_loops", reason.to_owned());
+    }
     if scene.model.symmetry == Symmetry::Half {
         let reason = "model.symmetry is half: only modes symmetric about y = 0 are in the results, numbered among themselves; \
                       mass, energies, forces and areas are those of the whole structure, while nodes, elements, points, \
@@ -318,7 +336,7 @@ fn skipped(scene: &Scene) -> BTreeMap<&'static str, String> {
         );
         skipped.insert("fields", reason);
     }
-    if scene.cqsma.commit == CommitName::AtReversals && amplitudes > 0 {
+    if scene.cqsma.commit == CommitName::AtReversals && amplitudes > 0 && run.interface.dissipates() {
         let reason = "cqsma.commit is at-reversals: cycles before the measured one are walked from reversal to reversal, because \
                       the vertices between cannot change what follows";
         skipped.insert("vertices_of_the_first_cycles", reason.to_owned());

@@ -2,17 +2,19 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters};
+use cqsma_solver::cqsma::LoopObserver;
 use cqsma_solver::cqsma::{self, Settings};
+use cqsma_solver::force::{HystereticForce, Pattern, PointCounts, Sliding};
 use cqsma_solver::{LoopResult, NewtonSettings, NoObserver, modes, prestress};
 use faer::Mat;
 use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Curves, Elastic, Method, ParameterSet, Parameters, Per, RefinementName, Surface};
+use joint_pipeline::scene::{Curves, Elastic, Gap, Method, ParameterSet, Parameters, Per, RefinementName, Surface};
 use joint_pipeline::summary::Summary;
 use joint_pipeline::{Options, Scene, run};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use zte_assembly::{Element, Interface, InterfaceMesh, Operators, State};
+use zte_assembly::{Element, Interface, InterfaceMesh, Operators, State, Workspace};
 
 fn loops(interface: &Interface, displacement: &[f64], state: State, k: &Mat<f64>, m: &Mat<f64>) -> Vec<LoopResult> {
     let force = InterfaceForce::new(interface);
@@ -72,6 +74,113 @@ fn where_pressure_stays_qsma_is_cqsma() {
         assert!((a.omega / b.omega - 1.0).abs() < 1e-7, "{} {}", a.omega, b.omega);
         assert!((a.zeta - b.zeta).abs() < 1e-7, "{} {}", a.zeta, b.zeta);
     }
+}
+
+/// A force that does not say that it has no friction.
+struct Reticent<'a>(InterfaceForce<'a>);
+
+impl HystereticForce for Reticent<'_> {
+    type State = State;
+    type Workspace = Workspace;
+
+    fn n_dofs(&self) -> usize {
+        self.0.n_dofs()
+    }
+
+    fn pattern(&self) -> &Pattern {
+        self.0.pattern()
+    }
+
+    fn initial_state(&self) -> State {
+        self.0.initial_state()
+    }
+
+    fn workspace(&self) -> Workspace {
+        self.0.workspace()
+    }
+
+    fn evaluate(
+        &self,
+        u: &[f64],
+        sliding: Sliding,
+        begin: &State,
+        end: &mut State,
+        workspace: &mut Workspace,
+        force: &mut [f64],
+        tangent: Option<&mut [f64]>,
+    ) -> PointCounts {
+        self.0.evaluate(u, sliding, begin, end, workspace, force, tangent)
+    }
+}
+
+#[derive(Default)]
+struct Path(Vec<(f64, Vec<f64>)>);
+
+impl LoopObserver<State> for Path {
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], _: &State) {
+        self.0.push((modal_force, displacement.to_vec()));
+    }
+}
+
+#[test]
+fn without_friction_one_way_of_a_loop_is_the_whole_loop() {
+    let mut scene = Scene::new("quick");
+    scene.model.refinement = RefinementName::Quick;
+    scene.gap = Gap::Flat;
+    scene.mu = 0.0;
+    scene.cqsma.amplitudes = 1;
+    let run = run(&scene, &Options::default(), &Silent).unwrap();
+    let force = InterfaceForce::new(&run.interface);
+    assert!(!force.dissipates());
+    let (reduced, rest) = (&run.model.reduced, &run.prestress);
+    let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
+    let line = modes::linearise(
+        k,
+        m,
+        &force,
+        rest.solution.displacement.clone(),
+        rest.solution.state.clone(),
+        1,
+    )
+    .unwrap();
+    let forces = [0.5, 5.0, 20.0];
+    let mut settings = Settings::default();
+    settings.newton.tolerance = 1e-11;
+    let one_way = cqsma::run(&line, &force, &forces, &settings, |_| Path::default()).unwrap();
+    let both = cqsma::run(&line, &Reticent(force), &forces, &settings, |_| Path::default()).unwrap();
+    for ((a, path), (b, full)) in one_way.iter().zip(&both) {
+        let (found, expected) = (a.result.as_ref().unwrap(), b.result.as_ref().unwrap());
+        println!(
+            "{}: {} and {} iterations, frequency {:e}, damping {:e} and {:e}, open {} and {}",
+            a.modal_force,
+            a.effort.iterations,
+            b.effort.iterations,
+            found.omega / expected.omega - 1.0,
+            found.zeta,
+            expected.zeta,
+            found.counts.open,
+            expected.counts.open,
+        );
+        assert!((found.omega / expected.omega - 1.0).abs() < 1e-9);
+        for (a, b) in found.half_omegas.iter().zip(&expected.half_omegas) {
+            assert!((a / b - 1.0).abs() < 1e-9);
+        }
+        assert!(found.zeta.abs() < 1e-14 && expected.zeta.abs() < 1e-9);
+        assert!(found.closed && expected.closed);
+        assert_eq!(found.counts, expected.counts);
+        assert_eq!(found.hysteresis.force, expected.hysteresis.force);
+        assert_eq!(path.0.len(), full.0.len());
+        for ((f, u), (g, v)) in path.0.iter().zip(&full.0) {
+            assert_eq!(f, g);
+            let size = v.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            let worst = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max((u - v).abs()));
+            assert!(worst < 1e-9 * size, "{f}: {worst:e} of {size:e}");
+        }
+        assert!(2 * a.effort.iterations < b.effort.iterations + 10);
+    }
+    let summary = serde_json::to_value(Summary::new(&run, BTreeMap::new(), None)).unwrap();
+    assert!(summary["skipped"]["gap"].is_string() && summary["skipped"]["way_back_of_loops"].is_string());
+    assert!(summary["skipped"]["vertices_of_the_first_cycles"].is_null());
 }
 
 #[test]

@@ -263,7 +263,7 @@ fn a_synthetic_scan_is_characterised_element_by_element() {
         run.law.asperities.unwrap().n_populations,
         run.interface.operators().n_elements()
     );
-    assert!(run.interface.gap().iter().copied().fold(0.0, f64::max) > 1e-7);
+    assert!(run.interface.gap().unwrap().iter().copied().fold(0.0, f64::max) > 1e-7);
     assert!(run.amplitudes.iter().all(|a| a.point.result.is_ok()));
 }
 

@@ -96,7 +96,7 @@ fn scans_from_files_give_the_backbone_of_the_same_faces_to_the_last_bit() {
         let made = go(Surface::SyntheticScan(faces()));
         assert_eq!(bits(&read), bits(&made), "{kind:?}");
         assert_eq!(read.interface.gap(), made.interface.gap());
-        assert!(read.interface.gap().iter().any(|g| *g > 1e-7));
+        assert!(read.interface.gap().unwrap().iter().any(|g| *g > 1e-7));
         // The account of the run says where it comes from, and is a scene again.
         let report = read.law.asperities.as_ref().unwrap();
         assert_eq!(report.scans[0].path, folder().join("top.x3p"));
@@ -311,7 +311,7 @@ fn realisations_without_the_tallest_peak_begin_later_and_agree_with_their_sums()
     for (e, pair) in drawn.iter().enumerate() {
         let exact = traction_curves(pair, found.options.material, scene.law.tangential, &u).unwrap();
         let point = operators.first_point[e];
-        let depth = realisation.gap()[point] - interface.interface.gap()[point];
+        let depth = realisation.gap().unwrap()[point] - interface.interface.gap().unwrap()[point];
         assert!(depth >= 0.0);
         later += usize::from(depth > 0.0);
         // Interference of the measured law, traction of the realisation's; single draws against interpolated ones.
@@ -340,7 +340,7 @@ fn law_traction(interface: &zte_assembly::Interface, point: usize, u: &[f64], de
     let state = interface.initial_state();
     let (mut end, mut workspace) = (state.clone(), interface.workspace());
     let mut force = vec![0.0; interface.n_dofs()];
-    let gap = interface.gap()[point];
+    let gap = interface.gap().unwrap()[point];
     u.iter()
         .map(|u| {
             let closure = u - depth + gap;

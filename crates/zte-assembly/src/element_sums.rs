@@ -39,20 +39,13 @@ impl ShapeValues {
     }
 }
 
-/// `sum_a N_a u_a - gap` at each point, from the jumps x, y, n of the nodes.
-pub(crate) fn interpolate(
-    values: &[[f64; 4]],
-    nodal: [[f64; 3]; 4],
-    gap: &[f64],
-    x: &mut [f64],
-    y: &mut [f64],
-    n: &mut [f64],
-) {
-    for ((((row, gap), x), y), n) in values.iter().zip(gap).zip(x).zip(y).zip(n) {
+/// `sum_a N_a u_a` at each point, from the jumps x, y, n of the nodes.
+pub(crate) fn interpolate(values: &[[f64; 4]], nodal: [[f64; 3]; 4], x: &mut [f64], y: &mut [f64], n: &mut [f64]) {
+    for (((row, x), y), n) in values.iter().zip(x).zip(y).zip(n) {
         let at = |c: usize| row[0] * nodal[0][c] + row[1] * nodal[1][c] + row[2] * nodal[2][c] + row[3] * nodal[3][c];
         *x = at(0);
         *y = at(1);
-        *n = at(2) - gap;
+        *n = at(2);
     }
 }
 

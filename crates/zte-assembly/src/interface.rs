@@ -55,7 +55,8 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// `laws` cover the points in order without holes; `gap` has one initial gap per point (m), at least zero.
+    /// `laws` cover the points in order without holes; `gap` has one initial gap per point (m), at least zero; if all
+    /// are zero it is not kept.
     ///
     /// # Errors
     /// Laws that do not cover the points, a law of another length than its range, gaps that are negative or not finite.
@@ -83,7 +84,7 @@ impl Interface {
                 expected,
             });
         }
-        check_gap(&gap, expected)?;
+        let gap = checked_gap(gap, expected)?;
         let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); operators.n_nodes()];
         for (nodes, ..) in operators.elements() {
             for &node in nodes {
@@ -131,7 +132,7 @@ impl Interface {
     /// # Errors
     /// As [`Interface::try_new`].
     pub fn with_gap(&self, gap: Vec<f64>) -> Result<Self, Error> {
-        check_gap(&gap, self.operators.n_points())?;
+        let gap = checked_gap(gap, self.operators.n_points())?;
         Ok(Self { gap, ..self.clone() })
     }
 
@@ -177,9 +178,9 @@ impl Interface {
         &self.operators
     }
 
-    /// Initial gap of each point (m).
-    pub fn gap(&self) -> &[f64] {
-        &self.gap
+    /// Initial gap of each point (m), if there is any.
+    pub fn gap(&self) -> Option<&[f64]> {
+        (!self.gap.is_empty()).then_some(&self.gap)
     }
 
     /// Pattern of the tangent.
@@ -196,6 +197,11 @@ impl Interface {
     pub fn law(&self, point: usize) -> Option<(&dyn TractionLaw, usize)> {
         let (range, law) = self.laws.iter().find(|(range, _)| range.contains(&point))?;
         Some((law.as_ref(), point - range.start))
+    }
+
+    /// Whether friction can take energy at any point ([`TractionLaw::dissipates`]).
+    pub fn dissipates(&self) -> bool {
+        self.laws.iter().any(|(_, law)| law.dissipates())
     }
 
     /// Memory for the quantities at the points.
@@ -292,12 +298,12 @@ impl Interface {
             interpolate(
                 &shape.values,
                 nodal,
-                &self.gap[points.clone()],
                 &mut x[points.clone()],
                 &mut y[points.clone()],
                 &mut n[points],
             );
         }
+        n.iter_mut().zip(&self.gap).for_each(|(n, gap)| *n -= gap);
     }
 
     /// `T t`.
@@ -390,7 +396,8 @@ fn held(operators: &Operators, pattern: &Pattern) -> (Vec<bool>, Vec<usize>) {
     (is_held, values)
 }
 
-fn check_gap(gap: &[f64], expected: usize) -> Result<(), Error> {
+/// One gap per point, none if all are zero.
+fn checked_gap(gap: Vec<f64>, expected: usize) -> Result<Vec<f64>, Error> {
     if gap.len() != expected {
         return Err(Error::Coverage {
             what: "the gaps",
@@ -406,7 +413,8 @@ fn check_gap(gap: &[f64], expected: usize) -> Result<(), Error> {
             value: gap[index],
             requirement: "finite and not negative",
         }),
-        None => Ok(()),
+        None if gap.iter().all(|g| *g == 0.0) => Ok(Vec::new()),
+        None => Ok(gap),
     }
 }
 
