@@ -5,6 +5,7 @@ mod characterise;
 mod check;
 mod compare;
 mod csv;
+mod elements;
 mod export;
 mod extremes;
 mod fields;

@@ -1,7 +1,8 @@
 //! Entries about frequency and damping against amplitude.
 
 use super::runs::{Point, Record};
-use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, given, per_element};
+use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, per_element};
+use crate::elements::given;
 use crate::map::rgb;
 use crate::plot::{BLUE, Curve, Panel, RED, RESPONSE, stack, title};
 use anyhow::{Context, Result, bail};

@@ -1,30 +1,23 @@
 //! Entries that frequencies and static states are enough for.
 
-use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, given, per_element};
+use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, per_element};
+use crate::elements::{Representatives, given};
 use crate::plot::{BLUE, Curve, Panel, RED, stack};
 use anyhow::{Context, Result, bail};
 use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::identification::material_of_half_beam;
 use brake_reuss_beam::mesh::Refinement;
 use brake_reuss_beam::published::{self, BOLT_STRAIN_TABLE, BoltStrainRow, FIRST_FREQUENCY, LINEARISED_FREQUENCIES};
+use contact_laws::ElasticPair;
 use contact_laws::adhesion::{critical_interference, hardness_coefficient};
-use contact_laws::{ContactCurves, ElasticPair, FittedCurves};
 use joint_pipeline::Scene;
 use joint_pipeline::model::{LinearInterface, Structure};
 use joint_pipeline::scene::{Curves, Elastic, Gap};
 use plotters::prelude::SeriesLabelPosition;
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64;
 use surface_characterisation::ElementSurface;
-
-/// Seed of the element that stands for all in the uniform case.
-const SEED: u64 = 2020;
 
 /// Standard gravity (m/s^2).
 const GRAVITY: f64 = 9.80665;
-
-/// Interference at which elements are ranked (m): about what the bolts close.
-const WORKING_INTERFERENCE: f64 = 5e-6;
 
 pub(super) const TABLE_1: Entry = Entry {
     id: "table1",
@@ -48,7 +41,7 @@ fn table_1(inputs: &Inputs) -> Result<Plan<'_>> {
         soft,
         median,
         stiff,
-    } = representatives(inputs)?;
+    } = Representatives::try_new(&inputs.scan()?.found.elements)?;
     let cases = [Gap::Measured, Gap::Flat];
     let mut scenes: Vec<Scene> = cases
         .map(|gap| per_element(inputs.prestress("prestress, per element", gap)))
@@ -154,45 +147,6 @@ fn table_1(inputs: &Inputs) -> Result<Plan<'_>> {
                 pictures: Vec::new(),
             })
         }),
-    })
-}
-
-/// Elements of the synthetic pair that may stand for all.
-pub(super) struct Representatives<'a> {
-    /// Drawn by [`SEED`].
-    pub(super) drawn: &'a ElementSurface,
-    /// At the tenth percentile of the fitted traction at the working interference.
-    pub(super) soft: &'a ElementSurface,
-    /// At the fiftieth.
-    pub(super) median: &'a ElementSurface,
-    /// At the ninetieth.
-    pub(super) stiff: &'a ElementSurface,
-}
-
-pub(super) fn representatives(inputs: &Inputs) -> Result<Representatives<'_>> {
-    let elements = &inputs.scan()?.found.elements;
-    let mut rng = Pcg64::seed_from_u64(SEED);
-    let drawn = ((u128::from(rng.next_u64()) * elements.len() as u128) >> 64) as usize;
-    let mut ranked = elements
-        .iter()
-        .map(|element| {
-            let tangential = element.tangential.each_ref().map(|fit| fit.parameters);
-            let curves = FittedCurves::try_new(element.normal.parameters, tangential)?;
-            Ok((curves.normal(WORKING_INTERFERENCE).0, element))
-        })
-        .collect::<Result<Vec<_>>>()?;
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let at = |tenths: usize| {
-        let found = ranked
-            .get(ranked.len() * tenths / 10)
-            .context("the scan has no elements")?;
-        anyhow::Ok(found.1)
-    };
-    Ok(Representatives {
-        drawn: &elements[drawn],
-        soft: at(1)?,
-        median: at(5)?,
-        stiff: at(9)?,
     })
 }
 

@@ -1,9 +1,10 @@
 //! Entries that show fields over the interface.
 
 use super::backbones::extended;
-use super::linear::{representatives, uniform};
+use super::linear::uniform;
 use super::runs::{Point, PointFields, Record};
 use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, per_element};
+use crate::elements::Representatives;
 use crate::map::{Map, several};
 use crate::plot::{BLUE, Curve, Panel, RED, RESPONSE, stack};
 use anyhow::{Result, bail};
@@ -38,7 +39,11 @@ fn fig_17(inputs: &Inputs) -> Result<Plan<'_>> {
         scenes: vec![
             per_element(inputs.prestress("prestress, per element", Gap::Measured)),
             per_element(inputs.prestress("prestress, per element", Gap::Flat)),
-            uniform(inputs, "prestress, element drawn", representatives(inputs)?.drawn),
+            uniform(
+                inputs,
+                "prestress, element drawn",
+                Representatives::try_new(&inputs.scan()?.found.elements)?.drawn,
+            ),
             inputs.prestress("prestress, measured statistics", Gap::Measured),
         ],
         evaluate: Box::new(move |results| {

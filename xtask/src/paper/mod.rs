@@ -15,9 +15,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use joint_pipeline::Scene;
 use joint_pipeline::model::Structure;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{
-    Curves, Gap, LawKind, ParameterSet, Parameters, Per, RefinementName, Surface, SyntheticScan,
-};
+use joint_pipeline::scene::{Gap, LawKind, RefinementName, Surface, SyntheticScan};
 use joint_pipeline::surface::ScannedSurface;
 use runs::{Record, RunResult};
 use serde::Serialize;
@@ -309,24 +307,6 @@ pub(crate) fn per_element(mut scene: Scene) -> Scene {
     scene.surface = Surface::SyntheticScan(synthetic());
     scene.law.kind = LawKind::Fitted;
     scene
-}
-
-/// A surface of these curves: one for the interface, or one for each element.
-pub(crate) fn given(curves: Vec<Curves>) -> Surface {
-    let per = if curves.len() == 1 {
-        Per::Interface
-    } else {
-        Per::Element
-    };
-    let set = |curves| ParameterSet {
-        curves,
-        mu: None,
-        gap: 0.0,
-    };
-    Surface::Parameters(Parameters {
-        per,
-        sets: curves.into_iter().map(set).collect(),
-    })
 }
 
 /// A published claim, and whether it is seen here.

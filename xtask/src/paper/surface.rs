@@ -1,7 +1,7 @@
 //! Entries about the surface itself.
 
-use super::linear::representatives;
 use super::{Entry, Figure, Findings, Inputs, Picture, Plan, per_element, synthetic};
+use crate::elements::Representatives;
 use crate::plot::{BLUE, Curve, Panel, RED, stack};
 use anyhow::{Context, Result};
 use brake_reuss_beam::published;
@@ -44,7 +44,8 @@ fn fig_12(inputs: &Inputs) -> Result<Plan<'_>> {
                 .flat_map(|&(x, n)| [(x, n as f64), (x + width, n as f64)])
                 .collect();
 
-            let population = representatives(inputs)?.median.population.law_population()?;
+            let median = Representatives::try_new(&inputs.scan()?.found.elements)?.median;
+            let population = median.population.law_population()?;
             let adhesion = Adhesion::try_new(figures_of.work_of_adhesion, figures_of.intermolecular_distance)?;
             let elastic = AsperitySumCurves::try_new(population.clone(), pair, TangentialReading::Mindlin)?;
             let interferences = (0..=120).map(|i| 1e-9 * 10_f64.powf(f64::from(i) / 28.0));

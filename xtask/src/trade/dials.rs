@@ -1,14 +1,22 @@
 //! What is varied: every dial with its rungs, from coarse to fine.
 
+use crate::elements::{Representatives, given};
+use anyhow::Result;
 use contact_laws::{HistoryRule, TangentialReading};
 use joint_pipeline::Scene;
 use joint_pipeline::accuracy::RUNGS;
+use joint_pipeline::model::Structure;
+use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{
-    CommitName, FormulationName, Gap, LawKind, Method, RefinementName, Surface, Symmetry, SyntheticScan,
+    CommitName, Curves, FormulationName, Gap, LawKind, Method, RefinementName, Surface, Symmetry, SyntheticScan,
 };
+use joint_pipeline::surface::ScannedSurface;
 
 /// Response amplitudes at which rungs are compared (m): at the onset of slip, in microslip, near macroslip.
 pub(crate) const AMPLITUDES: [f64; 3] = [5e-5, 2e-4, 6e-4];
+
+/// The dial of laws from scans.
+const SCAN_LAW: &str = "scan-law";
 
 /// Bootstrap realisations that show what the sampling of the surface leaves open.
 const REALISATIONS: u16 = 10;
@@ -101,8 +109,12 @@ pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
     scene
 }
 
-/// All dials about the scene `base`; `quick` leaves out what takes more than seconds on its coarse mesh.
-pub(crate) fn all(base: &Scene, quick: bool) -> Vec<Dial> {
+/// All dials about the scene `base`; `quick` leaves out what takes more than seconds on its coarse mesh. Rungs that cost work to
+/// describe are left out of dials that are not `wanted`.
+///
+/// # Errors
+/// Of the mesh and of the characterisation of the synthetic scans.
+pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> Result<Vec<Dial>> {
     let error = |name, what, rungs| Dial {
         name,
         what,
@@ -238,10 +250,16 @@ pub(crate) fn all(base: &Scene, quick: bool) -> Vec<Dial> {
         share: Share::None,
         ..error(name, what, rungs)
     };
+    let mut flat = scan.clone();
+    flat.gap = Gap::Flat;
+    let mut laws = scan_laws(&flat);
+    if wanted(SCAN_LAW) {
+        laws.insert(0, uniform(&flat)?);
+    }
     dials.push(none(
-        "scan-law",
-        "law of every element from its own samples (synthetic scans)",
-        scan_laws(&scan),
+        SCAN_LAW,
+        "law of every element from its own samples (synthetic scans), or that of the median element everywhere",
+        laws,
     ));
     dials.push(none(
         "bootstrap",
@@ -251,7 +269,7 @@ pub(crate) fn all(base: &Scene, quick: bool) -> Vec<Dial> {
     if !quick {
         dials.push(none("accuracy", "whole sets of settings", sets(base)));
     }
-    dials
+    Ok(dials)
 }
 
 fn methods(base: &Scene) -> Vec<Rung> {
@@ -316,13 +334,18 @@ fn readings(base: &Scene) -> Vec<Rung> {
     )
 }
 
+/// The fitted law of one element everywhere.
+fn uniform(scan: &Scene) -> Result<Rung> {
+    let structure = Structure::try_new(&scan.model, scan.bolts.behaviour, &Silent)?;
+    let surface = ScannedSurface::try_new(scan, structure.interface())?;
+    let median = Representatives::try_new(&surface.found.elements)?.median;
+    let mut scene = scan.clone();
+    scene.surface = given(vec![Curves::from(median)]);
+    Ok(Rung::new("fitted, uniform", scene))
+}
+
 fn scan_laws(scan: &Scene) -> Vec<Rung> {
-    let mut uniform = scan.clone();
-    uniform.surface = Surface::Measured;
-    uniform.gap = Gap::Flat;
-    uniform.law.kind = LawKind::Tabulated;
-    let mut rungs = vec![Rung::new("measured statistics, the same everywhere, flat", uniform)];
-    rungs.extend(named(
+    named(
         scan,
         &[
             ("fitted per element", LawKind::Fitted),
@@ -330,8 +353,7 @@ fn scan_laws(scan: &Scene) -> Vec<Rung> {
             ("asperity-sum per element", LawKind::AsperitySum),
         ],
         |scene, kind| scene.law.kind = kind,
-    ));
-    rungs
+    )
 }
 
 fn bootstrap(scan: &Scene) -> Vec<Rung> {

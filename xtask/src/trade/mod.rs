@@ -102,16 +102,15 @@ pub(crate) struct Ladder {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let scene = read_scene(arguments.scene.as_deref(), None)?;
     let base = dials::base(scene, arguments.quick);
-    let mut dials = dials::all(&base, arguments.quick);
+    let wanted = |name: &str| arguments.only.is_empty() || arguments.only.iter().any(|only| only == name);
+    let mut dials = dials::all(&base, arguments.quick, wanted)?;
     for name in &arguments.only {
         if dials.iter().all(|dial| dial.name != name) {
             let names: Vec<&str> = dials.iter().map(|dial| dial.name).collect();
             bail!("there is no dial `{name}`; there are {}", names.join(", "));
         }
     }
-    if !arguments.only.is_empty() {
-        dials.retain(|dial| arguments.only.iter().any(|name| name == dial.name));
-    }
+    dials.retain(|dial| wanted(dial.name));
     let runs = arguments.out.join("runs");
     std::fs::create_dir_all(&runs).with_context(|| format!("making the folder {}", runs.display()))?;
     let runs = runs
