@@ -96,7 +96,15 @@ pub(crate) fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<S
     for sentence in validity(run, summary) {
         let _ = writeln!(out, "<li>{}</li>", escape(&sentence));
     }
-    out += "</ul>\n<h2>Time and memory</h2>\n";
+    out += "</ul>\n";
+    if !summary.skipped.is_empty() {
+        out += "<h2>Left out, because the scene does not require it</h2>\n<ul>\n";
+        for reason in summary.skipped.values() {
+            let _ = writeln!(out, "<li>{}</li>", escape(reason));
+        }
+        out += "</ul>\n";
+    }
+    out += "<h2>Time and memory</h2>\n";
     effort(&mut out, summary);
     out += "</body>\n</html>\n";
     Ok(out)
@@ -387,6 +395,14 @@ fn validity(run: &Run, summary: &Summary) -> Vec<String> {
         Some(number) => format!("Amplitude {number} is the first that did not converge."),
         None => "All amplitudes converged.".into(),
     });
+    if let Some(force) = v.separation_modal_force
+        && summary.backbone.iter().any(|b| b.modal_force > force)
+    {
+        sentences.push(format!(
+            "Beyond a modal force of {force:.3e} sqrt(kg) m/s^2 the inertia of the mode exceeds what the bolts' constant tension holds \
+             together: there is no equilibrium. Bolts that are locked would take up the difference."
+        ));
+    }
     let below = summary
         .backbone
         .iter()

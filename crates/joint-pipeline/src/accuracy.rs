@@ -56,7 +56,7 @@ pub static RUNGS: [Rung; 4] = [
         tolerance: 1e-7,
         frequency_error: 1.2e-2,
         damping_error: 0.045,
-        cost: 0.4,
+        cost: 0.3,
     },
     Rung {
         name: "standard",
@@ -78,7 +78,7 @@ pub static RUNGS: [Rung; 4] = [
         tolerance: 1e-9,
         frequency_error: 3.5e-3,
         damping_error: 0.01,
-        cost: 7.0,
+        cost: 5.0,
     },
 ];
 

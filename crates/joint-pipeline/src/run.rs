@@ -14,6 +14,7 @@ use contact_laws::{Regime, Sticking};
 use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
 use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{BackbonePoint, Linearisation, LoopObserver, NewtonSettings, modes};
+use faer::Mat;
 use reduction::ReducedModel;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -24,6 +25,9 @@ use zte_assembly::{Interface, InterfaceMesh, State, Workspace};
 
 /// Modes that move the response point less than this share of a rigid motion cannot be scaled by its amplitude.
 const LEAST_PARTICIPATION: f64 = 1e-2;
+
+/// Stiffness against a uniform separation, relative to the sum of the stiffnesses of its coordinates, that is round-off.
+const FREE_OF_ENERGY: f64 = 1e-9;
 
 /// What is not part of the scene.
 #[derive(Clone, Debug, Default)]
@@ -117,6 +121,8 @@ pub struct Run {
 /// What the nonlinear solves made of an interface.
 pub(crate) struct Analysis {
     prestress: PrestressResult,
+    /// [`Validity::separation_modal_force`].
+    separation: Option<f64>,
     pub(crate) frequencies: Vec<f64>,
     pub(crate) amplitudes: Vec<AmplitudeResult>,
     methods: Vec<MethodResult>,
@@ -260,6 +266,22 @@ impl Prepared {
         start
     }
 
+    /// Modal force at which the inertia of a mode pulls a vibrating structure apart as much as the bolt loads hold it together.
+    fn separation(&self, vibrating: &ReducedModel, shape: &[f64]) -> Option<f64> {
+        let (apart, load) = (self.uniform(1.0), self.static_load());
+        let normals = || (2..vibrating.n_relative).step_by(3);
+        let along = |matrix: &Mat<f64>, left: &[f64]| -> f64 {
+            let entry = |j| matrix.col(j).iter().zip(left).map(|(a, b)| a * b).sum::<f64>();
+            normals().map(entry).sum()
+        };
+        let stiffnesses: f64 = normals().map(|j| vibrating.stiffness[(j, j)]).sum();
+        if along(&vibrating.stiffness, &apart) > FREE_OF_ENERGY * stiffnesses {
+            return None;
+        }
+        let holds = normals().map(|j| load[j]).sum::<f64>() / along(&vibrating.mass, shape).abs();
+        holds.is_finite().then_some(holds)
+    }
+
     /// Prestress, modes and backbone.
     ///
     /// # Errors
@@ -318,6 +340,7 @@ impl Prepared {
     fn finish(self, analysis: Analysis) -> Run {
         let Analysis {
             prestress,
+            separation,
             frequencies,
             amplitudes,
             methods,
@@ -328,6 +351,7 @@ impl Prepared {
             self.scene.model.material.hardness,
             &prestress.fields,
             self.clearance,
+            separation,
             &amplitudes,
         );
         Run {
@@ -386,6 +410,8 @@ impl Prepared {
 
         progress.begin(Stage::Backbone);
         let mode = scene.cqsma.mode - 1;
+        let shape: Vec<f64> = line.shapes.col(mode).iter().copied().collect();
+        let separation = self.separation(vibrating, &shape);
         let phi: f64 = line.shapes.col(mode).iter().zip(&response).map(|(a, b)| a * b).sum();
         let omega2 = line.eigenvalues[mode];
         let participation = phi.abs() / self.largest_response(&line, &response);
@@ -474,6 +500,7 @@ impl Prepared {
         drop(line);
         Ok(Analysis {
             prestress,
+            separation,
             frequencies,
             amplitudes,
             methods,

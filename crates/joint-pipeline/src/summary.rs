@@ -329,6 +329,17 @@ fn skipped(run: &Run) -> BTreeMap<&'static str, String> {
         let reason = "bolts.behaviour is dead-load: no static responses to the bolt loads join the modes";
         skipped.insert("attachment_modes", reason.to_owned());
     }
+    let efforts = || run.amplitudes.iter().map(|amplitude| amplitude.point.effort);
+    let (solves, factorisations): (usize, usize) = efforts()
+        .map(|e| (e.solves, e.factorisations))
+        .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    if solves > factorisations {
+        let reason = format!(
+            "the structure with everything in contact stuck is inverted once: of {solves} equilibria of the loops {factorisations} \
+             needed a factorisation, the others iterate about it on what slips, opens or changes its stiffness"
+        );
+        skipped.insert("factorisations", reason);
+    }
     let (amplitudes, stored) = (scene.cqsma.amplitudes, scene.fields_at().len());
     if stored < amplitudes {
         let reason = format!(

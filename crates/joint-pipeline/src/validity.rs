@@ -39,6 +39,10 @@ pub struct Validity {
     pub first_beyond_shape_deviation: Option<usize>,
     /// First amplitude number that did not converge.
     pub first_not_converged: Option<usize>,
+    /// Modal force beyond which bolts of constant tension cannot hold the halves against the mode's inertia, so that there is no
+    /// equilibrium (sqrt(kg) m/s^2): bolt loads over the mode's inertia, both along a uniform separation. None where something
+    /// else resists such a separation.
+    pub separation_modal_force: Option<f64>,
 }
 
 /// Judges a run from its prestressed interface and its amplitudes.
@@ -48,6 +52,7 @@ pub(crate) fn assess(
     hardness: f64,
     prestressed: &Fields,
     clearance: Option<f64>,
+    separation_modal_force: Option<f64>,
     amplitudes: &[AmplitudeResult],
 ) -> Validity {
     let operators = interface.operators();
@@ -116,5 +121,6 @@ pub(crate) fn assess(
                 .is_ok_and(|r| r.shape_deviation > LARGEST_SHAPE_DEVIATION)
         }),
         first_not_converged: first(&|a| a.point.result.is_err()),
+        separation_modal_force,
     }
 }

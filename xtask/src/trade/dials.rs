@@ -8,7 +8,7 @@ use joint_pipeline::accuracy::RUNGS;
 use joint_pipeline::model::Structure;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{
-    CommitName, Curves, FormulationName, Gap, LawKind, Method, RefinementName, Surface, Symmetry, SyntheticScan,
+    CommitName, Curves, FormulationName, Gap, Law, LawKind, Method, RefinementName, Surface, Symmetry, SyntheticScan,
 };
 use joint_pipeline::surface::ScannedSurface;
 
@@ -39,7 +39,9 @@ pub(crate) enum Share {
     Error,
     /// A choice between models.
     Choice,
-    /// Neither: several settings at once, or another scene.
+    /// What the samples of a surface leave open.
+    Sampling,
+    /// None of these: several settings at once, or another scene.
     None,
 }
 
@@ -261,11 +263,14 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         "law of every element from its own samples (synthetic scans), or that of the median element everywhere",
         laws,
     ));
-    dials.push(none(
-        "bootstrap",
-        "95 % end of bootstrap realisations against the samples themselves",
-        bootstrap(&scan),
-    ));
+    dials.push(Dial {
+        share: Share::Sampling,
+        ..error(
+            "bootstrap",
+            "95 % end of bootstrap realisations against the samples themselves",
+            bootstrap(&scan),
+        )
+    });
     if !quick {
         dials.push(none("accuracy", "whole sets of settings", sets(base)));
     }
@@ -341,6 +346,8 @@ fn uniform(scan: &Scene) -> Result<Rung> {
     let median = Representatives::try_new(&surface.found.elements)?.median;
     let mut scene = scan.clone();
     scene.surface = given(vec![Curves::from(median)]);
+    // The curves say what they are.
+    scene.law.kind = Law::default().kind;
     Ok(Rung::new("fitted, uniform", scene))
 }
 
@@ -366,23 +373,21 @@ fn bootstrap(scan: &Scene) -> Vec<Rung> {
     ]
 }
 
-/// The sets that scenes can ask for, against the finest mesh. Errors that all have in common, such as that of eight vertices, are
-/// other dials' to tell.
+/// The sets that scenes can ask for, against the finest mesh with the other settings of the finest set.
 fn sets(base: &Scene) -> Vec<Rung> {
-    let mut rungs: Vec<Rung> = RUNGS
+    let scene = |rung: &joint_pipeline::accuracy::Rung, refinement| {
+        let mut scene = base.clone();
+        scene.model.refinement = refinement;
+        scene.model.modes = Some(rung.modes);
+        scene.points_per_direction = rung.points_per_direction;
+        scene.cqsma.vertices_per_quarter = rung.vertices_per_quarter;
+        scene.cqsma.tolerance = rung.tolerance;
+        scene
+    };
+    let sets = RUNGS
         .iter()
-        .map(|rung| {
-            let mut scene = base.clone();
-            scene.model.refinement = rung.refinement;
-            scene.model.modes = Some(rung.modes);
-            scene.points_per_direction = rung.points_per_direction;
-            scene.cqsma.vertices_per_quarter = rung.vertices_per_quarter;
-            scene.cqsma.tolerance = rung.tolerance;
-            Rung::new(rung.name, scene)
-        })
-        .collect();
-    let mut beyond = base.clone();
-    beyond.model.refinement = RefinementName::Finest;
-    rungs.push(Rung::new("finest mesh", beyond));
-    rungs
+        .map(|rung| Rung::new(rung.name, scene(rung, rung.refinement)));
+    let [.., finest] = &RUNGS;
+    let beyond = Rung::new("reference, finest mesh", scene(finest, RefinementName::Finest));
+    sets.chain([beyond]).collect()
 }

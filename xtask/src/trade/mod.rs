@@ -15,6 +15,7 @@ use joint_pipeline::Scene;
 use joint_pipeline::accuracy::{Extrapolation, RUNGS, extrapolate};
 use joint_pipeline::comparison::{Backbone, Point};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -87,7 +88,8 @@ pub(crate) struct Limit {
     /// What converges.
     pub(crate) quantity: &'static str,
     pub(crate) extrapolation: Option<Extrapolation>,
-    /// Distance of the finest rung from the limit: relative of frequencies, of the logarithm of damping.
+    /// Distance of the finest rung from the limit: relative of frequencies, of the logarithm of damping; zero where refinement changes
+    /// nothing.
     pub(crate) uncertainty: Option<f64>,
 }
 
@@ -124,11 +126,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             ladder(dial, measured)
         })
         .collect();
-    let default = bench.structure_of(&base);
-    let report = report(&ladders, &base, default);
+    let of_base = |(_, summary): &&(Value, Value)| summary["scene"]["model"] == json!(base.model);
+    let default = bench
+        .known
+        .iter()
+        .find(of_base)
+        .map_or((0.0, None), |(_, summary)| bench.structure_of(summary));
+    let budget = budget(&ladders, &base);
+    let report = report(&ladders, &base, &budget, default);
     let outputs = [
         Output::new("trade.csv", page::csv(&ladders)),
-        Output::new("trade.md", page::markdown(&ladders)),
+        Output::new("trade.md", page::markdown(&ladders, &budget)),
         Output::new("trade.svg", page::pareto(&ladders)?),
         Output::new("trade.json", format!("{report:#}\n")),
     ];
@@ -141,7 +149,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
     print(&format!(
         "\n{}\nwritten to {}: {names}\n",
-        page::markdown(&ladders),
+        page::markdown(&ladders, &budget),
         arguments.out.display()
     ))?;
     for (rung, reason) in exceeded(&ladders) {
@@ -153,6 +161,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Outcome::Incomplete
     })
 }
+
+/// What tells reduced structures apart in summaries: equal only where one was taken from the cache.
+const STRUCTURE: [&str; 5] = ["n_dofs", "n_relative_dofs", "n_modes", "mass", "stuck_frequencies_hz"];
 
 /// Runs scenes one after another, each in its own process.
 struct Bench {
@@ -247,17 +258,18 @@ impl Bench {
         serde_json::from_str(&text).with_context(|| format!("{} is not JSON", path.display()))
     }
 
-    /// Seconds and memory of reducing the structure of a scene, from the run that did it.
-    fn structure_of(&self, scene: &Scene) -> (f64, Option<u64>) {
-        let model = json!([scene.model, scene.bolts.behaviour]);
-        let same = self.known.iter().filter(|(_, summary)| {
-            let scene = &summary["scene"];
-            json!([scene["model"], scene["bolts"]["behaviour"]]) == model
-        });
-        let longest = same.max_by(|(_, a), (_, b)| structure_seconds(a).total_cmp(&structure_seconds(b)));
-        longest.map_or((0.0, None), |(_, summary)| {
-            (structure_seconds(summary), summary["peak_memory"].as_u64())
-        })
+    /// Seconds and memory of reducing the structure of a run, from the run that did it: others took it from the cache, also where their
+    /// scenes spell out what is the default.
+    fn structure_of(&self, summary: &Value) -> (f64, Option<u64>) {
+        let structure = |summary: &Value| STRUCTURE.map(|fact| summary["model"][fact].clone());
+        let own = structure(summary);
+        let same = self
+            .known
+            .iter()
+            .map(|(_, known)| known)
+            .filter(|known| structure(known) == own);
+        let longest = same.max_by(|a, b| structure_seconds(a).total_cmp(&structure_seconds(b)));
+        longest.map_or((0.0, None), |run| (structure_seconds(run), run["peak_memory"].as_u64()))
     }
 
     fn measured(&self, rung: &Rung, summary: &Value) -> Result<Measured> {
@@ -296,7 +308,7 @@ impl Bench {
             Source::Method(_) => "methods",
             Source::Ensemble(_) => "ensemble",
         };
-        let (structure, memory) = self.structure_of(&rung.scene);
+        let (structure, memory) = self.structure_of(summary);
         Ok(Measured {
             linear,
             backbone: Backbone::try_new(&rung.name, points)?,
@@ -425,6 +437,13 @@ fn limits(dial: &Dial, measured: &[Result<Measured, String>]) -> Vec<Limit> {
                 uncertainty: None,
             };
         };
+        if x == y && y == z {
+            return Limit {
+                quantity,
+                extrapolation: None,
+                uncertainty: Some(0.0),
+            };
+        }
         let extrapolation = extrapolate([a, b, c], [x, y, z]);
         let distance = |e: &Extrapolation| {
             let difference = (z - e.limit).abs();
@@ -472,7 +491,8 @@ fn exceeded(ladders: &[Ladder]) -> Vec<(&'static str, String)> {
 }
 
 /// What `trade.json` holds.
-fn report(ladders: &[Ladder], base: &Scene, (structure, memory): (f64, Option<u64>)) -> Value {
+fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], (structure, memory): (f64, Option<u64>)) -> Value {
+    let [frequency, damping_ln] = total(budget);
     let mut rungs = Vec::new();
     let (mut pareto, mut reference, mut orders) = (Map::new(), Map::new(), Map::new());
     for ladder in ladders {
@@ -526,47 +546,68 @@ fn report(ladders: &[Ladder], base: &Scene, (structure, memory): (f64, Option<u6
         "pareto": pareto,
         "reference": reference,
         "limits": orders,
-        "budget": budget(ladders, base),
+        "budget": {
+            "parts": budget.iter().map(|part| (part.dial, part)).collect::<BTreeMap<_, _>>(),
+            "root_sum_of_squares_of_errors": {"frequency": frequency, "damping_ln": damping_ln},
+        },
         "structure": {"seconds": structure, "peak_memory": memory},
     })
 }
 
-/// Parts of the error of the scene that the dials are about: of the rungs whose scene it is.
-pub(crate) fn budget(ladders: &[Ladder], base: &Scene) -> Value {
+/// A part of what is uncertain about the scene that the dials are about.
+#[derive(serde::Serialize)]
+pub(crate) struct Part {
+    #[serde(skip)]
+    pub(crate) dial: &'static str,
+    /// `error`, `choice` or `sampling`.
+    pub(crate) kind: &'static str,
+    /// Relative.
+    pub(crate) frequency: f64,
+    /// Of the logarithm of the damping ratio.
+    pub(crate) damping_ln: f64,
+}
+
+/// Numerical errors by the rungs whose scene it is, choices and sampling by the rung that is farthest from the reference.
+pub(crate) fn budget(ladders: &[Ladder], base: &Scene) -> Vec<Part> {
     let own = comparable(base, Source::Loops);
-    let mut parts = Map::new();
-    let mut squares = [0.0; 2];
-    for ladder in ladders.iter().filter(|ladder| ladder.dial.share != Share::None) {
+    let part = |ladder: &Ladder| {
         let rungs = ladder.dial.rungs.iter().zip(&ladder.outcomes);
-        let errors = rungs
-            .filter(|(rung, _)| rung.source == Source::Loops && comparable(&rung.scene, rung.source) == own)
-            .find_map(|(_, outcome)| outcome.errors);
-        let Some(errors) = errors else { continue };
-        // What the reference itself is away from the limit counts as well.
-        let rest = |index: usize| {
-            ladder
-                .limits
-                .get(index)
-                .and_then(|limit| limit.uncertainty)
-                .unwrap_or(0.0)
+        let size = |errors: &Errors| [errors.frequency(), errors.damping().unwrap_or(0.0)];
+        let all = || ladder.outcomes.iter().filter_map(|outcome| outcome.errors.as_ref());
+        let farthest = || all().map(size).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let (kind, [frequency, damping_ln]) = match ladder.dial.share {
+            Share::None => return None,
+            Share::Error => {
+                let is_own = |rung: &Rung| rung.source == Source::Loops && comparable(&rung.scene, rung.source) == own;
+                let [frequency, damping] = rungs
+                    .filter(|(rung, _)| is_own(rung))
+                    .find_map(|(_, outcome)| outcome.errors.as_ref().map(size))?;
+                // What the reference itself is away from the limit counts as well.
+                let rest = |index: usize| {
+                    ladder
+                        .limits
+                        .get(index)
+                        .and_then(|limit| limit.uncertainty)
+                        .unwrap_or(0.0)
+                };
+                ("error", [frequency + rest(0), damping + rest(1)])
+            }
+            Share::Choice => ("choice", farthest()?),
+            Share::Sampling => ("sampling", farthest()?),
         };
-        let [frequency, damping] = [errors.frequency() + rest(0), errors.damping().unwrap_or(0.0) + rest(1)];
-        if ladder.dial.share == Share::Error {
-            squares[0] += frequency * frequency;
-            squares[1] += damping * damping;
-        }
-        let kind = if ladder.dial.share == Share::Error {
-            "error"
-        } else {
-            "choice"
-        };
-        parts.insert(
-            ladder.dial.name.into(),
-            json!({"kind": kind, "frequency": frequency, "damping_ln": damping}),
-        );
-    }
-    json!({
-        "parts": parts,
-        "root_sum_of_squares_of_errors": {"frequency": squares[0].sqrt(), "damping_ln": squares[1].sqrt()},
-    })
+        Some(Part {
+            dial: ladder.dial.name,
+            kind,
+            frequency,
+            damping_ln,
+        })
+    };
+    ladders.iter().filter_map(part).collect()
+}
+
+/// All numerical errors together: relative of frequencies, of the logarithm of damping.
+pub(crate) fn total(budget: &[Part]) -> [f64; 2] {
+    let errors = || budget.iter().filter(|part| part.kind == "error");
+    let root = |of: fn(&Part) -> f64| errors().map(|part| of(part).powi(2)).sum::<f64>().sqrt();
+    [root(|part| part.frequency), root(|part| part.damping_ln)]
 }

@@ -1,7 +1,7 @@
 //! What was measured as a table and a picture.
 
 use super::dials::{AMPLITUDES, Source};
-use super::{Ladder, Measured};
+use super::{Ladder, Measured, Part, total};
 use crate::plot::{Curve, bounds, log, panel, power, ticks, widen};
 use anyhow::{Context, Result};
 use plotters::prelude::*;
@@ -72,7 +72,7 @@ pub(crate) fn csv(ladders: &[Ladder]) -> String {
 }
 
 /// The same for readers, times and errors to two digits.
-pub(crate) fn markdown(ladders: &[Ladder]) -> String {
+pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
     let [low, middle, high] = AMPLITUDES.map(|a| format!("{:.0}", 1e6 * a));
     let mut out = format!(
         "| dial | setting | time [s] | of it the interface [s] | memory [GB] | f1 | shift at {low}, {middle}, {high} um | \
@@ -137,6 +137,7 @@ pub(crate) fn markdown(ladders: &[Ladder]) -> String {
                     "\n{}: {} converges with order {:.1} to {:.5}; the finest is {uncertainty:.1e} from it.",
                     ladder.dial.name, limit.quantity, e.order, e.limit
                 ),
+                (None, Some(_)) => writeln!(out, "\n{}: {} does not depend on it.", ladder.dial.name, limit.quantity),
                 _ => writeln!(
                     out,
                     "\n{}: {} does not approach a limit monotonically.",
@@ -145,6 +146,20 @@ pub(crate) fn markdown(ladders: &[Ladder]) -> String {
             };
         }
     }
+    out.push_str("\n| part of the budget | kind | frequency | ln(damping) |\n|---|---|---|---|\n");
+    for part in budget {
+        let (frequency, damping) = (part.frequency, part.damping_ln);
+        let _ = writeln!(
+            out,
+            "| {} | {} | {frequency:.1e} | {damping:.1e} |",
+            part.dial, part.kind
+        );
+    }
+    let [frequency, damping] = total(budget);
+    let _ = writeln!(
+        out,
+        "| errors together (root of the sum of squares) | | {frequency:.1e} | {damping:.1e} |"
+    );
     out
 }
 
