@@ -570,18 +570,24 @@ pub(crate) struct Part {
 /// Numerical errors by the rungs whose scene it is, choices and sampling by the rung that is farthest from the reference.
 pub(crate) fn budget(ladders: &[Ladder], base: &Scene) -> Vec<Part> {
     let own = comparable(base, Source::Loops);
+    let measured = |outcome: &'_ Outcomes| outcome.measured.as_ref().ok().map(|m| (m.linear, m.backbone.clone()));
+    let mut all = ladders
+        .iter()
+        .flat_map(|ladder| ladder.dial.rungs.iter().zip(&ladder.outcomes));
+    let of_scene = all
+        .find(|(rung, _)| rung.source == Source::Loops && comparable(&rung.scene, rung.source) == own)
+        .and_then(|(_, outcome)| measured(outcome));
     let part = |ladder: &Ladder| {
-        let rungs = ladder.dial.rungs.iter().zip(&ladder.outcomes);
         let size = |errors: &Errors| [errors.frequency(), errors.damping().unwrap_or(0.0)];
         let all = || ladder.outcomes.iter().filter_map(|outcome| outcome.errors.as_ref());
         let farthest = || all().map(size).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let (kind, [frequency, damping_ln]) = match ladder.dial.share {
             Share::None => return None,
             Share::Error => {
-                let is_own = |rung: &Rung| rung.source == Source::Loops && comparable(&rung.scene, rung.source) == own;
-                let [frequency, damping] = rungs
-                    .filter(|(rung, _)| is_own(rung))
-                    .find_map(|(_, outcome)| outcome.errors.as_ref().map(size))?;
+                // Settings that spell out the default have its results, to the bit.
+                let mut outcomes = ladder.outcomes.iter();
+                let is_own = |outcome: &&Outcomes| of_scene.is_some() && measured(outcome) == of_scene;
+                let [frequency, damping] = outcomes.find(is_own)?.errors.as_ref().map(size)?;
                 // What the reference itself is away from the limit counts as well.
                 let rest = |index: usize| {
                     ladder

@@ -225,7 +225,7 @@ fn draw(ladders: &[Ladder], svg: &mut String) -> Result<()> {
             [&plain, &power],
             &curves,
             &[],
-            SeriesLabelPosition::UpperRight,
+            SeriesLabelPosition::LowerLeft,
         )?;
     }
     Ok(root.present()?)
