@@ -140,6 +140,9 @@ pub enum Status {
     BelowFloor,
     /// The load is within the round-off of the contact forces: there is neither frequency nor damping.
     BelowRoundOff,
+    /// Bolts of constant tension cannot hold the halves against the inertia of the mode at this force
+    /// ([`Validity::separation_modal_force`]).
+    NoEquilibrium,
     /// A vertex did not converge.
     NotConverged,
 }
@@ -276,7 +279,7 @@ impl Summary {
                 .iter()
                 .map(|&frequency_hz| ModeSummary { frequency_hz })
                 .collect(),
-            backbone: run.amplitudes.iter().map(|a| backbone(a, &run.scene)).collect(),
+            backbone: run.amplitudes.iter().map(|a| backbone(a, run)).collect(),
             methods: run
                 .methods
                 .iter()
@@ -379,14 +382,16 @@ fn method(point: &MethodPoint, scene: &Scene) -> MethodSummary {
     }
 }
 
-fn backbone(amplitude: &crate::run::AmplitudeResult, scene: &Scene) -> BackboneSummary {
-    let point = &amplitude.point;
+fn backbone(amplitude: &crate::run::AmplitudeResult, run: &Run) -> BackboneSummary {
+    let (point, scene) = (&amplitude.point, &run.scene);
+    let holds = run.validity.separation_modal_force.unwrap_or(f64::INFINITY);
     let result = point.result.as_ref().ok();
     let fields = amplitude.fields.as_ref();
     let zeta = result.filter(|r| r.is_resolved()).map(|r| r.zeta);
     BackboneSummary {
         status: match (&point.result, zeta) {
             (Err(failure), _) if failure.reason == Reason::BelowRoundOff => Status::BelowRoundOff,
+            (Err(_), _) if point.modal_force > holds => Status::NoEquilibrium,
             (Err(_), _) => Status::NotConverged,
             (Ok(_), None) => Status::BelowFloor,
             _ => Status::Resolved,

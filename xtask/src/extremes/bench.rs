@@ -1,8 +1,6 @@
 //! The scene that the cases start from, and ways to run it.
 
 use anyhow::{Context, Result, bail};
-use cqsma_solver::modes;
-use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::joint::{Bodies, MeshedBodies};
 use joint_pipeline::model::Structure;
 use joint_pipeline::progress::Silent;
@@ -125,27 +123,4 @@ pub(super) fn meshed(structure: &mut Structure) -> Result<&mut MeshedBodies> {
         Bodies::Meshed(bodies) => Ok(bodies),
         Bodies::Imported(_) => bail!("the scene is on matrices, which have no mesh"),
     }
-}
-
-/// The modal force (sqrt(kg) m/s^2) beyond which the inertia of the mode pulls the halves apart with more than the tension of
-/// the bolts, which is constant: beyond it there is no equilibrium.
-pub(super) fn separation(run: &Run) -> Result<f64> {
-    let (reduced, mode) = (&run.model.reduced, run.scene.cqsma.mode);
-    let (stiffness, mass) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
-    let rest = &run.prestress.solution;
-    let force = InterfaceForce::new(&run.interface);
-    let line = modes::linearise(
-        stiffness,
-        mass,
-        &force,
-        rest.displacement.clone(),
-        rest.state.clone(),
-        mode,
-    )?;
-    let shape = line.shapes.col(mode - 1);
-    // A uniform closure costs no energy, so the contact alone answers what acts on it.
-    let on_closure = |of: &dyn Fn(usize) -> f64| (2..reduced.n_relative).step_by(3).map(of).sum::<f64>();
-    let inertia = on_closure(&|i| mass.row(i) * shape);
-    let bolts = reduced.loads.iter().map(|load| on_closure(&|i| load[i])).sum::<f64>();
-    Ok(run.scene.bolts.load * bolts / inertia.abs())
 }

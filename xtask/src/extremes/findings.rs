@@ -1,7 +1,6 @@
 //! What came of a case.
 
-use super::bench::separation;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use joint_pipeline::{Error, Run};
 use serde_json::{Map, Value, json};
 
@@ -149,7 +148,10 @@ impl Findings {
         let failed = run.amplitudes.iter().filter(|a| a.point.result.is_err());
         let least = failed.map(|a| a.point.modal_force).fold(f64::INFINITY, f64::min);
         if least.is_finite() {
-            let limit = separation(run)?;
+            let limit = run
+                .validity
+                .separation_modal_force
+                .context("the bolts are no dead loads")?;
             self.between(
                 &name("modal force without an equilibrium, over the bolts' limit"),
                 least / limit,
