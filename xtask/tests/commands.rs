@@ -435,6 +435,11 @@ fn amplitudes_that_do_not_converge_are_results() {
         (&point["converged"], &point["frequency_hz"]),
         (&json!(false), &Value::Null)
     );
+    // Far more than the bolts hold together; the first amplitude is far less.
+    assert_eq!(point["status"], "no-equilibrium");
+    let force = |index: usize| summary["backbone"][index]["modal_force"].as_f64().unwrap();
+    let holds = summary["validity"]["separation_modal_force"].as_f64().unwrap();
+    assert!(force(0) < holds && holds < force(1), "{holds}");
     let table = std::fs::read_to_string(results.join("backbone.csv")).unwrap();
     assert!(table.lines().nth(2).unwrap().starts_with("2,false,,,,"), "{table}");
     let output = xtask(&folder, &["check-results", "results/too-far"]);

@@ -327,7 +327,12 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
     }
 
     fn dissipates(&self) -> bool {
-        (0..self.mu.len()).any(|point| *self.mu.at(point) != 0.0)
+        let different = if self.mu.is_uniform() {
+            self.mu.len().min(1)
+        } else {
+            self.mu.len()
+        };
+        (0..different).any(|point| *self.mu.at(point) != 0.0)
     }
 
     fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64> {

@@ -121,7 +121,7 @@ pub struct LoopResult {
     pub cycles: usize,
     /// Whether the loop closed within the tolerance asked for; always false for a fixed number of cycles.
     pub closed: bool,
-    /// Distance between the ends of the measured loop relative to the motion there (energy norm).
+    /// Distance between the ends of the measured loop relative to the motion there (energy norm); zero where nothing dissipates.
     pub closure: f64,
     /// Largest residual at a vertex, relative to the peak load (energy norm).
     pub residual: f64,
@@ -300,9 +300,12 @@ impl<F: HystereticForce> Tour<'_, F> {
         let (cycles, settled, at_peak) = self.settle_down()?;
         let mut hysteresis = Loop::default();
         let mut deviation = 0.0_f64;
-        self.path.residual = 0.0;
         // Without dissipation the way back passes the same vertices, whose displacements are kept for it.
         let one_way = !self.path.equilibrium.force.dissipates();
+        if !one_way {
+            // Of cycles that are not measured; one way there are none, and the peak is not solved for again.
+            self.path.residual = 0.0;
+        }
         let mut passed: Vec<Vec<f64>> = Vec::new();
         let mut total = vec![0.0; self.mode.shape.len()];
         let mut record = |tour: &Self| {

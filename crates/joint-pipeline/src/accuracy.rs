@@ -44,7 +44,7 @@ pub static RUNGS: [Rung; 4] = [
         vertices_per_quarter: 4,
         tolerance: 1e-5,
         frequency_error: 1.8e-2,
-        damping_error: 0.06,
+        damping_error: 0.065,
         cost: 0.1,
     },
     Rung {
@@ -55,7 +55,7 @@ pub static RUNGS: [Rung; 4] = [
         vertices_per_quarter: 8,
         tolerance: 1e-7,
         frequency_error: 1.2e-2,
-        damping_error: 0.045,
+        damping_error: 0.05,
         cost: 0.3,
     },
     Rung {

@@ -29,6 +29,9 @@ const LEAST_PARTICIPATION: f64 = 1e-2;
 /// Stiffness against a uniform separation, relative to the sum of the stiffnesses of its coordinates, that is round-off.
 const FREE_OF_ENERGY: f64 = 1e-9;
 
+/// Inertia of a mode along a uniform separation, relative to that of the separation itself, that is round-off.
+const FREE_OF_INERTIA: f64 = 1e-9;
+
 /// What is not part of the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
@@ -278,8 +281,11 @@ impl Prepared {
         if along(&vibrating.stiffness, &apart) > FREE_OF_ENERGY * stiffnesses {
             return None;
         }
-        let holds = normals().map(|j| load[j]).sum::<f64>() / along(&vibrating.mass, shape).abs();
-        holds.is_finite().then_some(holds)
+        // Modes that are antisymmetric in it have no inertia along it but round-off.
+        let inertia = along(&vibrating.mass, shape).abs();
+        let all = along(&vibrating.mass, &apart).max(0.0).sqrt();
+        let holds = normals().map(|j| load[j]).sum::<f64>() / inertia;
+        (inertia > FREE_OF_INERTIA * all).then_some(holds)
     }
 
     /// Prestress, modes and backbone.

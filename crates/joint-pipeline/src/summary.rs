@@ -312,8 +312,8 @@ fn skipped(run: &Run) -> BTreeMap<&'static str, String> {
     let (open, points) = (run.prestress.solution.counts.open, run.interface.operators().n_points());
     if open > 0 {
         let reason = format!(
-            "{open} of {points} points are open under the bolt loads; of a point that is open only the closure is computed, \
-             at every vertex, until it is closed"
+            "{open} of {points} points are open under the bolt loads; where neighbours are open as well, only their closure is \
+             computed, at every vertex anew"
         );
         skipped.insert("laws_of_open_points", reason);
     }

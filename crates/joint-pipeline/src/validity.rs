@@ -40,8 +40,9 @@ pub struct Validity {
     /// First amplitude number that did not converge.
     pub first_not_converged: Option<usize>,
     /// Modal force beyond which bolts of constant tension cannot hold the halves against the mode's inertia, so that there is no
-    /// equilibrium (sqrt(kg) m/s^2): bolt loads over the mode's inertia, both along a uniform separation. None where something
-    /// else resists such a separation.
+    /// equilibrium (sqrt(kg) m/s^2): bolt loads over the mode's inertia, both along a uniform separation. Where other rigid motions
+    /// are free, equilibrium may end earlier. None where something else resists a separation, beyond the round-off of the
+    /// stiffness, or the mode has no inertia along it.
     pub separation_modal_force: Option<f64>,
 }
 

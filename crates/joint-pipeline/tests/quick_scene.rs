@@ -168,6 +168,7 @@ fn locked_bolts_leave_the_prestress_alone_and_stiffen_the_vibration() {
         assert!((a - b).abs() < 1e-9 * largest, "{a} {b}");
     }
     // A constraint raises every frequency or leaves it; the joint's opening in bending is what the bolts resist.
+    assert!(dead.validity.separation_modal_force.is_some() && locked.validity.separation_modal_force.is_none());
     for (a, b) in dead.frequencies.iter().zip(&locked.frequencies) {
         assert!(b / a > 1.0 - 1e-9, "{a} {b}");
     }

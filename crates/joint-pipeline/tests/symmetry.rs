@@ -103,6 +103,11 @@ fn the_half_is_the_whole() {
     let skips_half = |summary: &Summary| summary.skipped.contains_key("half_of_the_structure");
     assert!(skips_half(&half) && !skips_half(&whole));
     let of = |of: &dyn Fn(&Summary) -> f64| [(of(&half), of(&whole))];
+    compare(
+        "force that separates",
+        of(&|s| s.validity.separation_modal_force.unwrap()),
+        1e-8,
+    );
     compare("closure", of(&|s| s.law.mean_closure), 1e-9);
     compare("contact area", of(&|s| s.prestress.contact_area_fraction), 1e-9);
     compare("largest pressure", of(&|s| s.prestress.max_pressure), 1e-9);

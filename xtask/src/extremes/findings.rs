@@ -145,13 +145,22 @@ impl Findings {
             self.within(&name("residual of the loops"), residual, largest_residual);
             self.within(&name("energy identity, of what is allowed"), energy, 1.0);
         }
+        if let Some(limit) = run.validity.separation_modal_force {
+            let found = run.amplitudes.iter().filter(|a| a.point.result.is_ok());
+            let largest = found.map(|a| a.point.modal_force).fold(0.0, f64::max);
+            self.within(
+                &name("modal force with a result, over the bolts' limit"),
+                largest / limit,
+                1.0,
+            );
+        }
         let failed = run.amplitudes.iter().filter(|a| a.point.result.is_err());
         let least = failed.map(|a| a.point.modal_force).fold(f64::INFINITY, f64::min);
         if least.is_finite() {
             let limit = run
                 .validity
                 .separation_modal_force
-                .context("the bolts are no dead loads")?;
+                .context("nothing is known of what the bolts hold together")?;
             self.between(
                 &name("modal force without an equilibrium, over the bolts' limit"),
                 least / limit,

@@ -45,6 +45,17 @@ pub(crate) enum Share {
     None,
 }
 
+impl Share {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Choice => "choice",
+            Self::Sampling => "sampling",
+            Self::None => "none",
+        }
+    }
+}
+
 /// A value of a dial.
 pub(crate) struct Rung {
     pub(crate) name: String,
@@ -66,7 +77,7 @@ pub(crate) enum Source {
 }
 
 impl Rung {
-    fn new(name: impl Into<String>, scene: Scene) -> Self {
+    pub(crate) fn new(name: impl Into<String>, scene: Scene) -> Self {
         Self {
             name: name.into(),
             scene,

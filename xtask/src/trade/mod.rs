@@ -15,7 +15,6 @@ use joint_pipeline::Scene;
 use joint_pipeline::accuracy::{Extrapolation, RUNGS, extrapolate};
 use joint_pipeline::comparison::{Backbone, Point};
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -118,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let runs = runs
         .canonicalize()
         .with_context(|| format!("finding the folder {}", runs.display()))?;
-    let mut bench = Bench::new(runs, dials.iter().map(|dial| dial.rungs.len()).sum());
+    let mut bench = Bench::new(runs, 1 + dials.iter().map(|dial| dial.rungs.len()).sum::<usize>());
     let ladders: Vec<Ladder> = dials
         .into_iter()
         .map(|dial| {
@@ -126,14 +125,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             ladder(dial, measured)
         })
         .collect();
-    let of_base = |(_, summary): &&(Value, Value)| summary["scene"]["model"] == json!(base.model);
-    let default = bench
-        .known
-        .iter()
-        .find(of_base)
-        .map_or((0.0, None), |(_, summary)| bench.structure_of(summary));
-    let budget = budget(&ladders, &base);
-    let report = report(&ladders, &base, &budget, default);
+    // After the dials, among whose rungs it usually is.
+    let own = bench.run("scene", &Rung::new("as it is", base.clone()));
+    let own = own.map_err(|reason| anyhow!("the scene itself failed: {reason}"))?;
+    let budget = budget(&ladders, &own);
+    let report = report(&ladders, &base, &budget, &own);
     let outputs = [
         Output::new("trade.csv", page::csv(&ladders)),
         Output::new("trade.md", page::markdown(&ladders, &budget)),
@@ -491,7 +487,7 @@ fn exceeded(ladders: &[Ladder]) -> Vec<(&'static str, String)> {
 }
 
 /// What `trade.json` holds.
-fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], (structure, memory): (f64, Option<u64>)) -> Value {
+fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], own: &Measured) -> Value {
     let [frequency, damping_ln] = total(budget);
     let mut rungs = Vec::new();
     let (mut pareto, mut reference, mut orders) = (Map::new(), Map::new(), Map::new());
@@ -547,47 +543,41 @@ fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], (structure, memory)
         "reference": reference,
         "limits": orders,
         "budget": {
-            "parts": budget.iter().map(|part| (part.dial, part)).collect::<BTreeMap<_, _>>(),
+            "parts": budget.iter().map(|part| {
+                let row = json!({"kind": part.kind.name(), "frequency": part.frequency, "damping_ln": part.damping_ln});
+                (part.dial.to_owned(), row)
+            }).collect::<Map<_, _>>(),
             "root_sum_of_squares_of_errors": {"frequency": frequency, "damping_ln": damping_ln},
         },
-        "structure": {"seconds": structure, "peak_memory": memory},
+        "structure": {"seconds": own.structure_seconds, "peak_memory": own.peak_memory},
     })
 }
 
 /// A part of what is uncertain about the scene that the dials are about.
-#[derive(serde::Serialize)]
 pub(crate) struct Part {
-    #[serde(skip)]
     pub(crate) dial: &'static str,
-    /// `error`, `choice` or `sampling`.
-    pub(crate) kind: &'static str,
+    pub(crate) kind: Share,
     /// Relative.
     pub(crate) frequency: f64,
     /// Of the logarithm of the damping ratio.
     pub(crate) damping_ln: f64,
 }
 
-/// Numerical errors by the rungs whose scene it is, choices and sampling by the rung that is farthest from the reference.
-pub(crate) fn budget(ladders: &[Ladder], base: &Scene) -> Vec<Part> {
-    let own = comparable(base, Source::Loops);
-    let measured = |outcome: &'_ Outcomes| outcome.measured.as_ref().ok().map(|m| (m.linear, m.backbone.clone()));
-    let mut all = ladders
-        .iter()
-        .flat_map(|ladder| ladder.dial.rungs.iter().zip(&ladder.outcomes));
-    let of_scene = all
-        .find(|(rung, _)| rung.source == Source::Loops && comparable(&rung.scene, rung.source) == own)
-        .and_then(|(_, outcome)| measured(outcome));
+/// Numerical errors by the rungs whose results are those of the scene itself, choices and sampling by the rung that is farthest from
+/// the reference.
+pub(crate) fn budget(ladders: &[Ladder], own: &Measured) -> Vec<Part> {
     let part = |ladder: &Ladder| {
         let size = |errors: &Errors| [errors.frequency(), errors.damping().unwrap_or(0.0)];
         let all = || ladder.outcomes.iter().filter_map(|outcome| outcome.errors.as_ref());
         let farthest = || all().map(size).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let (kind, [frequency, damping_ln]) = match ladder.dial.share {
+        let [frequency, damping_ln] = match ladder.dial.share {
             Share::None => return None,
             Share::Error => {
-                // Settings that spell out the default have its results, to the bit.
+                // To the bit, also where a setting spells out the default.
+                let is_own = |m: &Measured| m.linear == own.linear && m.backbone == own.backbone;
                 let mut outcomes = ladder.outcomes.iter();
-                let is_own = |outcome: &&Outcomes| of_scene.is_some() && measured(outcome) == of_scene;
-                let [frequency, damping] = outcomes.find(is_own)?.errors.as_ref().map(size)?;
+                let found = outcomes.find(|outcome| outcome.measured.as_ref().is_ok_and(is_own))?;
+                let [frequency, damping] = found.errors.as_ref().map(size)?;
                 // What the reference itself is away from the limit counts as well.
                 let rest = |index: usize| {
                     ladder
@@ -596,14 +586,13 @@ pub(crate) fn budget(ladders: &[Ladder], base: &Scene) -> Vec<Part> {
                         .and_then(|limit| limit.uncertainty)
                         .unwrap_or(0.0)
                 };
-                ("error", [frequency + rest(0), damping + rest(1)])
+                [frequency + rest(0), damping + rest(1)]
             }
-            Share::Choice => ("choice", farthest()?),
-            Share::Sampling => ("sampling", farthest()?),
+            Share::Choice | Share::Sampling => farthest()?,
         };
         Some(Part {
             dial: ladder.dial.name,
-            kind,
+            kind: ladder.dial.share,
             frequency,
             damping_ln,
         })
@@ -613,7 +602,7 @@ pub(crate) fn budget(ladders: &[Ladder], base: &Scene) -> Vec<Part> {
 
 /// All numerical errors together: relative of frequencies, of the logarithm of damping.
 pub(crate) fn total(budget: &[Part]) -> [f64; 2] {
-    let errors = || budget.iter().filter(|part| part.kind == "error");
+    let errors = || budget.iter().filter(|part| part.kind == Share::Error);
     let root = |of: fn(&Part) -> f64| errors().map(|part| of(part).powi(2)).sum::<f64>().sqrt();
     [root(|part| part.frequency), root(|part| part.damping_ln)]
 }

@@ -152,7 +152,8 @@ pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
         let _ = writeln!(
             out,
             "| {} | {} | {frequency:.1e} | {damping:.1e} |",
-            part.dial, part.kind
+            part.dial,
+            part.kind.name()
         );
     }
     let [frequency, damping] = total(budget);
