@@ -1,19 +1,14 @@
 //! The commands as a user meets them: the built program, its exit codes, its messages and its files.
 #![allow(clippy::unwrap_used)]
+mod common;
+
+use common::{folder, read_json, xtask};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::sync::OnceLock;
 
 const QUICK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/brb-quick.json");
-
-fn xtask(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
 
 fn exit_code(output: &Output) -> i32 {
     output.status.code().expect("ended by a signal")
@@ -21,18 +16,6 @@ fn exit_code(output: &Output) -> i32 {
 
 fn messages(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-/// An empty folder of its own for each test.
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&path);
-    std::fs::create_dir_all(&path).unwrap();
-    path
-}
-
-fn read_json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
 /// The quick scene, run once with two threads and an empty cache; the folder that it ran in.

@@ -1,22 +1,12 @@
 //! `transient` and `compare` as a user meets them.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+mod common;
+
+use common::{folder, read_json, succeeds, xtask};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-fn xtask(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
-    command.args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn succeeds(folder: &Path, arguments: &[&str]) -> String {
-    let output = xtask(folder, arguments);
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {text}");
-    String::from_utf8(output.stdout).unwrap()
-}
+use std::path::Path;
 
 /// Fails with one line that names all of these.
 fn fails(folder: &Path, arguments: &[&str], expected: &[&str]) {
@@ -26,17 +16,6 @@ fn fails(folder: &Path, arguments: &[&str], expected: &[&str]) {
     for part in expected {
         assert!(text.contains(part), "`{part}` is not in: {text}");
     }
-}
-
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&path);
-    std::fs::create_dir_all(&path).unwrap();
-    path
-}
-
-fn read_json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
 fn amplitudes() -> Vec<f64> {

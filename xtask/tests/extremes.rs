@@ -1,24 +1,14 @@
 //! `cargo xtask extremes` as scripts meet it: exit codes and `extremes.json`.
 #![allow(clippy::unwrap_used)]
+mod common;
+
+use common::{folder, xtask};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 fn extremes(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .arg("extremes")
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-/// An empty folder of its own for each test.
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&path);
-    std::fs::create_dir_all(&path).unwrap();
-    path
+    xtask(folder, &[&["extremes"], arguments].concat())
 }
 
 /// Cases of every group; the others take longer and run among the gates.

@@ -1,45 +1,20 @@
 //! `cargo xtask trade`, and scenes that ask for an accuracy, as scripts meet them.
 #![allow(clippy::unwrap_used)]
+mod common;
+
+use common::{folder, read_json, succeeds, xtask};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-fn xtask(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-/// An empty folder of its own for each test.
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&path);
-    std::fs::create_dir_all(&path).unwrap();
-    path
-}
-
-fn read_json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
 
 #[test]
 fn errors_fall_from_rung_to_rung_and_finished_runs_are_kept() {
     let folder = folder("trade");
     let go = || {
-        xtask(
+        succeeds(
             &folder,
             &["trade", "--quick", "--only", "vertices", "tolerance", "--out", "t"],
         )
     };
-    let output = go();
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    go();
     let trade = read_json(&folder.join("t/trade.json"));
     let rungs: Vec<&Value> = trade["rungs"].as_array().unwrap().iter().collect();
     assert_eq!(rungs.len(), 7 + 5);
@@ -71,8 +46,7 @@ fn errors_fall_from_rung_to_rung_and_finished_runs_are_kept() {
         assert!(folder.join("t").join(file).exists(), "{file}");
     }
     // Nothing is run again: a run would leave another time.
-    let again = go();
-    assert_eq!(again.status.code(), Some(0));
+    go();
     assert_eq!(read_json(&folder.join("t/trade.json")), trade);
 
     let unknown = xtask(&folder, &["trade", "--only", "speed"]);
@@ -90,13 +64,7 @@ fn an_accuracy_chooses_settings_and_an_error_is_estimated() {
         "cqsma": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 },
     });
     std::fs::write(folder.join("draft.json"), scene.to_string()).unwrap();
-    let output = xtask(&folder, &["brb", "draft.json", "--out", "run", "--estimate-error"]);
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let text = succeeds(&folder, &["brb", "draft.json", "--out", "run", "--estimate-error"]);
     let summary = read_json(&folder.join("run/summary.json"));
     assert_eq!(summary["scene"]["model"]["refinement"], "quick");
     assert_eq!(summary["accuracy"]["name"], "draft");
@@ -109,7 +77,6 @@ fn an_accuracy_chooses_settings_and_an_error_is_estimated() {
         "{linear}"
     );
     assert!(number("/error_estimate/damping") < number("/accuracy/damping_error"));
-    let text = String::from_utf8(output.stdout).unwrap();
     assert!(
         text.contains("settings `draft`") && text.contains("against the settings `coarse`"),
         "{text}"
