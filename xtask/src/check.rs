@@ -1,7 +1,8 @@
 //! Checks a finished run against bounds that hold for every sound scene of the beam.
 
-use crate::{brb, files, markup};
 use anyhow::{Context, Result, bail};
+use reports::markup;
+use reports::run::{SUMMARY, amplitude_file};
 use serde_json::Value;
 use std::path::Path;
 
@@ -13,7 +14,7 @@ const NOISE: f64 = 1e-6;
 
 /// Runs the command.
 pub(crate) fn run(directory: &Path) -> Result<()> {
-    let path = directory.join(brb::SUMMARY);
+    let path = directory.join(SUMMARY);
     let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
     let summary: Value = serde_json::from_str(&text).with_context(|| format!("parsing {}", path.display()))?;
     let mut checks = Checks::default();
@@ -27,7 +28,7 @@ pub(crate) fn run(directory: &Path) -> Result<()> {
             checks.defects.join("\n  ")
         );
     }
-    crate::print(&format!("{}: {} checks passed\n", directory.display(), checks.count))
+    microslip::commands::print(&format!("{}: {} checks passed\n", directory.display(), checks.count))
 }
 
 #[derive(Default)]
@@ -153,7 +154,7 @@ impl Checks {
             "report.html".into(),
             "interface-prestress.vtu".into(),
         ];
-        documents.extend(stored(summary)?.into_iter().map(files::amplitude_file));
+        documents.extend(stored(summary)?.into_iter().map(amplitude_file));
         for name in documents {
             let text = std::fs::read_to_string(directory.join(&name));
             let result = text.map_err(|e| e.to_string()).and_then(|text| markup::check(&text));

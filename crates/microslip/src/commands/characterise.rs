@@ -1,0 +1,366 @@
+//! `characterise`: two scans over an interface, element by element.
+
+use super::read_scene;
+use crate::files;
+use anyhow::{Context, Result, bail};
+use contact_laws::FittedCurves;
+use joint_pipeline::Scene;
+use joint_pipeline::model::Structure;
+use joint_pipeline::progress::Silent;
+use joint_pipeline::scene::{Place, PlaneMesh, ScanFile, Scans, Surface};
+use joint_pipeline::surface::{ScannedSurface, interface_mesh};
+use reports::Output;
+use reports::fields::CellField;
+use reports::{map, plot, vtu};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use surface_characterisation::readers::{FirstRow, LengthUnit};
+use surface_characterisation::{ElementSurface, GapChange};
+use zte_assembly::InterfaceMesh;
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Scan of the top face: X3P, SDF, SUR, text or NumPy [default: that of the scene].
+    #[arg(requires = "bottom", required_unless_present = "scene")]
+    top: Option<PathBuf>,
+    /// Scan of the bottom face.
+    bottom: Option<PathBuf>,
+    /// Scene whose interface, material and `surface` are taken: scans with all their settings and readings.
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// Interface mesh: `brb` for the beam's, or JSON with `nodes` and `elements` (node numbers from 1)
+    /// [default: that of the scene].
+    #[arg(long, value_name = "brb|FILE")]
+    mesh: Option<PathBuf>,
+    /// Unit of the nodes in the file of the mesh.
+    #[arg(long, value_name = "UNIT", default_value = "m")]
+    mesh_units: LengthUnit,
+    /// Unit of positions, steps and heights that the scans do not state.
+    #[arg(long, value_name = "UNIT")]
+    units: Option<LengthUnit>,
+    /// Unit of heights, where it is another one.
+    #[arg(long, value_name = "UNIT")]
+    height_units: Option<LengthUnit>,
+    /// Distances of neighbouring points along x and y, in units of the positions, that the scans do not state.
+    #[arg(long, value_name = "DX,DY", value_parser = pair)]
+    step: Option<[f64; 2]>,
+    /// Where the first line of the scans lies, in formats that leave it open.
+    #[arg(long, value_enum)]
+    first_row: Option<FirstLine>,
+    /// Height step of the instrument (m) [default: what the scans state].
+    #[arg(long, value_name = "METRES")]
+    height_step: Option<f64>,
+    /// Put the middle of each scan on the middle of the interface [default: positions are what the scans state].
+    #[arg(long)]
+    centred: bool,
+    /// The bottom face was scanned from its own side: turn its x over.
+    #[arg(long)]
+    mirror_bottom: bool,
+    /// Move each face onto the interface by the edges and holes of its mask, by at most this (m).
+    #[arg(long, value_name = "METRES")]
+    align: Option<f64>,
+    /// Bootstrap draws for the bands.
+    #[arg(long, value_name = "N")]
+    bootstrap: Option<usize>,
+    /// Seed of these draws.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Element, from 0, whose profiles and response are drawn [default: the one with the median total roughness].
+    #[arg(long, value_name = "N")]
+    element: Option<usize>,
+    /// Also tell how the gap depends on shifts and tilts of the bottom face.
+    #[arg(long)]
+    registration_study: bool,
+    /// Folder for the results, made if missing.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum FirstLine {
+    LowestY,
+    HighestY,
+}
+
+/// Two numbers with a comma between them.
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match (numbers[..].try_into(), text.matches(',').count()) {
+        (Ok(pair), 1) => Ok(pair),
+        _ => Err("give two numbers with a comma between them".into()),
+    }
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    let mut scene = read_scene(arguments.scene.as_deref(), None)?;
+    if let (Some(top), Some(bottom)) = (&arguments.top, &arguments.bottom) {
+        let mut scans = match scene.surface {
+            Surface::Scans(scans) => *scans,
+            _ => Scans::new(ScanFile::default(), ScanFile::default()),
+        };
+        (scans.top.path, scans.bottom.path) = (top.clone(), bottom.clone());
+        scene.surface = Surface::Scans(Box::new(scans));
+    }
+    apply(arguments, &mut scene)?;
+    scene.validate("the arguments")?;
+    let mesh = mesh(arguments, &scene)?;
+    // Before the computation: it would be a pity to find out only afterwards.
+    let directory = &arguments.out;
+    std::fs::create_dir_all(directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    let surface = ScannedSurface::try_new(&scene, &mesh)?;
+    let study = match arguments.registration_study {
+        true => Some(surface.registration_study().context("moving the bottom face")?),
+        false => None,
+    };
+    let shown = shown(arguments, &surface.found.elements)?;
+    let outputs = outputs(&surface, &mesh, shown, study.as_deref())?;
+    files::write_all(directory, &outputs)?;
+    super::print(&account(&surface, study.as_deref(), &outputs, directory))
+}
+
+/// Lays what the arguments say of the scans over what the scene says.
+fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
+    let given = arguments.units.is_some()
+        || arguments.height_units.is_some()
+        || arguments.step.is_some()
+        || arguments.first_row.is_some()
+        || arguments.height_step.is_some()
+        || arguments.centred
+        || arguments.mirror_bottom
+        || arguments.align.is_some()
+        || arguments.bootstrap.is_some()
+        || arguments.seed.is_some();
+    let scans = match &mut scene.surface {
+        Surface::Scans(scans) => scans,
+        _ if given => bail!(
+            "options of scans are given, but the surface of the scene {} is not read from files",
+            scene.name
+        ),
+        _ => return Ok(()),
+    };
+    for file in [&mut scans.top, &mut scans.bottom] {
+        file.lateral_unit = arguments.units.or(file.lateral_unit);
+        file.height_unit = arguments.height_units.or(arguments.units).or(file.height_unit);
+        file.lateral_step = arguments.step.or(file.lateral_step);
+        if let Some(line) = arguments.first_row {
+            file.first_row = Some(match line {
+                FirstLine::LowestY => FirstRow::LowestY,
+                FirstLine::HighestY => FirstRow::HighestY,
+            });
+        }
+        file.height_step = arguments.height_step.or(file.height_step);
+        if arguments.centred {
+            file.place = Place::Centred;
+        }
+    }
+    scans.bottom.mirrored |= arguments.mirror_bottom;
+    scans.align = arguments.align.or(scans.align);
+    scans.bootstrap = arguments.bootstrap.unwrap_or(scans.bootstrap);
+    scans.seed = arguments.seed.unwrap_or(scans.seed);
+    Ok(())
+}
+
+fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
+    match &arguments.mesh {
+        Some(path) if path.as_os_str() != "brb" => {
+            let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+            let plane: PlaneMesh =
+                serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
+            interface_mesh(&plane, arguments.mesh_units.metres(1.0))
+                .with_context(|| format!("reading {}", path.display()))
+        }
+        named => {
+            let mut model = scene.model.clone();
+            if named.is_some() {
+                (model.deck, model.matrices) = (None, None);
+            }
+            let structure = Structure::try_new(&model, scene.bolts.behaviour, &Silent)?;
+            Ok(structure.interface().clone())
+        }
+    }
+}
+
+/// The element that is drawn.
+fn shown(arguments: &Arguments, elements: &[ElementSurface]) -> Result<usize> {
+    match arguments.element {
+        Some(element) if element >= elements.len() => {
+            bail!(
+                "there is no element {element}; the interface has elements 0 to {}",
+                elements.len() - 1
+            )
+        }
+        Some(element) => Ok(element),
+        None => {
+            let mut order: Vec<usize> = (0..elements.len()).collect();
+            order.sort_by(|&a, &b| elements[a].total_roughness().total_cmp(&elements[b].total_roughness()));
+            Ok(order[order.len() / 2])
+        }
+    }
+}
+
+/// What is mapped over the interface: name of the file, quantity, unit and values.
+fn quantities(elements: &[ElementSurface]) -> [(&'static str, &'static str, &'static str, Vec<f64>); 5] {
+    let all = |of: &dyn Fn(&ElementSurface) -> f64| elements.iter().map(of).collect();
+    [
+        ("gap", "gap at the middle", "m", all(&|e| e.gap.at(e.gap.centre))),
+        (
+            "roughness",
+            "total roughness R_t",
+            "m",
+            all(&ElementSurface::total_roughness),
+        ),
+        ("count", "asperities N", "-", all(&|e| e.population.count())),
+        ("radius-x", "radius R_x", "m", all(&|e| e.population.radius()[0])),
+        ("radius-y", "radius R_y", "m", all(&|e| e.population.radius()[1])),
+    ]
+}
+
+fn outputs(
+    surface: &ScannedSurface,
+    mesh: &InterfaceMesh,
+    shown: usize,
+    study: Option<&[GapChange]>,
+) -> Result<Vec<Output>> {
+    let elements = &surface.found.elements;
+    let mut outputs = Vec::new();
+    for (name, quantity, unit, values) in quantities(elements) {
+        outputs.push(Output::new(
+            format!("map-{name}.svg"),
+            map::svg(mesh, &values, quantity, unit),
+        ));
+    }
+    let element = &elements[shown];
+    for (side, name) in ["top", "bottom"].into_iter().enumerate() {
+        let profile = surface.profile(shown, side)?;
+        let title = format!("element {shown}, {name} face, y = {:.2} mm", 1e3 * profile.y);
+        let picture = plot::profile(&profile, &title).context("drawing a profile")?;
+        outputs.push(Output::new(format!("profile-{name}.svg"), picture));
+    }
+    let fits = FittedCurves::try_new(element.normal.parameters, element.tangential.map(|t| t.parameters))?;
+    let draws = element.bands.as_ref().map_or(0, |bands| bands.realisations);
+    let title = format!("element {shown}, 95 % bands of {draws} bootstrap draws");
+    let picture = plot::response(element, &fits, &title).context("drawing the response")?;
+    outputs.push(Output::new("response.svg", picture));
+    outputs.push(Output::new("surface.vtu", vtu::document(mesh, &cells(elements))));
+    if let Some(study) = study {
+        outputs.push(Output::new("registration.csv", registration(study)));
+    }
+    let json = serde_json::to_string(&surface.report(study)).context("encoding the surface")?;
+    outputs.push(Output::new("surface.json", json + "\n"));
+    Ok(outputs)
+}
+
+fn cells(elements: &[ElementSurface]) -> Vec<CellField> {
+    let field = |name, of: &dyn Fn(&ElementSurface) -> f64| CellField {
+        name,
+        values: elements.iter().map(of).collect(),
+    };
+    let mean = |of: fn(&surface_characterisation::FaceAsperities) -> f64| {
+        move |e: &ElementSurface| 0.5 * (of(&e.faces[0]) + of(&e.faces[1]))
+    };
+    vec![
+        field("gap [m]", &|e| e.gap.at(e.gap.centre)),
+        field("total_roughness [m]", &ElementSurface::total_roughness),
+        field("asperities [-]", &|e| e.population.count()),
+        field("asperity_density [1/m^2]", &|e| e.population.asperity_density()),
+        field("radius_x [m]", &|e| e.population.radius()[0]),
+        field("radius_y [m]", &|e| e.population.radius()[1]),
+        field("effective_radius [m]", &|e| e.population.effective_radius()),
+        field("heights [-]", &|e| e.population.heights().len() as f64),
+        field("Sa [m]", &mean(|f| f.areal.sa)),
+        field("Sq [m]", &mean(|f| f.areal.sq)),
+        field("points_top [-]", &|e| e.faces[0].points as f64),
+        field("points_bottom [-]", &|e| e.faces[1].points as f64),
+        field("fit_rms_normal [-]", &|e| e.normal.rms),
+        field("fit_rms_tangential [-]", &|e| {
+            e.tangential[0].rms.max(e.tangential[1].rms)
+        }),
+        field("fallback [-]", &|e| f64::from(u8::from(fell_back(e)))),
+    ]
+}
+
+fn fell_back(element: &ElementSurface) -> bool {
+    element.normal.fallback.is_some() || element.tangential.iter().any(|t| t.fallback.is_some())
+}
+
+fn registration(study: &[GapChange]) -> String {
+    let mut out = String::from(
+        "shift_x [m],shift_y [m],tilt_x [-],tilt_y [-],gap_mean_change [m],gap_rms_change [m],gap_largest_change [m]\n",
+    );
+    for change in study {
+        let ([x, y], [tx, ty]) = (change.registration.shift, change.registration.tilt);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "{x:?},{y:?},{tx:?},{ty:?},{:?},{:?},{:?}",
+            change.mean, change.rms, change.largest
+        );
+    }
+    out
+}
+
+/// What is printed at the end.
+fn account(surface: &ScannedSurface, study: Option<&[GapChange]>, outputs: &[Output], directory: &Path) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    for file in &surface.files {
+        let [nx, ny] = file.points;
+        let _ = writeln!(
+            out,
+            "{}: {}, {nx} x {ny} points, {} missing, positions in {}, heights in {}",
+            file.path.display(),
+            file.format,
+            file.missing,
+            file.lateral_unit,
+            file.height_unit
+        );
+        if let Some(found) = &file.alignment {
+            let [x, y] = found.shift;
+            let _ = writeln!(out, "  moved onto the interface by {x:.3e} m, {y:.3e} m");
+        }
+        for note in &file.notes {
+            let _ = writeln!(out, "  {note}");
+        }
+    }
+    let found = surface.found.summary();
+    let elements = &surface.found.elements;
+    let _ = writeln!(
+        out,
+        "{} elements; {} with a fallback: {} of one asperity, {} power laws, {} constants",
+        found.elements,
+        elements.iter().filter(|e| fell_back(e)).count(),
+        found.single_asperity,
+        found.power_law,
+        found.constant
+    );
+    for (_, quantity, unit, mut values) in quantities(elements) {
+        values.sort_by(f64::total_cmp);
+        let n = values.len();
+        let _ = writeln!(
+            out,
+            "{quantity:>20} [{unit}]: median {:.3e}, from {:.3e} to {:.3e}",
+            0.5 * (values[(n - 1) / 2] + values[n / 2]),
+            values[0],
+            values[n - 1]
+        );
+    }
+    let [x, y] = found.median_rms_tangential;
+    let _ = writeln!(
+        out,
+        "median rms residuals in ln: {:.3} of (28), {x:.3} and {y:.3} of (29)",
+        found.median_rms_normal
+    );
+    for change in study.unwrap_or_default() {
+        let (shift, tilt) = (change.registration.shift, change.registration.tilt);
+        let _ = writeln!(
+            out,
+            "bottom face at ({:+.3e}, {:+.3e}) m, tilted by ({:+.0e}, {:+.0e}): gap {:+.2e} m, its shape by {:.2e} m rms",
+            shift[0], shift[1], tilt[0], tilt[1], change.mean, change.rms
+        );
+    }
+    let names: Vec<&str> = outputs.iter().map(|o| o.name.as_str()).collect();
+    let _ = writeln!(out, "written to {}: {}", directory.display(), names.join(", "));
+    out
+}

@@ -1,0 +1,126 @@
+//! `export`: the reduced model of a scene, or its mesh, for other programs.
+
+use super::{Cache, Defaults, default_directory, read_scene};
+use crate::files;
+use crate::progress::Monitor;
+use anyhow::{Context, Result, bail};
+use joint_pipeline::Scene;
+use joint_pipeline::export::{ABOUT, arrays, deck, groups};
+use joint_pipeline::joint::Bodies;
+use joint_pipeline::model::Structure;
+use joint_pipeline::scene::Symmetry;
+use matrix_files::value::Array;
+use matrix_files::{mat, matrix_market, npz};
+use reports::Output;
+use std::path::{Path, PathBuf};
+use substructure::vtu::{self, Encoding};
+use substructure::{deck as input_deck, gmsh};
+
+/// Options of `export`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Scene file [default: as for brb].
+    scene: Option<PathBuf>,
+    /// Input deck of the structure, in the place of the one that the scene names.
+    #[arg(long, value_name = "FILE")]
+    deck: Option<PathBuf>,
+    /// Format: of the reduced model one file of all arrays, or one Matrix Market file each; or of the mesh.
+    #[arg(long, value_enum)]
+    format: Format,
+    /// Folder for the files [default: results/NAME-export].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    cache: Cache,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Format {
+    /// NumPy.
+    Npz,
+    /// MATLAB and Octave (level 5).
+    Mat,
+    /// Matrix Market.
+    Mtx,
+    /// The mesh with its connections as an input deck for Abaqus and CalculiX, and a scene that runs on it.
+    Inp,
+    /// The mesh and the sides of its interface for Gmsh (4.1).
+    Msh,
+    /// The mesh for ParaView.
+    Vtu,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
+    let scene = read_scene(arguments.scene.as_deref(), arguments.deck.as_deref())?;
+    let directory = match &arguments.out {
+        Some(path) => path.clone(),
+        None => default_directory(&format!("{}-export", scene.name))?,
+    };
+    std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    if scene.model.symmetry == Symmetry::Half {
+        bail!(
+            "the half of the scene {} stands for the whole only here; leave out model.symmetry to export it",
+            scene.name
+        );
+    }
+    let monitor = Monitor::new()?;
+    let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &monitor)?;
+    let reduced = || {
+        let cache = arguments.cache.folder(defaults);
+        let model = structure.reduce(cache.as_deref(), &monitor)?;
+        Ok::<_, anyhow::Error>(arrays(&model, &structure.joint)?)
+    };
+    let outputs = match arguments.format {
+        Format::Npz => vec![Output::new("reduced.npz", npz::to_bytes(&reduced()?)?)],
+        Format::Mat => vec![Output::new("reduced.mat", mat::to_bytes(&reduced()?)?)],
+        Format::Mtx => reduced()?
+            .iter()
+            .map(|(name, array)| match array {
+                Array::Text(text) => Ok(Output::new(format!("{name}.txt"), text.clone())),
+                numbers => Ok(Output::new(format!("{name}.mtx"), matrix_market::to_bytes(numbers)?)),
+            })
+            .collect::<Result<Vec<_>>>()?,
+        Format::Inp | Format::Msh | Format::Vtu => mesh(&scene, &structure, arguments.format)?,
+    };
+    monitor.finish();
+    files::write_all(&directory, &outputs)?;
+    let names: Vec<&str> = outputs.iter().map(|o| o.name.as_str()).collect();
+    let about = match arguments.format {
+        Format::Npz | Format::Mat | Format::Mtx => ABOUT,
+        Format::Inp | Format::Msh | Format::Vtu => "",
+    };
+    super::print(&format!(
+        "{about}\nwritten to {}: {}\n",
+        directory.display(),
+        names.join(", ")
+    ))
+}
+
+fn mesh(scene: &Scene, structure: &Structure, format: Format) -> Result<Vec<Output>> {
+    let joint = &structure.joint;
+    let Bodies::Meshed(bodies) = &joint.bodies else {
+        bail!("the scene {} is on matrices, which have no mesh", scene.name);
+    };
+    let (faces, nodes) = groups(joint, bodies);
+    let solids = &bodies.assembly.mesh;
+    Ok(match format {
+        Format::Msh => vec![Output::new("structure.msh", gmsh::write(solids, &faces, &nodes)?)],
+        Format::Vtu => vec![Output::new(
+            "structure.vtu",
+            vtu::write(solids, &[], &[], Encoding::Base64)?,
+        )],
+        _ => {
+            let mut on_deck = scene.clone();
+            on_deck.model.deck = Some(deck(joint, bodies, Path::new("structure.inp")));
+            // The formulation is that of the deck's element types.
+            on_deck.model.formulation = None;
+            on_deck.model.refinement = Scene::new("").model.refinement;
+            let json = serde_json::to_string_pretty(&on_deck).context("encoding the scene")?;
+            vec![
+                Output::new("structure.inp", input_deck::write(&bodies.assembly, &faces, &nodes)?),
+                Output::new("structure.json", json + "\n"),
+            ]
+        }
+    })
+}

@@ -1,0 +1,257 @@
+//! `identify`: frequency and damping against amplitude from measured ring-downs.
+
+use crate::files;
+use anyhow::{Context, Result};
+use modal_identification::average::{MeanPoint, average};
+use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
+use modal_identification::signal::{Quantity, Signal, Stated};
+use modal_identification::{Warning, readers};
+use reports::{Output, identification};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Options of `identify`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Records: universal files (58, 58b), .mat (v5, v7), .npz, CSV, WAV. Each channel of the name is one hit.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Channel to identify [default: the only one].
+    #[arg(long, value_name = "NAME")]
+    channel: Option<String>,
+    /// Frequency near which the mode is (Hz) [default: the highest peak of the spectrum].
+    #[arg(long, value_name = "HZ")]
+    frequency: Option<f64>,
+    /// Width of the band (Hz) [default: a ninth of the frequency].
+    #[arg(long, value_name = "HZ")]
+    bandwidth: Option<f64>,
+    /// Start of the backbone (s) [default: a cycle after the hit].
+    #[arg(long, value_name = "S")]
+    start: Option<f64>,
+    /// Points per window of the smoothing, two per cycle.
+    #[arg(long, value_name = "POINTS", default_value_t = Settings::default().smoothing)]
+    smoothing: usize,
+    /// The backbone ends at this many times the amplitude of the noise.
+    #[arg(long, value_name = "FACTOR", default_value_t = Settings::default().noise_margin)]
+    noise_margin: f64,
+    /// Unit of the samples where the file states none, also with a factor: `g`, `mm/s`, `0.5 m/s^2`.
+    #[arg(long)]
+    unit: Option<String>,
+    /// Sample rate where the file states none, or to more digits (Hz).
+    #[arg(long, value_name = "HZ")]
+    sample_rate: Option<f64>,
+    /// What amplitudes are [default: the quantity measured].
+    #[arg(long, value_enum)]
+    amplitude: Option<Amplitude>,
+    /// Amplitudes of the mean of several hits.
+    #[arg(long, value_name = "NUMBER", default_value_t = 200)]
+    points: usize,
+    /// Folder for backbone.csv, backbone.svg and identification.json.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum Amplitude {
+    Acceleration,
+    Velocity,
+    Displacement,
+}
+
+impl Amplitude {
+    pub(super) fn quantity(self) -> Quantity {
+        match self {
+            Self::Acceleration => Quantity::Acceleration,
+            Self::Velocity => Quantity::Velocity,
+            Self::Displacement => Quantity::Displacement,
+        }
+    }
+}
+
+/// One ring-down and what was found in it.
+struct Hit {
+    file: String,
+    channel: String,
+    signal: Signal,
+    found: Identification,
+    /// Of the file, the signal and the identification.
+    warnings: Vec<Warning>,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    let stated = Stated {
+        unit: arguments.unit.clone(),
+        sample_rate: arguments.sample_rate,
+    };
+    let mut settings = Settings {
+        frequency: arguments.frequency,
+        bandwidth: arguments.bandwidth,
+        start: arguments.start,
+        smoothing: arguments.smoothing,
+        noise_margin: arguments.noise_margin,
+        quantity: arguments.amplitude.map(Amplitude::quantity),
+    };
+    let mut hits = Vec::new();
+    for path in &arguments.files {
+        let recording = readers::read(path)?;
+        let (channels, of_file) = recording.select(arguments.channel.as_deref())?;
+        for channel in channels {
+            let (signal, of_signal) = Signal::try_new(&recording.file, channel, &stated)?;
+            // Hits of another kind of sensor are converted to that of the first.
+            settings.quantity.get_or_insert(signal.quantity);
+            let found = identify(&signal, &settings)?;
+            let all = [of_file.clone(), of_signal, found.warnings.clone()];
+            hits.push(Hit {
+                file: recording.file.clone(),
+                channel: channel.name.clone(),
+                signal,
+                found,
+                warnings: all.concat(),
+            });
+        }
+    }
+    let backbones: Vec<&[Point]> = hits.iter().map(|hit| &hit.found.backbone[..]).collect();
+    let mean = average(&backbones, arguments.points)?;
+    // Every hit has been given this quantity.
+    let quantity = settings.quantity.unwrap_or(Quantity::Acceleration);
+    let directory = &arguments.out;
+    let outputs = [
+        Output::new("backbone.csv", table(&mean, quantity)),
+        Output::new("backbone.svg", picture(&hits, &mean, quantity)?),
+        Output::new(
+            "identification.json",
+            format!("{:#}\n", report(&hits, &mean, quantity, &settings)),
+        ),
+    ];
+    std::fs::create_dir_all(directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    files::write_all(directory, &outputs)?;
+    let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
+    let text = printed(&hits, &mean, quantity);
+    super::print(&format!("{text}written to {}: {names}\n", directory.display()))
+}
+
+/// One row per amplitude, ascending; empty cells where there is no value.
+pub(super) fn table(mean: &[MeanPoint], quantity: Quantity) -> String {
+    let mut out = format!(
+        "amplitude [{}],frequency_hz,damping_ratio,frequency_spread_hz,damping_ratio_spread,hits\n",
+        quantity.unit()
+    );
+    for p in mean {
+        // `{:?}` is the shortest text that reads back as the same number.
+        let [f, zeta] = p.spread.map_or_else(Default::default, |s| s.map(|v| format!("{v:?}")));
+        out += &format!(
+            "{:?},{:?},{:?},{f},{zeta},{}\n",
+            p.amplitude, p.frequency_hz, p.damping_ratio, p.hits
+        );
+    }
+    out
+}
+
+fn picture(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity) -> Result<String> {
+    let drawn = hits.iter().map(|hit| identification::Hit {
+        signal: &hit.signal,
+        found: &hit.found,
+    });
+    Ok(identification::svg(&drawn.collect::<Vec<_>>(), mean, quantity)?)
+}
+
+/// Settings, trims and warnings.
+fn report(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, settings: &Settings) -> Value {
+    let hit = |hit: &Hit| {
+        let (signal, found) = (&hit.signal, &hit.found);
+        let check = found.cross_check.map(|c| {
+            json!({
+                "method": "analytic signal under a Gaussian band",
+                "points": c.points,
+                "frequency_difference_hz": { "median": c.frequency_median, "largest": c.frequency_largest },
+                "damping_ratio_difference": { "median": c.damping_median, "largest": c.damping_largest },
+                "amplitude_difference": { "median": c.amplitude_median },
+            })
+        });
+        json!({
+            "file": hit.file,
+            "channel": hit.channel,
+            "measured": { "quantity": signal.quantity.to_string(), "unit": signal.quantity.unit() },
+            "sample_rate_hz": signal.sample_rate,
+            "samples": signal.samples.len(),
+            "peak_hz": found.peak_hz,
+            "band_hz": found.band_hz,
+            "upsampling": found.upsampling,
+            "trims": trims(&found.trims),
+            "filter_gain": found.filter_gain,
+            "filter_delay_s": found.filter_delay,
+            "noise_amplitude": found.noise_amplitude,
+            "points": found.backbone.len(),
+            "cross_check": check,
+            "warnings": hit.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        })
+    };
+    json!({
+        "schema_version": 1,
+        "amplitude": { "quantity": quantity.to_string(), "unit": quantity.unit() },
+        "settings": {
+            "frequency_hz": settings.frequency,
+            "bandwidth_hz": settings.bandwidth,
+            "start_s": settings.start,
+            "smoothing_points": settings.smoothing,
+            "noise_margin": settings.noise_margin,
+        },
+        "hits": hits.iter().map(hit).collect::<Vec<_>>(),
+        "points": mean.len(),
+    })
+}
+
+/// Ends of what is used.
+pub(super) fn trims(trims: &Trims) -> Value {
+    json!({
+        "hit_s": trims.hit,
+        "start_s": trims.start,
+        "end_s": trims.end,
+        "end_reason": format!("{:?}", trims.reason),
+        "duration_s": trims.duration,
+    })
+}
+
+/// What the terminal shows: warnings, and about ten amplitudes.
+fn printed(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity) -> String {
+    let mut out = String::new();
+    for hit in hits {
+        let found = &hit.found;
+        let [low, high] = found.band_hz;
+        // Writing into text does not fail.
+        let _ = writeln!(
+            out,
+            "{}, channel `{}`: mode at {:.2} Hz, band {low:.2} to {high:.2} Hz, {} points",
+            hit.file,
+            hit.channel,
+            found.peak_hz,
+            found.backbone.len()
+        );
+        if let Some(c) = found.cross_check {
+            let _ = writeln!(
+                out,
+                "  second method: differs by {:.1e} Hz and {:.2} % of the damping ratio in the median",
+                c.frequency_median,
+                100.0 * c.damping_median
+            );
+        }
+        for warning in &hit.warnings {
+            let _ = writeln!(out, "  warning: {warning}");
+        }
+    }
+    let _ = writeln!(
+        out,
+        "{:>22}  frequency [Hz]  damping ratio [-]  hits",
+        format!("{quantity} [{}]", quantity.unit())
+    );
+    for p in mean.iter().step_by(mean.len().div_ceil(10).max(1)) {
+        let _ = writeln!(
+            out,
+            "{:>22.4e}  {:>14.4}  {:>17.4e}  {:>4}",
+            p.amplitude, p.frequency_hz, p.damping_ratio, p.hits
+        );
+    }
+    out
+}

@@ -1,0 +1,157 @@
+//! The commands of the program, for its binary and for others that offer them too.
+
+mod characterise;
+mod compare;
+mod export;
+mod identify;
+mod model;
+pub mod run;
+mod transient;
+
+use anyhow::{Result, bail};
+use joint_pipeline::Scene;
+use std::io::Write;
+use std::path::{Component, Path, PathBuf};
+use std::process::ExitCode;
+
+const FLAT: &str = include_str!("../../../../fixtures/scenes/brb-flat.json");
+const DECK: &str = include_str!("../../../../fixtures/scenes/brb-deck.json");
+
+/// Folder of all results, under the current one.
+pub const RESULTS: &str = "results";
+
+/// What the exit codes mean, for the help texts.
+pub const EXIT_CODES: &str = "Exit codes:
+  0  success
+  1  error: bad scene, failed check, unreadable or unwritable file
+  2  wrong arguments
+  3  the run finished and its outputs were written, but some amplitudes did not converge";
+
+/// Commands beside `run`.
+#[derive(clap::Subcommand)]
+pub enum Command {
+    /// Describe the structure of a scene: size, mass and, with `--spectrum`, frequencies with linear interfaces.
+    Model(model::Arguments),
+    /// Write the reduced model of a scene for other programs: NumPy, MATLAB and Octave, Matrix Market.
+    Export(export::Arguments),
+    /// Frequency and damping against amplitude from measured ring-downs; several files are hits to be averaged.
+    Identify(identify::Arguments),
+    /// Characterise two scans over an interface: gaps, roughness, asperities and traction laws with bands per element.
+    Characterise(characterise::Arguments),
+    /// Follow the ring-down of a scene in time, identify it, and lay it over the quasi-static backbones.
+    Transient(transient::Arguments),
+    /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
+    Compare(compare::Arguments),
+}
+
+impl Command {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Whatever stops it: a bad scene, a file that cannot be read or written, a solver that gives up.
+    pub fn run(&self, defaults: &Defaults) -> Result<()> {
+        match self {
+            Self::Model(arguments) => model::run(arguments),
+            Self::Export(arguments) => export::run(arguments, defaults),
+            Self::Identify(arguments) => identify::run(arguments),
+            Self::Characterise(arguments) => characterise::run(arguments),
+            Self::Transient(arguments) => transient::run(arguments, defaults),
+            Self::Compare(arguments) => compare::run(arguments),
+        }
+    }
+}
+
+/// What the program decides where the arguments leave it open.
+#[derive(Clone, Debug, Default)]
+pub struct Defaults {
+    /// Folder of the cache; none: nothing is cached.
+    pub cache: Option<PathBuf>,
+}
+
+/// Where reduced models and finished amplitudes are kept.
+#[derive(clap::Args)]
+pub struct Cache {
+    /// Folder for reduced models and finished amplitudes, made if missing [default: see the help of the program].
+    #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
+    cache: Option<PathBuf>,
+    /// Neither read nor store reduced models and finished amplitudes.
+    #[arg(long)]
+    no_cache: bool,
+}
+
+impl Cache {
+    fn folder(&self, defaults: &Defaults) -> Option<PathBuf> {
+        match (self.no_cache, &self.cache) {
+            (true, _) => None,
+            (false, Some(folder)) => Some(folder.clone()),
+            (false, None) => defaults.cache.clone(),
+        }
+    }
+}
+
+/// How a command ended that did not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// All is well.
+    Success,
+    /// Some amplitudes did not converge.
+    Incomplete,
+}
+
+/// Runs a command and turns its outcome into an exit code; an error is written to standard error in one line.
+pub fn execute(command: impl FnOnce() -> Result<Outcome>) -> ExitCode {
+    // Amplitudes and elements already run in parallel; threads within matrix kernels would only compete with them.
+    faer::set_global_parallelism(faer::Par::Seq);
+    match command() {
+        Ok(Outcome::Success) => ExitCode::SUCCESS,
+        Ok(Outcome::Incomplete) => ExitCode::from(3),
+        Err(error) => {
+            // `{:#}` prints the chain of causes in one line. A closed standard error leaves nobody to tell.
+            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Prints a finished text; a reader that has gone away (as `head` does) is no error.
+///
+/// # Errors
+/// Standard output cannot be written.
+pub fn print(text: &str) -> Result<()> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+/// The scene of a file or a built-in one, with its deck replaced on request.
+///
+/// # Errors
+/// The file cannot be read, its scene is not admissible, or it has no deck to be replaced.
+pub fn read_scene(scene: Option<&Path>, deck: Option<&Path>) -> Result<Scene> {
+    let mut scene = match (scene, deck) {
+        (Some(path), _) => Scene::read(path)?,
+        (None, None) => Scene::from_json(FLAT, "the built-in scene", "brb-flat")?,
+        (None, Some(_)) => Scene::from_json(DECK, "the built-in scene", "brb-deck")?,
+    };
+    if let Some(path) = deck {
+        let Some(source) = &mut scene.model.deck else {
+            bail!(
+                "the scene {} has no model.deck to say which surfaces and bolts of {} to take",
+                scene.name,
+                path.display()
+            )
+        };
+        source.path = path.to_owned();
+    }
+    Ok(scene)
+}
+
+/// The folder of this name among the results.
+fn default_directory(name: &str) -> Result<PathBuf> {
+    let mut components = Path::new(name).components();
+    match (components.next(), components.next()) {
+        (Some(Component::Normal(_)), None) if !name.starts_with('.') => Ok(Path::new(RESULTS).join(name)),
+        _ => bail!("the scene's name `{name}` cannot name a folder; choose one with --out"),
+    }
+}

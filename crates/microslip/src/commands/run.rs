@@ -1,0 +1,237 @@
+//! Runs a scene and writes its results.
+
+use super::{Cache, Defaults, Outcome, default_directory, print};
+use crate::files;
+use crate::progress::{Monitor, peak_memory};
+use anyhow::{Context, Result};
+use joint_pipeline::accuracy::{self, ErrorEstimate};
+use joint_pipeline::progress::Progress;
+use joint_pipeline::registration::{self, Moved};
+use joint_pipeline::summary::Summary;
+use joint_pipeline::{Options, Scene};
+use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
+use reports::{Output, csv, plot};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+const REGISTRATION: &str = "registration.csv";
+
+/// Options of a run.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folder for the results, made if missing; other files in it are left alone, except that fields of amplitudes
+    /// that this run does not store are removed when the folder holds an earlier run of a scene of the same name
+    /// [default: a folder in results, named like the scene].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of threads [default: one per processor].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    #[command(flatten)]
+    cache: Cache,
+    /// Also run K bootstrap realisations of the laws of all elements, for bands about the backbone; the surface of the
+    /// scene must be scanned.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    ensemble: Option<u16>,
+    /// Also run the scene with finer settings, and report the differences as an estimate of its errors.
+    #[arg(long, conflicts_with = "registration_study")]
+    estimate_error: bool,
+    /// Instead, the backbone with the bottom face of a scanned surface moved: by SHIFT (m) and tilted by TILT to either side
+    /// along x and y; written to registration.csv.
+    #[arg(long, value_name = "SHIFT,TILT", num_args = 0..=1, default_missing_value = "6e-4,1e-4", value_parser = shift_and_tilt,
+        conflicts_with = "ensemble")]
+    registration_study: Option<[f64; 2]>,
+}
+
+fn shift_and_tilt(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_slice() {
+        &[shift, tilt] if shift.is_finite() && tilt.is_finite() => Ok([shift, tilt]),
+        _ => Err("a shift in metres and a tilt are expected, such as 6e-4,1e-4".into()),
+    }
+}
+
+/// Runs a scene and writes its results.
+///
+/// # Errors
+/// The scene cannot be run as asked, or its results cannot be written.
+pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
+    if arguments.ensemble.is_some() && !scene.surface.is_scanned() {
+        return Err(joint_pipeline::Error::NoSamples.into());
+    }
+    let finer = match arguments.estimate_error {
+        true => Some(accuracy::refined(scene)?),
+        false => None,
+    };
+    let directory = match &arguments.out {
+        Some(path) => path.clone(),
+        None => default_directory(&scene.name)?,
+    };
+    // Before the computation: it would be a pity to find out only afterwards.
+    std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    if let Some(threads) = arguments.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global()
+            .with_context(|| format!("starting {threads} threads"))?;
+    }
+
+    let options = Options {
+        cache: arguments.cache.folder(defaults),
+    };
+    let monitor = Monitor::new()?;
+    if let Some(moves) = arguments.registration_study {
+        let study = registration::study(scene, moves, &options, &monitor);
+        monitor.finish();
+        let study = study.with_context(|| format!("moving the bottom face of the scene {}", scene.name))?;
+        let outputs = [Output::new(REGISTRATION, csv::registration(&study))];
+        files::write_all(&directory, &outputs)?;
+        print(&moved(&study, &directory))?;
+        let complete = study.iter().all(|moved| moved.not_converged == 0);
+        return Ok(if complete {
+            Outcome::Success
+        } else {
+            Outcome::Incomplete
+        });
+    }
+    let result = match arguments.ensemble {
+        None => joint_pipeline::run(scene, &options, &monitor).map(|run| (run, None)),
+        Some(k) => joint_pipeline::run_ensemble(scene, k.into(), &options, &monitor).map(|(run, all)| (run, Some(all))),
+    };
+    let timings = monitor.finish();
+    let (run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
+    let mut summary = Summary::new(&run, timings, peak_memory());
+    summary.ensemble = ensemble;
+    if let Some((rung, scene)) = finer {
+        let monitor = Monitor::new()?;
+        monitor.note(&format!("again, with the settings `{}`", rung.name));
+        let fine = joint_pipeline::run(&scene, &options, &monitor);
+        monitor.finish();
+        let fine = fine.with_context(|| format!("running the scene {} with finer settings", scene.name))?;
+        summary.error_estimate = Some(ErrorEstimate::new(&run, rung, &fine));
+    }
+
+    let stale = is_run_of(&directory, &scene.name);
+    let outputs = outputs(&run, &summary)?;
+    files::write_all(&directory, &outputs)?;
+    if stale {
+        files::remove_stale(&directory, &outputs, &[ENSEMBLE])?;
+    }
+    print(&account(&summary, &scene.name, &directory))?;
+    let others = summary.methods.values().flatten();
+    let mut members = summary.ensemble.iter().flat_map(|all| &all.members);
+    let complete = summary.backbone.iter().all(|b| b.converged)
+        && others.into_iter().all(|m| m.converged)
+        && members.all(|m| m.failure.is_none() && m.not_converged == 0);
+    Ok(if complete {
+        Outcome::Success
+    } else {
+        Outcome::Incomplete
+    })
+}
+
+/// Whether `directory` holds an earlier run of the scene `name`.
+fn is_run_of(directory: &Path, name: &str) -> bool {
+    let text = std::fs::read_to_string(directory.join(SUMMARY)).unwrap_or_default();
+    let earlier: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    earlier.pointer("/scene/name").and_then(serde_json::Value::as_str) == Some(name)
+}
+
+/// What is printed at the end of a registration study.
+fn moved(study: &[Moved], directory: &Path) -> String {
+    let mut out = String::new();
+    for moved in study {
+        let ([x, y], [tx, ty]) = (moved.registration.shift, moved.registration.tilt);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "bottom face at ({x:+.2e}, {y:+.2e}) m, tilted by ({tx:+.1e}, {ty:+.1e}): first frequency {:.3} Hz; changes up to {:.3} \
+             Hz and {:.1} % of damping",
+            moved.first_frequency_hz,
+            moved.frequency_change_hz,
+            100.0 * moved.damping_change.exp_m1()
+        );
+    }
+    let _ = writeln!(out, "written to {}: {REGISTRATION}", directory.display());
+    out
+}
+
+/// What is printed at the end.
+fn account(summary: &Summary, name: &str, directory: &Path) -> String {
+    let mut out = String::from("\n");
+    let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "{:>4} {:>14} {:>15} {:>12} {:>14} {:>11}",
+        "no.", "amplitude [m]", "frequency [Hz]", "damping [-]", "slipping area", "iterations"
+    );
+    for (index, b) in summary.backbone.iter().enumerate() {
+        let _ = writeln!(
+            out,
+            "{:>4} {:>14} {:>15} {:>12} {:>14} {:>11}{}",
+            index + 1,
+            cell(b.response_displacement, &|v| format!("{v:.4e}")),
+            cell(b.frequency_hz, &|v| format!("{v:.4}")),
+            damping(b),
+            cell(b.slip_fraction, &|v| format!("{:.2} %", 100.0 * v)),
+            b.iterations,
+            b.failure
+                .as_ref()
+                .map_or_else(String::new, |reason| format!("  not converged: {reason}")),
+        );
+    }
+    let _ = writeln!(out, "\namplitude: {}", plot::RESPONSE);
+    if let (Some(first), Some(stuck)) = (summary.modes.first(), summary.model.stuck_frequencies_hz.first()) {
+        let first = first.frequency_hz;
+        let _ = writeln!(
+            out,
+            "first frequency about the prestress: {first:.3} Hz (interface stuck: {stuck:.3} Hz)"
+        );
+    }
+    let failed = summary.backbone.iter().filter(|b| !b.converged).count();
+    if failed > 0 {
+        let all = summary.backbone.len();
+        let _ = writeln!(
+            out,
+            "{failed} of {all} amplitudes DID NOT CONVERGE; their results are missing"
+        );
+    }
+    let open = summary.backbone.iter().filter(|b| b.closed == Some(false)).count();
+    if open > 0 {
+        let _ = writeln!(
+            out,
+            "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
+        );
+    }
+    if let Some(ensemble) = &summary.ensemble {
+        let _ = writeln!(
+            out,
+            "{} bootstrap realisations, {} without a backbone; bands in {ENSEMBLE}",
+            ensemble.realisations, ensemble.failed
+        );
+    }
+    if let Some(rung) = summary.accuracy {
+        let _ = writeln!(
+            out,
+            "settings `{}`, measured errors on the flat beam: {} in frequency, {} in the logarithm of damping",
+            rung.name, rung.frequency_error, rung.damping_error
+        );
+    }
+    if let Some(estimate) = &summary.error_estimate {
+        let _ = writeln!(
+            out,
+            "against the settings `{}`: first frequency {:+.2e}, frequencies within {}, logarithm of damping within {}",
+            estimate.finer,
+            estimate.linear_frequency,
+            cell(estimate.frequency, &|v| format!("{v:.1e}")),
+            cell(estimate.damping, &|v| format!("{v:.1e}"))
+        );
+    }
+    let total = summary.timings.get("total").copied().unwrap_or_default();
+    let _ = writeln!(
+        out,
+        "{name}: {total:.1} s; results, with report.html to begin with, in {}",
+        directory.display()
+    );
+    out
+}

@@ -1,0 +1,61 @@
+//! Output files that appear whole or not at all.
+
+use anyhow::{Context, Result};
+use reports::Output;
+use reports::run::amplitude_file;
+use std::path::{Path, PathBuf};
+
+/// Writes all files into `directory`: first under temporary names, then, when none failed, renamed in the given order.
+///
+/// # Errors
+/// The first file that cannot be written or renamed; temporary files are removed.
+pub fn write_all(directory: &Path, outputs: &[Output]) -> Result<()> {
+    let temporary: Vec<PathBuf> = outputs
+        .iter()
+        .map(|o| directory.join(format!(".{}.part{}", o.name, std::process::id())))
+        .collect();
+    let written = outputs
+        .iter()
+        .zip(&temporary)
+        .try_for_each(|(output, path)| {
+            std::fs::write(path, &output.contents).with_context(|| format!("writing {}", path.display()))
+        })
+        .and_then(|()| {
+            outputs.iter().zip(&temporary).try_for_each(|(output, from)| {
+                let to = directory.join(&output.name);
+                std::fs::rename(from, &to).with_context(|| format!("moving {} into place", to.display()))
+            })
+        });
+    if written.is_err() {
+        // Those already renamed are gone from here; the others are of no use.
+        temporary.iter().for_each(|path| drop(std::fs::remove_file(path)));
+    }
+    written
+}
+
+/// Removes the interface files of amplitudes, and those `named`, that are not among `outputs`.
+///
+/// # Errors
+/// The folder cannot be listed, or a file cannot be removed.
+pub(crate) fn remove_stale(directory: &Path, outputs: &[Output], named: &[&str]) -> Result<()> {
+    let entries = std::fs::read_dir(directory).with_context(|| format!("listing {}", directory.display()))?;
+    for entry in entries {
+        let path = entry
+            .with_context(|| format!("listing {}", directory.display()))?
+            .path();
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
+            continue;
+        };
+        let number = name
+            .strip_prefix("interface-amplitude-")
+            .and_then(|rest| rest.strip_suffix(".vtu"));
+        let ours = number
+            .and_then(|n| n.parse().ok())
+            .is_some_and(|n| amplitude_file(n) == name)
+            || named.contains(&name);
+        if ours && outputs.iter().all(|output| output.name != name) {
+            std::fs::remove_file(&path).with_context(|| format!("removing {} of an earlier run", path.display()))?;
+        }
+    }
+    Ok(())
+}

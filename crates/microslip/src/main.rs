@@ -1,0 +1,61 @@
+//! The program: `microslip --help`.
+
+use clap::{CommandFactory, Parser, Subcommand};
+use etcetera::BaseStrategy;
+use microslip::commands::{self, EXIT_CODES, read_scene};
+use microslip::{Defaults, Outcome};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Frequency and damping of bolted joints against amplitude.
+///
+/// Reduced models and finished amplitudes are kept in the folder `microslip` among the user's caches.
+#[derive(Parser)]
+#[command(version, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Program,
+}
+
+#[derive(Subcommand)]
+enum Program {
+    /// Run a scene: frequency and damping against amplitude.
+    #[command(after_help = EXIT_CODES)]
+    Run {
+        /// Scene file.
+        scene: PathBuf,
+        #[command(flatten)]
+        options: commands::run::Arguments,
+    },
+    #[command(flatten)]
+    Other(microslip::Command),
+    /// Write a completion script for a shell.
+    Completions {
+        /// Shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+fn main() -> ExitCode {
+    let command = Cli::parse().command;
+    microslip::execute(|| {
+        let defaults = Defaults { cache: user_cache() };
+        match command {
+            Program::Run { scene, options } => {
+                commands::run::run(&read_scene(Some(&scene), None)?, &options, &defaults)
+            }
+            Program::Other(other) => other.run(&defaults).map(|()| Outcome::Success),
+            Program::Completions { shell } => {
+                let mut script = Vec::new();
+                clap_complete::generate(shell, &mut Cli::command(), "microslip", &mut script);
+                commands::print(&String::from_utf8_lossy(&script)).map(|()| Outcome::Success)
+            }
+        }
+    })
+}
+
+/// The program's folder among the user's caches; none for a user without a home.
+fn user_cache() -> Option<PathBuf> {
+    let folders = etcetera::choose_base_strategy().ok()?;
+    Some(folders.cache_dir().join("microslip"))
+}

@@ -1,0 +1,23 @@
+//! Errors of this crate.
+
+use plotters::drawing::DrawingAreaErrorKind;
+
+/// Why the drawing library refuses.
+pub type Drawing = DrawingAreaErrorKind<std::io::Error>;
+
+/// Why a document cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A picture could not be drawn.
+    #[error("drawing {picture}")]
+    Picture {
+        /// What it shows.
+        picture: &'static str,
+        /// Why it failed.
+        source: Drawing,
+    },
+    /// A summary could not be written as JSON.
+    #[error("encoding the summary")]
+    Summary(#[source] serde_json::Error),
+}

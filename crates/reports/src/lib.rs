@@ -1,0 +1,35 @@
+#![doc = include_str!("../README.md")]
+
+pub mod csv;
+mod error;
+pub mod fields;
+pub mod identification;
+pub mod map;
+pub mod markup;
+pub mod overlay;
+pub mod page;
+pub mod plot;
+pub mod ring_down;
+pub mod run;
+pub mod vtu;
+
+pub use error::{Drawing, Error};
+
+/// A file to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// Name within its folder.
+    pub name: String,
+    /// Its bytes.
+    pub contents: Vec<u8>,
+}
+
+impl Output {
+    /// A file of this name with these contents.
+    pub fn new(name: impl Into<String>, contents: impl Into<Vec<u8>>) -> Self {
+        Self {
+            name: name.into(),
+            contents: contents.into(),
+        }
+    }
+}

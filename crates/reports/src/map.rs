@@ -1,0 +1,211 @@
+//! Maps of the interface as SVG.
+
+use crate::markup::escape;
+use std::fmt::Write;
+use zte_assembly::InterfaceMesh;
+
+/// Nine equally spaced colours of the viridis map, dark to light.
+const VIRIDIS: [[f64; 3]; 9] = [
+    [68.0, 1.0, 84.0],
+    [71.0, 45.0, 123.0],
+    [59.0, 82.0, 139.0],
+    [44.0, 114.0, 142.0],
+    [33.0, 145.0, 140.0],
+    [40.0, 174.0, 128.0],
+    [94.0, 201.0, 98.0],
+    [173.0, 220.0, 48.0],
+    [253.0, 231.0, 37.0],
+];
+
+const WIDTH: f64 = 800.0;
+const MARGIN: f64 = 10.0;
+const BAR_HEIGHT: f64 = 14.0;
+
+/// Colour for `t` from 0 to 1.
+pub fn rgb(t: f64) -> [u8; 3] {
+    let position = t.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+    let low = (position as usize).min(VIRIDIS.len() - 2);
+    let part = position - low as f64;
+    [0, 1, 2].map(|c| (VIRIDIS[low][c] + part * (VIRIDIS[low + 1][c] - VIRIDIS[low][c])).round() as u8)
+}
+
+fn colour(t: f64) -> String {
+    let [r, g, b] = rgb(t);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// The interface seen from above, one colour per element, with a colour bar from the smallest to the largest value.
+pub fn svg(mesh: &InterfaceMesh, values: &[f64], quantity: &str, unit: &str) -> String {
+    let nodes = &mesh.nodes;
+    let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| nodes.iter().map(|x| x[axis]).fold(from, pick);
+    let (left, right) = (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
+    let (bottom, top) = (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
+    let scale = (WIDTH - 2.0 * MARGIN) / (right - left);
+    let bar_top = MARGIN + scale * (top - bottom) + 12.0;
+    let height = bar_top + BAR_HEIGHT + 26.0;
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let range = if high > low { high - low } else { 1.0 };
+
+    let mut out = String::new();
+    let label = escape(&format!("{quantity} [{unit}]"));
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.1}\" role=\"img\" \
+         aria-label=\"{label}\" font-family=\"sans-serif\" font-size=\"14\">"
+    );
+    for (element, &value) in mesh.elements.iter().zip(values) {
+        let corners: Vec<String> = element
+            .nodes()
+            .iter()
+            .map(|&n| nodes[n as usize])
+            .map(|[x, y]| format!("{:.2},{:.2}", MARGIN + scale * (x - left), MARGIN + scale * (top - y)))
+            .collect();
+        // The stroke closes the hairline gaps that antialiasing leaves between neighbours.
+        let fill = colour((value - low) / range);
+        let _ = writeln!(
+            out,
+            "<polygon points=\"{}\" fill=\"{fill}\" stroke=\"{fill}\" stroke-width=\"1\"/>",
+            corners.join(" ")
+        );
+    }
+    let (steps, bar_width) = (64, WIDTH - 2.0 * MARGIN);
+    for step in 0..steps {
+        let x = MARGIN + bar_width * f64::from(step) / f64::from(steps);
+        let _ = writeln!(
+            out,
+            "<rect x=\"{x:.2}\" y=\"{bar_top:.1}\" width=\"{:.2}\" height=\"{BAR_HEIGHT}\" fill=\"{}\"/>",
+            bar_width / f64::from(steps) + 0.5,
+            colour((f64::from(step) + 0.5) / f64::from(steps))
+        );
+    }
+    let baseline = bar_top + BAR_HEIGHT + 18.0;
+    for (x, anchor, text) in [
+        (MARGIN, "start", format!("{low:.3e}")),
+        (0.5 * WIDTH, "middle", label),
+        (WIDTH - MARGIN, "end", format!("{high:.3e}")),
+    ] {
+        let _ = writeln!(
+            out,
+            "<text x=\"{x}\" y=\"{baseline:.1}\" text-anchor=\"{anchor}\">{text}</text>"
+        );
+    }
+    out += "</svg>\n";
+    out
+}
+
+/// A map among several.
+pub struct Map {
+    /// What is drawn, with its unit.
+    pub label: String,
+    /// One value per element; elements whose value is NaN stay white.
+    pub values: Vec<f64>,
+}
+
+/// Classes of colour: elements of one class share a path, which keeps the files small.
+const CLASSES: usize = 24;
+
+/// Several maps of one interface in rows of `columns`, each with its own range of colours.
+pub fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> String {
+    const TILE: f64 = 420.0;
+    const GAP: f64 = 16.0;
+    const LABEL: f64 = 8.0;
+    let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| mesh.nodes.iter().map(|x| x[axis]).fold(from, pick);
+    let (left, right) = (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
+    let (bottom, top) = (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
+    let scale = TILE / (right - left);
+    let map_height = scale * (top - bottom);
+    let row = map_height + 62.0;
+    let (width, height) = (
+        columns as f64 * (TILE + GAP) + GAP,
+        maps.len().div_ceil(columns) as f64 * row + GAP + LABEL,
+    );
+    let mut out = String::new();
+    let labels: Vec<&str> = maps.iter().map(|map| map.label.as_str()).collect();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" aria-label=\"{}\" \
+         font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#fff\"/>",
+        escape(&labels.join("; "))
+    );
+    for (index, map) in maps.iter().enumerate() {
+        let (x0, y0) = (
+            GAP + (index % columns) as f64 * (TILE + GAP),
+            GAP + LABEL + (index / columns) as f64 * row,
+        );
+        let finite = || map.values.iter().copied().filter(|v| v.is_finite());
+        let low = finite().fold(f64::INFINITY, f64::min);
+        let high = finite().fold(f64::NEG_INFINITY, f64::max);
+        let range = if high > low { high - low } else { 1.0 };
+        let mut paths = vec![String::new(); CLASSES];
+        for (element, value) in mesh.elements.iter().zip(&map.values).filter(|(_, v)| v.is_finite()) {
+            let class = (((value - low) / range * CLASSES as f64) as usize).min(CLASSES - 1);
+            // Whole quarters of a pixel, all corners but the first as steps: the shortest text for a polygon.
+            let mut before: Option<[i32; 2]> = None;
+            for &node in element.nodes() {
+                let [x, y] = mesh.nodes[node as usize];
+                let at = [x - left, top - y].map(|length| (4.0 * scale * length).round() as i32);
+                let _ = match before {
+                    None => write!(paths[class], "M{} {}l", at[0], at[1]),
+                    Some([x, y]) => write!(paths[class], "{} {} ", at[0] - x, at[1] - y),
+                };
+                before = Some(at);
+            }
+            paths[class].push('z');
+        }
+        let _ = writeln!(
+            out,
+            "<g transform=\"translate({x0:.0} {y0:.0})\" stroke-width=\"3\">\n<rect width=\"{TILE}\" \
+             height=\"{map_height:.1}\" fill=\"none\" stroke=\"#bbb\" stroke-width=\".7\"/>"
+        );
+        for (class, path) in paths.iter().enumerate() {
+            let fill = colour((class as f64 + 0.5) / CLASSES as f64);
+            if !path.is_empty() {
+                let _ = writeln!(
+                    out,
+                    "<path transform=\"scale(.25)\" fill=\"{fill}\" stroke=\"{fill}\" d=\"{path}\"/>"
+                );
+            }
+            let _ = writeln!(
+                out,
+                "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"8\" fill=\"{fill}\"/>",
+                TILE * class as f64 / CLASSES as f64,
+                map_height + 6.0,
+                TILE / CLASSES as f64 + 0.5
+            );
+        }
+        let ends = [("start", 0.0, low), ("end", TILE, high)];
+        for (anchor, x, value) in ends.into_iter().filter(|(_, _, v)| v.is_finite()) {
+            let _ = writeln!(
+                out,
+                "<text x=\"{x:.0}\" y=\"{:.0}\" text-anchor=\"{anchor}\">{value:.2e}</text>",
+                map_height + 28.0
+            );
+        }
+        let _ = writeln!(
+            out,
+            "<text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text>\n</g>",
+            0.5 * TILE,
+            -6.0,
+            escape(&map.label)
+        );
+    }
+    out += "</svg>\n";
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::colour;
+
+    #[test]
+    fn colours_run_from_dark_to_light_and_stay_in_range() {
+        assert_eq!(colour(0.0), "#440154");
+        assert_eq!(colour(0.5), "#21918c");
+        assert_eq!(colour(1.0), "#fde725");
+        assert_eq!(colour(-3.0), colour(0.0));
+        assert_eq!(colour(7.0), colour(1.0));
+    }
+}

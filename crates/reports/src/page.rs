@@ -1,0 +1,433 @@
+//! One self-contained page about a run.
+
+use crate::markup::escape;
+use crate::run::damping;
+use crate::{Error, fields, map, plot};
+
+use joint_pipeline::Run;
+use joint_pipeline::interface::AsperityReport;
+use joint_pipeline::summary::{BackboneSummary, Status, Summary};
+use std::fmt::Write;
+
+/// Style sheet of all pages.
+pub const STYLE: &str = "
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 860px; margin: 0 auto; padding: 1rem; }
+h1 { font-size: 1.6rem; margin: .5rem 0; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ddd; }
+svg { width: 100%; height: auto; }
+figure { margin: 1rem 0; }
+figcaption { font-size: .9rem; color: #555; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .9rem; }
+th, td { padding: .2rem .7rem .2rem 0; border-bottom: 1px solid #eee; text-align: left; vertical-align: top; }
+.numbers th, .numbers td { text-align: right; white-space: nowrap; }
+.warning { background: #fdecea; padding: .5rem .8rem; }
+";
+
+/// The page; `backbone` is the picture of the backbone.
+///
+/// # Errors
+/// [`Error::Summary`].
+pub fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<String, Error> {
+    let json = serde_json::to_value(summary).map_err(Error::Summary)?;
+    let name = |pointer: &str| match json.pointer(pointer) {
+        Some(serde_json::Value::String(text)) => text.clone(),
+        // An option with parameters is written as an object with its name as the only key.
+        Some(serde_json::Value::Object(map)) => map.keys().next().cloned().unwrap_or_default(),
+        _ => String::new(),
+    };
+    let title = escape(&run.scene.name);
+    let failed = summary.backbone.iter().filter(|b| !b.converged).count();
+
+    let mut out = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+    );
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<p>Brake-Reuss beam: frequency and damping of mode {} against amplitude. Surface: {}; gap: {}; friction \
+         coefficient {}; {} bolts with {:.3} kN each.</p>",
+        run.scene.cqsma.mode,
+        escape(&name("/scene/surface")),
+        escape(&name("/scene/gap")),
+        run.scene.mu,
+        run.model.reduced.loads.len(),
+        run.scene.bolts.load / 1e3,
+    );
+    if failed > 0 {
+        let all = summary.backbone.len();
+        let _ = writeln!(
+            out,
+            "<p class=\"warning\">{failed} of {all} amplitudes did not converge.</p>"
+        );
+    }
+    out += "<h2>Backbone</h2>\n";
+    let bands = summary.ensemble.as_ref().map_or_else(String::new, |all| {
+        let n = all.realisations - all.failed;
+        format!(" Shaded: 5 to 95 % of {n} bootstrap realisations of the laws.")
+    });
+    figure(&mut out, backbone, &format!("Amplitude: {}.{bands}", plot::RESPONSE));
+
+    out += "<h2>Interface</h2>\n";
+    let caption = "Pressure under prestress, means over the elements; seen from above, the beam's axis to the right.";
+    let pressure = fields::pressure(run, &run.prestress.fields);
+    figure(&mut out, &map::svg(&run.mesh, &pressure, "pressure", "Pa"), caption);
+    for (index, amplitude) in run.amplitudes.iter().enumerate() {
+        let stored = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref());
+        let (Some(stored), Some(x)) = (stored, amplitude.response_displacement) else {
+            continue;
+        };
+        let flux = fields::total_flux(run, stored);
+        let picture = map::svg(&run.mesh, &flux, "dissipated energy per area and cycle", "J/m^2");
+        figure(
+            &mut out,
+            &picture,
+            &format!("Amplitude {} of {}: {x:.3e} m.", index + 1, run.amplitudes.len()),
+        );
+    }
+
+    out += "<h2>Key numbers</h2>\n";
+    key_numbers(&mut out, summary, &name);
+    out += "<h2>Backbone in numbers</h2>\n";
+    backbone_table(&mut out, summary);
+    if !summary.methods.is_empty() {
+        out += "<h2>Other methods</h2>\n";
+        methods_table(&mut out, summary);
+    }
+    out += "<h2>Validity</h2>\n<ul>\n";
+    for sentence in validity(run, summary) {
+        let _ = writeln!(out, "<li>{}</li>", escape(&sentence));
+    }
+    out += "</ul>\n";
+    if !summary.skipped.is_empty() {
+        out += "<h2>Left out, because the scene does not require it</h2>\n<ul>\n";
+        for reason in summary.skipped.values() {
+            let _ = writeln!(out, "<li>{}</li>", escape(reason));
+        }
+        out += "</ul>\n";
+    }
+    out += "<h2>Time and memory</h2>\n";
+    effort(&mut out, summary);
+    out += "</body>\n</html>\n";
+    Ok(out)
+}
+
+fn figure(out: &mut String, svg: &str, caption: &str) {
+    let _ = writeln!(
+        out,
+        "<figure>\n{svg}<figcaption>{}</figcaption>\n</figure>",
+        escape(caption)
+    );
+}
+
+fn rows<'a>(out: &mut String, rows: impl IntoIterator<Item = (&'a str, String)>) {
+    *out += "<div class=\"wide\"><table>\n";
+    for (what, value) in rows {
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td>{}</td></tr>",
+            escape(what),
+            escape(&value)
+        );
+    }
+    *out += "</table></div>\n";
+}
+
+fn frequencies<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
+    let texts: Vec<String> = values.into_iter().map(|f| format!("{f:.2}")).collect();
+    texts.join(", ") + " Hz"
+}
+
+fn key_numbers(out: &mut String, summary: &Summary, name: &dyn Fn(&str) -> String) {
+    let (model, law, gap, prestress) = (&summary.model, &summary.law, &summary.gap, &summary.prestress);
+    let linearised: Vec<f64> = summary.modes.iter().map(|m| m.frequency_hz).collect();
+    let structure = match (model.n_nodes, model.n_elements) {
+        (Some(nodes), Some(elements)) => format!("{nodes} nodes, {elements} elements, {} unknowns", model.n_dofs),
+        _ => format!("matrices over {} coordinates", model.n_dofs),
+    };
+    let mass = model
+        .mass
+        .map_or_else(|| "not known".into(), |mass| format!("{mass:.4} kg"));
+    rows(
+        out,
+        [
+            ("Structure", structure),
+            ("Mass", mass),
+            (
+                "Interface",
+                format!(
+                    "{} elements, {} points, {:.2} mm²",
+                    model.n_interface_elements,
+                    model.n_interface_points,
+                    1e6 * model.interface_area
+                ),
+            ),
+            (
+                "Reduced model",
+                format!(
+                    "{} jump coordinates and {} modes; spectrum within {:.1e} of the full model",
+                    model.n_relative_dofs, model.n_modes, model.penalty_spectrum_error
+                ),
+            ),
+            (
+                "Zero-energy modes",
+                format!(
+                    "{} with the interface stuck, {} without contact",
+                    model.zem_stuck, model.zem_unstressed
+                ),
+            ),
+            ("Frequencies, interface stuck", frequencies(&model.stuck_frequencies_hz)),
+            ("Frequencies about the prestress", frequencies(&linearised)),
+            (
+                "Frequencies without contact",
+                frequencies(&model.unstressed_frequencies_hz),
+            ),
+            (
+                "Traction law",
+                format!("{}, history {}", law.kind, name("/law/history")),
+            ),
+            (
+                "Stiffness at mean pressure",
+                format!(
+                    "{:.3e} Pa/m normal, {:.3e} Pa/m tangential at a closure of {:.2} µm and {:.2} MPa",
+                    law.normal_stiffness,
+                    law.tangential_stiffness,
+                    1e6 * law.mean_closure,
+                    1e-6 * law.mean_pressure
+                ),
+            ),
+            (
+                "Gap",
+                format!(
+                    "{:.2} to {:.2} µm, {} negative value(s) set to zero",
+                    1e6 * gap.smallest,
+                    1e6 * gap.largest,
+                    gap.clipped_points
+                ),
+            ),
+            (
+                "Prestress",
+                format!(
+                    "{:.3} kN per bolt; pressure up to {:.2} MPa, {:.2} MPa on average; {:.1} % of the area in contact",
+                    1e-3 * prestress.bolt_load,
+                    1e-6 * prestress.max_pressure,
+                    1e-6 * prestress.mean_pressure,
+                    100.0 * prestress.contact_area_fraction
+                ),
+            ),
+            (
+                "Solution of the prestress",
+                format!(
+                    "{} iterations, residual ratio {:.1e}, error of equilibrium {:.1e}",
+                    prestress.iterations, prestress.residual_ratio, prestress.equilibrium_error
+                ),
+            ),
+        ],
+    );
+    if let Some(asperities) = &law.asperities {
+        rows(out, asperity_numbers(asperities, name));
+    }
+}
+
+fn asperity_numbers(law: &AsperityReport, name: &dyn Fn(&str) -> String) -> [(&'static str, String); 4] {
+    let table_error = match (law.table_error_normal, law.table_error_tangential) {
+        (Some(n), Some(t)) => format!("{n:.1e} normal, {t:.1e} tangential"),
+        _ => "no table in use".into(),
+    };
+    [
+        (
+            "Asperities",
+            format!(
+                "{} population(s), tangential stiffness {}",
+                law.n_populations,
+                name("/law/tangential")
+            ),
+        ),
+        ("Largest relative error of the tables", table_error),
+        (
+            "Fits to the asperity sums, rms in ln",
+            format!(
+                "{:.4} normal, {:.4} tangential, {} fallback(s)",
+                law.fit_rms_normal, law.fit_rms_tangential, law.fit_fallbacks
+            ),
+        ),
+        (
+            "Other choices of tangential stiffness",
+            format!(
+                "fitted over summed {:.3}; paper over Mindlin reading {:.3}",
+                law.fitted_to_summed, law.paper_to_mindlin
+            ),
+        ),
+    ]
+}
+
+/// Heading of a column and its cell for an amplitude.
+type Column = (&'static str, fn(&BackboneSummary) -> Option<String>);
+
+const COLUMNS: [Column; 10] = [
+    ("displacement [m]", |b| {
+        b.response_displacement.map(|v| format!("{v:.4e}"))
+    }),
+    ("acceleration [m/s²]", |b| {
+        b.response_acceleration.map(|v| format!("{v:.4e}"))
+    }),
+    ("frequency [Hz]", |b| b.frequency_hz.map(|v| format!("{v:.4}"))),
+    ("damping ratio [-]", |b| b.frequency_hz.map(|_| escape(&damping(b)))),
+    ("of it friction [-]", |b| {
+        b.friction_damping_ratio.map(|v| format!("{v:.4e}"))
+    }),
+    ("dissipation [J]", |b| b.dissipation.map(|v| format!("{v:.4e}"))),
+    ("slipping area [%]", |b| {
+        b.slip_fraction.map(|v| format!("{:.2}", 100.0 * v))
+    }),
+    ("open area [%]", |b| {
+        b.open_fraction.map(|v| format!("{:.2}", 100.0 * v))
+    }),
+    ("shape deviation [-]", |b| b.shape_deviation.map(|v| format!("{v:.2e}"))),
+    ("iterations", |b| Some(b.iterations.to_string())),
+];
+
+fn backbone_table(out: &mut String, summary: &Summary) {
+    *out += "<div class=\"wide\"><table class=\"numbers\">\n<tr><th scope=\"col\">no.</th>";
+    for (heading, _) in COLUMNS {
+        let _ = write!(out, "<th scope=\"col\">{heading}</th>");
+    }
+    *out += "</tr>\n";
+    for (index, point) in summary.backbone.iter().enumerate() {
+        let _ = write!(out, "<tr><td>{}</td>", index + 1);
+        for (_, cell) in COLUMNS {
+            let _ = write!(out, "<td>{}</td>", cell(point).unwrap_or_else(|| "–".into()));
+        }
+        if let Some(reason) = &point.failure {
+            let _ = write!(out, "<td>not converged: {}</td>", escape(reason));
+        }
+        *out += "</tr>\n";
+    }
+    *out += "</table></div>\n";
+}
+
+/// Displacement, frequency and damping ratio of the other methods, side by side.
+fn methods_table(out: &mut String, summary: &Summary) {
+    let cell = |out: &mut String, text: Option<String>| {
+        let _ = write!(out, "<td>{}</td>", text.unwrap_or_else(|| "–".into()));
+    };
+    *out += "<div class=\"wide\"><table class=\"numbers\">\n<tr><th scope=\"col\">no.</th>";
+    for name in summary.methods.keys() {
+        for heading in ["displacement [m]", "frequency [Hz]", "damping ratio [-]"] {
+            let _ = write!(out, "<th scope=\"col\">{}: {heading}</th>", plot::title(name));
+        }
+    }
+    *out += "</tr>\n";
+    for index in 0..summary.backbone.len() {
+        let _ = write!(out, "<tr><td>{}</td>", index + 1);
+        for point in summary.methods.values().filter_map(|points| points.get(index)) {
+            let below = point.damping_floor.map(|floor| format!("&lt; {floor:.1e}"));
+            cell(out, point.response_displacement.map(|v| format!("{v:.4e}")));
+            cell(out, point.frequency_hz.map(|v| format!("{v:.4}")));
+            cell(out, point.damping_ratio.map(|v| format!("{v:.4e}")).or(below));
+        }
+        *out += "</tr>\n";
+    }
+    *out += "</table></div>\n";
+}
+
+/// What the run says about its own validity, in sentences.
+fn validity(run: &Run, summary: &Summary) -> Vec<String> {
+    let v = &summary.validity;
+    let percent = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
+    let unknown = || "not known for this law".to_owned();
+    let at = |number: usize| {
+        let x = run
+            .amplitudes
+            .get(number.saturating_sub(1))
+            .and_then(|a| a.response_displacement);
+        x.map_or_else(
+            || format!("amplitude {number}"),
+            |x| format!("amplitude {number} ({x:.3e} m)"),
+        )
+    };
+    let mut sentences = vec![
+        format!(
+            "Under prestress {} of the nominal area is in contact by points, {} by whole elements; the real contact area \
+             of the asperities is {} of the nominal area.",
+            percent(v.contact_area_fraction_by_points),
+            percent(v.contact_area_fraction_by_elements),
+            v.real_contact_area_fraction
+                .map_or_else(unknown, |f| format!("{:.4} %", 100.0 * f)),
+        ),
+        format!(
+            "An asperity begins to yield at an interference of {}; the share of the loaded asperities beyond it is \
+             {}. The law is elastic: where that share is large, its stiffness is an elastic prediction and no more.",
+            v.yield_onset_interference
+                .map_or_else(unknown, |omega| format!("{omega:.3e} m")),
+            v.yielded_asperity_fraction.map_or_else(unknown, percent),
+        ),
+        format!(
+            "The adhesive traction is at most {} of the elastic pressure under prestress; adhesion is not modelled.",
+            v.adhesive_to_elastic_traction.map_or_else(unknown, percent),
+        ),
+        match (v.bolt_hole_clearance, v.first_beyond_clearance) {
+            (None, _) => "The clearance of the bolt holes is not known, and pinning is not modelled.".into(),
+            (Some(clearance), Some(number)) => format!(
+                "From {} on the faces move tangentially by more than the clearance of the bolt holes, {:.2} mm: shanks \
+                 would touch, which is not modelled.",
+                at(number),
+                1e3 * clearance
+            ),
+            (Some(clearance), None) => format!(
+                "The tangential motion stays below the clearance of the bolt holes, {:.2} mm, at all amplitudes.",
+                1e3 * clearance
+            ),
+        },
+        match v.first_beyond_shape_deviation {
+            Some(number) => format!(
+                "From {} on more than {} of the motion at the peak is outside the linearised mode: frequency and damping, \
+                 which assume its shape, are doubtful there.",
+                at(number),
+                percent(v.shape_deviation_limit)
+            ),
+            None => format!(
+                "At all amplitudes less than {} of the motion at the peak is outside the linearised mode, whose shape \
+                 the formulas of frequency and damping assume.",
+                percent(v.shape_deviation_limit)
+            ),
+        },
+    ];
+    sentences.push(match v.first_not_converged {
+        Some(number) => format!("Amplitude {number} is the first that did not converge."),
+        None => "All amplitudes converged.".into(),
+    });
+    if let Some(force) = v.separation_modal_force
+        && summary.backbone.iter().any(|b| b.modal_force > force)
+    {
+        sentences.push(format!(
+            "Beyond a modal force of {force:.3e} sqrt(kg) m/s^2 the inertia of the mode exceeds what the bolts' constant tension holds \
+             together: there is no equilibrium. Bolts that are locked would take up the difference."
+        ));
+    }
+    let below = summary
+        .backbone
+        .iter()
+        .filter(|b| b.status == Status::BelowFloor)
+        .count();
+    if below > 0 {
+        sentences.push(format!(
+            "At {below} amplitudes the damping is smaller than what residuals and the ends of the loop could make of it: only \
+             that bound is given."
+        ));
+    }
+    sentences
+}
+
+fn effort(out: &mut String, summary: &Summary) {
+    let times = summary
+        .timings
+        .iter()
+        .map(|(stage, seconds)| (stage.as_str(), format!("{seconds:.1} s")));
+    let memory = summary
+        .peak_memory
+        .map(|bytes| ("largest memory", format!("{:.0} MB", bytes as f64 / 1e6)));
+    rows(out, times.chain(memory));
+}

@@ -1,0 +1,642 @@
+//! Pictures: the backbone, the response and the profiles of an element, and the cost of a load point.
+
+use crate::{Drawing, Error};
+use contact_laws::{ContactCurves, FittedCurves};
+use joint_pipeline::ensemble::BandPoint;
+use joint_pipeline::summary::{BackboneSummary, MethodSummary, Summary};
+use joint_pipeline::surface::Profile;
+use plotters::coord::Shift;
+use plotters::coord::combinators::{LogCoord, WithKeyPoints};
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use std::ops::Range;
+use surface_characterisation::ElementSurface;
+
+const SIZE: (u32, u32) = (800, 720);
+/// Colour of frequencies.
+pub const BLUE: RGBColor = RGBColor(31, 93, 153);
+/// Colour of damping ratios.
+pub const RED: RGBColor = RGBColor(178, 58, 46);
+const GRID: RGBColor = RGBColor(222, 222, 222);
+
+/// Length of the sample of a curve in the legend (pixels).
+const SAMPLE: u32 = 40;
+
+/// Name of the response point, for axes and tables.
+pub const RESPONSE: &str = "displacement amplitude at the beam's end, edge middle, in bending direction";
+
+/// What is drawn on.
+pub type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// A picture of this size (pixels) on a white ground, as SVG; `name` says in errors what it shows.
+///
+/// # Errors
+/// [`Error::Picture`] if `draw` fails.
+pub fn picture(
+    name: &'static str,
+    size: (u32, u32),
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), Drawing>,
+) -> Result<String, Error> {
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        let drawn = root
+            .fill(&WHITE)
+            .and_then(|()| draw(&root))
+            .and_then(|()| root.present());
+        drawn.map_err(|source| Error::Picture { picture: name, source })?;
+    }
+    Ok(svg)
+}
+
+/// Frequency above, damping below, over a shared logarithmic amplitude axis.
+///
+/// # Errors
+/// [`Error::Picture`].
+pub fn backbone(summary: &Summary, title: &str) -> Result<String, Error> {
+    picture("the backbone", SIZE, |root| draw(summary, title, root))
+}
+
+/// What a load point costs (ms), logarithmic: above against the number of interface elements, below against the points per
+/// element.
+///
+/// # Errors
+/// [`Error::Picture`].
+pub fn scaling(by_elements: &[(f64, f64)], by_points: &[(f64, f64)]) -> Result<String, Error> {
+    picture("the cost of a load point", SIZE, |root| {
+        let (upper, lower) = root.split_vertically(SIZE.1 / 2);
+        for (area, label, colour, pairs) in [
+            (upper, "interface elements, 4 points each", BLUE, by_elements),
+            (lower, "points per element, 588 elements", RED, by_points),
+        ] {
+            let points: Points = pairs.iter().enumerate().map(|(i, &(x, y))| (i, x, y)).collect();
+            let x = widen(&bounds(pairs.iter().map(|p| p.0)).unwrap_or(1.0..10.0), 1.3);
+            let y = widen(&bounds(pairs.iter().map(|p| p.1)).unwrap_or(1.0..10.0), 2.0);
+            let (x_ticks, y_ticks) = (ticks(&x), ticks(&y));
+            let plain = |value: &f64| format!("{value}");
+            panel(
+                &area,
+                log(&x, &x_ticks),
+                log(&y, &y_ticks),
+                "load point [ms]",
+                label,
+                [&plain, &plain],
+                &[Curve {
+                    name: String::new(),
+                    colour,
+                    dashes: None,
+                    dots: true,
+                    points,
+                }],
+                &[],
+                SeriesLabelPosition::LowerRight,
+            )?;
+        }
+        Ok(())
+    })
+}
+
+/// Normal traction above, tangential stiffness along x and y below, against interference: sums over the heights, their
+/// bands and their fits.
+///
+/// # Errors
+/// [`Error::Picture`].
+pub fn response(element: &ElementSurface, fits: &FittedCurves, title: &str) -> Result<String, Error> {
+    let (curves, u) = (&element.curves, &element.curves.interference);
+    let curve = |name: &str, colour, dashes, values: &mut dyn Iterator<Item = f64>| {
+        let points = u.iter().zip(values).enumerate().map(|(i, (&u, v))| (i, u, v));
+        Curve {
+            name: name.into(),
+            colour,
+            dashes,
+            dots: false,
+            points: points.filter(|p| p.2 > 0.0).collect(),
+        }
+    };
+    let (green, fit) = (RGBColor(34, 130, 60), Some((9, 5)));
+    let normal = [
+        curve("sum", BLUE, None, &mut curves.normal.iter().copied()),
+        curve("fit (28)", RED, fit, &mut u.iter().map(|&u| fits.normal(u).0)),
+    ];
+    let along = |q: usize| curves.tangential[q].iter().copied();
+    let mut tangential = vec![
+        curve("sum", BLUE, None, &mut along(0)),
+        curve(
+            "fit (29)",
+            RED,
+            fit,
+            &mut u.iter().map(|&u| fits.tangential(u)[0].value),
+        ),
+    ];
+    if curves.tangential[0] != curves.tangential[1] {
+        tangential[0].name += ", x";
+        tangential[1].name += ", x";
+        tangential.push(curve("sum, y", green, None, &mut along(1)));
+        let y = &mut u.iter().map(|&u| fits.tangential(u)[1].value);
+        tangential.push(curve("fit (29), y", RGBColor(122, 58, 150), fit, y));
+    }
+    picture("the response of an element", SIZE, |root| {
+        let root = root.titled(title, ("sans-serif", 20))?;
+        let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
+        let bands = element.bands.as_ref();
+        for (area, x_label, y_label, curves, band) in [
+            (
+                &upper,
+                "",
+                "normal traction [Pa]",
+                &normal[..],
+                bands.map(|b| &b.normal),
+            ),
+            (
+                &lower,
+                "interference [m]",
+                "tangential stiffness [Pa/m]",
+                &tangential,
+                bands.map(|b| &b.tangential[0]),
+            ),
+        ] {
+            let x = bounds(points(curves).map(|p| p.1)).unwrap_or(1e-7..1e-5);
+            let y = widen(&bounds(points(curves).map(|p| p.2)).unwrap_or(1.0..10.0), 2.0);
+            let (x_ticks, y_ticks) = (ticks(&x), ticks(&y));
+            // Where a realisation does not touch yet, its zero lies below every logarithmic axis.
+            let within = |v: f64| v.clamp(y.start, y.end);
+            let band = band.map(|[low, high]| Band {
+                colour: BLUE,
+                points: (0..u.len()).map(|k| (u[k], within(low[k]), within(high[k]))).collect(),
+            });
+            panel(
+                area,
+                log(&x, &x_ticks),
+                log(&y, &y_ticks),
+                y_label,
+                x_label,
+                [&power, &power],
+                curves,
+                band.as_slice(),
+                SeriesLabelPosition::LowerRight,
+            )?;
+        }
+        Ok(())
+    })
+}
+
+/// A line through an element: above the heights with the form that is taken off, below what remains with the parabolas of
+/// its peaks (um over mm).
+///
+/// # Errors
+/// [`Error::Picture`].
+pub fn profile(profile: &Profile, title: &str) -> Result<String, Error> {
+    let step = match profile.x[..] {
+        [first, second, ..] => second - first,
+        _ => 1.0,
+    };
+    let line = |name: &str, colour, dashes, values: &mut dyn Iterator<Item = f64>| {
+        let points = profile.x.iter().zip(values).enumerate();
+        let points = points
+            .map(|(i, (x, z))| (i, 1e3 * x, 1e6 * z))
+            .filter(|p| p.2.is_finite());
+        Curve {
+            name: name.into(),
+            colour,
+            dashes,
+            dots: false,
+            points: points.collect(),
+        }
+    };
+    let raw = [
+        line("heights", BLUE, None, &mut profile.height.iter().copied()),
+        line("plane and form", RED, Some((9, 5)), &mut profile.form.iter().copied()),
+    ];
+    let residual = &mut profile.height.iter().zip(&profile.form).map(|(z, form)| z - form);
+    let arcs = profile.peaks.iter().enumerate().flat_map(|(number, peak)| {
+        // Nine points over two steps, with numbers that keep the arcs apart.
+        (0..9_u8).map(move |k| {
+            let s = step * (f64::from(k) / 4.0 - 1.0);
+            let z = peak.height - 0.5 * peak.curvature * s * s;
+            let x = profile.x[0] + peak.position + s;
+            (10 * number + usize::from(k), 1e3 * x, 1e6 * z)
+        })
+    });
+    let arcs = Curve {
+        name: "parabolas of the peaks".into(),
+        colour: RED,
+        dashes: Some((SAMPLE, 1)),
+        dots: false,
+        points: arcs.collect(),
+    };
+    let flat = [line("heights above the form", BLUE, None, residual), arcs];
+    picture("a profile", SIZE, |root| {
+        let root = root.titled(title, ("sans-serif", 20))?;
+        let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
+        for (area, x_label, curves) in [(&upper, "", &raw), (&lower, "x [mm]", &flat)] {
+            let x = bounds(points(&raw).map(|p| p.1)).unwrap_or(0.0..1.0);
+            let Range { start, end } = bounds(points(curves).map(|p| p.2)).unwrap_or(0.0..1.0);
+            let margin = 0.08 * (end - start) + f64::MIN_POSITIVE;
+            panel(
+                area,
+                x,
+                start - margin..end + margin,
+                "height [um]",
+                x_label,
+                [&|x| format!("{x:.2}"), &|z| format!("{z:.1}")],
+                curves,
+                &[],
+                SeriesLabelPosition::LowerRight,
+            )?;
+        }
+        Ok(())
+    })
+}
+
+/// Points of a curve with their numbers in the backbone, so that lines break where an amplitude is missing.
+pub type Points = Vec<(usize, f64, f64)>;
+
+/// The curve of one method.
+pub struct Curve {
+    /// Name in the legend; empty: none.
+    pub name: String,
+    /// Colour of line and dots.
+    pub colour: RGBColor,
+    /// Length and spacing of its dashes (pixels); none: a solid line.
+    pub dashes: Option<(u32, u32)>,
+    /// Whether its points are marked.
+    pub dots: bool,
+    /// Its points.
+    pub points: Points,
+}
+
+/// A shaded band: position, lower and upper end.
+pub struct Band {
+    colour: RGBColor,
+    points: Vec<(f64, f64, f64)>,
+}
+
+impl Curve {
+    fn new(name: &str, main: RGBColor, points: Points) -> Self {
+        let (colour, dashes) = match name {
+            "qsma" => (RGBColor(214, 126, 0), Some((9, 5))),
+            "qsma-twice" => (RGBColor(110, 110, 110), Some((5, 9))),
+            "masing" => (RGBColor(34, 130, 60), Some((2, 4))),
+            "rqnma" => (RGBColor(122, 58, 150), Some((14, 4))),
+            _ => (main, None),
+        };
+        Self {
+            name: title(name),
+            colour,
+            dashes,
+            dots: dashes.is_none(),
+            points,
+        }
+    }
+}
+
+/// Name of a method as it is written.
+pub fn title(method: &str) -> String {
+    match method {
+        "masing" => "Masing".into(),
+        "qsma-twice" => "QSMA, contact twice".into(),
+        acronym => acronym.to_uppercase(),
+    }
+}
+
+/// One curve per method, CQSMA last so that it lies on top: amplitude and the value asked for.
+fn curves(
+    summary: &Summary,
+    main: RGBColor,
+    cqsma: fn(&BackboneSummary) -> Option<f64>,
+    other: fn(&MethodSummary) -> Option<f64>,
+) -> Vec<Curve> {
+    let methods = summary.methods.iter().map(|(name, points)| {
+        let points = points.iter().enumerate();
+        let points = points.filter_map(|(i, m)| Some((i, m.response_displacement?, other(m)?)));
+        Curve::new(name, main, points.collect())
+    });
+    let points = summary.backbone.iter().enumerate();
+    let points = points.filter_map(|(i, b)| Some((i, b.response_displacement?, cqsma(b)?)));
+    methods.chain([Curve::new("cqsma", main, points.collect())]).collect()
+}
+
+/// All points of all curves.
+fn points(curves: &[Curve]) -> impl Iterator<Item = &(usize, f64, f64)> {
+    curves.iter().flat_map(|curve| &curve.points)
+}
+
+/// All values of curves and bands.
+fn heights<'a>(curves: &'a [Curve], bands: &'a [Band]) -> impl Iterator<Item = f64> + 'a {
+    let bands = bands.iter().flat_map(|b| b.points.iter().flat_map(|p| [p.1, p.2]));
+    points(curves).map(|p| p.2).chain(bands)
+}
+
+fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing> {
+    let frequency = curves(summary, BLUE, |b| b.frequency_hz, |m| m.frequency_hz);
+    let mut damping = curves(summary, RED, |b| b.damping_ratio, |m| m.damping_ratio);
+    let all = points(&damping).count();
+    for curve in &mut damping {
+        curve.points.retain(|(_, _, zeta)| *zeta > 0.0);
+    }
+    let omitted = all - points(&damping).count();
+    let ensemble = summary.ensemble.as_ref().map_or(&[][..], |ensemble| &ensemble.bands);
+    let of = |colour, ends: &dyn Fn(&BandPoint) -> Option<[f64; 2]>| -> Vec<Band> {
+        let points = ensemble
+            .iter()
+            .filter_map(|b| ends(b).map(|[l, h]| (b.response_displacement, l, h)));
+        let points: Vec<_> = points.collect();
+        // One point has no area.
+        (points.len() > 1)
+            .then_some(Band { colour, points })
+            .into_iter()
+            .collect()
+    };
+    let frequency_band = of(BLUE, &|b| Some([b.frequency_hz[0], b.frequency_hz[2]]));
+    let damping_band = of(RED, &|b| Some([b.damping_ratio[0]?, b.damping_ratio[2]?]));
+
+    let root = root.titled(title, ("sans-serif", 20))?;
+    let Some(amplitudes) = bounds(points(&frequency).map(|p| p.1)) else {
+        let (x, y) = (SIZE.0 as i32 / 2 - 130, SIZE.1 as i32 / 2);
+        root.draw(&Text::new("no amplitude converged", (x, y), ("sans-serif", 22)))?;
+        return Ok(());
+    };
+    let x = widen(&amplitudes, 1.3);
+    let x_ticks = ticks(&x);
+    let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
+
+    let Range { start, end } = bounds(heights(&frequency, &frequency_band)).unwrap_or(0.0..1.0);
+    let margin = (0.08 * (end - start)).max(1e-3 * end);
+    let y = start - margin..end + margin;
+    panel(
+        &upper,
+        log(&x, &x_ticks),
+        y,
+        "frequency [Hz]",
+        "",
+        [&power, &|f| format!("{f:.2}")],
+        &frequency,
+        &frequency_band,
+        SeriesLabelPosition::LowerLeft,
+    )?;
+
+    let y = bounds(heights(&damping, &damping_band)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
+    let y_ticks = ticks(&y);
+    let label = format!("{RESPONSE} [m]");
+    let chart_y = log(&y, &y_ticks);
+    panel(
+        &lower,
+        log(&x, &x_ticks),
+        chart_y,
+        "damping ratio [-]",
+        &label,
+        [&power, &power],
+        &damping,
+        &damping_band,
+        SeriesLabelPosition::LowerRight,
+    )?;
+    if omitted > 0 {
+        let text = format!("{omitted} of {all} points are not positive and left out");
+        lower.draw(&Text::new(text, (110, 12), ("sans-serif", 14)))?;
+    }
+    Ok(())
+}
+
+/// One diagram with curves and bands over two axes.
+///
+/// # Errors
+/// The drawing library refuses.
+pub fn panel<X, Y>(
+    area: &Canvas<'_>,
+    x: X,
+    y: Y,
+    y_label: &str,
+    x_label: &str,
+    [x_text, y_text]: [&dyn Fn(&f64) -> String; 2],
+    curves: &[Curve],
+    bands: &[Band],
+    legend: SeriesLabelPosition,
+) -> Result<(), Drawing>
+where
+    X: AsRangedCoord<Value = f64>,
+    Y: AsRangedCoord<Value = f64>,
+    X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    let mut chart = ChartBuilder::on(area)
+        .margin(8)
+        .margin_right(24)
+        .set_label_area_size(LabelAreaPosition::Left, 78)
+        .set_label_area_size(LabelAreaPosition::Bottom, if x_label.is_empty() { 30 } else { 56 })
+        .build_cartesian_2d(x, y)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(GRID)
+        .label_style(("sans-serif", 15))
+        .axis_desc_style(("sans-serif", 16))
+        .x_label_formatter(x_text)
+        .y_label_formatter(y_text)
+        .y_labels(7)
+        .x_desc(x_label)
+        .y_desc(y_label)
+        .draw()?;
+    let legend_wanted = curves.len() > 1 && curves.iter().any(|curve| !curve.name.is_empty());
+    for band in bands {
+        let lower = band.points.iter().map(|&(x, low, _)| (x, low));
+        let outline: Vec<(f64, f64)> = lower
+            .chain(band.points.iter().rev().map(|&(x, _, high)| (x, high)))
+            .collect();
+        chart.draw_series([Polygon::new(outline, band.colour.mix(0.2).filled())])?;
+    }
+    for curve in curves {
+        let style = curve.colour.stroke_width(2);
+        for run in curve.points.chunk_by(|a, b| a.0 + 1 == b.0) {
+            let line = run.iter().map(|p| (p.1, p.2));
+            match curve.dashes {
+                None => chart.draw_series(LineSeries::new(line, style))?,
+                Some((length, spacing)) => chart.draw_series(DashedLineSeries::new(line, length, spacing, style))?,
+            };
+        }
+        let dots: &[_] = if curve.dots { &curve.points } else { &[] };
+        let dots = dots.iter().map(|p| Circle::new((p.1, p.2), 3, curve.colour.filled()));
+        let drawn = chart.draw_series(dots)?;
+        if legend_wanted && !curve.name.is_empty() {
+            let (length, spacing) = curve.dashes.unwrap_or((SAMPLE, 1));
+            drawn.label(&curve.name).legend(move |(x, y)| {
+                let ends = [(x, y), (x + SAMPLE as i32, y)];
+                DashedPathElement::new(ends, length, spacing, style)
+            });
+        }
+    }
+    if legend_wanted {
+        chart
+            .configure_series_labels()
+            .position(legend)
+            .legend_area_size(SAMPLE + 6)
+            .margin(10)
+            .label_font(("sans-serif", 14))
+            .background_style(WHITE.mix(0.8))
+            .draw()?;
+    }
+    Ok(())
+}
+
+/// One diagram among several over the same abscissa.
+pub struct Panel {
+    /// Text beside the ordinate.
+    pub y_label: &'static str,
+    /// Whether its ordinate is logarithmic; then points that are not positive are left out.
+    pub log: bool,
+    /// Corner of the legend.
+    pub legend: SeriesLabelPosition,
+    /// What is drawn.
+    pub curves: Vec<Curve>,
+}
+
+/// Diagrams above one another; their abscissa is logarithmic on request.
+///
+/// # Errors
+/// [`Error::Picture`].
+pub fn stack(x_label: &str, x_log: bool, panels: Vec<Panel>) -> Result<String, Error> {
+    const HEIGHT: u32 = 300;
+    let size = (SIZE.0, HEIGHT * panels.len() as u32 + 20);
+    picture("diagrams", size, |root| {
+        let all = panels.iter().flat_map(|panel| points(&panel.curves)).map(|p| p.1);
+        let all = bounds(all.filter(|x| x.is_finite() && (!x_log || *x > 0.0))).unwrap_or(1.0..10.0);
+        let x = if x_log { widen(&all, 1.3) } else { margin(&all) };
+        let x_ticks = ticks(&x);
+        let last = panels.len().saturating_sub(1);
+        for ((index, mut diagram), area) in panels.into_iter().enumerate().zip(root.split_evenly((last + 1, 1))) {
+            let label = if index == last { x_label } else { "" };
+            for curve in &mut diagram.curves {
+                let drawable = |x: f64, y: f64| x.is_finite() && y.is_finite() && (!x_log || x > 0.0);
+                curve
+                    .points
+                    .retain(|(_, x, y)| drawable(*x, *y) && (!diagram.log || *y > 0.0));
+            }
+            let range = bounds(points(&diagram.curves).map(|p| p.2)).unwrap_or(1.0..10.0);
+            let plain = |v: &f64| format!("{}", (v * 1e6).round() * 1e-6);
+            let x_text: &dyn Fn(&f64) -> String = if x_log { &power } else { &plain };
+            let (curves, legend, name) = (&diagram.curves, diagram.legend, diagram.y_label);
+            let y = if diagram.log {
+                widen(&range, 1.5)
+            } else {
+                margin(&range)
+            };
+            let y_ticks = ticks(&y);
+            let (linear_text, axis) = (decimals(&y), [x_text, &power as &dyn Fn(&f64) -> String]);
+            let linear = [x_text, &linear_text as &dyn Fn(&f64) -> String];
+            match (x_log, diagram.log) {
+                (true, true) => panel(
+                    &area,
+                    log(&x, &x_ticks),
+                    log(&y, &y_ticks),
+                    name,
+                    label,
+                    axis,
+                    curves,
+                    &[],
+                    legend,
+                ),
+                (true, false) => panel(&area, log(&x, &x_ticks), y, name, label, linear, curves, &[], legend),
+                (false, true) => panel(
+                    &area,
+                    x.clone(),
+                    log(&y, &y_ticks),
+                    name,
+                    label,
+                    axis,
+                    curves,
+                    &[],
+                    legend,
+                ),
+                (false, false) => panel(&area, x.clone(), y, name, label, linear, curves, &[], legend),
+            }?;
+        }
+        Ok(())
+    })
+}
+
+/// The range with some air at both ends.
+fn margin(range: &Range<f64>) -> Range<f64> {
+    let air = (0.08 * (range.end - range.start)).max(1e-3 * range.end.abs());
+    range.start - air..range.end + air
+}
+
+/// Numbers of a linear axis with as many decimals as its range asks for.
+fn decimals(range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
+    let places = (1.0 - (range.end - range.start).log10().floor()).clamp(0.0, 6.0) as usize;
+    move |v| format!("{v:.places$}")
+}
+
+/// Smallest and largest of the values; none without values.
+pub fn bounds(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
+    let range = values.fold(f64::INFINITY..f64::NEG_INFINITY, |r, v| r.start.min(v)..r.end.max(v));
+    (range.start <= range.end).then_some(range)
+}
+
+/// The range widened by a factor at both ends, for logarithmic axes.
+pub fn widen(range: &Range<f64>, factor: f64) -> Range<f64> {
+    range.start / factor..range.end * factor
+}
+
+/// A logarithmic axis with these ticks.
+pub fn log(range: &Range<f64>, ticks: &[f64]) -> WithKeyPoints<LogCoord<f64>> {
+    range.clone().log_scale().with_key_points(ticks.to_vec())
+}
+
+/// At most about ten ticks of a logarithmic axis: powers of ten, or 1, 2 and 5 times them on short axes.
+pub fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
+    let (stride, factors): (usize, &[f64]) = match last - first {
+        0..=3 => (1, &[1.0, 2.0, 5.0]),
+        span => ((span as usize).div_ceil(10), &[1.0]),
+    };
+    let decades = (first..=last).step_by(stride);
+    decades
+        .flat_map(|n| factors.iter().map(move |f| f * 10_f64.powi(n)))
+        .filter(|t| range.contains(t))
+        .collect()
+}
+
+/// `m x 10^n`, without `m` where it is one.
+pub fn power(value: &f64) -> String {
+    let text = format!("{value:e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let mantissa: f64 = mantissa.parse().unwrap_or(f64::NAN);
+    let superscript: String = exponent
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            c => c
+                .to_digit(10)
+                .map_or(c, |d| ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][d as usize]),
+        })
+        .collect();
+    // Powers computed in floating point are off by a unit in the last place.
+    if (mantissa - 1.0).abs() < 1e-9 {
+        format!("10{superscript}")
+    } else {
+        format!("{mantissa:.0}·10{superscript}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_have_a_readable_number_of_ticks() {
+        for (start, end) in [(1e-7, 1e-3), (3e-8, 4e-8), (1e-20, 1.0), (0.9, 1.1), (2e-3, 7e-1)] {
+            let found = ticks(&(start..end));
+            assert!(found.len() <= 12, "{start} to {end}: {found:?}");
+            assert!(found.iter().all(|t| (start..end).contains(t)));
+        }
+        assert_eq!(ticks(&(0.5e-7..2e-3)).len(), 5);
+    }
+
+    #[test]
+    fn powers_of_ten_are_written_as_such() {
+        assert_eq!(power(&1e-6), "10⁻⁶");
+        assert_eq!(power(&10_f64.powi(-11)), "10⁻¹¹");
+        assert_eq!(power(&2e-3), "2·10⁻³");
+        assert_eq!(power(&1.0), "10⁰");
+    }
+}

@@ -1,0 +1,186 @@
+//! The entries as a page, in HTML and in Markdown, and as a few lines of text.
+
+use super::{Computed, Figure};
+use reports::markup::escape;
+use reports::page::STYLE;
+use std::fmt::Write;
+use std::path::Path;
+
+const TITLE: &str = "The paper, recomputed";
+
+const INTRODUCTION: &str = "Every result of Balaji, Chen and Brake (2020), DOI 10.1016/j.ymssp.2020.106615, that can be computed without \
+    its private scans, beside the published figure. The scans of the authors are not public: in their place stand the measured \
+    asperity statistics and gap of another interface of the same beam (Porter and Brake 2023, DOI 10.1016/j.ymssp.2023.110210), or \
+    two synthetic scans on the paper's grid; where that is so, the last column of a table says it at the number. Figures of entries \
+    that are not comparable can agree no better than the surfaces do.";
+
+const QUICK: &str =
+    "This is a quick look: the mesh is coarser than the paper's and the figures are not those of its mesh.";
+
+/// A number with five significant digits, as an exponential outside of the range of easy reading.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let exponent = value.abs().log10().floor();
+    if (-3.0..6.0).contains(&exponent) {
+        let places = (4.0 - exponent).clamp(0.0, 6.0) as usize;
+        format!("{value:.places$}")
+    } else {
+        format!("{value:.4e}")
+    }
+}
+
+fn difference(figure: &Figure) -> String {
+    match (figure.published, figure.difference()) {
+        (Some(0.0), Some(difference)) => number(difference),
+        (_, Some(difference)) => format!("{:+.2} %", 100.0 * difference),
+        _ => String::new(),
+    }
+}
+
+fn cells(figure: &Figure) -> [String; 5] {
+    [
+        figure.name.clone(),
+        figure.published.map_or_else(|| "–".into(), number),
+        number(figure.computed),
+        difference(figure),
+        figure.note.into(),
+    ]
+}
+
+const HEADINGS: [&str; 5] = ["figure", "published", "here", "difference", "remark"];
+
+fn comparable(comparable: bool) -> &'static str {
+    if comparable {
+        "inputs as published, as far as they are printed"
+    } else {
+        "the inputs differ from the published ones"
+    }
+}
+
+/// The page as HTML, pictures included.
+pub(super) fn html(computed: &[Computed], quick: bool) -> String {
+    let mut out = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <title>{TITLE}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{TITLE}</h1>\n<p>{}</p>\n",
+        escape(INTRODUCTION)
+    );
+    if quick {
+        let _ = writeln!(out, "<p class=\"warning\">{QUICK}</p>");
+    }
+    for Computed {
+        entry,
+        findings,
+        seconds,
+    } in computed
+    {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "<h2 id=\"{}\">{}</h2>\n<p>{}</p>",
+            entry.id,
+            escape(entry.title),
+            escape(entry.inputs)
+        );
+        let found = match findings {
+            Ok(found) => found,
+            Err(reason) => {
+                let _ = writeln!(out, "<p class=\"warning\">Failed: {}</p>", escape(reason));
+                continue;
+            }
+        };
+        let _ = writeln!(out, "<p><strong>{}</strong></p>", escape(&found.judgement));
+        for picture in &found.pictures {
+            let _ = writeln!(
+                out,
+                "<figure>\n{}<figcaption>{}</figcaption>\n</figure>",
+                picture.svg,
+                escape(&picture.caption)
+            );
+        }
+        out += "<div class=\"wide\"><table>\n<tr>";
+        for heading in HEADINGS {
+            let _ = write!(out, "<th scope=\"col\">{heading}</th>");
+        }
+        out += "</tr>\n";
+        for figure in &found.figures {
+            out += "<tr>";
+            for cell in cells(figure) {
+                let _ = write!(out, "<td>{}</td>", escape(&cell));
+            }
+            out += "</tr>\n";
+        }
+        let _ = writeln!(
+            out,
+            "</table></div>\n<p>{seconds:.0} s of computation; {}.</p>",
+            comparable(found.comparable)
+        );
+    }
+    out += "</body>\n</html>\n";
+    out
+}
+
+/// The page as Markdown; pictures are files in the folder `paper` beside it.
+pub(super) fn markdown(computed: &[Computed]) -> String {
+    let mut out = format!(
+        "# {TITLE}\n\nMade by `cargo xtask paper --docs`; `--only ID` runs one entry, and `results/paper/` holds the same as `report.html` \
+         and `paper.json`.\n\n{INTRODUCTION}\n\n| entry | judgement |\n|---|---|\n"
+    );
+    let cell = |text: &str| text.replace('|', "\\|");
+    for Computed { entry, findings, .. } in computed {
+        let judgement = findings
+            .as_ref()
+            .map_or_else(|reason| format!("failed: {reason}"), |f| f.judgement.clone());
+        let _ = writeln!(out, "| [{0}](#{0}) | {1} |", entry.id, cell(&judgement));
+    }
+    for Computed { entry, findings, .. } in computed {
+        let _ = writeln!(
+            out,
+            "\n<a id=\"{}\"></a>\n\n## {}\n\n{}",
+            entry.id, entry.title, entry.inputs
+        );
+        let Ok(found) = findings else { continue };
+        let _ = writeln!(out, "\n**{}** ({}.)\n", found.judgement, comparable(found.comparable));
+        for picture in &found.pictures {
+            let _ = writeln!(out, "![{}](paper/{}.svg)\n", picture.caption, picture.name);
+        }
+        let _ = writeln!(out, "| {} |\n|---|---|---|---|---|", HEADINGS.join(" | "));
+        for figure in &found.figures {
+            let row: Vec<String> = cells(figure).iter().map(|text| cell(text)).collect();
+            let _ = writeln!(out, "| {} |", row.join(" | "));
+        }
+    }
+    out
+}
+
+/// What is printed at the end.
+pub(super) fn account(computed: &[Computed], folder: &Path, seconds: f64) -> String {
+    let mut out = String::from("\n");
+    for Computed { entry, findings, .. } in computed {
+        let text = match findings {
+            Ok(found) => found.judgement.clone(),
+            Err(reason) => format!("FAILED: {reason}"),
+        };
+        let _ = writeln!(out, "{:>10}  {text}", entry.id);
+    }
+    let _ = writeln!(
+        out,
+        "\n{} entries in {seconds:.0} s; results, with report.html to begin with, in {}",
+        computed.len(),
+        folder.display()
+    );
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_have_five_digits() {
+        let texts = [0.0, 168.267912, -0.0123456, 12850.015, 1.0528e11, 4.2e-9].map(number);
+        assert_eq!(texts, ["0", "168.27", "-0.012346", "12850", "1.0528e11", "4.2000e-9"]);
+    }
+}

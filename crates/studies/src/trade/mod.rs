@@ -1,0 +1,620 @@
+//! What accuracy costs, measured setting by setting.
+//!
+//! Every rung of every dial is a run in a process of its own, one after another, so that time and memory are
+//! its own. A rung is judged against the last one of its dial.
+
+mod dials;
+mod page;
+
+use anyhow::{Context, Result, anyhow, bail};
+use dials::{AMPLITUDES, Dial, Rung, Share, Source};
+use joint_pipeline::Scene;
+use joint_pipeline::accuracy::{Extrapolation, RUNGS, extrapolate};
+use joint_pipeline::comparison::{Backbone, Point};
+use reports::Output;
+use reports::run::SUMMARY;
+use serde_json::{Map, Value, json};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// The command that runs a scene: followed by the scene's file, `--out DIR` and perhaps `--ensemble K`, it writes `summary.json`
+/// into that folder. Its working directory is the folder of the runs, and is where it should keep its cache.
+pub struct Launcher {
+    /// Program.
+    pub program: PathBuf,
+    /// Arguments before those.
+    pub arguments: Vec<OsString>,
+}
+
+/// What is to be measured.
+pub struct Plan {
+    base: Scene,
+    dials: Vec<Dial>,
+}
+
+impl Plan {
+    /// The settings of `scene` that are named, all without any; `quick` on a coarse mesh and only what takes seconds on it.
+    ///
+    /// # Errors
+    /// An unknown name, listing those that exist; a scene that cannot be varied.
+    pub fn try_new(scene: Scene, only: &[String], quick: bool) -> Result<Self> {
+        let base = dials::base(scene, quick);
+        let wanted = |name: &str| only.is_empty() || only.iter().any(|only| only == name);
+        let mut dials = dials::all(&base, quick, wanted)?;
+        for name in only {
+            if dials.iter().all(|dial| dial.name != name) {
+                let names: Vec<&str> = dials.iter().map(|dial| dial.name).collect();
+                bail!("there is no dial `{name}`; there are {}", names.join(", "));
+            }
+        }
+        dials.retain(|dial| wanted(dial.name));
+        Ok(Self { base, dials })
+    }
+
+    /// Runs everything, or takes what an equal scene left in the folder `runs`. `show` is given a line after each run.
+    ///
+    /// # Errors
+    /// The folder cannot be found, the scene itself fails, or a picture cannot be drawn.
+    pub fn measure(self, runs: &Path, launcher: &Launcher, show: impl Fn(&str)) -> Result<Trade> {
+        let runs = runs
+            .canonicalize()
+            .with_context(|| format!("finding the folder {}", runs.display()))?;
+        let all = 1 + self.dials.iter().map(|dial| dial.rungs.len()).sum::<usize>();
+        let mut bench = Bench::new(runs, launcher, &show, all);
+        let ladders: Vec<Ladder> = self
+            .dials
+            .into_iter()
+            .map(|dial| {
+                let measured = dial.rungs.iter().map(|rung| bench.run(dial.name, rung)).collect();
+                ladder(dial, measured)
+            })
+            .collect();
+        // After the dials, among whose rungs it usually is.
+        let own = bench.run("scene", &Rung::new("as it is", self.base.clone()));
+        let own = own.map_err(|reason| anyhow!("the scene itself failed: {reason}"))?;
+        let budget = budget(&ladders, &own);
+        let report = report(&ladders, &self.base, &budget, &own);
+        let table = page::markdown(&ladders, &budget);
+        let outcomes = || ladders.iter().flat_map(|ladder| &ladder.outcomes);
+        Ok(Trade {
+            outputs: [
+                Output::new("trade.csv", page::csv(&ladders)),
+                Output::new("trade.md", table.clone()),
+                Output::new("trade.svg", page::pareto(&ladders)?),
+                Output::new("trade.json", format!("{report:#}\n")),
+            ],
+            table,
+            failed: outcomes().filter(|outcome| outcome.measured.is_err()).count(),
+            exceeded: exceeded(&ladders),
+        })
+    }
+}
+
+/// What was measured.
+pub struct Trade {
+    /// Its files.
+    pub outputs: [Output; 4],
+    /// Markdown.
+    pub table: String,
+    /// Number of runs that failed.
+    pub failed: usize,
+    /// Settings that scenes can ask for whose errors are larger than promised, each with a sentence.
+    pub exceeded: Vec<(&'static str, String)>,
+}
+
+/// A rung that was run.
+pub(crate) struct Measured {
+    /// Linearised frequency of the mode followed (Hz).
+    linear: f64,
+    /// Over displacement.
+    backbone: Backbone,
+    /// Of mesh, assembly and reduction (s).
+    structure_seconds: f64,
+    /// Of everything else that its backbone needs (s).
+    interface_seconds: f64,
+    peak_memory: Option<u64>,
+    n_elements: f64,
+    not_converged: usize,
+}
+
+/// How far a rung is from its reference.
+#[derive(Clone, Copy)]
+pub(crate) struct Errors {
+    /// Relative, of the linearised frequency.
+    pub(crate) linear: f64,
+    /// Of the frequency shift, relative to the linearised frequency, at the three amplitudes.
+    pub(crate) shift: [Option<f64>; 3],
+    /// Of the logarithm of the damping ratio there.
+    pub(crate) damping: [Option<f64>; 3],
+}
+
+impl Errors {
+    /// Largest relative error of a frequency.
+    pub(crate) fn frequency(&self) -> f64 {
+        let at = |shift: &Option<f64>| shift.map_or(0.0, |shift| (self.linear + shift).abs());
+        self.shift.iter().map(at).fold(self.linear.abs(), f64::max)
+    }
+
+    /// Largest error of the logarithm of the damping ratio.
+    pub(crate) fn damping(&self) -> Option<f64> {
+        self.damping.iter().flatten().map(|e| e.abs()).reduce(f64::max)
+    }
+}
+
+/// A rung with what came of it.
+pub(crate) struct Outcomes {
+    pub(crate) measured: Result<Measured, String>,
+    pub(crate) errors: Option<Errors>,
+    /// Whether no other rung of the dial is both faster and nearer to the reference.
+    pub(crate) pareto: bool,
+}
+
+/// The limit of a refinement, from its three finest rungs.
+pub(crate) struct Limit {
+    /// What converges.
+    pub(crate) quantity: &'static str,
+    pub(crate) extrapolation: Option<Extrapolation>,
+    /// Distance of the finest rung from the limit: relative of frequencies, of the logarithm of damping; zero where refinement changes
+    /// nothing.
+    pub(crate) uncertainty: Option<f64>,
+}
+
+/// A dial that was measured.
+pub(crate) struct Ladder {
+    pub(crate) dial: Dial,
+    pub(crate) outcomes: Vec<Outcomes>,
+    pub(crate) limits: Vec<Limit>,
+}
+
+/// What tells reduced structures apart in summaries: equal only where one was taken from the cache.
+const STRUCTURE: [&str; 5] = ["n_dofs", "n_relative_dofs", "n_modes", "mass", "stuck_frequencies_hz"];
+
+/// Runs scenes one after another, each in its own process.
+struct Bench<'a> {
+    folder: PathBuf,
+    launcher: &'a Launcher,
+    show: &'a dyn Fn(&str),
+    done: usize,
+    all: usize,
+    /// Scenes without their names, the reduced structures among them, and what was measured.
+    known: Vec<(Value, Value)>,
+}
+
+impl<'a> Bench<'a> {
+    fn new(folder: PathBuf, launcher: &'a Launcher, show: &'a dyn Fn(&str), all: usize) -> Self {
+        Self {
+            folder,
+            launcher,
+            show,
+            done: 0,
+            all,
+            known: Vec::new(),
+        }
+    }
+
+    /// Runs a rung, or takes what an equal scene gave.
+    fn run(&mut self, dial: &str, rung: &Rung) -> Result<Measured, String> {
+        self.done += 1;
+        let slug: String = format!("{dial}-{}", rung.name)
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+            .collect();
+        let measured = self
+            .summary(&slug, rung)
+            .and_then(|summary| self.measured(rung, &summary))
+            .map_err(|error| format!("{error:#}"));
+        let account = match &measured {
+            Ok(m) => format!("{:.1} s", m.structure_seconds + m.interface_seconds),
+            Err(reason) => format!("failed: {reason}"),
+        };
+        (self.show)(&format!(
+            "{:>3} of {} {dial}, {}: {account}",
+            self.done, self.all, rung.name
+        ));
+        measured
+    }
+
+    fn summary(&mut self, slug: &str, rung: &Rung) -> Result<Value> {
+        let scene = comparable(&rung.scene, rung.source);
+        if let Some((_, summary)) = self.known.iter().find(|(known, _)| *known == scene) {
+            return Ok(summary.clone());
+        }
+        let folder = self.folder.join(slug);
+        let path = folder.join(SUMMARY);
+        let earlier = std::fs::read_to_string(&path).ok();
+        let earlier = earlier.and_then(|text| serde_json::from_str::<Value>(&text).ok());
+        // A run that is there was measured as this one would be, if its scene is the same.
+        let kept = earlier.filter(|summary| of_summary(summary, rung.source) == scene);
+        let summary = match kept {
+            Some(summary) => summary,
+            None => self.measure(slug, rung, &folder)?,
+        };
+        self.known.push((scene, summary.clone()));
+        Ok(summary)
+    }
+
+    fn measure(&self, slug: &str, rung: &Rung, folder: &Path) -> Result<Value> {
+        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        let path = folder.join("scene.json");
+        let mut scene = rung.scene.clone();
+        scene.name = slug.into();
+        let text = serde_json::to_string_pretty(&scene).context("encoding the scene")?;
+        std::fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
+        let mut command = Command::new(&self.launcher.program);
+        command
+            .args(&self.launcher.arguments)
+            .arg(&path)
+            .arg("--out")
+            .arg(folder);
+        if let Source::Ensemble(count) = rung.source {
+            command.args(["--ensemble", &count.to_string()]);
+        }
+        // The cache of reduced structures is relative to the working directory.
+        command.current_dir(&self.folder).stdin(Stdio::null());
+        let output = command.output().with_context(|| format!("starting the run {slug}"))?;
+        // Exit code 3: some amplitudes did not converge, which the summary counts.
+        if !matches!(output.status.code(), Some(0 | 3)) {
+            let messages = String::from_utf8_lossy(&output.stderr);
+            return Err(anyhow!(
+                "{}",
+                messages.lines().last().unwrap_or("the run ended without a message")
+            ));
+        }
+        let path = folder.join(SUMMARY);
+        let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
+        serde_json::from_str(&text).with_context(|| format!("{} is not JSON", path.display()))
+    }
+
+    /// Seconds and memory of reducing the structure of a run, from the run that did it: others took it from the cache, also where their
+    /// scenes spell out what is the default.
+    fn structure_of(&self, summary: &Value) -> (f64, Option<u64>) {
+        let structure = |summary: &Value| STRUCTURE.map(|fact| summary["model"][fact].clone());
+        let own = structure(summary);
+        let same = self
+            .known
+            .iter()
+            .map(|(_, known)| known)
+            .filter(|known| structure(known) == own);
+        let longest = same.max_by(|a, b| structure_seconds(a).total_cmp(&structure_seconds(b)));
+        longest.map_or((0.0, None), |run| (structure_seconds(run), run["peak_memory"].as_u64()))
+    }
+
+    fn measured(&self, rung: &Rung, summary: &Value) -> Result<Measured> {
+        let mode = rung.scene.cqsma.mode - 1;
+        let number = |value: &Value, what: &str| value.as_f64().with_context(|| format!("the summary has no {what}"));
+        let linear = number(&summary["modes"][mode]["frequency_hz"], "linearised frequency")?;
+        let name = match rung.source {
+            Source::Loops => String::new(),
+            Source::Method(method) => format!("/methods/{}", method.name()),
+            Source::Ensemble(_) => "/ensemble/bands".into(),
+        };
+        let list = match rung.source {
+            Source::Loops => &summary["backbone"],
+            _ => summary.pointer(&name).unwrap_or(&Value::Null),
+        };
+        let list = list.as_array().context("the summary has no backbone")?;
+        // Of bands, the upper end.
+        let end = |value: &Value| match rung.source {
+            Source::Ensemble(_) => value[2].as_f64(),
+            _ => value.as_f64(),
+        };
+        let points: Vec<Point> = list
+            .iter()
+            .filter_map(|point| {
+                Some(Point {
+                    amplitude: point["response_displacement"].as_f64()?,
+                    frequency_hz: end(&point["frequency_hz"])?,
+                    damping_ratio: end(&point["damping_ratio"]),
+                })
+            })
+            .collect();
+        let not_converged = rung.scene.cqsma.amplitudes.saturating_sub(points.len());
+        let seconds = |stage: &str| summary["timings"][stage].as_f64().unwrap_or(0.0);
+        let own = match rung.source {
+            Source::Loops => "backbone",
+            Source::Method(_) => "methods",
+            Source::Ensemble(_) => "ensemble",
+        };
+        let (structure, memory) = self.structure_of(summary);
+        Ok(Measured {
+            linear,
+            backbone: Backbone::try_new(&rung.name, points)?,
+            structure_seconds: structure,
+            interface_seconds: ["characterise", "prestress", "modes", own].map(seconds).iter().sum(),
+            peak_memory: summary["peak_memory"].as_u64().max(memory),
+            n_elements: number(&summary["model"]["n_interface_elements"], "number of elements")?,
+            not_converged,
+        })
+    }
+}
+
+fn structure_seconds(summary: &Value) -> f64 {
+    let seconds = |stage: &str| summary["timings"][stage].as_f64().unwrap_or(0.0);
+    ["mesh", "assemble", "factor", "reduce"].map(seconds).iter().sum()
+}
+
+/// A scene as its summary has it, without its name, and what else is computed.
+fn comparable(scene: &Scene, source: Source) -> Value {
+    without_name(json!(scene), source)
+}
+
+fn of_summary(summary: &Value, source: Source) -> Value {
+    let members = summary["ensemble"]["realisations"].as_u64().unwrap_or(0);
+    let asked = match source {
+        Source::Ensemble(count) => u64::from(count),
+        _ => 0,
+    };
+    if members == asked {
+        without_name(summary["scene"].clone(), source)
+    } else {
+        Value::Null
+    }
+}
+
+fn without_name(mut scene: Value, source: Source) -> Value {
+    if let Some(object) = scene.as_object_mut() {
+        object.remove("name");
+    }
+    let ensemble = match source {
+        Source::Ensemble(count) => count,
+        _ => 0,
+    };
+    json!([scene, ensemble])
+}
+
+/// Judges the rungs of a dial by its last one.
+fn ladder(dial: Dial, measured: Vec<Result<Measured, String>>) -> Ladder {
+    let errors: Vec<Option<Errors>> = match measured.last() {
+        Some(Ok(reference)) => measured
+            .iter()
+            .map(|rung| rung.as_ref().ok().map(|rung| errors(rung, reference)))
+            .collect(),
+        _ => measured.iter().map(|_| None).collect(),
+    };
+    let limits = limits(&dial, &measured);
+    let cost: Vec<Option<(f64, f64)>> = measured
+        .iter()
+        .zip(&errors)
+        .map(|(measured, errors)| {
+            let (measured, errors) = (measured.as_ref().ok()?, errors.as_ref()?);
+            let seconds = measured.structure_seconds + measured.interface_seconds;
+            Some((
+                seconds,
+                errors.damping().unwrap_or(f64::INFINITY).max(errors.frequency()),
+            ))
+        })
+        .collect();
+    let outcomes = measured
+        .into_iter()
+        .zip(errors)
+        .enumerate()
+        .map(|(index, (measured, errors))| {
+            let beaten = |own: (f64, f64)| cost.iter().flatten().any(|other| other.0 < own.0 && other.1 < own.1);
+            Outcomes {
+                measured,
+                errors,
+                pareto: cost[index].is_some_and(|own| !beaten(own)),
+            }
+        })
+        .collect();
+    Ladder { dial, outcomes, limits }
+}
+
+fn errors(rung: &Measured, reference: &Measured) -> Errors {
+    let at = |amplitude: f64| rung.backbone.at(amplitude).zip(reference.backbone.at(amplitude));
+    let shift = |amplitude| {
+        let ((own, _), (right, _)) = at(amplitude)?;
+        Some(((own - rung.linear) - (right - reference.linear)) / reference.linear)
+    };
+    let damping = |amplitude| {
+        let ((_, own), (_, right)) = at(amplitude)?;
+        Some((own? / right?).ln())
+    };
+    Errors {
+        linear: rung.linear / reference.linear - 1.0,
+        shift: AMPLITUDES.map(shift),
+        damping: AMPLITUDES.map(damping),
+    }
+}
+
+/// Limits of what a refinement converges to.
+fn limits(dial: &Dial, measured: &[Result<Measured, String>]) -> Vec<Limit> {
+    let sizes: Vec<Option<f64>> = dial
+        .rungs
+        .iter()
+        .zip(measured)
+        .map(|(rung, measured)| match (dial.name, measured) {
+            // All lengths of the mesh go with the root of the area of an element.
+            ("mesh", Ok(measured)) => Some(measured.n_elements.powf(-0.5)),
+            _ => rung.size,
+        })
+        .collect();
+    let [.., Some(a), Some(b), Some(c)] = sizes[..] else {
+        return Vec::new();
+    };
+    let [.., Ok(first), Ok(second), Ok(third)] = measured else {
+        return Vec::new();
+    };
+    let of = |quantity, value: &dyn Fn(&Measured) -> Option<f64>, is_logarithm: bool| {
+        let values = [first, second, third].map(value);
+        let [Some(x), Some(y), Some(z)] = values else {
+            return Limit {
+                quantity,
+                extrapolation: None,
+                uncertainty: None,
+            };
+        };
+        if x == y && y == z {
+            return Limit {
+                quantity,
+                extrapolation: None,
+                uncertainty: Some(0.0),
+            };
+        }
+        let extrapolation = extrapolate([a, b, c], [x, y, z]);
+        let distance = |e: &Extrapolation| {
+            let difference = (z - e.limit).abs();
+            if is_logarithm {
+                difference
+            } else {
+                difference / e.limit.abs()
+            }
+        };
+        Limit {
+            quantity,
+            uncertainty: extrapolation.as_ref().map(distance),
+            extrapolation,
+        }
+    };
+    vec![
+        of("linearised frequency [Hz]", &|m| Some(m.linear), false),
+        of(
+            "ln(damping ratio) at the middle amplitude",
+            &|m| Some(m.backbone.at(AMPLITUDES[1])?.1?.ln()),
+            true,
+        ),
+    ]
+}
+
+/// Rungs of scenes that are farther from the reference than their entry says.
+fn exceeded(ladders: &[Ladder]) -> Vec<(&'static str, String)> {
+    let mut found = Vec::new();
+    for ladder in ladders.iter().filter(|ladder| ladder.dial.name == "accuracy") {
+        for (rung, outcome) in RUNGS.iter().zip(&ladder.outcomes) {
+            let Some(errors) = &outcome.errors else { continue };
+            let (frequency, damping) = (errors.frequency(), errors.damping().unwrap_or(f64::INFINITY));
+            if frequency > rung.frequency_error || damping > rung.damping_error {
+                found.push((
+                    rung.name,
+                    format!(
+                        "measured errors {frequency:.1e} and {damping:.1e}, but {:.1e} and {:.1e} are what scenes are promised",
+                        rung.frequency_error, rung.damping_error
+                    ),
+                ));
+            }
+        }
+    }
+    found
+}
+
+/// What `trade.json` holds.
+fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], own: &Measured) -> Value {
+    let [frequency, damping_ln] = total(budget);
+    let mut rungs = Vec::new();
+    let (mut pareto, mut reference, mut orders) = (Map::new(), Map::new(), Map::new());
+    for ladder in ladders {
+        let dial = &ladder.dial;
+        let name = |rung: &Rung| format!("{}: {}", dial.name, rung.name);
+        for (rung, outcome) in dial.rungs.iter().zip(&ladder.outcomes) {
+            let mut row = json!({
+                "name": name(rung),
+                "dial": dial.name,
+                "setting": rung.name,
+                "errors": outcome.errors.map(|errors| json!({
+                    "linear_frequency": errors.linear,
+                    "frequency_shift": errors.shift,
+                    "damping_ln": errors.damping,
+                })),
+                "status": match &outcome.measured {
+                    Ok(_) => "measured".to_owned(),
+                    Err(reason) => format!("failed: {reason}"),
+                },
+            });
+            if let Ok(measured) = &outcome.measured {
+                let backbone = AMPLITUDES.map(|a| measured.backbone.at(a));
+                row["seconds"] = json!(measured.structure_seconds + measured.interface_seconds);
+                row["structure_seconds"] = json!(measured.structure_seconds);
+                row["interface_seconds"] = json!(measured.interface_seconds);
+                row["peak_memory"] = json!(measured.peak_memory);
+                row["not_converged"] = json!(measured.not_converged);
+                row["linear_frequency_hz"] = json!(measured.linear);
+                row["frequency_hz"] = json!(backbone.map(|at| at.map(|(f, _)| f)));
+                row["damping_ratio"] = json!(backbone.map(|at| at.and_then(|(_, zeta)| zeta)));
+            }
+            rungs.push(row);
+        }
+        let best = dial.rungs.iter().zip(&ladder.outcomes).filter(|(_, o)| o.pareto);
+        pareto.insert(dial.name.into(), best.map(|(rung, _)| json!(rung.name)).collect());
+        reference.insert(dial.name.into(), json!(dial.rungs.last().map(|rung| &rung.name)));
+        let limits = ladder.limits.iter().map(|limit| {
+            json!({
+                "quantity": limit.quantity,
+                "order": limit.extrapolation.map(|e| e.order),
+                "limit": limit.extrapolation.map(|e| e.limit),
+                "uncertainty": limit.uncertainty,
+            })
+        });
+        orders.insert(dial.name.into(), limits.collect());
+    }
+    json!({
+        "scene": base,
+        "amplitudes": AMPLITUDES,
+        "rungs": rungs,
+        "pareto": pareto,
+        "reference": reference,
+        "limits": orders,
+        "budget": {
+            "parts": budget.iter().map(|part| {
+                let row = json!({"kind": part.kind.name(), "frequency": part.frequency, "damping_ln": part.damping_ln});
+                (part.dial.to_owned(), row)
+            }).collect::<Map<_, _>>(),
+            "root_sum_of_squares_of_errors": {"frequency": frequency, "damping_ln": damping_ln},
+        },
+        "structure": {"seconds": own.structure_seconds, "peak_memory": own.peak_memory},
+    })
+}
+
+/// A part of what is uncertain about the scene that the dials are about.
+pub(crate) struct Part {
+    pub(crate) dial: &'static str,
+    pub(crate) kind: Share,
+    /// Relative.
+    pub(crate) frequency: f64,
+    /// Of the logarithm of the damping ratio.
+    pub(crate) damping_ln: f64,
+}
+
+/// Numerical errors by the rungs whose results are those of the scene itself, choices and sampling by the rung that is farthest from
+/// the reference.
+pub(crate) fn budget(ladders: &[Ladder], own: &Measured) -> Vec<Part> {
+    let part = |ladder: &Ladder| {
+        let size = |errors: &Errors| [errors.frequency(), errors.damping().unwrap_or(0.0)];
+        let all = || ladder.outcomes.iter().filter_map(|outcome| outcome.errors.as_ref());
+        let farthest = || all().map(size).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let [frequency, damping_ln] = match ladder.dial.share {
+            Share::None => return None,
+            Share::Error => {
+                // To the bit, also where a setting spells out the default.
+                let is_own = |m: &Measured| m.linear == own.linear && m.backbone == own.backbone;
+                let mut outcomes = ladder.outcomes.iter();
+                let found = outcomes.find(|outcome| outcome.measured.as_ref().is_ok_and(is_own))?;
+                let [frequency, damping] = found.errors.as_ref().map(size)?;
+                // What the reference itself is away from the limit counts as well.
+                let rest = |index: usize| {
+                    ladder
+                        .limits
+                        .get(index)
+                        .and_then(|limit| limit.uncertainty)
+                        .unwrap_or(0.0)
+                };
+                [frequency + rest(0), damping + rest(1)]
+            }
+            Share::Choice | Share::Sampling => farthest()?,
+        };
+        Some(Part {
+            dial: ladder.dial.name,
+            kind: ladder.dial.share,
+            frequency,
+            damping_ln,
+        })
+    };
+    ladders.iter().filter_map(part).collect()
+}
+
+/// All numerical errors together: relative of frequencies, of the logarithm of damping.
+pub(crate) fn total(budget: &[Part]) -> [f64; 2] {
+    let errors = || budget.iter().filter(|part| part.kind == Share::Error);
+    let root = |of: fn(&Part) -> f64| errors().map(|part| of(part).powi(2)).sum::<f64>().sqrt();
+    [root(|part| part.frequency), root(|part| part.damping_ln)]
+}

@@ -1,0 +1,229 @@
+//! What was measured as a table and a picture.
+
+use super::dials::{AMPLITUDES, Source};
+use super::{Ladder, Measured, Part, total};
+use plotters::prelude::*;
+use reports::plot::{Canvas, Curve, bounds, log, panel, picture, power, ticks, widen};
+use reports::{Drawing, Error};
+use std::fmt::Write;
+
+const SIZE: (u32, u32) = (900, 900);
+
+/// Dials that are drawn, with the colours of Okabe and Ito, which the colour-blind can tell apart.
+const DRAWN: [(&str, RGBColor); 8] = [
+    ("mesh", RGBColor(0, 0, 0)),
+    ("points", RGBColor(230, 159, 0)),
+    ("modes", RGBColor(86, 180, 233)),
+    ("vertices", RGBColor(0, 158, 115)),
+    ("tolerance", RGBColor(240, 228, 66)),
+    ("law", RGBColor(0, 114, 178)),
+    ("arms", RGBColor(213, 94, 0)),
+    ("accuracy", RGBColor(204, 121, 167)),
+];
+
+fn seconds(measured: &Measured) -> f64 {
+    measured.structure_seconds + measured.interface_seconds
+}
+
+/// All rungs as rows.
+pub(crate) fn csv(ladders: &[Ladder]) -> String {
+    let mut out = String::from("dial,setting,seconds,interface_seconds,peak_memory_bytes,linear_frequency_error");
+    for what in ["frequency_shift_error", "damping_ln_error"] {
+        for amplitude in AMPLITUDES {
+            // Writing to a string cannot fail.
+            let _ = write!(out, ",{what}_at_{amplitude:e}_m");
+        }
+    }
+    out.push_str(",not_converged,pareto,failure\n");
+    for ladder in ladders {
+        for (rung, outcome) in ladder.dial.rungs.iter().zip(&ladder.outcomes) {
+            let cell = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.6e}"));
+            let measured = outcome.measured.as_ref();
+            let of = |value: fn(&Measured) -> f64| cell(measured.ok().map(value));
+            let memory = measured.ok().and_then(|m| m.peak_memory);
+            let _ = write!(
+                out,
+                "{},\"{}\",{},{},{},{}",
+                ladder.dial.name,
+                rung.name,
+                of(seconds),
+                of(|m| m.interface_seconds),
+                memory.map_or_else(String::new, |bytes| bytes.to_string()),
+                cell(outcome.errors.map(|e| e.linear)),
+            );
+            let errors = outcome.errors;
+            for index in 0..AMPLITUDES.len() {
+                let _ = write!(out, ",{}", cell(errors.and_then(|e| e.shift[index])));
+            }
+            for index in 0..AMPLITUDES.len() {
+                let _ = write!(out, ",{}", cell(errors.and_then(|e| e.damping[index])));
+            }
+            let failure = outcome.measured.as_ref().err();
+            let _ = writeln!(
+                out,
+                ",{},{},\"{}\"",
+                measured.map_or_else(|_| String::new(), |m| m.not_converged.to_string()),
+                outcome.pareto,
+                failure.map_or_else(String::new, |reason| reason.replace('"', "'"))
+            );
+        }
+    }
+    out
+}
+
+/// The same for readers, times and errors to two digits.
+pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
+    let [low, middle, high] = AMPLITUDES.map(|a| format!("{:.0}", 1e6 * a));
+    let mut out = format!(
+        "| dial | setting | time [s] | of it the interface [s] | memory [GB] | f1 | shift at {low}, {middle}, {high} um | \
+         ln(damping) at {low}, {middle}, {high} um |\n|---|---|---|---|---|---|---|---|\n"
+    );
+    let number = |value: f64| match value {
+        0.0 => "0".to_owned(),
+        value => format!("{value:+.1e}"),
+    };
+    let three = |values: [Option<f64>; 3]| values.map(|v| v.map_or_else(|| "-".into(), number)).join(", ");
+    for ladder in ladders {
+        let last = ladder.dial.rungs.len().saturating_sub(1);
+        for (index, (rung, outcome)) in ladder.dial.rungs.iter().zip(&ladder.outcomes).enumerate() {
+            let measured = match &outcome.measured {
+                Ok(measured) => measured,
+                Err(reason) => {
+                    let _ = writeln!(
+                        out,
+                        "| {} | {} | failed: {reason} | | | | | |",
+                        ladder.dial.name, rung.name
+                    );
+                    continue;
+                }
+            };
+            let memory = measured
+                .peak_memory
+                .map_or_else(|| "-".into(), |bytes| format!("{:.2}", bytes as f64 / 1e9));
+            let _ = write!(
+                out,
+                "| {} | {}{} | {:.1} | {:.1} | {memory} ",
+                ladder.dial.name,
+                rung.name,
+                match measured.not_converged {
+                    0 => String::new(),
+                    count => format!(" ({count} not converged)"),
+                },
+                seconds(measured),
+                measured.interface_seconds
+            );
+            let _ = match outcome.errors {
+                _ if index == last && rung.source == Source::Loops => writeln!(out, "| reference | | |"),
+                Some(e) => writeln!(
+                    out,
+                    "| {} | {} | {} |",
+                    number(e.linear),
+                    three(e.shift),
+                    three(e.damping)
+                ),
+                None => writeln!(out, "| - | - | - |"),
+            };
+        }
+    }
+    out.push_str("\nDials: ");
+    let dials = ladders.iter().map(|l| format!("`{}`, {}", l.dial.name, l.dial.what));
+    out.push_str(&dials.collect::<Vec<_>>().join("; "));
+    out.push_str(".\n");
+    for ladder in ladders {
+        for limit in &ladder.limits {
+            let _ = match (&limit.extrapolation, limit.uncertainty) {
+                (Some(e), Some(uncertainty)) => writeln!(
+                    out,
+                    "\n{}: {} converges with order {:.1} to {:.5}; the finest is {uncertainty:.1e} from it.",
+                    ladder.dial.name, limit.quantity, e.order, e.limit
+                ),
+                (None, Some(_)) => writeln!(out, "\n{}: {} does not depend on it.", ladder.dial.name, limit.quantity),
+                _ => writeln!(
+                    out,
+                    "\n{}: {} does not approach a limit monotonically.",
+                    ladder.dial.name, limit.quantity
+                ),
+            };
+        }
+    }
+    out.push_str("\n| part of the budget | kind | frequency | ln(damping) |\n|---|---|---|---|\n");
+    for part in budget {
+        let (frequency, damping) = (part.frequency, part.damping_ln);
+        let _ = writeln!(
+            out,
+            "| {} | {} | {frequency:.1e} | {damping:.1e} |",
+            part.dial,
+            part.kind.name()
+        );
+    }
+    let [frequency, damping] = total(budget);
+    let _ = writeln!(
+        out,
+        "| errors together (root of the sum of squares) | | {frequency:.1e} | {damping:.1e} |"
+    );
+    out
+}
+
+/// Error against time, both logarithmic: of frequencies above, of damping below.
+pub(crate) fn pareto(ladders: &[Ladder]) -> Result<String, Error> {
+    picture("errors against times", SIZE, |root| draw(ladders, root))
+}
+
+fn draw(ladders: &[Ladder], root: &Canvas<'_>) -> Result<(), Drawing> {
+    let root = root.titled(
+        "What errors cost: each dial against its finest setting, all others as in the scene",
+        ("sans-serif", 18),
+    )?;
+    let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
+    for (area, y_label, x_label, is_damping) in [
+        (&upper, "largest relative error of frequency", "", false),
+        (
+            &lower,
+            "largest error of ln(damping ratio)",
+            "seconds from nothing",
+            true,
+        ),
+    ] {
+        let curves: Vec<Curve> = DRAWN
+            .iter()
+            .filter_map(|&(name, colour)| {
+                let ladder = ladders.iter().find(|ladder| ladder.dial.name == name)?;
+                let points = ladder.outcomes.iter().enumerate().filter_map(|(index, outcome)| {
+                    let errors = outcome.errors?;
+                    let error = if is_damping {
+                        errors.damping()?
+                    } else {
+                        errors.frequency()
+                    };
+                    let measured = outcome.measured.as_ref().ok()?;
+                    // The reference itself has no error to draw.
+                    (error > 0.0).then(|| (index, seconds(measured), error))
+                });
+                Some(Curve {
+                    name: name.into(),
+                    colour,
+                    dashes: None,
+                    dots: true,
+                    points: points.collect(),
+                })
+            })
+            .collect();
+        let all = || curves.iter().flat_map(|curve| &curve.points);
+        let x = widen(&bounds(all().map(|p| p.1)).unwrap_or(1.0..10.0), 1.5);
+        let y = widen(&bounds(all().map(|p| p.2)).unwrap_or(1e-6..1.0), 2.0);
+        let (x_ticks, y_ticks) = (ticks(&x), ticks(&y));
+        let plain = |value: &f64| format!("{value}");
+        panel(
+            area,
+            log(&x, &x_ticks),
+            log(&y, &y_ticks),
+            y_label,
+            x_label,
+            [&plain, &power],
+            &curves,
+            &[],
+            SeriesLabelPosition::LowerLeft,
+        )?;
+    }
+    Ok(())
+}

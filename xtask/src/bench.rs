@@ -1,0 +1,73 @@
+//! `cargo xtask bench`: figures of one run, so that ratios hold even where times do not.
+
+use anyhow::{Context, Result};
+use microslip::commands::{RESULTS, print};
+use microslip::files::write_all;
+use microslip::progress::{Monitor, forget_peak_memory, peak_memory};
+use reports::Output;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use studies::bench::{Instruments, kernel, processor, scaling, solver};
+
+/// Options of `bench`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Write the figures to this file as well.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Only the kernel: seconds instead of minutes.
+    #[arg(long, conflicts_with = "scaling")]
+    kernel: bool,
+    /// Instead, how the cost grows with the number of interface elements and of points per element: some ten minutes.
+    #[arg(long)]
+    scaling: bool,
+    /// Draw what `--scaling` measured (SVG).
+    #[arg(long, value_name = "FILE", requires = "scaling")]
+    plot: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let mut figures = json!({ "processor": processor() });
+    if arguments.scaling {
+        let found = scaling(Path::new(RESULTS).join(".cache"), &instruments(&Monitor::new()?))?;
+        figures["scaling"] = found.figures;
+        print(&found.table)?;
+        if let Some(path) = &arguments.plot {
+            write(path, found.picture)?;
+        }
+    } else {
+        let (found, table) = kernel()?;
+        figures["kernel"] = found;
+        print(&table)?;
+    }
+    if !arguments.kernel && !arguments.scaling {
+        let (parts, table) = solver(&instruments(&Monitor::new()?))?;
+        print(&table)?;
+        for (name, part) in parts {
+            figures[name] = part;
+        }
+    }
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&figures).context("writing the figures as JSON")?;
+        write(path, text + "\n")?;
+    }
+    Ok(())
+}
+
+fn instruments(monitor: &Monitor) -> Instruments<'_> {
+    Instruments {
+        progress: monitor,
+        stages: Box::new(|| monitor.finish()),
+        peak_memory,
+        forget_peak_memory,
+    }
+}
+
+fn write(path: &Path, text: String) -> Result<()> {
+    let name = path
+        .file_name()
+        .with_context(|| format!("{} names no file", path.display()))?;
+    let directory = path.parent().unwrap_or(Path::new(""));
+    write_all(directory, &[Output::new(name.to_string_lossy(), text)])
+}
