@@ -154,7 +154,7 @@ impl Checks {
             "report.html".into(),
             "interface-prestress.vtu".into(),
         ];
-        documents.extend(stored(summary)?.into_iter().map(amplitude_file));
+        documents.extend(stored(summary)?.into_iter().map(|number| amplitude_file(None, number)));
         for name in documents {
             let text = std::fs::read_to_string(directory.join(&name));
             let result = text.map_err(|e| e.to_string()).and_then(|text| markup::check(&text));

@@ -8,6 +8,7 @@ mod paper;
 mod trade;
 
 use anyhow::{Context, Result};
+use brake_reuss_beam::BrakeReussBenchmark;
 use clap::{Parser, Subcommand};
 use microslip::commands::{EXIT_CODES, RESULTS};
 use microslip::{Defaults, Outcome};
@@ -51,12 +52,13 @@ fn main() -> ExitCode {
     // Beside the results, where an interrupted command finds it again.
     let defaults = Defaults {
         cache: Some(Path::new(RESULTS).join(".cache")),
+        benchmark: Some(&BrakeReussBenchmark),
     };
     let success = |()| Outcome::Success;
     microslip::execute(|| match task {
         Task::Brb(arguments) => brb::run(&arguments, &defaults),
         Task::Program(command) => command.run(&defaults).map(success),
-        Task::Trade(arguments) => trade::run(&arguments),
+        Task::Trade(arguments) => trade::run(&arguments, &defaults),
         Task::Paper(arguments) => paper::run(&arguments, &defaults),
         Task::Bench(arguments) => bench::run(&arguments).map(success),
         Task::Extremes(arguments) => extremes::run(&arguments).map(success),

@@ -2,9 +2,9 @@
 
 use crate::folder;
 use anyhow::{Context, Result};
-use microslip::Outcome;
-use microslip::commands::{print, read_scene};
+use microslip::commands::{SceneArguments, print};
 use microslip::files::write_all;
+use microslip::{Defaults, Outcome};
 use std::io::Write;
 use std::path::PathBuf;
 use studies::trade::{Launcher, Plan};
@@ -12,8 +12,9 @@ use studies::trade::{Launcher, Plan};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Scene whose settings are varied; without it the built-in scene brb-flat.
-    scene: Option<PathBuf>,
+    /// The scene whose settings are varied; without it the built-in scene brb-flat.
+    #[command(flatten)]
+    scene: SceneArguments,
     /// Dials to measure [default: all].
     #[arg(long, value_name = "DIAL", num_args = 1..)]
     only: Vec<String>,
@@ -26,8 +27,8 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let scene = read_scene(arguments.scene.as_deref(), None)?;
+pub(crate) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
+    let scene = arguments.scene.read(defaults)?;
     let plan = Plan::try_new(scene, &arguments.only, arguments.quick)?;
     let runs = arguments.out.join("runs");
     let launcher = Launcher {

@@ -8,6 +8,7 @@
 //!
 //! Axes: `x` along the beam, `y` across, `z` along the bolts; the origin is the middle of the interface, which is the
 //! plane `z = 0`. Everything is SI.
+pub mod benchmark;
 mod error;
 pub mod geometry;
 pub mod identification;
@@ -15,6 +16,7 @@ pub mod mesh;
 pub mod published;
 pub mod quality;
 
+pub use benchmark::BrakeReussBenchmark;
 pub use error::Error;
 
 /// Result of this crate.

@@ -14,6 +14,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// When the history reached becomes the one that later solves start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Commit {
     /// At load reversals, as published: the path of a point between two reversals counts as straight.
     #[default]

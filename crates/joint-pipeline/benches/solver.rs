@@ -2,19 +2,20 @@
 //! iteration. The full size is timed by `cargo xtask bench`.
 #![expect(clippy::unwrap_used, reason = "bench")]
 
+use brake_reuss_beam::BrakeReussBenchmark;
 use cqsma_solver::cqsma::{Cycles, Settings, run};
 use cqsma_solver::{HystereticForce, LinearSolver, NewtonSettings, NoObserver, Sliding, modes, prestress};
 use criterion::{Criterion, criterion_group, criterion_main};
+use joint_pipeline::analysis::prepare;
 use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::run::prepare;
-use joint_pipeline::scene::RefinementName;
+use joint_pipeline::scene::RefinementLevel;
 use joint_pipeline::{Options, Scene};
 use std::hint::black_box;
 
 fn loops(c: &mut Criterion) {
-    let mut scene = Scene::new("bench");
-    scene.model.refinement = RefinementName::Quick;
+    let mut scene = Scene::of(&BrakeReussBenchmark, "bench").unwrap();
+    scene.model.refinement = RefinementLevel::Quick;
     scene.points_per_direction = 5;
     let prepared = prepare(&scene, &Options::default(), &Silent).unwrap();
     let reduced = &prepared.model().reduced;

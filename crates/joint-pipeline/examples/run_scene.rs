@@ -2,6 +2,7 @@
 //! `cargo run --release -p joint-pipeline --example run_scene [SCENE.json [CACHE_DIR]]`.
 #![allow(clippy::print_stdout)]
 
+use brake_reuss_beam::BrakeReussBenchmark;
 use joint_pipeline::progress::{Progress, Stage};
 use joint_pipeline::{Options, Scene, run};
 
@@ -19,8 +20,8 @@ impl Progress for Stages {
 
 fn main() -> Result<(), joint_pipeline::Error> {
     let scene = match std::env::args().nth(1) {
-        Some(path) => Scene::read(path.as_ref())?,
-        None => Scene::new("brb-flat"),
+        Some(path) => Scene::read(path.as_ref(), &[&BrakeReussBenchmark])?,
+        None => Scene::of(&BrakeReussBenchmark, "brb-flat")?,
     };
     let options = Options {
         cache: std::env::args().nth(2).map(Into::into),
@@ -32,7 +33,7 @@ fn main() -> Result<(), joint_pipeline::Error> {
         "{:>12} {:>12} {:>12} {:>12} {:>12} {:>10} {:>10} {:>10} {:>10}",
         "alpha", "x [m]", "f [Hz]", "zeta [-]", "floor [-]", "newton", "forces", "krylov", "lu"
     );
-    for amplitude in &run.amplitudes {
+    for amplitude in run.amplitudes() {
         match (&amplitude.point.result, amplitude.response_displacement) {
             (Ok(r), Some(x)) => {
                 let e = amplitude.point.effort;
@@ -52,7 +53,7 @@ fn main() -> Result<(), joint_pipeline::Error> {
             _ => {}
         }
     }
-    for method in &run.methods {
+    for method in &run.first().methods {
         println!("{}", method.method.name());
         for point in &method.points {
             match &point.result {

@@ -146,7 +146,8 @@ pub enum Error {
     },
     /// Samples of heights are asked for of a surface that has none.
     #[error(
-        "the surface has no samples of heights to draw from: measured quantiles and given parameters have none; describe it          by surface.scans or surface.synthetic-scan"
+        "the surface has no samples of heights to draw from: measured quantiles and given parameters have none; describe it by \
+         surface.scans or surface.synthetic-scan"
     )]
     NoSamples,
     /// A scan that cannot be brought onto the interface.
@@ -160,9 +161,25 @@ pub enum Error {
     /// A scan that cannot be read.
     #[error(transparent)]
     ScanFile(Box<surface_characterisation::FileError>),
-    /// Benchmark geometry or mesh.
-    #[error(transparent)]
-    Beam(#[from] brake_reuss_beam::Error),
+    /// A benchmark that cannot be meshed as the scene asks for.
+    #[error("{benchmark}: {source}")]
+    Benchmark {
+        /// Name of the benchmark.
+        benchmark: &'static str,
+        /// Why not.
+        source: crate::joint::benchmark::BenchmarkError,
+    },
+    /// A measured surface is asked for where none is known.
+    #[error(
+        "{place}: {field} asks for a measured surface, and the structure has none; name the benchmark whose surface is meant, \
+         {{ \"benchmark\": NAME }}, or describe the faces by scans or parameters"
+    )]
+    NoMeasuredSurface {
+        /// File name of the scene.
+        place: String,
+        /// Field of the scene.
+        field: &'static str,
+    },
     /// Finite elements.
     #[error(transparent)]
     Substructure(#[from] substructure::Error),

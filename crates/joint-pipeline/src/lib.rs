@@ -1,32 +1,20 @@
 //! Scenes and their composition: from surface and geometry to frequency and damping against amplitude.
 //!
-//! A [`scene::Scene`] says what is modelled; [`run::run`] meshes, assembles and reduces the structure (or takes the
-//! reduced model from a cache), turns the surface into traction laws, finds the prestress and the modes about it, and
-//! walks the hysteresis loops. [`summary`] is the machine-readable account of a run.
-pub mod accuracy;
-mod cache;
-mod checkpoint;
-pub mod comparison;
-pub mod ensemble;
+//! A [`scene::Scene`] says what is modelled. [`structure::Structure`] meshes, assembles and reduces it, or takes the reduced
+//! model from a cache; [`interface::SceneInterface`] turns its surface into traction laws; [`run`] finds the prestress and
+//! the modes about it and follows the hysteresis loops. [`results::summary`] is the machine-readable account of a run.
+pub mod analysis;
 mod error;
-pub mod export;
 pub mod interface;
 pub mod joint;
-pub mod matrices;
-pub mod methods;
-pub mod model;
-mod parameters;
 pub mod progress;
-pub mod registration;
-pub mod run;
-mod scans;
+pub mod results;
 pub mod scene;
-pub mod summary;
-pub mod surface;
-pub mod transient;
-pub mod trends;
-pub mod validity;
+mod scoped;
+mod store;
+pub mod structure;
 
+pub use analysis::{Options, Run, run, run_ensemble};
 pub use error::Error;
-pub use run::{Options, Run, run, run_ensemble};
+pub use joint::benchmark::{Benchmark, Benchmarks};
 pub use scene::Scene;

@@ -3,10 +3,14 @@
 //! `cargo test --release -p joint-pipeline --test deck -- --ignored --nocapture`.
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
+mod common;
+
+use common::BENCHMARKS;
 use joint_pipeline::joint::Bodies;
-use joint_pipeline::model::{Description, LinearInterface, Spectrum, Structure};
 use joint_pipeline::progress::Silent;
+use joint_pipeline::scene::{ContactStiffness, Force, Length};
 use joint_pipeline::scene::{Curves, Elastic, ParameterSet, Parameters, Per, Surface};
+use joint_pipeline::structure::{Description, LinearInterface, Spectrum, Structure};
 use joint_pipeline::{Options, Scene, run};
 use serde_json::json;
 use std::path::PathBuf;
@@ -28,21 +32,25 @@ fn scene(deck: &PathBuf, [youngs_modulus, density]: [f64; 2], formulation: &str,
         .collect();
     let text = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "deck": {
+            "path": deck,
+            "top_surface": "TOPBEAM_INSURF",
+            "bottom_surface": "BOTBEAM_INSURF",
+            "bolts": bolts,
+            "response": { "node": "OutNodes", "direction": [0.0, 0.0, 1.0] },
+            "tie_tolerance": tolerance,
+            "untied": "free",
+            "materials": "scene",
+        } },
         "model": {
-            "material": { "youngs_modulus": youngs_modulus, "density": density },
+            "material": { "youngs_modulus": youngs_modulus, "poisson_ratio": 0.29, "density": density },
             "formulation": formulation,
-            "deck": {
-                "path": deck,
-                "top_surface": "TOPBEAM_INSURF",
-                "bottom_surface": "BOTBEAM_INSURF",
-                "bolts": bolts,
-                "response": { "node": "OutNodes", "direction": [0.0, 0.0, 1.0] },
-                "tie_tolerance": tolerance,
-                "untied": "free",
-            }
-        }
+        },
+        "surface": { "benchmark": "brake-reuss-beam" },
+        "bolts": { "load": 12845.0 },
+        "mu": 0.2,
     });
-    Scene::from_json(&text.to_string(), "the test's scene", "deck").unwrap()
+    Scene::from_json(&text.to_string(), "the test's scene", "deck", &BENCHMARKS).unwrap()
 }
 
 /// Penalty that stands for hard contact (Pa/m): a hundred times the stiffness of a layer of elements.
@@ -51,18 +59,18 @@ const HARD: f64 = 1e16;
 /// Linearised frequencies about the prestress with hard contact that sticks where it is closed, or slides freely.
 fn hard_contact(scene: &Scene, bolt_load: f64, penalty: f64, sticking: bool) -> Vec<f64> {
     let mut scene = scene.clone();
-    scene.bolts.load = bolt_load;
+    scene.bolts.load = Force::from_si(bolt_load);
     scene.cqsma.amplitudes = 0;
     scene.mu = if sticking { 1e3 } else { 0.0 };
     scene.surface = Surface::Parameters(Parameters {
         per: Per::Interface,
         sets: vec![ParameterSet {
             curves: Curves::Elastic(Elastic {
-                normal_stiffness: penalty,
-                tangential_stiffness: if sticking { [penalty; 2] } else { [0.0; 2] },
+                normal_stiffness: ContactStiffness::from_si(penalty),
+                tangential_stiffness: [ContactStiffness::from_si(if sticking { penalty } else { 0.0 }); 2],
             }),
             mu: None,
-            gap: 0.0,
+            gap: Length::from_si(0.0),
         }],
     });
     // The structure is reduced once for all contacts.
@@ -70,13 +78,13 @@ fn hard_contact(scene: &Scene, bolt_load: f64, penalty: f64, sticking: bool) -> 
         cache: Some(std::env::temp_dir().join("joint-pipeline-deck")),
     };
     let run = run(&scene, &options, &Silent).unwrap();
-    let area = run.validity.contact_area_fraction_by_points;
+    let area = run.validity().contact_area_fraction_by_points;
     println!("{:.1} % of the interface closed", 100.0 * area);
     run.frequencies
 }
 
 fn describe(scene: &Scene, linear: Option<LinearInterface>) -> (Description, Spectrum) {
-    let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent).unwrap();
+    let structure = Structure::try_new(scene, &Silent).unwrap();
     let mut found = structure.describe(Some((10, linear)), &Silent).unwrap();
     let spectrum = found.spectrum.take().unwrap();
     (found, spectrum)
@@ -189,7 +197,7 @@ fn hard_contact_with_friction_against_the_method_paper() {
 fn bungees_do_not_change_two_decimals() {
     let Some(path) = deck() else { return };
     let scene = scene(&path, PAPER, "incompatible-modes", 1e-3);
-    let mut structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent).unwrap();
+    let mut structure = Structure::try_new(scene, &Silent).unwrap();
     // With the springs the six rigid motions are modes too.
     let mut frequencies = |count| {
         let spectrum = structure

@@ -2,7 +2,10 @@
 //! `cargo test --release -p joint-pipeline --test full_size -- --ignored --nocapture`.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+mod common;
+
 use brake_reuss_beam::published::STUCK_FREQUENCIES;
+use common::beam;
 use contact_laws::TangentialReading;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::Gap;
@@ -26,7 +29,7 @@ fn go(scene: &Scene) -> Run {
 #[test]
 #[ignore = "minutes; see the head of this file"]
 fn stuck_frequencies_and_reduction() {
-    let mut scene = Scene::new("flat");
+    let mut scene = beam("flat");
     scene.cqsma.amplitudes = 1;
     let run = go(&scene);
     for (ours, reference) in run.model.reduced.stuck_frequencies.iter().zip(STUCK_FREQUENCIES) {
@@ -58,7 +61,7 @@ fn low_amplitude_frequencies() {
             FLAT_PAPER_READING,
         ),
     ] {
-        let mut scene = Scene::new(name);
+        let mut scene = beam(name);
         scene.gap = gap;
         scene.law.tangential = reading;
         scene.cqsma.amplitudes = 1;
@@ -76,7 +79,7 @@ fn low_amplitude_frequencies() {
 fn backbones_fall_and_damping_rises_over_decades() {
     let mut onsets = Vec::new();
     for mu in [0.05, 0.2, 0.6] {
-        let mut scene = Scene::new("flat");
+        let mut scene = beam("flat");
         scene.mu = mu;
         scene.cqsma.amplitudes = 13;
         let run = go(&scene);
@@ -85,7 +88,7 @@ fn backbones_fall_and_damping_rises_over_decades() {
             .iter()
             .map(|a| a.point.result.as_ref().unwrap())
             .collect();
-        for (a, p) in run.amplitudes.iter().zip(&points) {
+        for (a, p) in run.amplitudes().iter().zip(&points) {
             let x = a.response_displacement.unwrap();
             println!(
                 "mu {mu}: {x:.3e} m, {:.3} Hz, zeta {:.3e}",

@@ -1,11 +1,17 @@
 //! Structures that come as matrices, from other programs and from this one.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use joint_pipeline::export::{self, arrays, groups};
+mod common;
+
+use brake_reuss_beam::BrakeReussBenchmark;
+use common::{BENCHMARKS, beam};
 use joint_pipeline::joint::Bodies;
-use joint_pipeline::model::{StructuralModel, Structure};
+use joint_pipeline::joint::benchmark::BenchmarkRef;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Coordinates, RefinementName, Sides};
+use joint_pipeline::scene::Length;
+use joint_pipeline::scene::{Coordinates, RefinementLevel, Sides, StructureSource, Surface};
+use joint_pipeline::structure::export::{self, arrays, groups};
+use joint_pipeline::structure::{StructuralModel, Structure};
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use matrix_files::value::{Array, Assembled, Dense, Dof};
 use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
@@ -15,6 +21,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use substructure::assemble::System;
 use substructure::deck::{self, Choices};
+
+/// Of the beam; the law of most scenes has none, the check of the reduction is scaled by it.
+fn material() -> Value {
+    json!({ "youngs_modulus": "192.85 GPa", "poisson_ratio": 0.29 })
+}
 
 fn fixture(name: &str) -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "tests", "fixtures", name].iter().collect()
@@ -44,7 +55,7 @@ fn lap(path: &Path, length: f64, matrices: &Value) -> Value {
     let bolt = [pull(0, 1, -1.0), pull(1, 0, 1.0)].concat();
     let mut scene = json!({
         "units": { "length": if length == 1.0 { "m" } else { "mm" }, "mass": if length == 1.0 { "kg" } else { "t" }, "time": "s" },
-        "model": { "matrices": {
+        "structure": { "matrices": {
             "path": path,
             "coordinates": { "both-sides": {
                 "top": at(0, 0),
@@ -55,6 +66,8 @@ fn lap(path: &Path, length: f64, matrices: &Value) -> Value {
             "bolts": [{ "terms": bolt }],
             "response": { "terms": [[node(0, 3, 1, 1), 3, 1.0]] },
         } },
+        "model": { "material": material() },
+        "mu": 0.2,
         "surface": { "parameters": { "per": "interface", "sets": [{
             "curves": { "elastic": {
                 "normal_stiffness": 1e13 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 },
@@ -65,7 +78,7 @@ fn lap(path: &Path, length: f64, matrices: &Value) -> Value {
         "bolts": { "load": 2000.0 },
         "cqsma": { "amplitudes": 5, "amplitude_from": 1e-9 / length, "amplitude_to": 1e-7 / length, "vertices_per_quarter": 6 },
     });
-    let target = &mut scene["model"]["matrices"];
+    let target = &mut scene["structure"]["matrices"];
     for (name, value) in matrices.as_object().unwrap() {
         target[name] = value.clone();
     }
@@ -73,7 +86,7 @@ fn lap(path: &Path, length: f64, matrices: &Value) -> Value {
 }
 
 fn read(scene: &Value) -> Scene {
-    Scene::from_json(&scene.to_string(), "the test's scene", "lap").unwrap()
+    Scene::from_json(&scene.to_string(), "the test's scene", "lap", &BENCHMARKS).unwrap()
 }
 
 fn go(scene: &Value) -> Run {
@@ -86,8 +99,8 @@ fn refused(scene: &Value) -> String {
 
 /// Largest relative differences of frequency and damping.
 fn difference(a: &Run, b: &Run) -> [f64; 2] {
-    assert_eq!(a.amplitudes.len(), b.amplitudes.len());
-    let pairs = a.amplitudes.iter().zip(&b.amplitudes);
+    assert_eq!(a.amplitudes().len(), b.amplitudes().len());
+    let pairs = a.amplitudes().iter().zip(b.amplitudes());
     pairs.fold([0.0; 2], |worst, (a, b)| {
         let (a, b) = (a.point.result.as_ref().unwrap(), b.point.result.as_ref().unwrap());
         let found = [
@@ -145,7 +158,7 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
         (6, 12)
     );
     assert!(reference.prestress.equilibrium_error < 1e-9);
-    let zeta = |at: usize| reference.amplitudes[at].point.result.as_ref().unwrap().zeta;
+    let zeta = |at: usize| reference.amplitudes()[at].point.result.as_ref().unwrap().zeta;
     assert!(zeta(4) > 1e-3 && zeta(0) < 1e-6, "{} {}", zeta(4), zeta(0));
 
     let Assembled { dofs, matrices } = calculix::read(&fixture("lap.sti")).unwrap();
@@ -181,7 +194,7 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
         1.0,
         &json!({ "bolts": [{ "load-case": "BOLT" }] }),
     );
-    let terms = &lap(Path::new(""), 1.0, &json!({}))["model"]["matrices"]["bolts"][0]["terms"];
+    let terms = &lap(Path::new(""), 1.0, &json!({}))["structure"]["matrices"]["bolts"][0]["terms"];
     let mut load = vec![0.0; n];
     for term in terms.as_array().unwrap() {
         let dof = Dof::new(term[0].as_i64().unwrap(), 3);
@@ -205,7 +218,7 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
 
 /// Writes a reduced model in all formats; returns the paths.
 fn export(scene: &Scene, folder: &Path) -> (BTreeMap<String, Array>, [PathBuf; 3]) {
-    let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent).unwrap();
+    let structure = Structure::try_new(scene, &Silent).unwrap();
     let model = structure.reduce(None, &Silent).unwrap();
     let arrays = arrays(&model, &structure.joint).unwrap();
     let paths = [
@@ -226,7 +239,8 @@ fn export(scene: &Scene, folder: &Path) -> (BTreeMap<String, Array>, [PathBuf; 3
 /// A scene on matrices over the jump, with all else from another one.
 fn on_jump(scene: &Value, path: &Path) -> Value {
     let mut scene = scene.clone();
-    scene["model"] = json!({ "matrices": { "path": path, "coordinates": "jump" } });
+    scene["structure"] = json!({ "matrices": { "path": path, "coordinates": "jump" } });
+    scene["model"] = json!({ "material": material() });
     scene
 }
 
@@ -293,18 +307,26 @@ fn exported_models_come_back_the_same() {
 #[test]
 fn the_exported_beam_gives_the_same_backbone() {
     let folder = folder("beam");
-    let mut scene = Scene::new("quick");
-    scene.model.refinement = RefinementName::Quick;
+    let mut scene = beam("quick");
+    scene.model.refinement = RefinementLevel::Quick;
     scene.cqsma.amplitudes = 4;
-    scene.cqsma.amplitude_from = 1e-6;
+    scene.cqsma.amplitude_from = Length::from_si(1e-6);
     scene.cqsma.vertices_per_quarter = 4;
     let direct = run(&scene, &Options::default(), &Silent).unwrap();
     let (_, paths) = export(&scene, &folder);
-    let again = go(&on_jump(&serde_json::to_value(&scene).unwrap(), &paths[0]));
+    let mut on_matrices = on_jump(&serde_json::to_value(&scene).unwrap(), &paths[0]);
+    on_matrices["surface"] = json!({ "benchmark": "brake-reuss-beam" });
+    let again = go(&on_matrices);
     let [omega, zeta] = difference(&direct, &again);
     assert!(omega < 1e-9 && zeta < 1e-6, "{omega:e} {zeta:e}");
     // The scene in the summary is one, and says the same.
-    let repeated = Scene::from_json(&serde_json::to_string(&again.scene).unwrap(), "summary", "").unwrap();
+    let repeated = Scene::from_json(
+        &serde_json::to_string(&again.scene).unwrap(),
+        "summary",
+        "",
+        &BENCHMARKS,
+    )
+    .unwrap();
     assert_eq!(repeated, again.scene);
     // Reduced once, it is not reduced again.
     assert_eq!(again.model.reduced.mass.nrows(), direct.model.reduced.mass.nrows());
@@ -314,17 +336,21 @@ fn the_exported_beam_gives_the_same_backbone() {
 #[test]
 fn the_deck_of_the_beam_gives_the_same_structure() {
     let folder = folder("deck");
-    let mut scene = Scene::new("quick");
-    scene.model.refinement = RefinementName::Quick;
-    let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent).unwrap();
+    let mut scene = beam("quick");
+    scene.model.refinement = RefinementLevel::Quick;
+    let structure = Structure::try_new(&scene, &Silent).unwrap();
     let Bodies::Meshed(bodies) = &structure.joint.bodies else {
         panic!("the beam is meshed");
     };
     let (faces, nodes) = groups(&structure.joint, bodies);
     let path = folder.join("structure.inp");
     std::fs::write(&path, deck::write(&bodies.assembly, &faces, &nodes).unwrap()).unwrap();
-    scene.model.deck = Some(export::deck(&structure.joint, bodies, &path));
-    let again = Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent).unwrap();
+    scene.structure = StructureSource::Deck(Box::new(export::deck(&structure.joint, bodies, &path)));
+    (scene.model.refinement, scene.surface) = (
+        RefinementLevel::Default,
+        Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark)),
+    );
+    let again = Structure::try_new(&scene, &Silent).unwrap();
     let [direct, read] = [&structure, &again].map(|structure| structure.reduce(None, &Silent).unwrap());
     assert_eq!(direct.facts.mass, read.facts.mass);
     let frequencies = |model: &StructuralModel| {
@@ -363,7 +389,7 @@ fn flipped_contact_is_refused() {
     let path = fixture("lap.sti");
     let sti = |matrices: &Value| lap(&path, 1.0, matrices);
     let good = sti(&json!({}));
-    let matrices = &good["model"]["matrices"];
+    let matrices = &good["structure"]["matrices"];
     // The normal from the bottom body into the top one; the sides exchanged; the bolt pushing.
     let mut frame = matrices["coordinates"].clone();
     frame["both-sides"]["frame"][2][2] = json!(1.0);
@@ -424,9 +450,9 @@ fn what_does_not_fit_together_is_refused() {
         ("dofs", None, "add an array `dofs` with a row `label, component`"),
         ("K", None, "it has no stiffness K"),
         ("M", None, "it has no mass M"),
-        ("Fv", None, "name them as model.matrices.bolts"),
+        ("Fv", None, "name them as structure.matrices.bolts"),
         ("R", None, "it has no row of the recovery R number 1"),
-        ("interface_nodes", None, "give model.matrices.interface"),
+        ("interface_nodes", None, "give structure.matrices.interface"),
         (
             "K",
             Some(Array::Dense(Dense::try_new(n, n, unsymmetric).unwrap())),
@@ -493,14 +519,16 @@ fn given_parameters_belong_to_interface_elements_or_points() {
     for (field, value) in [("mu", -0.1), ("gap", -1e-6)] {
         let mut wrong = scene.clone();
         wrong["surface"]["parameters"]["sets"][2][field] = json!(value);
-        let error = Scene::from_json(&wrong.to_string(), "wrong", "")
+        let error = Scene::from_json(&wrong.to_string(), "wrong", "", &BENCHMARKS)
             .unwrap_err()
             .to_string();
         assert!(error.contains("number 3") && error.contains(field), "{error}");
     }
     let mut idle = scene.clone();
     idle["law"] = json!({ "kind": "asperity-sum" });
-    let error = Scene::from_json(&idle.to_string(), "idle", "").unwrap_err().to_string();
+    let error = Scene::from_json(&idle.to_string(), "idle", "", &BENCHMARKS)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("law.kind belongs to asperities"), "{error}");
 }
 
@@ -514,8 +542,7 @@ fn coordinates_are_named_as_documented() {
     assert_eq!(serde_json::to_value(Coordinates::Jump).unwrap(), json!("jump"));
     assert!(serde_json::to_value(sides).unwrap()["both-sides"]["top"].is_array());
     let error = Structure::try_new(
-        &read(&on_jump(&lap(Path::new("x"), 1.0, &json!({})), Path::new("absent.hdf"))).model,
-        joint_pipeline::scene::BoltBehaviour::DeadLoad,
+        &read(&on_jump(&lap(Path::new("x"), 1.0, &json!({})), Path::new("absent.hdf"))),
         &Silent,
     )
     .unwrap_err();

@@ -1,6 +1,9 @@
 //! The methods beside CQSMA on the same scenes.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+mod common;
+
+use common::{BENCHMARKS, beam};
 use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters};
 use cqsma_solver::cqsma::LoopObserver;
 use cqsma_solver::cqsma::{self, Settings};
@@ -9,8 +12,9 @@ use cqsma_solver::{LoopResult, NewtonSettings, NoObserver, modes, prestress};
 use faer::Mat;
 use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Curves, Elastic, Gap, Method, ParameterSet, Parameters, Per, RefinementName, Surface};
-use joint_pipeline::summary::Summary;
+use joint_pipeline::results::summary::Summary;
+use joint_pipeline::scene::{ContactStiffness, Length};
+use joint_pipeline::scene::{Curves, Elastic, Gap, Method, ParameterSet, Parameters, Per, RefinementLevel, Surface};
 use joint_pipeline::{Options, Scene, run};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -124,8 +128,8 @@ impl LoopObserver<State> for Path {
 
 #[test]
 fn without_friction_one_way_of_a_loop_is_the_whole_loop() {
-    let mut scene = Scene::new("quick");
-    scene.model.refinement = RefinementName::Quick;
+    let mut scene = beam("quick");
+    scene.model.refinement = RefinementLevel::Quick;
     scene.gap = Gap::Flat;
     scene.mu = 0.0;
     scene.cqsma.amplitudes = 1;
@@ -185,20 +189,20 @@ fn without_friction_one_way_of_a_loop_is_the_whole_loop() {
 
 #[test]
 fn all_methods_agree_at_small_amplitude_and_roughly_beyond() {
-    let mut scene = Scene::new("quick");
-    scene.model.refinement = RefinementName::Quick;
+    let mut scene = beam("quick");
+    scene.model.refinement = RefinementLevel::Quick;
     scene.cqsma.amplitudes = 6;
-    scene.cqsma.amplitude_from = 1e-8;
+    scene.cqsma.amplitude_from = Length::from_si(1e-8);
     scene.methods = vec![Method::Rqnma, Method::Qsma, Method::Masing];
     let run = run(&scene, &Options::default(), &Silent).unwrap();
-    let asked: Vec<Method> = run.methods.iter().map(|m| m.method).collect();
+    let asked: Vec<Method> = run.first().methods.iter().map(|m| m.method).collect();
     assert_eq!(asked, scene.methods);
 
-    for (i, amplitude) in run.amplitudes.iter().enumerate() {
+    for (i, amplitude) in run.amplitudes().iter().enumerate() {
         let reference = amplitude.point.result.as_ref().unwrap();
         let x = amplitude.response_displacement.unwrap();
         println!("{x:10.3e} m  cqsma {:.3} rad/s {:.3e}", reference.omega, reference.zeta);
-        for method in &run.methods {
+        for method in &run.first().methods {
             let found = method.points[i].result.as_ref().unwrap();
             let name = method.method.name();
             let frequency = found.omega / reference.omega - 1.0;
@@ -235,25 +239,26 @@ fn all_methods_agree_at_small_amplitude_and_roughly_beyond() {
 #[test]
 fn contact_counted_twice_is_contact_of_twice_the_stiffness() {
     let scene = |normal_stiffness: f64| {
-        let mut scene = Scene::new("elastic");
-        scene.model.refinement = RefinementName::Quick;
+        let mut scene = beam("elastic");
+        scene.model.refinement = RefinementLevel::Quick;
         scene.surface = Surface::Parameters(Parameters {
             per: Per::Interface,
             sets: vec![ParameterSet {
                 curves: Curves::Elastic(Elastic {
-                    normal_stiffness,
-                    tangential_stiffness: [2e12; 2],
+                    normal_stiffness: ContactStiffness::from_si(normal_stiffness),
+                    tangential_stiffness: [ContactStiffness::from_si(2e12); 2],
                 }),
                 mu: None,
-                gap: 0.0,
+                gap: Length::from_si(0.0),
             }],
         });
         scene.cqsma.amplitudes = 1;
-        scene.cqsma.amplitude_from = 1e-8;
-        scene.cqsma.amplitude_to = 1e-8;
+        scene.cqsma.amplitude_from = Length::from_si(1e-8);
+        scene.cqsma.amplitude_to = Length::from_si(1e-8);
         scene.methods = vec![Method::Qsma, Method::QsmaTwice];
         let run = run(&scene, &Options::default(), &Silent).unwrap();
-        run.methods
+        run.first()
+            .methods
             .iter()
             .map(|m| m.points[0].result.as_ref().unwrap().omega)
             .collect::<Vec<f64>>()
@@ -269,8 +274,9 @@ fn contact_counted_twice_is_contact_of_twice_the_stiffness() {
 #[test]
 fn methods_are_asked_for_by_name_and_once() {
     let scene = |methods: &str| {
-        let units = r#""units": {"length": "m", "mass": "kg", "time": "s"}"#;
-        Scene::from_json(&format!("{{{units}{methods}}}"), "scene.json", "scene")
+        let units =
+            r#""units": {"length": "m", "mass": "kg", "time": "s"}, "structure": {"benchmark": "brake-reuss-beam"}"#;
+        Scene::from_json(&format!("{{{units}{methods}}}"), "scene.json", "scene", &BENCHMARKS)
     };
     assert_eq!(scene("").unwrap().methods, []);
     let named = scene(r#", "methods": ["masing", "qsma", "rqnma", "qsma-twice"]"#).unwrap();

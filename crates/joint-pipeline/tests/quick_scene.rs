@@ -1,12 +1,16 @@
 //! The whole road on a small mesh: one reduced model, many scenes on it.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+mod common;
+
+use common::{BENCHMARKS, beam};
 use cqsma_solver::{NewtonSettings, prestress};
+use joint_pipeline::analysis::prepare;
 use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::progress::{Progress, Silent, Stage};
-use joint_pipeline::run::prepare;
-use joint_pipeline::scene::{BoltBehaviour, CommitName, Gap, LawKind, RefinementName, Surface, SyntheticScan};
-use joint_pipeline::summary::Status;
+use joint_pipeline::results::summary::Status;
+use joint_pipeline::scene::{BoltBehaviour, Commit, Gap, LawKind, RefinementLevel, Surface, SyntheticScan};
+use joint_pipeline::scene::{Force, Length};
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
@@ -33,10 +37,10 @@ fn cache() -> PathBuf {
 }
 
 fn quick() -> Scene {
-    let mut scene = Scene::new("quick");
-    scene.model.refinement = RefinementName::Quick;
+    let mut scene = beam("quick");
+    scene.model.refinement = RefinementLevel::Quick;
     scene.cqsma.amplitudes = 7;
-    scene.cqsma.amplitude_from = 1e-6;
+    scene.cqsma.amplitude_from = Length::from_si(1e-6);
     scene.cqsma.vertices_per_quarter = 4;
     scene
 }
@@ -46,7 +50,7 @@ fn go(scene: &Scene) -> Run {
 }
 
 fn damping(run: &Run) -> Vec<f64> {
-    run.amplitudes
+    run.amplitudes()
         .iter()
         .map(|a| a.point.result.as_ref().unwrap().zeta)
         .collect()
@@ -82,16 +86,16 @@ fn prestress_carries_the_bolt_load() {
             p.residual_ratio
         );
         assert!(p.residual_ratio < 1e-6, "{gap:?}: {}", p.residual_ratio);
-        let area = run.validity.contact_area_fraction_by_points;
+        let area = run.validity().contact_area_fraction_by_points;
         assert!(area > 0.2 && area <= 1.0, "{gap:?}: {area}");
-        assert!(run.validity.contact_area_fraction_by_elements >= area);
+        assert!(run.validity().contact_area_fraction_by_elements >= area);
     }
 }
 
 #[test]
 fn dissipation_from_the_points_equals_that_from_the_mode() {
     let run = go(&quick());
-    for a in &run.amplitudes {
+    for a in &run.amplitudes() {
         let (result, fields) = (a.point.result.as_ref().unwrap(), a.fields.as_ref().unwrap());
         let allowed = 1e-6 * result.loop_area.abs()
             + 10.0 * run.scene.cqsma.tolerance * a.point.modal_force * result.modal_amplitude;
@@ -132,10 +136,10 @@ fn friction_lowers_the_frequency_and_raises_the_damping_later_for_larger_mu() {
 fn without_slip_there_is_no_damping() {
     let mut scene = quick();
     scene.mu = 1e3;
-    scene.cqsma.amplitude_from = 1e-8;
-    scene.cqsma.amplitude_to = 3e-6;
+    scene.cqsma.amplitude_from = Length::from_si(1e-8);
+    scene.cqsma.amplitude_to = Length::from_si(3e-6);
     let run = go(&scene);
-    for (a, zeta) in run.amplitudes.iter().zip(damping(&run)) {
+    for (a, zeta) in run.amplitudes().iter().zip(damping(&run)) {
         assert_eq!(a.fields.as_ref().unwrap().slip_fraction, 0.0);
         // With commits at reversals only, the path between them counts as straight: the remainder grows with the
         // amplitude squared and stays below 2e-6 here.
@@ -148,9 +152,9 @@ fn without_slip_there_is_no_damping() {
 fn without_slip_commits_at_every_vertex_leave_no_damping_at_all() {
     let mut scene = quick();
     scene.mu = 1e3;
-    scene.cqsma.amplitude_from = 1e-7;
-    scene.cqsma.amplitude_to = 1e-5;
-    scene.cqsma.commit = CommitName::AtEveryVertex;
+    scene.cqsma.amplitude_from = Length::from_si(1e-7);
+    scene.cqsma.amplitude_to = Length::from_si(1e-5);
+    scene.cqsma.commit = Commit::AtEveryVertex;
     let run = go(&scene);
     for zeta in damping(&run) {
         assert!(zeta.abs() < 1e-9, "{zeta:e}");
@@ -168,7 +172,7 @@ fn locked_bolts_leave_the_prestress_alone_and_stiffen_the_vibration() {
         assert!((a - b).abs() < 1e-9 * largest, "{a} {b}");
     }
     // A constraint raises every frequency or leaves it; the joint's opening in bending is what the bolts resist.
-    assert!(dead.validity.separation_modal_force.is_some() && locked.validity.separation_modal_force.is_none());
+    assert!(dead.validity().separation_modal_force.is_some() && locked.validity().separation_modal_force.is_none());
     for (a, b) in dead.frequencies.iter().zip(&locked.frequencies) {
         assert!(b / a > 1.0 - 1e-9, "{a} {b}");
     }
@@ -182,7 +186,7 @@ fn locked_bolts_leave_the_prestress_alone_and_stiffen_the_vibration() {
     );
     let free = &dead.model.facts.penalty_frequencies_hz;
     assert!(locked.model.facts.penalty_frequencies_hz[0] > free[0] * (1.0 + 1e-6));
-    for (a, b) in dead.amplitudes.iter().zip(&locked.amplitudes) {
+    for (a, b) in dead.amplitudes().iter().zip(&locked.amplitudes()) {
         let (dead, locked) = (a.point.result.as_ref().unwrap(), b.point.result.as_ref().unwrap());
         assert!(locked.omega > dead.omega, "{} {}", locked.omega, dead.omega);
         let fields = b.fields.as_ref().unwrap();
@@ -200,7 +204,7 @@ fn more_vertices_resolve_the_loop_with_second_order() {
         let mut scene = quick();
         scene.cqsma.vertices_per_quarter = vertices;
         scene.cqsma.amplitudes = 1;
-        scene.cqsma.amplitude_from = 3e-4;
+        scene.cqsma.amplitude_from = Length::from_si(3e-4);
         go(&scene).amplitudes[0].point.result.as_ref().unwrap().loop_area
     };
     let (coarse, middle, fine) = (area(4), area(8), area(16));
@@ -215,7 +219,8 @@ fn background_damping_is_added_to_the_total_alone() {
     let mut scene = quick();
     scene.background_damping = 0.001;
     let damped = go(&scene);
-    let summary = |run: &Run| joint_pipeline::summary::Summary::new(run, std::collections::BTreeMap::new(), None);
+    let summary =
+        |run: &Run| joint_pipeline::results::summary::Summary::new(run, std::collections::BTreeMap::new(), None);
     for (a, b) in summary(&plain).backbone.iter().zip(&summary(&damped).backbone) {
         assert_eq!(a.friction_damping_ratio, b.friction_damping_ratio);
         assert_eq!(a.damping_ratio.unwrap() + 0.001, b.damping_ratio.unwrap());
@@ -265,7 +270,7 @@ fn a_synthetic_scan_is_characterised_element_by_element() {
         run.interface.operators().n_elements()
     );
     assert!(run.interface.gap().unwrap().iter().copied().fold(0.0, f64::max) > 1e-7);
-    assert!(run.amplitudes.iter().all(|a| a.point.result.is_ok()));
+    assert!(run.amplitudes().iter().all(|a| a.point.result.is_ok()));
 }
 
 #[test]
@@ -288,7 +293,7 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
     let heard = Heard::default();
     let cached = with(&heard);
     assert!(!heard.0.lock().unwrap().contains(&Stage::Reduce));
-    assert_eq!(fresh.amplitudes[0].point.result, cached.amplitudes[0].point.result);
+    assert_eq!(fresh.amplitudes()[0].point.result, cached.amplitudes()[0].point.result);
     let file = std::fs::read_dir(&folder).unwrap().next().unwrap().unwrap().path();
     let mut bytes = std::fs::read(&file).unwrap();
     let last = bytes.len() - 1;
@@ -300,14 +305,19 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
         heard.0.lock().unwrap().contains(&Stage::Reduce),
         "a damaged file must not be used"
     );
-    assert_eq!(fresh.amplitudes[0].point.result, again.amplitudes[0].point.result);
+    assert_eq!(fresh.amplitudes()[0].point.result, again.amplitudes()[0].point.result);
     std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn a_gap_beyond_all_closure_and_bad_scenes_are_refused_by_name() {
-    let parse = |text: &str| Scene::from_json(text, "scene.json", "scene").unwrap_err().to_string();
-    let units = r#""units": {"length": "m", "mass": "kg", "time": "s"}"#;
+    let parse = |text: &str| {
+        Scene::from_json(text, "scene.json", "scene", &BENCHMARKS)
+            .unwrap_err()
+            .to_string()
+    };
+    let units =
+        r#""units": {"length": "m", "mass": "kg", "time": "s"}, "structure": {"benchmark": "brake-reuss-beam"}"#;
     assert!(parse("{}").contains("units"));
     assert!(parse(&format!("{{{units}, \"frobnicate\": 1}}")).contains("frobnicate"));
     assert!(parse(&format!("{{{units}, \"model\": {{\"n_modes\": 1}}}}")).contains("n_modes"));
@@ -318,7 +328,7 @@ fn a_gap_beyond_all_closure_and_bad_scenes_are_refused_by_name() {
     assert!(parse("{\"units\": {\"length\": \"furlong\", \"mass\": \"kg\", \"time\": \"s\"}}").contains("furlong"));
     assert!(parse(&format!("{{{units}, \"bolts\": {{\"behaviour\": \"glued\"}}}}")).contains("glued"));
     let mut scene = quick();
-    scene.bolts.load = f64::NAN;
+    scene.bolts.load = Force::from_si(f64::NAN);
     assert!(matches!(
         run(&scene, &Options::default(), &Silent),
         Err(Error::Value {
@@ -330,13 +340,14 @@ fn a_gap_beyond_all_closure_and_bad_scenes_are_refused_by_name() {
 
 #[test]
 fn quantities_are_converted_where_they_are_given() {
-    let mm = r#"{"units": {"length": "mm", "mass": "t", "time": "s"}, "bolts": {"load": 12845.0},
+    let mm = r#"{"units": {"length": "mm", "mass": "t", "time": "s"},
+        "structure": {"benchmark": "brake-reuss-beam"}, "bolts": {"load": 12845.0},
         "model": {"material": {"youngs_modulus": 192850.0, "density": 7.8578e-9}},
         "cqsma": {"amplitude_from": 1e-4}}"#;
-    let scene = Scene::from_json(mm, "mm.json", "x").unwrap();
-    let si = Scene::new("x");
-    assert!((scene.model.material.youngs_modulus / 192.85e9 - 1.0).abs() < 1e-15);
-    assert!((scene.model.material.density / 7857.8 - 1.0).abs() < 1e-15);
+    let scene = Scene::from_json(mm, "mm.json", "x", &BENCHMARKS).unwrap();
+    let si = beam("x");
+    assert!((scene.model.material.youngs_modulus.si() / 192.85e9 - 1.0).abs() < 1e-15);
+    assert!((scene.model.material.density.unwrap().si() / 7857.8 - 1.0).abs() < 1e-15);
     assert_eq!(scene.model.material.poisson_ratio, si.model.material.poisson_ratio);
     assert_eq!(
         scene.model.material.hardness, si.model.material.hardness,
@@ -345,10 +356,10 @@ fn quantities_are_converted_where_they_are_given() {
     assert_eq!(scene.bolts, si.bolts);
     assert_eq!(scene.bolts.behaviour, BoltBehaviour::DeadLoad);
     let locked = mm.replace("12845.0", "12845.0, \"behaviour\": \"locked\"");
-    let locked = Scene::from_json(&locked, "mm.json", "x").unwrap();
+    let locked = Scene::from_json(&locked, "mm.json", "x", &BENCHMARKS).unwrap();
     assert_eq!(locked.bolts.behaviour, BoltBehaviour::Locked);
     assert_eq!(locked.bolts.load, si.bolts.load);
-    assert!((scene.cqsma.amplitude_from / 1e-7 - 1.0).abs() < 1e-15);
+    assert!((scene.cqsma.amplitude_from.si() / 1e-7 - 1.0).abs() < 1e-15);
     assert_eq!(scene.cqsma.amplitude_to, si.cqsma.amplitude_to);
 }
 
@@ -390,7 +401,7 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
     scene.name = "interrupted".into();
     scene.output.fields_at = Some(vec![2, 7]);
     let numbers = |run: &Run| -> String {
-        run.amplitudes
+        run.amplitudes()
             .iter()
             .map(|a| format!("{:?} {:?} {:?}\n", a.point, a.fields, a.response_acceleration))
             .collect()
@@ -478,13 +489,13 @@ fn prestress_is_found_from_far_guesses() {
 #[test]
 fn amplitudes_from_a_femtometre_to_a_metre_are_found_and_noise_is_called_so() {
     let mut scene = quick();
-    scene.cqsma.amplitude_from = 1e-15;
-    scene.cqsma.amplitude_to = 1.0;
+    scene.cqsma.amplitude_from = Length::from_si(1e-15);
+    scene.cqsma.amplitude_to = Length::from_si(1.0);
     scene.cqsma.amplitudes = 16;
     let run = go(&scene);
-    let summary = joint_pipeline::summary::Summary::new(&run, Default::default(), None);
+    let summary = joint_pipeline::results::summary::Summary::new(&run, Default::default(), None);
     let linear = run.frequencies[0];
-    for (amplitude, b) in run.amplitudes.iter().zip(&summary.backbone) {
+    for (amplitude, b) in run.amplitudes().iter().zip(&summary.backbone) {
         println!(
             "{:?} m: {:?} Hz, {:?}, floor {:?}, {:?}",
             b.response_displacement, b.frequency_hz, b.damping_ratio, b.damping_floor, amplitude.point.effort

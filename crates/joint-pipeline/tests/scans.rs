@@ -1,11 +1,15 @@
 //! Surfaces from files of profilometers, and ensembles of their bootstrap realisations.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use joint_pipeline::ensemble::Ensemble;
-use joint_pipeline::model::Structure;
+mod common;
+
+use common::{BENCHMARKS, beam};
+use joint_pipeline::analysis::ensemble::Ensemble;
+use joint_pipeline::interface::{ScannedSurface, synthetic};
 use joint_pipeline::progress::{Progress, Silent};
-use joint_pipeline::scene::{Gap, LawKind, RefinementName, ScanFile, Scans, Surface, SyntheticScan};
-use joint_pipeline::surface::{ScannedSurface, synthetic};
+use joint_pipeline::scene::Length;
+use joint_pipeline::scene::{Gap, LawKind, RefinementLevel, ScanFile, Scans, Surface, SyntheticScan};
+use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Options, Run, Scene, run, run_ensemble};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -31,7 +35,7 @@ fn folder() -> &'static Path {
 
 fn structure() -> Structure {
     let scene = scene(Surface::Measured);
-    Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent).unwrap()
+    Structure::try_new(&scene, &Silent).unwrap()
 }
 
 fn options(folder: &Path) -> Options {
@@ -49,10 +53,10 @@ fn faces() -> SyntheticScan {
 }
 
 fn scene(surface: Surface) -> Scene {
-    let mut scene = Scene::new("scans");
-    scene.model.refinement = RefinementName::Quick;
+    let mut scene = beam("scans");
+    scene.model.refinement = RefinementLevel::Quick;
     scene.cqsma.amplitudes = 3;
-    scene.cqsma.amplitude_from = 1e-6;
+    scene.cqsma.amplitude_from = Length::from_si(1e-6);
     scene.cqsma.vertices_per_quarter = 4;
     if surface.is_scanned() {
         scene.gap = Gap::Scan;
@@ -78,7 +82,7 @@ fn scans() -> Scans {
 }
 
 fn bits(run: &Run) -> Vec<[u64; 3]> {
-    let results = run.amplitudes.iter().map(|a| a.point.result.as_ref().unwrap());
+    let results = run.amplitudes().iter().map(|a| a.point.result.as_ref().unwrap());
     results
         .map(|r| [r.omega, r.zeta, r.modal_amplitude].map(f64::to_bits))
         .collect()
@@ -103,7 +107,7 @@ fn scans_from_files_give_the_backbone_of_the_same_faces_to_the_last_bit() {
         assert_eq!(report.scans[1].height_step, Some(faces().height_step));
         assert!(made.law.asperities.as_ref().unwrap().scans.is_empty());
         let text = serde_json::to_string(&read.scene).unwrap();
-        assert_eq!(Scene::from_json(&text, "again", "").unwrap(), read.scene);
+        assert_eq!(Scene::from_json(&text, "again", "", &BENCHMARKS).unwrap(), read.scene);
     }
 }
 
@@ -113,10 +117,10 @@ fn scenes_name_scans_by_paths_lists_and_blocks_in_their_own_units() {
     std::fs::create_dir_all(&folder).unwrap();
     let read = |surface: &str| {
         let text = format!(
-            r#"{{ "units": {{ "length": "mm", "mass": "t", "time": "s" }}, "gap": "scan", "surface": {{ "scans": {surface} }} }}"#
+            r#"{{ "units": {{ "length": "mm", "mass": "t", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }}, "gap": "scan", "surface": {{ "scans": {surface} }} }}"#
         );
         std::fs::write(folder.join("scene.json"), text).unwrap();
-        Scene::read(&folder.join("scene.json"))
+        Scene::read(&folder.join("scene.json"), &BENCHMARKS)
     };
     let scans = |surface: &str| match read(surface).unwrap().surface {
         Surface::Scans(scans) => *scans,
@@ -125,7 +129,7 @@ fn scenes_name_scans_by_paths_lists_and_blocks_in_their_own_units() {
     let list = scans(r#"["a.x3p", { "path": "../b.csv", "height_unit": "µm", "height_step": 5e-4 }]"#);
     assert_eq!(list.top.path, folder.join("a.x3p"));
     assert_eq!(list.bottom.path, folder.join("../b.csv"));
-    assert_eq!(list.bottom.height_step, Some(5e-4 * 1e-3));
+    assert_eq!(list.bottom.height_step, Some(Length::from_si(5e-4 * 1e-3)));
     let block = scans(
         r#"{ "top": "a.x3p", "bottom": { "path": "b.npy", "place": { "origin": [-60, -12.7] }, "mirrored": true },
              "align": 0.5, "registration": { "shift": [0.1, 0], "tilt": [1e-4, 0] },
@@ -135,10 +139,10 @@ fn scenes_name_scans_by_paths_lists_and_blocks_in_their_own_units() {
              "detrend": { "free-edges": { "width": 0.1 } }, "bootstrap": 5, "seed": 3,
              "tallest": { "m-out-of-n": { "exponent": 0.8 } } }"#,
     );
-    assert_eq!(block.registration.shift, [0.1 * 1e-3, 0.0]);
+    assert_eq!(block.registration.shift, [0.1 * 1e-3, 0.0].map(Length::from_si));
     assert_eq!(
         (block.align, block.noise.s_filter),
-        (Some(0.5 * 1e-3), Some(0.08 * 1e-3))
+        (Some(Length::from_si(0.5 * 1e-3)), Some(Length::from_si(0.08 * 1e-3)))
     );
     assert_eq!(block.noise.outliers.unwrap().reach, 2);
     for (surface, expected) in [
@@ -254,7 +258,7 @@ fn ensembles_depend_on_the_seed_alone_and_go_on_where_they_stopped() {
     assert!(one.members.iter().all(|m| m.points.len() == 3 && m.not_converged == 0));
     assert!(one.members[0].points != one.members[1].points);
     assert_eq!(one.bands.len(), 3);
-    for (band, point) in one.bands.iter().zip(&measured.amplitudes) {
+    for (band, point) in one.bands.iter().zip(&measured.amplitudes()) {
         let [low, middle, high] = band.frequency_hz;
         assert!(low <= middle && middle <= high && low < high, "{band:?}");
         // The realisations scatter about the measured backbone, by far less than its frequency.
@@ -294,14 +298,14 @@ fn ensembles_depend_on_the_seed_alone_and_go_on_where_they_stopped() {
 
 #[test]
 fn realisations_without_the_tallest_peak_begin_later_and_agree_with_their_sums() {
-    use joint_pipeline::run::prepare;
+    use joint_pipeline::analysis::prepare;
     use surface_characterisation::traction_curves;
     let scene = scene(Surface::SyntheticScan(faces()));
     let prepared = prepare(&scene, &options(folder()), &Silent).unwrap();
     let mesh = structure().interface().clone();
     let found = ScannedSurface::try_new(&scene, &mesh).unwrap().found;
     let interface = prepared.interface();
-    let load = 3.0 * scene.bolts.load;
+    let load = 3.0 * scene.bolts.load.si();
     let (realisation, closure) = interface.realisation(&scene, 1, load).unwrap();
     assert!(closure > 0.0);
     let drawn = found.realisation(1).unwrap();

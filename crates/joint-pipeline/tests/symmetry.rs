@@ -5,19 +5,27 @@
     reason = "tests, which print what they measure"
 )]
 
-use joint_pipeline::model::Structure;
+mod common;
+
+use brake_reuss_beam::BrakeReussBenchmark;
+use common::{BENCHMARKS, beam};
+use joint_pipeline::joint::benchmark::BenchmarkRef;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{BoltBehaviour, Deck, Gap, Method, RefinementName, Surface, Symmetry, SyntheticScan};
-use joint_pipeline::summary::Summary;
+use joint_pipeline::results::summary::Summary;
+use joint_pipeline::scene::Length;
+use joint_pipeline::scene::{
+    BoltBehaviour, Deck, Gap, Method, RefinementLevel, StructureSource, Surface, Symmetry, SyntheticScan,
+};
+use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use std::collections::BTreeMap;
 
 fn scene(symmetry: Symmetry) -> Scene {
-    let mut scene = Scene::new("quick");
-    scene.model.refinement = RefinementName::Quick;
+    let mut scene = beam("quick");
+    scene.model.refinement = RefinementLevel::Quick;
     scene.model.symmetry = symmetry;
     scene.cqsma.amplitudes = 4;
-    scene.cqsma.amplitude_from = 1e-5;
+    scene.cqsma.amplitude_from = Length::from_si(1e-5);
     scene.cqsma.vertices_per_quarter = 4;
     // Far below what is compared, so that the ends of Newton's iterations do not matter.
     scene.cqsma.tolerance = 1e-12;
@@ -105,7 +113,7 @@ fn the_half_is_the_whole() {
     let of = |of: &dyn Fn(&Summary) -> f64| [(of(&half), of(&whole))];
     compare(
         "force that separates",
-        of(&|s| s.validity.separation_modal_force.unwrap()),
+        of(&|s| s.validity().separation_modal_force.unwrap()),
         1e-8,
     );
     compare("closure", of(&|s| s.law.mean_closure), 1e-9);
@@ -114,10 +122,10 @@ fn the_half_is_the_whole() {
     compare("mean pressure", of(&|s| s.prestress.mean_pressure), 1e-12);
     compare(
         "real contact area",
-        of(&|s| s.validity.real_contact_area_fraction.unwrap()),
+        of(&|s| s.validity().real_contact_area_fraction.unwrap()),
         1e-9,
     );
-    let points = |of: &dyn Fn(&joint_pipeline::summary::BackboneSummary) -> f64| -> Vec<_> {
+    let points = |of: &dyn Fn(&joint_pipeline::results::summary::BackboneSummary) -> f64| -> Vec<_> {
         let pairs = half.backbone.iter().zip(&whole.backbone);
         pairs.map(|(a, b)| (of(a), of(b))).collect()
     };
@@ -132,7 +140,7 @@ fn the_half_is_the_whole() {
     compare("dissipation of the points", points(&|p| p.dissipation.unwrap()), 1e-8);
     compare("dissipation of the mode", points(&|p| p.loop_area.unwrap()), 1e-8);
     for (name, of_half) in &half.methods {
-        let pairs = || of_half.iter().zip(&whole.methods[name]);
+        let pairs = || of_half.iter().zip(&whole.first().methods[name]);
         let frequencies = pairs().map(|(a, b)| (a.frequency_hz.unwrap(), b.frequency_hz.unwrap()));
         compare(&format!("frequency of {name}"), frequencies, 1e-9);
         let damping = pairs().filter_map(|(a, b)| a.damping_ratio.zip(b.damping_ratio));
@@ -172,20 +180,25 @@ fn scenes_that_need_not_be_symmetric_are_refused() {
         "response": { "node": "3", "direction": [0.0, 0.0, 1.0] }
     }))
     .unwrap();
-    assert_eq!(refused(&|s| s.model.deck = Some(deck.clone())), "model.deck");
-    let mut on_deck = scene(Symmetry::Half).model;
-    on_deck.deck = Some(deck);
-    let structure = Structure::try_new(&on_deck, BoltBehaviour::DeadLoad, &Silent);
+    let on_deck = |s: &mut Scene| {
+        s.structure = StructureSource::Deck(Box::new(deck.clone()));
+        s.surface = Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark));
+    };
+    assert_eq!(refused(&on_deck), "a deck");
+    let mut half_deck = scene(Symmetry::Half);
+    on_deck(&mut half_deck);
+    let structure = Structure::try_new(&half_deck, &Silent);
     assert!(matches!(structure, Err(Error::Symmetry { .. })));
 
     let per = |per: &str| {
         format!(
-            r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "model": {{ "symmetry": "half" }},
+            r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
+            "model": {{ "symmetry": "half" }},
             "surface": {{ "parameters": {{ "per": "{per}", "sets": [ {{ "curves": {{ "elastic":
             {{ "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] }} }} }} ] }} }} }}"#
         )
     };
-    Scene::from_json(&per("interface"), "a scene", "a").unwrap();
-    let error = Scene::from_json(&per("element"), "a scene", "a").unwrap_err();
+    Scene::from_json(&per("interface"), "a scene", "a", &BENCHMARKS).unwrap();
+    let error = Scene::from_json(&per("element"), "a scene", "a", &BENCHMARKS).unwrap_err();
     assert!(matches!(error, Error::Symmetry { .. }), "{error}");
 }

@@ -1,10 +1,13 @@
 //! The ring-down of the beam in time against its quasi-static backbone.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+mod common;
+
+use common::beam;
+use joint_pipeline::analysis::transient::{Excitation, Settings, backbones, ring_down, scene_for};
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::RefinementName;
-use joint_pipeline::transient::{Excitation, Settings, backbones, ring_down, scene_for};
-use joint_pipeline::{Error, Options, Run, Scene, run};
+use joint_pipeline::scene::RefinementLevel;
+use joint_pipeline::{Error, Options, Run, run};
 use std::sync::OnceLock;
 
 const AMPLITUDE: f64 = 2e-3;
@@ -12,8 +15,8 @@ const AMPLITUDE: f64 = 2e-3;
 fn quick() -> &'static Run {
     static RUN: OnceLock<Run> = OnceLock::new();
     RUN.get_or_init(|| {
-        let mut scene = Scene::new("quick");
-        scene.model.refinement = RefinementName::Quick;
+        let mut scene = beam("quick");
+        scene.model.refinement = RefinementLevel::Quick;
         run(&scene_for(scene, AMPLITUDE), &Options::default(), &Silent).unwrap()
     })
 }

@@ -46,16 +46,27 @@ pub(crate) fn remove_stale(directory: &Path, outputs: &[Output], named: &[&str])
         let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
             continue;
         };
-        let number = name
-            .strip_prefix("interface-amplitude-")
-            .and_then(|rest| rest.strip_suffix(".vtu"));
-        let ours = number
-            .and_then(|n| n.parse().ok())
-            .is_some_and(|n| amplitude_file(n) == name)
-            || named.contains(&name);
+        let ours = is_amplitude_file(name) || named.contains(&name);
         if ours && outputs.iter().all(|output| output.name != name) {
             std::fs::remove_file(&path).with_context(|| format!("removing {} of an earlier run", path.display()))?;
         }
     }
     Ok(())
+}
+
+/// Whether a run writes the fields of some amplitude of some mode to a file of this name.
+fn is_amplitude_file(name: &str) -> bool {
+    let Some(rest) = name.strip_prefix("interface-") else {
+        return false;
+    };
+    let (mode, rest) = match rest.strip_prefix("mode-").and_then(|rest| rest.split_once('-')) {
+        Some((mode, rest)) => (mode.parse().ok(), rest),
+        None => (None, rest),
+    };
+    let number = rest
+        .strip_prefix("amplitude-")
+        .and_then(|rest| rest.strip_suffix(".vtu"));
+    number
+        .and_then(|number| number.parse().ok())
+        .is_some_and(|number| amplitude_file(mode, number) == name)
 }

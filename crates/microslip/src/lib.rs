@@ -1,9 +1,11 @@
 #![doc = include_str!("../README.md")]
 
+pub mod benchmarks;
 pub mod commands;
 pub mod files;
 pub mod progress;
 
 pub use commands::{Command, Defaults, Outcome, execute};
-pub use joint_pipeline::summary::Summary;
+pub use benchmarks::BENCHMARKS;
+pub use joint_pipeline::results::summary::Summary;
 pub use joint_pipeline::{Error, Options, Run, Scene, run, run_ensemble};

@@ -2,7 +2,7 @@
 
 use clap::{CommandFactory, Parser, Subcommand};
 use etcetera::BaseStrategy;
-use microslip::commands::{self, EXIT_CODES, read_scene};
+use microslip::commands::{self, EXIT_CODES, SceneArguments};
 use microslip::{Defaults, Outcome};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,8 +22,8 @@ enum Program {
     /// Run a scene: frequency and damping against amplitude.
     #[command(after_help = EXIT_CODES)]
     Run {
-        /// Scene file.
-        scene: PathBuf,
+        #[command(flatten)]
+        scene: SceneArguments,
         #[command(flatten)]
         options: commands::run::Arguments,
     },
@@ -39,10 +39,13 @@ enum Program {
 fn main() -> ExitCode {
     let command = Cli::parse().command;
     microslip::execute(|| {
-        let defaults = Defaults { cache: user_cache() };
+        let defaults = Defaults {
+            cache: user_cache(),
+            benchmark: None,
+        };
         match command {
             Program::Run { scene, options } => {
-                commands::run::run(&read_scene(Some(&scene), None)?, &options, &defaults)
+                commands::run::run(&scene.read(&defaults)?, &options, &defaults)
             }
             Program::Other(other) => other.run(&defaults).map(|()| Outcome::Success),
             Program::Completions { shell } => {

@@ -1,8 +1,8 @@
 //! The backbone as comma-separated values.
 
-use joint_pipeline::ensemble::Ensemble;
-use joint_pipeline::registration::Moved;
-use joint_pipeline::summary::{BackboneSummary, Summary};
+use joint_pipeline::analysis::ensemble::Ensemble;
+use joint_pipeline::analysis::registration::Moved;
+use joint_pipeline::results::summary::{BackboneSummary, Summary};
 
 /// Name with unit, and value, of every column.
 fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {

@@ -2,7 +2,7 @@
 
 use contact_laws::Regime;
 use joint_pipeline::Run;
-use joint_pipeline::run::Fields;
+use joint_pipeline::analysis::Fields;
 
 /// One value per interface element.
 pub struct CellField {

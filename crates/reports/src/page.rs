@@ -6,7 +6,7 @@ use crate::{Error, fields, map, plot};
 
 use joint_pipeline::Run;
 use joint_pipeline::interface::AsperityReport;
-use joint_pipeline::summary::{BackboneSummary, Status, Summary};
+use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
 use std::fmt::Write;
 
 /// Style sheet of all pages.
@@ -47,14 +47,15 @@ pub fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<String, 
     // Writing to a string cannot fail.
     let _ = writeln!(
         out,
-        "<p>Brake-Reuss beam: frequency and damping of mode {} against amplitude. Surface: {}; gap: {}; friction \
+        "<p>{}: frequency and damping of mode {} against amplitude. Surface: {}; gap: {}; friction \
          coefficient {}; {} bolts with {:.3} kN each.</p>",
-        run.scene.cqsma.mode,
+        escape(&summary.title),
+        run.first().mode,
         escape(&name("/scene/surface")),
         escape(&name("/scene/gap")),
         run.scene.mu,
         run.model.reduced.loads.len(),
-        run.scene.bolts.load / 1e3,
+        run.scene.bolts.load.si() / 1e3,
     );
     if failed > 0 {
         let all = summary.backbone.len();
@@ -68,13 +69,18 @@ pub fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<String, 
         let n = all.realisations - all.failed;
         format!(" Shaded: 5 to 95 % of {n} bootstrap realisations of the laws.")
     });
-    figure(&mut out, backbone, &format!("Amplitude: {}.{bands}", plot::RESPONSE));
+    figure(
+        &mut out,
+        backbone,
+        &format!("Amplitude: {}.{bands}", plot::amplitude_label(&summary.response)),
+    );
 
     out += "<h2>Interface</h2>\n";
-    let caption = "Pressure under prestress, means over the elements; seen from above, the beam's axis to the right.";
+    let caption =
+        "Pressure under prestress, means over the elements; seen along the normal, x of the interface to the right.";
     let pressure = fields::pressure(run, &run.prestress.fields);
     figure(&mut out, &map::svg(&run.mesh, &pressure, "pressure", "Pa"), caption);
-    for (index, amplitude) in run.amplitudes.iter().enumerate() {
+    for (index, amplitude) in run.amplitudes().iter().enumerate() {
         let stored = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref());
         let (Some(stored), Some(x)) = (stored, amplitude.response_displacement) else {
             continue;
@@ -84,7 +90,7 @@ pub fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<String, 
         figure(
             &mut out,
             &picture,
-            &format!("Amplitude {} of {}: {x:.3e} m.", index + 1, run.amplitudes.len()),
+            &format!("Amplitude {} of {}: {x:.3e} m.", index + 1, run.amplitudes().len()),
         );
     }
 
@@ -340,7 +346,7 @@ fn validity(run: &Run, summary: &Summary) -> Vec<String> {
     let unknown = || "not known for this law".to_owned();
     let at = |number: usize| {
         let x = run
-            .amplitudes
+            .amplitudes()
             .get(number.saturating_sub(1))
             .and_then(|a| a.response_displacement);
         x.map_or_else(

@@ -2,9 +2,9 @@
 
 use crate::{Drawing, Error};
 use contact_laws::{ContactCurves, FittedCurves};
-use joint_pipeline::ensemble::BandPoint;
-use joint_pipeline::summary::{BackboneSummary, MethodSummary, Summary};
-use joint_pipeline::surface::Profile;
+use joint_pipeline::analysis::ensemble::BandPoint;
+use joint_pipeline::interface::Profile;
+use joint_pipeline::results::summary::{BackboneSummary, MethodSummary, Summary};
 use plotters::coord::Shift;
 use plotters::coord::combinators::{LogCoord, WithKeyPoints};
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
@@ -23,8 +23,10 @@ const GRID: RGBColor = RGBColor(222, 222, 222);
 /// Length of the sample of a curve in the legend (pixels).
 const SAMPLE: u32 = 40;
 
-/// Name of the response point, for axes and tables.
-pub const RESPONSE: &str = "displacement amplitude at the beam's end, edge middle, in bending direction";
+/// Name of amplitudes at the response point, which `response` tells in words, for axes and tables.
+pub fn amplitude_label(response: &str) -> String {
+    format!("displacement amplitude at {response}")
+}
 
 /// What is drawn on.
 pub type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -378,7 +380,7 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
 
     let y = bounds(heights(&damping, &damping_band)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
     let y_ticks = ticks(&y);
-    let label = format!("{RESPONSE} [m]");
+    let label = format!("{} [m]", amplitude_label(&summary.response));
     let chart_y = log(&y, &y_ticks);
     panel(
         &lower,

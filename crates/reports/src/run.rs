@@ -2,7 +2,7 @@
 
 use crate::{Error, Output, csv, fields, page, plot, vtu};
 use joint_pipeline::Run;
-use joint_pipeline::summary::{BackboneSummary, Status, Summary};
+use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
 
 /// Name of the machine-readable account of a run.
 pub const SUMMARY: &str = "summary.json";
@@ -10,9 +10,14 @@ pub const SUMMARY: &str = "summary.json";
 /// Name of the table of an ensemble.
 pub const ENSEMBLE: &str = "ensemble.csv";
 
-/// Name of the interface file of an amplitude, counted from 1.
-pub fn amplitude_file(number: usize) -> String {
-    format!("interface-amplitude-{number:02}.vtu")
+/// Name of the interface file of an amplitude, counted from 1; `mode` is none for the first mode followed.
+pub fn amplitude_file(mode: Option<usize>, number: usize) -> String {
+    format!("interface-{}amplitude-{number:02}.vtu", of_mode(mode))
+}
+
+/// What distinguishes the files of a mode from those of the first mode followed.
+fn of_mode(mode: Option<usize>) -> String {
+    mode.map_or_else(String::new, |mode| format!("mode-{mode}-"))
 }
 
 /// All files of a run; the summary comes last, so that a new one never stands beside old files.
@@ -22,14 +27,23 @@ pub fn amplitude_file(number: usize) -> String {
 pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     let field_file =
         |name: String, fields| Output::new(name, vtu::document(&run.mesh, &fields::cell_fields(run, fields)));
-    let picture = plot::backbone(summary, &title(run))?;
+    let picture = plot::backbone(summary, &title(run, run.first().mode))?;
     let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)];
-    for (index, amplitude) in run.amplitudes.iter().enumerate() {
-        if let Some(fields) = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref()) {
-            outputs.push(field_file(amplitude_file(index + 1), fields));
+    for (place, backbone) in run.backbones.iter().enumerate() {
+        let mode = (place > 0).then_some(backbone.mode);
+        for (index, amplitude) in backbone.amplitudes.iter().enumerate() {
+            if let Some(fields) = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref()) {
+                outputs.push(field_file(amplitude_file(mode, index + 1), fields));
+            }
         }
     }
     outputs.push(Output::new("backbone.csv", csv::document(summary)));
+    for backbone in summary.backbones.iter().skip(1) {
+        let (of_mode, name) = (summary.of_mode(backbone), of_mode(Some(backbone.mode)));
+        outputs.push(Output::new(format!("{name}backbone.csv"), csv::document(&of_mode)));
+        let picture = plot::backbone(&of_mode, &title(run, backbone.mode))?;
+        outputs.push(Output::new(format!("{name}backbone.svg"), picture));
+    }
     if let Some(ensemble) = &summary.ensemble {
         outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)));
     }
@@ -40,14 +54,13 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     Ok(outputs)
 }
 
-fn title(run: &Run) -> String {
+fn title(run: &Run, mode: usize) -> String {
     let scene = &run.scene;
     format!(
-        "{}: mode {}, mu = {}, bolts {:.3} kN each",
+        "{}: mode {mode}, mu = {}, bolts {:.3} kN each",
         scene.name,
-        scene.cqsma.mode,
         scene.mu,
-        scene.bolts.load / 1e3
+        scene.bolts.load.si() / 1e3
     )
 }
 

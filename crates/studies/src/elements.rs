@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use contact_laws::{ContactCurves, FittedCurves};
-use joint_pipeline::scene::{Curves, ParameterSet, Parameters, Per, Surface};
+use joint_pipeline::scene::{Curves, Length, ParameterSet, Parameters, Per, Surface};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use surface_characterisation::ElementSurface;
@@ -67,7 +67,7 @@ pub(crate) fn given(curves: Vec<Curves>) -> Surface {
     let set = |curves| ParameterSet {
         curves,
         mu: None,
-        gap: 0.0,
+        gap: Length::default(),
     };
     Surface::Parameters(Parameters {
         per,

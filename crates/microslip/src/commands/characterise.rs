@@ -1,14 +1,15 @@
 //! `characterise`: two scans over an interface, element by element.
 
-use super::read_scene;
+use super::{Defaults, scene};
 use crate::files;
 use anyhow::{Context, Result, bail};
 use contact_laws::FittedCurves;
 use joint_pipeline::Scene;
-use joint_pipeline::model::Structure;
+use joint_pipeline::structure::Structure;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Place, PlaneMesh, ScanFile, Scans, Surface};
-use joint_pipeline::surface::{ScannedSurface, interface_mesh};
+use joint_pipeline::joint::benchmark::BenchmarkRef;
+use joint_pipeline::scene::{Length, Place, PlaneMesh, ScanFile, Scans, StructureSource, Surface};
+use joint_pipeline::interface::{ScannedSurface, interface_mesh};
 use reports::Output;
 use reports::fields::CellField;
 use reports::{map, plot, vtu};
@@ -22,16 +23,19 @@ use zte_assembly::InterfaceMesh;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Scan of the top face: X3P, SDF, SUR, text or NumPy [default: that of the scene].
-    #[arg(requires = "bottom", required_unless_present = "scene")]
+    #[arg(requires = "bottom", required_unless_present_any = ["scene", "benchmark"])]
     top: Option<PathBuf>,
     /// Scan of the bottom face.
     bottom: Option<PathBuf>,
     /// Scene whose interface, material and `surface` are taken: scans with all their settings and readings.
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
-    /// Interface mesh: `brb` for the beam's, or JSON with `nodes` and `elements` (node numbers from 1)
+    /// The same of a scene that comes with the program, see `benchmarks`.
+    #[arg(long, value_name = "NAME", conflicts_with = "scene")]
+    benchmark: Option<String>,
+    /// Interface mesh: a benchmark by its name, or JSON with `nodes` and `elements` (node numbers from 1)
     /// [default: that of the scene].
-    #[arg(long, value_name = "brb|FILE")]
+    #[arg(long, value_name = "NAME|FILE")]
     mesh: Option<PathBuf>,
     /// Unit of the nodes in the file of the mesh.
     #[arg(long, value_name = "UNIT", default_value = "m")]
@@ -93,8 +97,8 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &Arguments) -> Result<()> {
-    let mut scene = read_scene(arguments.scene.as_deref(), None)?;
+pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
+    let mut scene = scene::read(arguments.scene.as_deref(), arguments.benchmark.as_deref(), defaults)?;
     if let (Some(top), Some(bottom)) = (&arguments.top, &arguments.bottom) {
         let mut scans = match scene.surface {
             Surface::Scans(scans) => *scans,
@@ -156,28 +160,28 @@ fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
         }
     }
     scans.bottom.mirrored |= arguments.mirror_bottom;
-    scans.align = arguments.align.or(scans.align);
+    scans.align = arguments.align.map(Length::from_si).or(scans.align);
     scans.bootstrap = arguments.bootstrap.unwrap_or(scans.bootstrap);
     scans.seed = arguments.seed.unwrap_or(scans.seed);
     Ok(())
 }
 
 fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
-    match &arguments.mesh {
-        Some(path) if path.as_os_str() != "brb" => {
+    let named = arguments.mesh.as_ref().and_then(|name| scene::find_benchmark(name.to_str()?));
+    match (&arguments.mesh, named) {
+        (Some(path), None) => {
             let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
             let plane: PlaneMesh =
                 serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
             interface_mesh(&plane, arguments.mesh_units.metres(1.0))
                 .with_context(|| format!("reading {}", path.display()))
         }
-        named => {
-            let mut model = scene.model.clone();
-            if named.is_some() {
-                (model.deck, model.matrices) = (None, None);
+        (_, named) => {
+            let mut scene = scene.clone();
+            if let Some(benchmark) = named {
+                scene.structure = StructureSource::Benchmark(BenchmarkRef(benchmark));
             }
-            let structure = Structure::try_new(&model, scene.bolts.behaviour, &Silent)?;
-            Ok(structure.interface().clone())
+            Ok(Structure::try_new(&scene, &Silent)?.interface().clone())
         }
     }
 }

@@ -4,7 +4,7 @@ use super::identify::Amplitude;
 use super::transient::line;
 use crate::files;
 use anyhow::{Context, Result, bail, ensure};
-use joint_pipeline::comparison::{Backbone, Misfit, POINTS, Point};
+use joint_pipeline::analysis::comparison::{Backbone, Misfit, POINTS, Point};
 use modal_identification::signal::{Quantity, Unit};
 use reports::Output;
 use reports::overlay::{self, Series};

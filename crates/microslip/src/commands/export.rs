@@ -1,14 +1,14 @@
 //! `export`: the reduced model of a scene, or its mesh, for other programs.
 
-use super::{Cache, Defaults, default_directory, read_scene};
+use super::{Cache, Defaults, SceneArguments, default_directory};
 use crate::files;
 use crate::progress::Monitor;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::Scene;
-use joint_pipeline::export::{ABOUT, arrays, deck, groups};
+use joint_pipeline::structure::export::{ABOUT, arrays, deck, groups};
 use joint_pipeline::joint::Bodies;
-use joint_pipeline::model::Structure;
-use joint_pipeline::scene::Symmetry;
+use joint_pipeline::structure::Structure;
+use joint_pipeline::scene::{Gap, RefinementLevel, StructureSource, Surface, Symmetry};
 use matrix_files::value::Array;
 use matrix_files::{mat, matrix_market, npz};
 use reports::Output;
@@ -19,11 +19,8 @@ use substructure::{deck as input_deck, gmsh};
 /// Options of `export`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Scene file [default: as for brb].
-    scene: Option<PathBuf>,
-    /// Input deck of the structure, in the place of the one that the scene names.
-    #[arg(long, value_name = "FILE")]
-    deck: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// Format: of the reduced model one file of all arrays, or one Matrix Market file each; or of the mesh.
     #[arg(long, value_enum)]
     format: Format,
@@ -52,7 +49,7 @@ enum Format {
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
-    let scene = read_scene(arguments.scene.as_deref(), arguments.deck.as_deref())?;
+    let scene = arguments.scene.read(defaults)?;
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&format!("{}-export", scene.name))?,
@@ -65,7 +62,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         );
     }
     let monitor = Monitor::new()?;
-    let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &monitor)?;
+    let structure = Structure::try_new(&scene, &monitor)?;
     let reduced = || {
         let cache = arguments.cache.folder(defaults);
         let model = structure.reduce(cache.as_deref(), &monitor)?;
@@ -112,10 +109,19 @@ fn mesh(scene: &Scene, structure: &Structure, format: Format) -> Result<Vec<Outp
         )],
         _ => {
             let mut on_deck = scene.clone();
-            on_deck.model.deck = Some(deck(joint, bodies, Path::new("structure.inp")));
+            on_deck.structure = StructureSource::Deck(Box::new(deck(joint, bodies, Path::new("structure.inp"))));
             // The formulation is that of the deck's element types.
             on_deck.model.formulation = None;
-            on_deck.model.refinement = Scene::new("").model.refinement;
+            (on_deck.model.refinement, on_deck.model.arm_layers) = (RefinementLevel::default(), None);
+            // What the structure's own measured faces were is not known of a deck.
+            if let Some(benchmark) = scene.structure.benchmark() {
+                if on_deck.surface == Surface::Measured {
+                    on_deck.surface = Surface::Benchmark(benchmark);
+                }
+                if on_deck.gap == Gap::Measured {
+                    on_deck.gap = Gap::Benchmark(benchmark);
+                }
+            }
             let json = serde_json::to_string_pretty(&on_deck).context("encoding the scene")?;
             vec![
                 Output::new("structure.inp", input_deck::write(&bodies.assembly, &faces, &nodes)?),

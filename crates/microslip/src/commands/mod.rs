@@ -5,17 +5,18 @@ mod compare;
 mod export;
 mod identify;
 mod model;
+mod new;
 pub mod run;
+mod scene;
+mod schema;
 mod transient;
 
 use anyhow::{Result, bail};
-use joint_pipeline::Scene;
+use joint_pipeline::Benchmark;
+pub use scene::SceneArguments;
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
-
-const FLAT: &str = include_str!("../../../../fixtures/scenes/brb-flat.json");
-const DECK: &str = include_str!("../../../../fixtures/scenes/brb-deck.json");
 
 /// Folder of all results, under the current one.
 pub const RESULTS: &str = "results";
@@ -42,6 +43,12 @@ pub enum Command {
     Transient(transient::Arguments),
     /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
     Compare(compare::Arguments),
+    /// Write a commented scene to start from.
+    New(new::Arguments),
+    /// List the benchmarks that scenes may name, with the scenes that come with them.
+    Benchmarks,
+    /// Print the JSON Schema of scenes or of summaries.
+    Schema(schema::Arguments),
 }
 
 impl Command {
@@ -51,21 +58,26 @@ impl Command {
     /// Whatever stops it: a bad scene, a file that cannot be read or written, a solver that gives up.
     pub fn run(&self, defaults: &Defaults) -> Result<()> {
         match self {
-            Self::Model(arguments) => model::run(arguments),
+            Self::Model(arguments) => model::run(arguments, defaults),
             Self::Export(arguments) => export::run(arguments, defaults),
             Self::Identify(arguments) => identify::run(arguments),
-            Self::Characterise(arguments) => characterise::run(arguments),
+            Self::Characterise(arguments) => characterise::run(arguments, defaults),
             Self::Transient(arguments) => transient::run(arguments, defaults),
             Self::Compare(arguments) => compare::run(arguments),
+            Self::New(arguments) => new::run(arguments),
+            Self::Benchmarks => print(&scene::list()),
+            Self::Schema(arguments) => schema::run(arguments),
         }
     }
 }
 
 /// What the program decides where the arguments leave it open.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Defaults {
     /// Folder of the cache; none: nothing is cached.
     pub cache: Option<PathBuf>,
+    /// The benchmark that scenes without a structure are on, and whose first scene commands take that are given none.
+    pub benchmark: Option<&'static dyn Benchmark>,
 }
 
 /// Where reduced models and finished amplitudes are kept.
@@ -122,29 +134,6 @@ pub fn print(text: &str) -> Result<()> {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
     }
-}
-
-/// The scene of a file or a built-in one, with its deck replaced on request.
-///
-/// # Errors
-/// The file cannot be read, its scene is not admissible, or it has no deck to be replaced.
-pub fn read_scene(scene: Option<&Path>, deck: Option<&Path>) -> Result<Scene> {
-    let mut scene = match (scene, deck) {
-        (Some(path), _) => Scene::read(path)?,
-        (None, None) => Scene::from_json(FLAT, "the built-in scene", "brb-flat")?,
-        (None, Some(_)) => Scene::from_json(DECK, "the built-in scene", "brb-deck")?,
-    };
-    if let Some(path) = deck {
-        let Some(source) = &mut scene.model.deck else {
-            bail!(
-                "the scene {} has no model.deck to say which surfaces and bolts of {} to take",
-                scene.name,
-                path.display()
-            )
-        };
-        source.path = path.to_owned();
-    }
-    Ok(scene)
 }
 
 /// The folder of this name among the results.

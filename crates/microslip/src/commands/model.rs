@@ -1,10 +1,10 @@
 //! `model`: what a scene's structure is, before anything nonlinear.
 
-use super::{default_directory, read_scene};
+use super::{Defaults, SceneArguments, default_directory};
 use crate::files;
 use crate::progress::Monitor;
 use anyhow::{Context, Result};
-use joint_pipeline::model::{Frequencies, LinearInterface, Structure};
+use joint_pipeline::structure::{Frequencies, LinearInterface, Structure};
 use reports::Output;
 use reports::run::SUMMARY;
 use serde_json::json;
@@ -14,11 +14,8 @@ use std::path::PathBuf;
 /// Options of `model`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Scene file [default: as for brb].
-    scene: Option<PathBuf>,
-    /// Input deck of the structure, in the place of the one that the scene names.
-    #[arg(long, value_name = "FILE")]
-    deck: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// Also the frequencies of the unstressed assembly, with a stuck and with a linear interface.
     #[arg(long)]
     spectrum: bool,
@@ -37,8 +34,8 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &Arguments) -> Result<()> {
-    let scene = read_scene(arguments.scene.as_deref(), arguments.deck.as_deref())?;
+pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
+    let scene = arguments.scene.read(defaults)?;
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&format!("{}-model", scene.name))?,
@@ -51,7 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     });
     std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
     let monitor = Monitor::new()?;
-    let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &monitor)?;
+    let structure = Structure::try_new(&scene, &monitor)?;
     let found = structure.describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)?;
     let timings = monitor.finish();
 

@@ -4,10 +4,11 @@ use super::{Cache, Defaults, Outcome, default_directory, print};
 use crate::files;
 use crate::progress::{Monitor, peak_memory};
 use anyhow::{Context, Result};
-use joint_pipeline::accuracy::{self, ErrorEstimate};
+use joint_pipeline::analysis::error_estimate::ErrorEstimate;
+use joint_pipeline::scene;
 use joint_pipeline::progress::Progress;
-use joint_pipeline::registration::{self, Moved};
-use joint_pipeline::summary::Summary;
+use joint_pipeline::analysis::registration::{self, Moved};
+use joint_pipeline::results::summary::Summary;
 use joint_pipeline::{Options, Scene};
 use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
 use reports::{Output, csv, plot};
@@ -60,7 +61,7 @@ pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<
         return Err(joint_pipeline::Error::NoSamples.into());
     }
     let finer = match arguments.estimate_error {
-        true => Some(accuracy::refined(scene)?),
+        true => Some(scene::refined(scene)?),
         false => None,
     };
     let directory = match &arguments.out {

@@ -1,13 +1,13 @@
 //! `transient`: a ring-down of a scene in time, identified and laid over the quasi-static backbones.
 
 use super::identify::{table, trims};
-use super::{Cache, Defaults, default_directory, read_scene};
+use super::{Cache, Defaults, SceneArguments, default_directory, scene};
 use crate::files;
 use crate::progress::Monitor;
 use anyhow::{Context, Result};
-use joint_pipeline::comparison::{Backbone, Misfit};
+use joint_pipeline::analysis::comparison::{Backbone, Misfit};
 use joint_pipeline::progress::Progress;
-use joint_pipeline::transient::{Excitation, RingDown, Settings, backbones, ring_down, scene_for};
+use joint_pipeline::analysis::transient::{Excitation, RingDown, Settings, backbones, ring_down, scene_for};
 use joint_pipeline::{Options, Run, Scene};
 use modal_identification::average::average;
 use modal_identification::backbone::Identification;
@@ -19,13 +19,13 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Instant;
 
-const QUICK: &str = include_str!("../../../../fixtures/scenes/brb-quick.json");
-
 /// Options of `transient`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Scene file [default: the built-in scene brb-quick]. Its amplitudes are replaced by those of the ring-down.
-    scene: Option<PathBuf>,
+    /// The scene [default of the tasks of the workspace: the coarse one of the benchmark]. Its amplitudes are replaced by
+    /// those of the ring-down.
+    #[command(flatten)]
+    scene: SceneArguments,
     /// Displacement of the response point that the mode is released from, by linear estimate (m); the quasi-static
     /// backbones begin there.
     #[arg(long, value_name = "M", default_value_t = 2e-3)]
@@ -72,9 +72,9 @@ struct Found {
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
-    let scene = match &arguments.scene {
-        Some(path) => read_scene(Some(path), None)?,
-        None => Scene::from_json(QUICK, "the built-in scene", "brb-quick")?,
+    let scene = match defaults.benchmark {
+        Some(benchmark) if !arguments.scene.is_given() => scene::coarse(benchmark)?,
+        _ => arguments.scene.read(defaults)?,
     };
     let directory = match &arguments.out {
         Some(path) => path.clone(),

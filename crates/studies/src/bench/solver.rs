@@ -3,15 +3,17 @@
 use super::Instruments;
 use anyhow::{Context, Result, anyhow};
 use brake_reuss_beam::mesh::Refinement;
+use brake_reuss_beam::{BrakeReussBenchmark, benchmark, published};
 use cqsma_solver::cqsma::{Cycles, Settings};
 use cqsma_solver::newton::Effort;
 use cqsma_solver::{BackbonePoint, HystereticForce};
 use cqsma_solver::{LinearSolver, Linearisation, NewtonSettings, NoObserver, Sliding, cqsma, modes, prestress};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
+use joint_pipeline::analysis::{Prepared, prepare};
 use joint_pipeline::interface::InterfaceForce;
-use joint_pipeline::model::Structure;
-use joint_pipeline::run::{Prepared, prepare};
+use joint_pipeline::joint::benchmark::MeshSettings;
+use joint_pipeline::structure::Structure;
 use joint_pipeline::{Options, Scene};
 use serde_json::{Value, json};
 use std::hint::black_box;
@@ -32,7 +34,7 @@ const ROUNDS: usize = 25;
 type Figures = (Vec<(&'static str, Value)>, String);
 
 pub(super) fn figures(instruments: &Instruments<'_>) -> Result<Figures> {
-    let mut scene = Scene::new("bench");
+    let mut scene = Scene::of(&BrakeReussBenchmark, "bench")?;
     scene.points_per_direction = 5;
     let prepared = prepare(&scene, &Options::default(), instruments.progress)?;
     let stages = (instruments.stages)();
@@ -176,9 +178,17 @@ pub(super) fn scaling(cache: PathBuf, instruments: &Instruments<'_>) -> Result<S
     );
     let mut rows = Vec::new();
     let mut measure = |refinement: &Refinement, points_per_direction: usize| -> Result<Row> {
-        let mut scene = Scene::new("scaling");
+        let mut scene = Scene::of(&BrakeReussBenchmark, "scaling")?;
         scene.points_per_direction = points_per_direction;
-        let structure = Structure::with_refinement(&scene.model, scene.bolts.behaviour, refinement)?;
+        let settings = MeshSettings {
+            refinement: scene.model.refinement,
+            arm_layers: scene.model.arm_layers,
+            symmetry: scene.model.symmetry,
+            hexahedra: scene.model.formulation.unwrap_or_default(),
+            material: published::steel(),
+        };
+        let joint = benchmark::joint(refinement, &settings)?;
+        let structure = Structure::from_joint(&scene.model, scene.bolts.behaviour, joint);
         let prepared = Prepared::try_new(&scene, &structure, &options, instruments.progress)?;
         let bench = Bench::try_new(&prepared)?;
         let line = bench.linearise()?;

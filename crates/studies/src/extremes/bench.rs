@@ -1,11 +1,12 @@
 //! The scene that the cases start from, and ways to run it.
 
 use anyhow::{Context, Result, bail};
+use brake_reuss_beam::BrakeReussBenchmark;
+use joint_pipeline::analysis::Prepared;
 use joint_pipeline::joint::{Bodies, MeshedBodies};
-use joint_pipeline::model::Structure;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::run::Prepared;
-use joint_pipeline::scene::{Curves, Elastic, ParameterSet, Parameters, Per, Surface};
+use joint_pipeline::scene::{ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, Surface};
+use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use std::path::PathBuf;
 
@@ -32,10 +33,10 @@ impl Bench {
     /// On the mesh of the default scene if it is `full`, else on the coarse one.
     pub(super) fn try_new(full: bool) -> Result<Self> {
         let (text, name) = if full { (FULL, "brb-flat") } else { (QUICK, "brb-quick") };
-        let mut scene = Scene::from_json(text, "the built-in scene", name)?;
+        let mut scene = Scene::from_json(text, "the built-in scene", name, &[&BrakeReussBenchmark])?;
         // Stuck, at the onset of slip, in partial slip.
-        scene.cqsma.amplitude_from = 1e-6;
-        scene.cqsma.amplitude_to = 1e-4;
+        scene.cqsma.amplitude_from = Length::from_si(1e-6);
+        scene.cqsma.amplitude_to = Length::from_si(1e-4);
         scene.cqsma.amplitudes = 3;
         scene.cqsma.vertices_per_quarter = 4;
         let folder = std::env::temp_dir().join(format!("joint-extremes-{}", std::process::id()));
@@ -89,7 +90,7 @@ impl Bench {
 
     /// The structure of the scene.
     pub(super) fn structure(&self) -> Result<Structure, Error> {
-        Structure::try_new(&self.scene.model, self.scene.bolts.behaviour, &Silent)
+        Structure::try_new(&self.scene, &Silent)
     }
 
     /// First frequency of the scene without contact and with a stuck interface (Hz), beyond which none can be.
@@ -100,15 +101,15 @@ impl Bench {
 
     /// Constant stiffnesses of the size that the law of the scene has at the mean pressure, with a gap for each element.
     pub(super) fn elastic(&self, tangential: f64, gaps: &dyn Fn(usize) -> f64) -> Surface {
-        let normal = self.base.law.normal_stiffness;
+        let normal = ContactStiffness::from_si(self.base.law.normal_stiffness);
         let n = self.base.mesh.elements.len();
         let set = |e: usize| ParameterSet {
             curves: Curves::Elastic(Elastic {
                 normal_stiffness: normal,
-                tangential_stiffness: [tangential * normal; 2],
+                tangential_stiffness: [normal * tangential; 2],
             }),
             mu: None,
-            gap: gaps(e),
+            gap: Length::from_si(gaps(e)),
         };
         Surface::Parameters(Parameters {
             per: Per::Element,

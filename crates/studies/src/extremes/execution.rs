@@ -25,7 +25,7 @@ pub(super) static CASES: &[Case] = &[
 
 /// Everything that a run found, in digits that read back to the last bit.
 fn digits(run: &Run) -> String {
-    let amplitudes = run.amplitudes.iter();
+    let amplitudes = run.amplitudes().iter();
     let amplitudes = amplitudes.map(|a| format!("{:?} {:?} {:?}\n", a.point, a.fields, a.response_acceleration));
     format!(
         "{:?} {:?} {:?}\n{}",

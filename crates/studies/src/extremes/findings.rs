@@ -96,7 +96,11 @@ impl Findings {
 
     /// Counts the iterations of a run.
     pub(super) fn count(&mut self, run: &Run) {
-        let of_loops = run.amplitudes.iter().map(|a| a.point.effort.iterations).sum::<usize>();
+        let of_loops = run
+            .amplitudes()
+            .iter()
+            .map(|a| a.point.effort.iterations)
+            .sum::<usize>();
         let of_prestress = run.prestress.solution.iterations.iter().sum::<usize>();
         *self.iterations.get_or_insert(0) += of_loops + of_prestress;
     }
@@ -121,7 +125,7 @@ impl Findings {
         let mut finite = run.frequencies.iter().all(|f| f.is_finite());
         finite &= p.solution.displacement.iter().all(|u| u.is_finite());
         let (mut residual, mut energy) = (0.0_f64, 0.0_f64);
-        for a in &run.amplitudes {
+        for a in run.amplitudes() {
             let (Ok(r), Some(fields)) = (&a.point.result, &a.fields) else {
                 continue;
             };
@@ -141,12 +145,12 @@ impl Findings {
             energy = worst([energy, (fields.dissipation - r.loop_area).abs() / allowed]);
         }
         self.that(&name("all numbers are finite"), finite);
-        if !run.amplitudes.is_empty() {
+        if !run.amplitudes().is_empty() {
             self.within(&name("residual of the loops"), residual, largest_residual);
             self.within(&name("energy identity, of what is allowed"), energy, 1.0);
         }
-        if let Some(limit) = run.validity.separation_modal_force {
-            let found = run.amplitudes.iter().filter(|a| a.point.result.is_ok());
+        if let Some(limit) = run.validity().separation_modal_force {
+            let found = run.amplitudes().iter().filter(|a| a.point.result.is_ok());
             let largest = found.map(|a| a.point.modal_force).fold(0.0, f64::max);
             self.within(
                 &name("modal force with a result, over the bolts' limit"),
@@ -154,11 +158,11 @@ impl Findings {
                 1.0,
             );
         }
-        let failed = run.amplitudes.iter().filter(|a| a.point.result.is_err());
+        let failed = run.amplitudes().iter().filter(|a| a.point.result.is_err());
         let least = failed.map(|a| a.point.modal_force).fold(f64::INFINITY, f64::min);
         if least.is_finite() {
             let limit = run
-                .validity
+                .validity()
                 .separation_modal_force
                 .context("nothing is known of what the bolts hold together")?;
             self.between(
@@ -180,10 +184,10 @@ impl Findings {
         self.within(&name("linear frequencies"), linear, tolerance);
         self.that(
             &name("the same number of results"),
-            run.frequencies.len() == other.frequencies.len() && run.amplitudes.len() == other.amplitudes.len(),
+            run.frequencies.len() == other.frequencies.len() && run.amplitudes().len() == other.amplitudes().len(),
         );
         let mut errors = [Vec::new(), Vec::new(), Vec::new()];
-        for (a, b) in run.amplitudes.iter().zip(&other.amplitudes) {
+        for (a, b) in run.amplitudes().iter().zip(other.amplitudes()) {
             let (r, s) = match (&a.point.result, &b.point.result) {
                 (Ok(r), Ok(s)) => (r, s),
                 (Err(_), Err(_)) => continue,

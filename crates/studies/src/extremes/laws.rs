@@ -4,14 +4,15 @@ use super::Case;
 use super::bench::Bench;
 use super::findings::{Findings, Refusal, worst};
 use anyhow::{Context, Result};
+use brake_reuss_beam::BrakeReussBenchmark;
 use contact_laws::ElasticPair;
-use joint_pipeline::Error;
-use joint_pipeline::run::Fields;
+use joint_pipeline::analysis::Fields;
+use joint_pipeline::interface::{ScannedSurface, synthetic};
 use joint_pipeline::scene::{
-    Curves, Elastic, Fitted, Gap, LawKind, Method, ParameterSet, Parameters, Per, ScanFile, Scans, Surface,
-    SyntheticScan,
+    ContactStiffness, Curves, Elastic, Fitted, Force, Gap, LawKind, Length, Method, ParameterSet, Parameters, Per,
+    ScanFile, Scans, Stress, Surface, SyntheticScan,
 };
-use joint_pipeline::surface::{ScannedSurface, synthetic};
+use joint_pipeline::{Benchmark, Error};
 use std::f64::consts::TAU;
 use surface_characterisation::{AsperityCount, HeightMap, writers};
 
@@ -98,17 +99,20 @@ fn frictionless(bench: &Bench) -> Result<Findings> {
         scene.output.fields_at = Some((1..=scene.cqsma.amplitudes).collect());
     })?;
     findings.sound("", &run)?;
-    let of_loops = run.amplitudes.iter().filter_map(|a| a.fields.as_ref()?.fields.as_ref());
+    let of_loops = run
+        .amplitudes()
+        .iter()
+        .filter_map(|a| a.fields.as_ref()?.fields.as_ref());
     let all: Vec<&Fields> = std::iter::once(&run.prestress.fields).chain(of_loops).collect();
     let tangential = all.iter().flat_map(|fields| fields.traction[..2].iter().flatten());
     findings.within(
         "fields looked at, missing",
-        (run.amplitudes.len() + 1 - all.len()) as f64,
+        (run.amplitudes().len() + 1 - all.len()) as f64,
         0.0,
     );
     findings.within("tangential traction (Pa)", worst(tangential.copied()), 0.0);
     let resolved = run
-        .amplitudes
+        .amplitudes()
         .iter()
         .filter(|a| a.point.result.as_ref().is_ok_and(|r| r.is_resolved()));
     findings.within(
@@ -122,19 +126,19 @@ fn frictionless(bench: &Bench) -> Result<Findings> {
         bench.run(|scene| {
             scene.surface = bench.elastic(tangential, &|_| 0.0);
             scene.mu = mu;
-            (scene.cqsma.amplitude_from, scene.cqsma.amplitude_to) = (1e-8, 1e-8);
+            (scene.cqsma.amplitude_from, scene.cqsma.amplitude_to) = (Length::from_si(1e-8), Length::from_si(1e-8));
             scene.cqsma.amplitudes = 1;
             scene.methods = vec![Method::Rqnma];
         })
     };
     let (sliding, free) = (small(0.5, 0.0)?, small(0.0, 0.2)?);
-    let points = sliding.methods[0].points.first().context("no amplitude")?;
+    let points = sliding.first().methods[0].points.first().context("no amplitude")?;
     let omega = points.result.as_ref().map_or(f64::NAN, |values| values.omega);
     findings.count(&sliding);
     findings.count(&free);
     findings.equal("frequency by RQNMA (Hz)", omega / TAU, free.frequencies[0], 1e-5);
     // A load of fixed shape is a constraint.
-    let loops = sliding.amplitudes[0]
+    let loops = sliding.amplitudes()[0]
         .point
         .result
         .as_ref()
@@ -158,7 +162,7 @@ fn hardly_any_friction(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();
     findings.sound("", &some)?;
     let mut errors = [Vec::new(), Vec::new(), Vec::new()];
-    for ((a, b), c) in some.amplitudes.iter().zip(&none.amplitudes).zip(&more.amplitudes) {
+    for ((a, b), c) in some.amplitudes().iter().zip(none.amplitudes()).zip(more.amplitudes()) {
         let (Ok(r), Ok(s), Ok(t)) = (&a.point.result, &b.point.result, &c.point.result) else {
             errors[0].push(f64::NAN);
             continue;
@@ -172,7 +176,7 @@ fn hardly_any_friction(bench: &Bench) -> Result<Findings> {
     findings.within("frequencies", omega, 1e-6);
     findings.within("response", q, 1e-6);
     findings.within("damping less a thousandth of that with 1e-9, of the floors", zeta, 1.0);
-    let first = some.amplitudes.first().and_then(|a| a.point.result.as_ref().ok());
+    let first = some.amplitudes().first().and_then(|a| a.point.result.as_ref().ok());
     findings.outcome = format!(
         "converged, damping {:.1e} at the first amplitude",
         first.map_or(f64::NAN, |r| r.zeta)
@@ -184,7 +188,7 @@ fn high_friction(bench: &Bench) -> Result<Findings> {
     let run = bench.run(|scene| scene.mu = 10.0)?;
     let mut findings = Findings::default();
     findings.sound("", &run)?;
-    let first = run.amplitudes.first().context("no amplitude")?;
+    let first = run.amplitudes().first().context("no amplitude")?;
     let fields = first.fields.as_ref().context("the first amplitude did not converge")?;
     let (omega, zeta) = first
         .point
@@ -220,24 +224,24 @@ fn closed_gap(bench: &Bench) -> Result<Findings> {
     Ok(findings)
 }
 
-/// Constant stiffnesses (Pa/m), the same everywhere.
-fn uniform(normal_stiffness: f64) -> Surface {
+/// Constant stiffnesses, the same everywhere.
+fn uniform(normal_stiffness: ContactStiffness) -> Surface {
     Surface::Parameters(Parameters {
         per: Per::Interface,
         sets: vec![ParameterSet {
             curves: Curves::Elastic(Elastic {
                 normal_stiffness,
-                tangential_stiffness: [0.0; 2],
+                tangential_stiffness: [ContactStiffness::from_si(0.0); 2],
             }),
             mu: None,
-            gap: 0.0,
+            gap: Length::default(),
         }],
     })
 }
 
 fn no_contact(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();
-    let outcome = bench.run(|scene| scene.surface = uniform(1e-3));
+    let outcome = bench.run(|scene| scene.surface = uniform(ContactStiffness::from_si(1e-3)));
     let refusal = Refusal {
         place: "the bolt load of",
         value: "carries only",
@@ -249,8 +253,8 @@ fn no_contact(bench: &Bench) -> Result<Findings> {
 
 fn vanishing_contact(bench: &Bench) -> Result<Findings> {
     let run = bench.run(|scene| {
-        scene.surface = uniform(1e3);
-        scene.bolts.load = 1e-2;
+        scene.surface = uniform(ContactStiffness::from_si(1e3));
+        scene.bolts.load = Force::from_si(1e-2);
         scene.cqsma.amplitudes = 0;
         scene.cqsma.modes = 6;
     })?;
@@ -315,7 +319,7 @@ fn not_monotone(bench: &Bench) -> Result<Findings> {
     let pressure = bench.base.law.mean_pressure;
     // The third term is at its height at 5 um, the end of the range, and falls steeply beyond.
     let (end, slope, height) = (5e-6_f64, 2.0, 3.0);
-    let with = |range: Option<[f64; 2]>| {
+    let with = |range: Option<[Length; 2]>| {
         bench.run(|scene| {
             scene.surface = Surface::Parameters(Parameters {
                 per: Per::Interface,
@@ -329,18 +333,18 @@ fn not_monotone(bench: &Bench) -> Result<Findings> {
                             0.5,
                         ],
                         tangential: [[bench.base.law.tangential_stiffness.ln(), 0.5, 1.0, 1.0]; 2],
-                        u_ref: 1e-6,
-                        t_ref: 1.0,
-                        k_ref: 1.0,
+                        u_ref: Length::from_si(1e-6),
+                        t_ref: Stress::from_si(1.0),
+                        k_ref: ContactStiffness::from_si(1.0),
                         range,
                     }),
                     mu: None,
-                    gap: 0.0,
+                    gap: Length::default(),
                 }],
             });
         })
     };
-    let run = with(Some([0.3e-6, end]))?;
+    let run = with(Some([0.3e-6, end].map(Length::from_si)))?;
     let mut findings = Findings::default();
     findings.sound("", &run)?;
     findings.equal(
@@ -372,8 +376,8 @@ fn faces(bench: &Bench) -> SyntheticScan {
     let size = (bench.base.interface.operators().area() / bench.base.mesh.elements.len() as f64).sqrt();
     SyntheticScan {
         seed: 7,
-        step: [size / 40.0; 2],
-        correlation_length: [size / 20.0; 2],
+        step: [Length::from_si(size / 40.0); 2],
+        correlation_length: [Length::from_si(size / 20.0); 2],
         bootstrap: 2,
         ..SyntheticScan::default()
     }
@@ -385,11 +389,13 @@ fn files(
     bench: &Bench,
     scan: &SyntheticScan,
     change: &dyn Fn(&HeightMap) -> Result<HeightMap>,
-    height_step: f64,
+    height_step: Length,
 ) -> Result<Scans> {
     let file = |side: u64| -> Result<ScanFile> {
-        let map = change(&synthetic(scan, &bench.base.mesh, side)?)?;
-        let path = bench.folder.join(format!("face-{side}-{height_step:e}.x3p"));
+        let map = change(&synthetic(scan, &bench.base.mesh, side, |position| {
+            BrakeReussBenchmark.is_void(position)
+        })?)?;
+        let path = bench.folder.join(format!("face-{side}-{:e}.x3p", height_step.si()));
         std::fs::write(&path, writers::x3p(&map)?).with_context(|| format!("writing {}", path.display()))?;
         Ok(ScanFile {
             path,
@@ -422,7 +428,7 @@ fn scaled_heights(bench: &Bench, highest: f64) -> Result<Findings> {
     let scan = faces(bench);
     let with = |factor: f64| -> Result<Surface> {
         let scaled = |map: &HeightMap| mapped(map, |_, z| factor * z);
-        let files = files(bench, &scan, &scaled, factor * scan.height_step)?;
+        let files = files(bench, &scan, &scaled, scan.height_step * factor)?;
         Ok(Surface::Scans(Box::new(files)))
     };
     let usual = with(1.0)?;
@@ -441,14 +447,14 @@ fn scaled_heights(bench: &Bench, highest: f64) -> Result<Findings> {
                 scene.surface = surface.clone();
                 scene.gap = Gap::Scan;
                 scene.law.kind = kind;
-                scene.bolts.load *= factor;
+                scene.bolts.load = scene.bolts.load * factor;
                 scene.cqsma.amplitudes = amplitudes;
-                scene.cqsma.amplitude_from = 1e-5 * factor;
-                scene.cqsma.amplitude_to = 1e-4 * factor;
+                scene.cqsma.amplitude_from = Length::from_si(1e-5 * factor);
+                scene.cqsma.amplitude_to = Length::from_si(1e-4 * factor);
             })
         };
         let (scaled, usual) = (go(&scaled, factor)?, go(&usual, 1.0)?);
-        let name = scaled.law.kind;
+        let name = &scaled.law.kind;
         findings.sound(&format!("{name}, "), &scaled)?;
         findings.alike(&format!("{name}, "), &scaled, &usual, [1.0, factor], tolerance);
         let closure = factor * usual.law.mean_closure;
@@ -472,7 +478,7 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     let areas = bench.base.mesh.areas();
     let material = bench.scene.model.material;
     let pair = ElasticPair {
-        youngs_modulus: material.youngs_modulus,
+        youngs_modulus: material.youngs_modulus.si(),
         poisson_ratio: material.poisson_ratio,
     };
     // Force of one asperity at 1 um.
@@ -485,13 +491,13 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
                 normal: [pressure.ln(), 1.5, 0.0, 0.0, 1.0],
                 // Of the size of the normal stiffness, with its slope.
                 tangential: [[(1.2 * pressure / 1e-6).ln(), 2.0, 0.0, 0.25]; 2],
-                u_ref: 1e-6,
-                t_ref: 1.0,
-                k_ref: 1.0,
+                u_ref: Length::from_si(1e-6),
+                t_ref: Stress::from_si(1.0),
+                k_ref: ContactStiffness::from_si(1.0),
                 range: None,
             }),
             mu: None,
-            gap: 0.0,
+            gap: Length::default(),
         }
     };
     let sets = areas.iter().enumerate().map(set).collect();
@@ -511,8 +517,8 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     // Scans as coarse as the smallest element bears, on which heights change slowly.
     let smallest = areas.iter().copied().fold(f64::INFINITY, f64::min);
     let smooth = |part: f64| SyntheticScan {
-        step: [(smallest / 30.0).sqrt(); 2],
-        correlation_length: [part * smallest.sqrt(); 2],
+        step: [Length::from_si((smallest / 30.0).sqrt()); 2],
+        correlation_length: [Length::from_si(part * smallest.sqrt()); 2],
         ..faces(bench)
     };
     let on = |scan: SyntheticScan, kind: LawKind| {
@@ -543,7 +549,7 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     for kind in [LawKind::AsperitySum, LawKind::Tabulated, LawKind::Fitted] {
         let run = bench.run_scene(&on(rough_enough, kind))?;
         let report = run.law.asperities.as_ref().context("no asperities")?;
-        let name = run.law.kind;
+        let name = &run.law.kind;
         findings.sound(&format!("scans, {name}, "), &run)?;
         let single = found.summary().single_asperity;
         findings.that(

@@ -4,10 +4,12 @@ use super::Case;
 use super::bench::Bench;
 use super::findings::{Findings, Refusal, worst};
 use anyhow::{Context, Result};
-use joint_pipeline::export::arrays;
+use brake_reuss_beam::BrakeReussBenchmark;
+use joint_pipeline::joint::benchmark::BenchmarkRef;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Coordinates, MassUnit, Matrices, MatrixVector, Model};
-use joint_pipeline::summary::{Status, Summary};
+use joint_pipeline::results::summary::{Status, Summary};
+use joint_pipeline::scene::{Coordinates, Force, Length, Matrices, MatrixVector, StructureSource, Surface, Units};
+use joint_pipeline::structure::export::arrays;
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use matrix_files::npz;
 use serde_json::json;
@@ -79,7 +81,7 @@ pub(super) static CASES: &[Case] = &[
 ];
 
 fn bolt_load(bench: &Bench, factor: f64) -> Result<Findings> {
-    let run = bench.run(|scene| scene.bolts.load *= factor)?;
+    let run = bench.run(|scene| scene.bolts.load = scene.bolts.load * factor)?;
     let mut findings = Findings::default();
     findings.sound("", &run)?;
     let (first, usual) = (run.frequencies[0], bench.base.frequencies[0]);
@@ -97,7 +99,7 @@ fn no_bolt_load(bench: &Bench) -> Result<Findings> {
         value: "0 N",
         remedy: "must be positive",
     };
-    findings.refused("", bench.run(|scene| scene.bolts.load = 0.0), &refusal);
+    findings.refused("", bench.run(|scene| scene.bolts.load = Force::from_si(0.0)), &refusal);
     Ok(findings)
 }
 
@@ -105,21 +107,22 @@ fn one_bolt_loose(bench: &Bench) -> Result<Findings> {
     let path = bench.folder.join("reduced.npz");
     let exported = npz::to_bytes(&arrays(&bench.base.model, &bench.structure()?.joint)?)?;
     std::fs::write(&path, exported).with_context(|| format!("writing {}", path.display()))?;
+    let model = Scene::of(&BrakeReussBenchmark, "")?.model;
     let with = |bolts: &[usize]| {
         let scene = bench.changed(|scene| {
-            scene.model = Model {
-                matrices: Some(Matrices {
-                    path: path.clone(),
-                    units: None,
-                    coordinates: Coordinates::Jump,
-                    interface: None,
-                    bolts: Some(bolts.iter().map(|&b| MatrixVector::Number(b)).collect()),
-                    response: MatrixVector::Number(1),
-                    zero_energy_modes: None,
-                    bolt_hole_clearance: None,
-                }),
-                ..Model::default()
-            };
+            scene.structure = StructureSource::Matrices(Box::new(Matrices {
+                path: path.clone(),
+                units: Units::SI,
+                coordinates: Coordinates::Jump,
+                interface: None,
+                bolts: Some(bolts.iter().map(|&b| MatrixVector::Number(b)).collect()),
+                response: MatrixVector::Number(1),
+                zero_energy_modes: None,
+                bolt_hole_clearance: None,
+            }));
+            scene.model = model.clone();
+            // Matrices have no measured surface of their own.
+            scene.surface = Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark));
         });
         run(&scene, &Options::default(), &Silent)
     };
@@ -160,7 +163,7 @@ fn moment(run: &Run) -> f64 {
 
 /// Modal force per displacement of the response at small amplitudes.
 fn force_per_displacement(run: &Run) -> Result<f64> {
-    let first = run.amplitudes.first().context("the scene has no amplitudes")?;
+    let first = run.amplitudes().first().context("the scene has no amplitudes")?;
     Ok(first.point.modal_force
         / first
             .response_displacement
@@ -170,8 +173,8 @@ fn force_per_displacement(run: &Run) -> Result<f64> {
 fn all_modal_forces(bench: &Bench) -> Result<Findings> {
     let ratio = force_per_displacement(&bench.base)?;
     let run = bench.run(|scene| {
-        scene.cqsma.amplitude_from = 1e-9 / ratio;
-        scene.cqsma.amplitude_to = 1e7 / ratio;
+        scene.cqsma.amplitude_from = Length::from_si(1e-9 / ratio);
+        scene.cqsma.amplitude_to = Length::from_si(1e7 / ratio);
         scene.cqsma.amplitudes = if bench.full { 17 } else { 9 };
     })?;
     let summary = Summary::new(&run, BTreeMap::new(), None);
@@ -179,7 +182,7 @@ fn all_modal_forces(bench: &Bench) -> Result<Findings> {
     findings.sound_within("", &run, 1e-2)?;
     let linear = run.frequencies[0];
     let (mut stuck, mut silent) = (Vec::new(), 0);
-    for (a, b) in run.amplitudes.iter().zip(&summary.backbone) {
+    for (a, b) in run.amplitudes().iter().zip(&summary.backbone) {
         let (Ok(r), Some(f), Some(floor)) = (&a.point.result, b.frequency_hz, b.damping_floor) else {
             silent += usize::from(b.status != Status::NoEquilibrium || b.failure.is_none());
             continue;
@@ -220,8 +223,8 @@ fn all_modal_forces(bench: &Bench) -> Result<Findings> {
 
 fn tiny_modal_forces(bench: &Bench) -> Result<Findings> {
     let run = bench.run(|scene| {
-        scene.cqsma.amplitude_from = 1e-24;
-        scene.cqsma.amplitude_to = 1e-12;
+        scene.cqsma.amplitude_from = Length::from_si(1e-24);
+        scene.cqsma.amplitude_to = Length::from_si(1e-12);
         scene.cqsma.amplitudes = 13;
     })?;
     let summary = Summary::new(&run, BTreeMap::new(), None);
@@ -229,7 +232,7 @@ fn tiny_modal_forces(bench: &Bench) -> Result<Findings> {
     findings.count(&run);
     let (mut below, mut told, mut error) = (0, 0, 0.0_f64);
     let mut ordered = true;
-    for (a, b) in run.amplitudes.iter().zip(&summary.backbone) {
+    for (a, b) in run.amplitudes().iter().zip(&summary.backbone) {
         match &a.point.result {
             Ok(r) => {
                 told += 1;
@@ -245,7 +248,7 @@ fn tiny_modal_forces(bench: &Bench) -> Result<Findings> {
     }
     findings.within(
         "failures of another kind",
-        (run.amplitudes.len() - below - told) as f64,
+        (run.amplitudes().len() - below - told) as f64,
         0.0,
     );
     findings.between("amplitudes below round-off", below as f64, 6.0, 10.0);
@@ -256,17 +259,20 @@ fn tiny_modal_forces(bench: &Bench) -> Result<Findings> {
 }
 
 fn stiffness(bench: &Bench, factor: f64) -> Result<Findings> {
-    let stiffer = |scene: &mut Scene| scene.model.material.youngs_modulus *= factor;
+    let stiffer = |scene: &mut Scene| {
+        let modulus = &mut scene.model.material.youngs_modulus;
+        *modulus = *modulus * factor;
+    };
     let mut findings = Findings::default();
     // All forces are moduli times lengths squared: only load over modulus matters.
     let both = bench.run(|scene| {
         stiffer(scene);
-        scene.bolts.load *= factor;
+        scene.bolts.load = scene.bolts.load * factor;
     })?;
     findings.sound("with the load, ", &both)?;
     findings.alike("with the load, ", &both, &bench.base, [factor.sqrt(), 1.0], 1e-6);
     let alone = bench.run(stiffer);
-    let equivalent = bench.run(|scene| scene.bolts.load /= factor);
+    let equivalent = bench.run(|scene| scene.bolts.load = scene.bolts.load / factor);
     match (alone, equivalent) {
         (Ok(alone), Ok(equivalent)) => {
             // A static load a million times larger leaves so much more round-off.
@@ -292,7 +298,10 @@ fn stiffness(bench: &Bench, factor: f64) -> Result<Findings> {
 }
 
 fn mass(bench: &Bench) -> Result<Findings> {
-    let run = bench.run(|scene| scene.model.material.density *= 1e6)?;
+    let run = bench.run(|scene| {
+        let density = &mut scene.model.material.density;
+        *density = density.map(|density| density * 1e6);
+    })?;
     let mut findings = Findings::default();
     findings.sound("", &run)?;
     findings.alike("", &run, &bench.base, [1e-3, 1.0], 1e-6);
@@ -305,45 +314,51 @@ fn mass(bench: &Bench) -> Result<Findings> {
 
 fn units(bench: &Bench) -> Result<Findings> {
     let si = &bench.scene;
-    let (material, c) = (si.model.material, si.cqsma);
+    let (material, c) = (si.model.material, &si.cqsma);
     let mut given = json!({ "length": "m", "mass": "kg", "time": "s" });
     let text = |length: f64, mass: f64, units: &serde_json::Value| {
         let (stress, force) = (mass / length, mass * length);
         json!({
             "units": units,
+            "structure": si.structure,
             "model": {
                 "refinement": si.model.refinement,
                 "material": {
-                    "youngs_modulus": material.youngs_modulus / stress,
-                    "hardness": material.hardness / stress,
-                    "density": material.density / mass * length.powi(3),
+                    "youngs_modulus": material.youngs_modulus.si() / stress,
+                    "hardness": material.hardness.map(|hardness| hardness.si() / stress),
+                    "density": material.density.map(|density| density.si() / mass * length.powi(3)),
                     "poisson_ratio": material.poisson_ratio,
                 },
             },
             "gap": si.gap,
             "mu": si.mu,
             "points_per_direction": si.points_per_direction,
-            "bolts": { "load": si.bolts.load / force },
+            "bolts": { "load": si.bolts.load.si() / force },
             "cqsma": {
-                "amplitude_from": c.amplitude_from / length,
-                "amplitude_to": c.amplitude_to / length,
+                "amplitude_from": c.amplitude_from.si() / length,
+                "amplitude_to": c.amplitude_to.si() / length,
                 "amplitudes": c.amplitudes,
                 "vertices_per_quarter": c.vertices_per_quarter,
             },
         })
         .to_string()
     };
-    let read = |text: &str| Scene::from_json(text, "the case", &si.name);
+    let read = |text: &str| Scene::from_json(text, "the case", &si.name, &[&BrakeReussBenchmark]);
     let same = read(&text(1.0, 1.0, &given))?;
     given["length"] = json!("mm");
-    given["mass"] = serde_json::to_value(MassUnit::Tonne)?;
+    given["mass"] = json!("t");
     let other = read(&text(1e-3, 1e3, &given))?;
     let mut findings = Findings::default();
     findings.that("the scene in SI is that of the bench", same == *si);
     let run = bench.run_scene(&other)?;
     findings.sound("", &run)?;
     findings.alike("", &run, &bench.base, [1.0; 2], 1e-9);
-    let iterations = |run: &Run| run.amplitudes.iter().map(|a| a.point.effort.iterations).sum::<usize>();
+    let iterations = |run: &Run| {
+        run.amplitudes()
+            .iter()
+            .map(|a| a.point.effort.iterations)
+            .sum::<usize>()
+    };
     findings.within(
         "iterations, difference",
         iterations(&run) as f64 - iterations(&bench.base) as f64,

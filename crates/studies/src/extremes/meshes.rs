@@ -4,8 +4,8 @@ use super::Case;
 use super::bench::{Bench, meshed};
 use super::findings::{Findings, Refusal};
 use anyhow::{Context, Result};
-use joint_pipeline::model::Structure;
-use joint_pipeline::scene::FormulationName;
+use joint_pipeline::scene::Formulation;
+use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Run};
 use substructure::mesh::{Cell, Element as Solid};
 use zte_assembly::Element;
@@ -257,20 +257,20 @@ fn unconnected(bench: &Bench) -> Result<Findings> {
 }
 
 fn incompressible(bench: &Bench) -> Result<Findings> {
-    let with = |ratio: f64, formulation: FormulationName| -> Result<Run, Error> {
+    let with = |ratio: f64, formulation: Formulation| -> Result<Run, Error> {
         bench.run(|scene| {
             scene.model.material.poisson_ratio = ratio;
             scene.model.formulation = Some(formulation);
         })
     };
     let mut findings = Findings::default();
-    let modes = with(0.4999, FormulationName::IncompatibleModes)?;
+    let modes = with(0.4999, Formulation::IncompatibleModes)?;
     findings.sound("", &modes)?;
     let (near, b_bar) = (
-        with(0.49, FormulationName::IncompatibleModes)?,
-        with(0.4999, FormulationName::BBar)?,
+        with(0.49, Formulation::IncompatibleModes)?,
+        with(0.4999, Formulation::BBar)?,
     );
-    let full = with(0.4999, FormulationName::Full)?;
+    let full = with(0.4999, Formulation::Full)?;
     let first = |run: &Run| run.frequencies[0];
     findings.equal("as with 0.49", first(&modes), first(&near), 0.03);
     findings.equal("as with B-bar", first(&modes), first(&b_bar), 0.03);

@@ -7,11 +7,11 @@ use anyhow::{Context, Result, bail};
 use brake_reuss_beam::published::{self, BACKBONE_FLAT, BACKBONE_TOPOGRAPHY, BACKBONE_VISCOUS_DAMPING, BackbonePoint};
 use contact_laws::{HistoryRule, TangentialReading};
 use joint_pipeline::Scene;
-use joint_pipeline::scene::{CommitName, Curves, Gap, LawKind, Method};
-use joint_pipeline::trends::{PowerLaw, at, power_law};
+use joint_pipeline::results::trends::{PowerLaw, at, power_law};
+use joint_pipeline::scene::{Commit, Curves, Force, Gap, LawKind, Method, Stress};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use reports::map::rgb;
-use reports::plot::{BLUE, Curve, Panel, RED, RESPONSE, stack, title};
+use reports::plot::{BLUE, Curve, Panel, RED, stack, title};
 use surface_characterisation::{
     AsperityCount, HeightCombination, Options, PackingHeight, PairRadius, RadiusStatistic, characterise,
 };
@@ -74,7 +74,7 @@ const DAMPING: Quantity = |p| p.damping;
 const DISSIPATION: Quantity = |p| Some(p.dissipation);
 
 /// Frequency and damping of several records above one another, and dissipation on request.
-fn diagrams(records: &[(String, &Record)], dissipation: bool) -> Result<String> {
+fn diagrams(inputs: &Inputs, records: &[(String, &Record)], dissipation: bool) -> Result<String> {
     let colours = shades(records.len());
     let lines = |of: Quantity, named: bool| -> Vec<Curve> {
         let each = records.iter().zip(&colours).enumerate();
@@ -107,7 +107,7 @@ fn diagrams(records: &[(String, &Record)], dissipation: bool) -> Result<String> 
             curves: lines(DISSIPATION, false),
         });
     }
-    Ok(stack(&format!("{RESPONSE} [m]"), true, panels)?)
+    Ok(stack(&inputs.amplitude_axis(), true, panels)?)
 }
 
 pub(super) const FIG_19: Entry = Entry {
@@ -238,7 +238,7 @@ fn fig_19(inputs: &Inputs) -> Result<Plan<'_>> {
                 judgement,
                 pictures: vec![Picture {
                     name: "fig19",
-                    svg: diagrams(&records, true)?,
+                    svg: diagrams(inputs, &records, true)?,
                     caption:
                         "Frequency, damping and energy per cycle of the first mode for seven friction coefficients."
                             .into(),
@@ -349,7 +349,7 @@ fn methods(inputs: &Inputs) -> Result<Plan<'_>> {
                 judgement,
                 pictures: vec![Picture {
                     name: "methods",
-                    svg: stack(&format!("{RESPONSE} [m]"), true, panels.collect())?,
+                    svg: stack(&inputs.amplitude_axis(), true, panels.collect())?,
                     caption: "Five methods on the flat interface at mu = 0.2.".into(),
                 }],
             })
@@ -377,9 +377,7 @@ fn readings(inputs: &Inputs) -> Result<Plan<'_>> {
         changed("k_t: paper", &|s| s.law.tangential = TangentialReading::Paper),
         changed("history: paper", &|s| s.law.history = HistoryRule::Paper),
         changed("history: potential", &|s| s.law.history = HistoryRule::Potential),
-        changed("commit at every vertex", &|s| {
-            s.cqsma.commit = CommitName::AtEveryVertex
-        }),
+        changed("commit at every vertex", &|s| s.cqsma.commit = Commit::AtEveryVertex),
         changed("law: fitted, eqs. (28), (29)", &|s| s.law.kind = LawKind::Fitted),
         per_element(base("scans, as by default")),
         per_element(changed("scans, k_t: paper", &|s| {
@@ -477,12 +475,12 @@ fn readings(inputs: &Inputs) -> Result<Plan<'_>> {
                 pictures: vec![
                     Picture {
                         name: "readings",
-                        svg: diagrams(&drawn, false)?,
+                        svg: diagrams(inputs, &drawn, false)?,
                         caption: "One choice changed at a time, measured statistics.".into(),
                     },
                     Picture {
                         name: "readings-scans",
-                        svg: diagrams(&of_scans, false)?,
+                        svg: diagrams(inputs, &of_scans, false)?,
                         caption: "One choice changed at a time, synthetic scans per element.".into(),
                     },
                 ],
@@ -509,8 +507,8 @@ fn experiment(inputs: &Inputs) -> Result<Plan<'_>> {
         let mut scene = inputs.backbone(name, 15, SMALLEST, 2e-4);
         scene.gap = gap;
         scene.mu = source.friction_coefficient;
-        scene.bolts.load = source.bolt_load;
-        scene.model.material.youngs_modulus = source.youngs_modulus;
+        scene.bolts.load = Force::from_si(source.bolt_load);
+        scene.model.material.youngs_modulus = Stress::from_si(source.youngs_modulus);
         scene.model.material.poisson_ratio = source.poisson_ratio;
         scene.background_damping = BACKBONE_VISCOUS_DAMPING;
         scene

@@ -4,8 +4,8 @@ use super::backbones::{EXTENDED, LARGEST, MUS, SMALLEST, extended, family};
 use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim};
 use anyhow::{Context, Result, bail};
 use joint_pipeline::Scene;
+use joint_pipeline::results::trends;
 use joint_pipeline::scene::Gap;
-use joint_pipeline::trends;
 use plotters::prelude::SeriesLabelPosition;
 use reports::plot::{BLUE, Curve, Panel, RED, stack};
 

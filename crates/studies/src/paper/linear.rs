@@ -10,8 +10,8 @@ use brake_reuss_beam::published::{self, BOLT_STRAIN_TABLE, BoltStrainRow, FIRST_
 use contact_laws::ElasticPair;
 use contact_laws::adhesion::{critical_interference, hardness_coefficient};
 use joint_pipeline::Scene;
-use joint_pipeline::model::{LinearInterface, Structure};
-use joint_pipeline::scene::{Curves, Elastic, Gap};
+use joint_pipeline::scene::{ContactStiffness, Curves, Elastic, Force, Gap};
+use joint_pipeline::structure::{LinearInterface, Structure};
 use plotters::prelude::SeriesLabelPosition;
 use reports::plot::{BLUE, Curve, Panel, RED, stack};
 use surface_characterisation::ElementSurface;
@@ -168,8 +168,8 @@ fn table_3(inputs: &Inputs) -> Result<Plan<'_>> {
         let mut scene = inputs.scene(name);
         scene.mu = mu;
         scene.surface = given(vec![Curves::Elastic(Elastic {
-            normal_stiffness: PENALTY,
-            tangential_stiffness: [along; 2],
+            normal_stiffness: ContactStiffness::from_si(PENALTY),
+            tangential_stiffness: [ContactStiffness::from_si(along); 2],
         })]);
         scene
     };
@@ -268,7 +268,7 @@ fn table_4(inputs: &Inputs) -> Result<Plan<'_>> {
     let scene = |row: &BoltStrainRow, gap| {
         let microstrain = 1e6 * row.bolt_strain;
         let mut scene = inputs.prestress(&format!("bolt strain {microstrain:.0} um/m"), gap);
-        scene.bolts.load = published::bolt_load(row.bolt_strain);
+        scene.bolts.load = Force::from_si(published::bolt_load(row.bolt_strain));
         scene
     };
     let rows = BOLT_STRAIN_TABLE.iter();

@@ -7,11 +7,11 @@ use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, per_element};
 use crate::elements::Representatives;
 use anyhow::{Result, bail};
 use brake_reuss_beam::published;
+use joint_pipeline::results::trends::power_law;
 use joint_pipeline::scene::Gap;
-use joint_pipeline::trends::power_law;
 use plotters::prelude::SeriesLabelPosition;
 use reports::map::{Map, several};
-use reports::plot::{BLUE, Curve, Panel, RED, RESPONSE, stack};
+use reports::plot::{BLUE, Curve, Panel, RED, stack};
 use zte_assembly::InterfaceMesh;
 
 pub(super) const FIG_17: Entry = Entry {
@@ -325,7 +325,7 @@ fn fig_21(inputs: &Inputs) -> Result<Plan<'_>> {
             let runs = results.all()?;
             let cases = [("topography", "fig21-flux"), ("flat", "fig22-flux")];
             let mut figures = Vec::new();
-            let mut pictures = vec![backbones(&runs)?];
+            let mut pictures = vec![backbones(inputs, &runs)?];
             let mut found = Vec::new();
             for ((case, name), run) in cases.into_iter().zip(&runs) {
                 let mut maps = Vec::new();
@@ -474,7 +474,7 @@ fn near_ends_area(mesh: &InterfaceMesh) -> f64 {
     near.map(|(area, _)| area).sum::<f64>() / areas.iter().sum::<f64>()
 }
 
-fn backbones(runs: &[&Record]) -> Result<Picture> {
+fn backbones(inputs: &Inputs, runs: &[&Record]) -> Result<Picture> {
     let curves = |of: fn(&Point) -> Option<f64>, named: bool| -> Vec<Curve> {
         let cases = [("topography", BLUE, None), ("flat", RED, Some((9, 5)))];
         let mut curves: Vec<Curve> = cases
@@ -514,7 +514,7 @@ fn backbones(runs: &[&Record]) -> Result<Picture> {
     Ok(Picture {
         name: "fig21",
         svg: stack(
-            &format!("{RESPONSE} [m]"),
+            &inputs.amplitude_axis(),
             true,
             vec![
                 panel(

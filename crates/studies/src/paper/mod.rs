@@ -10,12 +10,14 @@ mod surface;
 
 use crate::Display;
 use anyhow::{Context, Result, anyhow, bail};
+use brake_reuss_beam::BrakeReussBenchmark;
 use joint_pipeline::Scene;
-use joint_pipeline::model::Structure;
+use joint_pipeline::interface::ScannedSurface;
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Gap, LawKind, RefinementName, Surface, SyntheticScan};
-use joint_pipeline::surface::ScannedSurface;
+use joint_pipeline::scene::{Gap, LawKind, Length, RefinementLevel, Surface, SyntheticScan};
+use joint_pipeline::structure::Structure;
 use reports::Output;
+use reports::plot::amplitude_label;
 use runs::{Record, RunResult};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -189,6 +191,8 @@ impl Computed {
 pub(crate) struct Inputs {
     quick: bool,
     cache: Option<PathBuf>,
+    /// The scene that all others are made from.
+    scene: Scene,
     pub(crate) structure: Structure,
     pub(crate) mesh: InterfaceMesh,
     scan: OnceLock<Result<ScannedSurface, String>>,
@@ -201,13 +205,16 @@ pub(crate) fn synthetic() -> SyntheticScan {
 
 impl Inputs {
     fn try_new(quick: bool, cache: Option<PathBuf>) -> Result<Self> {
-        let mut scene = Scene::new("paper");
-        refine(&mut scene, quick);
-        let structure = Structure::try_new(&scene.model, scene.bolts.behaviour, &Silent)?;
+        let mut scene = Scene::of(&BrakeReussBenchmark, "paper")?;
+        if quick {
+            scene.model.refinement = RefinementLevel::Quick;
+        }
+        let structure = Structure::try_new(&scene, &Silent)?;
         Ok(Self {
             quick,
             cache,
             mesh: structure.interface().clone(),
+            scene,
             structure,
             scan: OnceLock::new(),
         })
@@ -215,8 +222,8 @@ impl Inputs {
 
     /// A scene of prestress and linearised modes alone, with measured statistics and no gap.
     pub(crate) fn scene(&self, name: &str) -> Scene {
-        let mut scene = Scene::new(name);
-        refine(&mut scene, self.quick);
+        let mut scene = self.scene.clone();
+        scene.name = name.into();
         scene.cqsma.amplitudes = 0;
         scene
     }
@@ -226,8 +233,8 @@ impl Inputs {
         let mut scene = self.scene(name);
         scene.cqsma.amplitudes = if self.quick { amplitudes.min(6) } else { amplitudes };
         scene.cqsma.vertices_per_quarter = if self.quick { 4 } else { 8 };
-        scene.cqsma.amplitude_from = from;
-        scene.cqsma.amplitude_to = to;
+        scene.cqsma.amplitude_from = Length::from_si(from);
+        scene.cqsma.amplitude_to = Length::from_si(to);
         scene.output.fields_at = Some(Vec::new());
         scene
     }
@@ -239,6 +246,11 @@ impl Inputs {
         scene.mu = 0.6;
         scene.points_per_direction = 5;
         scene
+    }
+
+    /// Title of an axis of amplitudes.
+    pub(crate) fn amplitude_axis(&self) -> String {
+        format!("{} [m]", amplitude_label(&self.structure.joint.response))
     }
 
     /// What an entry made of its own inputs and the structure in an earlier run, or makes now.
@@ -269,15 +281,9 @@ impl Inputs {
     /// # Errors
     /// Of the generator and the characterisation.
     pub(crate) fn scanned(&self, scan: SyntheticScan) -> Result<ScannedSurface> {
-        let mut scene = Scene::new("");
+        let mut scene = self.scene("");
         scene.surface = Surface::SyntheticScan(scan);
         Ok(ScannedSurface::try_new(&scene, &self.mesh)?)
-    }
-}
-
-fn refine(scene: &mut Scene, quick: bool) {
-    if quick {
-        scene.model.refinement = RefinementName::Quick;
     }
 }
 
@@ -553,7 +559,8 @@ mod tests {
     /// A scene that cannot run fails its own entry and no other.
     #[test]
     fn results_name_the_scene_that_failed() {
-        let scenes = [Scene::new("good"), Scene::new("bad")];
+        let scenes =
+            ["good", "bad"].map(|name| Scene::of(&BrakeReussBenchmark, name).expect("the benchmark has all defaults"));
         let record: RunResult = Ok(Arc::new(Record {
             seconds: 2.0,
             frequencies: vec![168.0],

@@ -3,10 +3,10 @@
 use crate::progress::{Batch, Display, Task};
 use anyhow::{Context, Result};
 use contact_laws::Regime;
-use joint_pipeline::model::Structure;
+use joint_pipeline::analysis::{Fields, Prepared};
 use joint_pipeline::progress::Progress;
-use joint_pipeline::run::{Fields, Prepared};
-use joint_pipeline::summary::Summary;
+use joint_pipeline::results::summary::Summary;
+use joint_pipeline::structure::Structure;
 use joint_pipeline::{Options, Run, Scene};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -94,7 +94,7 @@ impl Record {
             .filter(|(regime, _)| **regime == Regime::Slip)
             .map(|(_, weight)| weight);
         let summary = Summary::new(run, BTreeMap::new(), None);
-        let backbone = summary.backbone.iter().zip(&run.amplitudes).enumerate();
+        let backbone = summary.backbone.iter().zip(run.amplitudes()).enumerate();
         let backbone = backbone.filter_map(|(index, (point, amplitude))| {
             let fields = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref());
             Some(Point {
@@ -115,7 +115,7 @@ impl Record {
                 .filter_map(|p| Some((p.response_displacement?, p.frequency_hz?, p.damping_ratio)));
             ((*name).to_owned(), converged.collect())
         });
-        let validity = &run.validity;
+        let validity = run.validity();
         Self {
             seconds,
             frequencies: run.frequencies.clone(),
@@ -246,7 +246,7 @@ pub(crate) fn run_all(scenes: &[Scene], cache: Option<&Path>, display: &dyn Disp
     let pending: Vec<usize> = (0..scenes.len()).filter(|&i| results[i].is_none()).collect();
     for &index in &pending {
         let scene = &scenes[index];
-        let structure = serde_json::to_string(&(&scene.model, scene.bolts.behaviour))?;
+        let structure = serde_json::to_string(&(&scene.structure, &scene.model, scene.bolts.behaviour))?;
         match structures.iter_mut().find(|(known, _)| *known == structure) {
             Some((_, members)) => members.push(index),
             None => structures.push((structure, vec![index])),
@@ -279,7 +279,7 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
     };
     let silent = batch.task(0.0);
     let began = Instant::now();
-    let reduced = Structure::try_new(&scenes[first].model, scenes[first].bolts.behaviour, &silent)
+    let reduced = Structure::try_new(&scenes[first], &silent)
         .and_then(|structure| structure.reduce(cache, &silent).map(|model| (structure, model)));
     let (structure, model) = match reduced {
         Ok(found) => found,
@@ -334,10 +334,14 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brake_reuss_beam::BrakeReussBenchmark;
 
     #[test]
     fn equal_scenes_run_once_whatever_their_names() {
-        let scene = |name: &str, mu: f64| Scene { mu, ..Scene::new(name) };
+        let scene = |name: &str, mu: f64| Scene {
+            mu,
+            ..Scene::of(&BrakeReussBenchmark, name).expect("the benchmark has all defaults")
+        };
         let given = [scene("a", 0.2), scene("b", 0.3), scene("c", 0.2), scene("b", 0.4)];
         let (different, of) = unique(&given).expect("scenes are encodable");
         assert_eq!(of, [0, 1, 0, 2]);

@@ -4,13 +4,13 @@ use crate::elements::{Representatives, given};
 use anyhow::Result;
 use contact_laws::{HistoryRule, TangentialReading};
 use joint_pipeline::Scene;
-use joint_pipeline::accuracy::RUNGS;
-use joint_pipeline::model::Structure;
+use joint_pipeline::interface::ScannedSurface;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{
-    CommitName, Curves, FormulationName, Gap, Law, LawKind, Method, RefinementName, Surface, Symmetry, SyntheticScan,
+    Commit, Curves, Formulation, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RefinementLevel, Surface,
+    Symmetry, SyntheticScan,
 };
-use joint_pipeline::surface::ScannedSurface;
+use joint_pipeline::structure::Structure;
 
 /// Response amplitudes at which rungs are compared (m): at the onset of slip, in microslip, near macroslip.
 pub(crate) const AMPLITUDES: [f64; 3] = [5e-5, 2e-4, 6e-4];
@@ -111,13 +111,13 @@ fn named<T: Copy>(base: &Scene, values: &[(&str, T)], set: fn(&mut Scene, T)) ->
 
 /// Fits the amplitudes of a scene to the comparison.
 pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
-    scene.cqsma.amplitude_from = 2e-5;
-    scene.cqsma.amplitude_to = 1.2e-3;
+    scene.cqsma.amplitude_from = Length::from_si(2e-5);
+    scene.cqsma.amplitude_to = Length::from_si(1.2e-3);
     scene.cqsma.amplitudes = 10;
     scene.output.fields_at = Some(Vec::new());
     scene.methods.clear();
     if quick {
-        scene.model.refinement = RefinementName::Quick;
+        scene.model.refinement = RefinementLevel::Quick;
     }
     scene
 }
@@ -135,11 +135,11 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         share: Share::Error,
     };
     let mut meshes = vec![
-        ("quick", RefinementName::Quick),
-        ("coarse", RefinementName::Coarse),
-        ("default", RefinementName::Default),
-        ("fine", RefinementName::Fine),
-        ("finest", RefinementName::Finest),
+        ("quick", RefinementLevel::Quick),
+        ("coarse", RefinementLevel::Coarse),
+        ("default", RefinementLevel::Default),
+        ("fine", RefinementLevel::Fine),
+        ("finest", RefinementLevel::Finest),
     ];
     meshes.truncate(if quick { 3 } else { 5 });
     let finest = meshes[meshes.len() - 1];
@@ -147,10 +147,10 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
     let mut formulations = named(
         base,
         &[
-            ("reduced", FormulationName::Reduced),
-            ("full", FormulationName::Full),
-            ("b-bar", FormulationName::BBar),
-            ("incompatible-modes", FormulationName::IncompatibleModes),
+            ("reduced", Formulation::Reduced),
+            ("full", Formulation::Full),
+            ("b-bar", Formulation::BBar),
+            ("incompatible-modes", Formulation::IncompatibleModes),
         ],
         |scene, formulation| scene.model.formulation = Some(formulation),
     );
@@ -207,13 +207,13 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
                 named(
                     base,
                     &[
-                        ("at reversals, 8", (CommitName::AtReversals, 8)),
-                        ("at every vertex, 8", (CommitName::AtEveryVertex, 8)),
-                        ("at every vertex, 32", (CommitName::AtEveryVertex, 32)),
+                        ("at reversals, 8", (Commit::AtReversals, 8)),
+                        ("at every vertex, 8", (Commit::AtEveryVertex, 8)),
+                        ("at every vertex, 32", (Commit::AtEveryVertex, 32)),
                     ],
                     |scene, (commit, vertices)| {
                         scene.cqsma.commit = commit;
-                        if commit == CommitName::AtEveryVertex {
+                        if commit == Commit::AtEveryVertex {
                             // The interface creeps for dozens of cycles, by less than what is measured here.
                             scene.cqsma.cycles = Some(4);
                         }
@@ -352,7 +352,7 @@ fn readings(base: &Scene) -> Vec<Rung> {
 
 /// The fitted law of one element everywhere.
 fn uniform(scan: &Scene) -> Result<Rung> {
-    let structure = Structure::try_new(&scan.model, scan.bolts.behaviour, &Silent)?;
+    let structure = Structure::try_new(scan, &Silent)?;
     let surface = ScannedSurface::try_new(scan, structure.interface())?;
     let median = Representatives::try_new(&surface.found.elements)?.median;
     let mut scene = scan.clone();
@@ -386,19 +386,19 @@ fn bootstrap(scan: &Scene) -> Vec<Rung> {
 
 /// The sets that scenes can ask for, against the finest mesh with the other settings of the finest set.
 fn sets(base: &Scene) -> Vec<Rung> {
-    let scene = |rung: &joint_pipeline::accuracy::Rung, refinement| {
+    let scene = |preset: &Preset, refinement| {
         let mut scene = base.clone();
         scene.model.refinement = refinement;
-        scene.model.modes = Some(rung.modes);
-        scene.points_per_direction = rung.points_per_direction;
-        scene.cqsma.vertices_per_quarter = rung.vertices_per_quarter;
-        scene.cqsma.tolerance = rung.tolerance;
+        scene.model.modes = Some(preset.modes);
+        scene.points_per_direction = preset.points_per_direction;
+        scene.cqsma.vertices_per_quarter = preset.vertices_per_quarter;
+        scene.cqsma.tolerance = preset.tolerance;
         scene
     };
-    let sets = RUNGS
+    let sets = PRESETS
         .iter()
-        .map(|rung| Rung::new(rung.name, scene(rung, rung.refinement)));
-    let [.., finest] = &RUNGS;
-    let beyond = Rung::new("reference, finest mesh", scene(finest, RefinementName::Finest));
+        .map(|preset| Rung::new(preset.name, scene(preset, preset.refinement)));
+    let [.., finest] = &PRESETS;
+    let beyond = Rung::new("reference, finest mesh", scene(finest, RefinementLevel::Finest));
     sets.chain([beyond]).collect()
 }

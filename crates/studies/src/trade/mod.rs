@@ -9,8 +9,9 @@ mod page;
 use anyhow::{Context, Result, anyhow, bail};
 use dials::{AMPLITUDES, Dial, Rung, Share, Source};
 use joint_pipeline::Scene;
-use joint_pipeline::accuracy::{Extrapolation, RUNGS, extrapolate};
-use joint_pipeline::comparison::{Backbone, Point};
+use joint_pipeline::analysis::comparison::{Backbone, Point};
+use joint_pipeline::results::trends::{Extrapolation, extrapolate};
+use joint_pipeline::scene::PRESETS;
 use reports::Output;
 use reports::run::SUMMARY;
 use serde_json::{Map, Value, json};
@@ -281,7 +282,7 @@ impl<'a> Bench<'a> {
     }
 
     fn measured(&self, rung: &Rung, summary: &Value) -> Result<Measured> {
-        let mode = rung.scene.cqsma.mode - 1;
+        let mode = rung.scene.cqsma.followed()[0] - 1;
         let number = |value: &Value, what: &str| value.as_f64().with_context(|| format!("the summary has no {what}"));
         let linear = number(&summary["modes"][mode]["frequency_hz"], "linearised frequency")?;
         let name = match rung.source {
@@ -481,7 +482,7 @@ fn limits(dial: &Dial, measured: &[Result<Measured, String>]) -> Vec<Limit> {
 fn exceeded(ladders: &[Ladder]) -> Vec<(&'static str, String)> {
     let mut found = Vec::new();
     for ladder in ladders.iter().filter(|ladder| ladder.dial.name == "accuracy") {
-        for (rung, outcome) in RUNGS.iter().zip(&ladder.outcomes) {
+        for (rung, outcome) in PRESETS.iter().zip(&ladder.outcomes) {
             let Some(errors) = &outcome.errors else { continue };
             let (frequency, damping) = (errors.frequency(), errors.damping().unwrap_or(f64::INFINITY));
             if frequency > rung.frequency_error || damping > rung.damping_error {

@@ -7,6 +7,11 @@ use nalgebra::{SMatrix, Vector3};
 
 /// How the strain of a hexahedron is formed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Formulation {
     /// Incompatible modes (`C3D8I`): bends without shear locking. The three bending modes of Taylor, Beresford and
     /// Wilson (1976, DOI 10.1002/nme.1620100602) join the trilinear field; their gradients are taken with the Jacobian

@@ -127,7 +127,11 @@ impl fmt::Display for Format {
 
 /// A unit, and who stated it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Declaration {
     /// The file, or its format.
     File(LengthUnit),

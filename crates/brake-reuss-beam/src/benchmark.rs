@@ -1,0 +1,132 @@
+//! The beam as a benchmark that scenes can name.
+
+use crate::geometry::Geometry;
+use crate::mesh::{Refinement, build};
+use crate::published;
+use joint_pipeline::joint::benchmark::{
+    Benchmark, BenchmarkError, Bounds, MeasuredSurface, MeshSettings, RefinementLevel, Symmetry,
+};
+use joint_pipeline::joint::{Bodies, Joint, MeshedBodies};
+use joint_pipeline::scene::{Density, Force, Stress, SurfaceEnergy};
+use serde_json::{Value, json};
+
+/// The Brake-Reuss beam of the method paper, as `{ "benchmark": "brake-reuss-beam" }` in scenes.
+#[derive(Clone, Copy, Debug)]
+pub struct BrakeReussBenchmark;
+
+/// Friction coefficient of the paper's reference simulations (-).
+const FRICTION_COEFFICIENT: f64 = 0.2;
+
+/// Mass of the block mesh with the paper's material (kg).
+const MESH_MASS: f64 = 3.70;
+
+impl Benchmark for BrakeReussBenchmark {
+    fn name(&self) -> &'static str {
+        "brake-reuss-beam"
+    }
+
+    fn short_name(&self) -> &'static str {
+        "brb"
+    }
+
+    fn title(&self) -> &'static str {
+        "Brake-Reuss beam"
+    }
+
+    fn defaults(&self) -> Value {
+        let steel = published::steel();
+        let figures = published::ADHESION;
+        json!({
+            "model": { "material": {
+                "youngs_modulus": Stress::from_si(steel.youngs_modulus).text(),
+                "poisson_ratio": steel.poisson_ratio,
+                "density": Density::from_si(steel.density).text(),
+                "hardness": Stress::from_si(figures.hardness).text(),
+                "work_of_adhesion": SurfaceEnergy::from_si(figures.work_of_adhesion).text(),
+            } },
+            "bolts": { "load": Force::from_si(published::BOLT_LOAD).text() },
+            "mu": FRICTION_COEFFICIENT,
+            "surface": "measured",
+        })
+    }
+
+    fn scenes(&self) -> &'static [(&'static str, &'static str)] {
+        &[
+            ("brb-flat", include_str!("../scenes/brb-flat.json")),
+            ("brb-topography", include_str!("../scenes/brb-topography.json")),
+            ("brb-synthetic-scan", include_str!("../scenes/brb-synthetic-scan.json")),
+            ("brb-quick", include_str!("../scenes/brb-quick.json")),
+            ("brb-deck", include_str!("../scenes/brb-deck.json")),
+        ]
+    }
+
+    fn joint(&self, mesh: &MeshSettings) -> Result<Joint, BenchmarkError> {
+        let mut refinement = match mesh.refinement {
+            RefinementLevel::Quick => Refinement::quick(),
+            RefinementLevel::Coarse => Refinement::coarse(),
+            RefinementLevel::Default => Refinement::default(),
+            RefinementLevel::Fine => Refinement::fine(),
+            RefinementLevel::Finest => Refinement::finest(),
+        };
+        if let Some(layers) = mesh.arm_layers {
+            refinement.arm_layers = layers;
+        }
+        Ok(joint(&refinement, mesh)?)
+    }
+
+    fn surface(&self) -> Option<MeasuredSurface> {
+        Some(MeasuredSurface {
+            gap_quantiles: &published::ASPERITY_GAP_QUANTILES,
+            asperities_per_area: published::ASPERITIES_PER_AREA,
+            effective_radius: published::EFFECTIVE_RADIUS,
+            gap: |[x, y]| published::mesoscale_gap(x, y),
+        })
+    }
+
+    fn is_void(&self, [x, y]: [f64; 2]) -> bool {
+        let geometry = Geometry::default();
+        let radius = 0.5 * geometry.hole_diameter;
+        geometry
+            .hole_positions()
+            .iter()
+            .any(|hole| (x - hole).hypot(y) < radius)
+    }
+
+    fn bounds(&self) -> Bounds {
+        let geometry = Geometry::default();
+        let holes = geometry.hole_positions().len() as f64;
+        let hole = 0.25 * std::f64::consts::PI * geometry.hole_diameter * geometry.hole_diameter;
+        Bounds {
+            mass: MESH_MASS,
+            density: published::steel().density,
+            interface_area: geometry.lap_length * geometry.width - holes * hole,
+            zero_energy_modes: [6, 7],
+        }
+    }
+}
+
+/// The beam, or its half `y >= 0`, with a refinement of one's own; that of `mesh` is without effect.
+///
+/// # Errors
+/// Those of the mesher.
+pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Joint> {
+    let geometry = Geometry::default();
+    let mut beam = build(&geometry, refinement, &mesh.material, 1.0)?;
+    if mesh.symmetry == Symmetry::Half {
+        beam = beam.half()?;
+    }
+    beam.assembly.mesh.set_formulation(mesh.hexahedra);
+    Ok(Joint {
+        bodies: Bodies::Meshed(MeshedBodies {
+            assembly: beam.assembly,
+            top_nodes: beam.top_nodes,
+            bottom_nodes: beam.bottom_nodes,
+            response_node: beam.response_node,
+            response_direction: beam.response_direction,
+        }),
+        interface: beam.interface,
+        frame: beam.frame,
+        clearance: Some(0.5 * (geometry.hole_diameter - geometry.shank_diameter)),
+        response: "the beam's end, edge middle, in bending direction".into(),
+    })
+}

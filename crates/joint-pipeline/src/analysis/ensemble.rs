@@ -1,0 +1,308 @@
+//! Backbones of bootstrap realisations: how sure a backbone is, given the samples that its laws were measured from.
+//!
+//! Realisation `k` draws the heights of every element anew ([`surface_characterisation::realisation`]) and goes through
+//! prestress, modes and loops on the same reduced structure. Everything in it depends on the seed and `k` alone, so
+//! neither the number of threads nor an interruption changes a bit.
+
+use super::outcome::{AmplitudeResult, Analysis};
+use crate::Error;
+use crate::progress::{Progress, Stage};
+use crate::scene::Scene;
+use crate::store::checkpoint::Checkpoint;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Percentiles that are given.
+pub const PERCENTILES: [f64; 3] = [5.0, 50.0, 95.0];
+
+/// An amplitude of a realisation, where its loop converged.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MemberPoint {
+    /// Displacement amplitude at the response point (m).
+    pub response_displacement: f64,
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Total damping ratio, friction plus background; none below its floor.
+    pub damping_ratio: Option<f64>,
+}
+
+/// A realisation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Member {
+    /// Its number, from 0.
+    pub realisation: usize,
+    /// The amplitudes that converged, ascending.
+    pub points: Vec<MemberPoint>,
+    /// Amplitudes that did not.
+    pub not_converged: usize,
+    /// Why it has no backbone at all, if so.
+    pub failure: Option<String>,
+}
+
+/// Percentiles over the realisations at one amplitude.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BandPoint {
+    /// Displacement amplitude at the response point (m).
+    pub response_displacement: f64,
+    /// Realisations that reach it.
+    pub realisations: usize,
+    /// 5, 50 and 95 % of the frequency (Hz).
+    pub frequency_hz: [f64; 3],
+    /// 5, 50 and 95 % of the total damping ratio; none where the percentile lies among dampings below their floor.
+    pub damping_ratio: [Option<f64>; 3],
+}
+
+/// An ensemble of backbones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ensemble {
+    /// Realisations.
+    pub realisations: usize,
+    /// How many of them have no backbone.
+    pub failed: usize,
+    /// Percentiles at the measured backbone's amplitudes, as far as all realisations with a backbone reach.
+    pub bands: Vec<BandPoint>,
+    /// The realisations themselves.
+    pub members: Vec<Member>,
+}
+
+/// Runs the realisations that `checkpoint` does not hold.
+pub(crate) fn members(
+    scene: &Scene,
+    realisations: usize,
+    checkpoint: Checkpoint<Member>,
+    progress: &dyn Progress,
+    analyse: impl Fn(usize, &dyn Progress) -> Result<Analysis, Error> + Sync,
+) -> Result<Vec<Member>, Error> {
+    let pending: Vec<usize> = (0..realisations).filter(|k| !checkpoint.holds(*k)).collect();
+    let found = realisations - pending.len();
+    if found > 0 {
+        progress.note(&format!(
+            "{found} of {realisations} realisations were taken from an interrupted run"
+        ));
+    }
+    let loops = scene.cqsma.amplitudes.max(1);
+    let inner = Within {
+        progress,
+        finished: AtomicUsize::new(found * loops),
+        all: realisations * loops,
+    };
+    let member = |&k: &usize| {
+        let member = match analyse(k, &inner) {
+            Ok(analysis) => Member::new(k, &analysis.modes[0].amplitudes, scene.background_damping),
+            Err(Error::Solver(cqsma_solver::Error::Interrupted)) => {
+                return Err(Error::Solver(cqsma_solver::Error::Interrupted));
+            }
+            Err(error) => Member {
+                realisation: k,
+                points: Vec::new(),
+                not_converged: 0,
+                failure: Some(error.to_string()),
+            },
+        };
+        checkpoint.add(k, &member);
+        Ok((k, member))
+    };
+    let mut fresh = Vec::with_capacity(pending.len());
+    // As many at a time as there are threads: a thread that waits for the loops of one may begin another, and so on without
+    // end.
+    for some in pending.chunks(rayon::current_num_threads().max(1)) {
+        fresh.extend(some.par_iter().map(member).collect::<Result<Vec<_>, Error>>()?);
+    }
+    let mut done = checkpoint.complete();
+    done.extend(fresh);
+    Ok(done.into_values().take(realisations).collect())
+}
+
+/// Shows the loops of all realisations as the progress of one stage.
+struct Within<'a> {
+    progress: &'a dyn Progress,
+    finished: AtomicUsize,
+    all: usize,
+}
+
+impl Progress for Within<'_> {
+    fn fraction(&self, stage: Stage, _: f64) {
+        if stage == Stage::Backbone {
+            let done = self.finished.fetch_add(1, Ordering::Relaxed) + 1;
+            self.progress.fraction(Stage::Ensemble, done as f64 / self.all as f64);
+        }
+    }
+
+    fn interrupted(&self) -> bool {
+        self.progress.interrupted()
+    }
+}
+
+impl Member {
+    pub(crate) fn new(realisation: usize, amplitudes: &[AmplitudeResult], background: f64) -> Self {
+        let points: Vec<MemberPoint> = amplitudes
+            .iter()
+            .filter_map(|a| {
+                let result = a.point.result.as_ref().ok()?;
+                Some(MemberPoint {
+                    response_displacement: a.response_displacement?,
+                    frequency_hz: result.omega / (2.0 * std::f64::consts::PI),
+                    damping_ratio: result.is_resolved().then_some(result.zeta + background),
+                })
+            })
+            .collect();
+        Self {
+            realisation,
+            not_converged: amplitudes.len() - points.len(),
+            points,
+            failure: None,
+        }
+    }
+
+    /// Frequency and damping at an amplitude between the first and the last one, linear in the logarithm of the amplitude;
+    /// damping below the floor is below every other.
+    pub(crate) fn at(&self, amplitude: f64) -> Option<[f64; 2]> {
+        let [first, .., last] = self.points.as_slice() else {
+            return None;
+        };
+        if !(first.response_displacement..=last.response_displacement).contains(&amplitude) {
+            return None;
+        }
+        let above = self.points.partition_point(|p| p.response_displacement < amplitude);
+        let [a, b] = [&self.points[above.saturating_sub(1)], &self.points[above]];
+        let span = (b.response_displacement / a.response_displacement).ln();
+        let part = if span > 0.0 {
+            (amplitude / a.response_displacement).ln() / span
+        } else {
+            0.0
+        };
+        let between = |a: f64, b: f64| a + part * (b - a);
+        let damping = match [a.damping_ratio, b.damping_ratio] {
+            [Some(a), Some(b)] => between(a, b),
+            // On a point its neighbour has no say.
+            [Some(a), None] if part == 0.0 => a,
+            [None, Some(b)] if part == 1.0 => b,
+            _ => f64::NEG_INFINITY,
+        };
+        Some([between(a.frequency_hz, b.frequency_hz), damping])
+    }
+}
+
+impl Ensemble {
+    /// Bands over `members` at the amplitudes of the measured backbone.
+    pub(crate) fn new(members: Vec<Member>, measured: &[AmplitudeResult]) -> Self {
+        let measured = measured.iter().filter_map(|a| a.response_displacement);
+        Self {
+            realisations: members.len(),
+            failed: members.iter().filter(|m| m.points.is_empty()).count(),
+            bands: bands(&members, measured),
+            members,
+        }
+    }
+}
+
+/// Percentiles at `amplitudes`; those beyond what all members reach are moved there, once.
+fn bands(members: &[Member], amplitudes: impl Iterator<Item = f64>) -> Vec<BandPoint> {
+    let ends = members.iter().filter_map(|m| {
+        let [first, .., last] = m.points.as_slice() else {
+            return None;
+        };
+        Some([first.response_displacement, last.response_displacement])
+    });
+    let [from, to] = ends.fold([0.0, f64::INFINITY], |[low, high]: [f64; 2], [first, last]| {
+        [low.max(first), high.min(last)]
+    });
+    if !(from < to && to.is_finite()) {
+        return Vec::new();
+    }
+    let mut common: Vec<f64> = amplitudes.map(|x| x.clamp(from, to)).collect();
+    common.sort_by(f64::total_cmp);
+    common.dedup();
+    let band = |amplitude| {
+        let values: Vec<[f64; 2]> = members.iter().filter_map(|m| m.at(amplitude)).collect();
+        let of = |which: usize| {
+            let mut sorted: Vec<f64> = values.iter().map(|v| v[which]).collect();
+            sorted.sort_by(f64::total_cmp);
+            PERCENTILES.map(|p| percentile(&sorted, p / 100.0))
+        };
+        BandPoint {
+            response_displacement: amplitude,
+            realisations: values.len(),
+            frequency_hz: of(0),
+            damping_ratio: of(1).map(|v| v.is_finite().then_some(v)),
+        }
+    };
+    common.into_iter().map(band).collect()
+}
+
+/// Percentile of sorted values with linear interpolation between order statistics.
+fn percentile(sorted: &[f64], p: f64) -> f64 {
+    let position = p * (sorted.len() - 1) as f64;
+    let below = position.floor() as usize;
+    let part = position - below as f64;
+    match sorted.get(below + 1) {
+        Some(above) if part > 0.0 => sorted[below] + part * (above - sorted[below]),
+        _ => sorted[below],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A member with the frequencies `f - ln x` and the dampings given.
+    fn member(realisation: usize, f: f64, amplitudes: [f64; 3], damping: [Option<f64>; 3]) -> Member {
+        let points = amplitudes
+            .into_iter()
+            .zip(damping)
+            .map(|(x, damping_ratio)| MemberPoint {
+                response_displacement: x,
+                frequency_hz: f - x.ln(),
+                damping_ratio,
+            });
+        Member {
+            realisation,
+            points: points.collect(),
+            not_converged: 0,
+            failure: None,
+        }
+    }
+
+    #[test]
+    fn bands_are_percentiles_on_common_amplitudes() {
+        let all = [Some(1e-4), Some(2e-4), Some(4e-4)];
+        // 21 members: 5, 50 and 95 % are the 2nd, the 11th and the 20th.
+        let mut members: Vec<Member> = (0..21)
+            .map(|k| member(k, 100.0 + k as f64, [1e-6, 1e-5, 1e-4], all))
+            .collect();
+        let found = bands(&members, [1e-6, 3e-5, 1e-4].into_iter());
+        for band in &found {
+            let shift = band.response_displacement.ln();
+            for (f, expected) in band.frequency_hz.iter().zip([101.0, 110.0, 119.0]) {
+                assert!((f + shift - expected).abs() < 1e-9, "{band:?}");
+            }
+        }
+        let halfway = 2e-4 + 2e-4 * 3f64.log10();
+        assert!((found[1].damping_ratio[1].unwrap() - halfway).abs() < 1e-12);
+        // A member that reaches less far moves the ends; one that failed does not.
+        members.push(member(21, 110.0, [2e-6, 1e-5, 9e-5], all));
+        members.push(Member {
+            points: Vec::new(),
+            failure: Some("why".into()),
+            ..member(22, 0.0, [1.0; 3], all)
+        });
+        let found = bands(&members, [1e-6, 1.5e-6, 3e-5, 1e-4].into_iter());
+        let at: Vec<f64> = found.iter().map(|b| b.response_displacement).collect();
+        assert_eq!(at, [2e-6, 3e-5, 9e-5]);
+        assert!(found.iter().all(|b| b.realisations == 22));
+        assert!(bands(&[], [1e-6].into_iter()).is_empty());
+    }
+
+    #[test]
+    fn damping_below_its_floor_is_below_every_other() {
+        let low = [None, Some(2e-4), Some(4e-4)];
+        let all = [Some(1e-4), Some(2e-4), Some(4e-4)];
+        let members: Vec<Member> = (0..21)
+            .map(|k| member(k, 100.0, [1e-6, 1e-5, 1e-4], if k < 5 { low } else { all }))
+            .collect();
+        let found = bands(&members, [1e-6, 1e-5].into_iter());
+        assert_eq!(found[0].damping_ratio, [None, Some(1e-4), Some(1e-4)]);
+        assert_eq!(found[1].damping_ratio, [Some(2e-4); 3]);
+    }
+}

@@ -1,0 +1,17 @@
+//! From a prepared scene to its results: prestress, backbones, other methods, ensembles, motion in time.
+
+mod backbone;
+pub mod comparison;
+pub mod ensemble;
+pub mod error_estimate;
+pub mod methods;
+mod observer;
+mod outcome;
+mod prestress;
+pub mod registration;
+mod run;
+pub mod transient;
+pub mod validity;
+
+pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};
+pub use run::{ModeBackbone, Options, Prepared, Run, prepare, run, run_ensemble};

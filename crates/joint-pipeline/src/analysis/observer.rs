@@ -1,0 +1,125 @@
+//! Watches hysteresis loops at the quadrature points.
+
+use super::outcome::{Fields, LoopFields};
+use contact_laws::{Regime, Sticking};
+use cqsma_solver::{BackbonePoint, LoopObserver};
+use std::ops::ControlFlow;
+use zte_assembly::flux::LoopArea;
+use zte_assembly::{Interface, State, Workspace};
+
+/// Hears of a finished amplitude: its place in the backbone, the loop, and what it did at the interface.
+pub(super) type Finish<'a> = dyn Fn(usize, &BackbonePoint, Option<&LoopFields>) -> ControlFlow<()> + Sync + 'a;
+
+/// Watches one loop at the quadrature points.
+pub(super) struct Watcher<'a> {
+    interface: &'a Interface,
+    prestress: &'a Fields,
+    index: usize,
+    store: bool,
+    finish: &'a Finish<'a>,
+    area: LoopArea,
+    workspace: Workspace,
+    end: Option<State>,
+    force: Vec<f64>,
+    peak: f64,
+    slip_fraction: f64,
+    open_fraction: f64,
+    largest_sliding: f64,
+    /// The workspace at the positive peak, if it is to be stored.
+    at_peak: Option<Workspace>,
+    /// What came of the loop, when it is done and has converged.
+    pub(super) fields: Option<LoopFields>,
+}
+
+impl<'a> Watcher<'a> {
+    pub(super) fn new(
+        interface: &'a Interface,
+        prestress: &'a Fields,
+        index: usize,
+        store: bool,
+        finish: &'a Finish<'a>,
+    ) -> Self {
+        Self {
+            interface,
+            prestress,
+            index,
+            store,
+            finish,
+            area: LoopArea::new(interface.operators().n_points()),
+            workspace: interface.workspace(),
+            end: None,
+            force: vec![0.0; interface.n_dofs()],
+            peak: f64::NEG_INFINITY,
+            slip_fraction: 0.0,
+            open_fraction: 0.0,
+            largest_sliding: 0.0,
+            at_peak: None,
+            fields: None,
+        }
+    }
+
+    fn close(&mut self) -> LoopFields {
+        let flux = std::mem::replace(&mut self.area, LoopArea::new(0)).close();
+        let weights = &self.interface.operators().weights;
+        let dissipation = flux
+            .iter()
+            .map(|f| f.iter().zip(weights).map(|(f, w)| f * w).sum::<f64>())
+            .sum();
+        LoopFields {
+            slip_fraction: self.slip_fraction,
+            open_fraction: self.open_fraction,
+            dissipation,
+            largest_sliding: self.largest_sliding,
+            fields: self.at_peak.take().map(|peak| Fields {
+                jump: peak.jump,
+                traction: peak.traction,
+                regime: peak.regime,
+                flux,
+            }),
+        }
+    }
+}
+
+impl LoopObserver<State> for Watcher<'_> {
+    fn done(&mut self, point: &BackbonePoint) -> ControlFlow<()> {
+        self.fields = point.result.is_ok().then(|| self.close());
+        (self.finish)(self.index, point, self.fields.as_ref())
+    }
+
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &State) {
+        let end = self.end.get_or_insert_with(|| begin.clone());
+        let jump = &displacement[..self.interface.n_dofs()];
+        self.interface.evaluate(
+            jump,
+            Sticking::Coulomb,
+            begin,
+            end,
+            &mut self.workspace,
+            &mut self.force,
+            None,
+        );
+        self.area.add(&self.workspace);
+        for p in 0..self.workspace.regime.len() {
+            let slide = |c: usize| self.workspace.jump[c][p] - self.prestress.jump[c][p];
+            self.largest_sliding = self.largest_sliding.max(slide(0).hypot(slide(1)));
+        }
+        // The loop begins and ends at its positive peak; the end carries the regimes that led there.
+        if modal_force >= self.peak {
+            self.peak = modal_force;
+            let operators = self.interface.operators();
+            let fraction = |regime: Regime| {
+                let found = self
+                    .workspace
+                    .regime
+                    .iter()
+                    .zip(&operators.weights)
+                    .filter(|(r, _)| **r == regime);
+                found.fold(0.0, |sum, (_, w)| sum + w) / operators.area()
+            };
+            (self.slip_fraction, self.open_fraction) = (fraction(Regime::Slip), fraction(Regime::Open));
+            if self.store {
+                self.at_peak = Some(self.workspace.clone());
+            }
+        }
+    }
+}

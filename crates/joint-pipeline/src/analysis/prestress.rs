@@ -1,0 +1,113 @@
+//! The static state of a scene, and the structure linearised about it.
+
+use super::outcome::{Fields, PrestressResult};
+use crate::Error;
+use crate::interface::InterfaceForce;
+use crate::scene::{BoltBehaviour, Scene};
+use crate::structure::StructuralModel;
+use contact_laws::Sticking;
+use cqsma_solver::prestress::{self, Prestress};
+use cqsma_solver::{Linearisation, NewtonSettings, modes};
+use reduction::ReducedModel;
+use zte_assembly::State;
+
+/// The equilibrium of the interface and the static load (N), from the guess `start`; `bolts` is the sum of the bolt loads
+/// along the normal (N).
+///
+/// # Errors
+/// [`Error::Prestress`].
+pub(super) fn solve(
+    reduced: &ReducedModel,
+    force: &InterfaceForce<'_>,
+    static_load: &[f64],
+    start: &[f64],
+    bolts: f64,
+    newton: &NewtonSettings,
+) -> Result<PrestressResult, Error> {
+    let solution =
+        prestress::solve(reduced.stiffness.as_ref(), force, static_load, start, newton)?.map_err(|failure| {
+            Error::Prestress {
+                reason: failure.reason,
+                history: failure.history,
+            }
+        })?;
+    Ok(describe(reduced, force, solution, static_load, bolts))
+}
+
+/// Balance and fields of a static state.
+fn describe(
+    reduced: &ReducedModel,
+    force: &InterfaceForce<'_>,
+    solution: Prestress<State>,
+    static_load: &[f64],
+    bolts: f64,
+) -> PrestressResult {
+    let interface = force.interface();
+    let nd = interface.n_dofs();
+    let mut workspace = interface.workspace();
+    let mut end = solution.state.clone();
+    let mut contact = vec![0.0; nd];
+    let u = &solution.displacement;
+    let state = &solution.state;
+    interface.evaluate(
+        &u[..nd],
+        Sticking::Coulomb,
+        state,
+        &mut end,
+        &mut workspace,
+        &mut contact,
+        None,
+    );
+    let stiffness = &reduced.stiffness;
+    let (mut residual, mut loads) = (0.0, 0.0);
+    for i in 0..nd {
+        let elastic: f64 = stiffness.col(i).iter().zip(u).map(|(k, u)| k * u).sum();
+        residual += (elastic + contact[i] - static_load[i]).abs();
+        loads += static_load[i].abs();
+    }
+    let carried: f64 = contact.iter().skip(2).step_by(3).sum();
+    PrestressResult {
+        solution,
+        residual_ratio: residual / loads,
+        equilibrium_error: (carried / bolts - 1.0).abs(),
+        fields: Fields {
+            jump: workspace.jump,
+            traction: workspace.traction,
+            regime: workspace.regime,
+            flux: std::array::from_fn(|_| vec![0.0; interface.operators().n_points()]),
+        },
+    }
+}
+
+/// Modes of the structure that vibrates, with locked bolts if they are so, about a static state of the one that does not;
+/// the response is not negative on any of them.
+pub(crate) fn linearise<'a>(
+    scene: &Scene,
+    vibrating: &'a ReducedModel,
+    force: &InterfaceForce<'_>,
+    solution: &Prestress<State>,
+) -> Result<Linearisation<'a, State>, Error> {
+    let mut displacement = solution.displacement.clone();
+    if scene.bolts.behaviour == BoltBehaviour::Locked {
+        // The jump acts on the contact; the other coordinates of the locked structure count from the prestress.
+        displacement.truncate(vibrating.n_relative);
+        displacement.resize(vibrating.mass.nrows(), 0.0);
+    }
+    let (stiffness, mass) = (vibrating.stiffness.as_ref(), vibrating.mass.as_ref());
+    let state = solution.state.clone();
+    let mut line = modes::linearise(stiffness, mass, force, displacement, state, scene.cqsma.modes)?;
+    line.orient(&response(vibrating))?;
+    Ok(line)
+}
+
+/// Recovers the displacement at the response point.
+pub(crate) fn response(model: &ReducedModel) -> Vec<f64> {
+    model.recovery.row(0).iter().copied().collect()
+}
+
+/// Generalised force on a uniform closure of the interface at unit tension of all bolts.
+pub(super) fn closing(model: &StructuralModel) -> f64 {
+    let reduced = &model.reduced;
+    let of_one = |load: &Vec<f64>| load[2..reduced.n_relative].iter().step_by(3).sum::<f64>();
+    reduced.loads.iter().map(of_one).sum()
+}

@@ -1,0 +1,356 @@
+//! A scene, run from mesh to backbones.
+
+use super::backbone::{self, uniform};
+use super::ensemble::{self, Ensemble};
+use super::methods::MethodResult;
+use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
+use super::prestress::{self, closing, linearise, response};
+use super::validity::{self, Validity};
+use crate::Error;
+use crate::interface::{InterfaceForce, LawReport, SceneInterface};
+use crate::progress::{Progress, Stage};
+use crate::scene::{BoltBehaviour, Scene};
+use crate::store::checkpoint::Checkpoint;
+use crate::store::key::KeyBuilder;
+use crate::structure::{StructuralModel, Structure};
+use cqsma_solver::NewtonSettings;
+use std::path::PathBuf;
+use zte_assembly::{Interface, InterfaceMesh};
+
+/// What is not part of the scene.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Folder of cached reduced models, and of the finished amplitudes of interrupted runs; none: nothing is read or
+    /// stored.
+    pub cache: Option<PathBuf>,
+}
+
+/// A finished run.
+#[derive(Debug)]
+pub struct Run {
+    /// The scene, in SI.
+    pub scene: Scene,
+    /// The structure.
+    pub model: StructuralModel,
+    /// The interface mesh.
+    pub mesh: InterfaceMesh,
+    /// The interface with its law.
+    pub interface: Interface,
+    /// About the law.
+    pub law: LawReport,
+    /// Points whose gap was set from a negative value to zero.
+    pub clipped_gaps: usize,
+    /// Static state.
+    pub prestress: PrestressResult,
+    /// Linearised frequencies (Hz).
+    pub frequencies: Vec<f64>,
+    /// Backbones of the modes followed, in the scene's order; never empty.
+    pub backbones: Vec<ModeBackbone>,
+    /// Where and in which direction amplitudes are measured, in words.
+    pub response: String,
+}
+
+/// The backbone of one mode.
+#[derive(Clone, Debug)]
+pub struct ModeBackbone {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Amplitudes in ascending order.
+    pub amplitudes: Vec<AmplitudeResult>,
+    /// Results of the methods beside CQSMA, in the scene's order.
+    pub methods: Vec<MethodResult>,
+    /// Limits of the model.
+    pub validity: Validity,
+}
+
+impl Run {
+    /// The backbone of the first mode followed.
+    pub fn first(&self) -> &ModeBackbone {
+        &self.backbones[0]
+    }
+
+    /// Amplitudes of the first mode followed.
+    pub fn amplitudes(&self) -> &[AmplitudeResult] {
+        &self.first().amplitudes
+    }
+
+    /// Limits of the model for the first mode followed.
+    pub fn validity(&self) -> &Validity {
+        &self.first().validity
+    }
+}
+
+/// A scene with its structure reduced and its interface built: everything before the first nonlinear solve.
+#[derive(Debug)]
+pub struct Prepared {
+    scene: Scene,
+    cache: Option<PathBuf>,
+    clearance: Option<f64>,
+    response: String,
+    mesh: InterfaceMesh,
+    model: StructuralModel,
+    interface: SceneInterface,
+}
+
+/// Runs a scene.
+///
+/// # Errors
+/// Whatever makes the scene impossible to run. Amplitudes that do not converge are results, not errors.
+pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
+    prepare(scene, options, progress)?.solve(progress)
+}
+
+/// Runs a scene and an ensemble of `realisations` bootstrap realisations of its laws, see [`Prepared::solve_ensemble`].
+///
+/// # Errors
+/// As [`run`] and [`Prepared::solve_ensemble`].
+pub fn run_ensemble(
+    scene: &Scene,
+    realisations: usize,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<(Run, Ensemble), Error> {
+    if !scene.surface.is_scanned() {
+        return Err(Error::NoSamples);
+    }
+    prepare(scene, options, progress)?.solve_ensemble(realisations, progress)
+}
+
+/// Builds and reduces the structure, and turns the surface into laws.
+///
+/// # Errors
+/// Of the mesher, the finite elements, the reduction, the surface and the laws.
+pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Prepared, Error> {
+    scene.validate(&scene.name)?;
+    progress.begin(Stage::Mesh);
+    let structure = Structure::try_new(scene, progress)?;
+    progress.end(Stage::Mesh);
+    Prepared::try_new(scene, &structure, options, progress)
+}
+
+impl Prepared {
+    /// The scene on a structure that is already meshed.
+    ///
+    /// # Errors
+    /// Of the finite elements, the reduction, the surface and the laws.
+    pub fn try_new(
+        scene: &Scene,
+        structure: &Structure,
+        options: &Options,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let model = structure.reduce(options.cache.as_deref(), progress)?;
+        Self::with_model(scene, structure, model, options, progress)
+    }
+
+    /// The scene on a structure that is already reduced, so that several scenes share one reduction.
+    ///
+    /// # Errors
+    /// Of the surface and the laws.
+    pub fn with_model(
+        scene: &Scene,
+        structure: &Structure,
+        model: StructuralModel,
+        options: &Options,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        scene.validate(&scene.name)?;
+        progress.begin(Stage::Characterise);
+        let load = scene.bolts.load.si() * closing(&model);
+        let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
+        interface.notes().for_each(|note| progress.note(&note));
+        progress.end(Stage::Characterise);
+        Ok(Self {
+            scene: scene.clone(),
+            cache: options.cache.clone(),
+            clearance: structure.joint.clearance,
+            response: structure.joint.response.clone(),
+            mesh: structure.interface().clone(),
+            model,
+            interface,
+        })
+    }
+
+    /// The reduced structure.
+    pub fn model(&self) -> &StructuralModel {
+        &self.model
+    }
+
+    /// The interface.
+    pub fn interface(&self) -> &SceneInterface {
+        &self.interface
+    }
+
+    /// Static load on the reduced coordinates (N).
+    pub fn static_load(&self) -> Vec<f64> {
+        let reduced = &self.model.reduced;
+        let load_per_bolt = self.scene.bolts.load.si();
+        let mut load = vec![0.0; reduced.mass.nrows()];
+        for unit in &reduced.loads {
+            load.iter_mut()
+                .zip(unit)
+                .for_each(|(sum, value)| *sum += load_per_bolt * value);
+        }
+        load
+    }
+
+    /// The guess that prestress starts from: a uniform closure that carries the bolt load (m).
+    pub fn start(&self) -> Vec<f64> {
+        uniform(&self.model.reduced, self.interface.closure)
+    }
+
+    /// Prestress, modes and backbone.
+    ///
+    /// # Errors
+    /// [`Error::Prestress`] and defects of the linear structure.
+    pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
+        let interface = &self.interface;
+        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
+        Ok(self.finish(analysis))
+    }
+
+    /// As [`Prepared::solve`], and then the backbones of `realisations` bootstrap realisations of all elements' laws on
+    /// the same reduced structure. With a cache, realisations of an interrupted ensemble are taken from there.
+    ///
+    /// # Errors
+    /// As [`Prepared::solve`]; [`Error::NoSamples`] for surfaces that are not scanned; an interruption. Whatever else
+    /// ends a realisation is part of the result.
+    pub fn solve_ensemble(self, realisations: usize, progress: &dyn Progress) -> Result<(Run, Ensemble), Error> {
+        let interface = &self.interface;
+        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
+        let ensemble = self.ensemble(realisations, &analysis, progress)?;
+        Ok((self.finish(analysis), ensemble))
+    }
+
+    fn ensemble(&self, realisations: usize, analysis: &Analysis, progress: &dyn Progress) -> Result<Ensemble, Error> {
+        progress.begin(Stage::Ensemble);
+        // Fields, other methods and other modes are left to the measured law.
+        let mut scene = self.scene.clone();
+        scene.cqsma.mode = scene.cqsma.followed()[0];
+        scene.cqsma.modes_of_interest.clear();
+        scene.methods.clear();
+        scene.output.fields_at = Some(Vec::new());
+        let load = scene.bolts.load.si() * closing(&self.model);
+        let checkpoint = match &self.cache {
+            None => Checkpoint::default(),
+            Some(directory) => {
+                let mut key = self.key(&scene);
+                // Whatever else the realisations depend on has left its mark in the measured backbone.
+                key.numbers(analysis.prestress.solution.displacement.iter().copied());
+                key.numbers(analysis.frequencies.iter().copied());
+                Checkpoint::open(directory, "ensemble", &key.finish())
+            }
+        };
+        let members = ensemble::members(&scene, realisations, checkpoint, progress, |k, progress| {
+            let (interface, closure) = self.interface.realisation(&scene, k, load)?;
+            self.analyse(&scene, &interface, closure, progress)
+        })?;
+        progress.end(Stage::Ensemble);
+        Ok(Ensemble::new(members, &analysis.modes[0].amplitudes))
+    }
+
+    fn key(&self, scene: &Scene) -> KeyBuilder {
+        let mut key = KeyBuilder::new();
+        key.text(&serde_json::to_string(scene).unwrap_or_default());
+        key.text(contact_laws::instruction_set());
+        key
+    }
+
+    fn finish(self, analysis: Analysis) -> Run {
+        let Analysis {
+            prestress,
+            frequencies,
+            modes,
+        } = analysis;
+        let judge = |found: ModeAnalysis| ModeBackbone {
+            validity: validity::assess(
+                &self.interface.interface,
+                self.interface.asperities.as_ref(),
+                &self.scene.model.material,
+                &prestress.fields,
+                self.clearance,
+                found.separation,
+                &found.amplitudes,
+            ),
+            mode: found.mode,
+            amplitudes: found.amplitudes,
+            methods: found.methods,
+        };
+        Run {
+            backbones: modes.into_iter().map(judge).collect(),
+            frequencies,
+            prestress,
+            law: self.interface.report,
+            clipped_gaps: self.interface.clipped_gaps,
+            interface: self.interface.interface,
+            mesh: self.mesh,
+            model: self.model,
+            response: self.response,
+            scene: self.scene,
+        }
+    }
+
+    /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m).
+    fn analyse(
+        &self,
+        scene: &Scene,
+        interface: &Interface,
+        closure: f64,
+        progress: &dyn Progress,
+    ) -> Result<Analysis, Error> {
+        let reduced = &self.model.reduced;
+        let force = InterfaceForce::new(interface);
+        let newton = NewtonSettings {
+            tolerance: scene.cqsma.tolerance,
+            ..NewtonSettings::default()
+        };
+
+        progress.begin(Stage::Prestress);
+        let static_load = self.static_load();
+        let start = uniform(reduced, closure);
+        let bolts = scene.bolts.load.si() * closing(&self.model);
+        let prestress = prestress::solve(reduced, &force, &static_load, &start, bolts, &newton)?;
+        progress.end(Stage::Prestress);
+
+        progress.begin(Stage::Modes);
+        let locked = match scene.bolts.behaviour {
+            BoltBehaviour::DeadLoad => None,
+            BoltBehaviour::Locked => Some(reduced.locked()?),
+        };
+        let vibrating = locked.as_ref().unwrap_or(reduced);
+        let line = linearise(scene, vibrating, &force, &prestress.solution)?;
+        progress.end(Stage::Modes);
+
+        progress.begin(Stage::Backbone);
+        let followed = scene.cqsma.followed();
+        let response = response(vibrating);
+        let mut modes = Vec::with_capacity(followed.len());
+        for (place, mode) in followed.iter().enumerate() {
+            let request = backbone::Request {
+                scene,
+                force: &force,
+                reduced,
+                vibrating,
+                prestress: &prestress,
+                line: &line,
+                response: &response,
+                static_load: &static_load,
+                mass: self.model.facts.mass,
+                mode: mode - 1,
+                newton,
+            };
+            let key = self.cache.as_deref().map(|directory| (directory, self.key(scene)));
+            let share = |done: f64| (place as f64 + done) / followed.len() as f64;
+            modes.push(request.run(key, &share, progress)?);
+        }
+        progress.end(Stage::Backbone);
+
+        let frequencies = line.frequencies();
+        drop(line);
+        Ok(Analysis {
+            prestress,
+            frequencies,
+            modes,
+        })
+    }
+}

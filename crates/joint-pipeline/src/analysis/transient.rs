@@ -1,0 +1,273 @@
+//! The ring-down of a scene's reduced model in time, identified like a measured one: an independent check of the backbone.
+
+use super::comparison::{Backbone, Point};
+use super::prestress::{linearise, response};
+use super::run::Run;
+use crate::Error;
+use crate::interface::InterfaceForce;
+use crate::progress::{Progress, Stage};
+use crate::scene::{BoltBehaviour, Length, Method, Scene};
+use cqsma_solver::transient::{self, Start, Transient};
+use modal_identification::backbone::{Identification, identify};
+use modal_identification::signal::{Quantity, Signal};
+use modal_identification::{backbone, synthetic};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// How a ring-down is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// What begins it.
+    pub excitation: Excitation,
+    /// Periods of the linearised mode to follow.
+    pub periods: usize,
+    /// Steps per period.
+    pub steps_per_period: usize,
+    /// Spectral radius of the scheme at infinite frequency.
+    pub spectral_radius: f64,
+    /// Viscous damping ratio of the scene's linearised modes beside the one followed, where it is larger than the
+    /// background's.
+    pub other_damping: f64,
+}
+
+/// What begins a ring-down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Excitation {
+    /// Released from the equilibrium under the mode's own inertial load, by linear estimate at this displacement of the
+    /// response point (m).
+    Release(f64),
+    /// A half-sine of force along the response.
+    Impact {
+        /// Impulse (N s).
+        impulse: f64,
+        /// Duration (s).
+        duration: f64,
+    },
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let solver = transient::Settings::default();
+        Self {
+            excitation: Excitation::Release(2e-3),
+            periods: 150,
+            steps_per_period: solver.steps_per_period,
+            spectral_radius: solver.spectral_radius,
+            other_damping: solver.other_damping,
+        }
+    }
+}
+
+/// A ring-down.
+#[derive(Clone, Debug)]
+pub struct RingDown {
+    /// The motion of the response point, with the energies.
+    pub transient: Transient,
+    /// Frequency of the linearised mode (Hz).
+    pub frequency_hz: f64,
+}
+
+/// The scene of a run whose backbone covers a ring-down from `amplitude` (m): from an eightieth of it to the whole, with
+/// RQNMA beside.
+pub fn scene_for(mut scene: Scene, amplitude: f64) -> Scene {
+    scene.cqsma.amplitude_from = Length::from_si(amplitude / 80.0);
+    scene.cqsma.amplitude_to = Length::from_si(amplitude);
+    scene.cqsma.amplitudes = scene.cqsma.amplitudes.max(24);
+    if !scene.methods.contains(&Method::Rqnma) {
+        scene.methods.push(Method::Rqnma);
+    }
+    scene
+}
+
+/// Follows the motion of a finished run's reduced model, with its law, static state and background damping.
+///
+/// # Errors
+/// [`Error::Motion`], [`Error::Transient`] if a step did not converge, [`Error::Solver`].
+pub fn ring_down(run: &Run, settings: &Settings, progress: &dyn Progress) -> Result<RingDown, Error> {
+    progress.begin(Stage::Transient);
+    let scene = &run.scene;
+    let reduced = &run.model.reduced;
+    let locked = match scene.bolts.behaviour {
+        BoltBehaviour::DeadLoad => None,
+        BoltBehaviour::Locked => Some(reduced.locked()?),
+    };
+    let vibrating = locked.as_ref().unwrap_or(reduced);
+    let force = InterfaceForce::new(&run.interface);
+    let line = linearise(scene, vibrating, &force, &run.prestress.solution)?;
+    let row = response(vibrating);
+    let mode = run.first().mode - 1;
+    let phi: f64 = line.shapes.col(mode).iter().zip(&row).map(|(a, b)| a * b).sum();
+    let refuse = |field, value, unit, requirement| {
+        Err(Error::Motion {
+            field,
+            value,
+            unit,
+            requirement,
+        })
+    };
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    let start = match settings.excitation {
+        Excitation::Release(amplitude) if !positive(amplitude) => {
+            return refuse("amplitude", amplitude, "m", "positive and finite");
+        }
+        Excitation::Release(amplitude) => Start::Release {
+            modal_force: line.eigenvalues[mode] * amplitude / phi,
+        },
+        Excitation::Impact { impulse, duration } => Start::Pulse {
+            impulse,
+            duration,
+            point: row.clone(),
+        },
+    };
+    if settings.periods == 0 {
+        return refuse("periods", 0.0, "(1)", "at least 1");
+    }
+    let solver = transient::Settings {
+        mode,
+        steps_per_period: settings.steps_per_period,
+        periods: settings.periods,
+        spectral_radius: settings.spectral_radius,
+        background_damping: scene.background_damping,
+        other_damping: settings.other_damping,
+        ..transient::Settings::default()
+    };
+    let frequency_hz = line.frequencies()[mode];
+    let wanted = settings.periods as f64 / frequency_hz;
+    let transient = transient::run(&line, &force, &row, &start, &solver, &mut |sample| {
+        progress.fraction(Stage::Transient, sample.time / wanted);
+        if progress.interrupted() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })?;
+    progress.end(Stage::Transient);
+    if let Some(failure) = transient.failure {
+        return Err(Error::Transient {
+            time: transient.samples.last().map_or(0.0, |s| s.time),
+            wanted,
+            reason: failure.reason,
+            history: failure.history,
+        });
+    }
+    Ok(RingDown {
+        transient,
+        frequency_hz,
+    })
+}
+
+impl RingDown {
+    /// Acceleration of the response point.
+    pub fn signal(&self) -> Signal {
+        signal(
+            self.transient.step,
+            self.transient.samples.iter().map(|s| s.acceleration).collect(),
+        )
+    }
+
+    /// How such a signal is identified by default: a band of half the frequency and the shortest smoothing that
+    /// still is one, since there is no noise and amplitudes fall fast.
+    pub fn identification(&self) -> backbone::Settings {
+        backbone::Settings {
+            frequency: Some(self.frequency_hz),
+            bandwidth: Some(self.frequency_hz / 2.0),
+            smoothing: 9,
+            ..backbone::Settings::default()
+        }
+    }
+
+    /// The backbone identified, over acceleration; the frequency error of the time integration, which is known for the
+    /// linear mode, is taken out.
+    ///
+    /// # Errors
+    /// [`Error::Identification`], [`Error::Comparison`].
+    pub fn identify(&self, settings: &backbone::Settings) -> Result<(Identification, Backbone), Error> {
+        let mut found = identify(&self.signal(), settings)?;
+        for point in &mut found.backbone {
+            point.frequency_hz /= self.transient.algorithmic.frequency_ratio;
+        }
+        let backbone = of_points("the ring-down", &found.backbone)?;
+        Ok((found, backbone))
+    }
+
+    /// What identification makes of a ring-down that has exactly the backbone `known` (over acceleration), from the
+    /// amplitude that this one begins with and as long.
+    ///
+    /// # Errors
+    /// [`Error::Identification`], [`Error::Comparison`].
+    pub fn identified_again(&self, known: &Backbone, settings: &backbone::Settings) -> Result<Backbone, Error> {
+        let [low, high] = known.range();
+        let at = |amplitude: f64| {
+            known
+                .at(amplitude.clamp(low, high))
+                .unwrap_or((self.frequency_hz, None))
+        };
+        let samples = &self.transient.samples;
+        let ring = synthetic::RingDown {
+            amplitude: samples.first().map_or(high, |s| s.acceleration.abs()).min(high),
+            phase: 0.0,
+            frequency: |a: f64| at(a).0,
+            damping_ratio: |a: f64| at(a).1.unwrap_or(0.0),
+        };
+        let step = self.transient.step;
+        let found = identify(&signal(step, ring.samples(1.0 / step, samples.len())), settings)?;
+        of_points("the synthetic ring-down", &found.backbone)
+    }
+}
+
+fn signal(step: f64, samples: Vec<f64>) -> Signal {
+    Signal {
+        at: "the computed motion".into(),
+        quantity: Quantity::Acceleration,
+        sample_rate: 1.0 / step,
+        samples,
+        last_clipped: None,
+    }
+}
+
+fn of_points(what: &str, points: &[backbone::Point]) -> Result<Backbone, Error> {
+    let point = |p: &backbone::Point| Point {
+        amplitude: p.amplitude,
+        frequency_hz: p.frequency_hz,
+        damping_ratio: Some(p.damping_ratio),
+    };
+    Backbone::try_new(what, points.iter().map(point).collect())
+}
+
+/// The backbones of a run over the acceleration at the response point, by name: `cqsma` (secants), the same loops with the
+/// frequency of their first harmonic, and the other methods of the scene.
+///
+/// # Errors
+/// [`Error::Comparison`] if fewer than two amplitudes converged.
+pub fn backbones(run: &Run) -> Result<Vec<(String, Backbone)>, Error> {
+    let background = run.scene.background_damping;
+    let point = |displacement: f64, omega: f64, friction: Option<f64>| Point {
+        amplitude: displacement * omega * omega,
+        frequency_hz: omega / TAU,
+        damping_ratio: friction.map(|zeta| zeta + background),
+    };
+    let converged = || {
+        let all = run.amplitudes().iter();
+        all.filter_map(|a| Some((a.point.result.as_ref().ok()?, a.response_displacement?)))
+    };
+    let secant = converged().map(|(r, x)| point(x, r.omega, r.is_resolved().then_some(r.zeta)));
+    let harmonic = converged().map(|(r, x)| {
+        let omega = r.hysteresis.harmonic_omega();
+        let zeta = r.zeta * (r.omega / omega).powi(2);
+        point(x, omega, r.is_resolved().then_some(zeta))
+    });
+    let mut all = vec![
+        ("cqsma".to_owned(), Backbone::try_new("cqsma", secant.collect())?),
+        (
+            "cqsma, first harmonic".to_owned(),
+            Backbone::try_new("cqsma, first harmonic", harmonic.collect())?,
+        ),
+    ];
+    for method in &run.first().methods {
+        let found = method.points.iter().filter_map(|p| p.result.as_ref().ok());
+        let points = found.map(|v| point(v.response_displacement, v.omega, v.zeta)).collect();
+        let name = method.method.name();
+        all.push((name.to_owned(), Backbone::try_new(name, points)?));
+    }
+    Ok(all)
+}

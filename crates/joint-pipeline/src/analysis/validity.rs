@@ -1,0 +1,135 @@
+//! What a run says about its own validity: where the assumptions of the model end.
+
+use super::outcome::{AmplitudeResult, Fields};
+use crate::interface::Asperities;
+use crate::scene::{Material, Stress, SurfaceEnergy};
+use contact_laws::AsperityPopulation;
+use contact_laws::adhesion::critical_interference;
+use serde::{Deserialize, Serialize};
+use zte_assembly::Interface;
+
+/// Shape deviation beyond which the secant and loop formulas, which assume a fixed mode shape, are doubtful.
+const LARGEST_SHAPE_DEVIATION: f64 = 0.1;
+
+/// Validity of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Validity {
+    /// Real contact area over nominal area under prestress.
+    pub real_contact_area_fraction: Option<f64>,
+    /// Area of all quadrature points in contact under prestress over nominal area.
+    pub contact_area_fraction_by_points: f64,
+    /// The same counted by whole elements with any point in contact.
+    pub contact_area_fraction_by_elements: f64,
+    /// Interference of one asperity at the onset of yield, `omega_c` (m) (mean over the populations); needs the material's
+    /// hardness.
+    pub yield_onset_interference: Option<f64>,
+    /// Fraction of the loaded asperities beyond it under prestress (mean over the points in contact).
+    pub yielded_asperity_fraction: Option<f64>,
+    /// Adhesive over elastic normal traction under prestress: pull-off `2 pi R w` of every loaded asperity, an upper
+    /// bound (mean over the points in contact); needs the material's work of adhesion.
+    pub adhesive_to_elastic_traction: Option<f64>,
+    /// Sliding distance at which a shank would touch its hole (m); pinning is not modelled.
+    pub bolt_hole_clearance: Option<f64>,
+    /// First amplitude number whose tangential motion exceeds that.
+    pub first_beyond_clearance: Option<usize>,
+    /// Limit on the shape deviation.
+    pub shape_deviation_limit: f64,
+    /// First amplitude number beyond it.
+    pub first_beyond_shape_deviation: Option<usize>,
+    /// First amplitude number that did not converge.
+    pub first_not_converged: Option<usize>,
+    /// Modal force beyond which bolts of constant tension cannot hold the halves against the mode's inertia, so that there is no
+    /// equilibrium (sqrt(kg) m/s^2): bolt loads over the mode's inertia, both along a uniform separation. Where other rigid motions
+    /// are free, equilibrium may end earlier. None where something else resists a separation, beyond the round-off of the
+    /// stiffness, or the mode has no inertia along it.
+    pub separation_modal_force: Option<f64>,
+}
+
+/// Judges a run from its prestressed interface and its amplitudes.
+pub(crate) fn assess(
+    interface: &Interface,
+    asperities: Option<&Asperities>,
+    material: &Material,
+    prestressed: &Fields,
+    clearance: Option<f64>,
+    separation_modal_force: Option<f64>,
+    amplitudes: &[AmplitudeResult],
+) -> Validity {
+    let operators = interface.operators();
+    let area = operators.area();
+    let u_n = &prestressed.jump[2];
+    let touching: Vec<usize> = (0..u_n.len()).filter(|&p| u_n[p] > 0.0).collect();
+    let weight = |p: usize| operators.weights[p];
+    let closed: f64 = touching.iter().map(|&p| weight(p)).sum();
+    let by_elements: f64 = operators
+        .first_point
+        .windows(2)
+        .filter(|range| (range[0]..range[1]).any(|p| u_n[p] > 0.0))
+        .map(|range| operators.weights[range[0]..range[1]].iter().sum::<f64>())
+        .sum();
+    let element_of = |p: usize| operators.first_point.partition_point(|&first| first <= p) - 1;
+    let population = |p: usize| asperities.map(|a| (a, &a.populations[a.of_element[element_of(p)] as usize]));
+    let onset_of = |asperities: &Asperities, population: &AsperityPopulation| {
+        let hardness = material.hardness.map(Stress::si)?;
+        Some(critical_interference(
+            &asperities.material,
+            hardness,
+            population.effective_radius(),
+        ))
+    };
+    let law_mean = |of: &dyn Fn(usize) -> Option<f64>, total: f64| {
+        touching
+            .iter()
+            .map(|&p| of(p).map(|v| weight(p) * v))
+            .sum::<Option<f64>>()
+            .map(|sum| sum / total)
+    };
+    let first = |beyond: &dyn Fn(&AmplitudeResult) -> bool| amplitudes.iter().position(beyond).map(|i| i + 1);
+    Validity {
+        real_contact_area_fraction: law_mean(
+            &|p| {
+                interface
+                    .law(p)
+                    .and_then(|(law, local)| law.contact_area_ratio(local, u_n[p]))
+            },
+            area,
+        ),
+        contact_area_fraction_by_points: (closed / area).min(1.0),
+        contact_area_fraction_by_elements: (by_elements / area).min(1.0),
+        yield_onset_interference: asperities.and_then(|a| {
+            let onsets = a.populations.iter().map(|p| onset_of(a, p));
+            Some(onsets.sum::<Option<f64>>()? / a.populations.len() as f64)
+        }),
+        yielded_asperity_fraction: law_mean(
+            &|p| {
+                let (asperities, population) = population(p)?;
+                let (law, local) = interface.law(p)?;
+                law.yielded_fraction(local, u_n[p], onset_of(asperities, population)?)
+            },
+            closed,
+        ),
+        adhesive_to_elastic_traction: law_mean(
+            &|p| {
+                let (_, pair) = population(p)?;
+                let work = material.work_of_adhesion.map(SurfaceEnergy::si)?;
+                let pull_off = 2.0 * std::f64::consts::PI * pair.effective_radius() * work;
+                let adhesive = pair.density() * pair.gaps().loaded_fraction(u_n[p]) * pull_off;
+                Some(adhesive / prestressed.traction[2][p])
+            },
+            closed,
+        ),
+        bolt_hole_clearance: clearance,
+        first_beyond_clearance: clearance
+            .and_then(|clearance| first(&|a| a.fields.as_ref().is_some_and(|f| f.largest_sliding > clearance))),
+        shape_deviation_limit: LARGEST_SHAPE_DEVIATION,
+        first_beyond_shape_deviation: first(&|a| {
+            a.point
+                .result
+                .as_ref()
+                .is_ok_and(|r| r.shape_deviation > LARGEST_SHAPE_DEVIATION)
+        }),
+        first_not_converged: first(&|a| a.point.result.is_err()),
+        separation_modal_force,
+    }
+}

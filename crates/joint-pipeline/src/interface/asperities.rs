@@ -1,0 +1,78 @@
+//! Asperities of an interface: populations, which one each element has, and the gap of the surface they belong to.
+
+use super::surface::{FileReport, ScannedSurface, material};
+use crate::Error;
+use crate::joint::benchmark::MeasuredSurface;
+use crate::scene::{Gap, LawKind, Scene};
+use contact_laws::{AsperityPopulation, AsperitySumCurves, ElasticPair, GapDistribution, TangentialReading};
+use surface_characterisation::{Characterisation, PairAsperities};
+use zte_assembly::{InterfaceMesh, Operators};
+
+/// Asperities of the interface: populations, and which one each element has.
+pub(crate) struct Asperities {
+    pub(crate) populations: Vec<AsperityPopulation>,
+    pub(crate) of_element: Vec<u32>,
+    pub(crate) material: ElasticPair,
+    pub(super) scan: Option<(Characterisation, Vec<FileReport>)>,
+}
+
+impl Asperities {
+    /// Measured statistics, the same everywhere.
+    pub(super) fn measured(surface: &MeasuredSurface, scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
+        let values = surface.gap_quantiles;
+        let last = (values.len() - 1) as f64;
+        let probabilities: Vec<f64> = (0..values.len()).map(|i| i as f64 / last).collect();
+        let radius = surface.effective_radius;
+        let population = AsperityPopulation::try_new(
+            GapDistribution::try_from_quantiles(&probabilities, values)?,
+            surface.asperities_per_area,
+            [radius, radius],
+        )?;
+        Ok(Self {
+            populations: vec![population],
+            of_element: vec![0; mesh.elements.len()],
+            material: material(scene),
+            scan: None,
+        })
+    }
+
+    /// Those of two scans, element by element.
+    pub(super) fn scanned(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
+        let ScannedSurface { found, files, .. } = ScannedSurface::try_new(scene, mesh)?;
+        let populations = found.elements.iter().map(|e| population(scene, &e.population));
+        Ok(Self {
+            populations: populations.collect::<Result<_, Error>>()?,
+            of_element: (0..mesh.elements.len() as u32).collect(),
+            material: material(scene),
+            scan: Some((found, files)),
+        })
+    }
+
+    pub(super) fn sums(&self, reading: TangentialReading) -> Result<Vec<AsperitySumCurves>, Error> {
+        let curves = self
+            .populations
+            .iter()
+            .map(|p| AsperitySumCurves::try_new(p.clone(), self.material, reading));
+        Ok(curves.collect::<Result<_, _>>()?)
+    }
+
+    /// Gap per point (m).
+    pub(super) fn gap(&self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> Vec<f64> {
+        let measured = scene.measured_gap();
+        let gap = |(&[x, y], &element): (&[f64; 2], &u32)| match (&measured, scene.gap, &self.scan) {
+            (Some(measured), ..) => (measured.gap)([x, y]),
+            (None, Gap::Scan, Some((scan, _))) => scan.elements[element as usize].gap.at([x, y]),
+            _ => 0.0,
+        };
+        operators.positions.iter().zip(element_of).map(gap).collect()
+    }
+}
+
+/// The population of a pair of faces as the scene's law takes it. A sum over single samples has a kink of square-root type
+/// at every one of them, which no table follows: tables take the heights interpolated.
+pub(super) fn population(scene: &Scene, pair: &PairAsperities) -> Result<AsperityPopulation, Error> {
+    Ok(match scene.law.kind {
+        LawKind::Tabulated => pair.interpolated_population()?,
+        LawKind::Fitted | LawKind::AsperitySum => pair.law_population()?,
+    })
+}

@@ -1,0 +1,245 @@
+//! From a scene's surface and law to the interface.
+
+mod asperities;
+mod force;
+mod given;
+mod law;
+mod surface;
+
+pub(crate) use asperities::Asperities;
+pub use force::InterfaceForce;
+pub use law::{AsperityReport, LawReport};
+pub use surface::{
+    FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport, interface_mesh,
+    synthetic,
+};
+
+use crate::Error;
+use crate::scene::{LawKind, Scene, Surface};
+use asperities::population;
+use contact_laws::{ContactCurves, Sticking};
+use given::GivenLaw;
+use law::{BuiltLaw, fits_of};
+use std::sync::Arc;
+use surface_characterisation::PairAsperities;
+use zte_assembly::{Interface, InterfaceMesh, Operators};
+
+/// The interface of a scene.
+pub struct SceneInterface {
+    /// Ready for evaluation.
+    pub interface: Interface,
+    /// What is reported about its law.
+    pub report: LawReport,
+    /// Points whose gap came out negative and was set to zero.
+    pub clipped_gaps: usize,
+    /// Uniform closure `u_n` above the gap that carries the bolt load (m): the guess that prestress starts from.
+    pub closure: f64,
+    /// None where the parameters of the law are given.
+    pub(crate) asperities: Option<Asperities>,
+    operators: Arc<Operators>,
+    element_of: Vec<u32>,
+}
+
+impl std::fmt::Debug for SceneInterface {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SceneInterface")
+            .field("interface", &self.interface)
+            .field("law", &self.report)
+            .finish()
+    }
+}
+
+impl SceneInterface {
+    /// Builds law and gap; `load` is the sum of the bolt loads (N).
+    ///
+    /// # Errors
+    /// Of the law, the surface, the interface; [`Error::NoContact`].
+    pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, load: f64) -> Result<Self, Error> {
+        let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
+        let n = operators.n_points();
+        let element_of: Vec<u32> = operators
+            .first_point
+            .windows(2)
+            .enumerate()
+            .flat_map(|(e, r)| vec![e as u32; r[1] - r[0]])
+            .collect();
+        let law_of = |asperities: Asperities| -> Result<Source, Error> {
+            let built = asperities.law(scene, &operators, &element_of)?;
+            Ok(Source::Asperities(Box::new(built)))
+        };
+        let from = match &scene.surface {
+            Surface::Measured | Surface::Benchmark(_) => {
+                let measured = scene.measured_surface().ok_or_else(|| Error::NoMeasuredSurface {
+                    place: scene.name.clone(),
+                    field: "surface",
+                })?;
+                law_of(Asperities::measured(&measured, scene, mesh)?)?
+            }
+            Surface::SyntheticScan(_) | Surface::Scans(_) => law_of(Asperities::scanned(scene, mesh)?)?,
+            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(scene, parameters, &element_of)?),
+        };
+        let (law, kind, gap, clipped_gaps) = match &from {
+            Source::Given(given) => (given.law.clone(), given.kind, given.gap.clone(), 0),
+            Source::Asperities(built) => {
+                let clipped = built.raw_gap.iter().filter(|g| **g < 0.0).count();
+                let gap = built.raw_gap.iter().map(|g| g.max(0.0)).collect();
+                (built.law.clone(), built.kind, gap, clipped)
+            }
+        };
+        let interface = Interface::try_new(operators.clone(), vec![(0..n, law)], gap)?;
+        let closure = uniform_closure(&interface, load)?;
+        let flat = interface.with_gap(vec![0.0; n])?;
+        let mean_closure = uniform_closure(&flat, load)?;
+        let (stiffness, asperity_report) = match &from {
+            Source::Given(given) => {
+                let of_curves = |p: usize| stiffnesses(given.at(p), mean_closure);
+                (mean(&operators, of_curves), None)
+            }
+            Source::Asperities(built) => {
+                let (stiffness, report) = built.describe(scene, &operators, &element_of, mean_closure)?;
+                (stiffness, Some(report))
+            }
+        };
+        let report = LawReport {
+            kind: kind.to_owned(),
+            history: scene.law.history,
+            asperities: asperity_report,
+            mean_closure,
+            mean_pressure: load / operators.area(),
+            normal_stiffness: stiffness[0],
+            tangential_stiffness: stiffness[1],
+        };
+        Ok(Self {
+            interface,
+            report,
+            clipped_gaps,
+            closure,
+            asperities: match from {
+                Source::Given(_) => None,
+                Source::Asperities(built) => Some(built.asperities),
+            },
+            operators,
+            element_of,
+        })
+    }
+
+    /// The interface with the laws of bootstrap realisation `k` of all elements, and the closure as in
+    /// [`SceneInterface::closure`]. Gaps are those of this interface; where a realisation lacks the tallest peak, contact
+    /// begins at its own tallest, by so much later.
+    ///
+    /// # Errors
+    /// [`Error::NoSamples`] unless the surface is scanned; else as [`SceneInterface::try_new`].
+    pub fn realisation(&self, scene: &Scene, k: usize, load: f64) -> Result<(Interface, f64), Error> {
+        let measured = self
+            .asperities
+            .as_ref()
+            .and_then(|a| a.scan.as_ref().map(|scan| (a, scan)));
+        let (asperities, (scan, _)) = measured.ok_or(Error::NoSamples)?;
+        let drawn: Vec<_> = scan
+            .realisation(k)?
+            .iter()
+            .map(PairAsperities::from_own_tallest)
+            .collect();
+        let populations = drawn.iter().map(|(pair, _)| population(scene, pair));
+        let realisation = Asperities {
+            populations: populations.collect::<Result<_, Error>>()?,
+            of_element: asperities.of_element.clone(),
+            material: asperities.material,
+            scan: None,
+        };
+        let sums = realisation.sums(scene.law.tangential)?;
+        let fits = match scene.law.kind {
+            LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,
+            LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
+        };
+        let (_, law, _) = realisation.traction_law(scene, &self.element_of, &sums, &fits)?;
+        let mut gap: Vec<f64> = self.element_of.iter().map(|&e| drawn[e as usize].1).collect();
+        for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
+            *gap += own;
+        }
+        let interface = Interface::try_new(self.operators.clone(), vec![(0..gap.len(), law)], gap)?;
+        let closure = uniform_closure(&interface, load)?;
+        Ok((interface, closure))
+    }
+
+    /// What the readers of the scans had to settle by convention, one sentence each.
+    pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
+        let scans = self.report.asperities.iter().flat_map(|report| &report.scans);
+        scans.flat_map(|file| file.notes.iter().map(|note| format!("{}: {note}", file.path.display())))
+    }
+}
+
+/// What the law follows from.
+enum Source {
+    Given(GivenLaw),
+    Asperities(Box<BuiltLaw>),
+}
+
+/// Average over the area of values at the points.
+fn mean(operators: &Operators, of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    let points = operators.weights.iter().enumerate();
+    let sum = points.fold([0.0; 2], |sum, (p, w)| {
+        let value = of(p);
+        [sum[0] + w * value[0], sum[1] + w * value[1]]
+    });
+    sum.map(|sum| sum / operators.area())
+}
+
+/// Normal and mean tangential stiffness of curves at an interference.
+fn stiffnesses(curves: &dyn ContactCurves, u: f64) -> [f64; 2] {
+    let k = curves.tangential(u);
+    [curves.normal(u).1, 0.5 * (k[0].value + k[1].value)]
+}
+
+/// The rigid approach of the two faces at which the interface carries `load` (N); bisection on a rising function.
+fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
+    let state = interface.initial_state();
+    let mut end = state.clone();
+    let mut workspace = interface.workspace();
+    let mut force = vec![0.0; interface.n_dofs()];
+    let mut carried = |closure: f64| {
+        let jump: Vec<f64> = (0..interface.n_dofs())
+            .map(|i| if i % 3 == 2 { closure } else { 0.0 })
+            .collect();
+        interface.evaluate(
+            &jump,
+            Sticking::Coulomb,
+            &state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
+        force.iter().skip(2).step_by(3).sum::<f64>()
+    };
+    let smallest = interface
+        .gap()
+        .unwrap_or(&[0.0])
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    let (mut low, mut high) = (smallest, smallest + 1e-9);
+    while carried(high) < load {
+        low = high;
+        high = smallest + 2.0 * (high - smallest);
+        if high > smallest + 1.0 {
+            return Err(Error::NoContact {
+                load,
+                closure: high,
+                carried: carried(high),
+            });
+        }
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if carried(middle) < load {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    Ok(0.5 * (low + high))
+}

@@ -1,0 +1,224 @@
+//! Benchmark structures: joints with a name, of which geometry, mesh and surface are known.
+//!
+//! This crate knows no benchmark. Programs hand a list of them to [`Scene::read`](crate::Scene::read).
+
+use super::Joint;
+use crate::Error;
+use crate::scoped;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::cell::RefCell;
+use std::fmt;
+use substructure::elements::Formulation;
+use substructure::mesh::Material;
+use zte_assembly::{InterfaceMesh, Operators};
+
+/// A benchmark structure.
+pub trait Benchmark: Sync {
+    /// Name in scenes, such as `brake-reuss-beam`.
+    fn name(&self) -> &'static str;
+
+    /// What it is called for short; its scenes begin with it.
+    fn short_name(&self) -> &'static str;
+
+    /// Name in reports.
+    fn title(&self) -> &'static str;
+
+    /// What a scene on the benchmark may leave out, as a scene file in SI without `units`, and what it says then: material,
+    /// bolt load, friction coefficient, surface.
+    fn defaults(&self) -> serde_json::Value;
+
+    /// Scenes that come with the benchmark: names, and texts of scene files. The first is the one to begin with.
+    fn scenes(&self) -> &'static [(&'static str, &'static str)];
+
+    /// Meshes the benchmark; bolts are loaded by unit tension.
+    ///
+    /// # Errors
+    /// What the mesher refuses.
+    fn joint(&self, mesh: &MeshSettings) -> Result<Joint, BenchmarkError>;
+
+    /// The measured surface that `surface: measured` and `gap: measured` stand for, if there is one.
+    fn surface(&self) -> Option<MeasuredSurface>;
+
+    /// Whether a position in the plane of the interface (m) lies in a hole, where a profilometer finds nothing.
+    fn is_void(&self, position: [f64; 2]) -> bool;
+
+    /// What every sound run of the benchmark satisfies.
+    fn bounds(&self) -> Bounds;
+}
+
+/// Why a benchmark could not be meshed.
+pub type BenchmarkError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Benchmarks that scenes may name.
+pub type Benchmarks<'a> = &'a [&'static dyn Benchmark];
+
+/// Statistics of a measured pair of faces.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasuredSurface {
+    /// Distances of the asperities from the tallest one at equally spaced probabilities from 0 to 1 (m).
+    pub gap_quantiles: &'static [f64],
+    /// Asperities per area (1/m^2).
+    pub asperities_per_area: f64,
+    /// Effective radius of a pair of asperities (m).
+    pub effective_radius: f64,
+    /// Gap at a position in the plane of the interface (m).
+    pub gap: fn([f64; 2]) -> f64,
+}
+
+/// How a benchmark is meshed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSettings {
+    /// How finely.
+    pub refinement: RefinementLevel,
+    /// Layers of elements along each arm, if they shall not be those of the refinement.
+    pub arm_layers: Option<usize>,
+    /// Which part of it.
+    pub symmetry: Symmetry,
+    /// Formulation of all hexahedra.
+    pub hexahedra: Formulation,
+    /// Material of all parts.
+    pub material: Material,
+}
+
+/// How finely a benchmark is meshed; what a level means in elements is up to the benchmark.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum RefinementLevel {
+    /// For a look in seconds: of the Brake-Reuss beam about 150 interface elements.
+    Quick,
+    /// About 300.
+    Coarse,
+    /// 588, as the method paper.
+    #[default]
+    Default,
+    /// About 1200.
+    Fine,
+    /// About 2400.
+    Finest,
+}
+
+/// Which part of the structure is modelled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Symmetry {
+    /// All of it.
+    #[default]
+    None,
+    /// The half `y >= 0`, with half the unknowns, of a scene that is symmetric about `y = 0`: flat faces with one law
+    /// everywhere. Results are those of the whole, in motions that are symmetric too; modes that are not, such as bending
+    /// in the plane of the interface and torsion, are not in it, and modes are numbered without them.
+    Half,
+}
+
+impl Symmetry {
+    /// Geometry and quadrature of the interface of which `mesh` is all or half.
+    ///
+    /// # Errors
+    /// Those of [`Operators::try_new`].
+    pub(crate) fn operators(self, mesh: &InterfaceMesh, points_per_direction: usize) -> Result<Operators, Error> {
+        Ok(match self {
+            Self::None => Operators::try_new(mesh, points_per_direction)?,
+            Self::Half => Operators::try_new_mirrored(mesh, points_per_direction)?,
+        })
+    }
+}
+
+/// Bounds that hold for every sound run of a benchmark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Mass (kg) at the density below, within half a per cent.
+    pub mass: f64,
+    /// Density that the mass belongs to (kg/m^3).
+    pub density: f64,
+    /// Area of the interface (m^2), within a tenth of a per cent.
+    pub interface_area: f64,
+    /// Zero-energy modes of the whole with the interface stuck and without contact.
+    pub zero_energy_modes: [usize; 2],
+}
+
+/// A benchmark that a scene names.
+#[derive(Clone, Copy)]
+pub struct BenchmarkRef(pub &'static dyn Benchmark);
+
+impl std::ops::Deref for BenchmarkRef {
+    type Target = dyn Benchmark;
+
+    fn deref(&self) -> &Self::Target {
+        self.0
+    }
+}
+
+impl fmt::Debug for BenchmarkRef {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl PartialEq for BenchmarkRef {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for BenchmarkRef {}
+
+impl Serialize for BenchmarkRef {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for BenchmarkRef {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        KNOWN
+            .with_borrow(|known| find(&name, known))
+            .map(Self)
+            .map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for BenchmarkRef {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Benchmark".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "string", "description": "Name of a benchmark structure." })
+    }
+}
+
+/// The benchmark of a name among `known`.
+///
+/// # Errors
+/// A name that none of them has, in words.
+pub(crate) fn find(name: &str, known: Benchmarks<'_>) -> Result<&'static dyn Benchmark, String> {
+    known
+        .iter()
+        .find(|benchmark| benchmark.name() == name)
+        .copied()
+        .ok_or_else(|| {
+            let names: Vec<&str> = known.iter().map(|benchmark| benchmark.name()).collect();
+            match names.as_slice() {
+                [] => format!("there is no benchmark `{name}`; this program knows none"),
+                _ => format!("there is no benchmark `{name}`; there are {}", names.join(", ")),
+            }
+        })
+}
+
+thread_local! {
+    /// Benchmarks that names are looked up in.
+    static KNOWN: RefCell<Vec<&'static dyn Benchmark>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Runs `read` with names looked up in `known`.
+pub(crate) fn scope<T>(known: Benchmarks<'_>, read: impl FnOnce() -> T) -> T {
+    scoped::with(&KNOWN, known.to_vec(), read)
+}

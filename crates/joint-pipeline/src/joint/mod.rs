@@ -1,0 +1,62 @@
+//! What is reduced: two bodies, the interface between them, bolts and a response point.
+
+pub mod benchmark;
+
+use reduction::RelativeSystem;
+use substructure::mesh::Assembly;
+use zte_assembly::InterfaceMesh;
+
+/// Two bodies with everything that connects and loads them, before contact, and the interface between them.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    /// The bodies.
+    pub bodies: Bodies,
+    /// The interface in its plane (m).
+    pub interface: InterfaceMesh,
+    /// Unit vectors of the relative coordinates as rows: two in the interface, and the normal from the top body into the
+    /// bottom one.
+    pub frame: [[f64; 3]; 3],
+    /// By how much the bodies can slide before a shank touches its hole (m), if it is known.
+    pub clearance: Option<f64>,
+    /// Where and in which direction amplitudes are measured, in words.
+    pub response: String,
+}
+
+/// What the bodies are made of.
+#[derive(Clone, Debug)]
+pub enum Bodies {
+    /// Finite elements.
+    Meshed(MeshedBodies),
+    /// Matrices of another program.
+    Imported(ImportedBodies),
+}
+
+/// Bodies of finite elements.
+#[derive(Clone, Debug)]
+pub struct MeshedBodies {
+    /// One load pattern of unit tension per bolt.
+    pub assembly: Assembly,
+    /// Node of the top body for each interface node.
+    pub top_nodes: Vec<u32>,
+    /// Node of the bottom body for each interface node.
+    pub bottom_nodes: Vec<u32>,
+    /// Where amplitudes are measured.
+    pub response_node: u32,
+    /// Direction there.
+    pub response_direction: [f64; 3],
+}
+
+/// A structure over `[jump; rest]` in SI, with what the reduction needs besides.
+#[derive(Clone, Debug)]
+pub struct ImportedBodies {
+    /// Matrices, and loads of unit tension.
+    pub relative: RelativeSystem,
+    /// Row of the response displacement.
+    pub response: Vec<f64>,
+    /// Whether the coordinates came over the jump, so that a reduction has been made already and all are retained.
+    pub is_reduced: bool,
+    /// Zero-energy modes that the structure with a stuck interface should have.
+    pub zero_energy_modes: usize,
+    /// Mass (kg), if the coordinates show it.
+    pub mass: Option<f64>,
+}

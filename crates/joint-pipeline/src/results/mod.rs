@@ -1,0 +1,4 @@
+//! Results as programs read them.
+
+pub mod summary;
+pub mod trends;

@@ -1,0 +1,128 @@
+//! Bolts, analyses and outputs of a scene.
+
+use super::units::{Force, Length};
+use cqsma_solver::cqsma::Commit;
+use serde::{Deserialize, Serialize};
+
+/// Methods beside CQSMA.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Loops with the contact linearised about the static state (eqs. 34-36).
+    Qsma,
+    /// The same with the contact as it is instead of linearised, beside the normal stiffness that linearising it gave: the
+    /// mistake that the method paper warns of, to see how much too stiff it makes a joint.
+    QsmaTwice,
+    /// Masing's rule on one initial loading curve.
+    Masing,
+    /// Rayleigh-quotient nonlinear modal analysis, with Masing's rule.
+    Rqnma,
+}
+
+impl Method {
+    /// Name as used in scenes and outputs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Qsma => "qsma",
+            Method::QsmaTwice => "qsma-twice",
+            Method::Masing => "masing",
+            Method::Rqnma => "rqnma",
+        }
+    }
+}
+
+/// Bolts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Bolts {
+    /// Tension of each bolt (force).
+    pub load: Force,
+    /// What the bolts do in vibration.
+    #[serde(default)]
+    pub behaviour: BoltBehaviour,
+}
+
+/// What bolts do once they are tightened to their load. The prestress is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum BoltBehaviour {
+    /// Constant opposite forces on bolt and nut at all times, as in the method paper: their tension never changes, and
+    /// their axial stiffness does not act.
+    #[default]
+    DeadLoad,
+    /// The axial motion of bolt and nut relative to one another is locked in the prestressed state, as by the thread of
+    /// a tightened nut: tension changes in vibration, and the bolts' axial stiffness acts.
+    Locked,
+}
+
+/// Settings of the analysis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Cqsma {
+    /// Mode followed, counted from 1. Not together with `modes_of_interest`.
+    pub mode: usize,
+    /// Modes followed where it is more than one, each with a backbone of its own about the same prestress.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub modes_of_interest: Vec<usize>,
+    /// Linearised modes computed.
+    pub modes: usize,
+    /// Smallest displacement at the response point, by linear estimate (length).
+    pub amplitude_from: Length,
+    /// Largest displacement at the response point, by linear estimate (length).
+    pub amplitude_to: Length,
+    /// Amplitudes, spaced in log; 0 for prestress and linearised modes alone.
+    pub amplitudes: usize,
+    /// Vertices per quarter loop.
+    pub vertices_per_quarter: usize,
+    /// Cycles walked, the last of which is measured; by default as many as it takes until the loop closes.
+    pub cycles: Option<usize>,
+    /// Distance between the ends of a loop, relative to the motion there (energy norm), at which it counts as closed;
+    /// 1e-4 by default. Not together with `cycles`.
+    pub until_closed: Option<f64>,
+    /// When the friction history is committed.
+    pub commit: Commit,
+    /// Residual relative to the load, in the energy norm.
+    pub tolerance: f64,
+}
+
+impl Default for Cqsma {
+    fn default() -> Self {
+        Self {
+            mode: 1,
+            modes_of_interest: Vec::new(),
+            modes: 10,
+            amplitude_from: Length::from_si(1e-7),
+            amplitude_to: Length::from_si(1e-3),
+            amplitudes: 20,
+            vertices_per_quarter: 8,
+            cycles: None,
+            until_closed: None,
+            commit: Commit::AtReversals,
+            tolerance: 1e-9,
+        }
+    }
+}
+
+impl Cqsma {
+    /// The modes followed, counted from 1, in the scene's order.
+    pub fn followed(&self) -> &[usize] {
+        match self.modes_of_interest.as_slice() {
+            [] => std::slice::from_ref(&self.mode),
+            several => several,
+        }
+    }
+}
+
+/// Stored fields.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Numbers of the amplitudes (from 1) whose interface fields are stored; by default the first, the last and two
+    /// between. The prestress is always stored.
+    pub fields_at: Option<Vec<usize>>,
+}

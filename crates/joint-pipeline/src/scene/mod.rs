@@ -1,0 +1,385 @@
+//! Scene files: what is modelled, and how.
+//!
+//! A scene is JSON with comments (`// ...`), a mandatory `units` block and a mandatory `structure`. Quantities are given in
+//! the scene's units, or with a unit of their own, and are SI once they are read. Numerical settings have defaults; what the
+//! physics depends on has none, except on a benchmark, whose figures are known.
+
+mod accuracy;
+mod analysis;
+mod json;
+mod law;
+mod scans;
+mod structure;
+mod surface;
+mod units;
+mod validate;
+
+pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
+pub use analysis::{BoltBehaviour, Bolts, Cqsma, Method, Output};
+pub use law::{Law, LawKind};
+pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
+pub use structure::{
+    Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model, PlaneMesh,
+    Sides, StructureSource, Untied,
+};
+pub use surface::{Curves, Elastic, Fitted, Gap, ParameterSet, Parameters, Per, Surface, SyntheticScan};
+pub use units::{
+    ContactStiffness, Density, Dimension, Force, Length, Quantity, Stress, SurfaceEnergy, Unit, Units, dimension,
+};
+
+pub use crate::joint::benchmark::{RefinementLevel, Symmetry};
+pub use cqsma_solver::cqsma::Commit;
+pub use substructure::elements::Formulation;
+
+use crate::Error;
+use crate::joint::benchmark::{self, Benchmark, BenchmarkRef, Benchmarks, MeasuredSurface};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A scene: what is modelled, and how.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Units of the file.
+    pub units: Units,
+    /// Name of the scene; the file's name by default.
+    #[serde(default)]
+    pub name: String,
+    /// How exact the result shall be: settings that the scene does not give are those of the cheapest set that is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
+    /// Where the structure comes from.
+    pub structure: StructureSource,
+    /// How it is meshed and reduced.
+    pub model: Model,
+    /// What the traction law follows from.
+    pub surface: Surface,
+    /// Gap between the faces before they are loaded.
+    #[serde(default)]
+    pub gap: Gap,
+    /// Traction law.
+    #[serde(default)]
+    pub law: Law,
+    /// Friction coefficient (-).
+    pub mu: f64,
+    /// Gauss points per direction of each interface element: 1, 2, 3, 4 or 5.
+    #[serde(default = "two")]
+    pub points_per_direction: usize,
+    /// Bolts.
+    pub bolts: Bolts,
+    /// Coupled quasi-static modal analysis.
+    #[serde(default)]
+    pub cqsma: Cqsma,
+    /// Viscous modal damping ratio that is added to the total, apart from friction (-).
+    #[serde(default)]
+    pub background_damping: f64,
+    /// Methods beside CQSMA, at the same amplitudes.
+    #[serde(default)]
+    pub methods: Vec<Method>,
+    /// Which results are stored as fields.
+    #[serde(default)]
+    pub output: Output,
+}
+
+fn two() -> usize {
+    2
+}
+
+/// What a scene must say unless its benchmark does: the field, and a line that gives it.
+const PHYSICS: [(&str, &str); 5] = [
+    ("/mu", r#""mu": 0.2"#),
+    ("/bolts/load", r#""bolts": { "load": "12 kN" }"#),
+    (
+        "/model/material/youngs_modulus",
+        r#""model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } }"#,
+    ),
+    (
+        "/model/material/poisson_ratio",
+        r#""model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } }"#,
+    ),
+    (
+        "/surface",
+        r#""surface": { "scans": ["top.x3p", "bottom.x3p"] }, or "surface": { "benchmark": NAME } for the measured surface of a benchmark"#,
+    ),
+];
+
+/// Blocks whose fields a benchmark may fill in one by one.
+const BLOCKS: [&str; 3] = ["model", "material", "bolts"];
+
+impl Scene {
+    /// Reads a scene file and converts it to SI; `benchmarks` are those it may name. Paths in it are relative to its folder.
+    ///
+    /// # Errors
+    /// [`Error::File`], or those of [`Scene::from_json`].
+    pub fn read(path: &Path, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
+        Self::read_filled(path, benchmarks, &|_| {})
+    }
+
+    /// As [`Scene::read`], for programs that fill in what a file leaves out: `fill` sees the file before it is understood.
+    ///
+    /// # Errors
+    /// As [`Scene::read`].
+    pub fn read_filled(path: &Path, benchmarks: Benchmarks<'_>, fill: &dyn Fn(&mut Value)) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
+            path: path.to_owned(),
+            operation: "reading the scene",
+            source,
+        })?;
+        let place = path.display().to_string();
+        let mut value = json::parse(&text).map_err(|message| Error::Syntax {
+            place: place.clone(),
+            message,
+        })?;
+        fill(&mut value);
+        let stem = path
+            .file_stem()
+            .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        let mut scene = Self::from_value(value, &place, &stem, benchmarks)?;
+        if let Some(folder) = path.parent() {
+            scene.paths().for_each(|path| *path = folder.join(&*path));
+        }
+        Ok(scene)
+    }
+
+    /// Parses and validates a scene; `place` is named in errors, `name` is used if the scene has none.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`] for malformed JSON, unknown and missing fields, [`Error::Value`] for values outside their range.
+    pub fn from_json(text: &str, place: &str, name: &str, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
+        let value = json::parse(text).map_err(|message| Error::Syntax {
+            place: place.into(),
+            message,
+        })?;
+        Self::from_value(value, place, name, benchmarks)
+    }
+
+    fn from_value(given: Value, place: &str, name: &str, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
+        let syntax = |message: String| Error::Syntax {
+            place: place.into(),
+            message,
+        };
+        let units = given.get("units").ok_or_else(|| {
+            syntax(
+                "`units` is missing, such as \"units\": { \"length\": \"m\", \"mass\": \"kg\", \"time\": \"s\" }"
+                    .into(),
+            )
+        })?;
+        let units: Units = serde_json::from_value(units.clone()).map_err(|e| syntax(format!("units: {e}")))?;
+        refuse_former(&given).map_err(syntax)?;
+        let source = given.get("structure").ok_or_else(|| {
+            syntax(
+                "`structure` is missing: say where the structure comes from, such as \"structure\": { \"benchmark\": \
+                 \"brake-reuss-beam\" }, { \"deck\": { ... } } or { \"matrices\": { ... } }"
+                    .into(),
+            )
+        })?;
+        let mut filled = given.clone();
+        if let Some(name) = source.get("benchmark").and_then(Value::as_str) {
+            let known = benchmark::find(name, benchmarks).map_err(syntax)?;
+            fill(&mut filled, known.defaults());
+        }
+        require_physics(&filled).map_err(syntax)?;
+        let read = |value: Value| -> Result<Self, Error> {
+            let read = || serde_path_to_error::deserialize(value);
+            benchmark::scope(benchmarks, || units.scope(read)).map_err(|e| syntax(e.to_string()))
+        };
+        let mut scene = read(filled.clone())?;
+        scene.refuse_idle(&given).map_err(syntax)?;
+        if let Some(accuracy) = scene.accuracy {
+            accuracy.preset().map_err(syntax)?.fill(&mut filled);
+            scene = read(filled)?;
+        }
+        scene.units = Units::SI;
+        if scene.name.is_empty() {
+            scene.name = name.into();
+        }
+        scene.validate(place)?;
+        Ok(scene)
+    }
+
+    /// Reads a scene as [`Serialize`] writes it, such as the one in a summary.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`].
+    pub fn from_summary(value: &Value, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
+        let read = || serde_path_to_error::deserialize(value);
+        benchmark::scope(benchmarks, read).map_err(|e| Error::Syntax {
+            place: "the scene of a summary".into(),
+            message: e.to_string(),
+        })
+    }
+
+    /// The default scene on a benchmark, in SI.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`] if the benchmark's own defaults leave something out.
+    pub fn of(benchmark: &'static dyn Benchmark, name: &str) -> Result<Self, Error> {
+        let mut value = json!({
+            "units": Units::SI,
+            "name": name,
+            "structure": StructureSource::Benchmark(BenchmarkRef(benchmark)),
+        });
+        fill(&mut value, benchmark.defaults());
+        let read = || serde_path_to_error::deserialize(value);
+        let mut scene: Self = benchmark::scope(&[benchmark], read).map_err(|e| Error::Syntax {
+            place: format!("the defaults of {}", benchmark.name()),
+            message: e.to_string(),
+        })?;
+        scene.units = Units::SI;
+        Ok(scene)
+    }
+
+    /// All paths in the scene.
+    fn paths(&mut self) -> impl Iterator<Item = &mut std::path::PathBuf> {
+        let structure = match &mut self.structure {
+            StructureSource::Deck(deck) => Some(&mut deck.path),
+            StructureSource::Matrices(matrices) => Some(&mut matrices.path),
+            StructureSource::Benchmark(_) => None,
+        };
+        let scans = match &mut self.surface {
+            Surface::Scans(scans) => vec![&mut scans.top.path, &mut scans.bottom.path],
+            _ => Vec::new(),
+        };
+        structure.into_iter().chain(scans)
+    }
+
+    /// The measured surface that the scene's `surface` stands for; none for scans and given parameters.
+    pub fn measured_surface(&self) -> Option<MeasuredSurface> {
+        match &self.surface {
+            Surface::Measured => self.structure.benchmark()?.surface(),
+            Surface::Benchmark(benchmark) => benchmark.surface(),
+            Surface::SyntheticScan(_) | Surface::Scans(_) | Surface::Parameters(_) => None,
+        }
+    }
+
+    /// The measured surface whose gap the scene's `gap` stands for; none for flat faces and scans.
+    pub fn measured_gap(&self) -> Option<MeasuredSurface> {
+        match self.gap {
+            Gap::Measured => self.structure.benchmark()?.surface(),
+            Gap::Benchmark(benchmark) => benchmark.surface(),
+            Gap::Flat | Gap::Scan => None,
+        }
+    }
+
+    /// Numbers of the amplitudes (from 1) whose fields are stored, ascending.
+    pub fn fields_at(&self) -> Vec<usize> {
+        let last = self.cqsma.amplitudes;
+        let mut numbers = self.output.fields_at.clone().unwrap_or_else(|| match last {
+            0 => Vec::new(),
+            _ => vec![1, last.div_ceil(2), (3 * last).div_ceil(4), last],
+        });
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    }
+
+    /// Refuses what is given but would be without effect.
+    fn refuse_idle(&self, given: &Value) -> Result<(), String> {
+        let (deck, matrices) = (self.structure.deck(), self.structure.matrices());
+        let over_jump = matrices.is_some_and(|matrices| matrices.coordinates == Coordinates::Jump);
+        let other = deck.is_some() || matrices.is_some();
+        let own_material = deck.is_some_and(|deck| deck.materials == MaterialSource::Deck);
+        let parameters = matches!(self.surface, Surface::Parameters(_));
+        let meshes = "meshes of a benchmark, and structure names another source";
+        let reductions = "reductions, and matrices over the jump are reduced";
+        let asperities = "asperities, which surface.parameters replaces";
+        // What makes a field idle, the field, what its default is, and what it belongs to.
+        let idle = [
+            (other, "/model/refinement", json!("default"), meshes),
+            (other, "/model/arm_layers", Value::Null, meshes),
+            (other, "/model/symmetry", json!("none"), meshes),
+            (
+                matrices.is_some(),
+                "/model/formulation",
+                Value::Null,
+                "meshes, and structure.matrices has none",
+            ),
+            (
+                matrices.is_some(),
+                "/model/material/density",
+                Value::Null,
+                "meshes, and structure.matrices has none",
+            ),
+            (
+                own_material,
+                "/model/material/density",
+                Value::Null,
+                "bodies of the scene's material, and these have the deck's; for the scene's give structure.deck.materials = \"scene\"",
+            ),
+            (over_jump, "/model/modes", Value::Null, reductions),
+            (over_jump, "/model/reduction_error", Value::Null, reductions),
+            (parameters, "/law/kind", json!(LawKind::Tabulated), asperities),
+            (
+                parameters,
+                "/law/tangential",
+                json!(Law::default().tangential),
+                asperities,
+            ),
+            (
+                parameters,
+                "/gap",
+                json!("flat"),
+                "surfaces; surface.parameters has a gap in each of its sets",
+            ),
+            (
+                !self.cqsma.modes_of_interest.is_empty(),
+                "/cqsma/mode",
+                json!(1),
+                "scenes that follow one mode, and cqsma.modes_of_interest names several",
+            ),
+        ];
+        let differs = |path, default: &Value| given.pointer(path).is_some_and(|value| value != default);
+        match idle
+            .iter()
+            .find(|(idle, path, default, _)| *idle && differs(path, default))
+        {
+            Some((_, path, _, owner)) => Err(format!(
+                "{} belongs to {owner}; leave one of them out",
+                path[1..].replace('/', ".")
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Refuses fields that were understood once and have moved.
+fn refuse_former(given: &Value) -> Result<(), String> {
+    for name in ["deck", "matrices"] {
+        if given.pointer(&format!("/model/{name}")).is_some() {
+            return Err(format!(
+                "model.{name} is not a field; the structure is given by \"structure\": {{ \"{name}\": {{ ... }} }}"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Names the first thing that the physics depends on and that nothing says.
+fn require_physics(scene: &Value) -> Result<(), String> {
+    let missing = |path: &str| scene.pointer(path).is_none_or(Value::is_null);
+    match PHYSICS.iter().find(|(path, _)| missing(path)) {
+        Some((path, line)) => Err(format!(
+            "{} is missing, and a structure that is no benchmark has no default for it; add for example {line}",
+            path[1..].replace('/', ".")
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Writes `defaults` into a scene where it says nothing.
+fn fill(scene: &mut Value, defaults: Value) {
+    let (Some(scene), Value::Object(defaults)) = (scene.as_object_mut(), defaults) else {
+        return;
+    };
+    for (name, default) in defaults {
+        match scene.get_mut(&name) {
+            None | Some(Value::Null) => {
+                scene.insert(name, default);
+            }
+            Some(own) if BLOCKS.contains(&name.as_str()) => fill(own, default),
+            Some(_) => {}
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The structure of a scene: where it comes from, and how it is meshed and reduced.
+
+use super::units::{Density, Length, Stress, SurfaceEnergy, Units};
+use crate::joint::benchmark::{BenchmarkRef, RefinementLevel, Symmetry};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use substructure::elements::Formulation;
+
+/// Where the structure comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum StructureSource {
+    /// A benchmark structure by its name.
+    Benchmark(BenchmarkRef),
+    /// An input deck of Abaqus or CalculiX.
+    Deck(Box<Deck>),
+    /// Matrices of another program.
+    Matrices(Box<Matrices>),
+}
+
+impl StructureSource {
+    /// The benchmark, if it is one.
+    pub fn benchmark(&self) -> Option<BenchmarkRef> {
+        match self {
+            Self::Benchmark(benchmark) => Some(*benchmark),
+            Self::Deck(_) | Self::Matrices(_) => None,
+        }
+    }
+
+    /// The matrices, if it consists of them.
+    pub fn matrices(&self) -> Option<&Matrices> {
+        match self {
+            Self::Matrices(matrices) => Some(matrices),
+            Self::Benchmark(_) | Self::Deck(_) => None,
+        }
+    }
+
+    /// The deck, if it comes from one.
+    pub fn deck(&self) -> Option<&Deck> {
+        match self {
+            Self::Deck(deck) => Some(deck),
+            Self::Benchmark(_) | Self::Matrices(_) => None,
+        }
+    }
+}
+
+/// How the structure is meshed and reduced.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// How finely a benchmark is meshed.
+    #[serde(default)]
+    pub refinement: RefinementLevel,
+    /// Layers of elements along each arm of a benchmark, if they shall not be those of the refinement.
+    #[serde(default)]
+    pub arm_layers: Option<usize>,
+    /// Which part of a benchmark is modelled.
+    #[serde(default)]
+    pub symmetry: Symmetry,
+    /// Formulation of all hexahedra; by default incompatible modes, in a deck that of their element type.
+    #[serde(default)]
+    pub formulation: Option<Formulation>,
+    /// Material of all parts, unless a deck has its own, and of the asperities.
+    pub material: Material,
+    /// Stuck-interface modes retained by the reduction, 20 by default; all that there are of matrices over the jump. With
+    /// `reduction_error` the most that may be retained, 60 by default.
+    #[serde(default)]
+    pub modes: Option<usize>,
+    /// Largest relative error that the reduction may bring into the ten frequencies it is checked by (with a uniform
+    /// linear interface): as few modes are retained as that allows.
+    #[serde(default)]
+    pub reduction_error: Option<f64>,
+}
+
+impl Model {
+    /// Modes computed for the reduction.
+    pub fn n_modes(&self) -> usize {
+        self.modes
+            .unwrap_or(if self.reduction_error.is_some() { 60 } else { 20 })
+    }
+}
+
+/// Elastic material.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Young's modulus (force/length^2).
+    pub youngs_modulus: Stress,
+    /// Poisson ratio (-).
+    pub poisson_ratio: f64,
+    /// Density (mass/length^3); needed where the bodies have this material.
+    #[serde(default)]
+    pub density: Option<Density>,
+    /// Hardness (force/length^2), for the onset of yield, which is not judged without it.
+    #[serde(default)]
+    pub hardness: Option<Stress>,
+    /// Work of adhesion of the material on itself (energy/length^2), for the share of adhesion in the contact, which is not
+    /// judged without it.
+    #[serde(default)]
+    pub work_of_adhesion: Option<SurfaceEnergy>,
+}
+
+/// A structure from an Abaqus or CalculiX input deck, in the scene's units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Deck {
+    /// The file; in a scene file relative to its folder.
+    pub path: PathBuf,
+    /// Its units; by default those of the scene.
+    #[serde(default = "Units::in_use")]
+    pub units: Units,
+    /// Surface of one body at the interface.
+    pub top_surface: String,
+    /// Surface of the other; both have the same nodes.
+    pub bottom_surface: String,
+    /// First direction in the interface.
+    #[serde(default = "along_x")]
+    pub along: [f64; 3],
+    /// Bolts.
+    pub bolts: Vec<DeckBolt>,
+    /// Where amplitudes are measured.
+    pub response: DeckResponse,
+    /// How far the slaves of ties may be from their master (length); by default what the deck says.
+    #[serde(default)]
+    pub tie_tolerance: Option<Length>,
+    /// What becomes of slaves farther away.
+    #[serde(default)]
+    pub untied: Untied,
+    /// Whose materials the bodies have.
+    #[serde(default)]
+    pub materials: MaterialSource,
+    /// By how much the bodies can slide before a shank touches its hole (length), if it is known.
+    #[serde(default)]
+    pub bolt_hole_clearance: Option<Length>,
+}
+
+/// The two reference nodes that a bolt pulls towards one another: node labels, or sets of one node.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DeckBolt {
+    /// The one on the side of the top body: tension pulls it in the direction from the top body into the bottom one.
+    pub top: String,
+    /// The one on the side of the bottom body.
+    pub bottom: String,
+}
+
+/// Where and in which direction amplitudes are measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DeckResponse {
+    /// Node label, or a set of one node.
+    pub node: String,
+    /// Unit vector.
+    pub direction: [f64; 3],
+}
+
+/// A structure as matrices of another program.
+///
+/// | path | what is read |
+/// |---|---|
+/// | `.npz`, `.mat` | arrays `M`, `K`, `dofs`, and where they are there `Fv`, `R`, `L`, `frame`, `interface_nodes`, `interface_elements` |
+/// | a folder | the same, each from a Matrix Market file such as `M.mtx` |
+/// | `.mtx` | a substructure of Abaqus: mass, stiffness, load cases, recovery |
+/// | `.sti` | stiffness and mass of CalculiX, with `.mas` and `.dof` beside it |
+///
+/// `dofs` has a row `label, component` for each coordinate, or for each row of `L` if there is one, which maps the
+/// coordinates of the matrices to those. Over the jump, label `k` is node `k` of the interface mesh, counted from 1, and
+/// components 1, 2, 3 are x, y and the normal; labels that are not positive are other coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Matrices {
+    /// The file, or a folder; in a scene file relative to its folder.
+    pub path: PathBuf,
+    /// Units of matrices and interface mesh; by default those of the scene.
+    #[serde(default = "Units::in_use")]
+    pub units: Units,
+    /// What the coordinates are.
+    pub coordinates: Coordinates,
+    /// The interface mesh; by default what the file holds.
+    #[serde(default)]
+    pub interface: Option<PlaneMesh>,
+    /// Loads of unit tension, one per bolt; by default all that the file holds.
+    #[serde(default)]
+    pub bolts: Option<Vec<MatrixVector>>,
+    /// The displacement at which amplitudes are measured.
+    #[serde(default = "first")]
+    pub response: MatrixVector,
+    /// Motions without energy of the structure with a stuck interface; by default none over the jump, six over both
+    /// sides.
+    #[serde(default)]
+    pub zero_energy_modes: Option<usize>,
+    /// By how much the bodies can slide before a shank touches its hole (length), if it is known.
+    #[serde(default)]
+    pub bolt_hole_clearance: Option<Length>,
+}
+
+/// What the coordinates of matrices are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Coordinates {
+    /// The jump at the interface (top less bottom, normal from the top body into the bottom one) and whatever else.
+    Jump,
+    /// Displacements of both sides, and whatever else.
+    BothSides(Sides),
+}
+
+/// Which nodes face one another.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Sides {
+    /// Labels of the nodes of the top side, in the order of the interface mesh.
+    pub top: Vec<u64>,
+    /// Labels of those of the bottom side, in the same order.
+    pub bottom: Vec<u64>,
+    /// Unit vectors as rows: x and y of the interface mesh, and the normal from the top body into the bottom one.
+    pub frame: [[f64; 3]; 3],
+}
+
+/// An interface mesh in its plane, in the units of the matrices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PlaneMesh {
+    /// Coordinates x, y (length).
+    pub nodes: Vec<[f64; 2]>,
+    /// Quadrilaterals and triangles, node numbers from 1, counter-clockwise.
+    pub elements: Vec<Vec<u32>>,
+}
+
+/// A vector that goes with matrices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum MatrixVector {
+    /// Column of `Fv` or row of `R`, or of the recovery matrix, counted from 1.
+    Number(usize),
+    /// Load case of a substructure.
+    LoadCase(String),
+    /// Factors of coordinates: label, component, factor.
+    Terms(Vec<(i64, u32, f64)>),
+}
+
+/// What becomes of the slaves of a tie that are beyond its tolerance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Untied {
+    /// They are an error.
+    #[default]
+    Refuse,
+    /// They stay free, as in Abaqus; their number is reported.
+    Free,
+}
+
+/// Whose materials a structure from a file has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum MaterialSource {
+    /// The file's.
+    #[default]
+    Deck,
+    /// The scene's, in all parts.
+    Scene,
+}
+
+fn along_x() -> [f64; 3] {
+    [1.0, 0.0, 0.0]
+}
+
+fn first() -> MatrixVector {
+    MatrixVector::Number(1)
+}

@@ -1,0 +1,329 @@
+//! What must hold of a scene before anything is computed, as far as the crates below do not check it themselves.
+
+use super::{
+    Cqsma, Deck, Gap, Length, MaterialSource, ParameterSet, Parameters, Per, Scene, Stress, StructureSource, Surface,
+    SurfaceEnergy, Symmetry,
+};
+use crate::Error;
+
+/// Refuses values outside their range, naming the file of the scene.
+struct Check<'a> {
+    place: &'a str,
+}
+
+impl Check<'_> {
+    fn that(
+        &self,
+        holds: bool,
+        field: &'static str,
+        value: f64,
+        unit: &'static str,
+        requirement: &'static str,
+    ) -> Result<(), Error> {
+        if holds {
+            return Ok(());
+        }
+        Err(Error::Value {
+            place: self.place.into(),
+            field,
+            value,
+            unit,
+            requirement,
+        })
+    }
+
+    fn positive(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
+        self.that(is_positive(value), field, value, unit, "positive and finite")
+    }
+
+    fn not_negative(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
+        let holds = value.is_finite() && value >= 0.0;
+        self.that(holds, field, value, unit, "finite and not negative")
+    }
+}
+
+fn is_positive(value: f64) -> bool {
+    value.is_finite() && value > 0.0
+}
+
+impl Scene {
+    /// Checks what the crates below do not check themselves.
+    ///
+    /// # Errors
+    /// [`Error::Value`], [`Error::Symmetry`], [`Error::NoMeasuredSurface`].
+    pub fn validate(&self, place: &str) -> Result<(), Error> {
+        let check = Check { place };
+        check.not_negative("mu", self.mu, "")?;
+        check.positive("bolts.load", self.bolts.load.si(), "N")?;
+        let damping = self.background_damping;
+        check.that(
+            (0.0..1.0).contains(&damping),
+            "background_damping",
+            damping,
+            "",
+            "at least 0 and below 1",
+        )?;
+        self.validate_model(&check)?;
+        self.validate_surface(&check)?;
+        self.cqsma.validate(&check)?;
+        self.validate_requests(&check)
+    }
+
+    fn validate_model(&self, check: &Check<'_>) -> Result<(), Error> {
+        let model = &self.model;
+        let material = &model.material;
+        check.positive("model.material.youngs_modulus", material.youngs_modulus.si(), "Pa")?;
+        let ratio = material.poisson_ratio;
+        check.that(
+            ratio > -1.0 && ratio < 0.5,
+            "model.material.poisson_ratio",
+            ratio,
+            "",
+            "above -1 and below 0.5",
+        )?;
+        if let Some(hardness) = material.hardness.map(Stress::si) {
+            check.positive("model.material.hardness", hardness, "Pa")?;
+        }
+        if let Some(work) = material.work_of_adhesion.map(SurfaceEnergy::si) {
+            check.not_negative("model.material.work_of_adhesion", work, "J/m^2")?;
+        }
+        let meshed_of_it = match &self.structure {
+            StructureSource::Benchmark(_) => true,
+            StructureSource::Deck(deck) => deck.materials == MaterialSource::Scene,
+            StructureSource::Matrices(_) => false,
+        };
+        if meshed_of_it {
+            let density = material.density.map_or(f64::NAN, super::Density::si);
+            check.positive("model.material.density", density, "kg/m^3")?;
+        }
+        check.that(
+            (1..=200).contains(&model.n_modes()),
+            "model.modes",
+            model.n_modes() as f64,
+            "",
+            "between 1 and 200",
+        )?;
+        let target = model.reduction_error.unwrap_or(1e-4);
+        check.that(
+            (1e-9..1.0).contains(&target),
+            "model.reduction_error",
+            target,
+            "",
+            "at least 1e-9 (the accuracy of the check) and below 1",
+        )?;
+        if let StructureSource::Deck(deck) = &self.structure {
+            deck.validate(check)?;
+        }
+        if model.symmetry == Symmetry::Half {
+            self.validate_half(check.place)?;
+        }
+        Ok(())
+    }
+
+    /// Half of a scene stands for the whole only where all of it is symmetric.
+    fn validate_half(&self, place: &str) -> Result<(), Error> {
+        let of_parts = match &self.surface {
+            Surface::Measured | Surface::Benchmark(_) => false,
+            Surface::SyntheticScan(_) | Surface::Scans(_) => true,
+            Surface::Parameters(parameters) => parameters.per != Per::Interface,
+        };
+        let asymmetric = [
+            (self.structure.deck().is_some(), "a deck"),
+            (self.structure.matrices().is_some(), "a structure of matrices"),
+            (of_parts, "the surface"),
+            (self.gap != Gap::Flat, "the gap"),
+        ];
+        match asymmetric.into_iter().find(|(found, _)| *found) {
+            Some((_, what)) => Err(Error::Symmetry {
+                place: place.into(),
+                what,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn validate_surface(&self, check: &Check<'_>) -> Result<(), Error> {
+        match &self.surface {
+            Surface::Parameters(parameters) => parameters.validate(check.place)?,
+            Surface::Scans(scans) => {
+                for (field, value, unit, requirement, ok) in scans.requirements() {
+                    check.that(ok, field, value, unit, requirement)?;
+                }
+            }
+            Surface::Measured | Surface::Benchmark(_) if self.measured_surface().is_none() => {
+                return Err(Error::NoMeasuredSurface {
+                    place: check.place.into(),
+                    field: "surface",
+                });
+            }
+            Surface::Measured | Surface::Benchmark(_) | Surface::SyntheticScan(_) => {}
+        }
+        if matches!(self.gap, Gap::Measured | Gap::Benchmark(_)) && self.measured_gap().is_none() {
+            return Err(Error::NoMeasuredSurface {
+                place: check.place.into(),
+                field: "gap",
+            });
+        }
+        check.that(
+            self.surface.is_scanned() || self.gap != Gap::Scan,
+            "gap",
+            f64::NAN,
+            "(scan)",
+            "`flat` or `measured` unless the surface is scanned",
+        )
+    }
+
+    /// What is computed besides, and stored.
+    fn validate_requests(&self, check: &Check<'_>) -> Result<(), Error> {
+        for (index, method) in self.methods.iter().enumerate() {
+            check.that(
+                !self.methods[..index].contains(method),
+                "methods",
+                (index + 1) as f64,
+                "(number in the list)",
+                "different from the methods before it",
+            )?;
+        }
+        for number in self.fields_at() {
+            check.that(
+                (1..=self.cqsma.amplitudes).contains(&number),
+                "output.fields_at",
+                number as f64,
+                "",
+                "numbers of amplitudes, between 1 and cqsma.amplitudes",
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl Deck {
+    fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        let tolerance = self.tie_tolerance.map_or(0.0, Length::si);
+        check.not_negative("structure.deck.tie_tolerance", tolerance, "m")?;
+        let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        check.positive("structure.deck.along", size(&self.along), "(length of the vector)")?;
+        let direction = size(&self.response.direction);
+        check.that(
+            (direction - 1.0).abs() < 1e-6,
+            "structure.deck.response.direction",
+            direction,
+            "(length of the vector)",
+            "a unit vector",
+        )?;
+        check.that(
+            !self.bolts.is_empty(),
+            "structure.deck.bolts",
+            0.0,
+            "(number of bolts)",
+            "at least one",
+        )
+    }
+}
+
+impl Parameters {
+    fn validate(&self, place: &str) -> Result<(), Error> {
+        for (number, ParameterSet { mu, gap, .. }) in (1..).zip(&self.sets) {
+            let at = format!("{place}: surface.parameters.sets, number {number}");
+            let check = Check { place: &at };
+            check.not_negative("mu", mu.unwrap_or(0.0), "")?;
+            check.not_negative("gap", gap.si(), "m")?;
+        }
+        Ok(())
+    }
+}
+
+impl Cqsma {
+    fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        let [from, to] = [self.amplitude_from, self.amplitude_to].map(Length::si);
+        check.positive("cqsma.amplitude_from", from, "m")?;
+        check.that(
+            to.is_finite() && to >= from,
+            "cqsma.amplitude_to",
+            to,
+            "m",
+            "finite and not below amplitude_from",
+        )?;
+        check.that(
+            self.amplitudes <= 10_000,
+            "cqsma.amplitudes",
+            self.amplitudes as f64,
+            "",
+            "at most 10000",
+        )?;
+        check.that(
+            (1..=100).contains(&self.modes),
+            "cqsma.modes",
+            self.modes as f64,
+            "",
+            "between 1 and 100",
+        )?;
+        self.validate_followed(check)?;
+        check.that(
+            (1..=4096).contains(&self.vertices_per_quarter),
+            "cqsma.vertices_per_quarter",
+            self.vertices_per_quarter as f64,
+            "",
+            "between 1 and 4096",
+        )?;
+        if let Some(cycles) = self.cycles {
+            check.that(
+                (1..=1000).contains(&cycles),
+                "cqsma.cycles",
+                cycles as f64,
+                "",
+                "between 1 and 1000",
+            )?;
+        }
+        if let Some(tolerance) = self.until_closed {
+            check.that(
+                (1e-12..=1.0).contains(&tolerance),
+                "cqsma.until_closed",
+                tolerance,
+                "",
+                "between 1e-12 (round-off) and 1",
+            )?;
+            check.that(
+                self.cycles.is_none(),
+                "cqsma.until_closed",
+                tolerance,
+                "",
+                "left out where cqsma.cycles is given",
+            )?;
+        }
+        check.that(
+            (1e-13..=1e-2).contains(&self.tolerance),
+            "cqsma.tolerance",
+            self.tolerance,
+            "",
+            "between 1e-13 (round-off) and 1e-2",
+        )
+    }
+
+    fn validate_followed(&self, check: &Check<'_>) -> Result<(), Error> {
+        let several = &self.modes_of_interest;
+        let field = if several.is_empty() {
+            "cqsma.mode"
+        } else {
+            "cqsma.modes_of_interest"
+        };
+        for (index, mode) in self.followed().iter().enumerate() {
+            let value = *mode as f64;
+            check.that(
+                (1..=self.modes).contains(mode),
+                field,
+                value,
+                "",
+                "between 1 and cqsma.modes",
+            )?;
+            check.that(
+                !several[..index.min(several.len())].contains(mode),
+                field,
+                value,
+                "",
+                "different from the modes before it",
+            )?;
+        }
+        Ok(())
+    }
+}

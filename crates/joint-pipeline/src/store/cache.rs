@@ -1,0 +1,124 @@
+//! Reduced models on disk, keyed by a hash of everything they depend on and checked when read.
+
+use super::key::{Key, hex};
+use crate::Error;
+use faer::Mat;
+use reduction::ReducedModel;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// First line of a stored model; the numbers follow as little-endian doubles in the order of the fields.
+#[derive(Serialize, Deserialize)]
+struct Header<F> {
+    key: String,
+    n: usize,
+    n_relative: usize,
+    n_attachment: usize,
+    n_loads: usize,
+    n_recovered: usize,
+    zem_stuck: usize,
+    asymmetry: f64,
+    stuck_frequencies: Vec<f64>,
+    facts: F,
+    payload_sha256: String,
+}
+
+fn path_of(directory: &Path, key: &Key) -> PathBuf {
+    directory.join(format!("reduced-{}.bin", key.short()))
+}
+
+/// The model stored for `key` and the facts stored with it, if there is an intact file. Damaged or foreign files count as
+/// absent.
+pub(crate) fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(ReducedModel, F)> {
+    let bytes = std::fs::read(path_of(directory, key)).ok()?;
+    let end = bytes.iter().position(|b| *b == b'\n')?;
+    let header: Header<F> = serde_json::from_slice(&bytes[..end]).ok()?;
+    let payload = &bytes[end + 1..];
+    if header.key != key.0 || header.payload_sha256 != hex(&Sha256::digest(payload)) {
+        return None;
+    }
+    let n = header.n;
+    let count = 2 * n * n + header.n_loads * n + header.n_recovered * n;
+    if payload.len() != 8 * count {
+        return None;
+    }
+    let mut numbers = payload
+        .chunks_exact(8)
+        .map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()));
+    let mut matrix = |rows: usize, columns: usize| {
+        let mut m = Mat::zeros(rows, columns);
+        for j in 0..columns {
+            for i in 0..rows {
+                m[(i, j)] = numbers.next().unwrap_or(f64::NAN);
+            }
+        }
+        m
+    };
+    let mass = matrix(n, n);
+    let stiffness = matrix(n, n);
+    let loads = matrix(n, header.n_loads);
+    let recovery = matrix(header.n_recovered, n);
+    let reduced = ReducedModel {
+        mass,
+        stiffness,
+        loads: loads.col_iter().map(|c| c.iter().copied().collect()).collect(),
+        n_relative: header.n_relative,
+        n_attachment: header.n_attachment,
+        recovery,
+        stuck_frequencies: header.stuck_frequencies,
+        zem_stuck: header.zem_stuck,
+        asymmetry: header.asymmetry,
+    };
+    Some((reduced, header.facts))
+}
+
+/// Stores a model with `facts` about it; the file appears whole or not at all.
+pub(crate) fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl Serialize) -> Result<(), Error> {
+    let mut payload = Vec::new();
+    let mut put = |m: faer::MatRef<'_, f64>| {
+        for column in m.col_iter() {
+            for value in column.iter() {
+                payload.extend_from_slice(&value.to_le_bytes());
+            }
+        }
+    };
+    put(reduced.mass.as_ref());
+    put(reduced.stiffness.as_ref());
+    let n = reduced.mass.nrows();
+    put(Mat::from_fn(n, reduced.loads.len(), |i, j| reduced.loads[j][i]).as_ref());
+    put(reduced.recovery.as_ref());
+    let header = Header {
+        key: key.0.clone(),
+        n,
+        n_relative: reduced.n_relative,
+        n_attachment: reduced.n_attachment,
+        n_loads: reduced.loads.len(),
+        n_recovered: reduced.recovery.nrows(),
+        zem_stuck: reduced.zem_stuck,
+        asymmetry: reduced.asymmetry,
+        stuck_frequencies: reduced.stuck_frequencies.clone(),
+        facts,
+        payload_sha256: hex(&Sha256::digest(&payload)),
+    };
+    let fail = |path: &Path, operation| {
+        let path = path.to_owned();
+        move |source| Error::File {
+            path,
+            operation,
+            source,
+        }
+    };
+    let mut bytes = serde_json::to_vec(&header)
+        .map_err(std::io::Error::other)
+        .map_err(fail(directory, "encoding the reduced model"))?;
+    bytes.push(b'\n');
+    bytes.extend_from_slice(&payload);
+    std::fs::create_dir_all(directory).map_err(fail(directory, "creating the cache folder"))?;
+    let path = path_of(directory, key);
+    // A name of its own per process, so that two runs cannot write into one another's file.
+    let part = path.with_extension(format!("part{}", std::process::id()));
+    std::fs::write(&part, bytes).map_err(fail(&part, "writing the reduced model"))?;
+    std::fs::rename(&part, &path).map_err(fail(&path, "moving the reduced model into place"))
+}

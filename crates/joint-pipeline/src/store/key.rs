@@ -1,0 +1,56 @@
+//! Hashes of what stored results depend on.
+
+use sha2::{Digest, Sha256};
+
+/// Changes whenever the meaning of the stored numbers or the way they are computed does.
+const VERSION: u32 = 2;
+
+/// Hash of the inputs of a reduced model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Key(pub(super) String);
+
+/// Collects inputs into a [`Key`].
+pub(crate) struct KeyBuilder(Sha256);
+
+impl KeyBuilder {
+    pub(crate) fn new() -> Self {
+        let mut hash = Sha256::new();
+        hash.update(VERSION.to_le_bytes());
+        hash.update(env!("CARGO_PKG_VERSION").as_bytes());
+        Self(hash)
+    }
+
+    pub(crate) fn numbers(&mut self, values: impl IntoIterator<Item = f64>) {
+        for value in values {
+            self.0.update(value.to_le_bytes());
+        }
+        self.0.update([0xfe]);
+    }
+
+    pub(crate) fn integers(&mut self, values: impl IntoIterator<Item = u64>) {
+        for value in values {
+            self.0.update(value.to_le_bytes());
+        }
+        self.0.update([0xff]);
+    }
+
+    pub(crate) fn text(&mut self, text: &str) {
+        self.0.update(text.as_bytes());
+        self.0.update([0xfd]);
+    }
+
+    pub(crate) fn finish(self) -> Key {
+        Key(hex(&self.0.finalize()))
+    }
+}
+
+pub(super) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+impl Key {
+    /// Enough of the key to tell files apart by name.
+    pub(crate) fn short(&self) -> &str {
+        &self.0[..32]
+    }
+}

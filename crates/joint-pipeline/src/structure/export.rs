@@ -1,0 +1,149 @@
+//! Models for other programs: reduced ones as named arrays, meshes as input decks and mesh files.
+
+use super::StructuralModel;
+use crate::joint::{Joint, MeshedBodies};
+use crate::scene::{self, Length, Units};
+use faer::MatRef;
+use matrix_files::Error;
+use matrix_files::value::{Array, Dense, Dof};
+use std::collections::BTreeMap;
+use std::path::Path;
+use substructure::mesh::{Dof as Component, Face, Group};
+use zte_assembly::Element;
+
+/// What the arrays are; goes with them where the format has room for text.
+pub const ABOUT: &str = "\
+Reduced model of two bodies joined by an interface; SI units.
+M, K: mass and stiffness without contact. Fv: a column per bolt, the generalised force of unit tension.
+R: response = R x, a row per response.
+dofs: a row per coordinate. Label k > 0, component 1, 2, 3: displacement of the top body less that of the bottom one at
+interface node k along the rows of `frame`, the third being the normal from the top body into the bottom one, so that
+a positive value closes the interface. Label -m: coordinate m of the modes with the interface stuck.
+interface_nodes: coordinates in the plane. interface_elements: node numbers from 1, counter-clockwise; 0 in the fourth place of
+a triangle.
+";
+
+/// The arrays `M`, `K`, `Fv`, `R`, `dofs`, `frame`, `interface_nodes`, `interface_elements` and `about`.
+///
+/// # Errors
+/// None for models made by this crate.
+pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String, Array>, Error> {
+    let reduced = &model.reduced;
+    let n = reduced.mass.nrows();
+    let dofs: Vec<Dof> = (0..n)
+        .map(|i| match i.checked_sub(reduced.n_relative) {
+            None => Dof::new(i as i64 / 3 + 1, i as u32 % 3 + 1),
+            Some(mode) => Dof::new(-(mode as i64 + 1), 1),
+        })
+        .collect();
+    let loads = reduced.loads.concat();
+    let plane = &joint.interface;
+    let corners: Vec<i64> = plane
+        .elements
+        .iter()
+        .flat_map(|element| match element {
+            Element::Quad4(nodes) => nodes.map(|n| i64::from(n) + 1),
+            Element::Tri3([a, b, c]) => [i64::from(*a) + 1, i64::from(*b) + 1, i64::from(*c) + 1, 0],
+        })
+        .collect();
+    Ok([
+        ("M", dense(reduced.mass.as_ref())?),
+        ("K", dense(reduced.stiffness.as_ref())?),
+        ("Fv", Array::Dense(Dense::try_new(n, reduced.loads.len(), loads)?)),
+        ("R", dense(reduced.recovery.as_ref())?),
+        ("dofs", Dof::table(&dofs)),
+        ("frame", Array::Dense(Dense::try_from_rows(3, 3, joint.frame.concat())?)),
+        (
+            "interface_nodes",
+            Array::Dense(Dense::try_from_rows(plane.nodes.len(), 2, plane.nodes.concat())?),
+        ),
+        (
+            "interface_elements",
+            Array::Integers(Dense::try_from_rows(plane.elements.len(), 4, corners)?),
+        ),
+        ("about", Array::Text(ABOUT.into())),
+    ]
+    .map(|(name, array)| (name.to_owned(), array))
+    .into())
+}
+
+/// Name of the top side of the interface in mesh files, and of the bottom side.
+const SIDES: [&str; 2] = ["INTERFACE TOP", "INTERFACE BOTTOM"];
+
+/// Name of the set of the response node.
+const RESPONSE: &str = "RESPONSE";
+
+/// The two sides of the interface as faces of the mesh, and the response node.
+pub fn groups(joint: &Joint, bodies: &MeshedBodies) -> ([Group<Face>; 2], [Group<u32>; 1]) {
+    let side = |name: &str, nodes: &[u32]| Group {
+        name: name.to_owned(),
+        members: joint
+            .interface
+            .elements
+            .iter()
+            .map(|element| match element {
+                Element::Quad4(corners) => Face::Quad4(corners.map(|n| nodes[n as usize])),
+                Element::Tri3(corners) => Face::Tri3(corners.map(|n| nodes[n as usize])),
+            })
+            .collect(),
+    };
+    let response = Group {
+        name: RESPONSE.to_owned(),
+        members: vec![bodies.response_node],
+    };
+    let sides = [side(SIDES[0], &bodies.top_nodes), side(SIDES[1], &bodies.bottom_nodes)];
+    (sides, [response])
+}
+
+/// What a scene says of the input deck at `path` that [`substructure::deck::write`] makes of the bodies and their
+/// [`groups`]: the structure is the same, with the scene's material.
+pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path) -> scene::Deck {
+    let normal = joint.frame[2];
+    let n_nodes = bodies.assembly.mesh.nodes.len() as u64;
+    // References are numbered after the nodes. The end that tension pulls along the normal is that of the top body.
+    let end = |terms: &[(Component, f64)], sign: f64| {
+        let pulled = |term: &&(Component, f64)| match term {
+            (Component::Reference(_, c), value) if *c < 3 => sign * value * normal[usize::from(*c)] > 0.0,
+            _ => false,
+        };
+        match terms.iter().find(pulled) {
+            Some((Component::Reference(reference, _), _)) => (n_nodes + u64::from(*reference) + 1).to_string(),
+            _ => String::new(),
+        }
+    };
+    scene::Deck {
+        path: path.to_owned(),
+        units: Units::SI,
+        top_surface: SIDES[0].to_owned(),
+        bottom_surface: SIDES[1].to_owned(),
+        along: joint.frame[0],
+        bolts: bodies
+            .assembly
+            .loads
+            .iter()
+            .map(|load| scene::DeckBolt {
+                top: end(&load.terms, 1.0),
+                bottom: end(&load.terms, -1.0),
+            })
+            .collect(),
+        response: scene::DeckResponse {
+            node: RESPONSE.to_owned(),
+            direction: bodies.response_direction,
+        },
+        tie_tolerance: None,
+        untied: scene::Untied::Refuse,
+        materials: scene::MaterialSource::Scene,
+        bolt_hole_clearance: joint.clearance.map(Length::from_si),
+    }
+}
+
+fn dense(matrix: MatRef<'_, f64>) -> Result<Array, Error> {
+    let columns = matrix
+        .col_iter()
+        .flat_map(|column| column.iter().copied().collect::<Vec<f64>>());
+    Ok(Array::Dense(Dense::try_new(
+        matrix.nrows(),
+        matrix.ncols(),
+        columns.collect(),
+    )?))
+}

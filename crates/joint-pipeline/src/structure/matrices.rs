@@ -1,0 +1,212 @@
+//! Structures that come as matrices of other programs.
+
+use super::matrix_contents::{Contents, File};
+use crate::Error;
+use crate::joint::{Bodies, ImportedBodies, Joint};
+use crate::scene::{Coordinates, Length, Matrices, MatrixVector};
+use matrix_files::value::Dof;
+use reduction::{RelativeSystem, SystemMatrices};
+use sprs::CsMat;
+use std::collections::HashMap;
+use substructure::sparse::{multiply_vector, submatrix};
+
+/// Relative difference of the masses that a structure shows along the three axes, up to which it has one mass.
+const SAME_MASS: f64 = 1e-3;
+
+/// Reads the matrices that a scene names.
+///
+/// # Errors
+/// Of the files; [`Error::Matrices`] for what does not fit together; of the change of coordinates.
+pub(super) fn joint(source: &Matrices, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
+    let file = File { path: &source.path };
+    let mut contents = file.contents(notes)?;
+    let (length, unit_mass) = (source.units.length_in_si(), source.units.mass_in_si());
+    let plane = source.interface.clone().or_else(|| contents.mesh.take());
+    let plane = plane.ok_or_else(|| file.fail("it has no interface mesh: give structure.matrices.interface"))?;
+    let interface = file.interface(&plane, length)?;
+    let n_nodes = interface.nodes.len();
+    let place: HashMap<Dof, usize> = contents.dofs.iter().zip(0..).map(|(&dof, row)| (dof, row)).collect();
+    if place.len() < contents.dofs.len() {
+        return Err(file.fail("its map of degrees of freedom names one twice"));
+    }
+    // In coordinates of the dimension of length, matrices carry the unit of mass alone, and responses and loads of unit
+    // tension none.
+    let scaled = |matrix: Option<CsMat<f64>>, what| -> Result<CsMat<f64>, Error> {
+        let matrix = matrix.ok_or_else(|| file.fail(&format!("it has no {what}")))?;
+        Ok(file.symmetric(matrix, what)?.map(|value| value * unit_mass))
+    };
+    let (stiffness, mass) = (
+        scaled(contents.stiffness.take(), "stiffness K")?,
+        scaled(contents.mass.take(), "mass M")?,
+    );
+    let n = stiffness.rows();
+    file.check_sizes(&contents, n, mass.rows())?;
+    let vectors = Vectors {
+        file: &file,
+        contents: &contents,
+        place: &place,
+    };
+    let (loads, response) = (
+        vectors.loads(source.bolts.as_deref())?,
+        vectors.response(&source.response)?,
+    );
+    let system = SystemMatrices {
+        stiffness: &stiffness,
+        mass: &mass,
+        loads: &loads,
+        positions: &vec![[0.0; 3]; n],
+    };
+    let rows_of = |labels: &mut dyn Iterator<Item = u64>| {
+        labels
+            .flat_map(|node| (1..=3).map(move |component| Dof::Nodal { node, component }))
+            .map(|dof| vectors.row(dof))
+            .collect::<Result<Vec<usize>, Error>>()
+    };
+    let (relative, frame) = match &source.coordinates {
+        Coordinates::Jump => {
+            let jump = rows_of(&mut (1..=n_nodes as u64))?;
+            let relative = match &contents.lift {
+                None => RelativeSystem::from_relative(system, &jump)?,
+                Some(lift) => {
+                    let column: Vec<Option<usize>> = (0..n).map(Some).collect();
+                    RelativeSystem::from_combinations(system, &submatrix(lift, &jump, &column, n))?
+                }
+            };
+            let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            (relative, contents.frame.unwrap_or(axes))
+        }
+        Coordinates::BothSides(sides) => {
+            if contents.lift.is_some() {
+                return Err(file.fail("L is read with `coordinates: \"jump\"` only"));
+            }
+            for (side, labels) in [("top", &sides.top), ("bottom", &sides.bottom)] {
+                if labels.len() != n_nodes {
+                    let found = labels.len();
+                    return Err(file.fail(&format!(
+                        "the {side} side names {found} nodes, but the interface mesh has {n_nodes}"
+                    )));
+                }
+            }
+            let top = rows_of(&mut sides.top.iter().copied())?;
+            let bottom = rows_of(&mut sides.bottom.iter().copied())?;
+            (
+                RelativeSystem::from_both_sides(system, &top, &bottom, sides.frame)?,
+                sides.frame,
+            )
+        }
+    };
+    let is_reduced = source.coordinates == Coordinates::Jump;
+    let bodies = ImportedBodies {
+        response: relative.row(&response),
+        relative,
+        is_reduced,
+        zero_energy_modes: source.zero_energy_modes.unwrap_or(if is_reduced { 0 } else { 6 }),
+        mass: if is_reduced {
+            None
+        } else {
+            translated_mass(&contents.dofs, &mass)
+        },
+    };
+    Ok(Joint {
+        bodies: Bodies::Imported(bodies),
+        interface,
+        frame,
+        clearance: source.bolt_hole_clearance.map(Length::si),
+        response: match &source.response {
+            MatrixVector::Number(number) => format!("response {number} of the matrices"),
+            MatrixVector::LoadCase(name) => format!("load case {name}"),
+            MatrixVector::Terms(_) => "response by terms".into(),
+        },
+    })
+}
+
+/// Vectors over the coordinates of the matrices.
+struct Vectors<'a> {
+    file: &'a File<'a>,
+    contents: &'a Contents,
+    place: &'a HashMap<Dof, usize>,
+}
+
+impl Vectors<'_> {
+    fn row(&self, dof: Dof) -> Result<usize, Error> {
+        let (label, component) = (dof.label(), dof.component());
+        self.place.get(&dof).copied().ok_or_else(|| {
+            self.file.fail(&format!(
+                "component {component} of {label} is not in its map of degrees of freedom; it must be free and retained"
+            ))
+        })
+    }
+
+    fn loads(&self, bolts: Option<&[MatrixVector]>) -> Result<Vec<Vec<f64>>, Error> {
+        let contents = self.contents;
+        let loads = match bolts {
+            Some(bolts) => bolts
+                .iter()
+                .map(|bolt| match bolt {
+                    MatrixVector::Number(number) => self.numbered("load", &contents.loads, *number),
+                    MatrixVector::LoadCase(name) => contents.load_cases.get(name).cloned().ok_or_else(|| {
+                        let known: Vec<&str> = contents.load_cases.keys().map(String::as_str).collect();
+                        self.file
+                            .fail(&format!("it has no load case `{name}`; it has: {}", known.join(", ")))
+                    }),
+                    MatrixVector::Terms(terms) => self.terms(terms),
+                })
+                .collect::<Result<Vec<_>, _>>()?,
+            None => contents
+                .loads
+                .iter()
+                .chain(contents.load_cases.values())
+                .cloned()
+                .collect(),
+        };
+        if loads.is_empty() {
+            return Err(self
+                .file
+                .fail("it has no bolt loads: name them as structure.matrices.bolts"));
+        }
+        Ok(loads)
+    }
+
+    fn response(&self, response: &MatrixVector) -> Result<Vec<f64>, Error> {
+        match response {
+            MatrixVector::Number(number) => self.numbered("row of the recovery R", &self.contents.recovery, *number),
+            MatrixVector::Terms(terms) => self.terms(terms),
+            MatrixVector::LoadCase(name) => Err(self.file.fail(&format!(
+                "the response cannot be the load case `{name}`; give a number or terms as structure.matrices.response"
+            ))),
+        }
+    }
+
+    fn numbered(&self, what: &str, of: &[Vec<f64>], number: usize) -> Result<Vec<f64>, Error> {
+        let found = number.checked_sub(1).and_then(|index| of.get(index));
+        found.cloned().ok_or_else(|| {
+            let count = of.len();
+            self.file.fail(&format!(
+                "it has no {what} number {number} (there are {count}); give another number, or terms"
+            ))
+        })
+    }
+
+    fn terms(&self, terms: &[(i64, u32, f64)]) -> Result<Vec<f64>, Error> {
+        let mut vector = vec![0.0; self.contents.dofs.len()];
+        for &(label, component, factor) in terms {
+            vector[self.row(Dof::new(label, component))?] += factor;
+        }
+        Ok(match &self.contents.lift {
+            None => vector,
+            Some(lift) => multiply_vector(&lift.transpose_view().to_csr(), &vector),
+        })
+    }
+}
+
+/// Total mass as seen by translations along the three axes; `None` if they disagree.
+fn translated_mass(dofs: &[Dof], mass: &CsMat<f64>) -> Option<f64> {
+    let masses = [1, 2, 3].map(|along| {
+        let moves = |row: usize| matches!(dofs[row], Dof::Nodal { component, .. } if component == along);
+        let terms = mass.iter().filter(|(_, (i, j))| moves(*i) && moves(*j));
+        terms.map(|(value, _)| *value).sum::<f64>()
+    });
+    let mean = masses.iter().sum::<f64>() / 3.0;
+    let same = |m: &f64| (m - mean).abs() <= SAME_MASS * mean;
+    masses.iter().all(same).then_some(mean)
+}

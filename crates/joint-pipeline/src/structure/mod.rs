@@ -1,0 +1,142 @@
+//! From a scene's structure to its reduced model.
+
+mod deck;
+pub mod export;
+mod facing;
+mod matrices;
+mod matrix_contents;
+mod reduce;
+mod reduced;
+mod spectrum;
+
+pub use reduced::{Facts, StructuralModel};
+pub use spectrum::{Description, Frequencies, LinearInterface, Spectrum};
+
+use crate::Error;
+use crate::joint::benchmark::MeshSettings;
+use crate::joint::{Bodies, Joint};
+use crate::progress::Progress;
+use crate::scene::{BoltBehaviour, Density, Model, Scene, StructureSource, Symmetry};
+use reduction::Settings;
+use substructure::mesh::{GroundSpring, Material};
+use zte_assembly::InterfaceMesh;
+
+/// Frequencies compared between the full and the reduced model.
+const N_CHECKED: usize = 10;
+
+/// Zero-energy modes of the half of a free structure with the interface stuck: along x and z, and about y.
+const HALF_ZERO_ENERGY_MODES: usize = 3;
+
+/// The structure of a scene, before anything is computed with it.
+#[derive(Clone, Debug)]
+pub struct Structure {
+    /// What it is made of.
+    pub joint: Joint,
+    settings: Settings,
+    symmetry: Symmetry,
+    reduction_error: Option<f64>,
+    youngs_modulus: f64,
+}
+
+impl Structure {
+    /// Meshes or reads the structure of a scene; bolts are loaded by unit tension, and may be locked later if they behave
+    /// so.
+    ///
+    /// # Errors
+    /// Those of the mesher, the deck or the matrices; [`Error::Symmetry`].
+    pub fn try_new(scene: &Scene, progress: &dyn Progress) -> Result<Self, Error> {
+        let model = &scene.model;
+        if model.symmetry == Symmetry::Half && scene.structure.benchmark().is_none() {
+            return Err(Error::Symmetry {
+                place: "the structure".into(),
+                what: "a deck or matrices",
+            });
+        }
+        let notes = &mut |note: &str| progress.note(note);
+        let joint = match &scene.structure {
+            StructureSource::Matrices(source) => matrices::joint(source, notes)?,
+            StructureSource::Deck(source) => deck::joint(source, &material(model), model.formulation, notes)?,
+            StructureSource::Benchmark(benchmark) => {
+                if model.symmetry == Symmetry::Half {
+                    notes("only the half y >= 0 is modelled, which leaves out all modes that are not symmetric");
+                }
+                let settings = MeshSettings {
+                    refinement: model.refinement,
+                    arm_layers: model.arm_layers,
+                    symmetry: model.symmetry,
+                    hexahedra: model.formulation.unwrap_or_default(),
+                    material: material(model),
+                };
+                benchmark.joint(&settings).map_err(|source| Error::Benchmark {
+                    benchmark: benchmark.name(),
+                    source,
+                })?
+            }
+        };
+        Ok(Self::from_joint(model, scene.bolts.behaviour, joint))
+    }
+
+    /// A joint that is already there, reduced as a scene's `model` says; its bolts may be locked later if they behave so.
+    pub fn from_joint(model: &Model, bolts: BoltBehaviour, joint: Joint) -> Self {
+        let mut settings = Settings {
+            n_modes: model.n_modes(),
+            n_reported: model.n_modes().max(N_CHECKED),
+            attachment_modes: bolts == BoltBehaviour::Locked,
+            ..Settings::default()
+        };
+        if model.symmetry == Symmetry::Half {
+            settings.expected_zem = HALF_ZERO_ENERGY_MODES;
+        }
+        if let Bodies::Imported(bodies) = &joint.bodies {
+            settings.expected_zem = bodies.zero_energy_modes;
+            if bodies.is_reduced {
+                settings.n_modes = bodies.relative.stiffness.rows() - bodies.relative.n_relative;
+            }
+        }
+        Self {
+            joint,
+            settings,
+            symmetry: model.symmetry,
+            reduction_error: model.reduction_error,
+            youngs_modulus: model.material.youngs_modulus.si(),
+        }
+    }
+
+    /// The interface mesh.
+    pub fn interface(&self) -> &InterfaceMesh {
+        &self.joint.interface
+    }
+
+    /// The structure on two cords: springs to the ground of this stiffness (N/m) along each axis at the outermost nodes along
+    /// the interface. None for matrices, whose nodes are not known.
+    pub fn hung(&self, stiffness: f64) -> Option<Self> {
+        let mut hung = self.clone();
+        let along = hung.joint.frame[0];
+        let Bodies::Meshed(bodies) = &mut hung.joint.bodies else {
+            return None;
+        };
+        let place = |x: &[f64; 3]| x.iter().zip(along).map(|(x, a)| x * a).sum::<f64>();
+        let nodes = (0_u32..).zip(bodies.assembly.mesh.nodes.iter().map(place));
+        let first = nodes.clone().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        let last = nodes.max_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        let springs = [first, last].into_iter().flat_map(|node| {
+            (0..3).map(move |component| GroundSpring {
+                node,
+                component,
+                stiffness,
+            })
+        });
+        bodies.assembly.springs.extend(springs);
+        Some(hung)
+    }
+}
+
+/// The material of the bodies; scenes whose bodies have another need not know its density.
+fn material(model: &Model) -> Material {
+    Material {
+        name: "scene".into(),
+        youngs_modulus: model.material.youngs_modulus.si(),
+        poisson_ratio: model.material.poisson_ratio,
+        density: model.material.density.map_or(f64::NAN, Density::si),
+    }
+}

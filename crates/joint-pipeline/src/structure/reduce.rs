@@ -1,0 +1,258 @@
+//! Assembly and reduction of a structure.
+
+use super::spectrum::CHECK_STIFFNESS;
+use super::{Facts, N_CHECKED, StructuralModel, Structure};
+use crate::Error;
+use crate::joint::{Bodies, ImportedBodies};
+use crate::progress::{Progress, Stage};
+use crate::store::cache;
+use crate::store::key::{Key, KeyBuilder};
+use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Step, checks, reduce};
+use std::borrow::Cow;
+use std::path::Path;
+use substructure::assemble::System;
+use substructure::elements::Formulation;
+use substructure::mesh::{Cell, Dof};
+
+/// Residual that modes reach where only their frequencies matter, whose error is of the order of its square.
+const FREQUENCY_TOLERANCE: f64 = 1e-4;
+
+impl Structure {
+    /// The reduced model, from the cache if it holds one for the same inputs.
+    ///
+    /// # Errors
+    /// Of assembly and reduction. A cache that cannot be written is noted, not fatal.
+    pub fn reduce(&self, cache: Option<&Path>, progress: &dyn Progress) -> Result<StructuralModel, Error> {
+        let key = self.key();
+        if let Some((reduced, facts)) = cache.and_then(|directory| cache::load(directory, &key)) {
+            progress.note("the reduced model was read from the cache");
+            return Ok(StructuralModel { reduced, facts });
+        }
+        progress.begin(Stage::Assemble);
+        let assembled = self.assemble()?;
+        progress.end(Stage::Assemble);
+        progress.begin(Stage::Factor);
+        let mut reduced = reduce(
+            &assembled.relative,
+            &assembled.rows,
+            self.settings,
+            &mut |step, done| match step {
+                Step::Factor => {
+                    progress.fraction(Stage::Factor, done);
+                    if done == 1.0 {
+                        progress.end(Stage::Factor);
+                        progress.begin(Stage::Reduce);
+                    }
+                }
+                Step::Stream => progress.fraction(Stage::Reduce, 0.8 * done),
+            },
+        )?;
+        check_closing(&reduced)?;
+        let facts = self.facts(&assembled, &mut reduced, progress)?;
+        let model = StructuralModel { reduced, facts };
+        if let Some(Err(error)) = cache.map(|directory| cache::store(directory, &key, &model.reduced, &model.facts)) {
+            progress.note(&format!("the reduced model was not cached: {error}"));
+        }
+        progress.end(Stage::Reduce);
+        Ok(model)
+    }
+
+    /// The system in relative coordinates.
+    pub(super) fn assemble(&self) -> Result<Assembled<'_>, Error> {
+        let bodies = match &self.joint.bodies {
+            Bodies::Imported(bodies) => return Ok(Assembled::imported(bodies)),
+            Bodies::Meshed(bodies) => bodies,
+        };
+        let system = System::try_new(&bodies.assembly)?;
+        let pairs = InterfacePairs {
+            top: &bodies.top_nodes,
+            bottom: &bodies.bottom_nodes,
+            frame: self.joint.frame,
+        };
+        let relative = RelativeSystem::try_new(&system, pairs)?;
+        let terms: Vec<_> = (0..3_u8)
+            .map(|c| {
+                let direction = bodies.response_direction[usize::from(c)];
+                (Dof::Node(bodies.response_node, c), direction)
+            })
+            .collect();
+        let response = relative.row(&system.dofs.force(&bodies.assembly, "the response", &terms)?);
+        Ok(Assembled {
+            relative: Cow::Owned(relative),
+            rows: [response],
+            n_nodes: Some(bodies.assembly.mesh.nodes.len()),
+            n_elements: Some(bodies.assembly.mesh.elements.len()),
+            mass: Some(system.total_mass),
+            n_untied_slaves: system.dofs.untied.len(),
+            largest_adjustment: system.dofs.largest_adjustment,
+        })
+    }
+
+    /// Compares the reduced model with the full one, after leaving out the modes that the wanted accuracy does not need.
+    fn facts(
+        &self,
+        assembled: &Assembled<'_>,
+        reduced: &mut ReducedModel,
+        progress: &dyn Progress,
+    ) -> Result<Facts, Error> {
+        let tolerance = FREQUENCY_TOLERANCE;
+        let relative: &RelativeSystem = &assembled.relative;
+        let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
+        progress.fraction(Stage::Reduce, 0.85);
+        let springs = self.springs(self.check_interface(), |_| true)?;
+        // The check is of the model that vibrates.
+        let is_locked = self.settings.attachment_modes;
+        let full = match is_locked {
+            true => checks::full_frequencies(&relative.locked()?, Some(&springs), N_CHECKED, tolerance)?.1,
+            false => checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance)?.1,
+        };
+        let error_of = |reduced: &ReducedModel| -> Result<f64, Error> {
+            let small = match is_locked {
+                true => checks::reduced_spectrum(&reduced.locked()?, &springs, N_CHECKED)?,
+                false => checks::reduced_spectrum(reduced, &springs, N_CHECKED)?,
+            };
+            let errors = full.iter().zip(&small.frequencies).map(|(a, b)| (b / a - 1.0).abs());
+            Ok(errors.fold(0.0, f64::max))
+        };
+        let mut error = error_of(reduced)?;
+        if let Some(target) = self.reduction_error {
+            let without = checks::reduced_spectrum(reduced, &springs, N_CHECKED)?.without_mode;
+            // From the highest mode down, as long as what is left out stays within the target.
+            let mut left_out = error;
+            let dispensable = without.iter().rev().take_while(|rise| {
+                left_out += **rise;
+                left_out <= target
+            });
+            let n_modes = without.len() - dispensable.count();
+            if error > target {
+                return Err(Error::ReductionTarget {
+                    target,
+                    error,
+                    modes: without.len(),
+                });
+            }
+            reduced.truncate(n_modes);
+            error = error_of(reduced)?;
+        }
+        Ok(Facts {
+            n_nodes: assembled.n_nodes,
+            n_elements: assembled.n_elements,
+            n_dofs: assembled.relative.stiffness.rows(),
+            mass: assembled.mass,
+            zem_unstressed,
+            unstressed_frequencies_hz: unstressed,
+            penalty_frequencies_hz: full,
+            penalty_error: error,
+        })
+    }
+
+    /// Hash of everything the reduced model depends on.
+    fn key(&self) -> Key {
+        let mut key = KeyBuilder::new();
+        key.numbers(self.joint.frame.iter().flatten().copied());
+        key.text(&format!(
+            "{:?}{:?}{:?}",
+            self.settings,
+            self.reduction_error,
+            (N_CHECKED, CHECK_STIFFNESS)
+        ));
+        // The springs of the spectrum check depend on these.
+        key.numbers(self.joint.interface.nodes.iter().flatten().copied());
+        key.text(&format!("{:?}{:?}", self.joint.interface.elements, self.youngs_modulus));
+        match &self.joint.bodies {
+            Bodies::Imported(bodies) => {
+                let relative = &bodies.relative;
+                for matrix in [&relative.stiffness, &relative.mass] {
+                    key.integers(matrix.indptr().raw_storage().iter().map(|&i| i as u64));
+                    key.integers(matrix.indices().iter().map(|&i| i as u64));
+                    key.numbers(matrix.data().iter().copied());
+                }
+                key.numbers(relative.loads.iter().flatten().chain(&bodies.response).copied());
+                key.text(&format!("{:?}", (relative.n_relative, bodies.mass)));
+            }
+            Bodies::Meshed(bodies) => {
+                let assembly = &bodies.assembly;
+                key.numbers(assembly.mesh.nodes.iter().flatten().copied());
+                key.integers(assembly.mesh.elements.iter().flat_map(|e| {
+                    e.cell
+                        .nodes()
+                        .iter()
+                        .map(|&n| u64::from(n))
+                        .chain([u64::from(e.material), kind(&e.cell)])
+                }));
+                let facing = bodies.top_nodes.iter().chain(&bodies.bottom_nodes);
+                key.integers(facing.map(|&n| u64::from(n)));
+                key.numbers(bodies.response_direction);
+                // Small parts, where a readable form costs nothing.
+                key.text(&format!(
+                    "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+                    assembly.mesh.materials,
+                    assembly.ties,
+                    assembly.couplings,
+                    assembly.equations,
+                    assembly.loads,
+                    assembly.supports,
+                    assembly.springs,
+                    bodies.response_node,
+                ));
+            }
+        }
+        key.finish()
+    }
+}
+
+/// A system in relative coordinates, and what is known of it.
+pub(super) struct Assembled<'a> {
+    pub(super) relative: Cow<'a, RelativeSystem>,
+    /// Quantities to recover: the response.
+    pub(super) rows: [Vec<f64>; 1],
+    pub(super) n_nodes: Option<usize>,
+    pub(super) n_elements: Option<usize>,
+    pub(super) mass: Option<f64>,
+    pub(super) n_untied_slaves: usize,
+    pub(super) largest_adjustment: f64,
+}
+
+impl<'a> Assembled<'a> {
+    fn imported(bodies: &'a ImportedBodies) -> Self {
+        Self {
+            relative: Cow::Borrowed(&bodies.relative),
+            rows: [bodies.response.clone()],
+            n_nodes: None,
+            n_elements: None,
+            mass: bodies.mass,
+            n_untied_slaves: 0,
+            largest_adjustment: 0.0,
+        }
+    }
+}
+
+/// Number of a cell's type, for keys.
+fn kind(cell: &Cell) -> u64 {
+    match cell {
+        Cell::Hex8(_, Formulation::IncompatibleModes) => 0,
+        Cell::Hex8(_, Formulation::BBar) => 1,
+        Cell::Hex8(_, Formulation::Full) => 2,
+        Cell::Hex8(_, Formulation::Reduced) => 3,
+        Cell::Wedge6(_) => 4,
+        Cell::Tet4(_) => 5,
+        Cell::Tet10(_) => 6,
+    }
+}
+
+/// Refuses bolts that do not close the interface: of all uniform jumps, a closure must yield most to their load.
+fn check_closing(reduced: &ReducedModel) -> Result<(), Error> {
+    for (index, load) in reduced.loads.iter().enumerate() {
+        let [x, y, closing] = [0, 1, 2].map(|c| load[c..reduced.n_relative].iter().step_by(3).sum::<f64>());
+        let sliding = x.hypot(y);
+        // Also catches NaN.
+        if !(closing > sliding) {
+            return Err(Error::OpeningLoad {
+                bolt: index + 1,
+                closing,
+                sliding,
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,36 @@
+//! A reduced structure, and what is known of the full one behind it.
+
+use reduction::ReducedModel;
+use serde::{Deserialize, Serialize};
+
+/// What is known of the full model behind a reduced one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Facts {
+    /// Nodes of the solid mesh.
+    pub n_nodes: Option<usize>,
+    /// Elements of the solid mesh.
+    pub n_elements: Option<usize>,
+    /// Independent displacement components after constraints, or coordinates of imported matrices.
+    pub n_dofs: usize,
+    /// Mass (kg), if it is known.
+    pub mass: Option<f64>,
+    /// Zero-energy modes without any contact.
+    pub zem_unstressed: usize,
+    /// Frequencies of the reduced model without any contact (Hz).
+    pub unstressed_frequencies_hz: Vec<f64>,
+    /// Frequencies of the full model with a uniform linear stiffness on the interface, the bolts locked if they are so
+    /// in vibration (Hz).
+    pub penalty_frequencies_hz: Vec<f64>,
+    /// Largest relative difference of the reduced model's frequencies to these.
+    pub penalty_error: f64,
+}
+
+/// A reduced structure.
+#[derive(Clone, Debug)]
+pub struct StructuralModel {
+    /// Matrices; load `i` is unit tension of bolt `i`, recovery row 0 the response displacement. With attachment modes
+    /// of the loads if the bolts lock; they are not locked yet.
+    pub reduced: ReducedModel,
+    /// What is known of the full model.
+    pub facts: Facts,
+}

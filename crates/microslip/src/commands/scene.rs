@@ -1,0 +1,117 @@
+//! Which scene a command works on.
+
+use super::Defaults;
+use crate::benchmarks::{self, BENCHMARKS};
+use anyhow::{Result, anyhow, bail};
+use joint_pipeline::scene::StructureSource;
+use joint_pipeline::{Benchmark, Scene};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// The scene that a command works on.
+#[derive(clap::Args)]
+pub struct SceneArguments {
+    /// Scene file.
+    scene: Option<PathBuf>,
+    /// A scene that comes with the program: NAME of a benchmark for its first scene, or NAME/SCENE (`microslip benchmarks` lists them).
+    #[arg(long, value_name = "NAME", conflicts_with = "scene")]
+    benchmark: Option<String>,
+    /// Input deck of the structure, in the place of the one that the scene names.
+    #[arg(long, value_name = "FILE")]
+    deck: Option<PathBuf>,
+}
+
+impl SceneArguments {
+    /// The scene, in SI.
+    ///
+    /// # Errors
+    /// No scene is named; it cannot be read or is not admissible; it has no deck to be replaced.
+    pub fn read(&self, defaults: &Defaults) -> Result<Scene> {
+        let mut scene = match (&self.scene, &self.benchmark) {
+            (None, None) => default_scene(self.deck.is_some(), defaults)?,
+            (path, name) => read(path.as_deref(), name.as_deref(), defaults)?,
+        };
+        if let Some(path) = &self.deck {
+            let StructureSource::Deck(deck) = &mut scene.structure else {
+                bail!(
+                    "the scene {} has no structure.deck to say which surfaces and bolts of {} to take",
+                    scene.name,
+                    path.display()
+                )
+            };
+            deck.path = path.clone();
+        }
+        Ok(scene)
+    }
+}
+
+/// The scene of a file, or one that comes with a benchmark, or else the first scene of the default benchmark.
+pub(super) fn read(path: Option<&Path>, benchmark: Option<&str>, defaults: &Defaults) -> Result<Scene> {
+    match (path, benchmark) {
+        (Some(path), _) => read_file(path, defaults),
+        (None, Some(name)) => of_benchmark(name),
+        (None, None) => default_scene(false, defaults),
+    }
+}
+
+/// The first scene of the benchmark that commands work on by default, or the first of its scenes that reads a deck.
+fn default_scene(on_deck: bool, defaults: &Defaults) -> Result<Scene> {
+    let Some(benchmark) = defaults.benchmark else {
+        bail!("no scene is given: name a scene file, or a benchmark by --benchmark");
+    };
+    for (name, text) in benchmark.scenes() {
+        let scene = benchmarks::read(name, text)?;
+        if scene.structure.deck().is_some() == on_deck {
+            return Ok(scene);
+        }
+    }
+    bail!("{} has no scene that reads a deck; give a scene file", benchmark.name())
+}
+
+/// The benchmark of a name or a short name.
+pub(super) fn find_benchmark(name: &str) -> Option<&'static dyn Benchmark> {
+    let mut known = BENCHMARKS.iter().copied();
+    known.find(|known| known.name() == name || known.short_name() == name)
+}
+
+/// The scene of a file; one that names no structure is on the default benchmark, if there is one.
+fn read_file(path: &Path, defaults: &Defaults) -> Result<Scene> {
+    let fill = |scene: &mut Value| {
+        let benchmark = defaults.benchmark.map(Benchmark::name);
+        if let (Some(name), Some(scene)) = (benchmark, scene.as_object_mut()) {
+            scene.entry("structure").or_insert_with(|| json!({ "benchmark": name }));
+        }
+    };
+    Ok(Scene::read_filled(path, &BENCHMARKS, &fill)?)
+}
+
+/// The scene of a benchmark's name, `NAME` or `NAME/SCENE`.
+fn of_benchmark(name: &str) -> Result<Scene> {
+    let (benchmark, scene) = match name.split_once('/') {
+        Some((benchmark, scene)) => (benchmark, Some(scene)),
+        None => (name, None),
+    };
+    let known = find_benchmark(benchmark).ok_or_else(|| {
+        let names: Vec<&str> = BENCHMARKS.iter().map(|known| known.name()).collect();
+        anyhow!("there is no benchmark `{benchmark}`; there are {}", names.join(", "))
+    })?;
+    let (name, text) = benchmarks::scene_text(known, scene).map_err(|reason| anyhow!(reason))?;
+    Ok(benchmarks::read(name, text)?)
+}
+
+/// The scene of a benchmark on its coarse mesh, which takes seconds.
+pub(super) fn coarse(benchmark: &'static dyn Benchmark) -> Result<Scene> {
+    of_benchmark(&format!("{}/{}-quick", benchmark.name(), benchmark.short_name()))
+}
+
+/// What `microslip benchmarks` prints.
+pub(super) fn list() -> String {
+    let mut out = String::new();
+    for benchmark in BENCHMARKS {
+        out += &format!("{}  {}\n", benchmark.name(), benchmark.title());
+        for (name, _) in benchmark.scenes() {
+            out += &format!("  {}/{name}\n", benchmark.name());
+        }
+    }
+    out
+}

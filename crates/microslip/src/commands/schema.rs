@@ -1,0 +1,31 @@
+//! `schema`: JSON Schema of the files that the program reads and writes, for editors and scripts.
+
+use anyhow::{Context, Result};
+use clap::ValueEnum;
+use joint_pipeline::results::summary::Summary;
+
+/// What a schema is of.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Subject {
+    /// Scene files.
+    Scene,
+    /// `summary.json`.
+    Summary,
+}
+
+/// Options of `schema`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What the schema is of.
+    subject: Subject,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    let schema = match arguments.subject {
+        Subject::Scene => joint_pipeline::scene::file_schema(),
+        Subject::Summary => schemars::schema_for!(Summary),
+    };
+    let text = serde_json::to_string_pretty(&schema).context("encoding the schema")?;
+    super::print(&(text + "\n"))
+}
