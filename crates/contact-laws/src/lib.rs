@@ -16,13 +16,13 @@
 //!
 //! | law | normal and tangential curves | made from | module |
 //! |---|---|---|---|
-//! | [`AsperityLaw`] | sums over asperities (Hertz, Mindlin), no fit | gaps, density and radii | [`asperity_sum`] |
-//! | [`GreenwoodWilliamsonLaw`] | closed forms | scale of the heights, density, radii | [`greenwood_williamson`] |
-//! | [`TableLaw`] | monotone C1 table of known error | any other curves | [`table`] |
-//! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`rough`] |
-//! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`elastic_dry_friction`] |
-//! | [`MindlinIwan`] | any of the above, with microslip | curves, number of sliders | [`mindlin_iwan`] |
-//! | [`LinearisedContact`] | constant stiffnesses, constant slip limit | any law's static state | [`linearised`] |
+//! | [`AsperityLaw`] | sums over asperities (Hertz, Mindlin), no fit | gaps, density and radii | [`curves::asperity_sum`] |
+//! | [`GreenwoodWilliamsonLaw`] | closed forms | scale of the heights, density, radii | [`curves::greenwood_williamson`] |
+//! | [`TableLaw`] | monotone C1 table of known error | any other curves | [`curves::table`] |
+//! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`curves::fitted`] |
+//! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`curves::elastic`] |
+//! | [`MindlinIwan`] | any of the above, with microslip | curves, number of sliders | [`friction::mindlin_iwan`] |
+//! | [`LinearisedContact`] | constant stiffnesses, constant slip limit | any law's static state | [`friction::linearised`] |
 //!
 //! All carry Coulomb friction; all but the last two are a [`FrictionalLaw`] ([`friction`]). Curves of one's own
 //! implement [`ContactCurves`]. Beside the laws stand single contacts ([`hertz`], [`mindlin`]), onset of yield and
@@ -52,31 +52,17 @@ extern crate alloc;
 #[cfg(not(any(feature = "std", feature = "libm")))]
 compile_error!("contact-laws needs elementary functions: enable the feature `std` or the feature `libm`");
 
-pub mod adhesion;
-pub mod asperity_sum;
-mod continuation;
 pub mod curves;
-pub mod elastic_dry_friction;
-mod elementary;
 mod error;
 pub mod friction;
-pub mod greenwood_williamson;
-pub mod hertz;
 pub mod law;
-pub mod linearised;
 #[cfg(not(feature = "std"))]
 mod math;
-pub mod mindlin;
-pub mod mindlin_iwan;
 mod parameters;
-mod return_map;
-pub mod rough;
-mod rough_points;
-pub mod table;
+mod physics;
+mod simd;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
-
-mod vector;
 #[cfg(feature = "testing")]
 pub mod workload;
 
@@ -88,25 +74,28 @@ mod tests;
 #[doc = include_str!("../README.md")]
 mod readme {}
 
-pub use adhesion::Adhesion;
-pub use asperity_sum::{AsperityLaw, AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};
-pub use curves::{ContactCurves, CurveBlock, CurvesInfo, Exponents, Jet, PointCurves};
-pub use elastic_dry_friction::{ElasticCurves, ElasticDryFriction};
-pub use elementary::Real;
-pub use error::{Error, Place};
-pub use friction::{FrictionalLaw, HistoryRule};
-pub use greenwood_williamson::{
+pub use curves::asperity_sum::{
+    AsperityLaw, AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading,
+};
+pub use curves::elastic::{ElasticCurves, ElasticDryFriction};
+pub use curves::fitted::{FittedCurves, NormalFit, RoughLaw, TangentialEnds, TangentialFit};
+pub use curves::fitted_points::FittedPoints;
+pub use curves::greenwood_williamson::{
     GreenwoodWilliamsonCurves, GreenwoodWilliamsonLaw, GreenwoodWilliamsonSurface, HeightDistribution,
 };
-pub use hertz::ElasticPair;
+pub use curves::table::{TableLaw, TableOptions, Tabulated};
+pub use curves::{ContactCurves, CurveBlock, CurvesInfo, Exponents, Jet, PointCurves};
+pub use error::{Error, Place};
+pub use friction::linearised::{LinearisedContact, StaticPoint};
+pub use friction::mindlin_iwan::MindlinIwan;
+pub use friction::{FrictionalLaw, HistoryRule};
 pub use law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
 };
-pub use linearised::{LinearisedContact, StaticPoint};
-pub use mindlin_iwan::MindlinIwan;
 pub use parameters::PointParameters;
-pub use rough::{FittedCurves, NormalFit, RoughLaw, TangentialEnds, TangentialFit};
-pub use rough_points::FittedPoints;
-pub use table::{TableLaw, TableOptions, Tabulated};
-pub use vector::instruction_set;
+pub use physics::adhesion::Adhesion;
+pub use physics::hertz::ElasticPair;
+pub use physics::{adhesion, hertz, mindlin};
+pub use simd::elementary::Real;
+pub use simd::instruction_set;

@@ -7,11 +7,11 @@ use core::ops::Range;
 
 use proptest::prelude::*;
 
-use crate::elastic_dry_friction::ElasticCurves;
+use crate::curves::elastic::ElasticCurves;
+use crate::curves::fitted::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 use crate::law::{
     Components, ComponentsMut, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut, TractionLaw,
 };
-use crate::rough::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 
 /// What a law answers at one point.
 #[derive(Debug, Clone, PartialEq)]

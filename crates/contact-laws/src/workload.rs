@@ -5,16 +5,16 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use crate::asperity_sum::{AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};
+use crate::curves::asperity_sum::{AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};
+use crate::curves::fitted::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 use crate::error::Error;
-use crate::hertz::ElasticPair;
 use crate::law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
 };
 use crate::parameters::PointParameters;
-use crate::rough::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
-use crate::vector::{BLOCK, Lanes, Pass, run};
+use crate::physics::hertz::ElasticPair;
+use crate::simd::{BLOCK, Lanes, Pass, run};
 
 /// Jumps, begin states and room for all that a law returns.
 #[derive(Debug, Clone)]

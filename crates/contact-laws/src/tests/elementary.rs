@@ -1,7 +1,7 @@
 //! The library's own exponential and logarithm against those of the standard library, which are right to the last bit
 //! or the one before.
 
-use crate::elementary::{Real, ln_pair};
+use crate::simd::elementary::{Real, ln_pair};
 
 /// Largest error of `e^x` over arguments between two bounds: relative, and after the share that rounding of the
 /// argument explains, `|x|` units.

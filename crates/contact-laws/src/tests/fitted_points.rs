@@ -10,9 +10,9 @@ use proptest::test_runner::TestRunner;
 use super::oracle::{Expected, SMALLEST, expected};
 use super::{HISTORIES, normal_fit, remembered, tangential_fit};
 use crate::curves::{CurveBlock, PointCurves};
-use crate::elementary::Real;
+use crate::simd::BLOCK;
+use crate::simd::elementary::Real;
 use crate::testing::{PointResponse, evaluate_batch, fitted_curves, friction_coefficient, log_uniform, step};
-use crate::vector::BLOCK;
 use crate::*;
 
 /// Fits of the points of a batch. Whether any has a range and whether all are equal along x and y changes the code that

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::{STEEL, asperities, elastic, fitted, greenwood_williamson, reference, relative, table};
-use crate::mindlin_iwan::MAX_SLIDERS;
+use crate::friction::mindlin_iwan::MAX_SLIDERS;
 use crate::testing::{
     PointResponse, closed_interference, displacement, evaluate_point, friction_coefficient, interference, jump,
     log_uniform,

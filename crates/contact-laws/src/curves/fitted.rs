@@ -108,16 +108,16 @@
 //! }
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
-use crate::continuation::End;
+use crate::curves::continuation::End;
+use crate::curves::fitted_points::FittedPoints;
 use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
 use crate::friction::{FrictionalLaw, PAPER_DOI};
 use crate::law::Quantity;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::rough_points::FittedPoints;
 
 /// Rough contact by fitted curves with friction, evaluated in vector registers.
 pub type RoughLaw = FrictionalLaw<FittedPoints>;

@@ -63,15 +63,15 @@
 //! assert!(10.0 * adhesive < elastic);
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
 use core::f64::consts::PI;
 
-use crate::asperity_sum::AsperityPopulation;
+use crate::curves::asperity_sum::AsperityPopulation;
 use crate::error::{Error, require_positive};
-use crate::hertz::ElasticPair;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::physics::hertz::ElasticPair;
 
 /// Hardness coefficient `K = 0.454 + 0.41 nu`.
 pub fn hardness_coefficient(poisson_ratio: f64) -> f64 {

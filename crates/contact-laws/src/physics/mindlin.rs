@@ -48,11 +48,11 @@
 //! let area = |x: f64| mindlin::loop_area(limit, k, x * d);
 //! assert!((area(2e-3) / area(1e-3) / 8.0 - 1.0).abs() < 1e-3);
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
-use crate::hertz::{self, ElasticPair};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::physics::hertz::{self, ElasticPair};
 
 /// Tangential stiffness without slip `2 E a / ((2 - nu)(1 + nu))` (N/m) with the contact radius `a = sqrt(R w)`.
 pub fn stiffness(material: &ElasticPair, radius: f64, interference: f64) -> f64 {

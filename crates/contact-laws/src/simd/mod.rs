@@ -4,8 +4,10 @@
 //! compiler can turn several points into one instruction. [`run`] executes it with AVX-512 or AVX2 where the processor
 //! has them and otherwise with what every processor of the target has. A point's result has the same bits in every
 //! block and at any place in it, because additions, multiplications, divisions and square roots are rounded alike in
-//! every register width. Only [`crate::elementary`] fuses operations where the processor can, and so differs in the
+//! every register width. Only [`crate::simd::elementary`] fuses operations where the processor can, and so differs in the
 //! last bits from processors that cannot.
+
+pub(crate) mod elementary;
 
 /// Points per block: the dozen arrays of a pass stay in the first-level cache.
 pub(crate) const BLOCK: usize = 64;

@@ -5,11 +5,11 @@
 //! few factors that meet here can overflow, so finite input gives finite output.
 
 use crate::curves::CurveBlock;
-use crate::elementary::{max, min};
 use crate::law::{Regime, RegimeCounts, Sticking};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::vector::{Lanes, Pass, run};
+use crate::simd::elementary::{max, min};
+use crate::simd::{Lanes, Pass, run};
 
 /// [`crate::HistoryRule`] as a constant that a loop can be compiled for.
 pub(crate) const INCREMENTAL: u8 = 0;

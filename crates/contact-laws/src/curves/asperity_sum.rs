@@ -33,7 +33,7 @@
 //! | Young's modulus `E`, Poisson's ratio `nu` | Pa, 1 |
 //! | friction coefficient `mu` | 1 |
 //!
-//! An evaluation costs a square root or two per loaded piece: for many pieces or points make a [table](crate::table)
+//! An evaluation costs a square root or two per loaded piece: for many pieces or points make a [table](crate::curves::table)
 //! once.
 //!
 //! Sources: N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear dynamic modeling of bolted
@@ -60,18 +60,18 @@
 //! assert!(area < 0.01);
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
 use alloc::vec::Vec;
 
 use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
 use crate::friction::{FrictionalLaw, PAPER_DOI};
-use crate::hertz::ElasticPair;
 use crate::law::Quantity;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use crate::parameters::PointParameters;
+use crate::physics::hertz::ElasticPair;
 
 /// Rough contact by direct asperity sums with friction: the reference for fits and tables.
 pub type AsperityLaw = FrictionalLaw<PointParameters<AsperitySumCurves>>;

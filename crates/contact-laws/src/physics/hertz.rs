@@ -37,7 +37,7 @@
 //! // N = (2/3) w dN/dw.
 //! assert!((n / (2.0 / 3.0 * 1e-7 * k) - 1.0).abs() < 1e-12);
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
 use crate::error::{Error, Place, require, require_positive};
 #[cfg(not(feature = "std"))]

@@ -127,19 +127,23 @@
 //! }
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
+
+pub mod linearised;
+pub mod mindlin_iwan;
+mod return_map;
 
 use core::ops::Range;
 
 use crate::curves::{CurveBlock, PointCurves};
 use crate::error::{Error, Place, require};
+use crate::friction::return_map::{Block, INCREMENTAL, PAPER, POTENTIAL, Present, Start, Workspace};
 use crate::law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw, check_points,
 };
 use crate::parameters::PointParameters;
-use crate::return_map::{Block, INCREMENTAL, PAPER, POTENTIAL, Present, Start, Workspace};
-use crate::vector::{BLOCK, Lanes, SHORT_BLOCK, run};
+use crate::simd::{BLOCK, Lanes, SHORT_BLOCK, run};
 
 /// Reference of eqs. (18)-(20), (28), (29), (45).
 pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";

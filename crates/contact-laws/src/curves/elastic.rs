@@ -58,7 +58,7 @@
 //! assert!((area / (4.0 * limit * (1e-6 - d)) - 1.0).abs() < 1e-12);
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
 use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};

@@ -1,9 +1,17 @@
 //! What a rough contact shows at one point before friction limits it: normal traction and tangential stiffnesses as
 //! functions of the interference.
 
+pub mod asperity_sum;
+mod continuation;
+pub mod elastic;
+pub mod fitted;
+pub(crate) mod fitted_points;
+pub mod greenwood_williamson;
+pub mod table;
+
 use crate::law::Quantity;
 use crate::parameters::PointParameters;
-use crate::vector::Lanes;
+use crate::simd::Lanes;
 
 /// A function's value and its first two derivatives with respect to the interference.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

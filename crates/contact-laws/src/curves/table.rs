@@ -61,11 +61,11 @@
 //! assert_eq!(law.len(), 15_000);
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
 use alloc::vec::Vec;
 
-use crate::continuation::End;
+use crate::curves::continuation::End;
 use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
 use crate::friction::{FrictionalLaw, PAPER_DOI};

@@ -111,7 +111,7 @@
 //! }
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
 use alloc::borrow::Cow;
 use alloc::format;

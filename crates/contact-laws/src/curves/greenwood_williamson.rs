@@ -12,7 +12,7 @@
 //! </div>
 //!
 //! [`TangentialReading::Paper`] takes `k_q = n_A 4 E beta_q M_0 / ((2 - nu)(1 + nu))` instead, as in
-//! [`asperity_sum`](crate::asperity_sum). With `h = delta/s` for exponential heights of scale `s` (they begin at zero,
+//! [`asperity_sum`](crate::curves::asperity_sum). With `h = delta/s` for exponential heights of scale `s` (they begin at zero,
 //! so `M_0 = 1` beyond) and `h = delta/sigma` for Gaussian heights of standard deviation `sigma` about zero:
 //!
 //! <div>
@@ -73,20 +73,20 @@
 //! println!("{t_n:.3e} Pa, {k_n:.3e} and {k_t:.3e} Pa/m");
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
 use core::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-use crate::asperity_sum::TangentialReading;
-use crate::continuation::End;
+use crate::curves::asperity_sum::TangentialReading;
+use crate::curves::continuation::End;
 use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
 use crate::error::{Error, Place, require, require_positive};
 use crate::friction::FrictionalLaw;
-use crate::hertz::ElasticPair;
 use crate::law::Quantity;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use crate::parameters::PointParameters;
+use crate::physics::hertz::ElasticPair;
 
 /// Greenwood-Williamson contact with friction.
 pub type GreenwoodWilliamsonLaw = FrictionalLaw<PointParameters<GreenwoodWilliamsonCurves>>;

@@ -63,7 +63,7 @@
 //! assert!((t_n[0] + 2.5e6).abs() < 1e-3 && (t_x[0] - 0.6e6).abs() < 1e-3);
 //! # Ok::<(), Error>(())
 //! ```
-#![doc = include_str!("../katex.html")]
+#![doc = include_str!("../../katex.html")]
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -5,13 +5,13 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use crate::curves::fitted::{FittedCurves, INFO, TangentialEnds};
 use crate::curves::{CurveBlock, CurvesInfo, PointCurves};
-use crate::elementary::{Real, ln_pair, max, min};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use crate::parameters::PointParameters;
-use crate::rough::{FittedCurves, INFO, TangentialEnds};
-use crate::vector::{BLOCK, Lanes, Pass, run};
+use crate::simd::elementary::{Real, ln_pair, max, min};
+use crate::simd::{BLOCK, Lanes, Pass, run};
 
 /// Fitted curves of the points of a law, one column per parameter. `R` is the precision in which the formulas are
 /// evaluated, `f64` or `f32`; interferences, values and slopes are `f64` with either.
