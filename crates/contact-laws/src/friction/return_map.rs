@@ -4,25 +4,21 @@
 //! No physical number comes near 1e75. Numbers beyond are cut to bounds between which neither sums nor products of the
 //! few factors that meet here can overflow, so finite input gives finite output.
 
-use crate::curves::CurveBlock;
+use super::rule::{FrictionRule, Memory, Path, StiffnessAt};
+use crate::curves::{CurveBlock, Jet};
 use crate::law::{Regime, RegimeCounts, Sticking};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::simd::elementary::{max, min};
+use crate::simd::bounds::{bounded, is_finite, within};
+use crate::simd::elementary::max;
 use crate::simd::{Lanes, Pass, run};
-
-/// [`crate::HistoryRule`] as a constant that a loop can be compiled for.
-pub(crate) const INCREMENTAL: u8 = 0;
-pub(crate) const PAPER: u8 = 1;
-pub(crate) const POTENTIAL: u8 = 2;
 
 /// Start of a block: the interferences at which its curves are needed, zero where a point is open and NaN where its
 /// input is no number; and the jump as part of the end state.
 pub(crate) struct Start<'a, const B: usize> {
     pub(crate) jump: [&'a [f64]; 3],
     pub(crate) begin: [&'a [f64]; 5],
-    /// The tangential stiffness is taken halfway along the closed part of the path, otherwise at its end.
-    pub(crate) halfway: bool,
+    pub(crate) stiffness: StiffnessAt,
     pub(crate) u_n: &'a mut Lanes<f64, B>,
     pub(crate) middle: &'a mut Lanes<f64, B>,
     pub(crate) end: [&'a mut [f64]; 3],
@@ -45,7 +41,7 @@ impl<const B: usize> Pass for Start<'_, B> {
         let [x_0, y_0, n_0, memory_1, memory_2] = self.begin;
         let [end_x, end_y, end_n] = self.end;
         *self.present = start(
-            self.halfway,
+            self.stiffness == StiffnessAt::Middle,
             x,
             y,
             n,
@@ -138,7 +134,7 @@ pub(crate) struct Workspace<const B: usize> {
     /// Share of the path that is closed, and its derivative along `u_n`.
     share: Lanes<f64, B>,
     share_slope: Lanes<f64, B>,
-    /// Elastic stretch that sticking would leave, and its derivative along `u_n`. Only for [`POTENTIAL`].
+    /// Elastic stretch that sticking would leave, and its derivative along `u_n`. Only for rules that remember it.
     stretch: [Lanes<f64, B>; 2],
     stretch_slope: [Lanes<f64, B>; 2],
     /// Direction of slip, zero without slip.
@@ -173,12 +169,12 @@ impl<const B: usize> Workspace<B> {
 
 impl<const B: usize> Block<'_, B> {
     /// Tractions and all else of the block.
-    pub(crate) fn respond<const RULE: u8>(mut self) -> RegimeCounts {
+    pub(crate) fn respond<R: FrictionRule>(mut self, rule: R) -> RegimeCounts {
         let n = self.mu.len();
-        run(Trial::<RULE, B>(&mut self));
-        run(Limit::<RULE, B>(&mut self));
+        run(StuckTrials(&mut self, rule));
+        run(SlipLimits(&mut self, rule));
         if self.tangent.is_some() {
-            run(Tangent::<RULE, B>(&mut self));
+            run(Tangents(&mut self, rule));
         }
         if let Some(regimes) = self.regimes {
             for (regime, &code) in regimes.iter_mut().zip(&self.workspace.regime.0[..n]) {
@@ -214,29 +210,34 @@ fn count(sum: u64, regime: u64) -> usize {
     (sum / regime % (1 << 16)) as usize
 }
 
-/// Stuck trials.
-struct Trial<'a, 'b, const RULE: u8, const B: usize>(&'a mut Block<'b, B>);
+/// Whether a rule remembers the stretch, known where its loops are compiled.
+const fn stretches<R: FrictionRule>() -> bool {
+    matches!(R::MEMORY, Memory::Stretch)
+}
 
-impl<const RULE: u8, const B: usize> Pass for Trial<'_, '_, RULE, B> {
+/// Stuck trials.
+struct StuckTrials<'a, 'b, R, const B: usize>(&'a mut Block<'b, B>, R);
+
+impl<R: FrictionRule, const B: usize> Pass for StuckTrials<'_, '_, R, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let block = self.0;
+        let Self(block, rule) = self;
         if block.present.reclosed {
             let ([_, _, u_n], [_, _, u_n0, ..]) = (block.jump, block.begin);
             shares(u_n, u_n0, &mut block.workspace.share, &mut block.workspace.share_slope);
-            both_trials::<RULE, true, B>(block);
+            both_trials::<R, true, B>(rule, block);
         } else {
-            if RULE == POTENTIAL {
+            if stretches::<R>() {
                 block.workspace.share.0 = [1.0; B];
             }
-            both_trials::<RULE, false, B>(block);
+            both_trials::<R, false, B>(rule, block);
         }
     }
 }
 
 /// Stuck trials along x and y.
 #[inline(always)]
-fn both_trials<const RULE: u8, const REOPENS: bool, const B: usize>(block: &mut Block<'_, B>) {
+fn both_trials<R: FrictionRule, const REOPENS: bool, const B: usize>(rule: R, block: &mut Block<'_, B>) {
     let [u_x, u_y, u_n] = block.jump;
     let [u_x0, u_y0, u_n0, memory_x, memory_y] = block.begin;
     let Workspace {
@@ -255,7 +256,8 @@ fn both_trials<const RULE: u8, const REOPENS: bool, const B: usize>(block: &mut 
         tangential_curvature: [curvature_x, curvature_y],
         ..
     } = block.curves;
-    trials::<RULE, REOPENS, B>(
+    trials::<R, REOPENS, B>(
+        rule,
         u_x,
         u_x0,
         u_n,
@@ -272,7 +274,8 @@ fn both_trials<const RULE: u8, const REOPENS: bool, const B: usize>(block: &mut 
         stretch_x,
         stretch_slope_x,
     );
-    trials::<RULE, REOPENS, B>(
+    trials::<R, REOPENS, B>(
+        rule,
         u_y,
         u_y0,
         u_n,
@@ -306,7 +309,8 @@ fn shares<const B: usize>(u_n: &[f64], u_n0: &[f64], share: &mut Lanes<f64, B>, 
 
 /// Stuck trials along one direction.
 #[inline(always)]
-fn trials<const RULE: u8, const REOPENS: bool, const B: usize>(
+fn trials<R: FrictionRule, const REOPENS: bool, const B: usize>(
+    rule: R,
     u: &[f64],
     u_0: &[f64],
     u_n: &[f64],
@@ -326,47 +330,50 @@ fn trials<const RULE: u8, const REOPENS: bool, const B: usize>(
     let n = u.len().min(B);
     let (u, u_0, u_n, u_n0, memory) = (&u[..n], &u_0[..n], &u_n[..n], &u_n0[..n], &memory[..n]);
     for i in 0..n {
-        let (k, k_slope) = (bounded(k.0[i]), bounded(k_slope.0[i]));
         let du = bounded(u[i] - u_0[i]);
-        let path = u_n[i] - u_n0[i];
         let (share, share_slope) = if REOPENS {
             (share.0[i], share_slope.0[i])
         } else {
             (1.0, 0.0)
         };
-        match RULE {
-            INCREMENTAL => {
-                trial.0[i] = within(memory[i], TRACTION) + share * k * du;
-                along.0[i] = share * k;
-                closing.0[i] = (bounded(k * share_slope) + 0.5 * share * k_slope) * du;
-            }
-            PAPER => {
-                let (du_n, u) = (bounded(path), bounded(u[i]));
-                let change = bounded(k_slope * du_n);
-                trial.0[i] = within(memory[i], TRACTION) + k * du + change * u;
-                along.0[i] = k + change;
-                closing.0[i] = k_slope * du + (k_slope + bounded(bounded(k_curvature.0[i]) * du_n)) * u;
-            }
-            _ => {
-                let e = within(memory[i] + share * du, STRETCH);
-                let e_slope = within(share_slope * du, STRETCH);
-                trial.0[i] = k * e;
-                along.0[i] = share * k;
-                closing.0[i] = k_slope * e + k * e_slope;
-                stretch.0[i] = e;
-                stretch_slope.0[i] = e_slope;
-            }
+        let path = Path {
+            u: bounded(u[i]),
+            du,
+            du_n: bounded(u_n[i] - u_n0[i]),
+            share,
+            share_slope,
+            traction: within(memory[i], TRACTION),
+            stretch: within(memory[i] + share * du, STRETCH),
+            stretch_slope: within(share_slope * du, STRETCH),
+        };
+        let stuck = rule.trial(path, jet(k.0[i], k_slope.0[i], k_curvature.0[i]));
+        trial.0[i] = stuck.traction;
+        along.0[i] = stuck.along;
+        closing.0[i] = stuck.closing;
+        if stretches::<R>() {
+            stretch.0[i] = path.stretch;
+            stretch_slope.0[i] = path.stretch_slope;
         }
     }
 }
 
-/// Slip limit, tractions and end state.
-struct Limit<'a, 'b, const RULE: u8, const B: usize>(&'a mut Block<'b, B>);
+/// A stiffness with its derivatives, cut to what may be multiplied.
+#[inline(always)]
+fn jet(value: f64, slope: f64, curvature: f64) -> Jet {
+    Jet {
+        value: bounded(value),
+        slope: bounded(slope),
+        curvature: bounded(curvature),
+    }
+}
 
-impl<const RULE: u8, const B: usize> Pass for Limit<'_, '_, RULE, B> {
+/// Slip limit, tractions and end state.
+struct SlipLimits<'a, 'b, R, const B: usize>(&'a mut Block<'b, B>, R);
+
+impl<R: FrictionRule, const B: usize> Pass for SlipLimits<'_, '_, R, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let block = self.0;
+        let Self(block, rule) = self;
         let unlimited = block.sticking == Sticking::Full;
         let [end_1, end_2] = &mut block.memory;
         let [traction_x, traction_y, traction_n] = &mut block.traction;
@@ -381,6 +388,7 @@ impl<const RULE: u8, const B: usize> Pass for Limit<'_, '_, RULE, B> {
             ..
         } = &mut *block.workspace;
         *sum = limits(
+            rule,
             unlimited,
             block.mu,
             block.u_n,
@@ -393,7 +401,8 @@ impl<const RULE: u8, const B: usize> Pass for Limit<'_, '_, RULE, B> {
             per_trial,
             regime,
         );
-        tractions::<RULE, B>(
+        tractions(
+            rule,
             unlimited,
             block.mu,
             block.u_n,
@@ -417,7 +426,8 @@ impl<const RULE: u8, const B: usize> Pass for Limit<'_, '_, RULE, B> {
 
 /// Regimes, and where points slip the direction and what is left of the trial, eq. (20).
 #[inline(always)]
-fn limits<const B: usize>(
+fn limits<R: FrictionRule, const B: usize>(
+    rule: R,
     unlimited: bool,
     mu: &[f64],
     u_n: &Lanes<f64, B>,
@@ -435,8 +445,8 @@ fn limits<const B: usize>(
     let mut sum = 0;
     for i in 0..n {
         let (x, y, scale) = scaled(trial_x.0[i], trial_y.0[i]);
-        let coulomb = mu[i] * bounded(normal.0[i]);
-        let limit = if unlimited { f64::MAX } else { coulomb };
+        let limit = rule.slip_limit(mu[i], bounded(normal.0[i])).value;
+        let limit = if unlimited { f64::MAX } else { limit };
         let sticks = (x * x + y * y <= (limit * scale) * (limit * scale)) & (limit > 0.0);
         let code = if sticks { STICK } else { SLIP };
         let code = if u_n.0[i] > 0.0 { code } else { OPEN };
@@ -453,7 +463,7 @@ fn limits<const B: usize>(
     }
     for i in 0..n {
         let (x, y, scale) = scaled(trial_x.0[i], trial_y.0[i]);
-        let limit = mu[i] * bounded(normal.0[i]);
+        let limit = rule.slip_limit(mu[i], bounded(normal.0[i])).value;
         // A limit of zero leaves nothing to differentiate and needs no direction.
         let directed = (regime.0[i] == SLIP) & (limit > 0.0);
         let length = (x * x + y * y).sqrt();
@@ -481,7 +491,8 @@ fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
 
 /// Tractions and what the end state remembers of them.
 #[inline(always)]
-fn tractions<const RULE: u8, const B: usize>(
+fn tractions<R: FrictionRule, const B: usize>(
+    rule: R,
     unlimited: bool,
     mu: &[f64],
     u_n: &Lanes<f64, B>,
@@ -504,19 +515,28 @@ fn tractions<const RULE: u8, const B: usize>(
     let mu = &mu[..n];
     let (traction_x, traction_y, traction_n) = (&mut traction_x[..n], &mut traction_y[..n], &mut traction_n[..n]);
     let (end_1, end_2) = (&mut end_1[..n], &mut end_2[..n]);
-    let [k_slope_x, k_slope_y] = &curves.tangential_slope;
+    let [k_x, k_y] = &curves.tangential;
+    let [slope_x, slope_y] = &curves.tangential_slope;
+    let [curvature_x, curvature_y] = &curves.tangential_curvature;
     for i in 0..n {
         let normal = bounded(curves.normal.0[i]);
-        let limit = if unlimited { 0.0 } else { mu[i] * normal };
+        let limit = rule.slip_limit(mu[i], normal).value;
+        let limit = if unlimited { 0.0 } else { limit };
         let sticks = regime.0[i] == STICK;
         let t_x = if sticks { trial_x.0[i] } else { limit * direction_x.0[i] };
         let t_y = if sticks { trial_y.0[i] } else { limit * direction_y.0[i] };
         let (mut t_n, mut memory_1, mut memory_2) = (normal, t_x, t_y);
-        if RULE == POTENTIAL {
+        if stretches::<R>() {
             memory_1 = ratio.0[i] * stretch_x.0[i];
             memory_2 = ratio.0[i] * stretch_y.0[i];
-            let twice = bounded(k_slope_x.0[i]) * memory_1 * memory_1 + bounded(k_slope_y.0[i]) * memory_2 * memory_2;
-            t_n = within(normal + 0.5 * twice, TRACTION);
+            let addition = rule.normal_addition(
+                [memory_1, memory_2],
+                [
+                    jet(k_x.0[i], slope_x.0[i], curvature_x.0[i]),
+                    jet(k_y.0[i], slope_y.0[i], curvature_y.0[i]),
+                ],
+            );
+            t_n = within(normal + addition.value, TRACTION);
         }
         let closed = u_n.0[i] > 0.0;
         // Zero, or NaN where the input is no number.
@@ -531,16 +551,17 @@ fn tractions<const RULE: u8, const B: usize>(
 
 /// Consistent tangent: with the direction of slip `d`, `t = limit d`, so
 /// `dt = (limit/|trial|) (I - d d) d(trial) + mu t_n' d du_n`.
-struct Tangent<'a, 'b, const RULE: u8, const B: usize>(&'a mut Block<'b, B>);
+struct Tangents<'a, 'b, R, const B: usize>(&'a mut Block<'b, B>, R);
 
-impl<const RULE: u8, const B: usize> Pass for Tangent<'_, '_, RULE, B> {
+impl<R: FrictionRule, const B: usize> Pass for Tangents<'_, '_, R, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let block = self.0;
+        let Self(block, rule) = self;
         let Some([xx, xy, xn, yx, yy, yn, nx, ny, nn]) = &mut block.tangent else {
             return;
         };
-        tangents(
+        tangential_rows(
+            rule,
             block.mu,
             block.u_n,
             block.curves,
@@ -552,13 +573,23 @@ impl<const RULE: u8, const B: usize> Pass for Tangent<'_, '_, RULE, B> {
             yy,
             yn,
         );
-        normal_tangents::<RULE, B>(block.mu, block.u_n, block.curves, block.workspace, nx, ny, nn);
+        normal_row(rule, block.mu, block.u_n, block.curves, block.workspace, nx, ny, nn);
     }
+}
+
+/// Derivative of the slip limit with respect to the interference.
+#[inline(always)]
+fn limit_slope<R: FrictionRule>(rule: R, mu: f64, normal: f64, normal_slope: f64) -> f64 {
+    within(
+        rule.slip_limit(mu, bounded(normal)).slope * bounded(normal_slope),
+        TRACTION,
+    )
 }
 
 /// Rows of the tangential tractions.
 #[inline(always)]
-fn tangents<const B: usize>(
+fn tangential_rows<R: FrictionRule, const B: usize>(
+    rule: R,
     mu: &[f64],
     u_n: &Lanes<f64, B>,
     curves: &CurveBlock<B>,
@@ -583,7 +614,7 @@ fn tangents<const B: usize>(
         let across_x = if sticks { 1.0 } else { ratio * d_y * d_y };
         let across_y = if sticks { 1.0 } else { ratio * d_x * d_x };
         let mixed = -(ratio * d_x * d_y);
-        let slip_slope = within(mu[i] * bounded(curves.normal_slope.0[i]), TRACTION);
+        let slip_slope = limit_slope(rule, mu[i], curves.normal.0[i], curves.normal_slope.0[i]);
         let closed = u_n.0[i] > 0.0;
         let fill = 0.0 * u_n.0[i];
         let with_x_n = across_x * closing_x + mixed * closing_y + slip_slope * d_x;
@@ -599,7 +630,8 @@ fn tangents<const B: usize>(
 
 /// Row of the normal traction.
 #[inline(always)]
-fn normal_tangents<const RULE: u8, const B: usize>(
+fn normal_row<R: FrictionRule, const B: usize>(
+    rule: R,
     mu: &[f64],
     u_n: &Lanes<f64, B>,
     curves: &CurveBlock<B>,
@@ -614,29 +646,36 @@ fn normal_tangents<const RULE: u8, const B: usize>(
     let ([along_x, along_y], [closing_x, closing_y]) = (&workspace.along, &workspace.closing);
     let ([stretch_x, stretch_y], [direction_x, direction_y]) = (&workspace.stretch, &workspace.direction);
     let [stretch_slope_x, stretch_slope_y] = &workspace.stretch_slope;
-    let [k_slope_x, k_slope_y] = &curves.tangential_slope;
-    let [k_curvature_x, k_curvature_y] = &curves.tangential_curvature;
+    let [k_x, k_y] = &curves.tangential;
+    let [slope_x, slope_y] = &curves.tangential_slope;
+    let [curvature_x, curvature_y] = &curves.tangential_curvature;
     for i in 0..n {
         let slope = bounded(curves.normal_slope.0[i]);
         let (mut row_x, mut row_y, mut row_n) = (0.0, 0.0, slope);
-        if RULE == POTENTIAL {
+        if stretches::<R>() {
             // The held stretch is `ratio` times the trial's; `ratio` changes with the limit and with |trial|.
             let (ratio, share, per_trial) = (workspace.ratio.0[i], workspace.share.0[i], workspace.per_trial.0[i]);
             let (d_x, d_y) = (direction_x.0[i], direction_y.0[i]);
             let (held_x, held_y) = (ratio * stretch_x.0[i], ratio * stretch_y.0[i]);
-            let (weight_x, weight_y) = (bounded(k_slope_x.0[i]) * held_x, bounded(k_slope_y.0[i]) * held_y);
+            let addition = rule.normal_addition(
+                [held_x, held_y],
+                [
+                    jet(k_x.0[i], slope_x.0[i], curvature_x.0[i]),
+                    jet(k_y.0[i], slope_y.0[i], curvature_y.0[i]),
+                ],
+            );
+            let [weight_x, weight_y] = addition.along;
             let turn = weight_x * stretch_x.0[i] + weight_y * stretch_y.0[i];
             let limit_slope = if workspace.regime.0[i] == STICK {
                 0.0
             } else {
-                within(mu[i] * slope, TRACTION)
+                limit_slope(rule, mu[i], curves.normal.0[i], curves.normal_slope.0[i])
             };
             let along_slip = ratio * (d_x * closing_x.0[i] + d_y * closing_y.0[i]);
-            let bend = bounded(k_curvature_x.0[i]) * held_x * held_x + bounded(k_curvature_y.0[i]) * held_y * held_y;
             let stretching = ratio * (weight_x * stretch_slope_x.0[i] + weight_y * stretch_slope_y.0[i]);
             row_x = ratio * share * weight_x - turn * bounded(ratio * d_x * along_x.0[i] * per_trial);
             row_y = ratio * share * weight_y - turn * bounded(ratio * d_y * along_y.0[i] * per_trial);
-            row_n += 0.5 * bend + stretching + turn * bounded((limit_slope - along_slip) * per_trial);
+            row_n += addition.closing + stretching + turn * bounded((limit_slope - along_slip) * per_trial);
             row_x = within(row_x, TRACTION);
             row_y = within(row_y, TRACTION);
             row_n = within(row_n, TRACTION);
@@ -656,24 +695,3 @@ const UP: f64 = f64::from_bits((1023 + 600) << 52);
 /// Bounds of tractions (Pa) and of stretches (m).
 const TRACTION: f64 = 1e300;
 const STRETCH: f64 = 1e75;
-
-/// Cuts a number to a bound; what is no number becomes the bound.
-#[inline(always)]
-fn within(value: f64, bound: f64) -> f64 {
-    max(min(value, bound), -bound)
-}
-
-/// Cuts a number so that the product of two such numbers is finite.
-#[inline(always)]
-fn bounded(value: f64) -> f64 {
-    within(value, 1e150)
-}
-
-#[inline(always)]
-fn is_finite<const N: usize>(values: [f64; N]) -> bool {
-    let mut sum = 0.0;
-    for value in values {
-        sum += value * 0.0;
-    }
-    sum == 0.0
-}

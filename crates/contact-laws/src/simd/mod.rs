@@ -7,7 +7,10 @@
 //! every register width. Only [`crate::simd::elementary`] fuses operations where the processor can, and so differs in the
 //! last bits from processors that cannot.
 
+pub(crate) mod bounds;
 pub(crate) mod elementary;
+
+use core::ops::Range;
 
 /// Points per block: the dozen arrays of a pass stay in the first-level cache.
 pub(crate) const BLOCK: usize = 64;
@@ -54,6 +57,29 @@ pub fn instruction_set() -> &'static str {
         x86::Widest::Baseline => {}
     }
     "baseline"
+}
+
+/// The numbers of a block in each slice.
+#[inline]
+pub(crate) fn part<'a, const N: usize>(slices: &[&'a [f64]; N], block: &Range<usize>) -> [&'a [f64]; N] {
+    let mut parts: [&[f64]; N] = [&[]; N];
+    for (part, slice) in parts.iter_mut().zip(slices) {
+        *part = &slice[block.clone()];
+    }
+    parts
+}
+
+/// Like [`part`], to be written.
+#[inline]
+pub(crate) fn part_mut<'a, const N: usize>(
+    slices: &'a mut [&mut [f64]; N],
+    block: &Range<usize>,
+) -> [&'a mut [f64]; N] {
+    let mut parts: [&mut [f64]; N] = core::array::from_fn(|_| -> &mut [f64] { &mut [] });
+    for (part, slice) in parts.iter_mut().zip(slices) {
+        *part = &mut slice[block.clone()];
+    }
+    parts
 }
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]

@@ -5,7 +5,8 @@ use std::iter::once;
 use proptest::prelude::*;
 
 use super::oracle::{AsGiven, expected};
-use super::{HISTORIES, STEEL, law, remembered, rough};
+use super::{HISTORIES, STEEL, law, memory, remembered, rough};
+use crate::friction::rule::Memory;
 use crate::testing::{
     PointResponse, elastic_curves, evaluate_batch, evaluate_point, fitted_curves, friction_coefficient, step,
 };
@@ -38,9 +39,9 @@ impl Units {
             panic!("five components of state")
         };
         let [x, y, n] = self.jump([x, y, n]);
-        let memory = match history {
-            HistoryRule::Incremental | HistoryRule::Paper => self.traction,
-            HistoryRule::Potential => self.length,
+        let memory = match memory(history) {
+            Memory::Traction => self.traction,
+            Memory::Stretch => self.length,
         };
         [x, y, n, memory_x * memory, memory_y * memory]
     }
@@ -135,9 +136,9 @@ fn histories() -> impl Strategy<Value = HistoryRule> {
 /// A begin state for the rule, in numbers that the systems represent exactly.
 fn remembered_exactly(history: HistoryRule, begin: [f64; 5]) -> [f64; 5] {
     let [x, y, n, memory_x, memory_y] = remembered(history, begin);
-    match history {
-        HistoryRule::Incremental | HistoryRule::Paper => begin,
-        HistoryRule::Potential => [x, y, n, exact(memory_x), exact(memory_y)],
+    match memory(history) {
+        Memory::Traction => begin,
+        Memory::Stretch => [x, y, n, exact(memory_x), exact(memory_y)],
     }
 }
 

@@ -5,7 +5,8 @@ use std::cell::Cell;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
-use super::{HISTORIES, asperities, elastic, fitted, greenwood_williamson, law, remembered, rough, table};
+use super::{HISTORIES, asperities, elastic, fitted, greenwood_williamson, law, memory, remembered, rough, table};
+use crate::friction::rule::Memory;
 use crate::testing::{
     begin_state, closed_interference, evaluate_point, fitted_curves, friction_coefficient, jump, log_uniform, step,
     tangent_error, work_along,
@@ -36,9 +37,9 @@ fn history() -> impl Strategy<Value = HistoryRule> {
 /// Elastic energy per area of the stretch in a state, at the stiffness `k` of both directions.
 fn stored(history: HistoryRule, state: &[f64], k: f64) -> f64 {
     let square = state[3] * state[3] + state[4] * state[4];
-    match history {
-        HistoryRule::Incremental | HistoryRule::Paper => 0.5 * square / k,
-        HistoryRule::Potential => 0.5 * k * square,
+    match memory(history) {
+        Memory::Traction => 0.5 * square / k,
+        Memory::Stretch => 0.5 * k * square,
     }
 }
 

@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 
 use super::invariants::{TABLE, laws};
-use super::{HISTORIES, fitted, law, normal_fit, relative, rough};
+use super::{HISTORIES, fitted, law, memory, normal_fit, relative, rough};
+use crate::friction::rule::Memory;
 use crate::testing::{PointResponse, evaluate_point, log_uniform};
 use crate::*;
 
@@ -206,9 +207,9 @@ fn coincident_states() {
                 let u = [3e-6, -2e-6, n];
                 let (t_n, [k_x, k_y]) = curves_at(&*law, u);
                 let held = [0.15 * t_n, -0.2 * t_n];
-                let memory = match history {
-                    HistoryRule::Incremental | HistoryRule::Paper => held,
-                    HistoryRule::Potential => [held[0] / k_x, held[1] / k_y],
+                let memory = match memory(history) {
+                    Memory::Traction => held,
+                    Memory::Stretch => [held[0] / k_x, held[1] / k_y],
                 };
                 let begin = [u[0], u[1], n, memory[0], memory[1]];
                 let found = at(&*law, u, &begin);

@@ -17,6 +17,7 @@ mod oracle;
 mod refusals;
 mod tables;
 
+use crate::friction::rule::Memory;
 use crate::*;
 
 /// Steel as used for the beam of the method paper, section 4.1.
@@ -132,14 +133,19 @@ fn rough(curves: FittedCurves, mu: f64, history: HistoryRule) -> RoughLaw {
     RoughLaw::try_new(points, PointParameters::uniform(mu, 1), history).unwrap()
 }
 
+/// All rules: the tests of any rule are about these.
 const HISTORIES: [HistoryRule; 3] = [HistoryRule::Incremental, HistoryRule::Paper, HistoryRule::Potential];
+
+fn memory(history: HistoryRule) -> Memory {
+    history.needs().memory
+}
 
 /// A begin state that [`crate::testing::begin_state`] made with tractions as its memory, for any rule: stretches are
 /// those of 1e12 Pa/m.
 fn remembered(history: HistoryRule, [x, y, n, t_x, t_y]: [f64; 5]) -> [f64; 5] {
-    match history {
-        HistoryRule::Incremental | HistoryRule::Paper => [x, y, n, t_x, t_y],
-        HistoryRule::Potential => [x, y, n, 1e-12 * t_x, 1e-12 * t_y],
+    match memory(history) {
+        Memory::Traction => [x, y, n, t_x, t_y],
+        Memory::Stretch => [x, y, n, 1e-12 * t_x, 1e-12 * t_y],
     }
 }
 

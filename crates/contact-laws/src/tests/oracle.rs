@@ -214,25 +214,6 @@ fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// How the stuck traction follows from the history.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Rule {
-    Incremental,
-    Paper,
-    /// State: `u_x, u_y, u_n` and the elastic stretch `e_x, e_y` (m).
-    Potential,
-}
-
-impl From<HistoryRule> for Rule {
-    fn from(history: HistoryRule) -> Self {
-        match history {
-            HistoryRule::Incremental => Self::Incremental,
-            HistoryRule::Paper => Self::Paper,
-            HistoryRule::Potential => Self::Potential,
-        }
-    }
-}
-
 /// What the description says.
 #[derive(Debug)]
 pub(super) struct Expected {
@@ -249,7 +230,7 @@ pub(super) struct Expected {
 pub(super) fn expected(
     curves: &impl Curves,
     mu: f64,
-    rule: Rule,
+    rule: HistoryRule,
     sticking: Sticking,
     jump: [f64; 3],
     begin: &[f64],
@@ -275,15 +256,15 @@ pub(super) fn expected(
     let normal = curves.normal(u[2]);
     // Stuck tangential tractions.
     let trial: [Quantity3; 2] = std::array::from_fn(|q| match rule {
-        Rule::Incremental => {
+        HistoryRule::Incremental => {
             let middle = (u[2] + lower) / number(2.0);
             number(begin[3 + q]) + share * curves.tangential(q, middle) * moved[q]
         }
-        Rule::Paper => {
+        HistoryRule::Paper => {
             let (k, slope) = with_slope(|u| curves.tangential(q, u), u[2]);
             number(begin[3 + q]) + k * moved[q] + slope * moved[2] * u[q]
         }
-        Rule::Potential => curves.tangential(q, u[2]) * (number(begin[3 + q]) + share * moved[q]),
+        HistoryRule::Potential => curves.tangential(q, u[2]) * (number(begin[3 + q]) + share * moved[q]),
     });
 
     let limit = number(mu) * normal;
@@ -309,8 +290,8 @@ pub(super) fn expected(
         (length.value() - limit.value()).abs() / (rounding.max(limit.value()))
     };
     let (memory, coupling) = match rule {
-        Rule::Incremental | Rule::Paper => (tangential, number(0.0)),
-        Rule::Potential => {
+        HistoryRule::Incremental | HistoryRule::Paper => (tangential, number(0.0)),
+        HistoryRule::Potential => {
             let stretch = std::array::from_fn(|q| scale * (number(begin[3 + q]) + share * moved[q]));
             let coupling = [0, 1].into_iter().fold(number(0.0), |sum, q| {
                 let slope = with_slope(|u| curves.tangential(q, u), u[2]).1;
@@ -569,9 +550,9 @@ fn friction_on_a_table() {
     );
 }
 
-/// Answer of [`Rule::Potential`] as that of a law with the stretch as its memory, and what that adds to `t_n`.
+/// Answer of [`HistoryRule::Potential`] as that of a law with the stretch as its memory, and what that adds to `t_n`.
 fn potential(curves: &impl Curves, mu: f64, sticking: Sticking, jump: [f64; 3], begin: &[f64]) -> (PointResponse, f64) {
-    let found = expected(curves, mu, Rule::Potential, sticking, jump, begin);
+    let found = expected(curves, mu, HistoryRule::Potential, sticking, jump, begin);
     let response = PointResponse {
         traction: found.traction.map(|t| t.value()),
         tangent: found.traction.map(|t| t.derivatives.map(|d| d.value)),
@@ -767,7 +748,7 @@ fn potential_steps_dissipate() {
 #[test]
 fn rules_without_a_potential_can_gain_energy() {
     let curves = super::fitted();
-    let work = |rule: Rule, phase: f64| {
+    let work = |rule: HistoryRule, phase: f64| {
         let path = closed_path([1e-7, 0.0, 1e-6], [phase, 0.0, 0.0], 0.5, 4000);
         let [x, y, u_n] = path[0];
         let respond = |u: [f64; 3], begin: &[f64]| {
@@ -782,7 +763,7 @@ fn rules_without_a_potential_can_gain_energy() {
         work_along(&path, &[x, y, u_n, 0.0, 0.0], respond).0
     };
     let works = |rule| [0.0, 1.0, 2.0, 4.0, 5.0].map(|phase| work(rule, phase));
-    let (incremental, conserving) = (works(Rule::Incremental), works(Rule::Potential));
+    let (incremental, conserving) = (works(HistoryRule::Incremental), works(HistoryRule::Potential));
     println!("work of stuck cycles: incremental {incremental:?}, potential {conserving:?} J/m^2");
     let gained = incremental.iter().fold(0.0_f64, |least, w| least.min(*w));
     // What is left to the potential is energy of the stretch at the end, and never negative.
