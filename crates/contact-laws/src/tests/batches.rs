@@ -187,7 +187,7 @@ fn same_in_millimetres<C: ContactCurves, L: TractionLaw>(
         );
         let there = back.response(history, &there);
         // How far cancellation makes these numbers uncertain at all.
-        let oracle = expected(&AsGiven(&curves), mu, history.into(), Sticking::Coulomb, u, &begin);
+        let oracle = expected(&AsGiven(&curves), mu, history, Sticking::Coulomb, u, &begin);
         if oracle.cone_distance < 1e-11 {
             continue;
         }

@@ -265,7 +265,7 @@ fn laws_agree_on_both_paths() {
                         prop_assert!(found.is_identical(by_point), "{found:?} {by_point:?}");
                     } else if jump[i][2] >= 1e-12 {
                         let (curves, mu) = (each.at(i), *mu.at(i));
-                        let expected = expected(curves, mu, history.into(), sticking, jump[i], &begin[i]);
+                        let expected = expected(curves, mu, history, sticking, jump[i], &begin[i]);
                         if expected.cone_distance < 1e-11 {
                             continue;
                         }

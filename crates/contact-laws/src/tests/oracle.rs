@@ -418,7 +418,7 @@ fn both<L: TractionLaw>(
         let (law, begin) = (law(history), remembered(history, begin));
         for sticking in [Sticking::Coulomb, Sticking::Full] {
             let found = evaluate_point(&law, 0, sticking, jump, &begin);
-            pairs.push((found, expected(oracle, mu, history.into(), sticking, jump, &begin)));
+            pairs.push((found, expected(oracle, mu, history, sticking, jump, &begin)));
         }
     }
     pairs
