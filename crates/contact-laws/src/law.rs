@@ -7,6 +7,9 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use core::ops::{AddAssign, Range};
 
+/// The method paper, where eqs. (18)-(20), (28), (29), (45) are from.
+pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";
+
 /// One vector per point: components along x, y and the normal n.
 #[derive(Debug, Clone, Copy)]
 pub struct Components<'a> {
@@ -180,6 +183,7 @@ pub enum Regime {
 
 /// Number of points in each regime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RegimeCounts {
     /// Sticking points.
     pub stick: usize,

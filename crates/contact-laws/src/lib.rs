@@ -14,18 +14,18 @@
 //! - **Totality**: parameters are validated when a law is made, evaluation never fails and never allocates; finite
 //!   input gives finite output. A point whose input is not finite is counted as invalid and its tractions are NaN.
 //!
-//! | law | normal and tangential curves | made from | module |
+//! | law | normal and tangential curves | made from | page |
 //! |---|---|---|---|
-//! | [`AsperityLaw`] | sums over asperities (Hertz, Mindlin), no fit | gaps, density and radii | [`curves::asperity_sum`] |
-//! | [`GreenwoodWilliamsonLaw`] | closed forms | scale of the heights, density, radii | [`curves::greenwood_williamson`] |
+//! | [`AsperityLaw`] | sums over asperities (Hertz, Mindlin), no fit | gaps, density, radii | [`curves::asperity_sum`] |
+//! | [`GreenwoodWilliamsonLaw`] | closed forms | heights, density, radii | [`curves::greenwood_williamson`] |
 //! | [`TableLaw`] | monotone C1 table of known error | any other curves | [`curves::table`] |
 //! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`curves::fitted`] |
 //! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`curves::elastic`] |
 //! | [`MindlinIwan`] | any of the above, with microslip | curves, number of sliders | [`friction::mindlin_iwan`] |
-//! | [`LinearisedContact`] | constant stiffnesses, constant slip limit | any law's static state | [`friction::linearised`] |
+//! | [`LinearisedContact`] | constant stiffnesses and slip limit | any law's static state | [`friction::linearised`] |
 //!
-//! All carry Coulomb friction; all but the last two are a [`FrictionalLaw`] ([`friction`]). Curves of one's own
-//! implement [`ContactCurves`]. Beside the laws stand single contacts ([`hertz`], [`mindlin`]), onset of yield and
+//! All carry Coulomb friction; all but the last two are a [`FrictionalLaw`]: contact curves ([`curves`]) and a
+//! [`HistoryRule`] ([`friction`]). Curves of one's own implement [`ContactCurves`]. Beside the laws stand single contacts ([`hertz`], [`mindlin`]), onset of yield and
 //! [`adhesion`].
 //!
 //! Equation numbers are those of N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear
@@ -56,6 +56,7 @@ compile_error!("contact-laws needs elementary functions: enable the feature `std
 pub mod curves;
 mod error;
 pub mod friction;
+mod jet;
 pub mod law;
 #[cfg(not(feature = "std"))]
 mod math;
@@ -75,28 +76,29 @@ mod tests;
 #[doc = include_str!("../README.md")]
 mod readme {}
 
-pub use curves::asperity_sum::{
-    AsperityLaw, AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading,
-};
-pub use curves::elastic::{ElasticCurves, ElasticDryFriction};
-pub use curves::fitted::{FittedCurves, NormalFit, RoughLaw, TangentialEnds, TangentialFit};
+pub use curves::asperity_sum::{AsperitySumCurves, TangentialReading};
+pub use curves::elastic::ElasticCurves;
+pub use curves::fitted::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 pub use curves::fitted_points::FittedPoints;
-pub use curves::greenwood_williamson::{
-    GreenwoodWilliamsonCurves, GreenwoodWilliamsonLaw, GreenwoodWilliamsonSurface, HeightDistribution,
-};
-pub use curves::table::{TableLaw, TableOptions, Tabulated};
-pub use curves::{ContactCurves, CurveBlock, CurvesInfo, Exponents, Jet, PointCurves};
+pub use curves::greenwood_williamson::{GreenwoodWilliamsonCurves, GreenwoodWilliamsonSurface};
+pub use curves::table::{TableOptions, Tabulated};
+pub use curves::{ContactCurves, CurveBlock, CurvesInfo, Exponents, PointCurves};
 pub use error::{Error, Place};
 pub use friction::linearised::{LinearisedContact, StaticPoint};
 pub use friction::mindlin_iwan::MindlinIwan;
-pub use friction::{FrictionalLaw, HistoryRule};
+pub use friction::{
+    AsperityLaw, ElasticDryFriction, FrictionalLaw, GreenwoodWilliamsonLaw, HistoryRule, RoughLaw, TableLaw,
+};
+pub use jet::Jet;
 pub use law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
 };
 pub use parameters::PointParameters;
 pub use physics::adhesion::Adhesion;
+pub use physics::heights::HeightDistribution;
 pub use physics::hertz::ElasticPair;
+pub use physics::population::{AsperityPopulation, GapDistribution};
 pub use physics::{adhesion, hertz, mindlin};
 pub use simd::elementary::Real;
 pub use simd::instruction_set;

@@ -5,7 +5,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use crate::curves::asperity_sum::{AsperityPopulation, AsperitySumCurves, GapDistribution, TangentialReading};
+use crate::curves::asperity_sum::{AsperitySumCurves, TangentialReading};
 use crate::curves::fitted::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 use crate::error::Error;
 use crate::law::{
@@ -14,6 +14,7 @@ use crate::law::{
 };
 use crate::parameters::PointParameters;
 use crate::physics::hertz::ElasticPair;
+use crate::physics::population::{AsperityPopulation, GapDistribution};
 use crate::simd::{BLOCK, Lanes, Pass, run};
 
 /// Jumps, begin states and room for all that a law returns.

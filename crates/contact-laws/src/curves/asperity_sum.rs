@@ -19,10 +19,10 @@
 //! `d t_n / d u_n` is `2 (1 - nu)/(2 - nu)`, as at each contact of its own.
 //!
 //! # Gap distribution
-//! [`GapDistribution`] is made of pieces of uniform density between quantiles, or of single samples, the limit of zero
-//! width. The moments are sums over the pieces in closed form, without cancellation. `M_{1/2}` begins as a square root
-//! at each sample and is C1 where a piece of finite width begins. With `Paper` `k_q` jumps at each sample, and its
-//! slope is taken as zero there.
+//! [`GapDistribution`](crate::GapDistribution) is made of pieces of uniform density between quantiles, or of single
+//! samples, the limit of zero width. The moments are sums over the pieces in closed form, without cancellation.
+//! `M_{1/2}` begins as a square root at each sample and is C1 where a piece of finite width begins. With `Paper` `k_q`
+//! jumps at each sample, and its slope is taken as zero there.
 //!
 //! # Parameters
 //! | parameter | unit |
@@ -33,8 +33,8 @@
 //! | Young's modulus `E`, Poisson's ratio `nu` | Pa, 1 |
 //! | friction coefficient `mu` | 1 |
 //!
-//! An evaluation costs a square root or two per loaded piece: for many pieces or points make a [table](crate::curves::table)
-//! once.
+//! An evaluation costs a square root or two per loaded piece: for many pieces or points make a
+//! [table](crate::curves::table) once.
 //!
 //! Sources: N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear dynamic modeling of bolted
 //! joints: formulation, application, and trends in micro-scale interface evolution*, Mech. Syst. Signal Process. 139,
@@ -62,19 +62,14 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use alloc::vec::Vec;
-
-use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
-use crate::error::{Error, Place, require, require_positive};
-use crate::friction::{FrictionalLaw, PAPER_DOI};
-use crate::law::Quantity;
+use crate::curves::{ContactCurves, CurvesInfo, Exponents};
+use crate::error::{Error, Place, require};
+use crate::jet::Jet;
+use crate::law::{PAPER_DOI, Quantity};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::parameters::PointParameters;
 use crate::physics::hertz::ElasticPair;
-
-/// Rough contact by direct asperity sums with friction: the reference for fits and tables.
-pub type AsperityLaw = FrictionalLaw<PointParameters<AsperitySumCurves>>;
+use crate::physics::population::AsperityPopulation;
 
 static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, asperity sum",
@@ -88,315 +83,6 @@ static INFO: CurvesInfo = CurvesInfo {
         Quantity::new("poisson_ratio", "1"),
     ],
 };
-
-/// Distribution of the asperities' initial gaps `s` (m): pieces of uniform density, of which single samples are the
-/// limit of zero width.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GapDistribution {
-    /// Ascending and without overlap.
-    pieces: Vec<Piece>,
-    /// Probability of all pieces before each piece.
-    before: Vec<f64>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Piece {
-    start: f64,
-    width: f64,
-    probability: f64,
-}
-
-impl GapDistribution {
-    /// Equally weighted samples `s >= 0` (m) in any order.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] when a sample is negative or not finite, [`Error::Length`] when there is none.
-    pub fn try_from_samples(mut samples: Vec<f64>) -> Result<Self, Error> {
-        if samples.is_empty() {
-            return Err(Error::Length {
-                list: "asperity gap samples",
-                expected: 1,
-                found: 0,
-            });
-        }
-        for (i, &s) in samples.iter().enumerate() {
-            require_gap(s, i)?;
-        }
-        samples.sort_by(f64::total_cmp);
-        let probability = 1.0 / samples.len() as f64;
-        Ok(Self::from_pieces(
-            samples
-                .into_iter()
-                .map(|start| Piece {
-                    start,
-                    width: 0.0,
-                    probability,
-                })
-                .collect(),
-        ))
-    }
-
-    /// Quantile function, linear between the given `probabilities` (ascending from 0 to 1) with the gaps `values` (m)
-    /// (ascending, not negative). Equal neighbouring values put the probability between them on one gap.
-    ///
-    /// # Errors
-    /// [`Error::Length`] when the lists differ in length or have fewer than two entries, [`Error::Parameter`] when an
-    /// entry is not finite or out of order.
-    pub fn try_from_quantiles(probabilities: &[f64], values: &[f64]) -> Result<Self, Error> {
-        let n = probabilities.len();
-        if n < 2 {
-            return Err(Error::Length {
-                list: "probabilities of the asperity gaps",
-                expected: 2,
-                found: n,
-            });
-        }
-        if values.len() != n {
-            return Err(Error::Length {
-                list: "values of the asperity gaps",
-                expected: n,
-                found: values.len(),
-            });
-        }
-        let (first, last) = (probabilities[0], probabilities[n - 1]);
-        require(
-            first == 0.0,
-            "probability",
-            first,
-            "(no unit)",
-            Place::Entry(0),
-            "0 for the first entry",
-        )?;
-        require(
-            last == 1.0,
-            "probability",
-            last,
-            "(no unit)",
-            Place::Entry(n - 1),
-            "1 for the last entry",
-        )?;
-        require_gap(values[0], 0)?;
-        let mut pieces = Vec::with_capacity(n - 1);
-        for i in 1..n {
-            require_gap(values[i], i)?;
-            let (width, probability) = (values[i] - values[i - 1], probabilities[i] - probabilities[i - 1]);
-            let requirement = "not below the entry before";
-            require(
-                width >= 0.0,
-                "asperity gap",
-                values[i],
-                "m",
-                Place::Entry(i),
-                requirement,
-            )?;
-            require(
-                probability >= 0.0,
-                "probability",
-                probabilities[i],
-                "(no unit)",
-                Place::Entry(i),
-                requirement,
-            )?;
-            if probability > 0.0 {
-                pieces.push(Piece {
-                    start: values[i - 1],
-                    width,
-                    probability,
-                });
-            }
-        }
-        Ok(Self::from_pieces(pieces))
-    }
-
-    fn from_pieces(pieces: Vec<Piece>) -> Self {
-        let before = pieces
-            .iter()
-            .scan(0.0, |sum, piece| {
-                let before = *sum;
-                *sum += piece.probability;
-                Some(before)
-            })
-            .collect();
-        Self { pieces, before }
-    }
-
-    /// Gap of the first asperity to touch (m).
-    pub fn smallest(&self) -> f64 {
-        self.pieces[0].start
-    }
-
-    /// Gap of the last asperity to touch (m).
-    pub fn largest(&self) -> f64 {
-        let last = self.pieces[self.pieces.len() - 1];
-        last.start + last.width
-    }
-
-    /// `M_0(u)`: probability of a gap below `u`.
-    pub fn loaded_fraction(&self, u: f64) -> f64 {
-        match self.n_loaded(u) {
-            0 => 0.0,
-            n => self.before[n - 1] + Loaded::new(&self.pieces[n - 1], u).share,
-        }
-    }
-
-    /// `M_1(u) = E[(u - s)_+]` (m).
-    pub fn mean_interference(&self, u: f64) -> f64 {
-        self.loaded(u).map(|l| 0.5 * l.share * (l.a * l.a + l.b * l.b)).sum()
-    }
-
-    /// `M_{3/2}(u)` (m^(3/2)) and `M_{1/2}(u)` (m^(1/2)).
-    pub fn three_halves_moment(&self, u: f64) -> (f64, f64) {
-        self.loaded(u).fold((0.0, 0.0), |(high, low), l| {
-            let (aa, ab, bb, sum) = (l.a * l.a, l.a * l.b, l.b * l.b, l.a + l.b);
-            let quintic = aa * aa + ab * (aa + ab + bb) + bb * bb;
-            (
-                high + 0.4 * l.share * quintic / sum,
-                low + 2.0 / 3.0 * l.share * (aa + ab + bb) / sum,
-            )
-        })
-    }
-
-    /// `M_{1/2}(u)` with its first two derivatives with respect to `u`.
-    pub fn half_moment(&self, u: f64) -> Jet {
-        self.loaded(u).fold(Jet::default(), |jet, l| {
-            let sum = l.a + l.b;
-            let bend = if l.partly {
-                -l.density / l.a
-            } else {
-                l.share / (l.a * l.b * sum)
-            };
-            Jet {
-                value: jet.value + 2.0 / 3.0 * l.share * (l.a * l.a + l.a * l.b + l.b * l.b) / sum,
-                slope: jet.slope + l.share / sum,
-                curvature: jet.curvature - 0.5 * bend,
-            }
-        })
-    }
-
-    /// Probability density of the gaps at `u` (1/m); zero between samples.
-    fn density(&self, u: f64) -> f64 {
-        match self.n_loaded(u) {
-            0 => 0.0,
-            n => Some(Loaded::new(&self.pieces[n - 1], u))
-                .filter(|l| l.partly)
-                .map_or(0.0, |l| l.density),
-        }
-    }
-
-    /// Start (m), width (m) and probability of every piece, ascending.
-    pub(crate) fn pieces(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
-        self.pieces
-            .iter()
-            .map(|piece| (piece.start, piece.width, piece.probability))
-    }
-
-    /// Number of pieces that begin below `u`.
-    fn n_loaded(&self, u: f64) -> usize {
-        self.pieces.partition_point(|piece| piece.start < u)
-    }
-
-    fn loaded(&self, u: f64) -> impl Iterator<Item = Loaded> + '_ {
-        self.pieces[..self.n_loaded(u)]
-            .iter()
-            .map(move |piece| Loaded::new(piece, u))
-    }
-}
-
-/// The part of a piece with gaps below `u`, from interference `b^2` to `a^2`.
-///
-/// Over it, `integral (u - s)^n ds = (a^(2n+2) - b^(2n+2))/(n + 1)`. Divided by the width `a^2 - b^2 = (a - b)(a + b)`,
-/// the differences become sums of positive terms: no cancellation, and the limit of zero width is included.
-struct Loaded {
-    a: f64,
-    b: f64,
-    /// Probability of the part.
-    share: f64,
-    /// The piece reaches beyond `u`.
-    partly: bool,
-    /// Probability per gap, if `partly`.
-    density: f64,
-}
-
-impl Loaded {
-    #[inline]
-    fn new(piece: &Piece, u: f64) -> Self {
-        let interference = u - piece.start;
-        let a = interference.sqrt();
-        if interference <= piece.width {
-            let density = piece.probability / piece.width;
-            Self {
-                a,
-                b: 0.0,
-                share: density * interference,
-                partly: true,
-                density,
-            }
-        } else {
-            let b = (interference - piece.width).sqrt();
-            Self {
-                a,
-                b,
-                share: piece.probability,
-                partly: false,
-                density: 0.0,
-            }
-        }
-    }
-}
-
-fn require_gap(s: f64, entry: usize) -> Result<(), Error> {
-    let ok = s.is_finite() && s >= 0.0;
-    require(
-        ok,
-        "asperity gap",
-        s,
-        "m",
-        Place::Entry(entry),
-        "finite and not negative: measure it from first touch",
-    )
-}
-
-/// Asperity pairs of an area.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AsperityPopulation {
-    gaps: GapDistribution,
-    density: f64,
-    radii: [f64; 2],
-}
-
-impl AsperityPopulation {
-    /// From the distribution of the initial gaps, the number of pairs per area `n_A` (1/m^2) and the pairs' effective
-    /// radii `beta_x`, `beta_y` (m).
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] when density or radii are not above zero.
-    pub fn try_new(gaps: GapDistribution, density: f64, radii: [f64; 2]) -> Result<Self, Error> {
-        require_positive("asperity_density", density, "1/m^2")?;
-        require_positive("beta_x", radii[0], "m")?;
-        require_positive("beta_y", radii[1], "m")?;
-        Ok(Self { gaps, density, radii })
-    }
-
-    /// Distribution of the initial gaps.
-    pub fn gaps(&self) -> &GapDistribution {
-        &self.gaps
-    }
-
-    /// Pairs per area (1/m^2).
-    pub fn density(&self) -> f64 {
-        self.density
-    }
-
-    /// Effective radii along x and y (m).
-    pub fn radii(&self) -> [f64; 2] {
-        self.radii
-    }
-
-    /// `beta = sqrt(beta_x beta_y)` (m).
-    pub fn effective_radius(&self) -> f64 {
-        self.radii[0].sqrt() * self.radii[1].sqrt()
-    }
-}
 
 /// Which tangential stiffness the asperities have; see the [module](self).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -437,12 +123,11 @@ impl AsperitySumCurves {
     ) -> Result<Self, Error> {
         material.validate()?;
         let root = population.effective_radius().sqrt();
-        let normal_factor = population.density * 4.0 / 3.0 * material.composite_modulus() * root;
-        let nu = material.poisson_ratio;
-        let shear = 2.0 * material.youngs_modulus / ((2.0 - nu) * (1.0 + nu));
+        let normal_factor = population.density() * 4.0 / 3.0 * material.composite_modulus() * root;
+        let shear = material.mindlin_modulus();
         let tangential_factors = match reading {
-            TangentialReading::Mindlin => [population.density * shear * root; 2],
-            TangentialReading::Paper => population.radii.map(|beta| 2.0 * population.density * shear * beta),
+            TangentialReading::Mindlin => [population.density() * shear * root; 2],
+            TangentialReading::Paper => population.radii().map(|beta| 2.0 * population.density() * shear * beta),
         };
         let factors = [
             ("normal stiffness of the asperities", normal_factor),
@@ -485,18 +170,18 @@ impl ContactCurves for AsperitySumCurves {
 
     #[inline]
     fn normal(&self, u_n: f64) -> (f64, f64) {
-        let (high, low) = self.population.gaps.three_halves_moment(u_n);
+        let (high, low) = self.population.gaps().three_halves_moment(u_n);
         (self.normal_factor * high, self.normal_factor * 1.5 * low)
     }
 
     #[inline]
     fn tangential(&self, u_n: f64) -> [Jet; 2] {
-        let gaps = &self.population.gaps;
+        let gaps = self.population.gaps();
         let moment = match self.reading {
             TangentialReading::Mindlin => gaps.half_moment(u_n),
             TangentialReading::Paper => Jet {
                 value: gaps.loaded_fraction(u_n),
-                slope: gaps.density(u_n),
+                slope: gaps.density_at(u_n),
                 curvature: 0.0,
             },
         };
@@ -509,8 +194,11 @@ impl ContactCurves for AsperitySumCurves {
 
     /// A first piece of finite width, touching from `u_n = 0`, raises the single asperity's exponents by one.
     fn exponents(&self) -> Exponents {
-        let first = self.population.gaps.pieces[0];
-        let rise = if first.width > 0.0 { 1.0 } else { 0.0 };
+        let rise = if self.population.gaps().begins_with_a_width() {
+            1.0
+        } else {
+            0.0
+        };
         let tangential = match self.reading {
             TangentialReading::Mindlin => 0.5,
             TangentialReading::Paper => 0.0,
@@ -523,11 +211,11 @@ impl ContactCurves for AsperitySumCurves {
 
     fn contact_area_ratio(&self, u_n: f64) -> Option<f64> {
         let beta = self.population.effective_radius();
-        Some(self.population.density * core::f64::consts::PI * beta * self.population.gaps.mean_interference(u_n))
+        Some(self.population.density() * core::f64::consts::PI * beta * self.population.gaps().mean_interference(u_n))
     }
 
     fn yielded_fraction(&self, u_n: f64, omega_c: f64) -> Option<f64> {
-        let gaps = &self.population.gaps;
+        let gaps = self.population.gaps();
         let loaded = gaps.loaded_fraction(u_n);
         Some(if loaded > 0.0 {
             gaps.loaded_fraction(u_n - omega_c.max(0.0)) / loaded

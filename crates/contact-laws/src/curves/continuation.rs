@@ -1,6 +1,6 @@
 //! How a curve goes on beyond the range in which it is known: C1, positive, and with a stated limit.
 
-use crate::curves::Jet;
+use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 

@@ -60,14 +60,10 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
+use crate::curves::{ContactCurves, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require, require_positive};
-use crate::friction::{FrictionalLaw, PAPER_DOI};
-use crate::law::Quantity;
-use crate::parameters::PointParameters;
-
-/// Elastic dry friction.
-pub type ElasticDryFriction = FrictionalLaw<PointParameters<ElasticCurves>>;
+use crate::jet::Jet;
+use crate::law::{PAPER_DOI, Quantity};
 
 static INFO: CurvesInfo = CurvesInfo {
     name: "elastic dry friction",

@@ -44,9 +44,9 @@
 //! | friction coefficient `mu` | 1 | not negative |
 //!
 //! # Two ways to evaluate
-//! - [`RoughLaw`], on [`FittedPoints`]: the points of a block in vector registers, with elementary functions made of
-//!   additions, multiplications and a division. `FittedPoints<f64>` is the default; `FittedPoints<f32>` evaluates the
-//!   formulas in single precision, everything else in double.
+//! - [`RoughLaw`](crate::RoughLaw), on [`FittedPoints`](crate::FittedPoints): the points of a block in vector
+//!   registers, with elementary functions made of additions, multiplications and a division. `FittedPoints<f64>` is the
+//!   default; `FittedPoints<f32>` evaluates the formulas in single precision, everything else in double.
 //! - `FrictionalLaw<PointParameters<FittedCurves>>`: point by point with the elementary functions of the standard
 //!   library (or of `libm`). It is the reference for the other.
 //!
@@ -111,16 +111,12 @@
 #![doc = include_str!("../../katex.html")]
 
 use crate::curves::continuation::End;
-use crate::curves::fitted_points::FittedPoints;
-use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
+use crate::curves::{ContactCurves, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require, require_positive};
-use crate::friction::{FrictionalLaw, PAPER_DOI};
-use crate::law::Quantity;
+use crate::jet::Jet;
+use crate::law::{PAPER_DOI, Quantity};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-
-/// Rough contact by fitted curves with friction, evaluated in vector registers.
-pub type RoughLaw = FrictionalLaw<FittedPoints>;
 
 pub(crate) static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, fitted curves",

@@ -66,14 +66,10 @@
 use alloc::vec::Vec;
 
 use crate::curves::continuation::End;
-use crate::curves::{ContactCurves, CurvesInfo, Exponents, Jet};
+use crate::curves::{ContactCurves, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require, require_positive};
-use crate::friction::{FrictionalLaw, PAPER_DOI};
-use crate::law::Quantity;
-use crate::parameters::PointParameters;
-
-/// Tabulated contact curves with friction.
-pub type TableLaw<C> = FrictionalLaw<PointParameters<Tabulated<C>>>;
+use crate::jet::Jet;
+use crate::law::{PAPER_DOI, Quantity};
 
 static INFO: CurvesInfo = CurvesInfo {
     name: "tabulated contact curves",

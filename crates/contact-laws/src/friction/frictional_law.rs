@@ -2,13 +2,14 @@
 
 use core::ops::Range;
 
+use super::block_start::{Present, Start};
 use super::history_rule::{HistoryRule, Needs};
-use super::return_map::{Block, Present, Start, Workspace};
-use super::{JUMP, MU, PAPER_DOI, require_friction};
+use super::return_map::{Block, Workspace};
+use super::{JUMP, MU, require_friction};
 use crate::curves::{CurveBlock, PointCurves};
 use crate::error::Error;
 use crate::law::{
-    Components, ComponentsMut, LawInfo, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
+    Components, ComponentsMut, LawInfo, PAPER_DOI, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw, check_points,
 };
 use crate::parameters::PointParameters;

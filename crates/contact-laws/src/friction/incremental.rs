@@ -25,7 +25,7 @@
 #![doc = include_str!("../../katex.html")]
 
 use super::rule::{FrictionRule, Memory, Path, StiffnessAt, Trial};
-use crate::curves::Jet;
+use crate::jet::Jet;
 use crate::simd::bounds::bounded;
 
 #[derive(Debug, Clone, Copy)]

@@ -70,10 +70,10 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::error::{Error, Place, require};
-use crate::friction::{PAPER_DOI, require_friction};
+use crate::friction::require_friction;
 use crate::law::{
-    Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw, check_points,
+    Components, ComponentsMut, LawInfo, PAPER_DOI, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
+    TangentMut, TractionLaw, check_points,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;

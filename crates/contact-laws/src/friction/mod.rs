@@ -89,9 +89,11 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
+mod block_start;
 mod frictional_law;
 mod history_rule;
 pub mod incremental;
+mod laws;
 pub mod linearised;
 pub mod mindlin_iwan;
 pub mod paper;
@@ -101,13 +103,11 @@ pub(crate) mod rule;
 
 pub use frictional_law::FrictionalLaw;
 pub use history_rule::HistoryRule;
+pub use laws::{AsperityLaw, ElasticDryFriction, GreenwoodWilliamsonLaw, RoughLaw, TableLaw};
 
 use crate::error::{Error, Place, require};
 use crate::law::Quantity;
 use crate::parameters::PointParameters;
-
-/// Reference of eqs. (18)-(20), (28), (29), (45).
-pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";
 
 /// State of the laws of this crate: first the jump committed last.
 pub(crate) const JUMP: [Quantity; 3] = [

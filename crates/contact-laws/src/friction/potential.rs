@@ -34,7 +34,7 @@
 #![doc = include_str!("../../katex.html")]
 
 use super::rule::{FrictionRule, Memory, NormalAddition, Path, StiffnessAt, Trial};
-use crate::curves::Jet;
+use crate::jet::Jet;
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Potential;

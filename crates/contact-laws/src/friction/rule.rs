@@ -1,6 +1,6 @@
 //! What a history rule says at one point. [`super::return_map`] applies it to blocks of points.
 
-use crate::curves::Jet;
+use crate::jet::Jet;
 use crate::law::Quantity;
 
 /// How the tangential traction of a point follows from its history, and what limits it.

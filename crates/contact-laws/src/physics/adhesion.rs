@@ -67,11 +67,11 @@
 
 use core::f64::consts::PI;
 
-use crate::curves::asperity_sum::AsperityPopulation;
 use crate::error::{Error, require_positive};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use crate::physics::hertz::ElasticPair;
+use crate::physics::population::AsperityPopulation;
 
 /// Hardness coefficient `K = 0.454 + 0.41 nu`.
 pub fn hardness_coefficient(poisson_ratio: f64) -> f64 {

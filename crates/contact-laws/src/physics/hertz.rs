@@ -88,6 +88,11 @@ impl ElasticPair {
         self.youngs_modulus / (2.0 * (1.0 - self.poisson_ratio.powi(2)))
     }
 
+    /// Mindlin's modulus `2 E / ((2 - nu)(1 + nu))` (Pa): the tangential stiffness of a contact over its radius.
+    pub(crate) fn mindlin_modulus(&self) -> f64 {
+        2.0 * self.youngs_modulus / ((2.0 - self.poisson_ratio) * (1.0 + self.poisson_ratio))
+    }
+
     /// `k_t / (dN/dw) = 2 (1 - nu)/(2 - nu)`, Mindlin's ratio of the tangential to the normal stiffness.
     pub fn mindlin_ratio(&self) -> f64 {
         2.0 * (1.0 - self.poisson_ratio) / (2.0 - self.poisson_ratio)

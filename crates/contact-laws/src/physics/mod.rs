@@ -1,5 +1,8 @@
-//! Single contacts and what happens at them beside friction: Hertz, Mindlin, adhesion and onset of yield.
+//! Asperities and what happens at them beside friction: single contacts (Hertz, Mindlin), populations, distributions of
+//! heights, adhesion and onset of yield.
 
 pub mod adhesion;
+pub(crate) mod heights;
 pub mod hertz;
 pub mod mindlin;
+pub(crate) mod population;

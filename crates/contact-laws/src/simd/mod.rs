@@ -4,8 +4,12 @@
 //! compiler can turn several points into one instruction. [`run`] executes it with AVX-512 or AVX2 where the processor
 //! has them and otherwise with what every processor of the target has. A point's result has the same bits in every
 //! block and at any place in it, because additions, multiplications, divisions and square roots are rounded alike in
-//! every register width. Only [`crate::simd::elementary`] fuses operations where the processor can, and so differs in the
-//! last bits from processors that cannot.
+//! every register width. Only [`elementary`] fuses operations where the processor can, and so differs in the last bits
+//! from processors that cannot.
+//!
+//! Two things keep the compiler from using the registers: arrays that it cannot tell apart (give each an argument of its
+//! own), and functions that take what a loop loads by reference (pass values; references to [`Lanes`] made short batches
+//! slower by a quarter).
 
 pub(crate) mod bounds;
 pub(crate) mod elementary;

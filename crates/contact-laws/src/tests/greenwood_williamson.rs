@@ -1,7 +1,7 @@
 //! Closed forms of exponential and Gaussian heights against quadrature, asperity sums and sampling.
 
 use super::{STEEL, relative};
-use crate::curves::greenwood_williamson::HalfMoments;
+use crate::physics::heights::HalfMoments;
 use crate::*;
 use std::f64::consts::{PI, TAU};
 

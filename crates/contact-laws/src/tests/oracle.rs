@@ -7,7 +7,8 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
 use super::dual::{Dual, Real, Rounded};
-use super::{HISTORIES, STEEL, law, remembered, rough, table};
+use super::{HISTORIES, STEEL, law, memory, remembered, rough, table};
+use crate::friction::rule::Memory;
 use crate::testing::{
     PointResponse, closed_interference, evaluate_point, fitted_curves, friction_coefficient, log_uniform, step,
     work_along,
@@ -289,9 +290,9 @@ pub(super) fn expected(
         let rounding = length.value.rounding + limit.value.rounding;
         (length.value() - limit.value()).abs() / (rounding.max(limit.value()))
     };
-    let (memory, coupling) = match rule {
-        HistoryRule::Incremental | HistoryRule::Paper => (tangential, number(0.0)),
-        HistoryRule::Potential => {
+    let (memory, coupling) = match memory(rule) {
+        Memory::Traction => (tangential, number(0.0)),
+        Memory::Stretch => {
             let stretch = std::array::from_fn(|q| scale * (number(begin[3 + q]) + share * moved[q]));
             let coupling = [0, 1].into_iter().fold(number(0.0), |sum, q| {
                 let slope = with_slope(|u| curves.tangential(q, u), u[2]).1;

@@ -1,0 +1,99 @@
+//! What the evaluation of a block begins with: the interferences at which its curves are needed, and what is present.
+
+use super::rule::StiffnessAt;
+use crate::simd::bounds::is_finite;
+use crate::simd::elementary::max;
+use crate::simd::{Lanes, Pass};
+
+/// Start of a block: the interferences at which its curves are needed, zero where a point is open and NaN where its
+/// input is no number; and the jump as part of the end state.
+pub(crate) struct Start<'a, const B: usize> {
+    pub(crate) jump: [&'a [f64]; 3],
+    pub(crate) begin: [&'a [f64]; 5],
+    pub(crate) stiffness: StiffnessAt,
+    pub(crate) u_n: &'a mut Lanes<f64, B>,
+    pub(crate) middle: &'a mut Lanes<f64, B>,
+    pub(crate) end: [&'a mut [f64]; 3],
+    pub(crate) present: &'a mut Present,
+}
+
+/// What a block has to deal with.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Present {
+    /// A closed point.
+    pub(crate) closed: bool,
+    /// A closed point that was open at its begin state.
+    pub(crate) reclosed: bool,
+}
+
+impl<const B: usize> Pass for Start<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let [x, y, n] = self.jump;
+        let [x_0, y_0, n_0, memory_1, memory_2] = self.begin;
+        let [end_x, end_y, end_n] = self.end;
+        *self.present = start(
+            self.stiffness == StiffnessAt::Middle,
+            x,
+            y,
+            n,
+            x_0,
+            y_0,
+            n_0,
+            memory_1,
+            memory_2,
+            self.u_n,
+            self.middle,
+            end_x,
+            end_y,
+            end_n,
+        );
+    }
+}
+
+/// [`Start`]. Every array is an argument of its own, here and below, because that alone tells the compiler that they do
+/// not overlap.
+#[inline(always)]
+fn start<const B: usize>(
+    halfway: bool,
+    jump_x: &[f64],
+    jump_y: &[f64],
+    jump_n: &[f64],
+    begin_x: &[f64],
+    begin_y: &[f64],
+    begin_n: &[f64],
+    begin_1: &[f64],
+    begin_2: &[f64],
+    closed_u_n: &mut Lanes<f64, B>,
+    middle: &mut Lanes<f64, B>,
+    end_x: &mut [f64],
+    end_y: &mut [f64],
+    end_n: &mut [f64],
+) -> Present {
+    let n = jump_x.len().min(B);
+    let (jump_x, jump_y, jump_n) = (&jump_x[..n], &jump_y[..n], &jump_n[..n]);
+    let (begin_x, begin_y, begin_n) = (&begin_x[..n], &begin_y[..n], &begin_n[..n]);
+    let (begin_1, begin_2) = (&begin_1[..n], &begin_2[..n]);
+    let (end_x, end_y, end_n) = (&mut end_x[..n], &mut end_y[..n], &mut end_n[..n]);
+    let (mut n_closed, mut n_reclosed) = (0_u64, 0_u64);
+    for i in 0..n {
+        let (u_x, u_y, u_n, u_n0) = (jump_x[i], jump_y[i], jump_n[i], begin_n[i]);
+        let finite = is_finite([u_x, u_y, u_n, begin_x[i], begin_y[i], u_n0, begin_1[i], begin_2[i]]);
+        let closed = finite & (u_n > 0.0);
+        let from = if halfway { max(u_n0, 0.0) } else { u_n };
+        // The mean of two positive numbers: halves first, their sum could overflow; but a halved denormal could vanish.
+        let mean = max(0.5 * u_n + 0.5 * from, f64::from_bits(1));
+        let fill = if finite { 0.0 } else { f64::NAN };
+        closed_u_n.0[i] = if closed { u_n } else { fill };
+        middle.0[i] = if closed { mean } else { 0.0 };
+        end_x[i] = u_x + fill;
+        end_y[i] = u_y + fill;
+        end_n[i] = u_n + fill;
+        n_closed += u64::from(closed);
+        n_reclosed += u64::from(closed & (u_n0 < 0.0));
+    }
+    Present {
+        closed: n_closed > 0,
+        reclosed: n_reclosed > 0,
+    }
+}
