@@ -1,12 +1,13 @@
 //! Coupled quasi-static modal analysis (eqs. 40-42): the hysteresis loops of one mode against its inertial load.
 
 use crate::Error;
-use crate::force::{HystereticForce, PointCounts};
+use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
 use crate::linear::{Motion, dot, multiply};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Walk};
 use crate::path::Path;
+use contact_laws::RegimeCounts;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -131,7 +132,7 @@ pub struct LoopResult {
     /// Largest residual at a vertex, relative to the peak load (energy norm).
     pub residual: f64,
     /// Regimes of the points at the positive peak.
-    pub counts: PointCounts,
+    pub counts: RegimeCounts,
     /// The loop itself.
     pub hysteresis: Loop,
 }
@@ -143,7 +144,7 @@ struct Circumstances {
     closure: f64,
     residual: f64,
     shape_deviation: f64,
-    counts: PointCounts,
+    counts: RegimeCounts,
 }
 
 impl LoopResult {
@@ -364,7 +365,7 @@ impl<F: HystereticForce> Tour<'_, F> {
 
     /// Walks the first loading and the cycles before the measured one; returns how many cycles these were, whether the last
     /// of them was closed, and the regimes at its end.
-    fn settle_down(&mut self) -> Result<(usize, bool, PointCounts), Failure> {
+    fn settle_down(&mut self) -> Result<(usize, bool, RegimeCounts), Failure> {
         // With commits at reversals only, the vertices between them do not influence what follows: these cycles need no
         // more than their reversals.
         let quarter = self.settings.vertices_per_quarter;
@@ -405,9 +406,9 @@ impl<F: HystereticForce> Tour<'_, F> {
     }
 
     /// Walks to `target` in `steps` equal steps, calls `record` at each, and commits the history at the end.
-    fn branch(&mut self, target: f64, steps: usize, record: &mut dyn FnMut(&Self)) -> Result<PointCounts, Failure> {
+    fn branch(&mut self, target: f64, steps: usize, record: &mut dyn FnMut(&Self)) -> Result<RegimeCounts, Failure> {
         let start = self.path.at;
-        let mut counts = PointCounts::default();
+        let mut counts = RegimeCounts::default();
         for step in 1..=steps {
             let goal = if step == steps {
                 target

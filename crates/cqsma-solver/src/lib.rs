@@ -29,9 +29,10 @@ pub mod rqnma;
 pub mod test_problems;
 pub mod transient;
 
+pub use contact_laws::{RegimeCounts, Sticking};
 pub use cqsma::{BackbonePoint, LoopObserver, LoopResult, NoObserver};
 pub use error::Error;
-pub use force::{HystereticForce, Pattern, PointCounts, Sliding};
+pub use force::{HystereticForce, PatternView};
 pub use loading::{LoadingPoint, LoadingResult};
 pub use modes::Linearisation;
 pub use newton::{Failure, LinearSolver, NewtonSettings, Reason};

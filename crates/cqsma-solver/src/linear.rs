@@ -2,7 +2,7 @@
 //! one.
 
 use crate::Error;
-use crate::force::Pattern;
+use crate::force::PatternView;
 use dense_algebra::Symmetric;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
@@ -29,7 +29,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Stiffness plus a sparse tangent on its leading block.
-pub(crate) fn with_tangent(stiffness: MatRef<'_, f64>, pattern: &Pattern, values: &[f64]) -> Mat<f64> {
+pub(crate) fn with_tangent(stiffness: MatRef<'_, f64>, pattern: PatternView<'_>, values: &[f64]) -> Mat<f64> {
     let mut sum = stiffness.to_owned();
     for row in 0..pattern.indptr.len() - 1 {
         for k in pattern.indptr[row]..pattern.indptr[row + 1] {
@@ -93,7 +93,7 @@ impl Stuck {
     /// Lower Cholesky factor of `stiffness + (tangent + tangent^T) / 2`, and the structure that it belongs to.
     pub(crate) fn try_new(
         stiffness: MatRef<'_, f64>,
-        pattern: &Pattern,
+        pattern: PatternView<'_>,
         tangent: &[f64],
     ) -> Result<(Mat<f64>, Self), Error> {
         let tangent = symmetrised(pattern, tangent);
@@ -114,7 +114,7 @@ impl Stuck {
 
     /// Energy norm of the round-off that evaluating the contact force `force` at the displacements `u` leaves, if the
     /// errors of the coordinates are independent.
-    pub(crate) fn round_off(&self, pattern: &Pattern, u: &[f64], force: &[f64]) -> f64 {
+    pub(crate) fn round_off(&self, pattern: PatternView<'_>, u: &[f64], force: &[f64]) -> f64 {
         let tangent: Vec<f64> = self.tangent.iter().map(|t| t.abs()).collect();
         let u: Vec<f64> = u.iter().map(|u| u.abs()).collect();
         let mut size: Vec<f64> = force.iter().map(|f| f.abs()).collect();
@@ -131,7 +131,7 @@ impl Stuck {
     }
 }
 
-fn symmetrised(pattern: &Pattern, values: &[f64]) -> Vec<f64> {
+fn symmetrised(pattern: PatternView<'_>, values: &[f64]) -> Vec<f64> {
     let mut out = values.to_vec();
     for row in 0..pattern.indptr.len() - 1 {
         for k in pattern.indptr[row]..pattern.indptr[row + 1] {
@@ -168,7 +168,7 @@ impl Border<'_> {
 /// Solves `(stiffness + tangent) x = b`, or the bordered system, by LU; `None` if the matrix is numerically singular.
 pub(crate) fn solve_direct(
     stiffness: MatRef<'_, f64>,
-    pattern: &Pattern,
+    pattern: PatternView<'_>,
     tangent: &[f64],
     border: Option<&Border<'_>>,
     b: &[f64],
@@ -207,7 +207,7 @@ pub(crate) fn solve_direct(
 /// steps, or `None` if `tolerance` (relative, energy norm) is not reached.
 pub(crate) fn solve_krylov(
     stuck: &Stuck,
-    pattern: &Pattern,
+    pattern: PatternView<'_>,
     tangent: &[f64],
     border: Option<&Border<'_>>,
     start: &Motion,

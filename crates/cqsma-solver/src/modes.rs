@@ -2,9 +2,10 @@
 
 use crate::Error;
 use crate::error::check_size;
-use crate::force::{HystereticForce, Sliding};
+use crate::force::HystereticForce;
 use crate::linear::{Motion, Stuck, multiply};
 use crate::newton::Equilibrium;
+use contact_laws::Sticking;
 use faer::{Mat, MatRef};
 
 /// The prestressed structure, ready for its loops.
@@ -132,7 +133,7 @@ pub fn linearise<'a, F: HystereticForce>(
     let u = &displacement[..nc];
     force.evaluate(
         u,
-        Sliding::Prevented,
+        Sticking::Full,
         &state,
         &mut end,
         &mut workspace,
@@ -142,7 +143,7 @@ pub fn linearise<'a, F: HystereticForce>(
     // The reference force must be the one that the loops will compute, with friction.
     force.evaluate(
         u,
-        Sliding::Allowed,
+        Sticking::Coulomb,
         &state,
         &mut end,
         &mut workspace,

@@ -1,7 +1,8 @@
 //! Newton's method for the equilibrium of a structure with a hysteretic force.
 
-use crate::force::{HystereticForce, PointCounts, Sliding};
+use crate::force::HystereticForce;
 use crate::linear::{Border, Motion, Stuck, dot, multiply, solve_direct, solve_krylov};
+use contact_laws::{RegimeCounts, Sticking};
 use faer::MatRef;
 
 /// When to stop, and when to give up.
@@ -93,7 +94,7 @@ impl std::ops::AddAssign for Effort {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Converged {
     pub(crate) residual: f64,
-    pub(crate) counts: PointCounts,
+    pub(crate) counts: RegimeCounts,
 }
 
 /// How the linear systems of Newton's method are solved.
@@ -135,7 +136,7 @@ pub(crate) struct Goal<'a> {
     pub(crate) load: Load<'a>,
     /// Energy norm that the tolerance refers to.
     pub(crate) scale: f64,
-    pub(crate) sliding: Sliding,
+    pub(crate) sticking: Sticking,
 }
 
 /// State, buffers and history of one sequence of solves.
@@ -189,7 +190,7 @@ impl<F: HystereticForce> Walk<F> {
 impl<F: HystereticForce> Equilibrium<'_, F> {
     /// Leaves residual and tangent at `walk.trial` in the walk, with [`Load::Inertia`] after bringing the trial to the
     /// amplitude of the goal; returns the residual's energy norm.
-    fn evaluate(&self, walk: &mut Walk<F>, goal: &Goal<'_>) -> (f64, PointCounts) {
+    fn evaluate(&self, walk: &mut Walk<F>, goal: &Goal<'_>) -> (f64, RegimeCounts) {
         if let Load::Inertia(mass) = goal.load {
             multiply(mass, &walk.trial.v, &mut walk.inertia.p);
             let factor = goal.factor / dot(&walk.trial.v, &walk.inertia.p).sqrt();
@@ -203,7 +204,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         }
         let counts = self.force.evaluate(
             &walk.total,
-            goal.sliding,
+            goal.sticking,
             &walk.begin,
             &mut walk.end,
             &mut walk.workspace,

@@ -1,8 +1,9 @@
 //! Equilibria along a load factor: prediction, step halving, commits.
 
-use crate::force::{HystereticForce, PointCounts, Sliding};
+use crate::force::HystereticForce;
 use crate::linear::{Motion, dot, multiply};
 use crate::newton::{Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Walk};
+use contact_laws::{RegimeCounts, Sticking};
 use faer::MatRef;
 
 /// Smallest step of the load factor, relative to its range, before a failure is final.
@@ -34,7 +35,7 @@ pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) range: f64,
     /// Given: the factor is the amplitude of the motion, the load its own inertia, and the unit load a first guess.
     pub(crate) mass: Option<MatRef<'a, f64>>,
-    pub(crate) sliding: Sliding,
+    pub(crate) sticking: Sticking,
     pub(crate) solver: LinearSolver,
     pub(crate) settings: NewtonSettings,
     pub(crate) walk: Walk<F>,
@@ -61,7 +62,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             unit,
             range,
             mass: None,
-            sliding: Sliding::Allowed,
+            sticking: Sticking::Coulomb,
             solver,
             settings,
             walk,
@@ -73,7 +74,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
     }
 
     /// Solves at `factor` from the motion at hand.
-    pub(crate) fn settle(&mut self, factor: f64) -> Result<PointCounts, Failure> {
+    pub(crate) fn settle(&mut self, factor: f64) -> Result<RegimeCounts, Failure> {
         let scale = self.range * self.unit.norm();
         // Residuals below round-off count as converged, which says nothing where round-off is as large as the load. Without
         // any load there is nothing to compare with.
@@ -87,7 +88,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             factor,
             load: self.mass.map_or(Load::Pattern(&self.unit.p), Load::Inertia),
             scale,
-            sliding: self.sliding,
+            sticking: self.sticking,
         };
         let converged = self
             .equilibrium
@@ -98,7 +99,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
     }
 
     /// [`settle`](Self::settle), refusing a motion of given amplitude that belongs to another mode than its neighbour.
-    fn settle_beside(&mut self, factor: f64, neighbour: &Motion) -> Result<PointCounts, Failure> {
+    fn settle_beside(&mut self, factor: f64, neighbour: &Motion) -> Result<RegimeCounts, Failure> {
         let counts = self.settle(factor)?;
         let Some(mass) = self.mass else { return Ok(counts) };
         let known = if neighbour.v.iter().all(|&v| v == 0.0) {
@@ -119,9 +120,9 @@ impl<'a, F: HystereticForce> Path<'a, F> {
     }
 
     /// Walks to `goal` in one step. A step that fails is tried again from the last equilibrium as it stands, then halved.
-    pub(crate) fn advance(&mut self, goal: f64) -> Result<PointCounts, Failure> {
+    pub(crate) fn advance(&mut self, goal: f64) -> Result<RegimeCounts, Failure> {
         let mut targets = vec![goal];
-        let mut counts = PointCounts::default();
+        let mut counts = RegimeCounts::default();
         while let Some(&next) = targets.last() {
             let (from, origin) = (self.at, self.walk.motion.clone());
             let step = next - from;

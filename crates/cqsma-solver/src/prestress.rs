@@ -2,10 +2,11 @@
 
 use crate::Error;
 use crate::error::check_size;
-use crate::force::{HystereticForce, PointCounts, Sliding};
+use crate::force::HystereticForce;
 use crate::linear::{Motion, Stuck, multiply};
 use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Walk};
 use crate::path::Path;
+use contact_laws::{RegimeCounts, Sticking};
 use faer::MatRef;
 
 /// A static equilibrium.
@@ -22,7 +23,7 @@ pub struct Prestress<S> {
     /// Residual relative to the load in the energy norm.
     pub residual: f64,
     /// Regimes of the points.
-    pub counts: PointCounts,
+    pub counts: RegimeCounts,
 }
 
 /// Ratio of energy norms beyond which the stuck structure at the guess is too stiff a measure of residuals; good guesses
@@ -132,7 +133,7 @@ fn search<F: HystereticForce>(
     let mut state = initial.clone();
     force.evaluate(
         &start[..nc],
-        Sliding::Prevented,
+        Sticking::Full,
         &initial,
         &mut state,
         &mut force.workspace(),
@@ -156,9 +157,9 @@ fn search<F: HystereticForce>(
     };
     let walk = Walk::<F>::new(force, guess, initial);
     let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), walk);
-    let mut counts = PointCounts::default();
-    for (stage, sliding) in [Sliding::Prevented, Sliding::Allowed].into_iter().enumerate() {
-        path.sliding = sliding;
+    let mut counts = RegimeCounts::default();
+    for (stage, sticking) in [Sticking::Full, Sticking::Coulomb].into_iter().enumerate() {
+        path.sticking = sticking;
         path.residual = 0.0;
         let before = path.walk.effort.iterations;
         let guess = path.walk.motion.clone();

@@ -1,13 +1,15 @@
 //! Small structures with known answers, shared by tests and benches.
 
-use crate::force::{HystereticForce, Pattern, PointCounts, Sliding};
+use crate::force::{HystereticForce, PatternView};
+use contact_laws::{RegimeCounts, Sticking};
 use faer::Mat;
 
 /// Independent Jenkins elements: a spring of stiffness `k` in series with a slider of limit `f`, one per coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jenkins {
     elements: Vec<(f64, f64)>,
-    pattern: Pattern,
+    /// Row starts of the diagonal tangent; but for the last, its columns too.
+    diagonal: Vec<usize>,
 }
 
 impl Jenkins {
@@ -16,10 +18,7 @@ impl Jenkins {
         let n = elements.len();
         Self {
             elements,
-            pattern: Pattern {
-                indptr: (0..=n).collect(),
-                indices: (0..n).collect(),
-            },
+            diagonal: (0..=n).collect(),
         }
     }
 }
@@ -33,8 +32,11 @@ impl HystereticForce for Jenkins {
         self.elements.len()
     }
 
-    fn pattern(&self) -> &Pattern {
-        &self.pattern
+    fn pattern(&self) -> PatternView<'_> {
+        PatternView {
+            indptr: &self.diagonal,
+            indices: &self.diagonal[..self.elements.len()],
+        }
     }
 
     fn initial_state(&self) -> Self::State {
@@ -46,18 +48,18 @@ impl HystereticForce for Jenkins {
     fn evaluate(
         &self,
         u: &[f64],
-        sliding: Sliding,
+        sticking: Sticking,
         begin: &Self::State,
         end: &mut Self::State,
         (): &mut (),
         force: &mut [f64],
         tangent: Option<&mut [f64]>,
-    ) -> PointCounts {
-        let mut counts = PointCounts::default();
+    ) -> RegimeCounts {
+        let mut counts = RegimeCounts::default();
         let mut slopes = tangent;
         for (i, &(k, limit)) in self.elements.iter().enumerate() {
             let trial = begin[i].1 + k * (u[i] - begin[i].0);
-            let slips = sliding == Sliding::Allowed && trial.abs() > limit;
+            let slips = sticking == Sticking::Coulomb && trial.abs() > limit;
             force[i] = if slips { limit.copysign(trial) } else { trial };
             end[i] = (u[i], force[i]);
             if let Some(slopes) = &mut slopes {

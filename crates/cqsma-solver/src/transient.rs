@@ -12,11 +12,11 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::HystereticForce;
-use crate::force::Sliding;
 use crate::linear::{Motion, Stuck, dot};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Walk};
 use crate::path::Path;
+use contact_laws::Sticking;
 use dense_algebra::Symmetric;
 use faer::{Mat, c64};
 use std::f64::consts::{PI, TAU};
@@ -616,7 +616,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             factor: 1.0,
             load: Load::Pattern(&load),
             scale: inertia.max(pulse),
-            sliding: Sliding::Allowed,
+            sticking: Sticking::Coulomb,
         };
         let solve = |walk: &mut Walk<F>| equilibrium.solve(walk, &goal, self.settings.solver, &self.settings.newton);
         // A cubic through the last full steps; where it leads astray, the displacement at hand.

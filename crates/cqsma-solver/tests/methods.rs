@@ -6,7 +6,7 @@ use cqsma_solver::loading::Settings;
 use cqsma_solver::test_problems::{Jenkins, JenkinsChain};
 use cqsma_solver::{
     Error, HystereticForce, LinearSolver, Linearisation, LoadingResult, LoopResult, NewtonSettings, NoObserver, Reason,
-    Sliding, masing, modes, rqnma,
+    Sticking, masing, modes, rqnma,
 };
 use faer::Mat;
 use std::f64::consts::PI;
@@ -146,7 +146,7 @@ fn rqnma_goes_from_the_mode_with_everything_stuck_to_that_with_everything_slidin
         let (mut end, mut contact) = (state.clone(), vec![0.0; n]);
         chain
             .force
-            .evaluate(v, Sliding::Allowed, &state, &mut end, &mut (), &mut contact, None);
+            .evaluate(v, Sticking::Coulomb, &state, &mut end, &mut (), &mut contact, None);
         let square: f64 = v.iter().map(|v| v * v).sum();
         assert!((square.sqrt() / q - 1.0).abs() < 1e-12);
         // K v + F = omega^2 M v, with unit masses.

@@ -4,8 +4,8 @@
 use cqsma_solver::cqsma::{Commit, Cycles, Settings, run};
 use cqsma_solver::test_problems::{Jenkins, JenkinsChain};
 use cqsma_solver::{
-    BackbonePoint, Error, HystereticForce, LinearSolver, LoopObserver, NoObserver, Pattern, PointCounts, Reason,
-    Sliding, modes, prestress,
+    BackbonePoint, Error, HystereticForce, LinearSolver, LoopObserver, NoObserver, PatternView, Reason, RegimeCounts,
+    Sticking, modes, prestress,
 };
 use faer::Mat;
 use std::ops::ControlFlow;
@@ -145,7 +145,6 @@ struct Hardening {
     scale: f64,
     power: i32,
     limit: f64,
-    pattern: Pattern,
     evaluations: AtomicUsize,
 }
 
@@ -156,10 +155,6 @@ impl Hardening {
             scale: 0.01,
             power,
             limit,
-            pattern: Pattern {
-                indptr: vec![0, 1],
-                indices: vec![0],
-            },
             evaluations: AtomicUsize::new(0),
         }
     }
@@ -173,8 +168,11 @@ impl HystereticForce for Hardening {
         1
     }
 
-    fn pattern(&self) -> &Pattern {
-        &self.pattern
+    fn pattern(&self) -> PatternView<'_> {
+        PatternView {
+            indptr: &[0, 1],
+            indices: &[0],
+        }
     }
 
     fn initial_state(&self) {}
@@ -184,13 +182,13 @@ impl HystereticForce for Hardening {
     fn evaluate(
         &self,
         u: &[f64],
-        _: Sliding,
+        _: Sticking,
         (): &(),
         (): &mut (),
         (): &mut (),
         force: &mut [f64],
         tangent: Option<&mut [f64]>,
-    ) -> PointCounts {
+    ) -> RegimeCounts {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let growth = (u[0] / self.scale).powi(2 * self.power);
         force[0] = if u[0].abs() > self.limit {
@@ -201,7 +199,7 @@ impl HystereticForce for Hardening {
         if let Some(tangent) = tangent {
             tangent[0] = self.stiffness * (1.0 + f64::from(2 * self.power + 1) * growth);
         }
-        PointCounts::default()
+        RegimeCounts::default()
     }
 }
 

@@ -4,7 +4,7 @@
 
 use brake_reuss_beam::BrakeReussBenchmark;
 use cqsma_solver::cqsma::{Cycles, Settings, run};
-use cqsma_solver::{HystereticForce, LinearSolver, NewtonSettings, NoObserver, Sliding, modes, prestress};
+use cqsma_solver::{HystereticForce, LinearSolver, NewtonSettings, NoObserver, Sticking, modes, prestress};
 use criterion::{Criterion, criterion_group, criterion_main};
 use joint_pipeline::analysis::prepare;
 use joint_pipeline::interface::InterfaceForce;
@@ -38,7 +38,7 @@ fn loops(c: &mut Criterion) {
             let tangent = Some(&mut tangent[..]);
             black_box(force.evaluate(
                 &jump,
-                Sliding::Allowed,
+                Sticking::Coulomb,
                 &begin,
                 &mut end,
                 &mut workspace,

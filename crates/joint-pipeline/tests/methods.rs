@@ -4,11 +4,10 @@
 mod common;
 
 use common::{BENCHMARKS, beam};
-use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters};
+use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters, RegimeCounts, Sticking};
 use cqsma_solver::cqsma::LoopObserver;
 use cqsma_solver::cqsma::{self, Settings};
-use cqsma_solver::force::{HystereticForce, Pattern, PointCounts, Sliding};
-use cqsma_solver::{LoopResult, NewtonSettings, NoObserver, modes, prestress};
+use cqsma_solver::{HystereticForce, LoopResult, NewtonSettings, NoObserver, PatternView, modes, prestress};
 use faer::Mat;
 use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::progress::Silent;
@@ -91,7 +90,7 @@ impl HystereticForce for Reticent<'_> {
         self.0.n_dofs()
     }
 
-    fn pattern(&self) -> &Pattern {
+    fn pattern(&self) -> PatternView<'_> {
         self.0.pattern()
     }
 
@@ -106,14 +105,14 @@ impl HystereticForce for Reticent<'_> {
     fn evaluate(
         &self,
         u: &[f64],
-        sliding: Sliding,
+        sticking: Sticking,
         begin: &State,
         end: &mut State,
         workspace: &mut Workspace,
         force: &mut [f64],
         tangent: Option<&mut [f64]>,
-    ) -> PointCounts {
-        self.0.evaluate(u, sliding, begin, end, workspace, force, tangent)
+    ) -> RegimeCounts {
+        self.0.evaluate(u, sticking, begin, end, workspace, force, tangent)
     }
 }
 

@@ -27,4 +27,5 @@ pub mod value;
 mod writing;
 
 pub use error::{Error, Place};
+pub use text::quoted;
 pub use value::Source;

@@ -346,7 +346,7 @@ fn dictionary(text: &[u8]) -> Option<Header> {
     let mut rest = text.strip_prefix('{')?.strip_suffix('}')?.trim_start();
     let (mut kind, mut by_columns, mut shape) = (None, None, None);
     while !rest.is_empty() {
-        let (key, after) = quoted(rest)?;
+        let (key, after) = string_literal(rest)?;
         rest = after.trim_start().strip_prefix(':')?.trim_start();
         rest = match key {
             "descr" if rest.starts_with('[') => {
@@ -356,7 +356,7 @@ fn dictionary(text: &[u8]) -> Option<Header> {
                     .map(|(fields, _)| &rest[fields.len()..])?
             }
             "descr" => {
-                let (code, after) = quoted(rest)?;
+                let (code, after) = string_literal(rest)?;
                 kind = Some(Some(code.to_owned()));
                 after
             }
@@ -392,7 +392,7 @@ fn dictionary(text: &[u8]) -> Option<Header> {
 }
 
 /// What stands in quotation marks, and what follows.
-fn quoted(text: &str) -> Option<(&str, &str)> {
+fn string_literal(text: &str) -> Option<(&str, &str)> {
     let mark = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
     text[1..].split_once(mark)
 }

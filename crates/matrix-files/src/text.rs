@@ -122,8 +122,8 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The start of a piece of a file, for messages.
-pub(crate) fn quoted(text: &[u8]) -> String {
+/// The start of a piece of a file, for messages: in backquotes, at most 60 bytes of it, control characters escaped.
+pub fn quoted(text: &[u8]) -> String {
     const SHOWN: usize = 60;
     let shown = String::from_utf8_lossy(&text[..text.len().min(SHOWN)]);
     format!(

@@ -26,11 +26,14 @@ use crate::error::Setting;
 use crate::filter::{BandPass, HIGHEST_EDGE, NOISE_BANDWIDTH};
 use crate::hilbert::{self, CrossCheck};
 use crate::peaks::{REACH, SAMPLES_PER_CYCLE, peaks, upsample};
+use crate::point::moments;
 use crate::signal::{Quantity, Signal};
 use crate::smoothing::SavitzkyGolay;
 use crate::spectrum::{Line, Spectrum, largest, noise_density};
-use crate::track::{Track, smooth};
+use crate::track::Track;
 use crate::{Error, Warning};
+
+pub use crate::point::Point;
 
 /// What is left of the filter's start at the end of the record when the backbone ends.
 const TRANSIENT: f64 = 1e-4;
@@ -67,19 +70,6 @@ impl Default for Settings {
             quantity: None,
         }
     }
-}
-
-/// One point of a backbone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Time after the first sample (s).
-    pub time: f64,
-    /// Amplitude (SI unit of its quantity).
-    pub amplitude: f64,
-    /// Undamped natural frequency (Hz).
-    pub frequency_hz: f64,
-    /// Damping ratio.
-    pub damping_ratio: f64,
 }
 
 /// Which rule ends the backbone.
@@ -228,7 +218,14 @@ pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, 
     let track = Track::from_extrema(&extrema, &smoother);
     let (track, transfers) = track.before_filter(|lambda| filter.transfer(lambda), &smoother);
     let moments = moments(&track, &smoother);
-    let cross_check = hilbert::cross_check(&samples, rate, trims, [peak, bandwidth], &moments, &smoother);
+    let cross_check = hilbert::cross_check(
+        &samples,
+        rate,
+        [trims.start, trims.end],
+        [peak, bandwidth],
+        &moments,
+        &smoother,
+    );
     let quantity = settings.quantity.unwrap_or(signal.quantity);
     let divisions = signal.quantity.derivatives() - quantity.derivatives();
     let backbone: Vec<Point> = moments
@@ -420,29 +417,7 @@ fn modulation(track: &Track, frequency: f64) -> f64 {
     (sum / weights).norm() / (omega * span.sin() / span).abs()
 }
 
-/// Smoothed amplitude (of the signal's quantity), frequency and damping ratio, without an eighth of a window at either end,
-/// where the outermost fits follow noise most.
-pub(crate) fn moments(track: &Track, smoother: &SavitzkyGolay) -> Vec<Point> {
-    let modal = |rate: &Complex64| Complex64::new(-rate.re / rate.norm(), rate.norm() / TAU);
-    let modal: Vec<Complex64> = track.rates().iter().map(modal).collect();
-    let modal = smooth(&modal, smoother);
-    let points = track.inner();
-    let states = smooth(&points.states, smoother);
-    let all: Vec<_> = points.times.iter().zip(states).zip(modal).collect();
-    let margin = smoother.window() / 8;
-    let inner = all.get(margin..all.len().saturating_sub(margin)).unwrap_or_default();
-    inner
-        .iter()
-        .map(|((time, state), modal)| Point {
-            time: **time,
-            amplitude: state.re.exp(),
-            frequency_hz: modal.im,
-            damping_ratio: modal.re,
-        })
-        .collect()
-}
-
-/// What is worth a word about a finished backbone.
+/// Warnings about a finished backbone.
 fn observe(
     backbone: &[Point],
     peak: f64,

@@ -6,8 +6,9 @@ use std::f64::consts::{LN_2, PI, TAU};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
-use crate::backbone::{Point, Trims, moments};
 use crate::filter::Transfer;
+use crate::median::upper_median;
+use crate::point::{Point, moments};
 use crate::smoothing::SavitzkyGolay;
 use crate::spectrum::transform;
 use crate::track::Track;
@@ -32,25 +33,25 @@ pub struct CrossCheck {
     pub amplitude_median: f64,
 }
 
-/// Compares the points of the first method with those of the second, in `samples` without their mean; `None` where the
-/// record leaves nothing to compare.
+/// Compares the points of the first method with those of the second, in `samples` without their mean from `start` to `end`
+/// (s); `None` where the record leaves nothing to compare.
 pub(crate) fn cross_check(
     samples: &[f64],
     rate: f64,
-    trims: Trims,
+    [start, end]: [f64; 2],
     [centre, bandwidth]: [f64; 2],
     points: &[Point],
     smoother: &SavitzkyGolay,
 ) -> Option<CrossCheck> {
     // Half-power points at the same distance as those of the filter; `tau` is the duration of the Gaussian.
     let tau = LN_2.sqrt() / (PI * bandwidth);
-    let first = (trims.start * rate) as usize;
-    let last = samples.len().min((trims.end * rate) as usize);
+    let first = (start * rate) as usize;
+    let last = samples.len().min((end * rate) as usize);
     let duration = last.checked_sub(first)? as f64 / rate;
     let margin = REACH * tau;
     let track = track(&samples[first..last], rate, first as f64 / rate, centre, tau);
     let kept = track.times.iter().zip(&track.states);
-    let kept = kept.filter(|(t, _)| (trims.start + margin..trims.start + duration - margin).contains(*t));
+    let kept = kept.filter(|(t, _)| (start + margin..start + duration - margin).contains(*t));
     let (times, states) = kept.map(|(t, s)| (*t, *s)).unzip();
     let track = Track { times, states };
     if track.times.len() < smoother.window() + 8 {
@@ -123,19 +124,13 @@ fn differences(first: &[Point], second: &[Point]) -> Option<CrossCheck> {
         amplitude.push((between(|p| p.amplitude.ln()) - point.amplitude.ln()).exp_m1().abs());
     }
     let points = frequency.len();
-    let median = |values: &mut Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        Some((*values.get(points / 2)?, *values.last()?))
-    };
-    let (frequency_median, frequency_largest) = median(&mut frequency)?;
-    let (damping_median, damping_largest) = median(&mut damping)?;
-    let (amplitude_median, _) = median(&mut amplitude)?;
+    let largest = |values: &[f64]| values.iter().copied().max_by(f64::total_cmp);
     Some(CrossCheck {
         points,
-        frequency_median,
-        frequency_largest,
-        damping_median,
-        damping_largest,
-        amplitude_median,
+        frequency_largest: largest(&frequency)?,
+        frequency_median: upper_median(&mut frequency),
+        damping_largest: largest(&damping)?,
+        damping_median: upper_median(&mut damping),
+        amplitude_median: upper_median(&mut amplitude),
     })
 }

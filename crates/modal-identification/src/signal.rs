@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::median::upper_median;
 use crate::{Error, Warning};
 
 /// Acceleration of free fall (m/s^2), exact by definition.
@@ -289,8 +290,7 @@ fn uniform_rate(at: &str, times: &[f64], warnings: &mut Vec<Warning>) -> Result<
             time: times[i + 1],
         });
     }
-    let middle = steps.len() / 2;
-    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let median = upper_median(&mut steps);
     if let Some(i) = times.windows(2).position(|w| w[1] - w[0] > 1.5 * median) {
         return Err(Error::Gap {
             at: at.into(),

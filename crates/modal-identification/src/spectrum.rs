@@ -5,6 +5,7 @@ use std::f64::consts::{LN_2, PI};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
+use crate::median::upper_median;
 use crate::peaks::peaks;
 
 /// Magnitudes of a one-sided spectrum.
@@ -99,7 +100,6 @@ pub(crate) fn noise_density(tail: &[f64], sample_rate: f64, centre: f64, bandwid
     if densities.is_empty() {
         return 0.0;
     }
-    let middle = densities.len() / 2;
     // The median of an exponential distribution is ln 2 of its mean.
-    *densities.select_nth_unstable_by(middle, f64::total_cmp).1 / LN_2
+    upper_median(&mut densities) / LN_2
 }

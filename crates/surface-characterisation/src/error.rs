@@ -3,7 +3,7 @@
 use matrix_files::Place;
 use thiserror::Error;
 
-use crate::readers::{Declaration, Format};
+use crate::readers::{Declaration, Format, UnknownUnit};
 
 /// Why a surface could not be characterised.
 ///
@@ -138,14 +138,6 @@ pub enum SurfaceError {
         /// Samples needed.
         needed: usize,
     },
-}
-
-/// Text that names no unit of length.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("`{}` is no unit of length; use m, cm, mm, um, nm, pm, angstrom or in", found.escape_debug())]
-pub struct UnknownUnit {
-    /// The text.
-    pub found: String,
 }
 
 /// Why a scan could not be read or written.

@@ -11,7 +11,7 @@ use statrs::function::erf::erfc;
 use crate::characterise::{Characterisation, ElementSurface};
 use crate::error::{SurfaceError, positive};
 use crate::partition::ElementOutlines;
-use crate::response::{draw, mix};
+use crate::random::{draw, mix};
 
 /// One number per element: a change of the surface, or a field of a run such as pressure or dissipated flux.
 #[derive(Debug, Clone, PartialEq)]

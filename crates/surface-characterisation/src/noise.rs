@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::detrend::fit_plane;
 use crate::error::{SurfaceError, positive};
+use crate::statistics::upper_median;
 use crate::topography::HeightMap;
 
 /// What is done to a height map before anything else; nothing by default.
@@ -100,14 +101,14 @@ pub fn without_outliers(map: &HeightMap, rule: OutlierRule) -> Result<(HeightMap
                     around.extend(Some(map.value(nj * nx + ni)).filter(|z| !z.is_nan()));
                 }
             }
-            *difference = z - median(&mut around);
+            *difference = z - upper_median(&mut around);
         }
     });
     let mut sizes: Vec<f64> = differences.iter().filter(|d| !d.is_nan()).map(|d| d.abs()).collect();
     if sizes.is_empty() {
         return Ok((map.clone(), 0));
     }
-    let deviation = match 1.4826 * median(&mut sizes) {
+    let deviation = match 1.4826 * upper_median(&mut sizes) {
         0.0 => 1.2533 * sizes.iter().sum::<f64>() / sizes.len() as f64,
         deviation => deviation,
     };
@@ -116,12 +117,6 @@ pub fn without_outliers(map: &HeightMap, rule: OutlierRule) -> Result<(HeightMap
     let dropped = (0..nx * ny).filter(|&k| is_outlier(k)).count();
     let heights = (0..nx * ny).map(|k| if is_outlier(k) { f64::NAN } else { map.value(k) });
     Ok((map.with_heights(heights.collect(), map.height_step())?, dropped))
-}
-
-/// Upper median; the order of `values` is lost.
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Areal Gaussian filter of ISO 16610-61 with cut-off wavelength `cutoff` (m): a wave of length `l` keeps the share

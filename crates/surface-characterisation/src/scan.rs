@@ -5,11 +5,11 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use crate::areal::{ArealParameters, ArealPatch};
-use crate::asperities::{FaceAsperities, face_count};
-use crate::characterise::Options;
 use crate::detrend::{LinearFit, Plane, trend};
 use crate::error::SurfaceError;
-use crate::gap::Bilinear;
+use crate::face::{FaceAsperities, face_count};
+use crate::gap::{Bilinear, pair_gap};
+use crate::options::Options;
 use crate::partition::{ElementOutlines, Partition};
 use crate::peaks::{LinePeak, line_peaks, summits};
 use crate::registration::Registration;
@@ -81,6 +81,21 @@ pub(crate) fn scan_face(
         outliers,
     };
     Ok((found, summary))
+}
+
+/// The gap of every element, in order, between two faces as [`scan_face`] finds them.
+pub(crate) fn gaps(
+    top: &(Vec<FaceAsperities>, FaceSummary),
+    bottom: &(Vec<FaceAsperities>, FaceSummary),
+) -> Vec<Bilinear> {
+    let of_element = |(t, b): (&FaceAsperities, &FaceAsperities)| {
+        pair_gap(
+            [&t.plane, &b.plane],
+            [t.tallest, b.tallest],
+            [top.1.reference, bottom.1.reference],
+        )
+    };
+    top.0.iter().zip(&bottom.0).map(of_element).collect()
 }
 
 /// Areal parameters of all points in elements above the plane of the face.

@@ -5,7 +5,7 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
 use crate::error::{SurfaceError, finite, not_negative, positive};
-use crate::response::mix;
+use crate::random::mix;
 use crate::topography::HeightMap;
 
 /// A sinusoidal undulation of a face.

@@ -7,7 +7,7 @@ use crate::scene::{Method, Scene};
 use cqsma_solver::loading::{self, LoadingPoint};
 use cqsma_solver::newton::Effort;
 use cqsma_solver::prestress::Prestress;
-use cqsma_solver::{Failure, HystereticForce, Linearisation, NoObserver, Sliding, cqsma, masing, modes, rqnma};
+use cqsma_solver::{Failure, HystereticForce, Linearisation, NoObserver, Sticking, cqsma, masing, modes, rqnma};
 use faer::MatRef;
 use rayon::prelude::*;
 use reduction::ReducedModel;
@@ -104,10 +104,9 @@ impl Request<'_> {
         let begin = &self.prestress.state;
         let (mut end, mut workspace) = (begin.clone(), force.workspace());
         let (mut contact, mut tangent) = (vec![0.0; jump.len()], vec![0.0; pattern.indices.len()]);
-        let sliding = Sliding::Prevented;
         force.evaluate(
             jump,
-            sliding,
+            Sticking::Full,
             begin,
             &mut end,
             &mut workspace,

@@ -1,26 +1,18 @@
 //! The adapter through which the solver sees an interface.
 
-use contact_laws::Sticking;
-use cqsma_solver::{HystereticForce, Pattern, PointCounts, Sliding};
+use contact_laws::{RegimeCounts, Sticking};
+use cqsma_solver::{HystereticForce, PatternView};
 use zte_assembly::{Interface, State, Workspace};
 
 /// The interface as the solver sees it.
 pub struct InterfaceForce<'a> {
     interface: &'a Interface,
-    pattern: Pattern,
 }
 
 impl<'a> InterfaceForce<'a> {
     /// Wraps an interface.
     pub fn new(interface: &'a Interface) -> Self {
-        let pattern = interface.pattern();
-        Self {
-            interface,
-            pattern: Pattern {
-                indptr: pattern.indptr.clone(),
-                indices: pattern.indices.clone(),
-            },
-        }
+        Self { interface }
     }
 
     /// The interface.
@@ -37,8 +29,12 @@ impl HystereticForce for InterfaceForce<'_> {
         self.interface.n_dofs()
     }
 
-    fn pattern(&self) -> &Pattern {
-        &self.pattern
+    fn pattern(&self) -> PatternView<'_> {
+        let pattern = self.interface.pattern();
+        PatternView {
+            indptr: &pattern.indptr,
+            indices: &pattern.indices,
+        }
     }
 
     fn initial_state(&self) -> State {
@@ -56,24 +52,14 @@ impl HystereticForce for InterfaceForce<'_> {
     fn evaluate(
         &self,
         u: &[f64],
-        sliding: Sliding,
+        sticking: Sticking,
         begin: &State,
         end: &mut State,
         workspace: &mut Workspace,
         force: &mut [f64],
         tangent: Option<&mut [f64]>,
-    ) -> PointCounts {
-        let sticking = match sliding {
-            Sliding::Allowed => Sticking::Coulomb,
-            Sliding::Prevented => Sticking::Full,
-        };
-        let counts = self
-            .interface
-            .evaluate(u, sticking, begin, end, workspace, force, tangent);
-        PointCounts {
-            stick: counts.stick,
-            slip: counts.slip,
-            open: counts.open,
-        }
+    ) -> RegimeCounts {
+        self.interface
+            .evaluate(u, sticking, begin, end, workspace, force, tangent)
     }
 }

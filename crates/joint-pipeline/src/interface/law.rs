@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use surface_characterisation::{
-    ElementSurface, InterferenceRange, NormalFitReport, TangentialFitReport, fit_normal, fit_tangential,
+    ElementSurface, InterferenceRange, NormalFitReport, TangentialFitReport, fit_normal, fit_tangential, median,
 };
 use zte_assembly::Operators;
 
@@ -259,14 +259,4 @@ fn frictional<C: PointCurves + 'static>(
     history: contact_laws::HistoryRule,
 ) -> Result<Arc<dyn TractionLaw>, Error> {
     Ok(Arc::new(FrictionalLaw::try_new(curves, mu, history)?))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    if n == 0 {
-        f64::NAN
-    } else {
-        0.5 * (values[(n - 1) / 2] + values[n / 2])
-    }
 }

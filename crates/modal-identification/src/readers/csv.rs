@@ -6,9 +6,9 @@
 //! columns are called `1`, `2` and so on. Empty cells are missing samples.
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
-use matrix_files::{Place, Source};
+use matrix_files::{Place, Source, quoted};
 
-use super::{Recording, malformed, quoted, recording, seconds};
+use super::recording::{Recording, malformed, recording, seconds};
 use crate::Error;
 use crate::signal::Timing;
 

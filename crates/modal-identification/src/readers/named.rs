@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use matrix_files::value::{Array, Collection, Skipped};
 use matrix_files::{Source, mat, npz};
 
-use super::Recording;
+use super::recording::Recording;
 use crate::Error;
 use crate::signal::{Channel, Timing};
 

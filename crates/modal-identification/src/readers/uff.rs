@@ -8,9 +8,9 @@
 //! `NONE` or zero is left out. Text has the sampling step with six digits only: state the sample rate beside it.
 
 use matrix_files::value::Skipped;
-use matrix_files::{Place, Source};
+use matrix_files::{Place, Source, quoted};
 
-use super::{Recording, malformed, quoted, seconds};
+use super::recording::{Recording, malformed, seconds};
 use crate::Error;
 use crate::signal::{Channel, Timing};
 

@@ -4,7 +4,7 @@
 use hound::{SampleFormat, WavReader};
 use matrix_files::{Place, Source};
 
-use super::{Recording, malformed, recording};
+use super::recording::{Recording, malformed, recording};
 use crate::Error;
 use crate::signal::Timing;
 

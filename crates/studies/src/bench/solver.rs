@@ -7,7 +7,7 @@ use brake_reuss_beam::{BrakeReussBenchmark, benchmark, published};
 use cqsma_solver::cqsma::{Cycles, Settings};
 use cqsma_solver::newton::Effort;
 use cqsma_solver::{BackbonePoint, HystereticForce};
-use cqsma_solver::{LinearSolver, Linearisation, NewtonSettings, NoObserver, Sliding, cqsma, modes, prestress};
+use cqsma_solver::{LinearSolver, Linearisation, NewtonSettings, NoObserver, Sticking, cqsma, modes, prestress};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use joint_pipeline::analysis::{Prepared, prepare};
@@ -413,7 +413,7 @@ impl<'a> Bench<'a> {
                 let tangent = with.then_some(&mut tangent[..]);
                 black_box(force.evaluate(
                     &u,
-                    Sliding::Allowed,
+                    Sticking::Coulomb,
                     &begin,
                     &mut end,
                     &mut workspace,

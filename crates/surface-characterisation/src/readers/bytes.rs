@@ -1,8 +1,7 @@
 //! Numbers and text of binary files with the least significant byte first.
 
-use matrix_files::{Error as Layout, Place, Source};
+use matrix_files::{Error as Layout, Place, Source, quoted};
 
-use super::quoted;
 use crate::error::FileError;
 
 /// The bytes of a file, read at given places.

@@ -6,7 +6,9 @@ use matrix_files::value::{Array, Dense};
 use matrix_files::{Place, Source, npz};
 
 use super::bytes::{malformed, unsupported};
-use super::{Format, Found, Options, Scan, steps, units};
+use super::format::Format;
+use super::options::Options;
+use super::scan::{Found, Scan};
 use crate::error::FileError;
 
 /// Reads an array, or an archive of arrays.
@@ -76,8 +78,8 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
             "save the heights alone, a row for each line along x",
         ));
     }
-    let [lateral_unit, height_unit] = units(source.name, options, None, None)?;
-    let step = steps(source.name, format, None, options.lateral_step)?;
+    let [lateral_unit, height_unit] = options.units(source.name, None, None)?;
+    let step = options.steps(source.name, format, None)?;
     let metres = height_unit.unit();
     Found {
         format,

@@ -8,12 +8,15 @@
 //! of either sign; NaN; in text also `BAD`. Integers at the other end of their type are heights, and are noted.
 //! Compressed and checksummed data are refused.
 
-use matrix_files::{Place, Source};
+use matrix_files::{Place, Source, quoted};
 
 use super::bytes::{Bytes, malformed, oversized, unsupported};
-use super::{Format, Found, Options, Scan, quoted, text, units};
+use super::format::Format;
+use super::options::Options;
+use super::scan::{Found, Scan};
+use super::text;
+use super::units::LengthUnit;
 use crate::error::FileError;
-use crate::readers::LengthUnit;
 
 /// Whether a file begins as the format demands. A byte order mark before text and capitals are seen in practice.
 pub(super) fn is_magic(bytes: &[u8]) -> bool {
@@ -367,7 +370,7 @@ fn finish(
         DataType::Float { .. } => None,
     };
     let resolution = Some(header.resolution).filter(|r| r.is_finite() && *r > 0.0);
-    let [lateral_unit, height_unit] = units(source.name, options, Some(LengthUnit::Metre), Some(LengthUnit::Metre))?;
+    let [lateral_unit, height_unit] = options.units(source.name, Some(LengthUnit::Metre), Some(LengthUnit::Metre))?;
     Found {
         format: Format::Sdf,
         size: header.size,

@@ -11,10 +11,13 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 use matrix_files::archive::INFLATION;
-use matrix_files::{Place, Source};
+use matrix_files::{Place, Source, quoted};
 
 use super::bytes::Bytes;
-use super::{Format, Found, LengthUnit, Options, Scan, units};
+use super::format::Format;
+use super::options::Options;
+use super::scan::{Found, Scan};
+use super::units::LengthUnit;
 use crate::error::FileError;
 
 const HEADER: usize = 512;
@@ -34,7 +37,7 @@ pub(super) fn is_magic(bytes: &[u8]) -> bool {
 pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
     let bytes = Bytes(source);
     if !is_magic(source.bytes) {
-        return Err(bytes.malformed(0, super::quoted(source.bytes), "`DIGITAL SURF` or `DSCOMPRESSED`"));
+        return Err(bytes.malformed(0, quoted(source.bytes), "`DIGITAL SURF` or `DSCOMPRESSED`"));
     }
     if source.bytes.len() < HEADER {
         return Err(bytes.truncated("the header"));
@@ -153,7 +156,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
         let numbers = raw.as_chunks().0.iter();
         numbers.map(|b| height(i32::from_le_bytes(*b).into())).collect()
     };
-    let [lateral_unit, height_unit] = units(source.name, options, Some(length[0]), Some(length[2]))?;
+    let [lateral_unit, height_unit] = options.units(source.name, Some(length[0]), Some(length[2]))?;
     Found {
         format: Format::Sur,
         size: [nx as usize, ny as usize],

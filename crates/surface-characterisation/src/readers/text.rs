@@ -13,11 +13,14 @@
 
 use std::borrow::Cow;
 
-use matrix_files::{Place, Source};
+use matrix_files::{Place, Source, quoted};
 
 use super::bytes::{latin_or_utf8, malformed};
+use super::format::Format;
 use super::grid::grid;
-use super::{Format, Found, LengthUnit, Options, Scan, quoted, steps, units};
+use super::options::Options;
+use super::scan::{Found, Scan};
+use super::units::LengthUnit;
 use crate::error::FileError;
 
 pub(super) const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -343,7 +346,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
     }
     let place = |row: usize| Place::Line(data().nth(row).map_or(first, |(number, _)| number));
 
-    let [lateral_unit, height_unit] = units(file, options, header.lateral, header.height)?;
+    let [lateral_unit, height_unit] = options.units(file, header.lateral, header.height)?;
     let (lateral, height) = (lateral_unit.unit(), height_unit.unit());
     let points = columns == 3 && options.format != Some(Format::Grid);
     let (format, size, step, origin, heights) = if points {
@@ -373,7 +376,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
             (_, [Some(width), Some(height)]) => Some([width / columns as f64, height / rows as f64]),
             _ => None,
         };
-        let step = steps(file, Format::Grid, stated, options.lateral_step)?;
+        let step = options.steps(file, Format::Grid, stated)?;
         (
             Format::Grid,
             size,

@@ -1,9 +1,9 @@
-//! Units of length.
+//! Units of length, and who states them.
 
 use std::fmt;
 use std::str::FromStr;
 
-use crate::error::UnknownUnit;
+use thiserror::Error;
 
 /// A unit of length that files or users state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,6 +99,42 @@ impl FromStr for LengthUnit {
             "in" | "inch" | "inches" => Self::Inch,
             _ => return Err(UnknownUnit { found: text.into() }),
         })
+    }
+}
+
+/// Text that names no unit of length.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("`{}` is no unit of length; use m, cm, mm, um, nm, pm, angstrom or in", found.escape_debug())]
+pub struct UnknownUnit {
+    /// The text.
+    pub found: String,
+}
+
+/// A unit, and who stated it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
+pub enum Declaration {
+    /// The file, or its format.
+    File(LengthUnit),
+    /// The caller.
+    Caller(LengthUnit),
+}
+
+impl Declaration {
+    /// The unit.
+    pub fn unit(self) -> LengthUnit {
+        match self {
+            Self::File(unit) | Self::Caller(unit) => unit,
+        }
+    }
+}
+
+impl fmt::Display for Declaration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(unit) => write!(f, "{unit} (by the file)"),
+            Self::Caller(unit) => write!(f, "{unit} (as passed)"),
+        }
     }
 }
 
