@@ -1,17 +1,11 @@
 //! The published figures carried in code against the reference files, where those are at hand.
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 use brake_reuss_beam::published::*;
 use serde_json::Value;
-use std::path::Path;
 
-/// A reference file, from the folder that BRB_REFERENCE names; relative names start at the workspace.
+/// Content of a reference file, where there is one.
 fn reference(file: &str) -> Option<Value> {
-    let Ok(folder) = std::env::var("BRB_REFERENCE") else {
-        println!("skipped the comparison with {file}: BRB_REFERENCE is not set");
-        return None;
-    };
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let text = std::fs::read_to_string(workspace.join(folder).join(file)).unwrap();
+    let text = std::fs::read_to_string(test_support::reference_file(file)?).unwrap();
     Some(serde_json::from_str(&text).unwrap())
 }
 

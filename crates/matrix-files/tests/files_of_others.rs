@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use matrix_files::value::{Array, Collection, Dense, Dof};
 use matrix_files::{Error, Source, abaqus, calculix, mat, matrix_market, npz};
 use sprs::CsMat;
+use test_support::TemporaryFolder;
 
 fn fixture(name: &str) -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "tests", "fixtures", name].iter().collect()
@@ -253,13 +254,11 @@ fn readme_shows_the_example() {
 
 #[test]
 fn the_file_that_is_missing_is_named() {
-    let folder = std::env::temp_dir().join(format!("matrix-files-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = TemporaryFolder::new("matrix-files");
     for name in ["two_hexes.sti", "two_hexes.mas"] {
         std::fs::copy(fixture(name), folder.join(name)).unwrap();
     }
     let refused = calculix::read(&folder.join("two_hexes")).unwrap_err();
-    std::fs::remove_dir_all(&folder).unwrap();
     assert!(matches!(refused, Error::NoDofMap { .. }), "{refused}");
     assert!(refused.to_string().contains("two_hexes.dof"), "{refused}");
     assert!(matches!(mat::read(&fixture("none.mat")), Err(Error::Io { .. })));

@@ -1,49 +1,25 @@
 //! Damaged files: whatever the bytes, every reader answers, and memory stays within a multiple of the file's size.
-#![allow(unsafe_code, clippy::unwrap_used)]
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read, Write};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use matrix_files::abaqus::{self, Substructure};
-use matrix_files::{Source, calculix, mat, matrix_market, npz};
-use rand::{Rng, RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
-
-/// The system's allocator with a count of the bytes in use.
-struct Counting;
-
-static IN_USE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: the system's allocator does the work.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let in_use = IN_USE.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        PEAK.fetch_max(in_use, Ordering::Relaxed);
-        // SAFETY: passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        IN_USE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: passed on.
-        unsafe { System.dealloc(block, layout) }
-    }
-}
+use matrix_files::{Error, Source, calculix, mat, matrix_market, npz};
+use test_support::memory::Counting;
+use test_support::{Damage, Sample, Tally};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-type Reader = fn(Source<'_>) -> bool;
+type Reader = fn(Source<'_>) -> Result<(), Error>;
 
 fn fixture(name: &str) -> Vec<u8> {
     std::fs::read(format!("{}/tests/fixtures/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 /// The three files of CalculiX, one of which is damaged.
-fn calculix_with(role: usize, source: Source<'_>) -> bool {
+fn calculix_with(role: usize, source: Source<'_>) -> Result<(), Error> {
     let sound = [
         &b"1 1 2.0\n1 2 -1.0\n2 2 3.0\n"[..],
         b"1 1 1.0\n2 2 1.0\n",
@@ -61,11 +37,11 @@ fn calculix_with(role: usize, source: Source<'_>) -> bool {
         mass: file(1),
         dofs: file(2),
     };
-    calculix::parse(files).is_ok()
+    calculix::parse(files).map(drop)
 }
 
 /// A file of NumPy with a member that is damaged but true to its checksum; all others are those of `csc.npz`.
-fn numpy_with(member: &str, source: Source<'_>) -> bool {
+fn numpy_with(member: &str, source: Source<'_>) -> Result<(), Error> {
     let mut sound = zip::ZipArchive::new(Cursor::new(fixture("csc.npz"))).unwrap();
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for index in 0..sound.len() {
@@ -83,7 +59,7 @@ fn numpy_with(member: &str, source: Source<'_>) -> bool {
         name: source.name,
         bytes: &bytes,
     })
-    .is_ok()
+    .map(drop)
 }
 
 /// A member of `csc.npz`.
@@ -95,7 +71,7 @@ fn member(name: &str) -> Vec<u8> {
 }
 
 /// A file of MATLAB with one compressed element that is damaged but true to its checksum.
-fn matlab_around(source: Source<'_>) -> bool {
+fn matlab_around(source: Source<'_>) -> Result<(), Error> {
     let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
     packer.write_all(source.bytes).unwrap();
     let packed = packer.finish().unwrap();
@@ -106,7 +82,7 @@ fn matlab_around(source: Source<'_>) -> bool {
         name: source.name,
         bytes: &bytes,
     })
-    .is_ok()
+    .map(drop)
 }
 
 #[test]
@@ -127,10 +103,10 @@ fn damaged_files_are_answered_within_bounds() {
         }),
         ..substructure()
     };
-    let matlab: Reader = |s| mat::parse(s).is_ok();
-    let numpy: Reader = |s| npz::parse(s).is_ok();
-    let market: Reader = |s| matrix_market::parse(s).is_ok();
-    let reduced: Reader = |s| abaqus::parse_substructure(s).is_ok();
+    let matlab: Reader = |s| mat::parse(s).map(drop);
+    let numpy: Reader = |s| npz::parse(s).map(drop);
+    let market: Reader = |s| matrix_market::parse(s).map(drop);
+    let reduced: Reader = |s| abaqus::parse_substructure(s).map(drop);
     // What a byte of the file may become: compressed files hold up to 1032 bytes in one.
     const PLAIN: usize = 64;
     const COMPRESSED: usize = 64 * 1032;
@@ -188,7 +164,7 @@ fn damaged_files_are_answered_within_bounds() {
             b"1,1, 1,1, 2.5\n2,3, 1,1, -1.0E+5\n-1,1, -1,1, 7.\n".to_vec(),
             PLAIN,
             LITTLE,
-            |s| abaqus::parse_assembled(&[("STIFFNESS", s)]).is_ok(),
+            |s| abaqus::parse_assembled(&[("STIFFNESS", s)]).map(drop),
         ),
         ("sti", b"1 1 2.0\n1 2 -1.0\n2 2 3.0\n".to_vec(), PLAIN, LITTLE, |s| {
             calculix_with(0, s)
@@ -198,79 +174,20 @@ fn damaged_files_are_answered_within_bounds() {
         }),
         ("dof", b"7.1\n7.2\n".to_vec(), PLAIN, LITTLE, |s| calculix_with(2, s)),
     ];
-    let mut random = Pcg64Mcg::seed_from_u64(5);
+    let mut damage = Damage::new(5, &[b"*MATRIX,TYPE=MASS\n", b"** "]);
     for (name, sound, factor, base, read) in files {
-        assert!(read(Source { name, bytes: &sound }), "{name}");
-        let (mut refused, mut accepted) = (0, 0);
-        for _ in 0..3000 {
-            let mut bytes = sound.clone();
-            for _ in 0..random.random_range(1..4) {
-                damage(&mut bytes, &mut random);
-            }
-            let before = IN_USE.load(Ordering::Relaxed);
-            PEAK.store(before, Ordering::Relaxed);
-            let ok = read(Source { name, bytes: &bytes });
-            let used = PEAK.load(Ordering::Relaxed) - before;
-            assert!(
-                used <= factor * bytes.len() + base,
-                "{name}: {used} bytes for a file of {}",
-                bytes.len()
-            );
-            *(if ok { &mut accepted } else { &mut refused }) += 1;
-        }
+        let sample = Sample {
+            name,
+            sound: &sound,
+            memory: [factor, base],
+            copies: 3000,
+        };
+        let read = |bytes: &[u8]| read(Source { name, bytes });
+        let Tally { refused, accepted } = damage.trial(&sample, <[u8]>::to_vec, read, |(), _| {});
         // The damage is neither always fatal nor never.
         assert!(
             refused > 300 && accepted > 0,
             "{name}: {refused} refused, {accepted} read"
         );
-    }
-}
-
-/// Changes, removes or adds a few bytes.
-fn damage(bytes: &mut Vec<u8>, random: &mut impl Rng) {
-    const FRAGMENTS: [&[u8]; 8] = [
-        b"-1",
-        b"*MATRIX,TYPE=MASS\n",
-        b"** ",
-        b"nan",
-        b"1e999",
-        b"\xff\xff\xff\x7f",
-        &[0; 8],
-        b"\n",
-    ];
-    let at = random.random_range(0..=bytes.len());
-    match random.random_range(0..8) {
-        0 if at < bytes.len() => bytes[at] ^= 1 << random.random_range(0..8),
-        1 if at < bytes.len() => bytes[at] = random.random(),
-        2 => bytes.truncate(at),
-        3 => {
-            let end = (at + random.random_range(1..20)).min(bytes.len());
-            bytes.drain(at..end);
-        }
-        4 => {
-            let fragment = FRAGMENTS[random.random_range(0..FRAGMENTS.len())];
-            let end = (at + random.random_range(0..=fragment.len())).min(bytes.len());
-            bytes.splice(at..end, fragment.iter().copied());
-        }
-        // Another number, in digits or in four bytes.
-        5 => {
-            let digit = |i: &usize| bytes[*i].is_ascii_digit();
-            let from = (at..bytes.len()).find(digit).unwrap_or(bytes.len());
-            let end = (from..bytes.len()).find(|i| !digit(i)).unwrap_or(bytes.len());
-            let number = [0, 2, 7, 400, 70_000, 1_000_000_000_u64][random.random_range(0..6)];
-            bytes.splice(from..end, number.to_string().into_bytes());
-        }
-        6 => {
-            let from = at / 4 * 4;
-            let end = (from + 4).min(bytes.len());
-            let number = [0, 2, 7, 400, 70_000, 1_000_000_000, -1_i32][random.random_range(0..7)];
-            bytes.splice(from..end, number.to_le_bytes());
-        }
-        _ => {
-            let end = (at + random.random_range(1..40)).min(bytes.len());
-            let copied = bytes[at..end].to_vec();
-            let to = random.random_range(0..=bytes.len());
-            bytes.splice(to..to, copied);
-        }
     }
 }

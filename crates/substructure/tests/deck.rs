@@ -839,7 +839,7 @@ fn short_texts_cannot_fill_the_memory() {
 
 #[test]
 fn included_files_are_found_and_circles_are_not_followed() {
-    let folder = std::env::temp_dir().join(format!("substructure-deck-{}", std::process::id()));
+    let folder = test_support::TemporaryFolder::new("substructure-deck");
     std::fs::create_dir_all(folder.join("sub")).unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     let (nodes, rest) = CUBES.split_at(CUBES.find("*ELEMENT").unwrap());
@@ -861,7 +861,6 @@ fn included_files_are_found_and_circles_are_not_followed() {
     write("sub/more.inp", "*INCLUDE, INPUT=none.inp\n");
     let absent = deck::read(folder.join("main.inp")).unwrap_err().to_string();
     assert!(absent.starts_with("more.inp:1: *INCLUDE of `none.inp`"), "{absent}");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 /// Three blocks of different cells with everything that an assembly may hold.
@@ -1041,65 +1040,26 @@ fn what_no_deck_can_say_is_not_written() {
     ));
 }
 
-/// Pseudo-random numbers that belong to a seed.
-struct Noise(u64);
-
-impl Noise {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % limit
-    }
-}
-
 #[test]
 fn damaged_decks_give_errors_and_no_panic() {
-    let words = [
-        "*",
-        "**",
-        ",",
-        "\n",
-        "=",
-        "\"",
-        "-1",
-        "4294967295",
-        "1e308",
-        "GENERATE",
-        "S1",
-        ".",
-        "*END PART\n",
-        "é",
+    let fragments: [&[u8]; 10] = [
+        b"*",
+        b"**",
+        b",",
+        b"=",
+        b"\"",
+        b"4294967295",
+        b"GENERATE",
+        b"S1",
+        b"*END PART\n",
+        "\u{e9}".as_bytes(),
     ];
     let written = deck::write(&everything(), &[], &[]).unwrap();
-    let mut noise = Noise(7);
+    let mut damage = test_support::Damage::new(7, &fragments);
     let (mut read, mut refused) = (0, 0);
     for original in [CUBES, PARTS, &written] {
-        let lines: Vec<&str> = original.lines().collect();
         for _ in 0..3000 {
-            let mut bytes = original.as_bytes().to_vec();
-            for _ in 0..=noise.below(3) {
-                let at = noise.below(bytes.len());
-                match noise.below(5) {
-                    0 => bytes[at] ^= 1 << noise.below(8),
-                    1 => {
-                        let end = (at + 1 + noise.below(20)).min(bytes.len());
-                        bytes.drain(at..end);
-                    }
-                    2 => {
-                        let word = words[noise.below(words.len())].bytes();
-                        bytes.splice(at..at, word);
-                    }
-                    3 => {
-                        // Another line at a line's beginning.
-                        let line = format!("{}\n", lines[noise.below(lines.len())]);
-                        let start = bytes[..at].iter().rposition(|b| *b == b'\n').map_or(0, |p| p + 1);
-                        bytes.splice(start..start, line.bytes());
-                    }
-                    _ => bytes[at] = b"0123456789.,*-\n DE"[noise.below(18)],
-                }
-            }
+            let bytes = damage.of(original.as_bytes());
             let text = String::from_utf8_lossy(&bytes);
             match model(&text) {
                 Ok(model) => {

@@ -3,7 +3,6 @@
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use substructure::assemble::System;
 use substructure::constraints::DofMap;
 use substructure::deck::{self, Choices, Deck, DeckModel};
@@ -12,11 +11,8 @@ use substructure::elements::Formulation;
 use substructure::mesh::{Assembly, Cell, CouplingKind, Element, Material};
 
 fn reference_deck() -> Option<Deck> {
-    let Some(folder) = std::env::var_os("BRB_REFERENCE") else {
-        println!("skipped: BRB_REFERENCE does not name the folder that holds brb_deck/Job.inp");
-        return None;
-    };
-    Some(deck::read(PathBuf::from(folder).join("brb_deck/Job.inp")).unwrap())
+    let path = test_support::reference_file("brb_deck/Job.inp")?;
+    Some(deck::read(path).unwrap())
 }
 
 fn material(youngs_modulus: f64, density: f64) -> Option<Material> {

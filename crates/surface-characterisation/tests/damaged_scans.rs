@@ -1,40 +1,12 @@
 //! Damaged files: whatever the bytes, every reader answers, and memory stays within a multiple of the file's size.
-#![expect(
-    unsafe_code,
-    clippy::unwrap_used,
-    reason = "an allocator that counts; helpers of tests"
-)]
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Cursor, Write};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rand::{Rng, RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 use surface_characterisation::readers::{self, LengthUnit, Options, Source};
 use surface_characterisation::{HeightMap, writers};
-
-/// The system's allocator with a count of the bytes in use.
-struct Counting;
-
-static IN_USE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: the system's allocator does the work.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let in_use = IN_USE.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        PEAK.fetch_max(in_use, Ordering::Relaxed);
-        // SAFETY: passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        IN_USE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: passed on.
-        unsafe { System.dealloc(block, layout) }
-    }
-}
+use test_support::memory::Counting;
+use test_support::{Damage, Sample, Tally};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -288,97 +260,24 @@ fn damaged_files_are_answered_within_bounds() {
             whole,
         ),
     ];
-    let mut random = Pcg64Mcg::seed_from_u64(71);
+    let mut damage = Damage::new(71, &[b"*\r\n", b";", b",", b"<SizeX>", b"<![CDATA[", b"&#0;&a;"]);
     for (name, sound, factor, base, options, packed) in files {
-        let bytes = packed(&sound);
-        let parse = |bytes: &[u8]| readers::parse(Source { name: "", bytes }, &options);
-        parse(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let (mut refused, mut accepted) = (0, 0);
-        for _ in 0..2000 {
-            let mut bytes = sound.clone();
-            for _ in 0..random.random_range(1..4) {
-                damage(&mut bytes, &mut random);
-            }
-            let bytes = packed(&bytes);
-            let before = IN_USE.load(Ordering::Relaxed);
-            PEAK.store(before, Ordering::Relaxed);
-            let answer = parse(&bytes);
-            let used = PEAK.load(Ordering::Relaxed) - before;
-            assert!(
-                used <= factor * bytes.len() + base,
-                "{name}: {used} bytes for a file of {}",
-                bytes.len()
-            );
-            match answer {
-                Ok(scan) => {
-                    let points = scan.map.nx() * scan.map.ny();
-                    assert!(points <= factor * bytes.len(), "{name}: {points} points");
-                    assert!(scan.map.missing() <= points);
-                    accepted += 1;
-                }
-                Err(e) => {
-                    assert!(!e.to_string().is_empty());
-                    refused += 1;
-                }
-            }
-        }
+        let sample = Sample {
+            name,
+            sound: &sound,
+            memory: [factor, base],
+            copies: 2000,
+        };
+        let read = |bytes: &[u8]| readers::parse(Source { name: "", bytes }, &options);
+        let Tally { refused, accepted } = damage.trial(&sample, packed, read, |scan, bytes| {
+            let points = scan.map.nx() * scan.map.ny();
+            assert!(points <= factor * bytes.len(), "{name}: {points} points");
+            assert!(scan.map.missing() <= points);
+        });
         // The damage is neither always fatal nor never.
         assert!(
             refused > 200 && accepted > 0,
             "{name}: {refused} refused, {accepted} read"
         );
-    }
-}
-
-/// Changes, removes or adds a few bytes.
-fn damage(bytes: &mut Vec<u8>, random: &mut impl Rng) {
-    const FRAGMENTS: [&[u8]; 12] = [
-        b"-1",
-        b"nan",
-        b"1e999",
-        b"\xff\xff\xff\x7f",
-        &[0; 8],
-        b"\n",
-        b"*\r\n",
-        b";",
-        b",",
-        b"<SizeX>",
-        b"<![CDATA[",
-        b"&#0;&a;",
-    ];
-    let at = random.random_range(0..=bytes.len());
-    match random.random_range(0..8) {
-        0 if at < bytes.len() => bytes[at] ^= 1 << random.random_range(0..8),
-        1 if at < bytes.len() => bytes[at] = random.random(),
-        2 => bytes.truncate(at),
-        3 => {
-            let end = (at + random.random_range(1..20)).min(bytes.len());
-            bytes.drain(at..end);
-        }
-        4 => {
-            let fragment = FRAGMENTS[random.random_range(0..FRAGMENTS.len())];
-            let end = (at + random.random_range(0..=fragment.len())).min(bytes.len());
-            bytes.splice(at..end, fragment.iter().copied());
-        }
-        // Another number, in digits or in four bytes.
-        5 => {
-            let digit = |i: &usize| bytes[*i].is_ascii_digit();
-            let from = (at..bytes.len()).find(digit).unwrap_or(bytes.len());
-            let end = (from..bytes.len()).find(|i| !digit(i)).unwrap_or(bytes.len());
-            let number = [0, 2, 7, 400, 70_000, 1_000_000_000_u64][random.random_range(0..6)];
-            bytes.splice(from..end, number.to_string().into_bytes());
-        }
-        6 => {
-            let from = at / 2 * 2;
-            let end = (from + 4).min(bytes.len());
-            let number = [0, 2, 7, 400, 70_000, 1_000_000_000, -1_i32][random.random_range(0..7)];
-            bytes.splice(from..end, number.to_le_bytes());
-        }
-        _ => {
-            let end = (at + random.random_range(1..40)).min(bytes.len());
-            let copied = bytes[at..end].to_vec();
-            let to = random.random_range(0..=bytes.len());
-            bytes.splice(to..to, copied);
-        }
     }
 }

@@ -56,11 +56,10 @@ fn exact_tails_of_few_pairs() {
 
 #[test]
 fn the_published_table_at_588_elements() {
-    let Ok(reference) = std::env::var("BRB_REFERENCE") else {
-        println!("skipped: BRB_REFERENCE is not set");
+    let Some(published) = test_support::reference_file("published.json") else {
         return;
     };
-    let text = std::fs::read_to_string(format!("{reference}/published.json")).unwrap();
+    let text = std::fs::read_to_string(published).unwrap();
     let published: serde_json::Value = serde_json::from_str(&text).unwrap();
     let table = &published["paper_2020"]["table2"];
     let n = table["n_inferred"].as_u64().unwrap() as usize;

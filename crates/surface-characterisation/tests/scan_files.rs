@@ -1,7 +1,7 @@
 //! Scans written by other programs, and by this crate.
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use surface_characterisation::readers::{self, Declaration, FirstRow, Format, LengthUnit, Options, Scan, Source};
 use surface_characterisation::{HeightMap, writers};
@@ -57,11 +57,9 @@ fn without(z: f64, at: [f64; 2], step: [f64; 2], columns: [f64; 2], rows: [f64; 
 
 #[test]
 fn one_patch_in_five_formats_is_one_map() {
-    let Some(reference) = std::env::var_os("BRB_REFERENCE").map(PathBuf::from) else {
-        println!("skipped: BRB_REFERENCE is not set");
+    let Some(folder) = test_support::reference_file("surface_formats") else {
         return;
     };
-    let folder = reference.join("surface_formats");
     let read = |name: &str, options: &Options| readers::read(&folder.join(name), options).unwrap();
     let grid = Options {
         lateral_step: Some([30.0, 50.0]),
