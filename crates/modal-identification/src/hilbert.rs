@@ -3,9 +3,10 @@
 
 use std::f64::consts::{LN_2, PI, TAU};
 
-use rustfft::FftPlanner;
+use rustfft::FftDirection;
 use rustfft::num_complex::Complex64;
 
+use crate::fft;
 use crate::filter::Transfer;
 use crate::median::upper_median;
 use crate::point::{Point, moments};
@@ -89,7 +90,7 @@ fn track(samples: &[f64], rate: f64, start: f64, centre: f64, tau: f64) -> Track
             band[offset.rem_euclid(count as i64) as usize] = weight * lines[line as usize];
         }
     }
-    FftPlanner::new().plan_fft_inverse(count).process(&mut band);
+    fft::transform(&mut band, FftDirection::Inverse);
     let carrier = TAU * middle as f64 * step;
     let spacing = size as f64 / rate / count as f64;
     let within = ((samples.len() as f64 / rate) / spacing) as usize;

@@ -22,6 +22,7 @@
 pub mod average;
 pub mod backbone;
 mod error;
+mod fft;
 pub mod filter;
 pub mod hilbert;
 mod median;

@@ -2,9 +2,10 @@
 
 use std::f64::consts::{LN_2, PI};
 
-use rustfft::FftPlanner;
+use rustfft::FftDirection;
 use rustfft::num_complex::Complex64;
 
+use crate::fft;
 use crate::median::upper_median;
 use crate::peaks::peaks;
 
@@ -72,11 +73,11 @@ pub(crate) fn largest(lines: &[Line]) -> Option<Line> {
     lines.iter().copied().max_by(|a, b| a.magnitude.total_cmp(&b.magnitude))
 }
 
-/// The discrete Fourier transform of real numbers, padded with zeros.
+/// The discrete Fourier transform of real numbers, padded with zeros to a `size` that is a power of two.
 pub(crate) fn transform(values: impl Iterator<Item = f64>, size: usize) -> Vec<Complex64> {
     let mut lines: Vec<Complex64> = values.map(Complex64::from).collect();
     lines.resize(size, Complex64::default());
-    FftPlanner::new().plan_fft_forward(size).process(&mut lines);
+    fft::transform(&mut lines, FftDirection::Forward);
     lines
 }
 

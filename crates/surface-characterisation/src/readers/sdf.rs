@@ -169,143 +169,149 @@ fn allowed(
     data_type(code).ok_or_else(|| malformed(file, place(1), format!("the data type {code}"), "0 to 7"))
 }
 
-fn as_text(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
-    let file = source.name;
-    let bcr = &source.bytes[1..4] == b"BCR";
-    // In BCR a semicolon begins a comment.
-    let bare = |line: &[u8]| -> Vec<u8> {
-        let end = if bcr {
-            line.iter().position(|b| *b == b';')
-        } else {
-            None
-        };
-        line[..end.unwrap_or(line.len())].trim_ascii().to_vec()
-    };
-    let mut lines = text::lines(source.bytes).skip(1);
-    let mut fields = Vec::new();
-    loop {
-        let Some((number, line)) = lines.next() else {
-            let last = text::lines(source.bytes).count();
-            return Err(malformed(
-                file,
-                Place::Line(last),
-                "the end of the file",
-                "`*` after the header",
-            ));
-        };
-        let line = bare(line);
-        if line == b"*" {
-            break;
+/// The fields of a header in text: lower-case name, value, line.
+struct Fields<'a> {
+    file: &'a str,
+    bcr: bool,
+    fields: Vec<(String, String, usize)>,
+}
+
+impl<'a> Fields<'a> {
+    /// Reads up to the `*` that closes the header.
+    fn read<'b>(
+        source: Source<'a>,
+        bcr: bool,
+        mut lines: impl Iterator<Item = (usize, &'b [u8])>,
+    ) -> Result<Self, FileError> {
+        let file = source.name;
+        let mut fields = Vec::new();
+        loop {
+            let Some((number, line)) = lines.next() else {
+                let last = text::lines(source.bytes).count();
+                return Err(malformed(
+                    file,
+                    Place::Line(last),
+                    "the end of the file",
+                    "`*` after the header",
+                ));
+            };
+            let line = without_comment(line, bcr);
+            if line == b"*" {
+                return Ok(Self { file, bcr, fields });
+            }
+            if line.is_empty() {
+                continue;
+            }
+            let text = String::from_utf8_lossy(line).into_owned();
+            let Some((name, value)) = text.split_once('=') else {
+                return Err(malformed(file, Place::Line(number), quoted(line), "`name = value`"));
+            };
+            fields.push((name.trim().to_ascii_lowercase(), value.trim().to_owned(), number));
         }
-        if line.is_empty() {
-            continue;
-        }
-        let text = String::from_utf8_lossy(&line).into_owned();
-        let Some((name, value)) = text.split_once('=') else {
-            return Err(malformed(file, Place::Line(number), quoted(&line), "`name = value`"));
-        };
-        fields.push((name.trim().to_ascii_lowercase(), value.trim().to_owned(), number));
     }
-    let field = |name: &str| -> Result<(&str, Place), FileError> {
-        let mut found = fields.iter().filter(|(key, ..)| key.eq_ignore_ascii_case(name));
+
+    fn field(&self, name: &str) -> Result<(&str, Place), FileError> {
+        let mut found = self.fields.iter().filter(|(key, ..)| key.eq_ignore_ascii_case(name));
         match (found.next(), found.next()) {
             (Some((_, value, line)), None) => Ok((value, Place::Line(*line))),
             (None, _) => Err(malformed(
-                file,
+                self.file,
                 Place::Line(1),
                 format!("a header without `{name}`"),
                 "all fields",
             )),
-            (_, Some((_, _, line))) => Err(malformed(file, Place::Line(*line), format!("a second `{name}`"), "one")),
+            (_, Some((_, _, line))) => {
+                let place = Place::Line(*line);
+                Err(malformed(self.file, place, format!("a second `{name}`"), "one"))
+            }
         }
-    };
-    let real = |name: &str| {
-        let (value, place) = field(name)?;
+    }
+
+    fn real(&self, name: &str) -> Result<f64, FileError> {
+        let (value, place) = self.field(name)?;
         let number = value.parse::<f64>();
-        number.map_err(|_| malformed(file, place, quoted(value.as_bytes()), "a number"))
-    };
-    let whole = |name: &str, words: &[(&str, u32)]| {
-        let (value, place) = field(name)?;
-        let word = words.iter().find(|(word, _)| bcr && value.eq_ignore_ascii_case(word));
+        number.map_err(|_| malformed(self.file, place, quoted(value.as_bytes()), "a number"))
+    }
+
+    /// A whole number; BCR may write one of `words` for it.
+    fn whole(&self, name: &str, words: &[(&str, u32)]) -> Result<u32, FileError> {
+        let (value, place) = self.field(name)?;
+        let word = words
+            .iter()
+            .find(|(word, _)| self.bcr && value.eq_ignore_ascii_case(word));
         let number = word.map_or_else(|| value.parse().ok(), |(_, code)| Some(*code));
-        number.ok_or_else(|| malformed(file, place, quoted(value.as_bytes()), "a whole number"))
+        number.ok_or_else(|| malformed(self.file, place, quoted(value.as_bytes()), "a whole number"))
+    }
+
+    fn data_type(&self) -> Result<DataType, FileError> {
+        const NONE: [(&str, u32); 2] = [("NULL", 0), ("NONE", 0)];
+        const TYPES: [(&str, u32); 8] = [
+            ("UCHAR", 0),
+            ("UINTEGER", 1),
+            ("ULONGINT", 2),
+            ("FLOAT", 3),
+            ("CHAR", 4),
+            ("INTEGER", 5),
+            ("LONGINT", 6),
+            ("DOUBLE", 7),
+        ];
+        let code = |name, words: &[(&str, u32)]| Ok::<_, FileError>(self.whole(name, words)?.min(255) as u8);
+        let names = ["Compression", "DataType", "CheckType"];
+        let places = [
+            self.field(names[0])?.1,
+            self.field(names[1])?.1,
+            self.field(names[2])?.1,
+        ];
+        let (data, _) = allowed(
+            self.file,
+            |field| places[field].clone(),
+            code(names[0], &NONE)?,
+            code(names[1], &TYPES)?,
+            code(names[2], &NONE)?,
+        )?;
+        Ok(data)
+    }
+
+    fn header(&self) -> Result<Header, FileError> {
+        let data = self.data_type()?;
+        Ok(Header {
+            bcr: self.bcr,
+            size: [
+                self.whole("NumPoints", &[])? as usize,
+                self.whole("NumProfiles", &[])? as usize,
+            ],
+            step: [self.real("Xscale")?, self.real("Yscale")?],
+            scale: self.real("Zscale")?,
+            resolution: self.real("Zresolution")?,
+            data,
+            place: self.field("Xscale")?.1,
+        })
+    }
+}
+
+/// A line without the white space around it, and without the comment that a semicolon begins in BCR.
+fn without_comment(line: &[u8], bcr: bool) -> &[u8] {
+    let end = if bcr {
+        line.iter().position(|b| *b == b';')
+    } else {
+        None
     };
-    let none = [("NULL", 0), ("NONE", 0)];
-    let types = [
-        ("UCHAR", 0),
-        ("UINTEGER", 1),
-        ("ULONGINT", 2),
-        ("FLOAT", 3),
-        ("CHAR", 4),
-        ("INTEGER", 5),
-        ("LONGINT", 6),
-        ("DOUBLE", 7),
-    ];
-    let code = |name, words: &[(&str, u32)]| Ok::<_, FileError>(whole(name, words)?.min(255) as u8);
-    let names = ["Compression", "DataType", "CheckType"];
-    let places = [field(names[0])?.1, field(names[1])?.1, field(names[2])?.1];
-    let (data, _) = allowed(
-        file,
-        |field| places[field].clone(),
-        code(names[0], &none)?,
-        code(names[1], &types)?,
-        code(names[2], &none)?,
-    )?;
-    let header = Header {
-        bcr,
-        size: [whole("NumPoints", &[])? as usize, whole("NumProfiles", &[])? as usize],
-        step: [real("Xscale")?, real("Yscale")?],
-        scale: real("Zscale")?,
-        resolution: real("Zresolution")?,
-        data,
-        place: field("Xscale")?.1,
-    };
+    line[..end.unwrap_or(line.len())].trim_ascii()
+}
+
+fn as_text(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
+    let bcr = &source.bytes[1..4] == b"BCR";
+    let mut lines = text::lines(source.bytes).skip(1);
+    let fields = Fields::read(source, bcr, lines.by_ref())?;
+    let header = fields.header()?;
     // A number and a space.
     let possible = source.bytes.len() / 2;
     let stated = header.size[0] as u128 * header.size[1] as u128;
     if stated > possible as u128 {
-        let place = field("NumPoints")?.1;
-        return Err(oversized(file, place, "the number of points", stated, possible));
+        let place = fields.field("NumPoints")?.1;
+        return Err(oversized(source.name, place, "the number of points", stated, possible));
     }
-    let mut numbers = Vec::with_capacity(stated as usize);
-    let mut last = 1;
-    let mut closed = false;
-    for (number, line) in lines.by_ref() {
-        last = number;
-        let line = bare(line);
-        if line == b"*" {
-            closed = true;
-            break;
-        }
-        for token in line.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty()) {
-            let value = if text::is_missing(token) {
-                f64::NAN
-            } else {
-                let value = str::from_utf8(token).ok().and_then(|t| t.parse::<f64>().ok());
-                let fits = |v: &f64| match data {
-                    DataType::Float { .. } => true,
-                    DataType::Integer { min, max } => v.fract() == 0.0 && *v >= min && *v <= max,
-                };
-                value
-                    .filter(fits)
-                    .ok_or_else(|| malformed(file, Place::Line(number), quoted(token), "a number of the data type"))?
-            };
-            numbers.push(value);
-        }
-        if numbers.len() as u128 > stated {
-            let found = format!("height {}", numbers.len());
-            return Err(malformed(
-                file,
-                Place::Line(number),
-                found,
-                format!("`*` after {stated} heights"),
-            ));
-        }
-    }
-    if (numbers.len() as u128) < stated {
-        let found = format!("the end of the heights after {}", numbers.len());
-        return Err(malformed(file, Place::Line(last), found, format!("{stated} heights")));
-    }
+    let (numbers, closed) = heights(source.name, &header, stated as usize, lines.by_ref())?;
     let mut notes = Vec::new();
     if !closed {
         notes.push("the heights end without `*`".into());
@@ -318,6 +324,58 @@ fn as_text(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
         notes.push(format!("a trailer of {trailer} lines after the heights ignored"));
     }
     finish(source, options, header, numbers, notes)
+}
+
+/// The numbers of `stated` points, and whether a `*` closes them.
+fn heights<'a>(
+    file: &str,
+    header: &Header,
+    stated: usize,
+    lines: impl Iterator<Item = (usize, &'a [u8])>,
+) -> Result<(Vec<f64>, bool), FileError> {
+    let mut numbers = Vec::with_capacity(stated);
+    let mut last = 1;
+    let mut closed = false;
+    for (number, line) in lines {
+        last = number;
+        let line = without_comment(line, header.bcr);
+        if line == b"*" {
+            closed = true;
+            break;
+        }
+        for token in line.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty()) {
+            numbers.push(height(file, header.data, number, token)?);
+        }
+        if numbers.len() > stated {
+            let found = format!("height {}", numbers.len());
+            return Err(malformed(
+                file,
+                Place::Line(number),
+                found,
+                format!("`*` after {stated} heights"),
+            ));
+        }
+    }
+    if numbers.len() < stated {
+        let found = format!("the end of the heights after {}", numbers.len());
+        return Err(malformed(file, Place::Line(last), found, format!("{stated} heights")));
+    }
+    Ok((numbers, closed))
+}
+
+/// A number of the data type, NaN if it is missing.
+fn height(file: &str, data: DataType, line: usize, token: &[u8]) -> Result<f64, FileError> {
+    if text::is_missing(token) {
+        return Ok(f64::NAN);
+    }
+    let value = str::from_utf8(token).ok().and_then(|t| t.parse::<f64>().ok());
+    let fits = |v: &f64| match data {
+        DataType::Float { .. } => true,
+        DataType::Integer { min, max } => v.fract() == 0.0 && *v >= min && *v <= max,
+    };
+    value
+        .filter(fits)
+        .ok_or_else(|| malformed(file, Place::Line(line), quoted(token), "a number of the data type"))
 }
 
 /// Masks and scales the numbers.

@@ -42,8 +42,57 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
     if source.bytes.len() < HEADER {
         return Err(bytes.truncated("the header"));
     }
-    let compressed = source.bytes.starts_with(b"DSC");
     let mut notes = Vec::new();
+    let with_images = check_kind(&bytes, &mut notes)?;
+    let body = Body::read(&bytes)?;
+    let unpacked;
+    let (raw, end) = if source.bytes.starts_with(b"DSC") {
+        let (found, end) = unpack(&bytes, body.start, body.length())?;
+        unpacked = found;
+        (&unpacked[..], end)
+    } else {
+        let end = body.start + body.length();
+        (&source.bytes[body.start..end], end)
+    };
+    if !with_images {
+        notes.extend(bytes.rest(end, false)?);
+    }
+    let axes = Axes::read(&bytes, &mut notes)?;
+    let [spacing, offset] = [axes.spacing, axes.offset];
+    let lowest = i64::from(bytes.i32(100)?);
+    let missing = (bytes.u16(86)? == 1).then_some(lowest - 2);
+    let height = |raw: i64| {
+        if Some(raw) == missing {
+            f64::NAN
+        } else {
+            raw as f64 * spacing[2] + offset[2]
+        }
+    };
+    let heights = if body.width == 2 {
+        let numbers = raw.as_chunks().0.iter();
+        numbers.map(|b| height(i16::from_le_bytes(*b).into())).collect()
+    } else {
+        let numbers = raw.as_chunks().0.iter();
+        numbers.map(|b| height(i32::from_le_bytes(*b).into())).collect()
+    };
+    let [lateral_unit, height_unit] = options.units(source.name, Some(axes.unit[0]), Some(axes.unit[2]))?;
+    Found {
+        format: Format::Sur,
+        size: body.size,
+        step: [spacing[0], spacing[1]],
+        origin: [offset[0], offset[1]],
+        heights,
+        lateral_unit,
+        height_unit,
+        stated_step: Some(spacing[2]),
+        rows_open: true,
+        notes,
+    }
+    .finish(source.name, options)
+}
+
+/// Refuses what is no surface in the form that is read; says whether images follow the heights.
+fn check_kind(bytes: &Bytes<'_>, notes: &mut Vec<String>) -> Result<bool, FileError> {
     for (at, what, allowed, remedy) in [
         (12, "the byte order", 0, "save the scan in the format of PCs"),
         (16, "the version", 1, "save the scan in version 1"),
@@ -54,15 +103,12 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
             return Err(bytes.unsupported(at, format!("{what} {found}"), remedy));
         }
     }
-    let size = [bytes.i32(108)?, bytes.i32(112)?];
+    let lines = bytes.i32(112)?;
     let kind = bytes.u16(18)?;
     let with_images = WITH_IMAGES.contains(&kind);
     match kind {
         SURFACE => {}
-        PROFILE if size[1] > 1 => notes.push(format!(
-            "stated as a profile, but of {} lines: read as a surface",
-            size[1]
-        )),
+        PROFILE if lines > 1 => notes.push(format!("stated as a profile, but of {lines} lines: read as a surface")),
         _ if with_images => notes.push("images beside the heights ignored".into()),
         _ => {
             let found = format!("an object of type {kind}");
@@ -79,97 +125,99 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
         let found = format!("{channels} numbers per point");
         return Err(bytes.unsupported(94, found, "save the heights alone"));
     }
-    let width = match bytes.u16(98)? {
-        16 => 2,
-        32 => 4,
-        bits => return Err(bytes.malformed(98, format!("points of {bits} bits"), "16 or 32")),
-    };
-    let [Ok(nx), Ok(ny)] = size.map(u64::try_from) else {
-        return Err(bytes.malformed(108, format!("{} x {} points", size[0], size[1]), "positive numbers"));
-    };
-    let start = HEADER + usize::from(bytes.u16(334)?) + usize::from(bytes.u16(336)?);
-    let Some(body) = source.bytes.get(start..) else {
-        return Err(bytes.truncated("the comment"));
-    };
-    let inflation = if compressed { INFLATION } else { 1 };
-    let n = bytes.points(108, [nx, ny], width, body.len().saturating_mul(inflation))?;
-    let stated = bytes.u32(116)?;
-    if u64::from(stated) != n as u64 {
-        return Err(bytes.malformed(116, format!("{stated} points"), format!("{nx} x {ny}")));
-    }
-    let unpacked;
-    let (raw, end) = if compressed {
-        let (found, end) = unpack(&bytes, start, n * width)?;
-        unpacked = found;
-        (&unpacked[..], end)
-    } else {
-        (&body[..n * width], start + n * width)
-    };
-    if !with_images {
-        notes.extend(bytes.rest(end, false)?);
+    Ok(with_images)
+}
+
+/// Where the heights are, packed or not.
+struct Body {
+    /// First byte in the file.
+    start: usize,
+    /// Points along x and y.
+    size: [usize; 2],
+    /// Bytes per point.
+    width: usize,
+}
+
+impl Body {
+    fn read(bytes: &Bytes<'_>) -> Result<Self, FileError> {
+        let source = bytes.0;
+        let size = [bytes.i32(108)?, bytes.i32(112)?];
+        let width = match bytes.u16(98)? {
+            16 => 2,
+            32 => 4,
+            bits => return Err(bytes.malformed(98, format!("points of {bits} bits"), "16 or 32")),
+        };
+        let [Ok(nx), Ok(ny)] = size.map(u64::try_from) else {
+            return Err(bytes.malformed(108, format!("{} x {} points", size[0], size[1]), "positive numbers"));
+        };
+        let start = HEADER + usize::from(bytes.u16(334)?) + usize::from(bytes.u16(336)?);
+        let Some(body) = source.bytes.get(start..) else {
+            return Err(bytes.truncated("the comment"));
+        };
+        let compressed = source.bytes.starts_with(b"DSC");
+        let inflation = if compressed { INFLATION } else { 1 };
+        let n = bytes.points(108, [nx, ny], width, body.len().saturating_mul(inflation))?;
+        let stated = bytes.u32(116)?;
+        if u64::from(stated) != n as u64 {
+            return Err(bytes.malformed(116, format!("{stated} points"), format!("{nx} x {ny}")));
+        }
+        Ok(Self {
+            start,
+            size: [nx as usize, ny as usize],
+            width,
+        })
     }
 
-    let mut length = [LengthUnit::Metre; 3];
-    for (q, unit) in length.iter_mut().enumerate() {
-        let at = 180 + 16 * q;
-        *unit = bytes.text(at, 16)?.parse().map_err(|source| FileError::Unit {
-            file: bytes.0.name.into(),
-            place: Place::Byte(at),
-            source,
-        })?;
+    /// Number of bytes, unpacked.
+    fn length(&self) -> usize {
+        self.size[0] * self.size[1] * self.width
     }
-    if length[0] != length[1] {
-        notes.push(format!("steps along y are stated in {}", length[1]));
-    }
-    let mut numbers = [[0.0; 3]; 2];
-    for (row, at) in numbers.iter_mut().zip([120, 466]) {
-        for (q, number) in row.iter_mut().enumerate() {
-            // The decimal number that was stored in single precision, where it is short, not its binary neighbour.
-            let stored = bytes.f32(at + 4 * q)?;
-            let stored = stored.to_string().parse().unwrap_or(f64::from(stored));
-            *number = length[q].metres(stored);
+}
+
+/// Units, steps and offsets along x, y and z.
+struct Axes {
+    unit: [LengthUnit; 3],
+    /// Steps (m).
+    spacing: [f64; 3],
+    /// Offsets (m).
+    offset: [f64; 3],
+}
+
+impl Axes {
+    fn read(bytes: &Bytes<'_>, notes: &mut Vec<String>) -> Result<Self, FileError> {
+        let mut unit = [LengthUnit::Metre; 3];
+        for (q, unit) in unit.iter_mut().enumerate() {
+            let at = 180 + 16 * q;
+            *unit = bytes.text(at, 16)?.parse().map_err(|source| FileError::Unit {
+                file: bytes.0.name.into(),
+                place: Place::Byte(at),
+                source,
+            })?;
         }
-    }
-    let [spacing, offset] = numbers;
-    if let Some(q) = offset.iter().position(|offset| !offset.is_finite()) {
-        return Err(bytes.malformed(466 + 4 * q, format!("an offset of {}", offset[q]), "a finite number"));
-    }
-    for (q, value) in spacing.into_iter().enumerate() {
-        if !(value.is_finite() && value > 0.0) {
-            let found = format!("a spacing of {value} m");
-            return Err(bytes.malformed(120 + 4 * q, found, "a positive number"));
+        if unit[0] != unit[1] {
+            notes.push(format!("steps along y are stated in {}", unit[1]));
         }
-    }
-    let lowest = i64::from(bytes.i32(100)?);
-    let missing = (bytes.u16(86)? == 1).then_some(lowest - 2);
-    let height = |raw: i64| {
-        if Some(raw) == missing {
-            f64::NAN
-        } else {
-            raw as f64 * spacing[2] + offset[2]
+        let mut numbers = [[0.0; 3]; 2];
+        for (row, at) in numbers.iter_mut().zip([120, 466]) {
+            for (q, number) in row.iter_mut().enumerate() {
+                // The decimal number that was stored in single precision, where it is short, not its binary neighbour.
+                let stored = bytes.f32(at + 4 * q)?;
+                let stored = stored.to_string().parse().unwrap_or(f64::from(stored));
+                *number = unit[q].metres(stored);
+            }
         }
-    };
-    let heights = if width == 2 {
-        let numbers = raw.as_chunks().0.iter();
-        numbers.map(|b| height(i16::from_le_bytes(*b).into())).collect()
-    } else {
-        let numbers = raw.as_chunks().0.iter();
-        numbers.map(|b| height(i32::from_le_bytes(*b).into())).collect()
-    };
-    let [lateral_unit, height_unit] = options.units(source.name, Some(length[0]), Some(length[2]))?;
-    Found {
-        format: Format::Sur,
-        size: [nx as usize, ny as usize],
-        step: [spacing[0], spacing[1]],
-        origin: [offset[0], offset[1]],
-        heights,
-        lateral_unit,
-        height_unit,
-        stated_step: Some(spacing[2]),
-        rows_open: true,
-        notes,
+        let [spacing, offset] = numbers;
+        if let Some(q) = offset.iter().position(|offset| !offset.is_finite()) {
+            return Err(bytes.malformed(466 + 4 * q, format!("an offset of {}", offset[q]), "a finite number"));
+        }
+        for (q, value) in spacing.into_iter().enumerate() {
+            if !(value.is_finite() && value > 0.0) {
+                let found = format!("a spacing of {value} m");
+                return Err(bytes.malformed(120 + 4 * q, found, "a positive number"));
+            }
+        }
+        Ok(Self { unit, spacing, offset })
     }
-    .finish(source.name, options)
 }
 
 /// Unpacks `needed` bytes: the number of streams, for each its size unpacked and packed, then the streams.

@@ -17,7 +17,7 @@ use matrix_files::{Place, Source, quoted};
 
 use super::bytes::{latin_or_utf8, malformed};
 use super::format::Format;
-use super::grid::grid;
+use super::grid::{Gridded, grid};
 use super::options::Options;
 use super::scan::{Found, Scan};
 use super::units::LengthUnit;
@@ -270,87 +270,146 @@ impl Style {
 pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
     let file = source.name;
     let text = decode(source)?;
-    let mut header = Header::default();
     let mut notes = Vec::new();
+    let (header, first) = read_header(file, &text, options.header_lines, &mut notes)?;
+    let table = Table::read(file, &text, first, &mut notes)?;
+    let place = |row: usize| Place::Line(data(&text, first).nth(row).map_or(first, |(number, _)| number));
+
+    let [lateral_unit, height_unit] = options.units(file, header.lateral, header.height)?;
+    let (lateral, height) = (lateral_unit.unit(), height_unit.unit());
+    let format = if table.columns == 3 && options.format != Some(Format::Grid) {
+        Format::Xyz
+    } else {
+        Format::Grid
+    };
+    let mut found = match format {
+        Format::Xyz => table.points(file, place, &mut notes)?,
+        _ if options.format == Some(Format::Xyz) => {
+            return Err(malformed(
+                file,
+                Place::Line(first),
+                format!("{} columns", table.columns),
+                "x, y and z",
+            ));
+        }
+        _ => table.grid(file, &header, options)?,
+    };
+    let metres = |pair: [f64; 2]| pair.map(|value| lateral.metres(value));
+    found.heights.iter_mut().for_each(|z| *z = height.metres(*z));
+    Found {
+        format,
+        size: found.size,
+        step: metres(found.step),
+        origin: metres(found.origin),
+        heights: found.heights,
+        lateral_unit,
+        height_unit,
+        stated_step: None,
+        rows_open: format == Format::Grid,
+        notes,
+    }
+    .finish(file, options)
+}
+
+/// What stands before the numbers, and the line of the first of them.
+fn read_header(
+    file: &str,
+    text: &[u8],
+    header_lines: Option<usize>,
+    notes: &mut Vec<String>,
+) -> Result<(Header, usize), FileError> {
+    let mut header = Header::default();
     let mut skipped = 0;
-    let mut first = None;
-    for (number, line) in lines(&text) {
+    for (number, line) in lines(text) {
         let kind = kind(line);
-        let before = match options.header_lines {
+        let before = match header_lines {
             Some(stated) => number <= stated,
             None => kind != Kind::Numbers,
         };
         if !before && !matches!(kind, Kind::Blank | Kind::Comment) {
-            first = Some(number);
-            break;
+            if skipped > 0 {
+                notes.push(format!(
+                    "{skipped} lines before the numbers searched for units and steps alone"
+                ));
+            }
+            return Ok((header, number));
         }
         if kind != Kind::Blank {
             header.read(file, number, line)?;
             skipped += 1;
         }
     }
-    let Some(first) = first else {
-        let last = lines(&text).count();
-        return Err(malformed(
-            file,
-            Place::Line(last),
-            "the end of the file",
-            "a line of numbers",
-        ));
-    };
-    if skipped > 0 {
-        notes.push(format!(
-            "{skipped} lines before the numbers searched for units and steps alone"
-        ));
-    }
-    let separated_by_tabs = |line: &[u8]| line.contains(&b'\t');
-    let data = || {
-        lines(&text).skip(first - 1).filter(|(_, line)| {
-            let trimmed = line.trim_ascii();
-            // A line of tabs is one of empty cells.
-            let blank = trimmed.is_empty() && !separated_by_tabs(line);
-            !blank && !matches!(trimmed, [b'#' | b'%', ..] | [b'/', b'/', ..])
-        })
-    };
-    let style = Style::of(file, data())?;
-    let mut numbers = Vec::new();
-    let (mut columns, mut rows, mut open_ends) = (0, 0, 0);
-    for (number, line) in data() {
-        if style.separator != Some(b'\t') && line.trim_ascii().is_empty() {
-            continue;
-        }
-        let before = numbers.len();
-        open_ends += usize::from(style.numbers(file, number, line, &mut numbers)?);
-        let found = numbers.len() - before;
-        if rows == 0 {
-            columns = found;
-        } else if found != columns {
-            let expected = format!("{columns}, as in line {first}");
-            return Err(malformed(
-                file,
-                Place::Line(number),
-                format!("{found} columns"),
-                expected,
-            ));
-        }
-        rows += 1;
-    }
-    if open_ends == rows && columns > 1 {
-        let kept = columns - 1;
-        for j in 0..rows {
-            numbers.copy_within(j * columns..j * columns + kept, j * kept);
-        }
-        numbers.truncate(rows * kept);
-        columns = kept;
-        notes.push("the separator at the end of every line opens no column".into());
-    }
-    let place = |row: usize| Place::Line(data().nth(row).map_or(first, |(number, _)| number));
+    Err(malformed(
+        file,
+        Place::Line(lines(text).count()),
+        "the end of the file",
+        "a line of numbers",
+    ))
+}
 
-    let [lateral_unit, height_unit] = options.units(file, header.lateral, header.height)?;
-    let (lateral, height) = (lateral_unit.unit(), height_unit.unit());
-    let points = columns == 3 && options.format != Some(Format::Grid);
-    let (format, size, step, origin, heights) = if points {
-        let points = numbers.as_chunks::<3>().0;
+/// The lines with data from line `first` on, with their numbers.
+fn data(text: &[u8], first: usize) -> impl Iterator<Item = (usize, &[u8])> {
+    lines(text).skip(first - 1).filter(|(_, line)| {
+        let trimmed = line.trim_ascii();
+        // A line of tabs is one of empty cells.
+        let blank = trimmed.is_empty() && !line.contains(&b'\t');
+        !blank && !matches!(trimmed, [b'#' | b'%', ..] | [b'/', b'/', ..])
+    })
+}
+
+/// The numbers of all lines, in the units of the file.
+struct Table {
+    columns: usize,
+    rows: usize,
+    /// Line by line.
+    numbers: Vec<f64>,
+}
+
+impl Table {
+    fn read(file: &str, text: &[u8], first: usize, notes: &mut Vec<String>) -> Result<Self, FileError> {
+        let style = Style::of(file, data(text, first))?;
+        let mut numbers = Vec::new();
+        let (mut columns, mut rows, mut open_ends) = (0, 0, 0);
+        for (number, line) in data(text, first) {
+            if style.separator != Some(b'\t') && line.trim_ascii().is_empty() {
+                continue;
+            }
+            let before = numbers.len();
+            open_ends += usize::from(style.numbers(file, number, line, &mut numbers)?);
+            let found = numbers.len() - before;
+            if rows == 0 {
+                columns = found;
+            } else if found != columns {
+                let expected = format!("{columns}, as in line {first}");
+                return Err(malformed(
+                    file,
+                    Place::Line(number),
+                    format!("{found} columns"),
+                    expected,
+                ));
+            }
+            rows += 1;
+        }
+        if open_ends == rows && columns > 1 {
+            let kept = columns - 1;
+            for j in 0..rows {
+                numbers.copy_within(j * columns..j * columns + kept, j * kept);
+            }
+            numbers.truncate(rows * kept);
+            columns = kept;
+            notes.push("the separator at the end of every line opens no column".into());
+        }
+        Ok(Self { columns, rows, numbers })
+    }
+
+    /// The grid that lines of x, y and z form; `place` tells where a line stands.
+    fn points(
+        &self,
+        file: &str,
+        place: impl Fn(usize) -> Place,
+        notes: &mut Vec<String>,
+    ) -> Result<Gridded, FileError> {
+        let points = self.numbers.as_chunks::<3>().0;
         if let Some(row) = points.iter().position(|p| p[0].is_nan() || p[1].is_nan()) {
             return Err(malformed(file, place(row), "a point without position", "x and y"));
         }
@@ -361,44 +420,22 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
                 found.deviation
             ));
         }
-        (Format::Xyz, found.size, found.step, found.origin, found.heights)
-    } else if options.format == Some(Format::Xyz) {
-        return Err(malformed(
-            file,
-            Place::Line(first),
-            format!("{columns} columns"),
-            "x, y and z",
-        ));
-    } else {
-        let size = [columns, rows];
+        Ok(found)
+    }
+
+    /// The grid whose lines of heights these are.
+    fn grid(self, file: &str, header: &Header, options: &Options) -> Result<Gridded, FileError> {
         let stated = match (header.step, header.extent) {
             ([Some(dx), Some(dy)], _) => Some([dx, dy]),
-            (_, [Some(width), Some(height)]) => Some([width / columns as f64, height / rows as f64]),
+            (_, [Some(width), Some(height)]) => Some([width / self.columns as f64, height / self.rows as f64]),
             _ => None,
         };
-        let step = options.steps(file, Format::Grid, stated)?;
-        (
-            Format::Grid,
-            size,
-            step,
-            header.origin.map(Option::unwrap_or_default),
-            numbers,
-        )
-    };
-    let metres = |pair: [f64; 2]| pair.map(|value| lateral.metres(value));
-    let mut heights = heights;
-    heights.iter_mut().for_each(|z| *z = height.metres(*z));
-    Found {
-        format,
-        size,
-        step: metres(step),
-        origin: metres(origin),
-        heights,
-        lateral_unit,
-        height_unit,
-        stated_step: None,
-        rows_open: format == Format::Grid,
-        notes,
+        Ok(Gridded {
+            size: [self.columns, self.rows],
+            step: options.steps(file, Format::Grid, stated)?,
+            origin: header.origin.map(Option::unwrap_or_default),
+            heights: self.numbers,
+            deviation: 0.0,
+        })
     }
-    .finish(file, options)
 }

@@ -1,10 +1,13 @@
 //! Fits of eq. (28) and (29) to traction curves, by variable projection and a robust polish.
 
-use contact_laws::{NormalFit, TangentialEnds, TangentialFit};
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DMatrix, DVector, Dyn, Owned};
+mod polish;
+mod samples;
 
-use crate::error::{SurfaceError, positive};
+use contact_laws::{NormalFit, TangentialEnds, TangentialFit};
+
+use self::polish::{Bounds, FREE, polish};
+use self::samples::Samples;
+use crate::error::SurfaceError;
 
 /// Log-slope of eq. (28) at `x = ln U` for parameters `[a, b, c, d, e]`.
 fn normal_slope(p: &[f64; 5], x: f64) -> f64 {
@@ -74,6 +77,8 @@ const LEAST_STEP: f64 = 1e-9;
 const LARGEST_LN: f64 = 700.0;
 /// Starts that are polished.
 const STARTS: usize = 4;
+const NORMAL_BOUNDS: [Bounds; 5] = [FREE, B_BOUNDS, FREE, FREE, E_BOUNDS];
+const TANGENTIAL_BOUNDS: [Bounds; 4] = [FREE, [LEAST_STEP, f64::INFINITY], FREE, D_BOUNDS];
 
 /// Fits eq. (28) to normal tractions `traction` (Pa) at interferences `interference` (m, > 0).
 ///
@@ -98,7 +103,7 @@ pub fn fit_normal(interference: &[f64], traction: &[f64], u_ref: f64) -> Result<
 
     let mut best: Option<([f64; 5], f64)> = None;
     for start in candidates {
-        let polished = samples.polish(start, &NORMAL_BOUNDS, |p, x, gradient| {
+        let polished = polish(&samples, start, &NORMAL_BOUNDS, |p, x, gradient| {
             let s = (x + p[3]) / p[4];
             let g = (-0.5 * s * s).exp();
             *gradient = [1.0, x, g, -p[2] * g * s / p[4], p[2] * g * s * s / p[4]];
@@ -114,7 +119,7 @@ pub fn fit_normal(interference: &[f64], traction: &[f64], u_ref: f64) -> Result<
     let (p, fallback) = match best {
         Some((p, _)) => (p, None),
         None => {
-            let [a, b] = samples.power_law();
+            let [a, b] = samples.power_law(B_BOUNDS);
             ([a, b, 0.0, 0.0, 1.0], Some(FitFallback::PowerLaw))
         }
     };
@@ -129,7 +134,7 @@ pub fn fit_normal(interference: &[f64], traction: &[f64], u_ref: f64) -> Result<
         t_ref: 1.0,
         range: Some(samples.range),
     };
-    Ok(samples.report(|x| normal_value(&p, x), parameters, fallback))
+    Ok(report(&samples, |x| normal_value(&p, x), parameters, fallback))
 }
 
 /// Fits eq. (29) to tangential traction stiffnesses `stiffness` (Pa/m) at interferences `interference` (m, > 0).
@@ -155,12 +160,12 @@ pub fn fit_tangential(
     let steepness = log_grid(D_BOUNDS, 21);
     let candidates = grid_minima(centres.len(), steepness.len(), |i, k| {
         let (c, d) = (centres[i], steepness[k]);
-        let (linear, rss) = samples.project_step(|x| (d * (x - c)).tanh())?;
+        let (linear, rss) = samples.project_step(|x| (d * (x - c)).tanh(), LEAST_STEP)?;
         Some(([linear[0], linear[1], c, d], rss))
     });
     let mut best: Option<([f64; 4], f64)> = None;
     for start in candidates {
-        let polished = samples.polish(start, &TANGENTIAL_BOUNDS, |p, x, gradient| {
+        let polished = polish(&samples, start, &TANGENTIAL_BOUNDS, |p, x, gradient| {
             let h = (p[3] * (x - p[2])).tanh();
             let slope = p[1] * (1.0 - h * h);
             *gradient = [1.0, h, -slope * p[3], slope * (x - p[2])];
@@ -190,14 +195,31 @@ pub fn fit_tangential(
         range: Some(samples.range),
         ends,
     };
-    Ok(samples.report(|x| value(&p, x), parameters, fallback))
+    Ok(report(&samples, |x| value(&p, x), parameters, fallback))
 }
 
-/// Bounds of a parameter during the polish; infinite for none.
-type Bounds = [f64; 2];
-const FREE: Bounds = [f64::NEG_INFINITY, f64::INFINITY];
-const NORMAL_BOUNDS: [Bounds; 5] = [FREE, B_BOUNDS, FREE, FREE, E_BOUNDS];
-const TANGENTIAL_BOUNDS: [Bounds; 4] = [FREE, [LEAST_STEP, f64::INFINITY], FREE, D_BOUNDS];
+/// The fit of `value`, and its residuals.
+fn report<P>(
+    samples: &Samples,
+    value: impl Fn(f64) -> f64,
+    parameters: P,
+    fallback: Option<FitFallback>,
+) -> FitReport<P> {
+    let largest = samples
+        .x
+        .iter()
+        .zip(&samples.y)
+        .map(|(&x, y)| (value(x) - y).abs())
+        .fold(0.0, f64::max);
+    FitReport {
+        parameters,
+        rms: (samples.rss(&value) / samples.x.len() as f64).sqrt(),
+        max_residual: largest,
+        samples: samples.x.len(),
+        zero_samples: samples.zero_samples,
+        fallback,
+    }
+}
 
 /// `n` values from `low` to `high`, both included.
 fn grid(low: f64, high: f64, n: usize) -> Vec<f64> {
@@ -233,313 +255,6 @@ fn grid_minima<P: Copy>(ni: usize, nk: usize, solve: impl Fn(usize, usize) -> Op
     minima.sort_by(|a, b| a.1.total_cmp(&b.1));
     minima.truncate(STARTS);
     minima.into_iter().map(|(p, _)| p).collect()
-}
-
-/// The logarithms of a curve: `x = ln(u/u_ref)`, `y = ln t - offset`.
-struct Samples {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    /// Mean of ln t, taken off so that the unit of t does not touch any tolerance.
-    offset: f64,
-    mean_x: f64,
-    range: [f64; 2],
-    zero_samples: usize,
-}
-
-impl Samples {
-    const NEEDED: usize = 8;
-
-    fn try_new(
-        curve: &'static str,
-        unit: &'static str,
-        interference: &[f64],
-        values: &[f64],
-        u_ref: f64,
-    ) -> Result<Self, SurfaceError> {
-        positive("u_ref", u_ref, "m")?;
-        if interference.len() != values.len() {
-            return Err(SurfaceError::LengthMismatch {
-                field: curve,
-                found: values.len(),
-                expected: interference.len(),
-                remedy: "give one value per interference",
-            });
-        }
-        let mut samples = Self {
-            x: vec![],
-            y: vec![],
-            offset: 0.0,
-            mean_x: 0.0,
-            range: [f64::INFINITY, 0.0],
-            zero_samples: 0,
-        };
-        for (index, (&u, &t)) in interference.iter().zip(values).enumerate() {
-            let invalid = |field, value, unit, requirement| {
-                Err(SurfaceError::InvalidSample {
-                    field,
-                    index,
-                    value,
-                    unit,
-                    requirement,
-                })
-            };
-            if !(u.is_finite() && u > 0.0) {
-                return invalid("interference", u, "m", "finite and greater than zero");
-            }
-            if !(t.is_finite() && t >= 0.0) {
-                return invalid(curve, t, unit, "finite and not negative");
-            }
-            if t == 0.0 {
-                samples.zero_samples += 1;
-                continue;
-            }
-            samples.x.push((u / u_ref).ln());
-            samples.y.push(t.ln());
-            samples.range = [samples.range[0].min(u), samples.range[1].max(u)];
-        }
-        let mut distinct = samples.x.clone();
-        distinct.sort_by(f64::total_cmp);
-        distinct.dedup();
-        if distinct.len() < Self::NEEDED {
-            return Err(SurfaceError::TooFewSamples {
-                curve,
-                found: distinct.len(),
-                needed: Self::NEEDED,
-            });
-        }
-        let n = samples.x.len() as f64;
-        samples.mean_x = samples.x.iter().sum::<f64>() / n;
-        samples.offset = samples.y.iter().sum::<f64>() / n;
-        for y in &mut samples.y {
-            *y -= samples.offset;
-        }
-        Ok(samples)
-    }
-
-    fn bounds(&self) -> [f64; 2] {
-        self.x
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], &x| [l.min(x), h.max(x)])
-    }
-
-    fn rss(&self, value: impl Fn(f64) -> f64) -> f64 {
-        self.x.iter().zip(&self.y).map(|(&x, y)| (value(x) - y).powi(2)).sum()
-    }
-
-    /// Best `[a, b, c]` and residual of `a + b x + c g(x)` with b within bounds; `None` if the columns are dependent.
-    fn project(&self, g: impl Fn(f64) -> f64, [b_low, b_high]: [f64; 2]) -> Option<([f64; 3], f64)> {
-        let column: Vec<f64> = self.x.iter().map(|&x| g(x)).collect();
-        let mean_g = column.iter().sum::<f64>() / column.len() as f64;
-        // y has zero mean: centred columns leave a 2 x 2 system.
-        let (mut xx, mut xg, mut gg, mut xy, mut gy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for ((&x, &g), &y) in self.x.iter().zip(&column).zip(&self.y) {
-            let (x, g) = (x - self.mean_x, g - mean_g);
-            xx += x * x;
-            xg += x * g;
-            gg += g * g;
-            xy += x * y;
-            gy += g * y;
-        }
-        let determinant = xx * gg - xg * xg;
-        if determinant.is_nan() || gg <= 1e-12 * column.len() as f64 || determinant <= 1e-8 * xx * gg {
-            return None;
-        }
-        // Strictly inside, so that the polish can move away from the bound.
-        let margin = 1e-3 * (b_high - b_low);
-        let b = ((gg * xy - xg * gy) / determinant).clamp(b_low + margin, b_high - margin);
-        let c = (gy - b * xg) / gg;
-        let a = -b * self.mean_x - c * mean_g;
-        let rss = self
-            .x
-            .iter()
-            .zip(&column)
-            .zip(&self.y)
-            .map(|((x, g), y)| (a + b * x + c * g - y).powi(2))
-            .sum();
-        Some(([a, b, c], rss))
-    }
-
-    /// Best `[a, b]` and residual of `a + b h(x)` with b > 0; `None` if h is constant over the samples.
-    fn project_step(&self, h: impl Fn(f64) -> f64) -> Option<([f64; 2], f64)> {
-        let column: Vec<f64> = self.x.iter().map(|&x| h(x)).collect();
-        let mean = column.iter().sum::<f64>() / column.len() as f64;
-        let (mut hh, mut hy) = (0.0, 0.0);
-        for (&h, &y) in column.iter().zip(&self.y) {
-            hh += (h - mean) * (h - mean);
-            hy += (h - mean) * y;
-        }
-        if hh.is_nan() || hh <= 1e-12 * column.len() as f64 {
-            return None;
-        }
-        let b = (hy / hh).max(2.0 * LEAST_STEP);
-        let a = -b * mean;
-        let rss = column.iter().zip(&self.y).map(|(h, y)| (a + b * h - y).powi(2)).sum();
-        Some(([a, b], rss))
-    }
-
-    /// Least-squares `[a, b]` of a power law with b within bounds.
-    fn power_law(&self) -> [f64; 2] {
-        let (mut xx, mut xy) = (0.0, 0.0);
-        for (&x, &y) in self.x.iter().zip(&self.y) {
-            xx += (x - self.mean_x) * (x - self.mean_x);
-            xy += (x - self.mean_x) * y;
-        }
-        let b = (xy / xx).clamp(B_BOUNDS[0], B_BOUNDS[1]);
-        [-b * self.mean_x, b]
-    }
-
-    /// Levenberg-Marquardt from `start` with a pseudo-Huber loss scaled by the start's own residuals.
-    fn polish<const N: usize>(
-        &self,
-        start: [f64; N],
-        bounds: &[Bounds; N],
-        model: impl Fn(&[f64; N], f64, &mut [f64; N]) -> f64,
-    ) -> [f64; N] {
-        let mut unused = [0.0; N];
-        let mut residuals: Vec<f64> = self
-            .x
-            .iter()
-            .zip(&self.y)
-            .map(|(&x, y)| (model(&start, x, &mut unused) - y).abs())
-            .collect();
-        residuals.sort_by(f64::total_cmp);
-        // Twice the robust standard deviation; the floor only guards the division for exact data.
-        let scale = (2.0 * 1.4826 * residuals[residuals.len() / 2]).max(1e-9);
-        let free = DVector::from_iterator(N, (0..N).map(|k| unbound(start[k], bounds[k])));
-        let problem = RobustCurve {
-            samples: self,
-            scale,
-            bounds,
-            model,
-            free,
-        };
-        let solver = LevenbergMarquardt::new().with_tol(1e-13).with_patience(60);
-        let mut problem = solver.minimize(problem).0;
-        problem.settle();
-        problem.bounded()
-    }
-
-    fn report<P>(&self, value: impl Fn(f64) -> f64, parameters: P, fallback: Option<FitFallback>) -> FitReport<P> {
-        let largest = self
-            .x
-            .iter()
-            .zip(&self.y)
-            .map(|(&x, y)| (value(x) - y).abs())
-            .fold(0.0, f64::max);
-        FitReport {
-            parameters,
-            rms: (self.rss(&value) / self.x.len() as f64).sqrt(),
-            max_residual: largest,
-            samples: self.x.len(),
-            zero_samples: self.zero_samples,
-            fallback,
-        }
-    }
-}
-
-/// The free parameter behind a bounded one: logit between two bounds, logarithm above one.
-fn unbound(value: f64, [low, high]: Bounds) -> f64 {
-    match (low.is_finite(), high.is_finite()) {
-        (true, true) => {
-            // Starts on a bound are moved inside, where the map has a slope.
-            let s = ((value - low) / (high - low)).clamp(1e-3, 1.0 - 1e-3);
-            (s / (1.0 - s)).ln()
-        }
-        (true, false) => (value - low).ln(),
-        _ => value,
-    }
-}
-
-/// Bounded value and its derivative by the free parameter.
-fn bound(free: f64, [low, high]: Bounds) -> (f64, f64) {
-    match (low.is_finite(), high.is_finite()) {
-        (true, true) => {
-            let s = 1.0 / (1.0 + (-free).exp());
-            ((low + (high - low) * s).clamp(low, high), (high - low) * s * (1.0 - s))
-        }
-        (true, false) => (low + free.exp(), free.exp()),
-        _ => (free, 1.0),
-    }
-}
-
-/// Residuals whose squares sum to the pseudo-Huber loss of a curve.
-struct RobustCurve<'a, const N: usize, M> {
-    samples: &'a Samples,
-    scale: f64,
-    bounds: &'a [Bounds; N],
-    model: M,
-    free: DVector<f64>,
-}
-
-impl<const N: usize, M> RobustCurve<'_, N, M> {
-    fn bounded(&self) -> [f64; N] {
-        std::array::from_fn(|k| bound(self.free[k], self.bounds[k]).0)
-    }
-}
-
-impl<const N: usize, M: Fn(&[f64; N], f64, &mut [f64; N]) -> f64> RobustCurve<'_, N, M> {
-    /// Gauss-Newton steps at the minimum. A sum of squares fixes its minimiser only to the root of the rounding error
-    /// (1e-8), so that changing units would show in the fit; the steps go on by their own size, to 1e-13.
-    fn settle(&mut self) {
-        let mut largest = 1e-4;
-        for _ in 0..30 {
-            let (Some(residuals), Some(jacobian)) = (self.residuals(), self.jacobian()) else {
-                return;
-            };
-            let qr = jacobian.qr();
-            let Some(step) = qr.r().solve_upper_triangular(&(qr.q().transpose() * residuals)) else {
-                return;
-            };
-            let size = step.amax();
-            if size.is_nan() || size >= largest {
-                return;
-            }
-            self.free -= step;
-            largest = size;
-        }
-    }
-}
-
-impl<const N: usize, M: Fn(&[f64; N], f64, &mut [f64; N]) -> f64> LeastSquaresProblem<f64, Dyn, Dyn>
-    for RobustCurve<'_, N, M>
-{
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-    type ParameterStorage = Owned<f64, Dyn>;
-
-    fn set_params(&mut self, free: &DVector<f64>) {
-        self.free.copy_from(free);
-    }
-
-    fn params(&self) -> DVector<f64> {
-        self.free.clone()
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        let p = self.bounded();
-        let mut unused = [0.0; N];
-        let values = self.samples.x.iter().zip(&self.samples.y).map(|(&x, y)| {
-            let r = (self.model)(&p, x, &mut unused) - y;
-            // r sqrt(2/(1 + q)), q = sqrt(1 + (r/s)^2): its square is 2 s^2 (q - 1) without cancellation.
-            r * (2.0 / (1.0 + (r / self.scale).hypot(1.0))).sqrt()
-        });
-        Some(DVector::from_iterator(self.samples.x.len(), values))
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let p = self.bounded();
-        let mut jacobian = DMatrix::zeros(self.samples.x.len(), N);
-        let mut gradient = [0.0; N];
-        for (row, (&x, y)) in self.samples.x.iter().zip(&self.samples.y).enumerate() {
-            let r = (self.model)(&p, x, &mut gradient) - y;
-            let q = (r / self.scale).hypot(1.0);
-            let loss_slope = (0.5 * (1.0 + q)).sqrt() / q;
-            for k in 0..N {
-                jacobian[(row, k)] = loss_slope * gradient[k] * bound(self.free[k], self.bounds[k]).1;
-            }
-        }
-        Some(jacobian)
-    }
 }
 
 #[cfg(test)]

@@ -1,155 +1,31 @@
-//! MATLAB files (`.mat`) of level 5: what MATLAB saves with `-v6` (plain) and `-v7` (compressed), Octave with the same
-//! options, SciPy with `savemat`.
-//!
-//! Layout: *MAT-File Format*, The MathWorks. A header of 128 bytes, then elements: a tag with type and size, the data,
-//! and padding to eight bytes. An array is an element of elements: flags, dimensions, name, data. Files of `-v7.3` are
-//! HDF5 and refused.
+//! The elements of a file, and the arrays that they make.
 
-use std::collections::BTreeMap;
 use std::io::Read;
-use std::path::Path;
 
 use flate2::read::ZlibDecoder;
 use sprs::CsMat;
 
+use super::layout::{
+    CELL_CLASS, CHAR_CLASS, COMPLEX, COMPRESSED, DEPTH, DOUBLE, DOUBLE_CLASS, INT8, INT16, INT32, INT64, MATRIX,
+    NAME_LENGTH, OPAQUE_CLASS, SINGLE, SINGLE_CLASS, SPARSE_CLASS, STRUCT_CLASS, UINT8, UINT16, UINT32, UINT64, UTF8,
+    UTF16,
+};
 use crate::archive::INFLATION;
 use crate::text;
-use crate::value::{Array, Collection, Dense, Skipped, Source, plausible};
-use crate::{Error, Place, writing};
-
-const INT8: u32 = 1;
-const UINT8: u32 = 2;
-const INT16: u32 = 3;
-const UINT16: u32 = 4;
-const INT32: u32 = 5;
-const UINT32: u32 = 6;
-const SINGLE: u32 = 7;
-const DOUBLE: u32 = 9;
-const INT64: u32 = 12;
-const UINT64: u32 = 13;
-const MATRIX: u32 = 14;
-const COMPRESSED: u32 = 15;
-const UTF8: u32 = 16;
-const UTF16: u32 = 17;
-
-const CELL_CLASS: u32 = 1;
-const STRUCT_CLASS: u32 = 2;
-const CHAR_CLASS: u32 = 4;
-const SPARSE_CLASS: u32 = 5;
-const DOUBLE_CLASS: u32 = 6;
-const SINGLE_CLASS: u32 = 7;
-const INT64_CLASS: u32 = 14;
-const OPAQUE_CLASS: u32 = 17;
-
-const COMPLEX: u32 = 0x800;
-
-/// Longest name, MATLAB's `namelengthmax`.
-const NAME_LENGTH: usize = 63;
-/// Structures inside one another.
-const DEPTH: usize = 8;
-
-/// Reads the file at `path`.
-///
-/// # Errors
-/// [`Error::Io`], and those of [`parse`].
-pub fn read(path: &Path) -> Result<Collection, Error> {
-    let bytes = text::load(path)?;
-    parse(Source {
-        name: &path.to_string_lossy(),
-        bytes: &bytes,
-    })
-}
-
-/// Reads all variables. Fields of structures are called `structure.field`.
-///
-/// Numbers and truth values of one or two dimensions, sparse matrices and text are read; cells, objects, functions,
-/// arrays of structures, complex numbers and arrays of more dimensions are listed as skipped.
-///
-/// # Errors
-/// [`Error::Unsupported`] for other levels of the format, [`Error::Malformed`], [`Error::Oversized`],
-/// [`Error::OutOfRange`], [`Error::NotFinite`].
-pub fn parse(source: Source<'_>) -> Result<Collection, Error> {
-    let big = byte_order(source)?;
-    let mut file = View {
-        file: source.name,
-        part: None,
-        bytes: &source.bytes[128..],
-        start: 128,
-        at: 0,
-        big,
-    };
-    let mut found = Collection::default();
-    while file.at < file.bytes.len() {
-        let start = file.start + file.at;
-        let (kind, mut body) = file.element()?;
-        match kind {
-            MATRIX => body.array(None, 0, &mut found)?,
-            COMPRESSED => {
-                let unpacked = body.inflate()?;
-                let part = format!("the element compressed at byte {start}");
-                let mut inner = View {
-                    part: Some(&part),
-                    bytes: &unpacked,
-                    start: 0,
-                    at: 0,
-                    ..body
-                };
-                match inner.element()? {
-                    (MATRIX, mut body) => body.array(None, 0, &mut found)?,
-                    (kind, body) => return Err(body.malformed(format!("an element of type {kind}"), "an array")),
-                }
-            }
-            _ => return Err(body.malformed(format!("an element of type {kind}"), "an array")),
-        }
-    }
-    Ok(found)
-}
-
-/// Whether numbers are stored with the highest byte first.
-fn byte_order(source: Source<'_>) -> Result<bool, Error> {
-    const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
-    let bytes = source.bytes;
-    let unsupported = |found: &str, remedy| Error::Unsupported {
-        file: source.name.into(),
-        place: Place::Byte(0),
-        found: found.into(),
-        remedy,
-    };
-    if bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3") || bytes.get(512..520) == Some(HDF5) {
-        return Err(unsupported(
-            "a file of version 7.3 (HDF5)",
-            "save it with `save(name, '-v7')`",
-        ));
-    }
-    let level = bytes.get(124..128);
-    match level {
-        Some([0, 1, b'I', b'M']) => Ok(false),
-        Some([1, 0, b'M', b'I']) => Ok(true),
-        // The type of the first variable of level 4 is a small integer.
-        _ if bytes.len() >= 20 && bytes[..4].contains(&0) => Err(unsupported(
-            "a file of level 4, or none of MATLAB's",
-            "save it with `save(name, '-v7')`",
-        )),
-        _ => Err(Error::Malformed {
-            file: source.name.into(),
-            place: Place::Byte(bytes.len().min(124)),
-            found: level.map_or("the end of the file".into(), text::quoted),
-            expected: "the version and byte order of a MATLAB file of level 5".into(),
-        }),
-    }
-}
+use crate::value::{Array, Collection, Dense, Skipped, plausible};
+use crate::{Error, Place};
 
 /// The inside of an element.
 #[derive(Clone, Copy)]
-struct View<'a> {
-    file: &'a str,
-    part: Option<&'a str>,
-    bytes: &'a [u8],
+pub(super) struct View<'a> {
+    pub(super) file: &'a str,
+    pub(super) part: Option<&'a str>,
+    pub(super) bytes: &'a [u8],
     /// Place of the first byte.
-    start: usize,
+    pub(super) start: usize,
     /// Next byte to read.
-    at: usize,
-    big: bool,
+    pub(super) at: usize,
+    pub(super) big: bool,
 }
 
 impl<'a> View<'a> {
@@ -164,7 +40,7 @@ impl<'a> View<'a> {
         }
     }
 
-    fn malformed(&self, found: impl std::fmt::Display, expected: impl std::fmt::Display) -> Error {
+    pub(super) fn malformed(&self, found: impl std::fmt::Display, expected: impl std::fmt::Display) -> Error {
         Error::Malformed {
             file: self.file.into(),
             place: self.place(),
@@ -200,7 +76,7 @@ impl<'a> View<'a> {
     }
 
     /// Type and data of the next element.
-    fn element(&mut self) -> Result<(u32, Self), Error> {
+    pub(super) fn element(&mut self) -> Result<(u32, Self), Error> {
         let tag = self.word(self.at)?;
         let (kind, from, size) = match tag >> 16 {
             0 => (tag, self.at + 8, self.word(self.at + 4)? as usize),
@@ -238,7 +114,7 @@ impl<'a> View<'a> {
     }
 
     /// Unpacks the one element inside.
-    fn inflate(&self) -> Result<Vec<u8>, Error> {
+    pub(super) fn inflate(&self) -> Result<Vec<u8>, Error> {
         let failed = |e: std::io::Error| self.malformed(format!("data that do not unpack ({e})"), "zlib data");
         let mut decoder = ZlibDecoder::new(self.bytes);
         let mut unpacked = vec![0; 8];
@@ -277,7 +153,7 @@ impl<'a> View<'a> {
     }
 
     /// The array inside, added to those found.
-    fn array(&mut self, field: Option<&str>, depth: usize, found: &mut Collection) -> Result<(), Error> {
+    pub(super) fn array(&mut self, field: Option<&str>, depth: usize, found: &mut Collection) -> Result<(), Error> {
         if self.bytes.is_empty() && field.is_some() {
             // An empty field.
             return self.insert(field, "", Array::Dense(Dense::default()), found);
@@ -569,89 +445,4 @@ fn joined(parent: Option<&str>, name: &str) -> String {
         Some(parent) => format!("{parent}.{name}"),
         None => name.into(),
     }
-}
-
-/// A plain file of level 5 with the arrays as variables: double precision, sparse, 64-bit integers, text.
-///
-/// # Errors
-/// [`Error::Unwritable`] for names that MATLAB does not allow, entries that are not finite, and more than 2 GiB in one
-/// variable.
-pub fn to_bytes(arrays: &BTreeMap<String, Array>) -> Result<Vec<u8>, Error> {
-    let mut out = format!("{:<116}", "MATLAB 5.0 MAT-file").into_bytes();
-    out.extend([0; 8]);
-    out.extend([0, 1, b'I', b'M']);
-    for (name, array) in arrays {
-        let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        if !letters || !name.starts_with(|c: char| c.is_ascii_alphabetic()) || name.len() > NAME_LENGTH {
-            let remedy = "begin with a letter and use letters, digits and underscores, 63 at most";
-            return Err(writing::unwritable(name, "MATLAB allows no such name", remedy));
-        }
-        writing::finite(name, array)?;
-        let body = variable(name, array).ok_or_else(|| {
-            writing::unwritable(
-                name,
-                "it takes more than 2 GiB or 2^31 rows",
-                "write it in another format",
-            )
-        })?;
-        element(&mut out, MATRIX, &body)
-            .ok_or_else(|| writing::unwritable(name, "it takes more than 2 GiB", "write it in another format"))?;
-    }
-    Ok(out)
-}
-
-/// The inside of an array's element; `None` if the format has no room for it.
-fn variable(name: &str, array: &Array) -> Option<Vec<u8>> {
-    let mut out = Vec::new();
-    let mut head = |class: u32, reserved: usize, rows: usize, columns: usize| {
-        let flags = [class, u32::try_from(reserved).ok()?];
-        element(&mut out, UINT32, &flags.map(u32::to_le_bytes).concat())?;
-        element(&mut out, INT32, &indices([rows, columns].into_iter())?)?;
-        element(&mut out, INT8, name.as_bytes())
-    };
-    match array {
-        Array::Dense(m) => {
-            head(DOUBLE_CLASS, 0, m.rows(), m.columns())?;
-            element(&mut out, DOUBLE, &bytes(m.data(), |v| v.to_le_bytes()))?;
-        }
-        Array::Integers(m) => {
-            head(INT64_CLASS, 0, m.rows(), m.columns())?;
-            element(&mut out, INT64, &bytes(m.data(), |v| v.to_le_bytes()))?;
-        }
-        Array::Sparse(m) => {
-            let m = m.to_csc();
-            head(SPARSE_CLASS, m.nnz().max(1), m.rows(), m.cols())?;
-            element(&mut out, INT32, &indices(m.indices().iter().copied())?)?;
-            element(&mut out, INT32, &indices(m.indptr().raw_storage().iter().copied())?)?;
-            element(&mut out, DOUBLE, &bytes(m.data(), |v| v.to_le_bytes()))?;
-        }
-        Array::Text(text) => {
-            // In UTF-8, which SciPy and Octave read too; MATLAB counts units of UTF-16.
-            let units = text.encode_utf16().count();
-            head(CHAR_CLASS, 0, usize::from(units > 0), units)?;
-            element(&mut out, UTF8, text.as_bytes())?;
-        }
-    }
-    Some(out)
-}
-
-fn bytes<T: Copy, const N: usize>(values: &[T], to: impl Fn(T) -> [u8; N]) -> Vec<u8> {
-    values.iter().flat_map(|v| to(*v)).collect()
-}
-
-fn indices(values: impl Iterator<Item = usize>) -> Option<Vec<u8>> {
-    let mut out = Vec::new();
-    for value in values {
-        out.extend(i32::try_from(value).ok()?.to_le_bytes());
-    }
-    Some(out)
-}
-
-fn element(out: &mut Vec<u8>, kind: u32, data: &[u8]) -> Option<()> {
-    let size = i32::try_from(data.len()).ok()?;
-    out.extend(kind.to_le_bytes());
-    out.extend(size.to_le_bytes());
-    out.extend(data);
-    out.resize(out.len().next_multiple_of(8), 0);
-    Some(())
 }

@@ -1,0 +1,113 @@
+//! Free decay in time: the equations of motion with the friction law, as a check of the quasi-static methods.
+//!
+//! `M v'' + C v' + K v + F(u* + v) - F(u*) = p(t)` in increments `v` from the static state, by the generalised-alpha method
+//! (Chung and Hulbert 1993, DOI 10.1115/1.2900803): second order, unconditionally stable where linear, with the spectral
+//! radius at infinite frequency as its one parameter. With a radius of one nothing is damped by the scheme, and the work
+//! of all forces by the trapezoidal rule is exactly the change of the kinetic energy.
+//!
+//! One step is one equilibrium of the structure with the stiffness `K + c M + c' C`, whose stuck form is factored once.
+//! The history of the force is committed at every step. The shape of the motion, the way that amplitudes have fallen, and
+//! the inertia of all coordinates are thus what they are; what [`crate::cqsma`] assumes of them is not assumed here.
+
+mod integrator;
+mod motion;
+mod scheme;
+
+use crate::Error;
+use crate::error::check_size;
+use crate::force::HystereticForce;
+use crate::modes::{Linearisation, Mode};
+use crate::newton::Effort;
+use integrator::Integrator;
+pub use motion::{Energy, Sample, Settings, Start, Transient};
+pub use scheme::{AlgorithmicError, algorithmic_error};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// Follows the motion of a structure, whose displacement, velocity and acceleration along `row` are recorded; `observe`
+/// hears of every sample and may stop the run.
+///
+/// # Errors
+/// Sizes that do not match, settings outside their range, [`Error::Dense`], and [`Error::Interrupted`] if the observer
+/// stopped the run. A step that does not converge, however often halved, ends the record with [`Transient::failure`].
+pub fn run<F: HystereticForce>(
+    structure: &Linearisation<'_, F::State>,
+    force: &F,
+    row: &[f64],
+    start: &Start,
+    settings: &Settings,
+    observe: &mut dyn FnMut(&Sample) -> ControlFlow<()>,
+) -> Result<Transient, Error> {
+    check(structure, row, start, settings)?;
+    let mode = Mode::try_new(structure, settings.mode)?;
+    let step = TAU / mode.eigenvalue.sqrt() / settings.steps_per_period as f64;
+    let mut integrator = Integrator::new(structure, force, &mode, start, settings);
+    let mut transient = Transient {
+        step,
+        samples: Vec::new(),
+        failure: None,
+        halved_steps: 0,
+        residual: 0.0,
+        algorithmic: algorithmic_error(settings.spectral_radius, settings.steps_per_period as f64),
+        effort: Effort::default(),
+    };
+    let mut failure = integrator.begin().err();
+    for number in 0..=settings.steps_per_period * settings.periods {
+        if failure.is_none() && number > 0 {
+            failure = integrator.advance(step, 0)?.err();
+        }
+        if failure.is_some() {
+            break;
+        }
+        // Without the round-off of summing steps.
+        integrator.time = number as f64 * step;
+        let sample = integrator.sample(row);
+        transient.samples.push(sample);
+        if observe(&sample).is_break() {
+            return Err(Error::Interrupted);
+        }
+    }
+    Ok(Transient {
+        failure,
+        halved_steps: integrator.halved_steps,
+        residual: integrator.residual,
+        effort: integrator.walk.effort,
+        ..transient
+    })
+}
+
+fn check<S>(structure: &Linearisation<'_, S>, row: &[f64], start: &Start, settings: &Settings) -> Result<(), Error> {
+    let n = structure.shapes.nrows();
+    check_size("the row observed", row.len(), n)?;
+    let refuse = |field, value, requirement| {
+        Err(Error::Setting {
+            field,
+            value,
+            requirement,
+        })
+    };
+    if settings.steps_per_period < 8 {
+        return refuse("steps_per_period", settings.steps_per_period as f64, "at least 8");
+    }
+    if !(0.0..=1.0).contains(&settings.spectral_radius) {
+        return refuse("spectral_radius", settings.spectral_radius, "between 0 and 1");
+    }
+    for (field, ratio) in [
+        ("background_damping", settings.background_damping),
+        ("other_damping", settings.other_damping),
+    ] {
+        if !(0.0..1.0).contains(&ratio) {
+            return refuse(field, ratio, "from 0 to below 1");
+        }
+    }
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    match start {
+        Start::Release { modal_force } if !positive(*modal_force) => {
+            refuse("modal_force", *modal_force, "positive and finite")
+        }
+        Start::Pulse { impulse, .. } if !positive(*impulse) => refuse("impulse", *impulse, "positive and finite"),
+        Start::Pulse { duration, .. } if !positive(*duration) => refuse("duration", *duration, "positive and finite"),
+        Start::Pulse { point, .. } => check_size("the row struck", point.len(), n),
+        Start::Release { .. } => Ok(()),
+    }
+}
