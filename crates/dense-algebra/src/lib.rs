@@ -17,6 +17,7 @@ use faer::linalg::cholesky::llt::factor::{self as llt, LltError};
 use faer::linalg::evd::{self, ComputeEigenvectors};
 use faer::linalg::lu::partial_pivoting::{factor as lu, solve as lu_solve};
 use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self as triangular_product, BlockStructure};
 use faer::linalg::triangular_solve as triangular;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 
@@ -121,8 +122,34 @@ pub fn symmetric(a: MatRef<'_, f64>) -> Mat<f64> {
 /// If the shapes do not fit.
 pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
     let mut c = Mat::zeros(a.nrows(), b.ncols());
-    matmul(c.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
+    product_into(c.as_mut(), a, b);
     c
+}
+
+/// `c = a b`, into memory of the caller.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn product_into(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+    matmul(c, Accum::Replace, a, b, 1.0, Par::Seq);
+}
+
+/// `c += factor a b`.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn add_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    matmul(c, Accum::Add, a, b, factor, Par::Seq);
+}
+
+/// The lower triangle of `c += factor a b`; what stands above stays.
+///
+/// # Panics
+/// If the shapes do not fit, or `c` is not square.
+pub fn add_product_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    let whole = BlockStructure::Rectangular;
+    let lower = BlockStructure::TriangularLower;
+    triangular_product::matmul(c, lower, Accum::Add, a, whole, b, whole, factor, Par::Seq);
 }
 
 /// Solves `a x = b` by LU with partial pivoting; `None` if the matrix is numerically singular. Overwrites `a`.

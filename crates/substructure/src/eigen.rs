@@ -7,8 +7,8 @@
 use crate::Error;
 use crate::factor::SparseCholesky;
 use crate::sparse::{diagonal, multiply_into};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par, unzip, zip};
+use dense_algebra::{add_product, product_into};
+use faer::{Mat, MatRef, unzip, zip};
 use sprs::CsMat;
 use std::ops::Range;
 
@@ -237,20 +237,13 @@ fn rayleigh_ritz(
     let mut project = |a: &CsMat<f64>| {
         multiply_into(a, basis, image.as_mut());
         let mut small = Mat::<f64>::zeros(m, m);
-        matmul(
-            small.as_mut(),
-            Accum::Replace,
-            basis.transpose(),
-            image.as_ref(),
-            1.0,
-            Par::Seq,
-        );
+        product_into(small.as_mut(), basis.transpose(), image.as_ref());
         Mat::from_fn(m, m, |i, j| 0.5 * (small[(i, j)] + small[(j, i)]))
     };
     let (k, g) = (project(stiffness), project(mass));
     let (values, small) = dense_algebra::symmetric_pair(k.as_ref(), g.as_ref())?;
     let mut vectors = Mat::zeros(n, m);
-    matmul(vectors.as_mut(), Accum::Replace, basis, small.as_ref(), 1.0, Par::Seq);
+    product_into(vectors.as_mut(), basis, small.as_ref());
     Ok((values, vectors))
 }
 
@@ -299,14 +292,7 @@ impl Krylov {
                 .collect();
             let coefficients = dense_algebra::product(self.mass_basis.transpose(), block.as_ref());
             let take_out = |from: &mut Mat<f64>, basis: &Mat<f64>| {
-                matmul(
-                    from.as_mut(),
-                    Accum::Add,
-                    basis.as_ref(),
-                    coefficients.as_ref(),
-                    -1.0,
-                    Par::Seq,
-                );
+                add_product(from.as_mut(), basis.as_ref(), coefficients.as_ref(), -1.0);
             };
             take_out(&mut block, &self.basis);
             take_out(&mut momentum, &self.mass_basis);
@@ -369,14 +355,7 @@ impl Krylov {
         let take = wanted.min(known);
         let mut shapes = Mat::zeros(self.basis.nrows(), take);
         let leading = vectors.subcols(0, take);
-        matmul(
-            shapes.as_mut(),
-            Accum::Replace,
-            self.basis.subcols(0, known),
-            leading,
-            1.0,
-            Par::Seq,
-        );
+        product_into(shapes.as_mut(), self.basis.subcols(0, known), leading);
         Ok(shapes)
     }
 }

@@ -8,11 +8,9 @@
 use crate::Error;
 use crate::ordering::{Dissection, nested_dissection};
 use crate::sparse::{numbering, submatrix};
-use dense_algebra::{cholesky, solve_lower, solve_lower_transposed};
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
+use dense_algebra::{add_product, add_product_lower, cholesky, product_into, solve_lower, solve_lower_transposed};
 use faer::reborrow::{Reborrow, ReborrowMut};
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Mat, MatMut};
 use rayon::prelude::*;
 use sprs::CsMat;
 use std::ops::Range;
@@ -127,14 +125,7 @@ impl SparseCholesky {
             let mut own = x.subcols_mut(front.first, front.lower.nrows());
             solve_lower(front.lower.as_ref(), own.rb_mut().transpose_mut());
             let mut outer = gathered.subcols_mut(0, front.beyond.len());
-            matmul(
-                outer.rb_mut(),
-                Accum::Replace,
-                own.rb(),
-                front.below.transpose(),
-                1.0,
-                Par::Seq,
-            );
+            product_into(outer.rb_mut(), own.rb(), front.below.transpose());
             for (from, &to) in front.beyond.iter().enumerate() {
                 x.col_mut(to)
                     .iter_mut()
@@ -148,14 +139,7 @@ impl SparseCholesky {
                 outer.rb_mut().col_mut(to).copy_from(x.col(from));
             }
             let mut own = x.subcols_mut(front.first, front.lower.nrows());
-            matmul(
-                own.rb_mut(),
-                Accum::Add,
-                outer.rb(),
-                front.below.as_ref(),
-                -1.0,
-                Par::Seq,
-            );
+            add_product(own.rb_mut(), outer.rb(), front.below.as_ref(), -1.0);
             solve_lower_transposed(front.lower.as_ref(), own.transpose_mut());
         }
         for (position, &row) in self.order.iter().enumerate() {
@@ -243,7 +227,7 @@ impl Elimination {
             other => other.into(),
         })?;
         solve_lower(lower.as_ref(), below.transpose_mut());
-        add_lower(update.as_mut(), below.as_ref(), below.transpose(), -1.0);
+        add_product_lower(update.as_mut(), below.as_ref(), below.transpose(), -1.0);
         let mut matrices = vec![update];
         if self.matrices.len() > 1 {
             let mut mass = self.assemble(1, &rows, &beyond, &children);
@@ -251,16 +235,9 @@ impl Elimination {
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
             let mut follow = below.clone();
             solve_lower_transposed(lower.as_ref(), follow.transpose_mut());
-            matmul(
-                mass.below.as_mut(),
-                Accum::Add,
-                follow.as_ref(),
-                mass.own.as_ref(),
-                -0.5,
-                Par::Seq,
-            );
-            add_lower(mass.update.as_mut(), follow.as_ref(), mass.below.transpose(), -1.0);
-            add_lower(mass.update.as_mut(), mass.below.as_ref(), follow.transpose(), -1.0);
+            add_product(mass.below.as_mut(), follow.as_ref(), mass.own.as_ref(), -0.5);
+            add_product_lower(mass.update.as_mut(), follow.as_ref(), mass.below.transpose(), -1.0);
+            add_product_lower(mass.update.as_mut(), mass.below.as_ref(), follow.transpose(), -1.0);
             matrices.push(mass.update);
         }
         // Right-hand sides do not reach the kept rows.
@@ -334,22 +311,6 @@ impl Elimination {
         }
         Blocks { own, below, update }
     }
-}
-
-/// Adds `sign * a * b` to the lower triangle.
-fn add_lower(target: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, sign: f64) {
-    let whole = BlockStructure::Rectangular;
-    triangular::matmul(
-        target,
-        BlockStructure::TriangularLower,
-        Accum::Add,
-        a,
-        whole,
-        b,
-        whole,
-        sign,
-        Par::Seq,
-    );
 }
 
 /// Copies the lower triangle to the upper one.
