@@ -6,7 +6,7 @@
 //! the jump, and with `K_rr X = -K_rD` the few other products with it are solves.
 
 use crate::Error;
-use crate::locked::Interior;
+use crate::interior::Interior;
 use crate::relative::{Blocks, RelativeSystem};
 use crate::zem::Supported;
 use dense_algebra::product;

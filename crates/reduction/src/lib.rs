@@ -8,6 +8,7 @@
 pub mod checks;
 pub mod craig_bampton;
 mod error;
+mod interior;
 mod locked;
 pub mod relative;
 mod zem;
