@@ -354,9 +354,9 @@ fn six_washers_are_tied_to_the_faces_they_lie_on() {
             let faces: Vec<_> = tie
                 .master_faces
                 .iter()
-                .map(|face| match face {
-                    Face::Quad4(f) => f.map(|n| nodes[n as usize]),
-                    other => panic!("{other:?}"),
+                .map(|face| {
+                    let corners: [u32; 4] = face.nodes().try_into().unwrap();
+                    corners.map(|n| nodes[n as usize])
                 })
                 .collect();
             for &slave in &tie.slave_nodes {

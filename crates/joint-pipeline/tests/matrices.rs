@@ -20,7 +20,7 @@ use sprs::CsMat;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use substructure::assemble::System;
-use substructure::deck::{self, Choices};
+use substructure::formats::abaqus::{self as deck, Choices};
 
 /// Of the beam; the law of most scenes has none, the check of the reduction is scaled by it.
 fn material() -> Value {

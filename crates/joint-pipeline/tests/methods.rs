@@ -33,7 +33,7 @@ fn where_pressure_stays_qsma_is_cqsma() {
     // One square of 1 cm on springs, pressed unevenly, moving along x: pressures do not change, points slip one by one.
     let mesh = InterfaceMesh {
         nodes: vec![[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]],
-        elements: vec![Element::Quad4([0, 1, 2, 3])],
+        elements: vec![Element::quad4([0, 1, 2, 3])],
     };
     let operators = Arc::new(Operators::try_new(&mesh, 3).unwrap());
     let n = operators.n_points();

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if i < 12 && j < 4 && k < 3 {
             let corner = |a: u32| node(b, i + a.div_ceil(2) % 2, j + a / 2 % 2, k + a / 4);
             let nodes = [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
-            let cell = Cell::Hex8(nodes, Formulation::IncompatibleModes);
+            let cell = Cell::hex8(nodes, Formulation::IncompatibleModes);
             blocks.mesh.elements.push(Element { cell, material: 0 });
         }
     }

@@ -54,7 +54,7 @@ fn lap() -> Lap {
                     };
                     let (low, high) = (ring(k), ring(k + 1));
                     let nodes = [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]];
-                    let cell = Cell::Hex8(nodes, Formulation::IncompatibleModes);
+                    let cell = Cell::hex8(nodes, Formulation::IncompatibleModes);
                     mesh.elements.push(Element { cell, material: 0 });
                 }
             }

@@ -17,6 +17,9 @@ pub enum Error {
         /// Why it failed.
         source: Drawing,
     },
+    /// Fields of the interface could not be written as a VTK file.
+    #[error("encoding the fields of the interface")]
+    Fields(#[source] substructure::Error),
     /// A summary could not be written as JSON.
     #[error("encoding the summary")]
     Summary(#[source] serde_json::Error),

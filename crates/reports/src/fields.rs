@@ -1,8 +1,12 @@
 //! Fields of the interface as means over its elements, for pictures and files.
 
+use crate::Error;
 use contact_laws::Regime;
 use joint_pipeline::Run;
 use joint_pipeline::analysis::Fields;
+use substructure::formats::vtu::{self, Encoding, Field};
+use substructure::mesh::Face;
+use zte_assembly::InterfaceMesh;
 
 /// One value per interface element.
 pub struct CellField {
@@ -10,6 +14,32 @@ pub struct CellField {
     pub name: &'static str,
     /// In the order of the elements.
     pub values: Vec<f64>,
+}
+
+/// The interface as a VTK file with one value per element of each field; nodes have the third coordinate zero.
+///
+/// # Errors
+/// [`Error::Fields`].
+pub fn vtu(mesh: &InterfaceMesh, cells: Vec<CellField>) -> Result<String, Error> {
+    let nodes: Vec<[f64; 3]> = mesh.nodes.iter().map(|&[x, y]| [x, y, 0.0]).collect();
+    // Every shape of an interface element is the shape of a face.
+    let faces: Vec<Face> = mesh
+        .elements
+        .iter()
+        .filter_map(|element| Face::from_nodes(element.nodes()))
+        .collect();
+    let cells: Vec<Field> = cells
+        .into_iter()
+        .map(|cell| Field {
+            name: cell.name.to_owned(),
+            components: 1,
+            values: cell.values,
+        })
+        .collect();
+    // Text cannot carry the sign of infinities.
+    let infinite = cells.iter().flat_map(|cell| &cell.values).any(|v| v.is_infinite());
+    let encoding = if infinite { Encoding::Base64 } else { Encoding::Ascii };
+    vtu::write_surface(&nodes, &faces, &[], &cells, encoding).map_err(Error::Fields)
 }
 
 /// Dissipation per area and cycle over all directions (J/m^2), per element.

@@ -11,7 +11,6 @@ pub mod page;
 pub mod plot;
 pub mod ring_down;
 pub mod run;
-pub mod vtu;
 
 pub use error::{Drawing, Error};
 

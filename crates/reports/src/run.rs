@@ -1,7 +1,8 @@
 //! The files of a run.
 
-use crate::{Error, Output, csv, fields, page, plot, vtu};
+use crate::{Error, Output, csv, fields, page, plot};
 use joint_pipeline::Run;
+use joint_pipeline::analysis::Fields;
 use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
 
 /// Name of the machine-readable account of a run.
@@ -25,15 +26,17 @@ fn of_mode(mode: Option<usize>) -> String {
 /// # Errors
 /// [`Error::Picture`], [`Error::Summary`].
 pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
-    let field_file =
-        |name: String, fields| Output::new(name, vtu::document(&run.mesh, &fields::cell_fields(run, fields)));
+    let field_file = |name: String, of: &Fields| {
+        let document = fields::vtu(&run.mesh, fields::cell_fields(run, of))?;
+        Ok::<_, Error>(Output::new(name, document))
+    };
     let picture = plot::backbone(summary, &title(run, run.first().mode))?;
-    let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)];
+    let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)?];
     for (place, backbone) in run.backbones.iter().enumerate() {
         let mode = (place > 0).then_some(backbone.mode);
         for (index, amplitude) in backbone.amplitudes.iter().enumerate() {
             if let Some(fields) = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref()) {
-                outputs.push(field_file(amplitude_file(mode, index + 1), fields));
+                outputs.push(field_file(amplitude_file(mode, index + 1), fields)?);
             }
         }
     }

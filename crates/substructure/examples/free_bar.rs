@@ -23,7 +23,7 @@ fn main() -> Result<(), substructure::Error> {
             // Corners counter-clockwise round the lower face, then round the upper one.
             let corner = |a: u32| node(i + a.div_ceil(2) % 2, j + a / 2 % 2, k + a / 4);
             let nodes = [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
-            let cell = Cell::Hex8(nodes, Formulation::IncompatibleModes);
+            let cell = Cell::hex8(nodes, Formulation::IncompatibleModes);
             bar.mesh.elements.push(Element { cell, material: 0 });
         }
     }

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::constraints::DofMap;
 use crate::elements;
-use crate::mesh::{Assembly, Material, Mesh};
+use crate::mesh::{Assembly, Mesh};
 use crate::sparse::congruence;
 use sprs::CsMat;
 
@@ -68,77 +68,6 @@ impl System {
     /// Number of independent displacement components.
     pub fn n_dofs(&self) -> usize {
         self.positions.len()
-    }
-}
-
-impl Material {
-    /// Checks the constants.
-    ///
-    /// # Errors
-    /// [`Error::Material`] naming the constant.
-    pub fn validate(&self) -> Result<(), Error> {
-        let fail = |field, value, unit, requirement| {
-            Err(Error::Material {
-                material: self.name.clone(),
-                field,
-                value,
-                unit,
-                requirement,
-            })
-        };
-        if !(self.youngs_modulus.is_finite() && self.youngs_modulus > 0.0) {
-            return fail("youngs_modulus", self.youngs_modulus, "Pa", "positive and finite");
-        }
-        if !(self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5) {
-            return fail(
-                "poisson_ratio",
-                self.poisson_ratio,
-                "",
-                "between -1 and 0.5 (both excluded)",
-            );
-        }
-        if !(self.density.is_finite() && self.density > 0.0) {
-            return fail("density", self.density, "kg/m^3", "positive and finite");
-        }
-        Ok(())
-    }
-}
-
-impl Mesh {
-    /// Checks references, coordinates and materials.
-    ///
-    /// # Errors
-    /// The first defect found.
-    pub fn validate(&self) -> Result<(), Error> {
-        self.materials.iter().try_for_each(Material::validate)?;
-        for (node, x) in self.nodes.iter().enumerate() {
-            if let Some(&value) = x.iter().find(|v| !v.is_finite()) {
-                return Err(Error::NotFinite {
-                    place: format!("node {node}"),
-                    value,
-                });
-            }
-        }
-        for (index, element) in self.elements.iter().enumerate() {
-            let dangling = |what, index_of, count| Error::Dangling {
-                place: format!("element {index}"),
-                what,
-                index: index_of,
-                count,
-            };
-            if let Some(&node) = element
-                .cell
-                .nodes()
-                .iter()
-                .find(|&&node| node as usize >= self.nodes.len())
-            {
-                return Err(dangling("node", node as usize, self.nodes.len()));
-            }
-            if element.material as usize >= self.materials.len() {
-                return Err(dangling("material", element.material as usize, self.materials.len()));
-            }
-        }
-        Ok(())
     }
 }
 

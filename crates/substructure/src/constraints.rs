@@ -448,7 +448,7 @@ struct Foot {
 
 impl Foot {
     fn new(face: &Face, s: Vector2<f64>, coordinates: &[[f64; 3]]) -> Self {
-        let (values, derivatives) = face_shape(face, s);
+        let (values, derivatives) = (face.face_type().interpolation)(s);
         let mut foot = Self {
             at: Vector3::zeros(),
             tangents: [Vector3::zeros(); 2],
@@ -493,61 +493,17 @@ impl Foot {
     }
 }
 
-/// Shape functions of a face and their derivatives: on the square from -1 to 1, or the triangle from 0 to 1.
-fn face_shape(face: &Face, s: Vector2<f64>) -> (Vec<f64>, Vec<Vector2<f64>>) {
-    let (a, b) = (s.x, s.y);
-    let l = [1.0 - a - b, a, b];
-    let d = [Vector2::new(-1.0, -1.0), Vector2::x(), Vector2::y()];
-    match face {
-        Face::Tri3(_) => (l.to_vec(), d.to_vec()),
-        Face::Quad4(_) => {
-            let signs = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-            let values = signs.map(|[p, q]| 0.25 * (1.0 + p * a) * (1.0 + q * b));
-            let slopes = signs.map(|[p, q]| Vector2::new(0.25 * p * (1.0 + q * b), 0.25 * q * (1.0 + p * a)));
-            (values.to_vec(), slopes.to_vec())
-        }
-        Face::Tri6(_) => {
-            let mut values: Vec<f64> = l.iter().map(|l| l * (2.0 * l - 1.0)).collect();
-            let mut slopes: Vec<Vector2<f64>> = l.iter().zip(&d).map(|(l, d)| d * (4.0 * l - 1.0)).collect();
-            for [i, j] in [[0, 1], [1, 2], [2, 0]] {
-                values.push(4.0 * l[i] * l[j]);
-                slopes.push((d[i] * l[j] + d[j] * l[i]) * 4.0);
-            }
-            (values, slopes)
-        }
-    }
-}
-
-/// Natural coordinates brought back into a face.
-fn clamp(face: &Face, s: Vector2<f64>) -> Vector2<f64> {
-    match face {
-        Face::Quad4(_) => s.map(|v| v.clamp(-1.0, 1.0)),
-        Face::Tri3(_) | Face::Tri6(_) => {
-            let s = s.map(|v| v.max(0.0));
-            let excess = s.x + s.y - 1.0;
-            if excess <= 0.0 {
-                return s;
-            }
-            // Onto the slanted edge.
-            let x = (s.x - 0.5 * excess).clamp(0.0, 1.0);
-            Vector2::new(x, 1.0 - x)
-        }
-    }
-}
-
 /// Nearest point of a face, by Gauss-Newton steps in the natural coordinates.
 fn project(x: Vector3<f64>, face: &Face, coordinates: &[[f64; 3]]) -> Foot {
-    let mut s = match face {
-        Face::Quad4(_) => Vector2::zeros(),
-        Face::Tri3(_) | Face::Tri6(_) => Vector2::repeat(1.0 / 3.0),
-    };
+    let domain = face.face_type().domain;
+    let mut s = domain.centre();
     let mut foot = Foot::new(face, s, coordinates);
     for _ in 0..30 {
         let gap = x - foot.at;
         let [ds, dt] = foot.tangents;
         let metric = Matrix2::new(ds.dot(&ds), ds.dot(&dt), ds.dot(&dt), dt.dot(&dt));
         let Some(inverse) = metric.try_inverse() else { break };
-        let next = clamp(face, s + inverse * Vector2::new(ds.dot(&gap), dt.dot(&gap)));
+        let next = domain.clamp(s + inverse * Vector2::new(ds.dot(&gap), dt.dot(&gap)));
         let moved = (next - s).norm();
         s = next;
         foot = Foot::new(face, s, coordinates);

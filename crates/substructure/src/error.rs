@@ -230,7 +230,7 @@ pub enum Error {
         /// What it holds.
         what: String,
         /// How to avoid it.
-        remedy: &'static str,
+        remedy: std::borrow::Cow<'static, str>,
     },
     /// A mesh file contradicts itself or what it is read with.
     #[error("{file}, {at}: {problem}; {remedy}")]
@@ -301,10 +301,12 @@ pub enum DeckProblem {
         parameter: &'static str,
     },
     /// An element type that is not supported.
-    #[error("element type `{found}` is not supported; use C3D8, C3D8I, C3D8R, C3D4, C3D10 or C3D6 (SPRING1, DCOUP3D)")]
+    #[error("element type `{found}` is not supported; use one of {known} (SPRING1, DCOUP3D)")]
     ElementType {
         /// The type.
         found: String,
+        /// Types of solids that are supported.
+        known: String,
     },
     /// A constraint type that is not supported.
     #[error("*MPC type `{found}` is not supported; use BEAM, LINK, PIN or TIE, or *EQUATION")]

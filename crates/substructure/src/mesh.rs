@@ -1,101 +1,10 @@
 //! Solid meshes and the assemblies made of them: materials, ties, couplings, equations, supports and point loads.
 
+use crate::Error;
 use crate::elements::Formulation;
 
-/// Linear isotropic elastic material.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// Name used in messages.
-    pub name: String,
-    /// Young's modulus (Pa).
-    pub youngs_modulus: f64,
-    /// Poisson ratio (-).
-    pub poisson_ratio: f64,
-    /// Mass density (kg/m^3).
-    pub density: f64,
-}
-
-/// Nodes of an element, zero based, in the order that Abaqus and CalculiX share: the corners of one face
-/// counter-clockwise seen from within the element, then those of the opposite one (or its apex), so that the Jacobian
-/// determinant is positive; after the corners the middles of the edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cell {
-    /// Eight-node hexahedron.
-    Hex8([u32; 8], Formulation),
-    /// Six-node wedge.
-    Wedge6([u32; 6]),
-    /// Four-node tetrahedron.
-    Tet4([u32; 4]),
-    /// Ten-node tetrahedron; nodes 4-9 lie between corners 01, 12, 20, 03, 13, 23.
-    Tet10([u32; 10]),
-}
-
-impl Cell {
-    /// All nodes.
-    pub fn nodes(&self) -> &[u32] {
-        match self {
-            Self::Hex8(nodes, _) => nodes,
-            Self::Wedge6(nodes) => nodes,
-            Self::Tet4(nodes) => nodes,
-            Self::Tet10(nodes) => nodes,
-        }
-    }
-
-    /// The faces, counter-clockwise seen from outside, in the numbering of Abaqus and CalculiX (`S1` comes first).
-    pub fn faces(&self) -> Vec<Face> {
-        match self {
-            Self::Hex8(n, _) => [
-                [0, 3, 2, 1],
-                [4, 5, 6, 7],
-                [0, 1, 5, 4],
-                [1, 2, 6, 5],
-                [2, 3, 7, 6],
-                [3, 0, 4, 7],
-            ]
-            .map(|face| Face::Quad4(face.map(|i| n[i])))
-            .to_vec(),
-            Self::Wedge6(n) => {
-                let triangles = [[0, 2, 1], [3, 4, 5]].map(|face| Face::Tri3(face.map(|i| n[i])));
-                let quads = [[0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]].map(|face| Face::Quad4(face.map(|i| n[i])));
-                triangles.into_iter().chain(quads).collect()
-            }
-            Self::Tet4(n) => [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
-                .map(|face| Face::Tri3(face.map(|i| n[i])))
-                .to_vec(),
-            Self::Tet10(n) => [
-                [0, 2, 1, 6, 5, 4],
-                [0, 1, 3, 4, 8, 7],
-                [1, 2, 3, 5, 9, 8],
-                [2, 0, 3, 6, 7, 9],
-            ]
-            .map(|face| Face::Tri6(face.map(|i| n[i])))
-            .to_vec(),
-        }
-    }
-}
-
-/// Nodes of an element's face, counter-clockwise seen from outside: the corners, then the middles of the edges between
-/// them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Face {
-    /// Triangle.
-    Tri3([u32; 3]),
-    /// Bilinear quadrilateral.
-    Quad4([u32; 4]),
-    /// Quadratic triangle; nodes 3-5 lie between corners 01, 12, 20.
-    Tri6([u32; 6]),
-}
-
-impl Face {
-    /// All nodes.
-    pub fn nodes(&self) -> &[u32] {
-        match self {
-            Self::Tri3(nodes) => nodes,
-            Self::Quad4(nodes) => nodes,
-            Self::Tri6(nodes) => nodes,
-        }
-    }
-}
+pub use crate::elements::{Cell, Face};
+pub use crate::material::Material;
 
 /// A solid element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,13 +27,47 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Gives all hexahedra one formulation.
+    /// Gives one formulation to all elements whose type has it; the others stay as they are.
     pub fn set_formulation(&mut self, formulation: Formulation) {
         for element in &mut self.elements {
-            if let Cell::Hex8(_, old) = &mut element.cell {
-                *old = formulation;
+            element.cell.set_formulation(formulation);
+        }
+    }
+
+    /// Checks references, coordinates and materials.
+    ///
+    /// # Errors
+    /// The first defect found.
+    pub fn validate(&self) -> Result<(), Error> {
+        self.materials.iter().try_for_each(Material::validate)?;
+        for (node, x) in self.nodes.iter().enumerate() {
+            if let Some(&value) = x.iter().find(|v| !v.is_finite()) {
+                return Err(Error::NotFinite {
+                    place: format!("node {node}"),
+                    value,
+                });
             }
         }
+        for (index, element) in self.elements.iter().enumerate() {
+            let dangling = |what, index_of, count| Error::Dangling {
+                place: format!("element {index}"),
+                what,
+                index: index_of,
+                count,
+            };
+            if let Some(&node) = element
+                .cell
+                .nodes()
+                .iter()
+                .find(|&&node| node as usize >= self.nodes.len())
+            {
+                return Err(dangling("node", node as usize, self.nodes.len()));
+            }
+            if element.material as usize >= self.materials.len() {
+                return Err(dangling("material", element.material as usize, self.materials.len()));
+            }
+        }
+        Ok(())
     }
 }
 

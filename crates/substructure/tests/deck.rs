@@ -2,8 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use substructure::assemble::System;
-use substructure::deck::{self, Choices, Deck, DeckModel, Members};
-use substructure::elements::Formulation;
+use substructure::elements::{Formulation, HEX8};
+use substructure::formats::abaqus::{self, Choices, Deck, DeckModel, Members};
 use substructure::mesh::{
     Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, GroundSpring, LoadPattern,
     Material, Mesh, Tie,
@@ -61,7 +61,7 @@ TOP, BOTTOM
 ";
 
 fn parse(text: &str) -> Result<Deck, Error> {
-    deck::parse(text, "cubes.inp")
+    abaqus::parse(text, "cubes.inp")
 }
 
 fn model(text: &str) -> Result<DeckModel, Error> {
@@ -113,9 +113,9 @@ fn a_flat_deck_becomes_an_assembly() {
         .mesh
         .elements
         .iter()
-        .map(|element| match element.cell {
-            Cell::Hex8(_, formulation) => formulation,
-            _ => panic!("only hexahedra"),
+        .map(|element| {
+            assert_eq!(element.cell.element_type(), &HEX8);
+            element.cell.formulation()
         })
         .collect();
     assert_eq!(formulations, [Formulation::BBar, Formulation::IncompatibleModes]);
@@ -124,7 +124,7 @@ fn a_flat_deck_becomes_an_assembly() {
     assert_eq!(assembly.ties[0].position_tolerance, 0.05);
     assert!(assembly.ties[0].adjust);
     assert_eq!(assembly.ties[0].beyond, BeyondTolerance::LeaveFree);
-    assert_eq!(model.surface_faces("bottom").unwrap(), [Face::Quad4([4, 5, 6, 7])]);
+    assert_eq!(model.surface_faces("bottom").unwrap(), [Face::quad4([4, 5, 6, 7])]);
     assert_eq!(model.node("18").unwrap(), 15);
     assert_eq!(model.node_name(15), "18");
     assert_eq!(model.element_name(1), "2");
@@ -170,7 +170,7 @@ fn choices_prevail_over_the_deck() {
             .mesh
             .elements
             .iter()
-            .all(|e| matches!(e.cell, Cell::Hex8(_, Formulation::Full)))
+            .all(|e| e.cell.element_type() == &HEX8 && e.cell.formulation() == Formulation::Full)
     );
     assert_eq!(chosen.ties[0].position_tolerance, 0.7);
     assert_eq!(chosen.ties[0].beyond, BeyondTolerance::Refuse);
@@ -807,7 +807,7 @@ fn every_defect_names_its_line() {
         let text = PARTS.replacen(old, new, 1);
         assert_defect(&text, part, said);
     }
-    let missing = deck::read("/no such folder/x.inp").unwrap_err();
+    let missing = abaqus::read("/no such folder/x.inp").unwrap_err();
     assert!(
         matches!(&missing, Error::DeckFile { path, .. } if path.ends_with("x.inp")),
         "{missing}"
@@ -847,19 +847,19 @@ fn included_files_are_found_and_circles_are_not_followed() {
     write("main.inp", &format!("{header}*INCLUDE, INPUT=sub/nodes.inp\n{rest}"));
     write("sub/nodes.inp", "*INCLUDE, INPUT=more.inp\n");
     write("sub/more.inp", coordinates);
-    let found = deck::read(folder.join("main.inp")).unwrap();
+    let found = abaqus::read(folder.join("main.inp")).unwrap();
     assert_eq!(found.files, ["main.inp", "sub/nodes.inp", "more.inp"]);
     let plain = model(CUBES).unwrap();
     assert_eq!(found.assembly(&Choices::default()).unwrap().assembly, plain.assembly);
     assert_eq!(found.place(found.nodes[2].line), "more.inp:3");
     write("sub/more.inp", "1, 0., 0., 0.\n*INCLUDE, INPUT=../main.inp\n");
-    let circle = deck::read(folder.join("main.inp")).unwrap_err();
+    let circle = abaqus::read(folder.join("main.inp")).unwrap_err();
     assert!(
         matches!(&circle, Error::Deck { file, line: 2, problem: DeckProblem::Include { .. } } if file == "more.inp"),
         "{circle}"
     );
     write("sub/more.inp", "*INCLUDE, INPUT=none.inp\n");
-    let absent = deck::read(folder.join("main.inp")).unwrap_err().to_string();
+    let absent = abaqus::read(folder.join("main.inp")).unwrap_err().to_string();
     assert!(absent.starts_with("more.inp:1: *INCLUDE of `none.inp`"), "{absent}");
 }
 
@@ -891,13 +891,13 @@ fn everything() -> Assembly {
         let n = cube(&mut mesh, z);
         let material = (i % 2) as u16;
         let cells = match i {
-            0..=2 => vec![Cell::Hex8(n, formulations[i])],
+            0..=2 => vec![Cell::hex8(n, formulations[i])],
             3 => vec![
-                Cell::Wedge6([n[0], n[1], n[2], n[4], n[5], n[6]]),
-                Cell::Wedge6([n[0], n[2], n[3], n[4], n[6], n[7]]),
+                Cell::wedge6([n[0], n[1], n[2], n[4], n[5], n[6]]),
+                Cell::wedge6([n[0], n[2], n[3], n[4], n[6], n[7]]),
             ],
             _ => [[1, 2], [2, 3], [3, 7], [7, 4], [4, 5], [5, 1]]
-                .map(|[a, b]| Cell::Tet4([n[0], n[a], n[b], n[6]]))
+                .map(|[a, b]| Cell::tet4([n[0], n[a], n[b], n[6]]))
                 .to_vec(),
         };
         let first = cells[0];
@@ -913,7 +913,7 @@ fn everything() -> Assembly {
                 adjust: i % 2 == 0,
             });
         }
-        below = Some(first.faces()[1]);
+        below = Some(first.face(1));
     }
     // A quadratic tetrahedron of its own.
     let corners = [[2.0, 0.0, 0.0], [2.1, 0.0, 0.0], [2.0, 0.1, 0.0], [2.0, 0.0, 0.1]];
@@ -923,7 +923,7 @@ fn everything() -> Assembly {
         mesh.nodes
             .push([0, 1, 2].map(|c: usize| 0.5 * (corners[a][c] + corners[b][c])));
     }
-    let cell = Cell::Tet10([0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|a| first + a));
+    let cell = Cell::tet10([0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|a| first + a));
     mesh.elements.push(Element { cell, material: 1 });
     let couplings = vec![
         Coupling {
@@ -979,7 +979,7 @@ fn everything() -> Assembly {
 #[test]
 fn what_is_written_is_read_back() {
     let assembly = everything();
-    let text = deck::write(&assembly, &[], &[]).unwrap();
+    let text = abaqus::write(&assembly, &[], &[]).unwrap();
     let back = model(&text).unwrap().assembly;
     let bits = |mesh: &Mesh| mesh.nodes.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&back.mesh), bits(&assembly.mesh));
@@ -1012,13 +1012,13 @@ fn what_is_written_is_read_back() {
     assert_eq!(a.loads, b.loads);
     // Once more: writing is settled.
     assert_eq!(
-        deck::write(
-            &model(&deck::write(&back, &[], &[]).unwrap()).unwrap().assembly,
+        abaqus::write(
+            &model(&abaqus::write(&back, &[], &[]).unwrap()).unwrap().assembly,
             &[],
             &[]
         )
         .unwrap(),
-        deck::write(&back, &[], &[]).unwrap()
+        abaqus::write(&back, &[], &[]).unwrap()
     );
 }
 
@@ -1026,16 +1026,16 @@ fn what_is_written_is_read_back() {
 fn what_no_deck_can_say_is_not_written() {
     let mut full = everything();
     full.mesh.set_formulation(Formulation::Full);
-    let error = deck::write(&full, &[], &[]).unwrap_err().to_string();
+    let error = abaqus::write(&full, &[], &[]).unwrap_err().to_string();
     assert!(error.contains("element 0"), "{error}");
     let mut inner = everything();
-    inner.ties[0].master_faces[0] = Face::Tri3([0, 1, 9]);
-    let error = deck::write(&inner, &[], &[]).unwrap_err().to_string();
+    inner.ties[0].master_faces[0] = Face::tri3([0, 1, 9]);
+    let error = abaqus::write(&inner, &[], &[]).unwrap_err().to_string();
     assert!(error.contains("tie `glue`"), "{error}");
     let mut dangling = everything();
     dangling.loads[0].terms[0].0 = Dof::Reference(7, 0);
     assert!(matches!(
-        deck::write(&dangling, &[], &[]),
+        abaqus::write(&dangling, &[], &[]),
         Err(Error::NotWritable { .. })
     ));
 }
@@ -1054,7 +1054,7 @@ fn damaged_decks_give_errors_and_no_panic() {
         b"*END PART\n",
         "\u{e9}".as_bytes(),
     ];
-    let written = deck::write(&everything(), &[], &[]).unwrap();
+    let written = abaqus::write(&everything(), &[], &[]).unwrap();
     let mut damage = test_support::Damage::new(7, &fragments);
     let (mut read, mut refused) = (0, 0);
     for original in [CUBES, PARTS, &written] {

@@ -5,14 +5,14 @@
 use std::collections::BTreeMap;
 use substructure::assemble::System;
 use substructure::constraints::DofMap;
-use substructure::deck::{self, Choices, Deck, DeckModel};
 use substructure::eigen::{Modes, lowest_modes};
-use substructure::elements::Formulation;
-use substructure::mesh::{Assembly, Cell, CouplingKind, Element, Material};
+use substructure::elements::{Formulation, HEX8};
+use substructure::formats::abaqus::{self, Choices, Deck, DeckModel};
+use substructure::mesh::{Assembly, CouplingKind, Element, Material};
 
 fn reference_deck() -> Option<Deck> {
     let path = test_support::reference_file("brb_deck/Job.inp")?;
-    Some(deck::read(path).unwrap())
+    Some(abaqus::read(path).unwrap())
 }
 
 fn material(youngs_modulus: f64, density: f64) -> Option<Material> {
@@ -59,7 +59,7 @@ fn the_deck_is_read_completely() {
     assert!(
         deck.elements
             .iter()
-            .all(|element| matches!(element.cell, Cell::Hex8(_, Formulation::Reduced)))
+            .all(|e| e.cell.element_type() == &HEX8 && e.cell.formulation() == Formulation::Reduced)
     );
     assert_eq!(
         (deck.ties.len(), deck.couplings.len(), deck.equations.len()),
@@ -121,8 +121,8 @@ fn the_default_tolerance_leaves_the_known_slaves_free_and_the_deck_survives_writ
     let untied = DofMap::try_new(&model.assembly).unwrap().untied;
     // 16 nodes beneath each bolt head and each nut.
     assert_eq!(untied.len(), 96);
-    let text = deck::write(&model.assembly, &[], &[]).unwrap();
-    let back = deck::parse(&text, "written").unwrap();
+    let text = abaqus::write(&model.assembly, &[], &[]).unwrap();
+    let back = abaqus::parse(&text, "written").unwrap();
     let back = back.assembly(&Choices::default()).unwrap().assembly;
     assert_eq!(back.mesh, model.assembly.mesh);
     assert_eq!(back.ties, model.assembly.ties);
@@ -136,16 +136,12 @@ fn part(model: &DeckModel, set: &str) -> Assembly {
     let mut index: BTreeMap<u32, u32> = BTreeMap::new();
     for &element in model.element_set(set).unwrap() {
         let Element { cell, material } = mesh.elements[element as usize];
-        let Cell::Hex8(nodes, formulation) = cell else {
-            panic!("only hexahedra are expected")
-        };
-        let nodes = nodes.map(|node| {
+        let cell = cell.map_nodes(|node| {
             *index.entry(node).or_insert_with(|| {
                 part.mesh.nodes.push(mesh.nodes[node as usize]);
                 part.mesh.nodes.len() as u32 - 1
             })
         });
-        let cell = Cell::Hex8(nodes, formulation);
         part.mesh.elements.push(Element { cell, material });
     }
     part

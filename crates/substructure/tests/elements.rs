@@ -2,10 +2,11 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use faer::Mat;
+use std::collections::BTreeSet;
 use substructure::Error;
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
-use substructure::elements::{CORNERS, Formulation, matrices};
+use substructure::elements::{CORNERS, ELEMENT_TYPES, ElementType, FACE_TYPES, FaceType, Formulation, matrices};
 use substructure::factor::SparseCholesky;
 use substructure::mesh::{Assembly, BeyondTolerance, Cell, Element, Material, Mesh, Tie};
 use substructure::sparse::multiply_vector;
@@ -89,14 +90,14 @@ fn cube(kind: Kind, n: usize, size: f64, distortion: f64, poisson_ratio: f64) ->
                 // Around the diagonal from corner 0 to corner 6.
                 let around = [1, 2, 3, 7, 4, 5, 1];
                 match kind {
-                    Kind::Hex(formulation) => add(Cell::Hex8(c, formulation)),
+                    Kind::Hex(formulation) => add(Cell::hex8(c, formulation)),
                     Kind::Wedge => {
-                        add(Cell::Wedge6([c[0], c[1], c[2], c[4], c[5], c[6]]));
-                        add(Cell::Wedge6([c[0], c[2], c[3], c[4], c[6], c[7]]));
+                        add(Cell::wedge6([c[0], c[1], c[2], c[4], c[5], c[6]]));
+                        add(Cell::wedge6([c[0], c[2], c[3], c[4], c[6], c[7]]));
                     }
                     Kind::Tet4 => {
                         for pair in around.windows(2) {
-                            add(Cell::Tet4([c[0], c[pair[0]], c[pair[1]], c[6]]));
+                            add(Cell::tet4([c[0], c[pair[0]], c[pair[1]], c[6]]));
                         }
                     }
                     Kind::Tet10 => {
@@ -114,7 +115,7 @@ fn cube(kind: Kind, n: usize, size: f64, distortion: f64, poisson_ratio: f64) ->
                                 });
                             }
                             mesh.elements.push(Element {
-                                cell: Cell::Tet10(nodes),
+                                cell: Cell::tet10(nodes),
                                 material: 0,
                             });
                         }
@@ -176,19 +177,19 @@ fn distorted(kind: Kind) -> (Cell, Vec<Point>) {
     let tet = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     match kind {
         Kind::Hex(f) => (
-            Cell::Hex8([0; 8], f),
+            Cell::hex8([0; 8], f),
             jitter(CORNERS.map(|c| c.map(|v| 0.5 * v)).to_vec()),
         ),
         Kind::Wedge => {
             let level = |z: f64| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
-            (Cell::Wedge6([0; 6]), jitter([level(0.0), level(1.0)].concat()))
+            (Cell::wedge6([0; 6]), jitter([level(0.0), level(1.0)].concat()))
         }
-        Kind::Tet4 => (Cell::Tet4([0; 4]), jitter(tet)),
+        Kind::Tet4 => (Cell::tet4([0; 4]), jitter(tet)),
         Kind::Tet10 => {
             let corners = jitter(tet);
             let middles = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]]
                 .map(|[a, b]| [0, 1, 2].map(|i| 0.5 * (corners[a][i] + corners[b][i])));
-            (Cell::Tet10([0; 10]), [corners, middles.to_vec()].concat())
+            (Cell::tet10([0; 10]), [corners, middles.to_vec()].concat())
         }
     }
 }
@@ -217,12 +218,8 @@ fn mass_is_that_of_the_volume_and_centroid() {
         let n = found.n_nodes;
         let total: f64 = found.mass.iter().sum();
         // The volume by the divergence theorem over the faces, each cut into triangles about its middle.
-        let local = match cell {
-            Cell::Hex8(_, f) => Cell::Hex8([0, 1, 2, 3, 4, 5, 6, 7], f),
-            Cell::Wedge6(_) => Cell::Wedge6([0, 1, 2, 3, 4, 5]),
-            Cell::Tet4(_) => Cell::Tet4([0, 1, 2, 3]),
-            Cell::Tet10(_) => Cell::Tet10([0, 1, 2, 3, 4, 5, 6, 7, 8, 9]),
-        };
+        let mut number = 0..;
+        let local = cell.map_nodes(|_| number.next().unwrap());
         let mut volume = 0.0;
         for face in local.faces() {
             let corners: Vec<Point> = match face.nodes() {
@@ -375,7 +372,7 @@ fn faces_of_every_kind_can_be_tied_to() {
         mesh.elements.extend(top.elements.iter().map(|element| {
             let nodes: Vec<u32> = element.cell.nodes().iter().map(|n| n + count).collect();
             Element {
-                cell: Cell::Hex8(nodes.try_into().unwrap(), Formulation::IncompatibleModes),
+                cell: Cell::hex8(nodes.try_into().unwrap(), Formulation::IncompatibleModes),
                 material: 0,
             }
         }));
@@ -414,4 +411,47 @@ fn faces_of_every_kind_can_be_tied_to() {
             }
         }
     }
+}
+
+#[test]
+fn rows_of_the_table_agree_with_themselves() {
+    for row in ELEMENT_TYPES {
+        let n = row.n_nodes();
+        for (a, &at) in row.nodes.iter().enumerate() {
+            let (values, derivatives) = row.shape_functions(at);
+            for (b, value) in values.iter().enumerate() {
+                let expected = if a == b { 1.0 } else { 0.0 };
+                assert!((value - expected).abs() < 1e-14, "{row:?}: function {b} at node {a}");
+            }
+            for axis in 0..3 {
+                let sum: f64 = derivatives.iter().map(|d| d[axis]).sum();
+                assert!(sum.abs() < 1e-14, "{row:?}: derivatives at node {a}");
+            }
+        }
+        let n_corners = n - row.middles.len();
+        for (&[a, b], middle) in row.middles.iter().zip(&row.nodes[n_corners..]) {
+            for axis in 0..3 {
+                assert_eq!(0.5 * (row.nodes[a][axis] + row.nodes[b][axis]), middle[axis], "{row:?}");
+            }
+        }
+        for (face_type, locals) in row.faces {
+            assert_eq!(face_type.n_nodes, locals.len(), "{row:?}");
+        }
+        let alternative = row.vtk.alternative.as_ref().map_or(&[][..], |other| other.order);
+        for order in [row.gmsh.order, row.vtk.order, alternative] {
+            let mut sorted = order.to_vec();
+            sorted.sort_unstable();
+            assert!(
+                order.is_empty() || sorted == (0..n).collect::<Vec<_>>(),
+                "{row:?}: {order:?}"
+            );
+        }
+    }
+    let distinct = |numbers: Vec<u8>| numbers.iter().collect::<BTreeSet<_>>().len() == numbers.len();
+    let all = |of: fn(&ElementType) -> u8, of_face: fn(&FaceType) -> u8| {
+        let faces = FACE_TYPES.into_iter().map(of_face);
+        distinct(ELEMENT_TYPES.into_iter().map(of).chain(faces).collect())
+    };
+    assert!(all(|row| row.gmsh.number, |face| face.gmsh));
+    assert!(all(|row| row.vtk.number, |face| face.vtk));
 }

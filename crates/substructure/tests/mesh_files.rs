@@ -7,11 +7,11 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rand::{RngExt, SeedableRng};
 use substructure::Error;
-use substructure::elements::{Formulation, matrices};
-use substructure::gmsh;
+use substructure::elements::{Formulation, HEX8, QUAD4, TET10, TRI3, TRI6, WEDGE6, matrices};
+use substructure::formats::gmsh;
+use substructure::formats::vtu::{self, Encoding, Field};
 use substructure::mesh::Group;
 use substructure::mesh::{Cell, Element, Face, Material, Mesh};
-use substructure::vtu::{self, Encoding, Field};
 
 const BLOCK: &[u8] = include_bytes!("meshes/block.msh");
 const BLOCK_BINARY: &[u8] = include_bytes!("meshes/block-binary.msh");
@@ -60,10 +60,10 @@ fn small() -> Mesh {
                     .push([0, 1, 2].map(|i| 0.0254 * (shift[i] + 0.6 * corner[i] + 0.03 * rng.random::<f64>())));
             }
             let cell = match kind {
-                0 => Cell::Hex8(n.try_into().unwrap(), Formulation::default()),
-                1 => Cell::Wedge6(n.try_into().unwrap()),
-                2 => Cell::Tet4(n.try_into().unwrap()),
-                _ => Cell::Tet10(n.try_into().unwrap()),
+                0 => Cell::hex8(n.try_into().unwrap(), Formulation::default()),
+                1 => Cell::wedge6(n.try_into().unwrap()),
+                2 => Cell::tet4(n.try_into().unwrap()),
+                _ => Cell::tet10(n.try_into().unwrap()),
             };
             let material = (copy + kind) % 2;
             mesh.elements.push(Element { cell, material });
@@ -90,7 +90,7 @@ fn area(mesh: &Mesh, faces: &[Face]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for face in faces {
         let x: Vec<[f64; 3]> = face.nodes().iter().map(|node| mesh.nodes[*node as usize]).collect();
-        let corners = if let Face::Quad4(_) = face { 4 } else { 3 };
+        let corners = face.corners().len();
         for i in 0..corners {
             let (a, b) = (x[i], x[(i + 1) % corners]);
             for c in 0..3 {
@@ -125,7 +125,7 @@ fn a_gmsh_round_trip_returns_the_same_bits() {
         },
         Group {
             name: "2".into(),
-            members: mesh.elements[1].cell.faces(),
+            members: mesh.elements[1].cell.faces().collect(),
         },
         Group {
             name: "empty".into(),
@@ -191,7 +191,7 @@ fn a_gmsh_block_has_its_volumes_and_groups() {
     let block = gmsh::read("block.msh", BLOCK, &materials, None).unwrap();
     assert_near(volume(&block.mesh, Some(0)), 0.02 * 0.01 * 0.005, 1e-12);
     assert_near(volume(&block.mesh, Some(1)), 0.02 * 0.01 * 0.005, 1e-12);
-    let is_wedge = |e: &Element| matches!(e.cell, Cell::Wedge6(_));
+    let is_wedge = |e: &Element| e.cell.element_type() == &WEDGE6;
     assert!(block.mesh.elements.iter().all(|e| is_wedge(e) == (e.material == 1)));
 
     let names: Vec<&str> = block.faces.iter().map(|group| group.name.as_str()).collect();
@@ -204,8 +204,8 @@ fn a_gmsh_block_has_its_volumes_and_groups() {
     );
     assert_near(area(&block.mesh, &block.faces[0].members)[2].abs(), 0.02 * 0.01, 1e-12);
     assert_near(area(&block.mesh, &block.faces[1].members)[2].abs(), 0.02 * 0.01, 1e-12);
-    assert!(block.faces[0].members.iter().all(|face| matches!(face, Face::Tri3(_))));
-    assert!(block.faces[1].members.iter().all(|face| matches!(face, Face::Quad4(_))));
+    assert!(block.faces[0].members.iter().all(|face| face.face_type() == &TRI3));
+    assert!(block.faces[1].members.iter().all(|face| face.face_type() == &QUAD4));
     assert_near(
         area(&block.mesh, &block.faces[2].members)[1].abs(),
         2.0 * 0.02 * 0.005,
@@ -243,7 +243,7 @@ fn a_gmsh_block_has_its_volumes_and_groups() {
 #[test]
 fn gmsh_tetrahedra_of_ten_nodes_follow_the_circle() {
     let read = gmsh::read("quarter-cylinder.msh", QUARTER_CYLINDER, &[material("steel")], None).unwrap();
-    assert!(read.mesh.elements.iter().all(|e| matches!(e.cell, Cell::Tet10(_))));
+    assert!(read.mesh.elements.iter().all(|e| e.cell.element_type() == &TET10));
     // `volume` fails on a Jacobian that is not positive. Parabolas through points of the circle enclose a little less.
     assert_near(volume(&read.mesh, None), std::f64::consts::PI / 4.0 * 1e-6, 2e-3);
     // Middle nodes lie on the middle of straight edges.
@@ -260,7 +260,7 @@ fn gmsh_tetrahedra_of_ten_nodes_follow_the_circle() {
         }
     }
     let skin = &read.faces[0];
-    assert!(skin.name == "skin" && skin.members.iter().all(|face| matches!(face, Face::Tri6(_))));
+    assert!(skin.name == "skin" && skin.members.iter().all(|face| face.face_type() == &TRI6));
     let of_solids: Vec<Vec<u32>> = read
         .mesh
         .elements
@@ -286,7 +286,7 @@ fn volumes_without_a_named_material_take_the_fallback_or_are_refused() {
         read.mesh
             .elements
             .iter()
-            .all(|e| (e.material == 1) == matches!(e.cell, Cell::Hex8(..)))
+            .all(|e| (e.material == 1) == (e.cell.element_type() == &HEX8))
     );
     let error = gmsh::read("block.msh", BLOCK, &[steel], None).unwrap_err().to_string();
     assert!(
@@ -306,7 +306,7 @@ fn gmsh_files_that_cannot_be_read_are_refused_with_the_place_and_a_remedy() {
     let mesh = small();
     let face = Group {
         name: "face".into(),
-        members: mesh.elements[0].cell.faces(),
+        members: mesh.elements[0].cell.faces().collect(),
     };
     let good = gmsh::write(&mesh, std::slice::from_ref(&face), &[]).unwrap();
     let n = mesh.nodes.len();
@@ -401,7 +401,7 @@ fn what_a_format_cannot_carry_is_not_written() {
         Error::MeshUnwritable { .. }
     ));
     assert!(matches!(
-        refuse(&[faces("a", vec![Face::Tri3([0, 1, 9999])])]),
+        refuse(&[faces("a", vec![Face::tri3([0, 1, 9999])])]),
         Error::Dangling { index: 9999, .. }
     ));
     let mut broken = mesh.clone();
@@ -507,9 +507,7 @@ fn vtu_headers_of_four_bytes_may_stand_alone() {
 fn wedges_are_read_in_either_order() {
     let mesh = small();
     let good = vtu::write(&mesh, &[], &[], Encoding::Ascii).unwrap();
-    let Cell::Wedge6(n) = mesh.elements[1].cell else {
-        unreachable!()
-    };
+    let n: [u32; 6] = mesh.elements[1].cell.nodes().try_into().unwrap();
     let numbers = |nodes: [u32; 6]| nodes.map(|n| n.to_string()).join("\n");
     let old = [n[0], n[2], n[1], n[3], n[5], n[4]];
     let text = with(&good, &numbers(n), &numbers(old));
@@ -626,7 +624,7 @@ fn damaged_files_are_read_or_refused_but_never_panic() {
     let mesh = small();
     let groups = [Group {
         name: "f".into(),
-        members: mesh.elements[0].cell.faces(),
+        members: mesh.elements[0].cell.faces().collect(),
     }];
     let msh = gmsh::write(&mesh, &groups, &[]).unwrap();
     let [ascii, base64] = [Encoding::Ascii, Encoding::Base64].map(|e| vtu::write(&mesh, &[], &[], e).unwrap());
@@ -685,4 +683,49 @@ fn write_small() {
     std::fs::write(std::env::temp_dir().join("small.vtu"), text).unwrap();
     let text = gmsh::write(&mesh, &[], &[]).unwrap();
     std::fs::write(std::env::temp_dir().join("small.msh"), text).unwrap();
+}
+
+#[test]
+fn a_surface_is_written_with_its_fields() {
+    let nodes = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [2.0, 0.5, 0.0],
+    ];
+    let faces = [Face::quad4([0, 1, 2, 3]), Face::tri3([1, 4, 2])];
+    let field = |name: &str, values: &[f64]| Field {
+        name: name.into(),
+        components: 1,
+        values: values.to_vec(),
+    };
+    let (pressure, gap) = (
+        field("pressure [Pa]", &[1e6, -2.5]),
+        field("gap [m]", &[0.0, 1e-6, 0.0, 0.0, 0.5]),
+    );
+    let cells = std::slice::from_ref(&pressure);
+    let text = vtu::write_surface(&nodes, &faces, std::slice::from_ref(&gap), cells, Encoding::Ascii).unwrap();
+    let array = |name: &str| -> Vec<f64> {
+        let (_, rest) = text.split_once(&format!("Name=\"{name}\"")).unwrap();
+        let body = rest.split_once('>').unwrap().1.split('<').next().unwrap();
+        body.split_whitespace().map(|word| word.parse().unwrap()).collect()
+    };
+    assert_eq!(array("types"), [9.0, 5.0]);
+    assert_eq!(array("offsets"), [4.0, 7.0]);
+    assert_eq!(array("connectivity"), [0.0, 1.0, 2.0, 3.0, 1.0, 4.0, 2.0]);
+    assert_eq!(array("Points"), nodes.concat());
+    assert_eq!(array("pressure [Pa]"), pressure.values);
+    assert_eq!(array("gap [m]"), gap.values);
+    assert!(!text.contains(vtu::MATERIAL));
+
+    let dangling = [Face::tri3([0, 1, 5])];
+    let error = vtu::write_surface(&nodes, &dangling, &[], &[], Encoding::Ascii).unwrap_err();
+    assert!(matches!(error, Error::Dangling { index: 5, count: 5, .. }), "{error}");
+    let short = [field("gap [m]", &[1.0])];
+    let error = vtu::write_surface(&nodes, &faces, &short, &[], Encoding::Ascii).unwrap_err();
+    assert!(matches!(error, Error::MeshUnwritable { .. }), "{error}");
+    let broken = [[f64::NAN, 0.0, 0.0]];
+    let error = vtu::write_surface(&broken, &[], &[], &[], Encoding::Base64).unwrap_err();
+    assert!(matches!(error, Error::NotFinite { .. }), "{error}");
 }

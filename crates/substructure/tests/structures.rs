@@ -38,7 +38,7 @@ fn add_block(mesh: &mut Mesh, corner: [f64; 3], size: [f64; 3], cells: [usize; 3
     for k in 0..nz {
         for j in 0..ny {
             for i in 0..nx {
-                let cell = Cell::Hex8(
+                let cell = Cell::hex8(
                     [
                         node(i, j, k),
                         node(i + 1, j, k),
@@ -202,7 +202,7 @@ fn tied_blocks(offset: f64) -> Assembly {
     let at = |i: u32, j: u32| lower[(i + 4 * (j + 3)) as usize];
     let master_faces = (0..2).flat_map(|j| (0..3).map(move |i| (i, j)));
     let master_faces = master_faces
-        .map(|(i, j)| Face::Quad4([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]))
+        .map(|(i, j)| Face::quad4([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]))
         .collect();
     let tie = Tie {
         name: "glue".into(),

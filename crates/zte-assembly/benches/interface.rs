@@ -25,7 +25,7 @@ fn mesh() -> InterfaceMesh {
             .collect(),
         elements: (0..ny)
             .flat_map(|j| (0..nx).map(move |i| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]))
-            .map(Element::Quad4)
+            .map(Element::quad4)
             .collect(),
     }
 }

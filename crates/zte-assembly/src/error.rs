@@ -17,6 +17,30 @@ pub enum Error {
         /// Number of nodes.
         count: usize,
     },
+    /// An element has a number of nodes that no shape has.
+    #[error("interface element {element} has {found} nodes; triangles have 3 and quadrilaterals 4")]
+    NodeCount {
+        /// Element.
+        element: usize,
+        /// Number of its nodes.
+        found: usize,
+    },
+    /// An element names a node twice.
+    #[error("interface element {element} names node {node} twice; its nodes must differ")]
+    RepeatedNode {
+        /// Element.
+        element: usize,
+        /// The node.
+        node: u32,
+    },
+    /// Two elements have the same nodes, so they would carry the load twice.
+    #[error("interface element {element} has the nodes of element {first}; remove one of the two")]
+    DuplicateElement {
+        /// Element.
+        element: usize,
+        /// The earlier one.
+        first: usize,
+    },
     /// A node belongs to no element, so no traction could ever reach it.
     #[error("interface node {node} belongs to no element; remove it, or add the missing element")]
     Unused {

@@ -1,8 +1,9 @@
 //! Forces and tangent of an interface from nodal jumps, with one traction law per range of quadrature points.
 
 use crate::Error;
-use crate::element_sums::{PAIR, PAIRS, integrate, interpolate};
+use crate::element_sums::pair;
 use crate::operators::Operators;
+use crate::shape::{MAX_NODES, MAX_PAIRS};
 use contact_laws::{
     Components, ComponentsMut, LinearisedContact, PointParameters, Regime, RegimeCounts, StateView, StateViewMut,
     Sticking, TangentMut, TractionLaw,
@@ -46,8 +47,8 @@ pub struct Interface {
     laws: Vec<(Range<usize>, Arc<dyn TractionLaw>)>,
     gap: Vec<f64>,
     pattern: Arc<Pattern>,
-    /// First value of the block of each ordered pair of an element's nodes, node by node.
-    block_starts: Arc<Vec<[[usize; 4]; 4]>>,
+    /// First value of the block of each ordered pair of an element's nodes, node by node, element by element.
+    block_starts: Arc<Vec<usize>>,
     /// Whether a node's jump along y is held at zero; empty if none is.
     is_held: Arc<Vec<bool>>,
     /// Values of the pattern in the rows and columns of held coordinates.
@@ -104,17 +105,7 @@ impl Interface {
                 pattern.indptr.push(pattern.indices.len());
             }
         }
-        let block_starts = operators.elements().map(|(nodes, ..)| {
-            let mut starts = [[0; 4]; 4];
-            for (row, &node) in starts.iter_mut().zip(nodes) {
-                for (start, other) in row.iter_mut().zip(nodes) {
-                    let before = neighbours[node as usize].partition_point(|n| n < other);
-                    *start = pattern.indptr[3 * node as usize] + 3 * before;
-                }
-            }
-            starts
-        });
-        let block_starts = Arc::new(block_starts.collect());
+        let block_starts = Arc::new(block_starts(&operators, &neighbours, &pattern));
         let (is_held, held_values) = held(&operators, &pattern);
         Ok(Self {
             operators,
@@ -288,16 +279,16 @@ impl Interface {
     fn interpolate_jump(&self, jump: &[f64], workspace: &mut Workspace) {
         let [x, y, n] = &mut workspace.jump;
         for (nodes, points, shape) in self.operators.elements() {
-            let mut nodal = [[0.0; 3]; 4];
+            let mut nodal = [[0.0; 3]; MAX_NODES];
             for (values, &node) in nodal.iter_mut().zip(nodes) {
                 values.copy_from_slice(&jump[3 * node as usize..][..3]);
                 if !self.is_held.is_empty() && self.is_held[node as usize] {
                     values[1] = 0.0;
                 }
             }
-            interpolate(
+            (shape.shape.kernels.interpolate)(
                 &shape.values,
-                nodal,
+                &nodal,
                 &mut x[points.clone()],
                 &mut y[points.clone()],
                 &mut n[points],
@@ -312,7 +303,9 @@ impl Interface {
         for (nodes, points, shape) in self.operators.elements() {
             let weights = &self.operators.weights[points.clone()];
             let fields = workspace.traction.each_ref().map(|field| &field[points.clone()]);
-            let sums = integrate(&shape.values, weights, fields);
+            let mut sums = [[0.0; MAX_NODES]; 3];
+            let [x, y, n] = &mut sums;
+            (shape.shape.kernels.integrate)(&shape.values, weights, fields, [x, y, n]);
             for (a, &node) in nodes.iter().enumerate() {
                 for (value, sum) in force[3 * node as usize..][..3].iter_mut().zip(&sums) {
                     *value += sum[a];
@@ -328,17 +321,19 @@ impl Interface {
     fn assemble_tangent(&self, workspace: &Workspace, values: &mut [f64]) {
         assert_eq!(values.len(), self.pattern.indices.len());
         values.fill(0.0);
-        for ((nodes, points, shape), starts) in self.operators.elements().zip(&*self.block_starts) {
+        let mut starts = self.block_starts.as_slice();
+        for (nodes, points, shape) in self.operators.elements() {
             let weights = &self.operators.weights[points.clone()];
             // `N_a N_b` is symmetric in the nodes, so one block serves both orders of a pair.
-            let mut blocks = [[0.0; 9]; PAIRS];
+            let mut blocks = [[0.0; 9]; MAX_PAIRS];
             for (entry, field) in workspace.tangent.iter().enumerate() {
                 let field = &field[points.clone()];
                 // Common: sliding does not change t_n, and nothing couples x and y where all points stick.
                 if field.iter().all(|v| *v == 0.0) {
                     continue;
                 }
-                let [sums] = integrate(&shape.products, weights, [field]);
+                let mut sums = [0.0; MAX_PAIRS];
+                (shape.shape.kernels.integrate_pairs)(&shape.products, weights, field, &mut sums);
                 for (block, sum) in blocks.iter_mut().zip(sums) {
                     block[entry] = sum;
                 }
@@ -346,8 +341,10 @@ impl Interface {
             for (a, &node) in nodes.iter().enumerate() {
                 let row = 3 * node as usize;
                 let stride = self.pattern.indptr[row + 1] - self.pattern.indptr[row];
-                for (b, start) in starts[a][..nodes.len()].iter().enumerate() {
-                    let block = &blocks[PAIR[a][b]];
+                let (of_row, rest) = starts.split_at(nodes.len());
+                starts = rest;
+                for (b, start) in of_row.iter().enumerate() {
+                    let block = &blocks[pair(a, b)];
                     for i in 0..3 {
                         let entries = &mut values[start + i * stride..][..3];
                         for j in 0..3 {
@@ -378,6 +375,20 @@ impl std::fmt::Debug for Interface {
             )
             .finish()
     }
+}
+
+/// First value of the block of each ordered pair of an element's nodes.
+fn block_starts(operators: &Operators, neighbours: &[Vec<u32>], pattern: &Pattern) -> Vec<usize> {
+    let mut starts = Vec::new();
+    for (nodes, ..) in operators.elements() {
+        for &node in nodes {
+            starts.extend(nodes.iter().map(|other| {
+                let before = neighbours[node as usize].partition_point(|n| n < other);
+                pattern.indptr[3 * node as usize] + 3 * before
+            }));
+        }
+    }
+    starts
 }
 
 /// Which nodes have a held coordinate, and the values of the pattern in its row or column.

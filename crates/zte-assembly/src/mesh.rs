@@ -1,23 +1,80 @@
-//! The interface mesh: flat quadrilaterals and triangles between two bodies whose nodes coincide in pairs.
+//! The interface mesh: flat elements between two bodies whose nodes coincide in pairs.
 
 use crate::Error;
+use crate::shape::{MAX_NODES, QUAD4, Shape, TRI3};
+use std::collections::HashMap;
+use std::fmt;
 
-/// An interface element: node numbers in cyclic (counter-clockwise) order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Element {
-    /// Three-node triangle.
-    Tri3([u32; 3]),
-    /// Four-node quadrilateral.
-    Quad4([u32; 4]),
+/// An interface element: its shape and node numbers in cyclic (counter-clockwise) order.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Element {
+    shape: &'static Shape,
+    /// Zero beyond the nodes of the shape.
+    nodes: [u32; MAX_NODES],
 }
 
 impl Element {
+    /// The element with these nodes, whose number tells its shape; `None` if no shape has so many.
+    pub fn from_nodes(nodes: &[u32]) -> Option<Self> {
+        Shape::with_nodes(nodes.len()).map(|shape| Self::from_row(shape, nodes))
+    }
+
+    /// Three-node triangle.
+    pub fn tri3(nodes: [u32; 3]) -> Self {
+        Self::from_row(&TRI3, &nodes)
+    }
+
+    /// Four-node quadrilateral.
+    pub fn quad4(nodes: [u32; 4]) -> Self {
+        Self::from_row(&QUAD4, &nodes)
+    }
+
+    /// `nodes` are as many as the shape has.
+    fn from_row(shape: &'static Shape, nodes: &[u32]) -> Self {
+        let mut element = Self {
+            shape,
+            nodes: [0; MAX_NODES],
+        };
+        element.nodes[..nodes.len()].copy_from_slice(nodes);
+        element
+    }
+
+    /// Its row in the table of shapes.
+    pub fn shape(&self) -> &'static Shape {
+        self.shape
+    }
+
     /// Its nodes.
     pub fn nodes(&self) -> &[u32] {
-        match self {
-            Element::Tri3(nodes) => nodes,
-            Element::Quad4(nodes) => nodes,
+        &self.nodes[..self.shape.n_nodes]
+    }
+
+    /// Its nodes, to be changed.
+    pub fn nodes_mut(&mut self) -> &mut [u32] {
+        &mut self.nodes[..self.shape.n_nodes]
+    }
+
+    /// The same element on other nodes: `of` gives the new number of each node.
+    ///
+    /// # Errors
+    /// The first error of `of`.
+    pub fn try_map_nodes<E>(&self, mut of: impl FnMut(u32) -> Result<u32, E>) -> Result<Self, E> {
+        let mut mapped = *self;
+        for node in mapped.nodes_mut() {
+            *node = of(*node)?;
         }
+        Ok(mapped)
+    }
+
+    /// The nodes at its corners.
+    pub fn corners(&self) -> &[u32] {
+        &self.nodes[..self.shape.n_corners]
+    }
+}
+
+impl fmt::Debug for Element {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple(self.shape.name).field(&self.nodes()).finish()
     }
 }
 
@@ -31,7 +88,28 @@ pub struct InterfaceMesh {
 }
 
 impl InterfaceMesh {
-    /// Checks references and coordinates; shapes are checked where quadrature points are known.
+    /// The mesh of nodes (m) and lists of node numbers, from zero and counter-clockwise, one list per element.
+    ///
+    /// # Errors
+    /// [`Error::NodeCount`] for a list of another length than the shapes have; otherwise as
+    /// [`InterfaceMesh::validate`].
+    pub fn try_from_lists<L: AsRef<[u32]>>(
+        nodes: Vec<[f64; 2]>,
+        lists: impl IntoIterator<Item = L>,
+    ) -> Result<Self, Error> {
+        let elements = lists.into_iter().enumerate().map(|(element, list)| {
+            let nodes = list.as_ref();
+            let found = nodes.len();
+            Element::from_nodes(nodes).ok_or_else(|| Error::NodeCount { element, found })
+        });
+        let elements = elements.collect::<Result<_, _>>()?;
+        let mesh = Self { nodes, elements };
+        mesh.validate()?;
+        Ok(mesh)
+    }
+
+    /// Checks coordinates and references, and that no element has a node twice or the nodes of another; shapes are
+    /// checked where quadrature points are known.
     ///
     /// # Errors
     /// The first defect found.
@@ -60,6 +138,18 @@ impl InterfaceMesh {
                     .ok_or(Error::Dangling { element, node, count })? = true;
             }
         }
+        let mut first = HashMap::with_capacity(self.elements.len());
+        for (element, nodes) in self.elements.iter().enumerate() {
+            let mut nodes = nodes.nodes().to_vec();
+            nodes.sort_unstable();
+            if let Some(pair) = nodes.windows(2).find(|pair| pair[0] == pair[1]) {
+                let node = pair[0];
+                return Err(Error::RepeatedNode { element, node });
+            }
+            if let Some(first) = first.insert(nodes, element) {
+                return Err(Error::DuplicateElement { element, first });
+            }
+        }
         match used.iter().position(|used| !used) {
             Some(node) => Err(Error::Unused { node }),
             None => Ok(()),
@@ -71,7 +161,7 @@ impl InterfaceMesh {
         self.elements
             .iter()
             .map(|element| {
-                let corners = element.nodes();
+                let corners = element.corners();
                 let at = |i: usize| self.nodes[corners[i % corners.len()] as usize];
                 0.5 * (0..corners.len())
                     .map(|i| at(i)[0] * at(i + 1)[1] - at(i + 1)[0] * at(i)[1])

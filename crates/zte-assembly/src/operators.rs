@@ -3,7 +3,8 @@
 use crate::Error;
 use crate::element_sums::ShapeValues;
 use crate::mesh::{Element, InterfaceMesh};
-use crate::quadrature::{Quadrature, shape};
+use crate::quadrature::Quadrature;
+use crate::shape::{MAX_NODES, SHAPES};
 use sprs::{CsMat, TriMat};
 use std::ops::Range;
 
@@ -27,8 +28,10 @@ pub struct Operators {
     elements: Vec<Element>,
     /// Coordinates, of three per node, that are held at zero.
     held: Vec<usize>,
-    quadrilateral: ShapeValues,
-    triangle: ShapeValues,
+    /// Of each element its row in `shapes`.
+    shape_of: Vec<u8>,
+    /// In the order of the table of shapes.
+    shapes: Vec<ShapeValues>,
 }
 
 impl Operators {
@@ -39,17 +42,17 @@ impl Operators {
     pub fn try_new(mesh: &InterfaceMesh, points_per_direction: usize) -> Result<Self, Error> {
         mesh.validate()?;
         let quadrature = Quadrature::try_new(points_per_direction)?;
-        let n_points = mesh.elements.iter().map(|e| quadrature.points(e).len()).sum();
-        let shape_of = (n_points, mesh.nodes.len());
-        let mut interpolation = TriMat::with_capacity(shape_of, 4 * n_points);
-        let mut integration = TriMat::with_capacity((shape_of.1, shape_of.0), 4 * n_points);
+        let n_points = mesh.elements.iter().map(|e| quadrature.points(e.shape()).len()).sum();
+        let size = (n_points, mesh.nodes.len());
+        let mut interpolation = TriMat::with_capacity(size, MAX_NODES * n_points);
+        let mut integration = TriMat::with_capacity((size.1, size.0), MAX_NODES * n_points);
         let mut weights = Vec::with_capacity(n_points);
         let mut positions = Vec::with_capacity(n_points);
         let mut first_point = Vec::with_capacity(mesh.elements.len() + 1);
         for (index, element) in mesh.elements.iter().enumerate() {
             first_point.push(weights.len());
-            for (local, point) in quadrature.points(element).iter().enumerate() {
-                let (values, derivatives) = shape(element, point.xi);
+            for (local, point) in quadrature.points(element.shape()).iter().enumerate() {
+                let (values, derivatives) = element.shape().functions(point.xi);
                 let mut jacobian = [[0.0; 2]; 2];
                 let mut position = [0.0; 2];
                 for (a, &node) in element.nodes().iter().enumerate() {
@@ -88,8 +91,8 @@ impl Operators {
             first_point,
             elements: mesh.elements.clone(),
             held: Vec::new(),
-            quadrilateral: ShapeValues::new(&quadrature, &Element::Quad4([0, 1, 2, 3])),
-            triangle: ShapeValues::new(&quadrature, &Element::Tri3([0, 1, 2])),
+            shape_of: mesh.elements.iter().map(row).collect(),
+            shapes: SHAPES.map(|shape| ShapeValues::new(&quadrature, shape)).to_vec(),
         })
     }
 
@@ -127,13 +130,8 @@ impl Operators {
     /// Nodes, points and shape functions of each element.
     pub(crate) fn elements(&self) -> impl Iterator<Item = (&[u32], Range<usize>, &ShapeValues)> {
         let points = self.first_point.windows(2).map(|ends| ends[0]..ends[1]);
-        self.elements.iter().zip(points).map(|(element, points)| {
-            let shape = match element {
-                Element::Tri3(_) => &self.triangle,
-                Element::Quad4(_) => &self.quadrilateral,
-            };
-            (element.nodes(), points, shape)
-        })
+        let elements = self.elements.iter().zip(&self.shape_of).zip(points);
+        elements.map(|((element, &row), points)| (element.nodes(), points, &self.shapes[usize::from(row)]))
     }
 
     /// Number of quadrature points.
@@ -227,6 +225,15 @@ impl Operators {
         }
         values
     }
+}
+
+/// Row of an element in the table of shapes.
+fn row(element: &Element) -> u8 {
+    let rows = SHAPES.into_iter().zip(0..);
+    // Every element's shape is a row of the table.
+    rows.filter(|(shape, _)| *shape == element.shape())
+        .map(|(_, row)| row)
+        .sum()
 }
 
 /// Residual, relative to the load, at which a least-squares problem counts as solved.

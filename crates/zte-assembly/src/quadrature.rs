@@ -1,7 +1,7 @@
-//! Quadrature rules on the reference square and triangle, and the shape functions evaluated there.
+//! Quadrature rules on the reference square and triangle.
 
 use crate::Error;
-use crate::mesh::Element;
+use crate::shape::{Domain, Shape};
 
 /// One quadrature point of a reference element.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Point {
     pub weight: f64,
 }
 
-/// Rules for both element shapes at one level of accuracy.
+/// Rules for both reference shapes at one level of accuracy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quadrature {
     square: Vec<Point>,
@@ -71,11 +71,11 @@ impl Quadrature {
         Ok(Self { square, triangle })
     }
 
-    /// The rule for an element's shape.
-    pub fn points(&self, element: &Element) -> &[Point] {
-        match element {
-            Element::Tri3(_) => &self.triangle,
-            Element::Quad4(_) => &self.square,
+    /// The rule for a shape.
+    pub fn points(&self, shape: &Shape) -> &[Point] {
+        match shape.domain {
+            Domain::Triangle => &self.triangle,
+            Domain::Square => &self.square,
         }
     }
 }
@@ -102,22 +102,4 @@ fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
             (x, 2.0 / ((1.0 - x * x) * slope * slope))
         })
         .collect()
-}
-
-/// Shape functions and their natural derivatives at a point; triangles use the first three entries.
-pub fn shape(element: &Element, xi: [f64; 2]) -> ([f64; 4], [[f64; 2]; 4]) {
-    let [s, t] = xi;
-    match element {
-        Element::Tri3(_) => (
-            [1.0 - s - t, s, t, 0.0],
-            [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]],
-        ),
-        Element::Quad4(_) => {
-            let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-            (
-                corners.map(|[a, b]| 0.25 * (1.0 + a * s) * (1.0 + b * t)),
-                corners.map(|[a, b]| [0.25 * a * (1.0 + b * t), 0.25 * b * (1.0 + a * s)]),
-            )
-        }
-    }
 }

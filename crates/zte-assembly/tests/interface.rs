@@ -8,7 +8,8 @@ use contact_laws::{
 use proptest::prelude::*;
 use std::sync::Arc;
 use zte_assembly::flux::LoopArea;
-use zte_assembly::quadrature::{Quadrature, shape};
+use zte_assembly::quadrature::Quadrature;
+use zte_assembly::shape::{QUAD4, SHAPES, TRI3};
 use zte_assembly::{Element, Error, Interface, InterfaceMesh, Operators};
 
 const NORMAL: f64 = 3e13;
@@ -35,10 +36,10 @@ fn patch() -> InterfaceMesh {
         for i in 0..nx {
             let corners = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
             if (i + j) % 3 == 0 {
-                elements.push(Element::Tri3([corners[0], corners[1], corners[2]]));
-                elements.push(Element::Tri3([corners[0], corners[2], corners[3]]));
+                elements.push(Element::tri3([corners[0], corners[1], corners[2]]));
+                elements.push(Element::tri3([corners[0], corners[2], corners[3]]));
             } else {
-                elements.push(Element::Quad4(corners));
+                elements.push(Element::quad4(corners));
             }
         }
     }
@@ -62,11 +63,11 @@ fn interface(points: usize, mu: f64) -> Interface {
 fn quadrature_integrates_polynomials_up_to_its_degree() {
     for n in 1..=5 {
         let rule = Quadrature::try_new(n).unwrap();
-        let square = Element::Quad4([0, 1, 2, 3]);
+        let square = &QUAD4;
         for a in 0..2 * n {
             for b in 0..2 * n {
                 let sum: f64 = rule
-                    .points(&square)
+                    .points(square)
                     .iter()
                     .map(|p| p.weight * p.xi[0].powi(a as i32) * p.xi[1].powi(b as i32))
                     .sum();
@@ -74,12 +75,12 @@ fn quadrature_integrates_polynomials_up_to_its_degree() {
                 assert!((sum - line(a) * line(b)).abs() < 1e-14, "{n} {a} {b}");
             }
         }
-        let triangle = Element::Tri3([0, 1, 2]);
+        let triangle = &TRI3;
         let degree = [1, 2, 4, 6, 6][n - 1];
         for a in 0..=degree {
             for b in 0..=degree - a {
                 let sum: f64 = rule
-                    .points(&triangle)
+                    .points(triangle)
                     .iter()
                     .map(|p| p.weight * p.xi[0].powi(a as i32) * p.xi[1].powi(b as i32))
                     .sum();
@@ -89,7 +90,7 @@ fn quadrature_integrates_polynomials_up_to_its_degree() {
                 assert!((sum - exact).abs() < 1e-14, "triangle {n} {a} {b}: {sum} {exact}");
             }
         }
-        assert_eq!(rule.points(&square).len(), n * n);
+        assert_eq!(rule.points(square).len(), n * n);
     }
     assert!(matches!(
         Quadrature::try_new(6),
@@ -100,19 +101,19 @@ fn quadrature_integrates_polynomials_up_to_its_degree() {
 
 #[test]
 fn shape_functions_are_a_partition_of_unity_with_exact_derivatives() {
-    for element in [Element::Quad4([0, 1, 2, 3]), Element::Tri3([0, 1, 2])] {
+    for shape in SHAPES {
         let at = [0.3, 0.2];
-        let (values, derivatives) = shape(&element, at);
+        let (values, derivatives) = shape.functions(at);
         assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-15);
         for axis in 0..2 {
             let h = 1e-6;
             let moved = |sign: f64| {
                 let mut x = at;
                 x[axis] += sign * h;
-                shape(&element, x).0
+                shape.functions(x).0
             };
             let (up, down) = (moved(1.0), moved(-1.0));
-            for a in 0..4 {
+            for a in 0..shape.n_nodes {
                 assert!(((up[a] - down[a]) / (2.0 * h) - derivatives[a][axis]).abs() < 1e-9);
             }
         }
@@ -424,7 +425,7 @@ fn loop_area_is_the_dissipation_of_a_sliding_cycle() {
 #[test]
 fn defects_are_refused_by_name() {
     let mut mesh = patch();
-    mesh.elements[0] = Element::Tri3([0, 1, 99]);
+    mesh.elements[0] = Element::tri3([0, 1, 99]);
     assert!(matches!(
         Operators::try_new(&mesh, 2),
         Err(Error::Dangling {
@@ -434,9 +435,8 @@ fn defects_are_refused_by_name() {
         })
     ));
     let mut mesh = patch();
-    if let Element::Quad4(nodes) = &mut mesh.elements[2] {
-        nodes.swap(0, 1);
-    }
+    assert_eq!(mesh.elements[2].shape(), &QUAD4);
+    mesh.elements[2].nodes_mut().swap(0, 1);
     assert!(matches!(
         Operators::try_new(&mesh, 2),
         Err(Error::Inverted { element: 2, .. })
@@ -444,6 +444,36 @@ fn defects_are_refused_by_name() {
     let mut mesh = patch();
     mesh.nodes.push([1.0, 1.0]);
     assert!(matches!(mesh.validate(), Err(Error::Unused { node: 20 })));
+    let lists = |element: usize, list: &[u32]| {
+        let mesh = patch();
+        let mut lists: Vec<Vec<u32>> = mesh.elements.iter().map(|e| e.nodes().to_vec()).collect();
+        lists[element] = list.to_vec();
+        InterfaceMesh::try_from_lists(mesh.nodes, lists)
+    };
+    let same = patch().elements[5].nodes().to_vec();
+    assert_eq!(lists(5, &same).unwrap(), patch());
+    assert!(matches!(
+        lists(1, &[0, 1]),
+        Err(Error::NodeCount { element: 1, found: 2 })
+    ));
+    assert!(matches!(
+        lists(1, &[0, 1, 99]),
+        Err(Error::Dangling {
+            element: 1,
+            node: 99,
+            ..
+        })
+    ));
+    assert!(matches!(
+        lists(1, &[0, 1, 0]),
+        Err(Error::RepeatedNode { element: 1, node: 0 })
+    ));
+    let mut turned = same.clone();
+    turned.rotate_left(1);
+    assert!(matches!(
+        lists(7, &turned),
+        Err(Error::DuplicateElement { element: 7, first: 5 })
+    ));
     mesh.nodes[3][1] = f64::NAN;
     assert!(matches!(mesh.validate(), Err(Error::Value { index: 3, .. })));
     let operators = Arc::new(Operators::try_new(&patch(), 2).unwrap());
@@ -497,9 +527,14 @@ fn central_points_are_the_centres_where_the_rule_has_them() {
     let mesh = patch();
     let operators = Operators::try_new(&mesh, 3).unwrap();
     for (element, point) in mesh.elements.iter().zip(operators.central_points()) {
-        if let Element::Quad4(nodes) = element {
+        if element.shape() == &QUAD4 {
             for axis in 0..2 {
-                let centre = 0.25 * nodes.iter().map(|&n| mesh.nodes[n as usize][axis]).sum::<f64>();
+                let centre = 0.25
+                    * element
+                        .nodes()
+                        .iter()
+                        .map(|&n| mesh.nodes[n as usize][axis])
+                        .sum::<f64>();
                 assert!((operators.positions[point][axis] - centre).abs() < 1e-12);
             }
         }
@@ -523,9 +558,10 @@ fn with_image(mesh: &InterfaceMesh) -> (InterfaceMesh, Vec<(usize, f64)>) {
             whole.nodes.len() as u32 - 1
         })
         .collect();
-    let images = mesh.elements.iter().map(|element| match element {
-        Element::Tri3([a, b, c]) => Element::Tri3([a, c, b].map(|n| image[*n as usize])),
-        Element::Quad4([a, b, c, d]) => Element::Quad4([a, d, c, b].map(|n| image[*n as usize])),
+    let images = mesh.elements.iter().map(|element| {
+        let mut image = element.nodes().iter().map(|&n| image[n as usize]).collect::<Vec<_>>();
+        image[1..].reverse();
+        Element::from_nodes(&image).unwrap()
     });
     whole.elements.extend(images);
     (whole, origin)

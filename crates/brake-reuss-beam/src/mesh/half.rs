@@ -4,7 +4,7 @@ use super::{BrakeReussBeam, Part};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 use substructure::mesh::{Assembly, Cell, Coupling, Dof, Element as Solid, Equation, Face, Mesh, Tie};
-use zte_assembly::mesh::{Element, InterfaceMesh};
+use zte_assembly::InterfaceMesh;
 
 /// Nodes this close to the plane lie on it, and images this close to where they should be are found, relative to the
 /// beam's width.
@@ -220,10 +220,7 @@ impl<'a> Whole<'a> {
         };
         let is_near = |node: &u32| interface.nodes[*node as usize][1] > self.reach;
         for element in interface.elements.iter().filter(|e| e.nodes().iter().any(is_near)) {
-            mesh.elements.push(match element {
-                Element::Tri3(nodes) => Element::Tri3(try_map(nodes, of)?),
-                Element::Quad4(nodes) => Element::Quad4(try_map(nodes, of)?),
-            });
+            mesh.elements.push(element.try_map_nodes(of)?);
         }
         Ok((mesh, pairs))
     }
@@ -256,29 +253,10 @@ impl Numbers<'_> {
     }
 
     fn face(&self, face: &Face) -> Result<Face> {
-        let of = |node| self.of(node);
-        Ok(match face {
-            Face::Tri3(nodes) => Face::Tri3(try_map(nodes, of)?),
-            Face::Quad4(nodes) => Face::Quad4(try_map(nodes, of)?),
-            Face::Tri6(nodes) => Face::Tri6(try_map(nodes, of)?),
-        })
+        face.try_map_nodes(|node| self.of(node))
     }
 
     fn cell(&self, cell: &Cell) -> Result<Cell> {
-        let of = |node| self.of(node);
-        Ok(match cell {
-            Cell::Hex8(nodes, formulation) => Cell::Hex8(try_map(nodes, of)?, *formulation),
-            Cell::Wedge6(nodes) => Cell::Wedge6(try_map(nodes, of)?),
-            Cell::Tet4(nodes) => Cell::Tet4(try_map(nodes, of)?),
-            Cell::Tet10(nodes) => Cell::Tet10(try_map(nodes, of)?),
-        })
+        cell.try_map_nodes(|node| self.of(node))
     }
-}
-
-fn try_map<const N: usize>(nodes: &[u32; N], of: impl Fn(u32) -> Result<u32>) -> Result<[u32; N]> {
-    let mut mapped = [0; N];
-    for (new, &old) in mapped.iter_mut().zip(nodes) {
-        *new = of(old)?;
-    }
-    Ok(mapped)
 }

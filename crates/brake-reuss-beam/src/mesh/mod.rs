@@ -133,7 +133,7 @@ pub fn build(
         assembly,
         interface: InterfaceMesh {
             nodes: lap.section.nodes.clone(),
-            elements: lap.section.quads.iter().copied().map(Element::Quad4).collect(),
+            elements: lap.section.quads.iter().copied().map(Element::quad4).collect(),
         },
         top_nodes: top.interface,
         bottom_nodes: bottom.interface,
@@ -271,7 +271,7 @@ impl Builder {
                 let [e, f, g, h] = corners.map(|node| pair[0][node]);
                 let [i, j, k, l] = corners.map(|node| pair[1][node]);
                 mesh.elements.push(Solid {
-                    cell: Cell::Hex8([e, f, g, h, i, j, k, l], Formulation::IncompatibleModes),
+                    cell: Cell::hex8([e, f, g, h, i, j, k, l], Formulation::IncompatibleModes),
                     material: 0,
                 });
             }
@@ -432,7 +432,7 @@ impl Fastener {
             assembly.ties.push(Tie {
                 name: format!("{washer}_washer_{number}"),
                 slave_nodes,
-                master_faces: faces.iter().copied().map(Face::Quad4).collect(),
+                master_faces: faces.iter().copied().map(Face::quad4).collect(),
                 position_tolerance: TIE_TOLERANCE * geometry.washer_thickness,
                 beyond: BeyondTolerance::Refuse,
                 adjust: true,

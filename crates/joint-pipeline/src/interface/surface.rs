@@ -1,7 +1,7 @@
 //! From a scene's scans to characterised faces, with an account of the files.
 
 use crate::Error;
-use crate::scene::{Length, Place, PlaneMesh, ScanFile, Scans, Scene, Surface, SyntheticScan};
+use crate::scene::{Length, Place, ScanFile, Scans, Scene, Surface, SyntheticScan};
 use contact_laws::ElasticPair;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -12,7 +12,6 @@ use surface_characterisation::{
     registration_study,
 };
 use zte_assembly::InterfaceMesh;
-use zte_assembly::mesh::Element;
 
 /// Reference interference of the fits (m).
 pub(crate) const U_REF: f64 = 1e-6;
@@ -230,32 +229,6 @@ impl ScannedSurface {
             form,
         })
     }
-}
-
-/// The interface mesh of a plane mesh in a unit of `length` (m).
-///
-/// # Errors
-/// Nodes that do not exist or coincide, elements that are no simple triangles or quadrilaterals.
-pub fn interface_mesh(plane: &PlaneMesh, length: f64) -> Result<InterfaceMesh, Error> {
-    // Number 0, which no element may have, becomes one that no mesh has.
-    let elements = plane
-        .elements
-        .iter()
-        .map(|e| e.iter().map(|n| n.wrapping_sub(1)).collect());
-    let nodes: Vec<[f64; 2]> = plane.nodes.iter().map(|x| x.map(|x| x * length)).collect();
-    let elements: Vec<Vec<u32>> = elements.collect();
-    ElementOutlines::try_new(nodes.clone(), elements.clone())?;
-    let elements = elements.iter().filter_map(|nodes| match nodes[..] {
-        [a, b, c] => Some(Element::Tri3([a, b, c])),
-        [a, b, c, d] => Some(Element::Quad4([a, b, c, d])),
-        _ => None,
-    });
-    let mesh = InterfaceMesh {
-        elements: elements.collect(),
-        nodes,
-    };
-    mesh.validate()?;
-    Ok(mesh)
 }
 
 pub(crate) fn material(scene: &Scene) -> ElasticPair {

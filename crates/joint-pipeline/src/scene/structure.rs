@@ -5,6 +5,7 @@ use crate::joint::benchmark::{BenchmarkRef, RefinementLevel, Symmetry};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use substructure::elements::Formulation;
+use zte_assembly::InterfaceMesh;
 
 /// Where the structure comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -234,6 +235,20 @@ pub struct PlaneMesh {
     pub nodes: Vec<[f64; 2]>,
     /// Quadrilaterals and triangles, node numbers from 1, counter-clockwise.
     pub elements: Vec<Vec<u32>>,
+}
+
+impl PlaneMesh {
+    /// The mesh for a unit of `length` (m).
+    ///
+    /// # Errors
+    /// Nodes that do not exist, coincide or are not used, elements that are no simple triangles or quadrilaterals or occur
+    /// twice; elements and nodes are counted from 0 there.
+    pub fn interface(&self, length: f64) -> Result<InterfaceMesh, zte_assembly::Error> {
+        let nodes = self.nodes.iter().map(|x| x.map(|x| x * length)).collect();
+        // Number 0, which no node may have, becomes one that no mesh has.
+        let from_zero = |list: &Vec<u32>| list.iter().map(|n| n.wrapping_sub(1)).collect::<Vec<u32>>();
+        InterfaceMesh::try_from_lists(nodes, self.elements.iter().map(from_zero))
+    }
 }
 
 /// A vector that goes with matrices.

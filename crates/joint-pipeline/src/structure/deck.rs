@@ -4,8 +4,8 @@ use super::facing::Facing;
 use crate::Error;
 use crate::joint::{Bodies, Joint, MeshedBodies};
 use crate::scene::{Deck, Length, MaterialSource, Untied};
-use substructure::deck::{self, Choices};
 use substructure::elements::Formulation;
+use substructure::formats::abaqus::{self, Choices};
 use substructure::mesh::{BeyondTolerance, Dof, LoadPattern, Material};
 
 /// A structure from an input deck, in SI.
@@ -28,7 +28,7 @@ pub(super) fn joint(
         },
         ..Choices::default()
     };
-    let deck = deck::read(&source.path)?.assembly(&choices)?;
+    let deck = abaqus::read(&source.path)?.assembly(&choices)?;
     deck.notes.iter().for_each(|note| notes(note));
     let mut assembly = deck.assembly.clone();
     assembly.convert_units(length, mass);

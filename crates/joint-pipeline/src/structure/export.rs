@@ -9,7 +9,6 @@ use matrix_files::value::{Array, Dense, Dof};
 use std::collections::BTreeMap;
 use std::path::Path;
 use substructure::mesh::{Dof as Component, Face, Group};
-use zte_assembly::Element;
 
 /// What the arrays are; goes with them where the format has room for text.
 pub const ABOUT: &str = "\
@@ -41,10 +40,7 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
     let corners: Vec<i64> = plane
         .elements
         .iter()
-        .flat_map(|element| match element {
-            Element::Quad4(nodes) => nodes.map(|n| i64::from(n) + 1),
-            Element::Tri3([a, b, c]) => [i64::from(*a) + 1, i64::from(*b) + 1, i64::from(*c) + 1, 0],
-        })
+        .flat_map(|element| [0, 1, 2, 3].map(|i| element.nodes().get(i).map_or(0, |n| i64::from(*n) + 1)))
         .collect();
     Ok([
         ("M", dense(reduced.mass.as_ref())?),
@@ -81,9 +77,9 @@ pub fn groups(joint: &Joint, bodies: &MeshedBodies) -> ([Group<Face>; 2], [Group
             .interface
             .elements
             .iter()
-            .map(|element| match element {
-                Element::Quad4(corners) => Face::Quad4(corners.map(|n| nodes[n as usize])),
-                Element::Tri3(corners) => Face::Tri3(corners.map(|n| nodes[n as usize])),
+            .filter_map(|element| {
+                let of_face: Vec<u32> = element.nodes().iter().map(|&n| nodes[n as usize]).collect();
+                Face::from_nodes(&of_face)
             })
             .collect(),
     };
@@ -95,7 +91,7 @@ pub fn groups(joint: &Joint, bodies: &MeshedBodies) -> ([Group<Face>; 2], [Group
     (sides, [response])
 }
 
-/// What a scene says of the input deck at `path` that [`substructure::deck::write`] makes of the bodies and their
+/// What a scene says of the input deck at `path` that [`substructure::formats::abaqus::write`] makes of the bodies and their
 /// [`groups`]: the structure is the same, with the scene's material.
 pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path) -> scene::Deck {
     let normal = joint.frame[2];

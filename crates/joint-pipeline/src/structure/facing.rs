@@ -4,6 +4,7 @@ use crate::Error;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use substructure::mesh::Face;
+use zte_assembly::shape::Shape;
 use zte_assembly::{Element, InterfaceMesh};
 
 /// How far nodes that face one another may be apart, relative to the shortest edge of the interface.
@@ -40,7 +41,7 @@ impl Facing {
         let mut shortest = f64::INFINITY;
         for face in top {
             let nodes = face.nodes();
-            if matches!(face, Face::Tri6(_)) {
+            if Shape::with_nodes(nodes.len()).is_none() {
                 return fail(format!(
                     "the face at node {} is quadratic; interfaces take triangles with three nodes and quadrilaterals with four",
                     label(nodes[0])
@@ -105,11 +106,10 @@ impl Facing {
         let number: BTreeMap<u32, u32> = top_nodes.iter().zip(0..).map(|(&node, i)| (node, i)).collect();
         let elements = top
             .iter()
-            .filter_map(|face| match face {
-                Face::Tri3(nodes) => Some(Element::Tri3(nodes.map(|n| number[&n]))),
-                Face::Quad4(nodes) => Some(Element::Quad4(nodes.map(|n| number[&n]))),
-                // Refused above.
-                Face::Tri6(_) => None,
+            .filter_map(|face| {
+                let nodes: Vec<u32> = face.nodes().iter().map(|node| number[node]).collect();
+                // Shapes that no interface element has were refused above.
+                Element::from_nodes(&nodes)
             })
             .collect();
         Ok(Self {
@@ -127,8 +127,10 @@ impl Facing {
 /// Area times outward normal.
 fn area_vector(face: &Face, coordinates: &[[f64; 3]]) -> Vector3<f64> {
     let at = |node: u32| Vector3::from(coordinates[node as usize]);
-    match face {
-        Face::Quad4([a, b, c, d]) => (at(*c) - at(*a)).cross(&(at(*d) - at(*b))) * 0.5,
-        Face::Tri3([a, b, c]) | Face::Tri6([a, b, c, ..]) => (at(*b) - at(*a)).cross(&(at(*c) - at(*a))) * 0.5,
+    let corners: Vec<Vector3<f64>> = face.corners().iter().map(|&node| at(node)).collect();
+    match corners[..] {
+        [a, b, c, d] => (c - a).cross(&(d - b)) * 0.5,
+        [a, b, c, ..] => (b - a).cross(&(c - a)) * 0.5,
+        _ => Vector3::zeros(),
     }
 }

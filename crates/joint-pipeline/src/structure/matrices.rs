@@ -23,7 +23,9 @@ pub(super) fn joint(source: &Matrices, notes: &mut dyn FnMut(&str)) -> Result<Jo
     let (length, unit_mass) = (source.units.length_in_si(), source.units.mass_in_si());
     let plane = source.interface.clone().or_else(|| contents.mesh.take());
     let plane = plane.ok_or_else(|| file.fail("it has no interface mesh: give structure.matrices.interface"))?;
-    let interface = file.interface(&plane, length)?;
+    let interface = plane
+        .interface(length)
+        .map_err(|error| file.fail(&format!("its interface mesh, counted from 0: {error}")))?;
     let n_nodes = interface.nodes.len();
     let place: HashMap<Dof, usize> = contents.dofs.iter().zip(0..).map(|(&dof, row)| (dof, row)).collect();
     if place.len() < contents.dofs.len() {

@@ -8,7 +8,6 @@ use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
 use std::path::Path;
 use substructure::sparse::symmetric_part;
-use zte_assembly::{Element, InterfaceMesh};
 
 /// Arrays that are read; all others are noted.
 const ARRAYS: [&str; 9] = [
@@ -218,35 +217,6 @@ impl File<'_> {
                         .collect()
                 })
                 .collect(),
-        })
-    }
-
-    pub(super) fn interface(&self, plane: &PlaneMesh, length: f64) -> Result<InterfaceMesh, Error> {
-        let elements = plane.elements.iter().zip(1..).map(|(corners, number)| {
-            let index = |node: &u32| {
-                let known = (1..=plane.nodes.len()).contains(&(*node as usize));
-                known.then(|| node - 1).ok_or_else(|| {
-                    let last = plane.nodes.len();
-                    self.fail(&format!(
-                        "interface element {number} has the node {node}, but the nodes are 1 to {last}"
-                    ))
-                })
-            };
-            let corners = corners.iter().map(index).collect::<Result<Vec<u32>, Error>>()?;
-            match corners.as_slice() {
-                &[a, b, c] => Ok(Element::Tri3([a, b, c])),
-                &[a, b, c, d] => Ok(Element::Quad4([a, b, c, d])),
-                other => {
-                    let found = other.len();
-                    Err(self.fail(&format!(
-                        "interface element {number} has {found} nodes instead of three or four"
-                    )))
-                }
-            }
-        });
-        Ok(InterfaceMesh {
-            elements: elements.collect::<Result<_, _>>()?,
-            nodes: plane.nodes.iter().map(|x| x.map(|x| x * length)).collect(),
         })
     }
 

@@ -11,7 +11,6 @@ use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Step, checks, redu
 use std::borrow::Cow;
 use std::path::Path;
 use substructure::assemble::System;
-use substructure::elements::Formulation;
 use substructure::mesh::{Cell, Dof};
 
 /// Residual that modes reach where only their frequencies matter, whose error is of the order of its square.
@@ -227,17 +226,9 @@ impl<'a> Assembled<'a> {
     }
 }
 
-/// Number of a cell's type, for keys.
+/// Number of a cell's type and formulation, for keys.
 fn kind(cell: &Cell) -> u64 {
-    match cell {
-        Cell::Hex8(_, Formulation::IncompatibleModes) => 0,
-        Cell::Hex8(_, Formulation::BBar) => 1,
-        Cell::Hex8(_, Formulation::Full) => 2,
-        Cell::Hex8(_, Formulation::Reduced) => 3,
-        Cell::Wedge6(_) => 4,
-        Cell::Tet4(_) => 5,
-        Cell::Tet10(_) => 6,
-    }
+    u64::from(cell.element_type().vtk.number) << 8 | cell.formulation() as u64
 }
 
 /// Refuses bolts that do not close the interface: of all uniform jumps, a closure must yield most to their load.

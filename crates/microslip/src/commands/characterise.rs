@@ -9,10 +9,10 @@ use joint_pipeline::structure::Structure;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::joint::benchmark::BenchmarkRef;
 use joint_pipeline::scene::{Length, Place, PlaneMesh, ScanFile, Scans, StructureSource, Surface};
-use joint_pipeline::interface::{ScannedSurface, interface_mesh};
+use joint_pipeline::interface::ScannedSurface;
 use reports::Output;
 use reports::fields::CellField;
-use reports::{map, plot, vtu};
+use reports::{fields, map, plot};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use surface_characterisation::readers::{FirstRow, LengthUnit};
@@ -173,7 +173,8 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
             let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
             let plane: PlaneMesh =
                 serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
-            interface_mesh(&plane, arguments.mesh_units.metres(1.0))
+            plane
+                .interface(arguments.mesh_units.metres(1.0))
                 .with_context(|| format!("reading {}", path.display()))
         }
         (_, named) => {
@@ -247,7 +248,7 @@ fn outputs(
     let title = format!("element {shown}, 95 % bands of {draws} bootstrap draws");
     let picture = plot::response(element, &fits, &title).context("drawing the response")?;
     outputs.push(Output::new("response.svg", picture));
-    outputs.push(Output::new("surface.vtu", vtu::document(mesh, &cells(elements))));
+    outputs.push(Output::new("surface.vtu", fields::vtu(mesh, cells(elements))?));
     if let Some(study) = study {
         outputs.push(Output::new("registration.csv", registration(study)));
     }

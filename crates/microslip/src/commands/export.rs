@@ -13,8 +13,8 @@ use matrix_files::value::Array;
 use matrix_files::{mat, matrix_market, npz};
 use reports::Output;
 use std::path::{Path, PathBuf};
-use substructure::vtu::{self, Encoding};
-use substructure::{deck as input_deck, gmsh};
+use substructure::formats::vtu::{self, Encoding};
+use substructure::formats::{abaqus, gmsh};
 
 /// Options of `export`.
 #[derive(clap::Args)]
@@ -124,7 +124,7 @@ fn mesh(scene: &Scene, structure: &Structure, format: Format) -> Result<Vec<Outp
             }
             let json = serde_json::to_string_pretty(&on_deck).context("encoding the scene")?;
             vec![
-                Output::new("structure.inp", input_deck::write(&bodies.assembly, &faces, &nodes)?),
+                Output::new("structure.inp", abaqus::write(&bodies.assembly, &faces, &nodes)?),
                 Output::new("structure.json", json + "\n"),
             ]
         }

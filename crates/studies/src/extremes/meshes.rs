@@ -8,7 +8,6 @@ use joint_pipeline::scene::Formulation;
 use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Run};
 use substructure::mesh::{Cell, Element as Solid};
-use zte_assembly::Element;
 
 pub(super) static CASES: &[Case] = &[
     Case {
@@ -160,8 +159,8 @@ fn nearly_coincident(bench: &Bench) -> Result<Findings> {
 
 fn inverted_quad(bench: &Bench) -> Result<Findings> {
     let outcome = bench.run_on_changed(|structure, _| {
-        if let Some(Element::Quad4(nodes)) = structure.joint.interface.elements.get_mut(3) {
-            nodes.reverse();
+        if let Some(element) = structure.joint.interface.elements.get_mut(3) {
+            element.nodes_mut().reverse();
         }
         Ok(())
     })?;
@@ -193,10 +192,10 @@ fn duplicates(bench: &Bench) -> Result<Findings> {
         let interface = &mut structure.joint.interface;
         // One element gets a node of its own in the place of one that it shared.
         let copy = interface.nodes.len() as u32;
-        let Some(Element::Quad4(nodes)) = interface.elements.get_mut(3) else {
+        let Some(element) = interface.elements.get_mut(3) else {
             return Ok(());
         };
-        let original = std::mem::replace(&mut nodes[0], copy) as usize;
+        let original = std::mem::replace(&mut element.nodes_mut()[0], copy) as usize;
         let place = interface.nodes[original];
         interface.nodes.push(place);
         let bodies = meshed(structure)?;
@@ -232,16 +231,14 @@ fn unconnected(bench: &Bench) -> Result<Findings> {
     let outcome = bench.run_on_changed(|structure, _| {
         let mesh = &mut meshed(structure)?.assembly.mesh;
         let first = mesh.nodes.len() as u32;
-        let Cell::Hex8(_, formulation) = mesh.elements.first().context("no elements")?.cell else {
-            return Ok(());
-        };
+        let formulation = mesh.elements.first().context("no elements")?.cell.formulation();
         for z in [0.0, 0.01] {
             for [x, y] in [[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]] {
                 mesh.nodes.push([x, y + 0.2, z]);
             }
         }
         mesh.elements.push(Solid {
-            cell: Cell::Hex8(std::array::from_fn(|i| first + i as u32), formulation),
+            cell: Cell::hex8(std::array::from_fn(|i| first + i as u32), formulation),
             material: 0,
         });
         Ok(())

@@ -2,9 +2,9 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use substructure::deck::{self, Choices};
+use substructure::formats::abaqus::{self, Choices};
+use substructure::formats::{gmsh, vtu};
 use substructure::mesh::Material;
-use substructure::{gmsh, vtu};
 
 fuzz_target!(|bytes: &[u8]| {
     let steel = Material {
@@ -13,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
         poisson_ratio: 0.3,
         density: 7800.0,
     };
-    if let Ok(deck) = deck::parse(&String::from_utf8_lossy(bytes), "fuzzed") {
+    if let Ok(deck) = abaqus::parse(&String::from_utf8_lossy(bytes), "fuzzed") {
         let _ = deck.assembly(&Choices::default());
     }
     let _ = gmsh::read("fuzzed", bytes, &[], Some(&steel));

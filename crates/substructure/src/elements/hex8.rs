@@ -1,31 +1,43 @@
-//! Eight-node hexahedron.
+//! Eight-node hexahedron: 2 x 2 x 2 Gauss points, or the mean strain.
 
-use super::{Jacobian, Matrices, Shape, add_stiffness, add_volumetric, lame};
+use super::cell::{Cell, ElementType, ForeignType, Formulation};
+use super::face::QUAD4;
+use super::matrices::{Jacobian, Matrices, Place, add_stiffness, add_volumetric};
 use crate::Error;
-use crate::mesh::Material;
 use nalgebra::{SMatrix, Vector3};
 
-/// How the strain of a hexahedron is formed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum Formulation {
-    /// Incompatible modes (`C3D8I`): bends without shear locking. The three bending modes of Taylor, Beresford and
-    /// Wilson (1976, DOI 10.1002/nme.1620100602) join the trilinear field; their gradients are taken with the Jacobian
-    /// of the element's centre, scaled by `det J0 / det J`, so that the patch test is passed on distorted elements.
-    #[default]
-    IncompatibleModes,
-    /// Full integration with the mean volumetric strain (`C3D8`; Hughes 1980, DOI 10.1002/nme.1620150914): does not lock
-    /// at Poisson ratios near 0.5, but does in bending.
-    BBar,
-    /// Full integration of the trilinear field: locks in both; kept for comparison.
-    Full,
-    /// The mean strain alone, lumped mass and an artificial stiffness of 0.005 shear moduli against the deformations that it
-    /// does not see (`C3D8R`; Flanagan and Belytschko 1981, DOI 10.1002/nme.1620170504): soft in bending.
-    Reduced,
+/// Eight-node hexahedron.
+pub static HEX8: ElementType = ElementType {
+    name: "Hex8",
+    description: "hexahedra of 8 nodes",
+    nodes: &CORNERS,
+    middles: &[],
+    faces: &[
+        (&QUAD4, &[0, 3, 2, 1]),
+        (&QUAD4, &[4, 5, 6, 7]),
+        (&QUAD4, &[0, 1, 5, 4]),
+        (&QUAD4, &[1, 2, 6, 5]),
+        (&QUAD4, &[2, 3, 7, 6]),
+        (&QUAD4, &[3, 0, 4, 7]),
+    ],
+    formulations: &[
+        (Formulation::IncompatibleModes, Some("C3D8I")),
+        (Formulation::BBar, Some("C3D8")),
+        (Formulation::Reduced, Some("C3D8R")),
+        // Abaqus and CalculiX integrate no hexahedron fully without further measures.
+        (Formulation::Full, None),
+    ],
+    gmsh: ForeignType::same_order(5),
+    vtk: ForeignType::same_order(12),
+    interpolation,
+    matrices,
+};
+
+impl Cell {
+    /// An eight-node hexahedron.
+    pub fn hex8(nodes: [u32; 8], formulation: Formulation) -> Self {
+        Self::from_row(&HEX8, formulation, &nodes)
+    }
 }
 
 /// Natural coordinates of the eight nodes.
@@ -43,42 +55,37 @@ pub const CORNERS: [[f64; 3]; 8] = [
 /// Stiffness against hourglass deformations relative to the shear modulus.
 const HOURGLASS: f64 = 0.005;
 
-fn shape(xi: [f64; 3]) -> Shape<8> {
-    let mut shape = ([0.0; 8], [[0.0; 3]; 8]);
+fn interpolation(xi: [f64; 3], values: &mut [f64], derivatives: &mut [[f64; 3]]) {
     for (a, corner) in CORNERS.iter().enumerate() {
         let f = [0, 1, 2].map(|i| 0.5 * (1.0 + corner[i] * xi[i]));
-        shape.0[a] = f[0] * f[1] * f[2];
-        shape.1[a] = [
+        values[a] = f[0] * f[1] * f[2];
+        derivatives[a] = [
             0.5 * corner[0] * f[1] * f[2],
             0.5 * corner[1] * f[0] * f[2],
             0.5 * corner[2] * f[0] * f[1],
         ];
     }
-    shape
 }
 
-/// Stiffness and mass; see [`super::matrices`].
-pub(super) fn matrices(
-    element: usize,
-    x: &[[f64; 3]],
-    material: &Material,
-    formulation: Formulation,
-) -> Result<Matrices, Error> {
+fn matrices(place: &Place<'_>, formulation: Formulation) -> Result<Matrices, Error> {
+    let material = place.material;
     let mut out = Matrices::zeros(8);
-    let [lambda, mu] = lame(material);
+    let [lambda, mu] = material.lame();
     let bulk = lambda + 2.0 / 3.0 * mu;
     // The incompatible modes stand behind the nodes like three more of them.
     let mut extended = vec![0.0; 33 * 33];
-    let centre = Jacobian::try_new(element, 8, x, &shape([0.0; 3]).1)?;
+    let (mut values, mut derivatives) = ([0.0; 8], [[0.0; 3]; 8]);
+    interpolation([0.0; 3], &mut values, &mut derivatives);
+    let centre = Jacobian::try_new(place, 8, &derivatives)?;
     let (mut volume, mut mean) = (0.0, [Vector3::zeros(); 8]);
     let gauss = 1.0 / 3.0_f64.sqrt();
     for (point, corner) in CORNERS.iter().enumerate() {
         let xi = corner.map(|sign| sign * gauss);
-        let (values, derivatives) = shape(xi);
-        let jacobian = Jacobian::try_new(element, point, x, &derivatives)?;
+        interpolation(xi, &mut values, &mut derivatives);
+        let jacobian = Jacobian::try_new(place, point, &derivatives)?;
         let weight = jacobian.determinant;
         out.add_mass(&values, material.density * weight);
-        let g = jacobian.gradients(&derivatives);
+        let g = derivatives.map(|d| jacobian.gradient(d));
         volume += weight;
         for (mean, g) in mean.iter_mut().zip(&g) {
             *mean += g * weight;
@@ -105,7 +112,7 @@ pub(super) fn matrices(
         Formulation::BBar => add_volumetric(&mut out.stiffness, &mean, bulk * volume),
         Formulation::Reduced => {
             add_stiffness(&mut out.stiffness, &mean, [lambda, mu], volume);
-            add_hourglass(&mut out.stiffness, x, &mean, HOURGLASS * mu * volume);
+            add_hourglass(&mut out.stiffness, place.x, &mean, HOURGLASS * mu * volume);
             out.lump();
         }
         Formulation::IncompatibleModes => condense(&extended, &mut out.stiffness),

@@ -1,10 +1,9 @@
 //! Ties, couplings, rigid links and equations.
 
+use super::deck::{Deck, DeckCoupling, DeckCouplingKind, DeckEquation, DeckTie, Line, Link, LinkKind, Members};
 use super::reader::{Point, Reader};
 use super::text::{Block, Data, excerpt};
-use super::{Deck, DeckCoupling, DeckCouplingKind, DeckEquation, DeckTie, Line, Link, LinkKind, Members};
 use crate::error::{DeckProblem, Error};
-use crate::mesh::Face;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -381,8 +380,14 @@ fn tributary_areas(deck: &Deck, faces: &[(u32, u8)]) -> Vec<(u32, f64)> {
     let mut areas: Vec<(u32, f64)> = Vec::new();
     let mut place: BTreeMap<u32, usize> = BTreeMap::new();
     for &(element, face) in faces {
-        let face = deck.elements[element as usize].cell.faces()[usize::from(face)];
-        for (node, area) in node_areas(&face, |node| Vector3::from(deck.nodes[node as usize].at)) {
+        let face = deck.elements[element as usize].cell.face(usize::from(face));
+        let x: Vec<Vector3<f64>> = face
+            .nodes()
+            .iter()
+            .map(|&node| Vector3::from(deck.nodes[node as usize].at))
+            .collect();
+        for (local, area) in (face.face_type().node_areas)(&x) {
+            let node = face.nodes()[local];
             let at = *place.entry(node).or_insert_with(|| {
                 areas.push((node, 0.0));
                 areas.len() - 1
@@ -391,34 +396,4 @@ fn tributary_areas(deck: &Deck, faces: &[(u32, u8)]) -> Vec<(u32, f64)> {
         }
     }
     areas
-}
-
-/// Integrals of the shape functions over a face; on quadratic triangles a third of the area for each middle node.
-fn node_areas(face: &Face, at: impl Fn(u32) -> Vector3<f64>) -> Vec<(u32, f64)> {
-    let x: Vec<Vector3<f64>> = face.nodes().iter().map(|&node| at(node)).collect();
-    let triangle = |a: usize, b: usize, c: usize| 0.5 * (x[b] - x[a]).cross(&(x[c] - x[a])).norm();
-    match face {
-        Face::Tri3(nodes) => nodes.map(|node| (node, triangle(0, 1, 2) / 3.0)).to_vec(),
-        Face::Tri6(nodes) => {
-            let area = triangle(0, 3, 5) + triangle(3, 1, 4) + triangle(5, 4, 2) + triangle(3, 4, 5);
-            nodes[3..].iter().map(|&node| (node, area / 3.0)).collect()
-        }
-        Face::Quad4(nodes) => {
-            let signs = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-            let gauss = 1.0 / 3.0_f64.sqrt();
-            let mut areas = nodes.map(|node| (node, 0.0));
-            for [s, t] in signs.map(|sign: [f64; 2]| sign.map(|v| v * gauss)) {
-                let [mut ds, mut dt] = [Vector3::zeros(); 2];
-                for ([p, q], x) in signs.iter().zip(&x) {
-                    ds += x * (0.25 * p * (1.0 + q * t));
-                    dt += x * (0.25 * q * (1.0 + p * s));
-                }
-                let area = ds.cross(&dt).norm();
-                for ([p, q], (_, sum)) in signs.iter().zip(&mut areas) {
-                    *sum += 0.25 * (1.0 + p * s) * (1.0 + q * t) * area;
-                }
-            }
-            areas.to_vec()
-        }
-    }
 }

@@ -1,32 +1,8 @@
 //! What the readers of mesh files share.
 
+use crate::Error;
 use crate::error::Position;
-use crate::mesh::{Cell, Face};
-use crate::{Error, elements::Formulation};
-
-/// The solid with these nodes in this crate's order; their number tells its shape.
-pub(crate) fn cell(nodes: &[u32]) -> Option<Cell> {
-    match nodes.len() {
-        4 => nodes.try_into().ok().map(Cell::Tet4),
-        6 => nodes.try_into().ok().map(Cell::Wedge6),
-        8 => nodes
-            .try_into()
-            .ok()
-            .map(|nodes| Cell::Hex8(nodes, Formulation::default())),
-        10 => nodes.try_into().ok().map(Cell::Tet10),
-        _ => None,
-    }
-}
-
-/// The face with these nodes; their number tells its shape.
-pub(crate) fn face(nodes: &[u32]) -> Option<Face> {
-    match nodes.len() {
-        3 => nodes.try_into().ok().map(Face::Tri3),
-        4 => nodes.try_into().ok().map(Face::Quad4),
-        6 => nodes.try_into().ok().map(Face::Tri6),
-        _ => None,
-    }
-}
+use crate::mesh::Mesh;
 
 /// The nodes that solids use, numbered anew in their old order.
 pub(crate) struct Kept {
@@ -80,13 +56,8 @@ pub(crate) fn quoted(text: &[u8]) -> String {
 }
 
 /// Checks what a mesh refers to, and that its coordinates are numbers, before it is written.
-pub(crate) fn check(mesh: &crate::mesh::Mesh) -> Result<(), Error> {
-    for (number, node) in mesh.nodes.iter().enumerate() {
-        if let Some(&value) = node.iter().find(|x| !x.is_finite()) {
-            let place = format!("coordinates of node {number}");
-            return Err(Error::NotFinite { place, value });
-        }
-    }
+pub(crate) fn check(mesh: &Mesh) -> Result<(), Error> {
+    check_positions(&mesh.nodes)?;
     for (number, element) in mesh.elements.iter().enumerate() {
         let place = format!("element {number}");
         check_nodes(&place, element.cell.nodes(), mesh.nodes.len())?;
@@ -113,4 +84,15 @@ pub(crate) fn check_nodes(place: &str, nodes: &[u32], count: usize) -> Result<()
         }),
         None => Ok(()),
     }
+}
+
+/// Checks that coordinates are numbers.
+pub(crate) fn check_positions(nodes: &[[f64; 3]]) -> Result<(), Error> {
+    for (number, node) in nodes.iter().enumerate() {
+        if let Some(&value) = node.iter().find(|x| !x.is_finite()) {
+            let place = format!("coordinates of node {number}");
+            return Err(Error::NotFinite { place, value });
+        }
+    }
+    Ok(())
 }

@@ -1,13 +1,29 @@
 //! Nodes, elements, sets and surfaces.
 
+use super::deck::{Label, Line, Members, Node, Solid, Surface};
 use super::reader::{Point, Reader};
 use super::text::{Block, Data, excerpt};
-use super::{Label, Members, Node, Solid, Surface};
-use crate::elements::Formulation;
+use crate::elements::{self, Cell, ElementType, Formulation};
 use crate::error::{DeckProblem, Error};
-use crate::mesh::Cell;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::collections::HashSet;
+
+/// What a type of `*ELEMENT` is.
+#[derive(Clone, Copy)]
+enum Kind {
+    Solid(&'static ElementType, Formulation),
+    /// An element of one node.
+    Point(Point),
+}
+
+impl Kind {
+    fn n_nodes(self) -> usize {
+        match self {
+            Self::Solid(row, _) => row.n_nodes(),
+            Self::Point(_) => 1,
+        }
+    }
+}
 
 impl Reader<'_> {
     /// `system` is the local coordinate system in force.
@@ -113,45 +129,46 @@ impl Reader<'_> {
         }
     }
 
+    fn element_kind(&self, block: &Block<'_>) -> Result<Kind, Error> {
+        let name = block.required(self.source, "TYPE")?.to_ascii_uppercase();
+        match name.as_str() {
+            "SPRING1" => Ok(Kind::Point(Point::Spring)),
+            "DCOUP3D" => Ok(Kind::Point(Point::Coupling)),
+            _ => elements::from_abaqus(&name)
+                .map(|(row, formulation)| Kind::Solid(row, formulation))
+                .ok_or_else(|| {
+                    let (found, known) = (excerpt(&name), elements::abaqus_names());
+                    self.error(block.at, DeckProblem::ElementType { found, known })
+                }),
+        }
+    }
+
     fn elements(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
         block.allow(self.source, &["TYPE", "ELSET"])?;
-        let kind = block.required(self.source, "TYPE")?.to_ascii_uppercase();
-        let count = match kind.as_str() {
-            "C3D8" | "C3D8I" | "C3D8R" => 8,
-            "C3D4" => 4,
-            "C3D10" => 10,
-            "C3D6" => 6,
-            "SPRING1" | "DCOUP3D" => 1,
-            _ => {
-                let found = excerpt(&kind);
-                return Err(self.error(block.at, DeckProblem::ElementType { found }));
-            }
-        };
+        let kind = self.element_kind(block)?;
         let set = block.optional("ELSET");
         let set = set.map(|name| self.named(instance, name, block)).transpose()?;
         let first = self.deck.elements.len() as u32;
         let mut lines = block.data.iter();
         while let Some(line) = lines.next() {
             self.spend(1, line.at)?;
-            let (label, nodes) = self.element_line(instance, line, &mut lines, count)?;
+            let (label, nodes) = self.element_line(instance, line, &mut lines, kind.n_nodes())?;
             let name = self.deck.name(label);
             let known = self.elements.get(&label).map(|&e| self.deck.elements[e as usize].line);
             if let Some(first) = known.or_else(|| self.points.get(&label).map(|(_, _, line)| *line)) {
                 return Err(self.duplicate(line.at, "element", name, first));
             }
-            if count == 1 {
-                let point = if kind == "SPRING1" {
-                    Point::Spring
-                } else {
-                    Point::Coupling
-                };
-                self.points.insert(label, (point, nodes[0], line.at));
-                if let Some(set) = &set {
-                    self.point_sets.entry(set.clone()).or_default().push(label);
+            let (row, formulation) = match kind {
+                Kind::Solid(row, formulation) => (row, formulation),
+                Kind::Point(point) => {
+                    self.points.insert(label, (point, nodes[0], line.at));
+                    if let Some(set) = &set {
+                        self.point_sets.entry(set.clone()).or_default().push(label);
+                    }
+                    continue;
                 }
-                continue;
-            }
-            if let Some(a) = (1..count).find(|&a| nodes[..a].contains(&nodes[a])) {
+            };
+            if let Some(a) = (1..nodes.len()).find(|&a| nodes[..a].contains(&nodes[a])) {
                 return Err(self.error(
                     line.at,
                     DeckProblem::Value {
@@ -161,14 +178,8 @@ impl Reader<'_> {
                     },
                 ));
             }
-            let eight = || [0, 1, 2, 3, 4, 5, 6, 7].map(|a| nodes[a]);
-            let cell = match kind.as_str() {
-                "C3D8" => Cell::Hex8(eight(), Formulation::BBar),
-                "C3D8I" => Cell::Hex8(eight(), Formulation::IncompatibleModes),
-                "C3D8R" => Cell::Hex8(eight(), Formulation::Reduced),
-                "C3D4" => Cell::Tet4([0, 1, 2, 3].map(|a| nodes[a])),
-                "C3D6" => Cell::Wedge6([0, 1, 2, 3, 4, 5].map(|a| nodes[a])),
-                _ => Cell::Tet10(nodes),
+            let Some(cell) = Cell::try_new(row, formulation, &nodes) else {
+                return Err(self.node_count(line.at, label, nodes.len(), row.n_nodes()));
             };
             self.elements.insert(label, self.deck.elements.len() as u32);
             self.deck.elements.push(Solid {
@@ -178,8 +189,10 @@ impl Reader<'_> {
                 line: line.at,
             });
         }
-        match (set, count) {
-            (Some(name), 2..) => self.add_elements(name, block, (first..self.deck.elements.len() as u32).collect()),
+        match (set, kind) {
+            (Some(name), Kind::Solid(..)) => {
+                self.add_elements(name, block, (first..self.deck.elements.len() as u32).collect())
+            }
             _ => Ok(()),
         }
     }
@@ -191,8 +204,8 @@ impl Reader<'_> {
         line: &Data<'t>,
         lines: &mut std::slice::Iter<'_, Data<'t>>,
         count: usize,
-    ) -> Result<(Label, [u32; 10]), Error> {
-        let (mut nodes, mut found) = ([0; 10], 0);
+    ) -> Result<(Label, Vec<u32>), Error> {
+        let (mut nodes, mut found) = (Vec::with_capacity(count), 0);
         let mut entries = line.entries();
         let label = Label {
             instance,
@@ -206,7 +219,7 @@ impl Reader<'_> {
                     number: current.label(self.source, "node", entry)?,
                 };
                 if found < count {
-                    nodes[found] = self.node(current.at, node)?;
+                    nodes.push(self.node(current.at, node)?);
                 }
                 found += 1;
             }
@@ -217,16 +230,14 @@ impl Reader<'_> {
             (current, entries) = (next, next.entries());
         }
         if found != count {
-            return Err(self.error(
-                line.at,
-                DeckProblem::Count {
-                    what: format!("nodes of element {}", self.deck.name(label)),
-                    found,
-                    expected: count,
-                },
-            ));
+            return Err(self.node_count(line.at, label, found, count));
         }
         Ok((label, nodes))
+    }
+
+    fn node_count(&self, at: Line, label: Label, found: usize, expected: usize) -> Error {
+        let what = format!("nodes of element {}", self.deck.name(label));
+        self.error(at, DeckProblem::Count { what, found, expected })
     }
 
     /// `*NSET` or `*ELSET`.
@@ -367,7 +378,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn element_set(&self, instance: u32, at: super::Line, text: &str) -> Result<&[u32], Error> {
+    fn element_set(&self, instance: u32, at: Line, text: &str) -> Result<&[u32], Error> {
         let name = self.full_name(instance, text);
         match self.deck.element_sets.get(&name) {
             Some(set) => Ok(set),
@@ -464,14 +475,10 @@ impl Reader<'_> {
 
     /// Number from zero of the face `S1`, `S2`... of an element.
     fn face(&self, line: &Data<'_>, element: u32, text: &str) -> Result<u8, Error> {
-        let count = match self.deck.elements[element as usize].cell {
-            Cell::Hex8(..) => 6,
-            Cell::Wedge6(_) => 5,
-            Cell::Tet4(_) | Cell::Tet10(_) => 4,
-        };
+        let count = self.deck.elements[element as usize].cell.element_type().faces.len();
         text.strip_prefix(['S', 's'])
             .and_then(|digits| digits.parse::<u8>().ok())
-            .filter(|face| (1..=count).contains(face))
+            .filter(|face| (1..=count).contains(&usize::from(*face)))
             .map(|face| face - 1)
             .ok_or_else(|| {
                 line.invalid(

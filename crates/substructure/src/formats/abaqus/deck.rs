@@ -1,60 +1,9 @@
-//! Input decks of Abaqus and CalculiX (`.inp`).
-//!
-//! [`read`] turns a file into a [`Deck`], which holds what the file says with all names resolved; [`Deck::assembly`]
-//! makes a [`crate::mesh::Assembly`] of it, and [`write()`] goes the other way. A deck has no units; read here, it must
-//! be in SI (m, N, kg, Pa).
-//!
-//! | keyword | read as |
-//! |---|---|
-//! | `*NODE`, `*SYSTEM` | global coordinates; rectangular, cylindrical or spherical |
-//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I`, `C3D8R` (reduced), `C3D4`, `C3D10`, `C3D6`; `SPRING1`, `DCOUP3D` |
-//! | `*PART`, `*INSTANCE`, `*ASSEMBLY` | copies, moved, then turned; names become `INSTANCE.NAME` and `INSTANCE.12` |
-//! | `*NSET`, `*ELSET`, `*SURFACE` | sets (listed, generated, nested); element faces `S1`-`S6`, or nodes with weights |
-//! | `*MATERIAL`, `*ELASTIC`, `*DENSITY`, `*SOLID SECTION` | isotropic, at one temperature |
-//! | `*SPRING` | of `SPRING1`: to the ground |
-//! | `*TIE` | slave nodes on master faces (node to surface, whatever `TYPE` says) |
-//! | `*COUPLING` with `*DISTRIBUTING` or `*KINEMATIC`; `*DISTRIBUTING COUPLING`, `*KINEMATIC COUPLING` | couplings |
-//! | `*EQUATION`, `*MPC` (`BEAM`, `LINK`, `PIN`, `TIE`) | equations, rigid links |
-//! | `*BOUNDARY` | supports: of the model in the assembly; of a step kept with the step |
-//! | `*STEP`, `*CLOAD`, `*SUBSTRUCTURE LOAD CASE`, `*LOAD CASE` | one load pattern per step or case, of its own loads |
-//! | `*INCLUDE` | the file, relative to the one that includes it |
-//!
-//! Keywords that only ask for output are listed in [`Deck::ignored`], those that choose an analysis in
-//! [`Step::procedures`]. Any other keyword or parameter may change the mechanics, and is an error that names file, line
-//! and remedy.
-//!
-//! Names are compared without regard to case. Sets grow when they are named again, are sorted by label unless
-//! `UNSORTED`, and may only hold what exists.
-//!
-//! **Weights of distributing couplings.** On element surfaces a node's weight is its tributary area, as in both codes
-//! (the integral of its shape function; on quadratic triangles the area is shared by the middles of the edges, which is
-//! that integral on a flat face). On node surfaces it is the second entry of the data line, or one. With
-//! `COUPLING=STRUCTURAL` Abaqus also averages nodal rotations; solids have none, so that it makes no difference here.
-//!
-//! **Tolerance of ties.** Without `POSITION TOLERANCE`, slaves are tied within 5 % of the typical element size in the
-//! master surface, as in Abaqus; the size is taken to be the mean length of the edges of its faces. Slaves beyond stay
-//! free.
-//!
-//! Sources of the formats: the keyword guides of Abaqus (6.6 to 2024) and CalculiX.
-
-mod assembly;
-mod constraints;
-mod geometry;
-mod history;
-mod keywords;
-mod properties;
-mod reader;
-mod text;
-mod write;
-
-pub use assembly::{Choices, DeckModel};
-pub use write::write;
+//! What a deck says, with all names resolved.
 
 use crate::Error;
 use crate::error::DeckProblem;
 use crate::mesh::Cell;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// A line of one of a deck's files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -303,7 +252,7 @@ impl Deck {
         format!("{}:{}", self.files[line.file as usize], line.number)
     }
 
-    fn error(&self, line: Line, problem: DeckProblem) -> Error {
+    pub(super) fn error(&self, line: Line, problem: DeckProblem) -> Error {
         Error::Deck {
             file: self.files[line.file as usize].clone(),
             line: line.number,
@@ -311,31 +260,15 @@ impl Deck {
         }
     }
 
-    fn node_name(&self, node: u32) -> String {
+    pub(super) fn node_name(&self, node: u32) -> String {
         self.name(self.nodes[node as usize].label)
     }
 }
 
 /// `NAME`, or `INSTANCE.NAME`.
-fn qualified(instance: &str, name: &str) -> String {
+pub(super) fn qualified(instance: &str, name: &str) -> String {
     match instance {
         "" => name.to_ascii_uppercase(),
         _ => format!("{instance}.{}", name.to_ascii_uppercase()),
     }
-}
-
-/// Reads a deck and the files that it includes.
-///
-/// # Errors
-/// [`Error::DeckFile`] if the file cannot be read; [`Error::Deck`] naming file and line of the first defect.
-pub fn read(path: impl AsRef<Path>) -> Result<Deck, Error> {
-    reader::Reader::run(&text::Source::from_file(path.as_ref())?)
-}
-
-/// Reads a deck from its text; `name` stands for the file in messages.
-///
-/// # Errors
-/// As [`read`]; `*INCLUDE` is refused.
-pub fn parse(text: &str, name: &str) -> Result<Deck, Error> {
-    reader::Reader::run(&text::Source::from_text(name, text)?)
 }

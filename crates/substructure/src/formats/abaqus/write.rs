@@ -1,8 +1,8 @@
 //! From an assembly to a deck.
 
-use crate::elements::Formulation;
+use crate::elements;
 use crate::error::Error;
-use crate::mesh::{Assembly, Cell, CouplingKind, Dof, Face, Group};
+use crate::mesh::{Assembly, CouplingKind, Dof, Face, Group};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Write;
 
@@ -16,7 +16,7 @@ const PER_LINE: usize = 12;
 /// [`crate::mesh::BeyondTolerance`] has no keyword: both codes leave such slaves free.
 ///
 /// # Errors
-/// [`Error::NotWritable`] for hexahedra with [`Formulation::Full`], faces that are no element's, components and nodes
+/// [`Error::NotWritable`] for hexahedra with [`crate::elements::Formulation::Full`], faces that are no element's, components and nodes
 /// that do not exist; [`Error::NotFinite`]; errors of [`crate::mesh::Mesh::validate`].
 pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u32>]) -> Result<String, Error> {
     let mut deck = Writer {
@@ -148,19 +148,11 @@ impl Writer<'_> {
         let mut of_material = vec![Vec::new(); mesh.materials.len()];
         let mut previous = "";
         for (i, element) in mesh.elements.iter().enumerate() {
-            let kind = match element.cell {
-                Cell::Hex8(_, Formulation::BBar) => "C3D8",
-                Cell::Hex8(_, Formulation::IncompatibleModes) => "C3D8I",
-                Cell::Hex8(_, Formulation::Reduced) => "C3D8R",
-                Cell::Hex8(_, Formulation::Full) => {
-                    return refuse(
-                        format!("element {i}"),
-                        "no element type is fully integrated without further measures; choose another formulation",
-                    );
-                }
-                Cell::Wedge6(_) => "C3D6",
-                Cell::Tet4(_) => "C3D4",
-                Cell::Tet10(_) => "C3D10",
+            let Some(kind) = elements::to_abaqus(element.cell.element_type(), element.cell.formulation()) else {
+                return refuse(
+                    format!("element {i}"),
+                    "no element type is fully integrated without further measures; choose another formulation",
+                );
             };
             if kind != previous {
                 let _ = writeln!(self.text, "*ELEMENT, TYPE={kind}");
@@ -293,8 +285,8 @@ impl Writer<'_> {
     fn surface(&mut self, place: &str, name: &str, faces: &[Face]) -> Result<(), Error> {
         if self.faces.is_empty() {
             for (i, element) in self.assembly.mesh.elements.iter().enumerate() {
-                for (number, face) in element.cell.faces().iter().enumerate() {
-                    self.faces.entry(sorted(face)).or_insert((i + 1, number + 1));
+                for (number, face) in element.cell.faces().enumerate() {
+                    self.faces.entry(sorted(&face)).or_insert((i + 1, number + 1));
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! Materials, sections and springs.
 
+use super::deck::{DeckMaterial, DeckSpring};
 use super::reader::{Point, Reader};
 use super::text::{Block, excerpt};
-use super::{DeckMaterial, DeckSpring};
 use crate::error::{DeckProblem, Error};
 
 impl Reader<'_> {

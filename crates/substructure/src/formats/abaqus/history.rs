@@ -1,9 +1,9 @@
 //! Supports, loads and steps.
 
+use super::deck::{LoadCase, Step};
 use super::keywords::{Fate, fate};
 use super::reader::{Reader, count};
 use super::text::{Block, Data, excerpt};
-use super::{LoadCase, Step};
 use crate::error::{DeckProblem, Error};
 
 impl Reader<'_> {

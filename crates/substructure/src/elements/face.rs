@@ -1,0 +1,264 @@
+//! Faces of elements: a table of their types, and the nodes of one face.
+
+use nalgebra::Vector2;
+use std::fmt;
+
+/// Most nodes that a face can have. A row of the table with more does not compile.
+const MAX_NODES: usize = 6;
+
+/// Reference shape of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// The triangle with corners at the origin and at 1 on each axis.
+    Triangle,
+    /// The square from -1 to 1.
+    Square,
+}
+
+impl Domain {
+    /// Its middle.
+    pub(crate) fn centre(self) -> Vector2<f64> {
+        match self {
+            Self::Square => Vector2::zeros(),
+            Self::Triangle => Vector2::repeat(1.0 / 3.0),
+        }
+    }
+
+    /// Natural coordinates brought back into the shape.
+    pub(crate) fn clamp(self, s: Vector2<f64>) -> Vector2<f64> {
+        match self {
+            Self::Square => s.map(|v| v.clamp(-1.0, 1.0)),
+            Self::Triangle => {
+                let s = s.map(|v| v.max(0.0));
+                let excess = s.x + s.y - 1.0;
+                if excess <= 0.0 {
+                    return s;
+                }
+                // Onto the slanted edge.
+                let x = (s.x - 0.5 * excess).clamp(0.0, 1.0);
+                Vector2::new(x, 1.0 - x)
+            }
+        }
+    }
+}
+
+/// Values and derivatives by two natural coordinates, one per node.
+pub(crate) type FaceShape = (Vec<f64>, Vec<Vector2<f64>>);
+
+/// One row of the table of faces. Nodes are the corners, then the middles of the edges between them.
+pub struct FaceType {
+    /// Name: shape and number of nodes.
+    pub name: &'static str,
+    /// Reference shape.
+    pub domain: Domain,
+    /// Number of nodes.
+    pub n_nodes: usize,
+    /// Number of corners, which come first.
+    pub n_corners: usize,
+    /// Element type in Gmsh; nodes are in the same order.
+    pub gmsh: u8,
+    /// Cell type in VTK; nodes are in the same order.
+    pub vtk: u8,
+    pub(crate) interpolation: fn(Vector2<f64>) -> FaceShape,
+    /// Integrals of the shape functions over a face whose nodes are at the given positions (m), by local number (m^2).
+    pub(crate) node_areas: fn(&[nalgebra::Vector3<f64>]) -> Vec<(usize, f64)>,
+}
+
+/// Triangle with three nodes.
+pub static TRI3: FaceType = FaceType {
+    name: "Tri3",
+    domain: Domain::Triangle,
+    n_nodes: 3,
+    n_corners: 3,
+    gmsh: 2,
+    vtk: 5,
+    interpolation: tri3,
+    node_areas: |x| {
+        let third = triangle_area(x, [0, 1, 2]) / 3.0;
+        (0..3).map(|node| (node, third)).collect()
+    },
+};
+
+/// Bilinear quadrilateral.
+pub static QUAD4: FaceType = FaceType {
+    name: "Quad4",
+    domain: Domain::Square,
+    n_nodes: 4,
+    n_corners: 4,
+    gmsh: 3,
+    vtk: 9,
+    interpolation: quad4,
+    node_areas: quad4_areas,
+};
+
+/// Quadratic triangle; nodes 3-5 lie between corners 01, 12, 20.
+pub static TRI6: FaceType = FaceType {
+    name: "Tri6",
+    domain: Domain::Triangle,
+    n_nodes: 6,
+    n_corners: 3,
+    gmsh: 9,
+    vtk: 22,
+    interpolation: tri6,
+    node_areas: |x| {
+        // A third of the area for each middle node: the integrals on a plane face.
+        let area = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
+        let area: f64 = area.map(|part| triangle_area(x, part)).iter().sum();
+        (3..6).map(|node| (node, area / 3.0)).collect()
+    },
+};
+
+/// All face types.
+pub static FACE_TYPES: [&FaceType; 3] = [&TRI3, &QUAD4, &TRI6];
+
+const _: () = {
+    let mut row = 0;
+    while row < FACE_TYPES.len() {
+        assert!(FACE_TYPES[row].n_nodes <= MAX_NODES, "raise MAX_NODES");
+        row += 1;
+    }
+};
+
+fn triangle_area(x: &[nalgebra::Vector3<f64>], [a, b, c]: [usize; 3]) -> f64 {
+    0.5 * (x[b] - x[a]).cross(&(x[c] - x[a])).norm()
+}
+
+fn barycentric(s: Vector2<f64>) -> ([f64; 3], [Vector2<f64>; 3]) {
+    (
+        [1.0 - s.x - s.y, s.x, s.y],
+        [Vector2::new(-1.0, -1.0), Vector2::x(), Vector2::y()],
+    )
+}
+
+fn tri3(s: Vector2<f64>) -> FaceShape {
+    let (l, d) = barycentric(s);
+    (l.to_vec(), d.to_vec())
+}
+
+const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+fn quad4(s: Vector2<f64>) -> FaceShape {
+    let (a, b) = (s.x, s.y);
+    let values = SIGNS.map(|[p, q]| 0.25 * (1.0 + p * a) * (1.0 + q * b));
+    let slopes = SIGNS.map(|[p, q]| Vector2::new(0.25 * p * (1.0 + q * b), 0.25 * q * (1.0 + p * a)));
+    (values.to_vec(), slopes.to_vec())
+}
+
+fn quad4_areas(x: &[nalgebra::Vector3<f64>]) -> Vec<(usize, f64)> {
+    let gauss = 1.0 / 3.0_f64.sqrt();
+    let mut areas = [0, 1, 2, 3].map(|node| (node, 0.0));
+    for sign in SIGNS {
+        let (values, slopes) = quad4(Vector2::from(sign) * gauss);
+        let [mut ds, mut dt] = [nalgebra::Vector3::zeros(); 2];
+        for (slope, x) in slopes.iter().zip(x) {
+            ds += x * slope.x;
+            dt += x * slope.y;
+        }
+        let area = ds.cross(&dt).norm();
+        for (value, (_, sum)) in values.iter().zip(&mut areas) {
+            *sum += value * area;
+        }
+    }
+    areas.to_vec()
+}
+
+fn tri6(s: Vector2<f64>) -> FaceShape {
+    let (l, d) = barycentric(s);
+    let mut values: Vec<f64> = l.iter().map(|l| l * (2.0 * l - 1.0)).collect();
+    let mut slopes: Vec<Vector2<f64>> = l.iter().zip(&d).map(|(l, d)| d * (4.0 * l - 1.0)).collect();
+    for [i, j] in [[0, 1], [1, 2], [2, 0]] {
+        values.push(4.0 * l[i] * l[j]);
+        slopes.push((d[i] * l[j] + d[j] * l[i]) * 4.0);
+    }
+    (values, slopes)
+}
+
+/// Types are equal if they are the same row of the table.
+impl PartialEq for FaceType {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+}
+
+impl Eq for FaceType {}
+
+impl fmt::Debug for FaceType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// Type and nodes (zero based) of an element's face, counter-clockwise seen from outside: the corners, then the middles
+/// of the edges between them.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Face {
+    face_type: &'static FaceType,
+    /// Zero beyond the nodes of the type.
+    nodes: [u32; MAX_NODES],
+}
+
+impl Face {
+    /// The face with these nodes, whose number tells its type; `None` if no type has so many.
+    pub fn from_nodes(nodes: &[u32]) -> Option<Self> {
+        let face_type = FACE_TYPES.into_iter().find(|row| row.n_nodes == nodes.len())?;
+        Some(Self::from_row(face_type, nodes.iter().copied()))
+    }
+
+    /// A triangle.
+    pub fn tri3(nodes: [u32; 3]) -> Self {
+        Self::from_row(&TRI3, nodes.into_iter())
+    }
+
+    /// A bilinear quadrilateral.
+    pub fn quad4(nodes: [u32; 4]) -> Self {
+        Self::from_row(&QUAD4, nodes.into_iter())
+    }
+
+    /// A quadratic triangle.
+    pub fn tri6(nodes: [u32; 6]) -> Self {
+        Self::from_row(&TRI6, nodes.into_iter())
+    }
+
+    /// `nodes` are as many as the type has.
+    pub(super) fn from_row(face_type: &'static FaceType, nodes: impl Iterator<Item = u32>) -> Self {
+        let mut face = Self {
+            face_type,
+            nodes: [0; MAX_NODES],
+        };
+        face.nodes.iter_mut().zip(nodes).for_each(|(slot, node)| *slot = node);
+        face
+    }
+
+    /// Its row in the table of faces.
+    pub fn face_type(&self) -> &'static FaceType {
+        self.face_type
+    }
+
+    /// All nodes.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes[..self.face_type.n_nodes]
+    }
+
+    /// The nodes at its corners.
+    pub fn corners(&self) -> &[u32] {
+        &self.nodes[..self.face_type.n_corners]
+    }
+
+    /// The same face on other nodes: `of` gives the new number of each node.
+    ///
+    /// # Errors
+    /// The first error of `of`.
+    pub fn try_map_nodes<E>(&self, mut of: impl FnMut(u32) -> Result<u32, E>) -> Result<Self, E> {
+        let mut mapped = *self;
+        for node in &mut mapped.nodes[..self.face_type.n_nodes] {
+            *node = of(*node)?;
+        }
+        Ok(mapped)
+    }
+}
+
+impl fmt::Debug for Face {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple(self.face_type.name).field(&self.nodes()).finish()
+    }
+}

@@ -1,0 +1,59 @@
+//! VTK unstructured grids (`.vtu`): solids with a material number per cell, and fields of points and cells.
+//!
+//! Cell types are 10, 12, 13 and 24 (tetrahedron, hexahedron, wedge, quadratic tetrahedron); the cell array
+//! [`MATERIAL`] is the index into the materials. Node orders (VTK file formats, "Cell types") stand in the table of
+//! [`crate::elements`]; they are this crate's, except that versions of VTK differ in the first triangle of a wedge: both
+//! orders are read. VTK knows no units: lengths are taken as metres.
+//!
+//! [`write()`] writes solids, [`write_surface`] a surface, such as an interface with fields of its elements.
+
+mod arrays;
+mod contents;
+mod document;
+mod write;
+
+pub use contents::Contents;
+pub use write::{write, write_surface};
+
+use crate::Error;
+use crate::mesh::Material;
+use document::{Grid, Reader};
+
+/// Name of the cell array with the material numbers.
+pub const MATERIAL: &str = "material";
+
+/// Numbers at points or cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Name.
+    pub name: String,
+    /// Numbers per point or cell.
+    pub components: usize,
+    /// `values[components * i + c]` at point or cell `i`.
+    pub values: Vec<f64>,
+}
+
+/// How numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// As text, with as many digits as it takes to read the same numbers.
+    Ascii,
+    /// As base64.
+    Base64,
+}
+
+/// Reads `bytes`; `file` is its name in messages. Arrays may be text, base64 or appended, little endian, uncompressed.
+///
+/// Without an array [`MATERIAL`] all cells have material 0, if it is the only one. Hexahedra get the default
+/// formulation.
+///
+/// # Errors
+/// [`Error::MeshSyntax`] where the format is broken; [`Error::MeshUnsupported`] for other data sets, several pieces,
+/// compression, big-endian numbers and other cells; [`Error::MeshContents`] for indices without a target and files
+/// without solids; [`Error::NotFinite`] for coordinates.
+pub fn read(file: &str, bytes: &[u8], materials: &[Material]) -> Result<Contents, Error> {
+    let reader = Reader::new(file, bytes);
+    let mut grid = Grid::default();
+    reader.document(&mut grid)?;
+    reader.contents(&grid, materials)
+}

@@ -1,0 +1,70 @@
+//! Sums over the nodes and over the quadrature points of one element, compiled for each number of nodes.
+
+/// Components x, y, n of a vector field at the points of an element.
+pub(crate) type Fields<'a> = [&'a [f64]; 3];
+
+/// The sums of elements with one number of nodes. Rows of shape functions stand one after the other, one per point.
+#[derive(Clone, Copy)]
+pub(crate) struct Kernels {
+    /// `sum_a N_a u_a` at each point, from the jumps x, y, n of the nodes.
+    pub(crate) interpolate: fn(rows: &[f64], nodal: &[[f64; 3]], x: &mut [f64], y: &mut [f64], n: &mut [f64]),
+    /// `sum_p N_pa w_p t_p` for all nodes `a` of each component of a traction, in the order of the points.
+    pub(crate) integrate: fn(rows: &[f64], weights: &[f64], fields: Fields<'_>, sums: [&mut [f64]; 3]),
+    /// `sum_p N_pa N_pb w_p f_p` for all pairs of nodes; `rows` hold the products.
+    pub(crate) integrate_pairs: fn(rows: &[f64], weights: &[f64], field: &[f64], sums: &mut [f64]),
+}
+
+impl Kernels {
+    /// For `N` nodes and their `P` unordered pairs.
+    pub(crate) const fn of<const N: usize, const P: usize>() -> Self {
+        Self {
+            interpolate: interpolate::<N>,
+            integrate: |rows, weights, fields, sums| {
+                let found = integrate::<N, 3>(rows, weights, fields);
+                for (sums, found) in sums.into_iter().zip(found) {
+                    sums[..N].copy_from_slice(&found);
+                }
+            },
+            integrate_pairs: |rows, weights, field, sums| {
+                let [found] = integrate::<P, 1>(rows, weights, [field]);
+                sums[..P].copy_from_slice(&found);
+            },
+        }
+    }
+}
+
+fn interpolate<const N: usize>(rows: &[f64], nodal: &[[f64; 3]], x: &mut [f64], y: &mut [f64], n: &mut [f64]) {
+    let nodal: &[[f64; 3]; N] = nodal.as_chunks().0.first().unwrap_or(&[[0.0; 3]; N]);
+    for (((row, x), y), n) in rows.as_chunks::<N>().0.iter().zip(x).zip(y).zip(n) {
+        let at = |c: usize| {
+            let mut sum = row[0] * nodal[0][c];
+            for a in 1..N {
+                sum += row[a] * nodal[a][c];
+            }
+            sum
+        };
+        *x = at(0);
+        *y = at(1);
+        *n = at(2);
+    }
+}
+
+/// `sum_p B_pk w_p f_p` of each field `f` for all `k`, in the order of the points.
+///
+/// The sums run side by side: vectorised without a change to the order of any.
+fn integrate<const K: usize, const M: usize>(rows: &[f64], weights: &[f64], fields: [&[f64]; M]) -> [[f64; K]; M] {
+    let mut sums = [[0.0; K]; M];
+    let (rows, _) = rows.as_chunks::<K>();
+    let n = rows.len();
+    let weights = &weights[..n];
+    let fields = fields.map(|field| &field[..n]);
+    for p in 0..n {
+        for m in 0..M {
+            let weighted = weights[p] * fields[m][p];
+            for k in 0..K {
+                sums[m][k] += weighted * rows[p][k];
+            }
+        }
+    }
+    sums
+}
