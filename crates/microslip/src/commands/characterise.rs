@@ -154,7 +154,7 @@ fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
                 FirstLine::HighestY => FirstRow::HighestY,
             });
         }
-        file.height_step = arguments.height_step.or(file.height_step);
+        file.height_step = arguments.height_step.map(Length::from_si).or(file.height_step);
         if arguments.centred {
             file.place = Place::Centred;
         }

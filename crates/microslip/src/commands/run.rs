@@ -5,7 +5,7 @@ use crate::files;
 use crate::progress::{Monitor, peak_memory};
 use anyhow::{Context, Result};
 use joint_pipeline::analysis::error_estimate::ErrorEstimate;
-use joint_pipeline::scene;
+use joint_pipeline::scene::{self, Length};
 use joint_pipeline::progress::Progress;
 use joint_pipeline::analysis::registration::{self, Moved};
 use joint_pipeline::results::summary::Summary;
@@ -141,7 +141,7 @@ fn is_run_of(directory: &Path, name: &str) -> bool {
 fn moved(study: &[Moved], directory: &Path) -> String {
     let mut out = String::new();
     for moved in study {
-        let ([x, y], [tx, ty]) = (moved.registration.shift, moved.registration.tilt);
+        let ([x, y], [tx, ty]) = (moved.registration.shift.map(Length::si), moved.registration.tilt);
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
@@ -181,7 +181,7 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
                 .map_or_else(String::new, |reason| format!("  not converged: {reason}")),
         );
     }
-    let _ = writeln!(out, "\namplitude: {}", plot::RESPONSE);
+    let _ = writeln!(out, "\namplitude: {}", plot::amplitude_label(&summary.response));
     if let (Some(first), Some(stuck)) = (summary.modes.first(), summary.model.stuck_frequencies_hz.first()) {
         let first = first.frequency_hz;
         let _ = writeln!(

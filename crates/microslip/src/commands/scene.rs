@@ -22,6 +22,11 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
+    /// Whether they name anything, a deck alone included.
+    pub(super) fn is_given(&self) -> bool {
+        self.scene.is_some() || self.benchmark.is_some() || self.deck.is_some()
+    }
+
     /// The scene, in SI.
     ///
     /// # Errors

@@ -109,8 +109,10 @@ fn named<T: Copy>(base: &Scene, values: &[(&str, T)], set: fn(&mut Scene, T)) ->
     values.iter().map(rung).collect()
 }
 
-/// Fits the amplitudes of a scene to the comparison.
+/// Fits the amplitudes of a scene to the comparison, which is of the first mode that it follows.
 pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
+    scene.cqsma.mode = scene.cqsma.followed()[0];
+    scene.cqsma.modes_of_interest.clear();
     scene.cqsma.amplitude_from = Length::from_si(2e-5);
     scene.cqsma.amplitude_to = Length::from_si(1.2e-3);
     scene.cqsma.amplitudes = 10;

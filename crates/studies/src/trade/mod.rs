@@ -282,7 +282,7 @@ impl<'a> Bench<'a> {
     }
 
     fn measured(&self, rung: &Rung, summary: &Value) -> Result<Measured> {
-        let mode = rung.scene.cqsma.followed()[0] - 1;
+        let mode = rung.scene.cqsma.mode - 1;
         let number = |value: &Value, what: &str| value.as_f64().with_context(|| format!("the summary has no {what}"));
         let linear = number(&summary["modes"][mode]["frequency_hz"], "linearised frequency")?;
         let name = match rung.source {
