@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Runs scenes of the Brake-Reuss beam, draws and reports their results, and checks the workspace.
+///
+/// Reduced models and finished amplitudes are kept in results/.cache.
 #[derive(Parser)]
 #[command(bin_name = "cargo xtask", after_help = EXIT_CODES)]
 struct Cli {

@@ -1,32 +1,23 @@
-//! The commands as a user meets them: the built program, its exit codes, its messages and its files.
+//! The tasks as scripts meet them: the built program, its exit codes, its messages and its files.
 #![allow(clippy::unwrap_used)]
+#[path = "../../crates/microslip/tests/common/mod.rs"]
 mod common;
 
-use common::{folder, read_json, xtask};
+use common::{assert_same_numbers, exit_code, folder, messages, read_json, run};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::process::Output;
 use std::sync::OnceLock;
 
+const PROGRAM: &str = env!("CARGO_BIN_EXE_xtask");
 const QUICK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/brb-quick.json");
-
-fn exit_code(output: &Output) -> i32 {
-    output.status.code().expect("ended by a signal")
-}
-
-fn messages(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
 
 /// The quick scene, run once with two threads and an empty cache; the folder that it ran in.
 fn quick() -> &'static Path {
     static RUN: OnceLock<PathBuf> = OnceLock::new();
     RUN.get_or_init(|| {
         let folder = folder("quick");
-        let output = xtask(&folder, &["brb", QUICK, "--threads", "2"]);
+        let output = run(&folder, &["brb", QUICK, "--threads", "2"]);
         assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-        std::fs::write(folder.join("stdout"), &output.stdout).unwrap();
-        std::fs::write(folder.join("stderr"), &output.stderr).unwrap();
         folder
     })
 }
@@ -39,229 +30,10 @@ fn quick_summary() -> Value {
     read_json(&quick_results().join("summary.json"))
 }
 
-/// Asserts that two summaries agree in every digit, but for what depends on the machine.
-fn assert_same_numbers(a: &Path, b: &Path) {
-    let texts = [a, b].map(|results| std::fs::read_to_string(results.join("summary.json")).unwrap());
-    let [a, b] = texts
-        .each_ref()
-        .map(|text| text.split_once("\"timings\": {").unwrap().0);
-    assert!(a.contains("\"backbone\"") && a.contains("\"validity\""));
-    assert_eq!(a.lines().count(), b.lines().count());
-    for (number, (a, b)) in a.lines().zip(b.lines()).enumerate() {
-        assert_eq!(a, b, "line {}", number + 1);
-    }
-}
-
-fn rejected(name: &str, scene: &str, expected: &[&str]) {
-    let folder = folder(name);
-    std::fs::write(folder.join("scene.json"), scene).unwrap();
-    let output = xtask(&folder, &["brb", "scene.json"]);
-    assert_eq!(exit_code(&output), 1);
-    let text = messages(&output);
-    assert!(text.starts_with("error: "), "{text}");
-    for part in expected {
-        assert!(text.contains(part), "`{part}` is not in: {text}");
-    }
-    assert!(!folder.join("results").exists(), "a rejected scene leaves no folder");
-}
-
 #[test]
 fn the_quick_scene_passes_its_checks() {
-    let output = xtask(quick(), &["check-results", "results/brb-quick"]);
+    let output = run(quick(), &["check-results", "results/brb-quick"]);
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-}
-
-#[test]
-fn the_summary_keeps_its_contract() {
-    let summary = quick_summary();
-    for (pointer, fields) in [
-        (
-            "",
-            "schema_version scene model law gap prestress modes backbone validity skipped timings peak_memory",
-        ),
-        (
-            "/model",
-            "n_nodes n_elements n_dofs mass interface_area n_interface_elements n_interface_points n_relative_dofs n_modes \
-             zem_unstressed zem_stuck stuck_frequencies_hz unstressed_frequencies_hz penalty_frequencies_hz \
-             penalty_spectrum_error reduction_asymmetry",
-        ),
-        (
-            "/law",
-            "kind tangential history fit_rms_normal fit_rms_tangential table_error_normal table_error_tangential \
-             fitted_to_summed paper_to_mindlin",
-        ),
-        (
-            "/prestress",
-            "bolt_load iterations residual_ratio equilibrium_error contact_area_fraction max_pressure mean_pressure \
-             converged",
-        ),
-        ("/modes/0", "frequency_hz"),
-        (
-            "/backbone/0",
-            "modal_force modal_amplitude frequency_hz damping_ratio friction_damping_ratio dissipation loop_area \
-             response_acceleration response_displacement slip_fraction open_fraction iterations shape_deviation \
-             converged failure",
-        ),
-        (
-            "/timings",
-            "mesh assemble reduce characterise prestress modes backbone total",
-        ),
-    ] {
-        let object = summary.pointer(pointer).and_then(Value::as_object).unwrap();
-        for field in fields.split_whitespace() {
-            assert!(object.contains_key(field), "{pointer}/{field} is missing");
-        }
-    }
-    assert_eq!(summary["scene"]["name"], "brb-quick");
-    assert_eq!(
-        summary["scene"]["units"],
-        json!({ "length": "m", "mass": "kg", "time": "s" })
-    );
-    assert_eq!(summary["backbone"].as_array().unwrap().len(), 8);
-    assert_eq!(summary["model"]["stuck_frequencies_hz"].as_array().unwrap().len(), 10);
-    // Eight amplitudes, of which the defaults store four; dead loads; flat faces; commits at reversals; the whole structure.
-    let skipped = summary["skipped"].as_object().unwrap();
-    let names: Vec<&str> = skipped.keys().map(String::as_str).collect();
-    assert_eq!(
-        names,
-        [
-            "attachment_modes",
-            "factorisations",
-            "fields",
-            "gap",
-            "vertices_of_the_first_cycles"
-        ]
-    );
-    assert!(skipped["fields"].as_str().unwrap().contains("4 of 8 amplitudes"));
-    let seconds = |stage: &str| summary["timings"][stage].as_f64().unwrap();
-    let sum: f64 = summary["timings"]
-        .as_object()
-        .unwrap()
-        .keys()
-        .filter(|k| *k != "total")
-        .map(|k| seconds(k))
-        .sum();
-    assert!(seconds("reduce") > 0.0 && sum <= seconds("total"));
-    if cfg!(target_os = "linux") {
-        assert!(summary["peak_memory"].as_u64().unwrap() > 1_000_000);
-    }
-}
-
-#[test]
-fn the_table_agrees_with_the_summary_and_the_terminal() {
-    let summary = quick_summary();
-    let table = std::fs::read_to_string(quick_results().join("backbone.csv")).unwrap();
-    let mut lines = table.lines();
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let printed = std::fs::read_to_string(quick().join("stdout")).unwrap();
-    for (line, point) in lines.zip(summary["backbone"].as_array().unwrap()) {
-        let cells: Vec<&str> = line.split(',').collect();
-        let cell = |name: &str| cells[names.iter().position(|n| n.starts_with(name)).unwrap()];
-        for (column, field) in [
-            ("response_displacement", "response_displacement"),
-            ("frequency", "frequency_hz"),
-            ("damping_ratio", "damping_ratio"),
-            ("dissipation", "dissipation"),
-        ] {
-            assert_eq!(
-                cell(column).parse::<f64>().unwrap(),
-                point[field].as_f64().unwrap(),
-                "{column}"
-            );
-        }
-        assert_eq!(cell("converged"), "true");
-        let frequency = format!("{:.4}", point["frequency_hz"].as_f64().unwrap());
-        assert!(printed.contains(&frequency), "{frequency} is not printed");
-    }
-    assert_eq!(table.lines().count(), 9);
-    assert!(printed.contains("first frequency about the prestress") && printed.contains("report.html"));
-    // Standard error is no terminal here: plain lines, one per stage.
-    let progress = std::fs::read_to_string(quick().join("stderr")).unwrap();
-    for stage in [
-        "mesh",
-        "assemble",
-        "reduce",
-        "characterise",
-        "prestress",
-        "modes",
-        "backbone",
-    ] {
-        assert!(progress.contains(&format!("{stage} ... ")), "{progress}");
-    }
-}
-
-#[test]
-fn the_interface_files_conserve_force_and_energy() {
-    let summary = quick_summary();
-    let last = &summary["backbone"][7];
-    for (name, field, expected) in [
-        (
-            "interface-prestress.vtu",
-            "pressure [Pa]",
-            3.0 * summary["prestress"]["bolt_load"].as_f64().unwrap(),
-        ),
-        (
-            "interface-amplitude-08.vtu",
-            "flux_total [J/m^2]",
-            last["dissipation"].as_f64().unwrap(),
-        ),
-        (
-            "interface-amplitude-08.vtu",
-            "slip_area_fraction [-]",
-            last["slip_fraction"].as_f64().unwrap() * summary["model"]["interface_area"].as_f64().unwrap(),
-        ),
-    ] {
-        let text = std::fs::read_to_string(quick_results().join(name)).unwrap();
-        let values = |name: &str| -> Vec<f64> {
-            let from = text.split(&format!("Name=\"{name}\"")).nth(1).unwrap();
-            let body = from.split_once('>').unwrap().1.split_once('<').unwrap().0;
-            body.split_whitespace().map(|v| v.parse().unwrap()).collect()
-        };
-        let (points, connectivity, offsets) = (values("Points"), values("connectivity"), values("offsets"));
-        assert_eq!(values("types").len(), 148);
-        let mut begin = 0;
-        let mut integral = 0.0;
-        for (end, value) in offsets.iter().map(|o| *o as usize).zip(values(field)) {
-            let corner = |i: usize| {
-                let node = connectivity[begin + i % (end - begin)] as usize;
-                (points[3 * node], points[3 * node + 1])
-            };
-            let shoelace = (0..end - begin).map(|i| corner(i).0 * corner(i + 1).1 - corner(i + 1).0 * corner(i).1);
-            integral += 0.5 * shoelace.sum::<f64>() * value;
-            begin = end;
-        }
-        assert!(
-            (integral / expected - 1.0).abs() < 1e-9,
-            "{field}: {integral} instead of {expected}"
-        );
-    }
-}
-
-#[test]
-fn the_report_is_one_page_without_outside_help() {
-    let report = std::fs::read_to_string(quick_results().join("report.html")).unwrap();
-    assert_eq!(
-        report.matches("<svg").count(),
-        6,
-        "backbone, pressure and four amplitudes"
-    );
-    for outside in ["<script", "<link", "src=", "href=", "@import", "url("] {
-        assert!(!report.contains(outside), "{outside}");
-    }
-    let frequency = format!(
-        "{:.4}",
-        quick_summary()["backbone"][7]["frequency_hz"].as_f64().unwrap()
-    );
-    assert!(report.contains(&frequency) && report.contains("All amplitudes converged."));
-}
-
-#[test]
-fn the_number_of_threads_does_not_change_a_bit() {
-    let folder = folder("one-thread");
-    let output = xtask(&folder, &["brb", QUICK, "--threads", "1", "--no-cache"]);
-    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-    assert!(!folder.join("results/.cache").exists());
-    assert_same_numbers(&folder.join("results/brb-quick"), &quick_results());
 }
 
 #[test]
@@ -274,13 +46,13 @@ fn a_cached_model_gives_the_same_results_and_old_fields_are_removed() {
         std::fs::copy(&path, folder.join("results/.cache").join(path.file_name().unwrap())).unwrap();
     }
     let mut scene = read_json(Path::new(QUICK));
-    let run = |scene: &Value| {
+    let go = |scene: &Value| {
         std::fs::write(folder.join("brb-quick.json"), scene.to_string()).unwrap();
-        let output = xtask(&folder, &["brb", "brb-quick.json", "--out", "here"]);
+        let output = run(&folder, &["brb", "brb-quick.json", "--out", "here"]);
         assert_eq!(exit_code(&output), 0, "{}", messages(&output));
         read_json(&folder.join("here/summary.json"))
     };
-    let first = run(&scene);
+    let first = go(&scene);
     assert_eq!(first["timings"]["reduce"], 0.0);
     assert_same_numbers(&folder.join("here"), &quick_results());
 
@@ -297,12 +69,12 @@ fn a_cached_model_gives_the_same_results_and_old_fields_are_removed() {
     std::fs::write(here.join(foreign), "mine").unwrap();
     assert_eq!(fields(&here).len(), 5);
     scene["output"] = json!({ "fields_at": [2] });
-    run(&scene);
+    go(&scene);
     assert_eq!(fields(&here), ["interface-amplitude-02.vtu", foreign]);
     // Of a scene of another name, nothing is removed.
     scene["name"] = json!("another");
     scene["output"] = json!({ "fields_at": [3] });
-    run(&scene);
+    go(&scene);
     assert_eq!(
         fields(&here),
         ["interface-amplitude-02.vtu", "interface-amplitude-03.vtu", foreign]
@@ -312,62 +84,6 @@ fn a_cached_model_gives_the_same_results_and_old_fields_are_removed() {
         .map(|e| e.unwrap().file_name())
         .collect();
     assert!(left.iter().all(|n| !n.to_string_lossy().contains(".part")), "{left:?}");
-}
-
-#[test]
-fn units_do_not_change_the_results() {
-    let folder = folder("units");
-    let mut scene = read_json(Path::new(QUICK));
-    scene["units"] = json!({ "length": "mm", "mass": "t", "time": "s" });
-    let si = &quick_summary()["scene"];
-    let at = |pointer: &str| si.pointer(pointer).unwrap().as_f64().unwrap();
-    scene["model"]["material"] = json!({
-        "youngs_modulus": at("/model/material/youngs_modulus") * 1e-6,
-        "poisson_ratio": at("/model/material/poisson_ratio"),
-        "density": at("/model/material/density") * 1e-12,
-        "hardness": at("/model/material/hardness") * 1e-6,
-    });
-    scene["bolts"] = json!({ "load": at("/bolts/load") });
-    scene["cqsma"]["amplitude_from"] = json!(at("/cqsma/amplitude_from") * 1e3);
-    scene["cqsma"]["amplitude_to"] = json!(at("/cqsma/amplitude_to") * 1e3);
-    std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
-    let output = xtask(&folder, &["brb", "scene.json", "--out", "out", "--no-cache"]);
-    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-
-    let (a, b) = (quick_summary(), read_json(&folder.join("out/summary.json")));
-    let near = |a: &Value, b: &Value, tolerance: f64| {
-        let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
-        (a - b).abs() <= tolerance * a.abs().max(b.abs())
-    };
-    for pointer in ["/model/mass", "/modes/0/frequency_hz", "/prestress/max_pressure"] {
-        assert!(
-            near(a.pointer(pointer).unwrap(), b.pointer(pointer).unwrap(), 1e-9),
-            "{pointer}"
-        );
-    }
-    let tolerance = at("/cqsma/tolerance");
-    for (a, b) in a["backbone"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .zip(b["backbone"].as_array().unwrap())
-    {
-        for field in ["frequency_hz", "response_displacement", "modal_force"] {
-            assert!(near(&a[field], &b[field], 1e-9), "{field}: {} {}", a[field], b[field]);
-        }
-        // Dissipation is a difference of large numbers: what the tolerance of the solver leaves of it.
-        let number = |v: &Value, field: &str| v[field].as_f64().unwrap();
-        let floor = 10.0 * tolerance * number(a, "modal_force") * number(a, "modal_amplitude");
-        let (da, db) = (number(a, "dissipation"), number(b, "dissipation"));
-        assert!((da - db).abs() <= 1e-9 * da.abs() + floor, "dissipation: {da} {db}");
-        let count = |v: &Value| v["iterations"].as_i64().unwrap();
-        assert!(
-            (count(a) - count(b)).abs() <= 1,
-            "iterations: {} {}",
-            count(a),
-            count(b)
-        );
-    }
 }
 
 #[test]
@@ -387,7 +103,7 @@ fn a_check_names_what_is_wrong() {
     )
     .unwrap();
     std::fs::remove_file(folder.join("backbone.svg")).unwrap();
-    let output = xtask(&folder, &["check-results", "."]);
+    let output = run(&folder, &["check-results", "."]);
     assert_eq!(exit_code(&output), 1);
     let text = messages(&output);
     for part in [
@@ -402,30 +118,14 @@ fn a_check_names_what_is_wrong() {
 }
 
 #[test]
-fn amplitudes_that_do_not_converge_are_results() {
+fn a_check_names_the_amplitudes_that_did_not_converge() {
     let folder = folder("too-far");
     let mut scene = read_json(Path::new(QUICK));
     scene["cqsma"] = json!({ "amplitudes": 2, "vertices_per_quarter": 1, "amplitude_to": 1e6 });
     std::fs::write(folder.join("too-far.json"), scene.to_string()).unwrap();
-    let output = xtask(&folder, &["brb", "too-far.json"]);
+    let output = run(&folder, &["brb", "too-far.json"]);
     assert_eq!(exit_code(&output), 3, "{}", messages(&output));
-    let printed = String::from_utf8(output.stdout).unwrap();
-    assert!(printed.contains("1 of 2 amplitudes DID NOT CONVERGE"), "{printed}");
-    let results = folder.join("results/too-far");
-    let summary = read_json(&results.join("summary.json"));
-    let point = &summary["backbone"][1];
-    assert_eq!(
-        (&point["converged"], &point["frequency_hz"]),
-        (&json!(false), &Value::Null)
-    );
-    // Far more than the bolts hold together; the first amplitude is far less.
-    assert_eq!(point["status"], "no-equilibrium");
-    let force = |index: usize| summary["backbone"][index]["modal_force"].as_f64().unwrap();
-    let holds = summary["validity"]["separation_modal_force"].as_f64().unwrap();
-    assert!(force(0) < holds && holds < force(1), "{holds}");
-    let table = std::fs::read_to_string(results.join("backbone.csv")).unwrap();
-    assert!(table.lines().nth(2).unwrap().starts_with("2,false,,,,"), "{table}");
-    let output = xtask(&folder, &["check-results", "results/too-far"]);
+    let output = run(&folder, &["check-results", "results/too-far"]);
     assert!(
         messages(&output).contains("amplitude 2 did not converge"),
         "{}",
@@ -434,197 +134,17 @@ fn amplitudes_that_do_not_converge_are_results() {
 }
 
 #[test]
-fn bad_scenes_are_refused_with_the_field_named() {
-    let units = r#""units": { "length": "m", "mass": "kg", "time": "s" }"#;
-    rejected(
-        "unknown-field",
-        &format!("{{ {units}, \"frction\": 0.2 }}"),
-        &["scene.json", "frction"],
-    );
-    let nested = format!("{{ {units}, \"cqsma\": {{ \"amplitude\": 3 }} }}");
-    rejected("unknown-nested-field", &nested, &["scene.json", "amplitude"]);
-    rejected("no-units", "{ \"mu\": 0.2 }", &["scene.json", "units"]);
-    rejected(
-        "bad-value",
-        &format!("{{ {units}, \"mu\": -0.2 }}"),
-        &["scene.json", "mu = -0.2"],
-    );
-    rejected(
-        "no-folder-name",
-        &format!("{{ {units}, \"name\": \"../up\" }}"),
-        &["../up", "--out"],
-    );
-}
-
-#[test]
-fn missing_files_and_bad_arguments_are_errors() {
-    let folder = folder("arguments");
-    let output = xtask(&folder, &["brb", "nowhere.json"]);
-    assert_eq!(exit_code(&output), 1);
-    assert!(
-        messages(&output).starts_with("error: nowhere.json: reading the scene failed"),
-        "{}",
-        messages(&output)
-    );
-    for threads in ["0", "1000000", "-1", "many"] {
-        let output = xtask(&folder, &["brb", QUICK, &format!("--threads={threads}")]);
-        assert_eq!(exit_code(&output), 2);
-        assert!(messages(&output).contains("--threads"), "{}", messages(&output));
-    }
-    std::fs::write(folder.join("occupied"), "a file").unwrap();
-    let output = xtask(&folder, &["brb", QUICK, "--out", "occupied"]);
-    assert_eq!(exit_code(&output), 1);
-    assert!(messages(&output).contains("occupied"), "{}", messages(&output));
-    let output = xtask(&folder, &["check-results", "nothing-here"]);
+fn a_check_without_results_is_an_error() {
+    let folder = folder("no-results");
+    let output = run(&folder, &["check-results", "nothing-here"]);
     assert_eq!(exit_code(&output), 1);
     assert!(messages(&output).contains("nothing-here"), "{}", messages(&output));
 }
 
 #[test]
 fn the_layering_holds() {
-    let output = xtask(&folder("layering"), &["check-layering"]);
+    let output = run(&folder("layering"), &["check-layering"]);
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-}
-
-/// A ring-down of a mode at 180 Hz with 0.3 % of damping, and a neighbour, as text.
-fn ring_down(scale: f64, neighbour: f64) -> String {
-    let mut text = String::from("time [s],acc [g],still [g]\n");
-    for i in 0..8192 {
-        let t = f64::from(i) / 4096.0;
-        let mode =
-            |a: f64, f: f64| a * (-0.003 * std::f64::consts::TAU * f * t).exp() * (std::f64::consts::TAU * f * t).cos();
-        let a = scale * (mode(5.0, 180.0) + mode(neighbour, 230.0));
-        text += &format!("{t:.9},{a:.9},0\n");
-    }
-    text
-}
-
-#[test]
-fn ring_downs_are_identified_averaged_and_drawn() {
-    let folder = folder("identify");
-    for (name, scale) in [("a.csv", 1.0), ("b.csv", 0.4)] {
-        std::fs::write(folder.join(name), ring_down(scale, 0.2)).unwrap();
-    }
-    let base = [
-        "identify",
-        "a.csv",
-        "b.csv",
-        "--channel",
-        "acc",
-        "--frequency",
-        "181",
-        "--bandwidth",
-        "20",
-    ];
-    let output = xtask(
-        &folder,
-        &[&base[..], &["--out", "out", "--amplitude", "displacement"]].concat(),
-    );
-    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-    let printed = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        printed.contains("channel `still` has one value throughout"),
-        "{printed}"
-    );
-
-    let table = std::fs::read_to_string(folder.join("out/backbone.csv")).unwrap();
-    let mut lines = table.lines();
-    assert_eq!(
-        lines.next().unwrap(),
-        "amplitude [m],frequency_hz,damping_ratio,frequency_spread_hz,damping_ratio_spread,hits"
-    );
-    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows.len(), 200);
-    let number = |cell: &str| cell.parse::<f64>().unwrap();
-    assert!(rows.is_sorted_by(|a, b| number(a[0]) < number(b[0])));
-    assert!(rows.iter().any(|r| r[5] == "2" && number(r[3]) < 0.01) && rows[199][5] == "1" && rows[199][3].is_empty());
-    for row in &rows {
-        assert!((number(row[1]) - 180.0).abs() < 0.01, "{row:?}");
-        assert!((number(row[2]) / 0.003 - 1.0).abs() < 0.03, "{row:?}");
-    }
-    // 5 g at the start is more than any amplitude after it.
-    let first = 5.0 * 9.80665 / (std::f64::consts::TAU * 180.0_f64).powi(2);
-    assert!((0.7..1.0).contains(&(number(rows[199][0]) / first)));
-
-    let report = read_json(&folder.join("out/identification.json"));
-    assert_eq!(report["amplitude"], json!({ "quantity": "displacement", "unit": "m" }));
-    assert_eq!(report["settings"]["bandwidth_hz"], 20.0);
-    let hit = &report["hits"][1];
-    assert_eq!((&hit["file"], &hit["channel"]), (&json!("b.csv"), &json!("acc")));
-    assert!((hit["sample_rate_hz"].as_f64().unwrap() - 4096.0).abs() < 0.01);
-    assert!(hit["trims"]["end_s"].as_f64().unwrap() < 2.0 && hit["trims"]["end_reason"].is_string());
-    assert!(
-        hit["cross_check"]["frequency_difference_hz"]["median"]
-            .as_f64()
-            .unwrap()
-            < 0.01
-    );
-    let picture = std::fs::read_to_string(folder.join("out/backbone.svg")).unwrap();
-    for text in [
-        "time [s]",
-        "frequency [Hz]",
-        "damping ratio [-]",
-        "mean + spread",
-        "band",
-    ] {
-        assert!(picture.contains(text), "{text}");
-    }
-    let mut left: Vec<_> = std::fs::read_dir(folder.join("out"))
-        .unwrap()
-        .map(|e| e.unwrap().file_name())
-        .collect();
-    left.sort();
-    assert_eq!(left, ["backbone.csv", "backbone.svg", "identification.json"]);
-}
-
-#[test]
-fn ring_downs_that_cannot_be_identified_leave_no_folder() {
-    let folder = folder("identify-refused");
-    std::fs::write(folder.join("run.csv"), ring_down(1.0, 0.0)).unwrap();
-    std::fs::write(folder.join("both.csv"), ring_down(1.0, 4.0)).unwrap();
-    std::fs::write(folder.join("empty.csv"), "").unwrap();
-    for (arguments, parts) in [
-        (&["run.csv"][..], &["run.csv", "`acc`, `still`"][..]),
-        (&["run.csv", "--channel", "b"], &["`b`"]),
-        (
-            &["run.csv", "--channel", "still"],
-            &["channel `still`", "8192 samples are 0 m/s^2"],
-        ),
-        (&["run.csv", "--channel", "acc", "--unit", "m/s^2"], &["`g`", "`m/s^2`"]),
-        (
-            &["run.csv", "--channel", "acc", "--sample-rate", "1000"],
-            &["4096", "1000 Hz"],
-        ),
-        (
-            &["run.csv", "--channel", "acc", "--smoothing", "4"],
-            &["smoothing window is 4 points", "odd"],
-        ),
-        (&["empty.csv"], &["empty.csv", "no channel"]),
-        (&["nowhere.csv"], &["nowhere.csv"]),
-        (
-            &[
-                "both.csv",
-                "--channel",
-                "acc",
-                "--frequency",
-                "180",
-                "--bandwidth",
-                "140",
-            ],
-            &["both.csv, channel `acc`", "two modes", "179.99 Hz", "230.01 Hz"],
-        ),
-    ] {
-        let output = xtask(&folder, &[&["identify"], arguments, &["--out", "out"]].concat());
-        assert_eq!(exit_code(&output), 1, "{arguments:?}");
-        let text = messages(&output);
-        assert!(text.starts_with("error: "), "{text}");
-        for part in parts {
-            assert!(text.contains(part), "`{part}` is not in: {text}");
-        }
-        assert!(!folder.join("out").exists(), "{arguments:?}");
-    }
-    let output = xtask(&folder, &["identify", "run.csv"]);
-    assert_eq!(exit_code(&output), 2);
 }
 
 /// One entry from its scenes to its page, on the coarse mesh; what is stored serves the next run.
@@ -632,7 +152,7 @@ fn ring_downs_that_cannot_be_identified_leave_no_folder() {
 fn an_entry_of_the_paper_is_computed_written_and_stored() {
     let folder = folder("paper");
     let arguments = ["paper", "--only", "table3", "--quick", "--out", "page"];
-    let output = xtask(&folder, &arguments);
+    let output = run(&folder, &arguments);
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
     let first = read_json(&folder.join("page/paper.json"));
     let [entry] = first.as_array().unwrap().as_slice() else {
@@ -665,7 +185,7 @@ fn an_entry_of_the_paper_is_computed_written_and_stored() {
         assert!(!page.contains(outside), "{outside}");
     }
 
-    let again = xtask(&folder, &arguments);
+    let again = run(&folder, &arguments);
     assert_eq!(exit_code(&again), 0, "{}", messages(&again));
     assert!(
         messages(&again).contains("2 of 2 scenes were taken from an earlier run"),
@@ -679,255 +199,11 @@ fn an_entry_of_the_paper_is_computed_written_and_stored() {
 #[test]
 fn an_unknown_entry_of_the_paper_is_refused() {
     let folder = folder("paper-unknown");
-    let output = xtask(&folder, &["paper", "--only", "table99"]);
+    let output = run(&folder, &["paper", "--only", "table99"]);
     assert_eq!(exit_code(&output), 1);
     let text = messages(&output);
     for part in ["error: ", "`table99`", "table1", "fig19", "experiment"] {
         assert!(text.contains(part), "`{part}` is not in: {text}");
     }
     assert!(!folder.join("results").exists(), "a refused command leaves no folder");
-}
-
-/// Two synthetic faces on 18 mm x 12 mm as files that state nothing but their numbers, and the mesh of 6 x 4 elements on
-/// them; steps of 60 and 100 um, heights in um.
-fn faces(folder: &Path) {
-    use surface_characterisation::SyntheticFace;
-    for (name, seed) in [("top.csv", 1), ("bottom.csv", 2)] {
-        let face = SyntheticFace {
-            points: [301, 121],
-            step: [60e-6, 100e-6],
-            origin: [0.0, 0.0],
-            rms: 2e-6,
-            correlation_length: [200e-6, 300e-6],
-            waviness: vec![],
-            tilt: [1e-4, 0.0],
-            height_step: Some(0.1e-6),
-            seed,
-        };
-        let map = face.generate(|_| false).unwrap();
-        let rows = (0..121).map(|j| {
-            let row = (0..301).map(|i| format!("{:.1}", 1e6 * map.height(i, j).unwrap()));
-            row.collect::<Vec<_>>().join(",")
-        });
-        std::fs::write(folder.join(name), rows.collect::<Vec<_>>().join("\n")).unwrap();
-    }
-    let nodes: Vec<[f64; 2]> = (0..35)
-        .map(|k| [f64::from(k % 7) * 3.0, f64::from(k / 7) * 3.0])
-        .collect();
-    let element = |e: u32| {
-        let a = e / 6 * 7 + e % 6 + 1;
-        [a, a + 1, a + 8, a + 7]
-    };
-    let elements: Vec<[u32; 4]> = (0..24).map(element).collect();
-    let mesh = json!({ "nodes": nodes, "elements": elements });
-    std::fs::write(folder.join("mesh.json"), mesh.to_string()).unwrap();
-}
-
-const CHARACTERISE: [&str; 10] = [
-    "characterise",
-    "top.csv",
-    "bottom.csv",
-    "--mesh",
-    "mesh.json",
-    "--mesh-units",
-    "mm",
-    "--out",
-    "out",
-    "--height-step=1e-7",
-];
-
-#[test]
-fn two_scans_are_characterised() {
-    let folder = folder("characterise");
-    faces(&folder);
-    let files = [
-        "--units=um",
-        "--step=60,100",
-        "--first-row=lowest-y",
-        "--registration-study",
-    ];
-    let output = xtask(&folder, &[&CHARACTERISE[..], &files].concat());
-    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-    let out = folder.join("out");
-    let report = read_json(&out.join("surface.json"));
-    assert_eq!(report["files"][0]["points"], json!([301, 121]));
-    assert_eq!(report["files"][1]["height_unit"], json!({ "caller": "um" }));
-    assert_eq!(report["options"]["radius"], "inverse-mean-curvature");
-    let elements = report["elements"].as_array().unwrap();
-    assert_eq!((elements.len(), &report["summary"]["elements"]), (24, &json!(24)));
-    let number = |v: &Value, pointer: &str| v.pointer(pointer).unwrap().as_f64().unwrap();
-    let mut counted = 0.0;
-    for (index, e) in elements.iter().enumerate() {
-        assert_eq!(e["element"], index);
-        assert!((number(e, "/population/area") / 9e-6 - 1.0).abs() < 1e-9);
-        counted += number(e, "/faces/0/points");
-        // Sq of the faces as they were made, of a patch of 15 by 10 correlation lengths.
-        assert!(
-            (number(e, "/faces/0/areal/sq") / 2e-6 - 1.0).abs() < 0.4,
-            "{}",
-            e["faces"][0]["areal"]
-        );
-        for field in [
-            "/normal/parameters/a",
-            "/tangential/1/rms",
-            "/faces/1/resolution/height_step",
-        ] {
-            assert!(number(e, field).is_finite(), "{field}");
-        }
-        assert_eq!(e["bands"]["realisations"], 30);
-        assert_eq!(e["bands"]["normal"][0].as_array().unwrap().len(), 64);
-        assert!(e["faces"][0]["peaks"][0].as_u64().unwrap() > 100);
-    }
-    // All points of the map belong to elements.
-    assert_eq!(counted, 301.0 * 121.0);
-
-    // The fields of the VTU are the numbers of the account; pictures are well formed, one polygon per element.
-    let vtu = std::fs::read_to_string(out.join("surface.vtu")).unwrap();
-    let body = vtu
-        .split("Name=\"radius_x [m]\"")
-        .nth(1)
-        .unwrap()
-        .split_once('>')
-        .unwrap()
-        .1;
-    let radii: Vec<f64> = body
-        .split('<')
-        .next()
-        .unwrap()
-        .split_whitespace()
-        .map(|v| v.parse().unwrap())
-        .collect();
-    for (e, radius) in elements.iter().zip(&radii) {
-        assert_eq!(number(e, "/population/radius/0"), *radius);
-    }
-    for name in ["gap", "roughness", "count", "radius-x", "radius-y"] {
-        let map = std::fs::read_to_string(out.join(format!("map-{name}.svg"))).unwrap();
-        assert_eq!(map.matches("<polygon").count(), 24, "{name}");
-    }
-    for name in ["profile-top.svg", "profile-bottom.svg", "response.svg"] {
-        let picture = std::fs::read_to_string(out.join(name)).unwrap();
-        assert!(
-            picture.trim_end().ends_with("</svg>") && picture.contains("<polyline"),
-            "{name}"
-        );
-    }
-    let table = std::fs::read_to_string(out.join("registration.csv")).unwrap();
-    assert_eq!(table.lines().count(), 17);
-    let study = report["registration_study"].as_array().unwrap();
-    assert_eq!(study.len(), 16);
-    // A tilt about the middle of the interface changes the gap's shape by its slope times the rms distance of the elements'
-    // middles, and what the highest points of the face make of it is a mean.
-    let tilted = |tilt: f64| {
-        study
-            .iter()
-            .find(|c| c["registration"]["tilt"][0] == json!(tilt))
-            .unwrap()
-    };
-    let middles: f64 = (0..6).map(|k| (f64::from(k) * 3e-3 - 7.5e-3).powi(2)).sum::<f64>() / 6.0;
-    let rms = number(tilted(1e-4), "/rms");
-    assert!((rms / (1e-4 * middles.sqrt()) - 1.0).abs() < 0.05, "{rms}");
-
-    let printed = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        printed.contains("24 elements") && printed.contains("heights in um (as passed)"),
-        "{printed}"
-    );
-}
-
-#[test]
-fn scans_that_cannot_be_characterised_leave_nothing_behind() {
-    let folder = folder("characterise-refused");
-    faces(&folder);
-    for (more, expected) in [
-        (&[][..], "does not state the unit of its positions"),
-        (&["--units=um"], "pass `lateral_step`"),
-        (&["--units=m", "--step=60,100"], "lateral extent"),
-        (&["--units=um", "--step=30,100"], "element "),
-        (&["--units=um", "--step=60,100", "--element=24"], "elements 0 to 23"),
-        (&["--units=parsec"], "`parsec` is no unit of length"),
-        (&["--units=um", "--step=60,100", "--align=1"], "alignment reach = 1 m"),
-        (
-            &["--units=um", "--step=60,100", "--align=-1"],
-            "surface.scans.align = -1 m",
-        ),
-    ] {
-        let output = xtask(&folder, &[&CHARACTERISE[..], more].concat());
-        assert!([1, 2].contains(&exit_code(&output)), "{more:?}");
-        let text = messages(&output);
-        assert!(text.contains(expected), "`{expected}` is not in: {text}");
-        let left = std::fs::read_dir(folder.join("out")).map_or(0, Iterator::count);
-        assert_eq!(left, 0, "{more:?}");
-    }
-    assert_eq!(exit_code(&xtask(&folder, &["characterise", "--out", "out"])), 2);
-    let output = xtask(&folder, &["characterise", "--scene", QUICK, "--out", "out"]);
-    assert!(
-        messages(&output).contains("no samples of heights"),
-        "{}",
-        messages(&output)
-    );
-}
-
-#[test]
-fn an_ensemble_puts_bands_about_the_backbone() {
-    let folder = folder("ensemble");
-    let mut scene = read_json(Path::new(QUICK));
-    scene["name"] = json!("scanned");
-    scene["surface"] = json!({ "synthetic-scan": { "step": [60e-6, 100e-6] } });
-    scene["gap"] = json!("scan");
-    scene["cqsma"] = json!({ "amplitudes": 3, "amplitude_from": 1e-6, "vertices_per_quarter": 4 });
-    std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
-    let run = |arguments: &[&str]| {
-        let output = xtask(&folder, &[&["brb", "scene.json"], arguments].concat());
-        assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-        (
-            messages(&output),
-            read_json(&folder.join("results/scanned/summary.json")),
-        )
-    };
-    let (progress, summary) = run(&["--ensemble", "3"]);
-    assert!(progress.contains("ensemble ... "), "{progress}");
-    let results = folder.join("results/scanned");
-    let ensemble = &summary["ensemble"];
-    assert_eq!((&ensemble["realisations"], &ensemble["failed"]), (&json!(3), &json!(0)));
-    let bands = ensemble["bands"].as_array().unwrap();
-    let table = std::fs::read_to_string(results.join("ensemble.csv")).unwrap();
-    assert_eq!((bands.len(), table.lines().count()), (3, 4));
-    for (band, line) in bands.iter().zip(table.lines().skip(1)) {
-        let cells: Vec<f64> = line.split(',').map(|c| c.parse().unwrap_or(f64::NAN)).collect();
-        assert_eq!(cells[0], band["response_displacement"].as_f64().unwrap());
-        for k in 0..3 {
-            assert_eq!(cells[2 + k], band["frequency_hz"][k].as_f64().unwrap());
-        }
-        assert!(cells[2] <= cells[3] && cells[3] <= cells[4]);
-    }
-    let picture = |name: &str| std::fs::read_to_string(results.join(name)).unwrap();
-    assert!(picture("backbone.svg").contains("<polygon") && picture("report.html").contains("<polygon"));
-    // Without an ensemble its table would be that of an earlier run.
-    let (_, summary) = run(&[]);
-    assert!(summary.get("ensemble").is_none() && !results.join("ensemble.csv").exists());
-    assert!(!picture("backbone.svg").contains("<polygon"));
-
-    let output = xtask(
-        &folder,
-        &["brb", "scene.json", "--registration-study=2e-4,1e-5", "--out", "moved"],
-    );
-    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-    let table = std::fs::read_to_string(folder.join("moved/registration.csv")).unwrap();
-    // The scene as it is and eight motions of its bottom face, three amplitudes each.
-    assert_eq!(table.lines().count(), 1 + 9 * 3);
-    let frequencies: Vec<&str> = table
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').nth(5).unwrap())
-        .collect();
-    assert!(frequencies.chunks(3).skip(1).all(|moved| moved[0] != frequencies[0]));
-
-    let output = xtask(&folder, &["brb", QUICK, "--ensemble", "3"]);
-    assert_eq!(exit_code(&output), 1);
-    assert!(
-        messages(&output).contains("no samples of heights"),
-        "{}",
-        messages(&output)
-    );
-    assert!(!folder.join("results/brb-quick").exists());
 }

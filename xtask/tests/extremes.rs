@@ -1,14 +1,17 @@
 //! `cargo xtask extremes` as scripts meet it: exit codes and `extremes.json`.
 #![allow(clippy::unwrap_used)]
+#[path = "../../crates/microslip/tests/common/mod.rs"]
 mod common;
 
-use common::{folder, xtask};
+use common::{folder, run};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Output;
 
+const PROGRAM: &str = env!("CARGO_BIN_EXE_xtask");
+
 fn extremes(folder: &Path, arguments: &[&str]) -> Output {
-    xtask(folder, &[&["extremes"], arguments].concat())
+    run(folder, &[&["extremes"], arguments].concat())
 }
 
 /// Cases of every group; the others take longer and run among the gates.

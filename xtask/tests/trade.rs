@@ -1,9 +1,12 @@
 //! `cargo xtask trade`, and scenes that ask for an accuracy, as scripts meet them.
 #![allow(clippy::unwrap_used)]
+#[path = "../../crates/microslip/tests/common/mod.rs"]
 mod common;
 
-use common::{folder, read_json, succeeds, xtask};
+use common::{folder, read_json, run, succeeds};
 use serde_json::{Value, json};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_xtask");
 
 #[test]
 fn errors_fall_from_rung_to_rung_and_finished_runs_are_kept() {
@@ -49,7 +52,7 @@ fn errors_fall_from_rung_to_rung_and_finished_runs_are_kept() {
     go();
     assert_eq!(read_json(&folder.join("t/trade.json")), trade);
 
-    let unknown = xtask(&folder, &["trade", "--only", "speed"]);
+    let unknown = run(&folder, &["trade", "--only", "speed"]);
     assert_eq!(unknown.status.code(), Some(1));
     let message = String::from_utf8(unknown.stderr).unwrap();
     assert!(message.contains("`speed`") && message.contains("vertices"), "{message}");
@@ -84,7 +87,7 @@ fn an_accuracy_chooses_settings_and_an_error_is_estimated() {
 
     scene["accuracy"] = json!({ "damping": 1e-12 });
     std::fs::write(folder.join("impossible.json"), scene.to_string()).unwrap();
-    let output = xtask(&folder, &["brb", "impossible.json"]);
+    let output = run(&folder, &["brb", "impossible.json"]);
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(

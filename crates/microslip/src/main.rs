@@ -1,7 +1,7 @@
 //! The program: `microslip --help`.
 
 use clap::{CommandFactory, Parser, Subcommand};
-use etcetera::BaseStrategy;
+use etcetera::base_strategy::BaseStrategy;
 use microslip::commands::{self, EXIT_CODES, SceneArguments};
 use microslip::{Defaults, Outcome};
 use std::path::PathBuf;
@@ -59,6 +59,6 @@ fn main() -> ExitCode {
 
 /// The program's folder among the user's caches; none for a user without a home.
 fn user_cache() -> Option<PathBuf> {
-    let folders = etcetera::choose_base_strategy().ok()?;
+    let folders = etcetera::base_strategy::choose_native_strategy().ok()?;
     Some(folders.cache_dir().join("microslip"))
 }

@@ -83,7 +83,7 @@ pub struct Defaults {
 /// Where reduced models and finished amplitudes are kept.
 #[derive(clap::Args)]
 pub struct Cache {
-    /// Folder for reduced models and finished amplitudes, made if missing [default: see the help of the program].
+    /// Folder for reduced models and finished amplitudes, made if missing [default: the one that the help of the program names].
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     cache: Option<PathBuf>,
     /// Neither read nor store reduced models and finished amplitudes.

@@ -3,14 +3,16 @@
 
 mod common;
 
-use common::{folder, read_json, succeeds, xtask};
+use common::{folder, read_json, run, succeeds};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::path::Path;
 
+const PROGRAM: &str = env!("CARGO_BIN_EXE_microslip");
+
 /// Fails with one line that names all of these.
 fn fails(folder: &Path, arguments: &[&str], expected: &[&str]) {
-    let output = xtask(folder, arguments);
+    let output = run(folder, arguments);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{arguments:?}: {text}");
     for part in expected {
@@ -204,7 +206,7 @@ fn what_cannot_be_compared_is_refused_by_name() {
 #[test]
 fn a_ring_down_is_computed_identified_and_compared() {
     let folder = folder("ring-down");
-    let quick = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/brb-quick.json");
+    let quick = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenes/brb-quick.json");
     let arguments = [
         "transient",
         quick,
@@ -246,7 +248,7 @@ fn a_ring_down_is_computed_identified_and_compared() {
         "9",
     ];
     succeeds(&folder, &[&identify[..], &["--out", "again"]].concat());
-    succeeds(&folder, &["brb", quick, "--out", "run"]);
+    succeeds(&folder, &["run", quick, "--out", "run"]);
     succeeds(&folder, &["compare", "run", "ring", "again", "--out", "compare"]);
     let compared = read_json(&folder.join("compare/compare.json"));
     assert_eq!(compared["amplitude"]["unit"], "m/s^2");

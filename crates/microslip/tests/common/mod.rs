@@ -1,0 +1,57 @@
+//! The built program in a folder of its own: what the tests of all commands share.
+#![allow(clippy::unwrap_used)]
+#![allow(dead_code, reason = "no test file needs all of it")]
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Runs the program that the test file names, with a cache of its own.
+pub(crate) fn run(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(crate::PROGRAM)
+        .args(arguments)
+        .current_dir(folder)
+        .env("XDG_CACHE_HOME", folder.join("caches"))
+        .output()
+        .unwrap()
+}
+
+/// What a run prints that must succeed.
+pub(crate) fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let output = run(folder, arguments);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {text}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// An empty folder of its own for each test.
+pub(crate) fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+pub(crate) fn read_json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+pub(crate) fn exit_code(output: &Output) -> i32 {
+    output.status.code().expect("ended by a signal")
+}
+
+pub(crate) fn messages(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Asserts that two summaries agree in every digit, but for what depends on the machine.
+pub(crate) fn assert_same_numbers(a: &Path, b: &Path) {
+    let texts = [a, b].map(|results| std::fs::read_to_string(results.join("summary.json")).unwrap());
+    let [a, b] = texts
+        .each_ref()
+        .map(|text| text.split_once("\"timings\": {").unwrap().0);
+    assert!(a.contains("\"backbone\"") && a.contains("\"validity\""));
+    assert_eq!(a.lines().count(), b.lines().count());
+    for (number, (a, b)) in a.lines().zip(b.lines()).enumerate() {
+        assert_eq!(a, b, "line {}", number + 1);
+    }
+}
