@@ -43,18 +43,20 @@ fn write_run(folder: &Path, name: &str, with_band: bool) {
         .collect();
     let mut summary = json!({ "backbone": backbone });
     if with_band {
-        let list = |shift: f64, factor: f64| {
-            let f: Vec<f64> = amplitudes().iter().map(|x| frequency(*x) + shift).collect();
-            let zeta: Vec<f64> = amplitudes().iter().map(|x| damping(*x) * factor).collect();
-            (f, zeta)
-        };
-        let ((f0, z0), (f1, z1), (f2, z2)) = (list(-1.0, 0.5), list(0.0, 1.0), list(1.0, 1.1));
-        summary["ensemble"] = json!({
-            "response_displacement": amplitudes(),
-            "quantiles": [0.05, 0.5, 0.95],
-            "frequency_hz": [f0, f1, f2],
-            "damping_ratio": [z0, z1, z2],
-        });
+        let bands: Vec<Value> = amplitudes()
+            .iter()
+            .map(|&x| {
+                let frequencies = [-1.0, 0.0, 1.0].map(|shift| frequency(x) + shift);
+                let dampings = [0.5, 1.0, 1.1].map(|factor| damping(x) * factor);
+                json!({
+                    "response_displacement": x,
+                    "realisations": 20,
+                    "frequency_hz": frequencies,
+                    "damping_ratio": dampings,
+                })
+            })
+            .collect();
+        summary["ensemble"] = json!({ "realisations": 20, "failed": 0, "bands": bands, "members": [] });
     }
     std::fs::create_dir_all(folder.join(name)).unwrap();
     std::fs::write(folder.join(name).join("summary.json"), summary.to_string()).unwrap();
@@ -179,7 +181,7 @@ fn what_cannot_be_compared_is_refused_by_name() {
     write("other.json", r#"{"hits": []}"#);
     write(
         "band.json",
-        r#"{"backbone": [{"response_displacement": 1e-6, "frequency_hz": 170}], "ensemble": {}}"#,
+        r#"{"backbone": [{"response_displacement": 1e-6, "frequency_hz": 170}], "ensemble": {"bands": [{}]}}"#,
     );
     for (run, experiment, expected) in [
         ("run", "far", &["far", "share no amplitude", "1.000e-7"] as &[&str]),

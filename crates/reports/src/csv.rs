@@ -1,15 +1,45 @@
-//! The backbone as comma-separated values.
+//! Tables as comma-separated values.
 
-use joint_pipeline::analysis::ensemble::Ensemble;
+use crate::Error;
+use joint_pipeline::analysis::ensemble::{Ensemble, MemberPoint};
 use joint_pipeline::analysis::registration::Moved;
 use joint_pipeline::results::summary::{BackboneSummary, Summary};
 
+/// A number as the shortest text that reads back as the same.
+pub fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// The same, or an empty cell.
+pub fn optional(value: Option<f64>) -> String {
+    value.map(number).unwrap_or_default()
+}
+
+/// A table with a line of headings; cells are quoted where they must be.
+///
+/// # Errors
+/// [`Error::Table`] if a row has another number of cells than there are headings.
+pub fn table<H, R, C>(headings: H, rows: R) -> Result<String, Error>
+where
+    H: IntoIterator<Item: AsRef<[u8]>>,
+    R: IntoIterator<Item = C>,
+    C: IntoIterator<Item: AsRef<[u8]>>,
+{
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(headings).map_err(Error::Table)?;
+    for row in rows {
+        writer.write_record(row).map_err(Error::Table)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|error| Error::Table(error.into_error().into()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
 /// Name with unit, and value, of every column.
-fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
-    // `{:?}` is the shortest text that reads back as the same number.
-    let optional = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:?}"));
+fn columns(place: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
     vec![
-        ("number", number.to_string()),
+        ("number", place.to_string()),
         ("converged", b.converged.to_string()),
         ("response_displacement [m]", optional(b.response_displacement)),
         ("response_acceleration [m/s^2]", optional(b.response_acceleration)),
@@ -25,7 +55,7 @@ fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
         ("damping_ratio [-]", optional(b.damping_ratio)),
         ("friction_damping_ratio [-]", optional(b.friction_damping_ratio)),
         ("damping_floor [-]", optional(b.damping_floor)),
-        ("modal_force [sqrt(kg) m/s^2]", format!("{:?}", b.modal_force)),
+        ("modal_force [sqrt(kg) m/s^2]", number(b.modal_force)),
         ("modal_amplitude [sqrt(kg) m]", optional(b.modal_amplitude)),
         ("dissipation [J]", optional(b.dissipation)),
         ("loop_area [J]", optional(b.loop_area)),
@@ -37,67 +67,84 @@ fn columns(number: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
         ("loop_closure [-]", optional(b.loop_closure)),
         ("residual [-]", optional(b.residual)),
         ("iterations", b.iterations.to_string()),
-        (
-            "failure",
-            b.failure
-                .as_deref()
-                .map_or_else(String::new, |text| format!("\"{}\"", text.replace('"', "\"\""))),
-        ),
+        ("failure", b.failure.clone().unwrap_or_default()),
     ]
 }
 
 /// Backbones with the bottom face moved, one row per amplitude; empty cells where damping is below its floor.
-pub fn registration(study: &[Moved]) -> String {
-    let mut out = String::from(
-        "shift_x [m],shift_y [m],tilt_x [-],tilt_y [-],response_displacement [m],frequency [Hz],damping_ratio [-]\n",
-    );
-    for moved in study {
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn registration(study: &[Moved]) -> Result<String, Error> {
+    let headings = [
+        "shift_x [m]",
+        "shift_y [m]",
+        "tilt_x [-]",
+        "tilt_y [-]",
+        "response_displacement [m]",
+        "frequency [Hz]",
+        "damping_ratio [-]",
+    ];
+    let rows = study.iter().flat_map(|moved| {
         let ([x, y], [tx, ty]) = (moved.registration.shift, moved.registration.tilt);
-        for point in &moved.points {
-            let (amplitude, frequency) = (point.response_displacement, point.frequency_hz);
-            let damping = point.damping_ratio.map_or_else(String::new, |z| format!("{z:?}"));
-            out += &format!("{x:?},{y:?},{tx:?},{ty:?},{amplitude:?},{frequency:?},{damping}\n");
-        }
-    }
-    out
+        let row = move |point: &MemberPoint| {
+            let [a, f] = [point.response_displacement, point.frequency_hz].map(number);
+            let [x, y, tx, ty] = [x, y, tx, ty].map(number);
+            [x, y, tx, ty, a, f, optional(point.damping_ratio)]
+        };
+        moved.points.iter().map(row)
+    });
+    table(headings, rows)
 }
 
 /// Percentiles over the realisations, one row per amplitude; empty cells where there is no value.
-pub fn ensemble(ensemble: &Ensemble) -> String {
-    let mut out = String::from(
-        "response_displacement [m],realisations,frequency_5 [Hz],frequency_50 [Hz],frequency_95 [Hz],damping_ratio_5 [-],\
-         damping_ratio_50 [-],damping_ratio_95 [-]\n",
-    );
-    for band in &ensemble.bands {
-        let frequencies = band.frequency_hz.iter().map(|f| format!("{f:?}"));
-        let dampings = band
-            .damping_ratio
-            .iter()
-            .map(|z| z.map_or_else(String::new, |z| format!("{z:?}")));
-        let cells = [
-            format!("{:?}", band.response_displacement),
-            band.realisations.to_string(),
-        ];
-        out += &(cells
-            .into_iter()
-            .chain(frequencies)
-            .chain(dampings)
-            .collect::<Vec<_>>()
-            .join(",")
-            + "\n");
-    }
-    out
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn ensemble(ensemble: &Ensemble) -> Result<String, Error> {
+    let headings = [
+        "response_displacement [m]",
+        "realisations",
+        "frequency_5 [Hz]",
+        "frequency_50 [Hz]",
+        "frequency_95 [Hz]",
+        "damping_ratio_5 [-]",
+        "damping_ratio_50 [-]",
+        "damping_ratio_95 [-]",
+    ];
+    let rows = ensemble.bands.iter().map(|band| {
+        let cells = [number(band.response_displacement), band.realisations.to_string()];
+        let (frequencies, dampings) = (band.frequency_hz.map(number), band.damping_ratio.map(optional));
+        cells.into_iter().chain(frequencies).chain(dampings)
+    });
+    table(headings, rows)
 }
 
 /// One row per amplitude; empty cells where there is no value.
-pub fn document(summary: &Summary) -> String {
-    let mut out = String::new();
-    for (index, point) in summary.backbone.iter().enumerate() {
-        let (names, cells): (Vec<_>, Vec<_>) = columns(index + 1, point).into_iter().unzip();
-        if index == 0 {
-            out += &(names.join(",") + "\n");
-        }
-        out += &(cells.join(",") + "\n");
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn backbone(summary: &Summary) -> Result<String, Error> {
+    let columns = |(index, point)| -> (Vec<&str>, Vec<String>) { columns(index + 1, point).into_iter().unzip() };
+    let (headings, rows): (Vec<_>, Vec<_>) = summary.backbone.iter().enumerate().map(columns).unzip();
+    table(headings.into_iter().next().unwrap_or_default(), rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_and_texts_are_quoted_where_they_must() {
+        let found = table(
+            ["a", "b [1, 2]"],
+            [[number(0.1 + 0.2), "x".into()], ["1e-7".into(), "say \"x\"".into()]],
+        );
+        assert_eq!(
+            found.expect("two columns"),
+            "a,\"b [1, 2]\"\n0.30000000000000004,x\n1e-7,\"say \"\"x\"\"\"\n"
+        );
+        assert!(table(["a", "b"], [["alone"]]).is_err());
+        assert_eq!(optional(None), "");
     }
-    out
 }

@@ -20,6 +20,12 @@ pub enum Error {
     /// Fields of the interface could not be written as a VTK file.
     #[error("encoding the fields of the interface")]
     Fields(#[source] substructure::Error),
+    /// A page could not be made from its template.
+    #[error("making the page")]
+    Page(#[source] askama::Error),
+    /// A table could not be written as comma-separated values.
+    #[error("writing a table")]
+    Table(#[source] csv::Error),
     /// A summary could not be written as JSON.
     #[error("encoding the summary")]
     Summary(#[source] serde_json::Error),

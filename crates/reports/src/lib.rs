@@ -3,6 +3,7 @@
 pub mod csv;
 mod error;
 pub mod fields;
+pub mod html;
 pub mod identification;
 pub mod map;
 pub mod markup;
@@ -11,6 +12,7 @@ pub mod page;
 pub mod plot;
 pub mod ring_down;
 pub mod run;
+pub mod study;
 
 pub use error::{Drawing, Error};
 

@@ -9,12 +9,15 @@ pub fn escape(text: &str) -> String {
             '<' => out += "&lt;",
             '>' => out += "&gt;",
             '"' => out += "&quot;",
-            // XML has no way to write the other control characters.
-            c if c.is_control() && !c.is_whitespace() => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }
-    out
+    printable(&out)
+}
+
+/// Replaces the control characters that XML has no way to write.
+pub fn printable(text: &str) -> String {
+    text.replace(|c: char| c.is_control() && !c.is_whitespace(), "\u{fffd}")
 }
 
 /// Checks that tags are balanced, attributes quoted and special characters escaped.

@@ -1,144 +1,109 @@
 //! One self-contained page about a run.
 
-use crate::markup::escape;
+use crate::html::{Picture, Table, render};
 use crate::run::damping;
 use crate::{Error, fields, map, plot};
-
+use askama::Template;
 use joint_pipeline::Run;
 use joint_pipeline::interface::AsperityReport;
 use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
-use std::fmt::Write;
+use serde::Serialize;
+use serde_json::Value;
 
-/// Style sheet of all pages.
-pub const STYLE: &str = "
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 860px; margin: 0 auto; padding: 1rem; }
-h1 { font-size: 1.6rem; margin: .5rem 0; }
-h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ddd; }
-svg { width: 100%; height: auto; }
-figure { margin: 1rem 0; }
-figcaption { font-size: .9rem; color: #555; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .9rem; }
-th, td { padding: .2rem .7rem .2rem 0; border-bottom: 1px solid #eee; text-align: left; vertical-align: top; }
-.numbers th, .numbers td { text-align: right; white-space: nowrap; }
-.warning { background: #fdecea; padding: .5rem .8rem; }
-";
+/// Names with values.
+type Facts = Vec<(String, String)>;
+
+#[derive(Template)]
+#[template(path = "run.html")]
+struct Page<'a> {
+    title: &'a str,
+    introduction: String,
+    failed: usize,
+    amplitudes: usize,
+    backbone: Picture<'a>,
+    maps: Vec<Picture<'a>>,
+    key_numbers: Facts,
+    asperities: Option<Facts>,
+    amplitude_table: Table,
+    methods: Option<Table>,
+    validity: Vec<String>,
+    skipped: Vec<&'a str>,
+    effort: Facts,
+}
 
 /// The page; `backbone` is the picture of the backbone.
 ///
 /// # Errors
-/// [`Error::Summary`].
+/// [`Error::Page`].
 pub fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<String, Error> {
-    let json = serde_json::to_value(summary).map_err(Error::Summary)?;
-    let name = |pointer: &str| match json.pointer(pointer) {
-        Some(serde_json::Value::String(text)) => text.clone(),
-        // An option with parameters is written as an object with its name as the only key.
-        Some(serde_json::Value::Object(map)) => map.keys().next().cloned().unwrap_or_default(),
-        _ => String::new(),
-    };
-    let title = escape(&run.scene.name);
-    let failed = summary.backbone.iter().filter(|b| !b.converged).count();
-
-    let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
-    );
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        out,
-        "<p>{}: frequency and damping of mode {} against amplitude. Surface: {}; gap: {}; friction \
-         coefficient {}; {} bolts with {:.3} kN each.</p>",
-        escape(&summary.title),
-        run.first().mode,
-        escape(&name("/scene/surface")),
-        escape(&name("/scene/gap")),
-        run.scene.mu,
-        run.model.reduced.loads.len(),
-        run.scene.bolts.load.si() / 1e3,
-    );
-    if failed > 0 {
-        let all = summary.backbone.len();
-        let _ = writeln!(
-            out,
-            "<p class=\"warning\">{failed} of {all} amplitudes did not converge.</p>"
-        );
-    }
-    out += "<h2>Backbone</h2>\n";
     let bands = summary.ensemble.as_ref().map_or_else(String::new, |all| {
         let n = all.realisations - all.failed;
         format!(" Shaded: 5 to 95 % of {n} bootstrap realisations of the laws.")
     });
-    figure(
-        &mut out,
-        backbone,
-        &format!("Amplitude: {}.{bands}", plot::amplitude_label(&summary.response)),
-    );
+    render(&Page {
+        title: &run.scene.name,
+        introduction: format!(
+            "{}: frequency and damping of mode {} against amplitude. Surface: {}; gap: {}; friction \
+             coefficient {}; {} bolts with {:.3} kN each.",
+            summary.title,
+            run.first().mode,
+            name(&run.scene.surface),
+            name(&run.scene.gap),
+            run.scene.mu,
+            run.model.reduced.loads.len(),
+            run.scene.bolts.load.si() / 1e3,
+        ),
+        failed: summary.backbone.iter().filter(|b| !b.converged).count(),
+        amplitudes: summary.backbone.len(),
+        backbone: Picture {
+            svg: backbone.into(),
+            caption: format!("Amplitude: {}.{bands}", plot::amplitude_label(&summary.response)),
+        },
+        maps: maps(run),
+        key_numbers: key_numbers(summary),
+        asperities: summary.law.asperities.as_ref().map(asperity_numbers),
+        amplitude_table: amplitude_table(summary),
+        methods: (!summary.methods.is_empty()).then(|| methods_table(summary)),
+        validity: validity(run, summary),
+        skipped: summary.skipped.values().map(String::as_str).collect(),
+        effort: effort(summary),
+    })
+}
 
-    out += "<h2>Interface</h2>\n";
-    let caption =
-        "Pressure under prestress, means over the elements; seen along the normal, x of the interface to the right.";
+/// The name by which scenes and summaries call a choice.
+fn name(choice: &impl Serialize) -> String {
+    match serde_json::to_value(choice) {
+        Ok(Value::String(text)) => text,
+        // An option with parameters is written as an object with its name as the only key.
+        Ok(Value::Object(map)) => map.keys().next().cloned().unwrap_or_default(),
+        _ => String::new(),
+    }
+}
+
+fn facts<const N: usize>(rows: [(&str, String); N]) -> Facts {
+    rows.map(|(name, value)| (name.into(), value)).into()
+}
+
+/// Pressure under prestress, and the dissipation of the amplitudes whose fields are stored.
+fn maps(run: &Run) -> Vec<Picture<'static>> {
     let pressure = fields::pressure(run, &run.prestress.fields);
-    figure(&mut out, &map::svg(&run.mesh, &pressure, "pressure", "Pa"), caption);
+    let mut maps = vec![Picture {
+        svg: map::svg(&run.mesh, &pressure, "pressure", "Pa").into(),
+        caption: "Pressure under prestress, means over the elements; seen along the normal, x of the interface to the right."
+            .into(),
+    }];
     for (index, amplitude) in run.amplitudes().iter().enumerate() {
         let stored = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref());
         let (Some(stored), Some(x)) = (stored, amplitude.response_displacement) else {
             continue;
         };
         let flux = fields::total_flux(run, stored);
-        let picture = map::svg(&run.mesh, &flux, "dissipated energy per area and cycle", "J/m^2");
-        figure(
-            &mut out,
-            &picture,
-            &format!("Amplitude {} of {}: {x:.3e} m.", index + 1, run.amplitudes().len()),
-        );
+        maps.push(Picture {
+            svg: map::svg(&run.mesh, &flux, "dissipated energy per area and cycle", "J/m^2").into(),
+            caption: format!("Amplitude {} of {}: {x:.3e} m.", index + 1, run.amplitudes().len()),
+        });
     }
-
-    out += "<h2>Key numbers</h2>\n";
-    key_numbers(&mut out, summary, &name);
-    out += "<h2>Backbone in numbers</h2>\n";
-    backbone_table(&mut out, summary);
-    if !summary.methods.is_empty() {
-        out += "<h2>Other methods</h2>\n";
-        methods_table(&mut out, summary);
-    }
-    out += "<h2>Validity</h2>\n<ul>\n";
-    for sentence in validity(run, summary) {
-        let _ = writeln!(out, "<li>{}</li>", escape(&sentence));
-    }
-    out += "</ul>\n";
-    if !summary.skipped.is_empty() {
-        out += "<h2>Left out, because the scene does not require it</h2>\n<ul>\n";
-        for reason in summary.skipped.values() {
-            let _ = writeln!(out, "<li>{}</li>", escape(reason));
-        }
-        out += "</ul>\n";
-    }
-    out += "<h2>Time and memory</h2>\n";
-    effort(&mut out, summary);
-    out += "</body>\n</html>\n";
-    Ok(out)
-}
-
-fn figure(out: &mut String, svg: &str, caption: &str) {
-    let _ = writeln!(
-        out,
-        "<figure>\n{svg}<figcaption>{}</figcaption>\n</figure>",
-        escape(caption)
-    );
-}
-
-fn rows<'a>(out: &mut String, rows: impl IntoIterator<Item = (&'a str, String)>) {
-    *out += "<div class=\"wide\"><table>\n";
-    for (what, value) in rows {
-        let _ = writeln!(
-            out,
-            "<tr><th scope=\"row\">{}</th><td>{}</td></tr>",
-            escape(what),
-            escape(&value)
-        );
-    }
-    *out += "</table></div>\n";
+    maps
 }
 
 fn frequencies<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
@@ -146,7 +111,7 @@ fn frequencies<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
     texts.join(", ") + " Hz"
 }
 
-fn key_numbers(out: &mut String, summary: &Summary, name: &dyn Fn(&str) -> String) {
+fn key_numbers(summary: &Summary) -> Facts {
     let (model, law, gap, prestress) = (&summary.model, &summary.law, &summary.gap, &summary.prestress);
     let linearised: Vec<f64> = summary.modes.iter().map(|m| m.frequency_hz).collect();
     let structure = match (model.n_nodes, model.n_elements) {
@@ -156,99 +121,90 @@ fn key_numbers(out: &mut String, summary: &Summary, name: &dyn Fn(&str) -> Strin
     let mass = model
         .mass
         .map_or_else(|| "not known".into(), |mass| format!("{mass:.4} kg"));
-    rows(
-        out,
-        [
-            ("Structure", structure),
-            ("Mass", mass),
-            (
-                "Interface",
-                format!(
-                    "{} elements, {} points, {:.2} mm²",
-                    model.n_interface_elements,
-                    model.n_interface_points,
-                    1e6 * model.interface_area
-                ),
+    facts([
+        ("Structure", structure),
+        ("Mass", mass),
+        (
+            "Interface",
+            format!(
+                "{} elements, {} points, {:.2} mm²",
+                model.n_interface_elements,
+                model.n_interface_points,
+                1e6 * model.interface_area
             ),
-            (
-                "Reduced model",
-                format!(
-                    "{} jump coordinates and {} modes; spectrum within {:.1e} of the full model",
-                    model.n_relative_dofs, model.n_modes, model.penalty_spectrum_error
-                ),
+        ),
+        (
+            "Reduced model",
+            format!(
+                "{} jump coordinates and {} modes; spectrum within {:.1e} of the full model",
+                model.n_relative_dofs, model.n_modes, model.penalty_spectrum_error
             ),
-            (
-                "Zero-energy modes",
-                format!(
-                    "{} with the interface stuck, {} without contact",
-                    model.zem_stuck, model.zem_unstressed
-                ),
+        ),
+        (
+            "Zero-energy modes",
+            format!(
+                "{} with the interface stuck, {} without contact",
+                model.zem_stuck, model.zem_unstressed
             ),
-            ("Frequencies, interface stuck", frequencies(&model.stuck_frequencies_hz)),
-            ("Frequencies about the prestress", frequencies(&linearised)),
-            (
-                "Frequencies without contact",
-                frequencies(&model.unstressed_frequencies_hz),
+        ),
+        ("Frequencies, interface stuck", frequencies(&model.stuck_frequencies_hz)),
+        ("Frequencies about the prestress", frequencies(&linearised)),
+        (
+            "Frequencies without contact",
+            frequencies(&model.unstressed_frequencies_hz),
+        ),
+        ("Traction law", format!("{}, history {}", law.kind, name(&law.history))),
+        (
+            "Stiffness at mean pressure",
+            format!(
+                "{:.3e} Pa/m normal, {:.3e} Pa/m tangential at a closure of {:.2} µm and {:.2} MPa",
+                law.normal_stiffness,
+                law.tangential_stiffness,
+                1e6 * law.mean_closure,
+                1e-6 * law.mean_pressure
             ),
-            (
-                "Traction law",
-                format!("{}, history {}", law.kind, name("/law/history")),
+        ),
+        (
+            "Gap",
+            format!(
+                "{:.2} to {:.2} µm, {} negative value(s) set to zero",
+                1e6 * gap.smallest,
+                1e6 * gap.largest,
+                gap.clipped_points
             ),
-            (
-                "Stiffness at mean pressure",
-                format!(
-                    "{:.3e} Pa/m normal, {:.3e} Pa/m tangential at a closure of {:.2} µm and {:.2} MPa",
-                    law.normal_stiffness,
-                    law.tangential_stiffness,
-                    1e6 * law.mean_closure,
-                    1e-6 * law.mean_pressure
-                ),
+        ),
+        (
+            "Prestress",
+            format!(
+                "{:.3} kN per bolt; pressure up to {:.2} MPa, {:.2} MPa on average; {:.1} % of the area in contact",
+                1e-3 * prestress.bolt_load,
+                1e-6 * prestress.max_pressure,
+                1e-6 * prestress.mean_pressure,
+                100.0 * prestress.contact_area_fraction
             ),
-            (
-                "Gap",
-                format!(
-                    "{:.2} to {:.2} µm, {} negative value(s) set to zero",
-                    1e6 * gap.smallest,
-                    1e6 * gap.largest,
-                    gap.clipped_points
-                ),
+        ),
+        (
+            "Solution of the prestress",
+            format!(
+                "{} iterations, residual ratio {:.1e}, error of equilibrium {:.1e}",
+                prestress.iterations, prestress.residual_ratio, prestress.equilibrium_error
             ),
-            (
-                "Prestress",
-                format!(
-                    "{:.3} kN per bolt; pressure up to {:.2} MPa, {:.2} MPa on average; {:.1} % of the area in contact",
-                    1e-3 * prestress.bolt_load,
-                    1e-6 * prestress.max_pressure,
-                    1e-6 * prestress.mean_pressure,
-                    100.0 * prestress.contact_area_fraction
-                ),
-            ),
-            (
-                "Solution of the prestress",
-                format!(
-                    "{} iterations, residual ratio {:.1e}, error of equilibrium {:.1e}",
-                    prestress.iterations, prestress.residual_ratio, prestress.equilibrium_error
-                ),
-            ),
-        ],
-    );
-    if let Some(asperities) = &law.asperities {
-        rows(out, asperity_numbers(asperities, name));
-    }
+        ),
+    ])
 }
 
-fn asperity_numbers(law: &AsperityReport, name: &dyn Fn(&str) -> String) -> [(&'static str, String); 4] {
+fn asperity_numbers(law: &AsperityReport) -> Facts {
     let table_error = match (law.table_error_normal, law.table_error_tangential) {
         (Some(n), Some(t)) => format!("{n:.1e} normal, {t:.1e} tangential"),
         _ => "no table in use".into(),
     };
-    [
+    facts([
         (
             "Asperities",
             format!(
                 "{} population(s), tangential stiffness {}",
                 law.n_populations,
-                name("/law/tangential")
+                name(&law.tangential)
             ),
         ),
         ("Largest relative error of the tables", table_error),
@@ -266,7 +222,7 @@ fn asperity_numbers(law: &AsperityReport, name: &dyn Fn(&str) -> String) -> [(&'
                 law.fitted_to_summed, law.paper_to_mindlin
             ),
         ),
-    ]
+    ])
 }
 
 /// Heading of a column and its cell for an amplitude.
@@ -280,7 +236,7 @@ const COLUMNS: [Column; 10] = [
         b.response_acceleration.map(|v| format!("{v:.4e}"))
     }),
     ("frequency [Hz]", |b| b.frequency_hz.map(|v| format!("{v:.4}"))),
-    ("damping ratio [-]", |b| b.frequency_hz.map(|_| escape(&damping(b)))),
+    ("damping ratio [-]", |b| b.frequency_hz.map(|_| damping(b))),
     ("of it friction [-]", |b| {
         b.friction_damping_ratio.map(|v| format!("{v:.4e}"))
     }),
@@ -295,48 +251,51 @@ const COLUMNS: [Column; 10] = [
     ("iterations", |b| Some(b.iterations.to_string())),
 ];
 
-fn backbone_table(out: &mut String, summary: &Summary) {
-    *out += "<div class=\"wide\"><table class=\"numbers\">\n<tr><th scope=\"col\">no.</th>";
-    for (heading, _) in COLUMNS {
-        let _ = write!(out, "<th scope=\"col\">{heading}</th>");
+/// What stands in cells without a value.
+const MISSING: &str = "–";
+
+fn amplitude_table(summary: &Summary) -> Table {
+    let headings = ["no."].into_iter().chain(COLUMNS.map(|(heading, _)| heading));
+    let row = |(index, point): (usize, &BackboneSummary)| {
+        let cells = COLUMNS.map(|(_, cell)| cell(point).unwrap_or_else(|| MISSING.into()));
+        let reason = point.failure.iter().map(|reason| format!("not converged: {reason}"));
+        [(index + 1).to_string()]
+            .into_iter()
+            .chain(cells)
+            .chain(reason)
+            .collect()
+    };
+    Table {
+        headings: headings.map(Into::into).collect(),
+        rows: summary.backbone.iter().enumerate().map(row).collect(),
     }
-    *out += "</tr>\n";
-    for (index, point) in summary.backbone.iter().enumerate() {
-        let _ = write!(out, "<tr><td>{}</td>", index + 1);
-        for (_, cell) in COLUMNS {
-            let _ = write!(out, "<td>{}</td>", cell(point).unwrap_or_else(|| "–".into()));
-        }
-        if let Some(reason) = &point.failure {
-            let _ = write!(out, "<td>not converged: {}</td>", escape(reason));
-        }
-        *out += "</tr>\n";
-    }
-    *out += "</table></div>\n";
 }
 
 /// Displacement, frequency and damping ratio of the other methods, side by side.
-fn methods_table(out: &mut String, summary: &Summary) {
-    let cell = |out: &mut String, text: Option<String>| {
-        let _ = write!(out, "<td>{}</td>", text.unwrap_or_else(|| "–".into()));
-    };
-    *out += "<div class=\"wide\"><table class=\"numbers\">\n<tr><th scope=\"col\">no.</th>";
+fn methods_table(summary: &Summary) -> Table {
+    let mut headings = vec!["no.".to_owned()];
     for name in summary.methods.keys() {
         for heading in ["displacement [m]", "frequency [Hz]", "damping ratio [-]"] {
-            let _ = write!(out, "<th scope=\"col\">{}: {heading}</th>", plot::title(name));
+            headings.push(format!("{}: {heading}", plot::title(name)));
         }
     }
-    *out += "</tr>\n";
-    for index in 0..summary.backbone.len() {
-        let _ = write!(out, "<tr><td>{}</td>", index + 1);
+    let row = |index: usize| {
+        let mut row = vec![(index + 1).to_string()];
         for point in summary.methods.values().filter_map(|points| points.get(index)) {
-            let below = point.damping_floor.map(|floor| format!("&lt; {floor:.1e}"));
-            cell(out, point.response_displacement.map(|v| format!("{v:.4e}")));
-            cell(out, point.frequency_hz.map(|v| format!("{v:.4}")));
-            cell(out, point.damping_ratio.map(|v| format!("{v:.4e}")).or(below));
+            let below = point.damping_floor.map(|floor| format!("< {floor:.1e}"));
+            let cells = [
+                point.response_displacement.map(|v| format!("{v:.4e}")),
+                point.frequency_hz.map(|v| format!("{v:.4}")),
+                point.damping_ratio.map(|v| format!("{v:.4e}")).or(below),
+            ];
+            row.extend(cells.map(|text| text.unwrap_or_else(|| MISSING.into())));
         }
-        *out += "</tr>\n";
+        row
+    };
+    Table {
+        headings,
+        rows: (0..summary.backbone.len()).map(row).collect(),
     }
-    *out += "</table></div>\n";
 }
 
 /// What the run says about its own validity, in sentences.
@@ -427,13 +386,13 @@ fn validity(run: &Run, summary: &Summary) -> Vec<String> {
     sentences
 }
 
-fn effort(out: &mut String, summary: &Summary) {
+fn effort(summary: &Summary) -> Facts {
     let times = summary
         .timings
         .iter()
-        .map(|(stage, seconds)| (stage.as_str(), format!("{seconds:.1} s")));
+        .map(|(stage, seconds)| (stage.clone(), format!("{seconds:.1} s")));
     let memory = summary
         .peak_memory
-        .map(|bytes| ("largest memory", format!("{:.0} MB", bytes as f64 / 1e6)));
-    rows(out, times.chain(memory));
+        .map(|bytes| ("largest memory".into(), format!("{:.0} MB", bytes as f64 / 1e6)));
+    times.chain(memory).collect()
 }

@@ -40,15 +40,15 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
             }
         }
     }
-    outputs.push(Output::new("backbone.csv", csv::document(summary)));
+    outputs.push(Output::new("backbone.csv", csv::backbone(summary)?));
     for backbone in summary.backbones.iter().skip(1) {
         let (of_mode, name) = (summary.of_mode(backbone), of_mode(Some(backbone.mode)));
-        outputs.push(Output::new(format!("{name}backbone.csv"), csv::document(&of_mode)));
+        outputs.push(Output::new(format!("{name}backbone.csv"), csv::backbone(&of_mode)?));
         let picture = plot::backbone(&of_mode, &title(run, backbone.mode))?;
         outputs.push(Output::new(format!("{name}backbone.svg"), picture));
     }
     if let Some(ensemble) = &summary.ensemble {
-        outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)));
+        outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)?));
     }
     outputs.push(Output::new("report.html", page::document(run, summary, &picture)?));
     outputs.push(Output::new("backbone.svg", picture));

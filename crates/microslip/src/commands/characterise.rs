@@ -12,7 +12,7 @@ use joint_pipeline::scene::{Length, Place, PlaneMesh, ScanFile, Scans, Structure
 use joint_pipeline::interface::ScannedSurface;
 use reports::Output;
 use reports::fields::CellField;
-use reports::{fields, map, plot};
+use reports::{csv, fields, map, plot};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use surface_characterisation::readers::{FirstRow, LengthUnit};
@@ -250,7 +250,7 @@ fn outputs(
     outputs.push(Output::new("response.svg", picture));
     outputs.push(Output::new("surface.vtu", fields::vtu(mesh, cells(elements))?));
     if let Some(study) = study {
-        outputs.push(Output::new("registration.csv", registration(study)));
+        outputs.push(Output::new("registration.csv", registration(study)?));
     }
     let json = serde_json::to_string(&surface.report(study)).context("encoding the surface")?;
     outputs.push(Output::new("surface.json", json + "\n"));
@@ -290,20 +290,21 @@ fn fell_back(element: &ElementSurface) -> bool {
     element.normal.fallback.is_some() || element.tangential.iter().any(|t| t.fallback.is_some())
 }
 
-fn registration(study: &[GapChange]) -> String {
-    let mut out = String::from(
-        "shift_x [m],shift_y [m],tilt_x [-],tilt_y [-],gap_mean_change [m],gap_rms_change [m],gap_largest_change [m]\n",
-    );
-    for change in study {
+fn registration(study: &[GapChange]) -> Result<String> {
+    let headings = [
+        "shift_x [m]",
+        "shift_y [m]",
+        "tilt_x [-]",
+        "tilt_y [-]",
+        "gap_mean_change [m]",
+        "gap_rms_change [m]",
+        "gap_largest_change [m]",
+    ];
+    let rows = study.iter().map(|change| {
         let ([x, y], [tx, ty]) = (change.registration.shift, change.registration.tilt);
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "{x:?},{y:?},{tx:?},{ty:?},{:?},{:?},{:?}",
-            change.mean, change.rms, change.largest
-        );
-    }
-    out
+        [x, y, tx, ty, change.mean, change.rms, change.largest].map(csv::number)
+    });
+    Ok(csv::table(headings, rows)?)
 }
 
 /// What is printed at the end.

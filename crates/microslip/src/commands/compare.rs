@@ -1,14 +1,17 @@
 //! `compare`: a run over measured backbones.
 
-use super::identify::Amplitude;
+use super::identify;
 use super::transient::line;
 use crate::files;
 use anyhow::{Context, Result, bail, ensure};
 use joint_pipeline::analysis::comparison::{Backbone, Misfit, POINTS, Point};
 use modal_identification::signal::{Quantity, Unit};
 use reports::Output;
+use reports::csv::{number, table as csv_table};
 use reports::overlay::{self, Series};
 use reports::run::SUMMARY;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -29,7 +32,7 @@ pub struct Arguments {
     experiments: Vec<PathBuf>,
     /// What amplitudes are [default: the quantity of the first experiment].
     #[arg(long, value_enum)]
-    amplitude: Option<Amplitude>,
+    amplitude: Option<identify::Amplitude>,
     /// Folder for compare.csv, compare.svg and compare.json.
     #[arg(long, value_name = "DIR", default_value = "results/compare")]
     out: PathBuf,
@@ -92,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         });
     }
     let outputs = [
-        Output::new("compare.csv", table(&results)),
+        Output::new("compare.csv", table(&results)?),
         Output::new("compare.svg", draw(&theory, &results, quantity)?),
         Output::new("compare.json", format!("{:#}\n", report(&theory, &results, quantity))),
     ];
@@ -128,33 +131,77 @@ fn title(path: &Path, usual: &str) -> String {
     }
 }
 
+/// What is read of the summary of a run, whatever else it holds.
+#[derive(Deserialize)]
+struct Summary {
+    backbone: Vec<Amplitude>,
+    #[serde(default, deserialize_with = "ensemble")]
+    ensemble: Option<Ensemble>,
+}
+
+/// An amplitude; its values are missing where it did not converge.
+#[derive(Deserialize)]
+struct Amplitude {
+    response_displacement: Option<f64>,
+    frequency_hz: Option<f64>,
+    damping_ratio: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct Ensemble {
+    bands: Vec<Band>,
+}
+
+/// 5, 50 and 95 % at an amplitude.
+#[derive(Deserialize)]
+struct Band {
+    response_displacement: f64,
+    frequency_hz: [f64; 3],
+    damping_ratio: [Option<f64>; 3],
+}
+
+/// An ensemble, with its name in errors.
+fn ensemble<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Ensemble>, D::Error> {
+    Option::deserialize(deserializer).map_err(|error| D::Error::custom(format!("`ensemble`: {error}")))
+}
+
+impl Ensemble {
+    /// The backbones of 5 and 95 %.
+    fn edges(&self) -> Result<[Backbone; 2]> {
+        let edge = |index: usize| {
+            let points = self.bands.iter().map(|band| Point {
+                amplitude: band.response_displacement,
+                frequency_hz: band.frequency_hz[index],
+                damping_ratio: band.damping_ratio[index],
+            });
+            Backbone::try_new("the edge of the band", points.collect())
+        };
+        Ok([edge(0)?, edge(2)?])
+    }
+}
+
 impl Theory {
     fn read(path: &Path) -> Result<Self> {
         let path = file(path, SUMMARY);
         let at = path.display();
-        let summary: Value = serde_json::from_str(&read(&path)?).with_context(|| format!("{at} is not JSON"))?;
-        let Some(all) = summary.get("backbone").and_then(Value::as_array) else {
-            bail!("{at} has no list `backbone`; it must be the summary of a run")
-        };
-        let number = |b: &Value, name: &str| b.get(name).and_then(Value::as_f64);
-        let points: Vec<Point> = all
-            .iter()
-            .filter_map(|b| {
-                Some(Point {
-                    amplitude: number(b, "response_displacement")?,
-                    frequency_hz: number(b, "frequency_hz")?,
-                    damping_ratio: number(b, "damping_ratio"),
-                })
+        let summary: Summary =
+            serde_json::from_str(&read(&path)?).with_context(|| format!("{at} is not the summary of a run"))?;
+        let points = summary.backbone.iter().filter_map(|point| {
+            Some(Point {
+                amplitude: point.response_displacement?,
+                frequency_hz: point.frequency_hz?,
+                damping_ratio: point.damping_ratio,
             })
-            .collect();
+        });
+        let points: Vec<Point> = points.collect();
         ensure!(
             !points.is_empty(),
             "none of the {} amplitudes of {at} converged: there is nothing to compare",
-            all.len()
+            summary.backbone.len()
         );
-        let band = match summary.get("ensemble") {
-            None | Some(Value::Null) => None,
-            Some(ensemble) => Some(band(ensemble).with_context(|| format!("{at}: `ensemble`"))?),
+        let band = match &summary.ensemble {
+            None => None,
+            Some(ensemble) => Some(ensemble.edges().with_context(|| format!("{at}: `ensemble`"))?),
         };
         Ok(Self {
             name: title(&path, SUMMARY),
@@ -177,57 +224,22 @@ impl Theory {
     }
 }
 
-/// The 5 and 95 % edges of `{"response_displacement": [..], "quantiles": [0.05, 0.5, 0.95], "frequency_hz": [[..], ..],
-/// "damping_ratio": [[..], ..]}`: one list per quantile over the displacements (m).
-fn band(ensemble: &Value) -> Result<[Backbone; 2]> {
-    let list = |value: &Value, name: &str| -> Result<Vec<Option<f64>>> {
-        let list = value.as_array().with_context(|| format!("`{name}` is not a list"))?;
-        Ok(list.iter().map(Value::as_f64).collect())
-    };
-    let field = |name: &str| ensemble.get(name).with_context(|| format!("`{name}` is missing"));
-    let amplitudes = list(field("response_displacement")?, "response_displacement")?;
-    let quantiles = list(field("quantiles")?, "quantiles")?;
-    let edge = |quantile: f64| -> Result<Backbone> {
-        let same = |q: &Option<f64>| q.is_some_and(|q| (q - quantile).abs() < 1e-9);
-        let at = quantiles.iter().position(same);
-        let at = at.with_context(|| format!("`quantiles` has no {quantile}"))?;
-        let of = |name: &str| -> Result<Vec<Option<f64>>> {
-            let values = field(name)?
-                .get(at)
-                .with_context(|| format!("`{name}` has no list {}", at + 1))?;
-            let values = list(values, name)?;
-            ensure!(
-                values.len() == amplitudes.len(),
-                "`{name}` has {} values for {} amplitudes",
-                values.len(),
-                amplitudes.len()
-            );
-            Ok(values)
-        };
-        let (frequencies, dampings) = (of("frequency_hz")?, of("damping_ratio")?);
-        let points = amplitudes.iter().zip(frequencies).zip(dampings);
-        let points = points.filter_map(|((x, f), damping_ratio)| {
-            Some(Point {
-                amplitude: (*x)?,
-                frequency_hz: f?,
-                damping_ratio,
-            })
-        });
-        Ok(Backbone::try_new("the edge of the band", points.collect())?)
-    };
-    Ok([edge(0.05)?, edge(0.95)?])
-}
-
 impl Experiment {
     fn read(path: &Path) -> Result<Self> {
         let path = file(path, "backbone.csv");
         let text = read(&path)?;
         let at = path.display();
-        let mut lines = text.lines().enumerate();
-        let header: Vec<&str> = lines.next().map(|(_, l)| l.split(',').collect()).unwrap_or_default();
-        let column = |wanted: &str| header.iter().position(|name| name.trim() == wanted);
+        let mut table = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let header = table
+            .headers()
+            .with_context(|| format!("{at}: the first line"))?
+            .clone();
+        let column = |wanted: &str| header.iter().position(|name| name == wanted);
         let (Some(first), Some(frequency), Some(damping)) =
-            (header.first(), column("frequency_hz"), column("damping_ratio"))
+            (header.get(0), column("frequency_hz"), column("damping_ratio"))
         else {
             bail!(
                 "{at}: the first line must name the columns `amplitude [unit]`, `frequency_hz` and `damping_ratio`, as \
@@ -235,19 +247,21 @@ impl Experiment {
             )
         };
         let unit = first
-            .trim()
             .strip_prefix("amplitude [")
             .and_then(|rest| rest.strip_suffix(']'));
         let unit = unit.with_context(|| format!("{at}: the first column is `{first}`, not `amplitude [unit]`"))?;
         let unit: Unit = unit.parse().with_context(|| format!("{at}: the first line"))?;
         let mut points = Vec::new();
-        for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-            let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        for row in table.records() {
+            let row = row.with_context(|| format!("reading {at}"))?;
+            if row.iter().all(str::is_empty) {
+                continue;
+            }
             let number = |column: usize| -> Result<f64> {
-                let cell = cells.get(column).copied().unwrap_or_default();
-                let name = header[column];
+                let (cell, name) = (row.get(column).unwrap_or_default(), &header[column]);
+                let line = row.position().map_or(0, csv::Position::line);
                 cell.parse()
-                    .with_context(|| format!("{at}, line {}, column `{name}`: `{cell}` is no number", index + 1))
+                    .with_context(|| format!("{at}, line {line}, column `{name}`: `{cell}` is no number"))
             };
             points.push(Point {
                 amplitude: unit.scale * number(0)?,
@@ -272,28 +286,24 @@ impl Experiment {
 }
 
 /// One row per experiment; empty cells where there is no value.
-fn table(results: &[Compared]) -> String {
-    let mut out = String::from("experiment,amplitude_from,amplitude_to");
+fn table(results: &[Compared]) -> Result<String> {
+    let mut headings: Vec<String> = ["experiment", "amplitude_from", "amplitude_to"].map(Into::into).into();
     for (name, unit) in [("frequency", "hz"), ("frequency", "percent"), ("damping", "ln")] {
-        for what in ["mean", "rms", "largest"] {
-            let _ = write!(out, ",{name}_{what}_{unit}");
-        }
+        headings.extend(["mean", "rms", "largest"].map(|what| format!("{name}_{what}_{unit}")));
     }
-    out += ",damping_points,frequency_within_band,damping_within_band\n";
-    for r in results {
+    headings.extend(["damping_points", "frequency_within_band", "damping_within_band"].map(Into::into));
+    let rows = results.iter().map(|r| {
         let m = &r.misfit;
-        let [low, high] = m.amplitudes;
-        let _ = write!(out, "\"{}\",{low:?},{high:?}", r.experiment.name.replace('"', "\"\""));
-        for d in [Some(m.frequency_hz), Some(m.frequency_percent), m.damping_ln] {
-            let cells = d.map_or_else(Default::default, |d| {
-                [d.mean, d.rms, d.largest].map(|v| format!("{v:?}"))
-            });
-            let _ = write!(out, ",{}", cells.join(","));
+        let mut row = vec![r.experiment.name.clone()];
+        row.extend(m.amplitudes.map(number));
+        for difference in [Some(m.frequency_hz), Some(m.frequency_percent), m.damping_ln] {
+            row.extend(difference.map_or_else(Default::default, |d| [d.mean, d.rms, d.largest].map(number)));
         }
-        let [f, zeta] = r.within.map_or_else(Default::default, |w| w.map(|v| format!("{v:?}")));
-        let _ = writeln!(out, ",{},{f},{zeta}", m.damping_points);
-    }
-    out
+        row.push(m.damping_points.to_string());
+        row.extend(r.within.map_or_else(Default::default, |within| within.map(number)));
+        row
+    });
+    Ok(csv_table(headings, rows)?)
 }
 
 fn report(theory: &Theory, results: &[Compared], quantity: Quantity) -> Value {

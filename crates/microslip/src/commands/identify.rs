@@ -6,7 +6,7 @@ use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
 use modal_identification::signal::{Quantity, Signal, Stated};
 use modal_identification::{Warning, readers};
-use reports::{Output, identification};
+use reports::{Output, csv, identification};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -118,7 +118,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let quantity = settings.quantity.unwrap_or(Quantity::Acceleration);
     let directory = &arguments.out;
     let outputs = [
-        Output::new("backbone.csv", table(&mean, quantity)),
+        Output::new("backbone.csv", table(&mean, quantity)?),
         Output::new("backbone.svg", picture(&hits, &mean, quantity)?),
         Output::new(
             "identification.json",
@@ -133,20 +133,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// One row per amplitude, ascending; empty cells where there is no value.
-pub(super) fn table(mean: &[MeanPoint], quantity: Quantity) -> String {
-    let mut out = format!(
-        "amplitude [{}],frequency_hz,damping_ratio,frequency_spread_hz,damping_ratio_spread,hits\n",
-        quantity.unit()
-    );
-    for p in mean {
-        // `{:?}` is the shortest text that reads back as the same number.
-        let [f, zeta] = p.spread.map_or_else(Default::default, |s| s.map(|v| format!("{v:?}")));
-        out += &format!(
-            "{:?},{:?},{:?},{f},{zeta},{}\n",
-            p.amplitude, p.frequency_hz, p.damping_ratio, p.hits
-        );
-    }
-    out
+pub(super) fn table(mean: &[MeanPoint], quantity: Quantity) -> Result<String> {
+    let amplitude = format!("amplitude [{}]", quantity.unit());
+    let headings = [
+        &amplitude,
+        "frequency_hz",
+        "damping_ratio",
+        "frequency_spread_hz",
+        "damping_ratio_spread",
+        "hits",
+    ];
+    let rows = mean.iter().map(|p| {
+        let [x, f, zeta] = [p.amplitude, p.frequency_hz, p.damping_ratio].map(csv::number);
+        let [f_spread, zeta_spread] = p.spread.map_or_else(Default::default, |s| s.map(csv::number));
+        [x, f, zeta, f_spread, zeta_spread, p.hits.to_string()]
+    });
+    Ok(csv::table(headings, rows)?)
 }
 
 fn picture(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity) -> Result<String> {

@@ -84,7 +84,7 @@ pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<
         let study = registration::study(scene, moves, &options, &monitor);
         monitor.finish();
         let study = study.with_context(|| format!("moving the bottom face of the scene {}", scene.name))?;
-        let outputs = [Output::new(REGISTRATION, csv::registration(&study))];
+        let outputs = [Output::new(REGISTRATION, csv::registration(&study)?)];
         files::write_all(&directory, &outputs)?;
         print(&moved(&study, &directory))?;
         let complete = study.iter().all(|moved| moved.not_converged == 0);

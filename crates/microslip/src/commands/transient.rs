@@ -5,7 +5,7 @@ use super::{Cache, Defaults, SceneArguments, default_directory, scene};
 use crate::files;
 use crate::progress::Monitor;
 use anyhow::{Context, Result};
-use joint_pipeline::analysis::comparison::{Backbone, Misfit};
+use joint_pipeline::analysis::comparison::{Backbone, Misfit, Point};
 use joint_pipeline::progress::Progress;
 use joint_pipeline::analysis::transient::{Excitation, RingDown, Settings, backbones, ring_down, scene_for};
 use joint_pipeline::{Options, Run, Scene};
@@ -13,7 +13,7 @@ use modal_identification::average::average;
 use modal_identification::backbone::Identification;
 use modal_identification::signal::Quantity;
 use reports::Output;
-use reports::ring_down as ring_down_picture;
+use reports::{csv, ring_down as ring_down_picture};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -103,9 +103,9 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     monitor.finish();
     let found = found?;
     let outputs = [
-        Output::new("signal.csv", signal(&found)),
+        Output::new("signal.csv", signal(&found)?),
         Output::new("backbone.csv", identified(&found)?),
-        Output::new("theory.csv", theory(&found)),
+        Output::new("theory.csv", theory(&found)?),
         Output::new("transient.svg", draw(&found)?),
         Output::new("transient.json", format!("{:#}\n", report(&found, &settings))),
     ];
@@ -139,16 +139,22 @@ fn follow(run: &Run, settings: &Settings, progress: &dyn Progress) -> Result<Fou
 }
 
 /// The motion of the response point and the energies.
-fn signal(found: &Found) -> String {
-    let mut out = String::from(
-        "time [s],acceleration [m/s^2],velocity [m/s],displacement [m],kinetic [J],kinetic_elsewhere [J],elastic [J],\
-         contact_work [J],viscous_work [J],external_work [J]\n",
-    );
-    for s in &found.ring.transient.samples {
+fn signal(found: &Found) -> Result<String> {
+    let headings = [
+        "time [s]",
+        "acceleration [m/s^2]",
+        "velocity [m/s]",
+        "displacement [m]",
+        "kinetic [J]",
+        "kinetic_elsewhere [J]",
+        "elastic [J]",
+        "contact_work [J]",
+        "viscous_work [J]",
+        "external_work [J]",
+    ];
+    let rows = found.ring.transient.samples.iter().map(|s| {
         let e = s.energy;
-        let _ = writeln!(
-            out,
-            "{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?}",
+        [
             s.time,
             s.acceleration,
             s.velocity,
@@ -158,27 +164,29 @@ fn signal(found: &Found) -> String {
             e.elastic,
             e.contact,
             e.viscous,
-            e.external
-        );
-    }
-    out
+            e.external,
+        ]
+        .map(csv::number)
+    });
+    Ok(csv::table(headings, rows)?)
 }
 
 /// The backbone identified, as `identify` writes it.
 fn identified(found: &Found) -> Result<String> {
     let mean = average(&[&found.identification.backbone], 2)?;
-    Ok(table(&mean, Quantity::Acceleration))
+    table(&mean, Quantity::Acceleration)
 }
 
-fn theory(found: &Found) -> String {
-    let mut out = String::from("method,amplitude [m/s^2],frequency_hz,damping_ratio\n");
-    for (name, backbone) in &found.theories {
-        for p in backbone.points() {
-            let zeta = p.damping_ratio.map_or_else(String::new, |z| format!("{z:?}"));
-            let _ = writeln!(out, "\"{name}\",{:?},{:?},{zeta}", p.amplitude, p.frequency_hz);
-        }
-    }
-    out
+fn theory(found: &Found) -> Result<String> {
+    let headings = ["method", "amplitude [m/s^2]", "frequency_hz", "damping_ratio"];
+    let rows = found.theories.iter().flat_map(|(name, backbone)| {
+        let row = move |p: &Point| {
+            let [x, f] = [p.amplitude, p.frequency_hz].map(csv::number);
+            [name.clone(), x, f, csv::optional(p.damping_ratio)]
+        };
+        backbone.points().iter().map(row)
+    });
+    Ok(csv::table(headings, rows)?)
 }
 
 fn report(found: &Found, settings: &Settings) -> Value {

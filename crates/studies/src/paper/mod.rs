@@ -343,7 +343,7 @@ impl Paper {
         let rows: Vec<Value> = self.computed.iter().map(Computed::json).collect();
         let json = serde_json::to_string_pretty(&rows).context("encoding the entries")?;
         let mut outputs = self.pictures();
-        outputs.push(Output::new("report.html", page::html(&self.computed, self.quick)));
+        outputs.push(Output::new("report.html", page::html(&self.computed, self.quick)?));
         outputs.push(Output::new("paper.json", json + "\n"));
         Ok(outputs)
     }
@@ -547,7 +547,7 @@ mod tests {
         assert_eq!(rows[2]["status"], "computed");
         assert!(rows[2]["computed"]["f1 (Hz)"].as_f64().expect("a number") > 100.0);
         assert!(!paper.is_complete());
-        let page = page::html(computed, true);
+        let page = page::html(computed, true).expect("a page");
         assert!(page.contains("Failed: there is no scan") && paper.markdown().contains("failed: there is"));
         let fine = Paper {
             computed: paper.computed.into_iter().skip(2).collect(),

@@ -1,8 +1,9 @@
 //! The entries as a page, in HTML and in Markdown, and as a few lines of text.
 
 use super::{Computed, Figure};
-use reports::markup::escape;
-use reports::page::STYLE;
+use reports::Error;
+use reports::html::{Picture, Table};
+use reports::study::{Findings, Section, Study};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -60,66 +61,42 @@ fn comparable(comparable: bool) -> &'static str {
 }
 
 /// The page as HTML, pictures included.
-pub(super) fn html(computed: &[Computed], quick: bool) -> String {
-    let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{TITLE}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{TITLE}</h1>\n<p>{}</p>\n",
-        escape(INTRODUCTION)
-    );
-    if quick {
-        let _ = writeln!(out, "<p class=\"warning\">{QUICK}</p>");
+pub(super) fn html(computed: &[Computed], quick: bool) -> Result<String, Error> {
+    let page = Study {
+        title: TITLE,
+        introduction: INTRODUCTION,
+        warning: quick.then_some(QUICK),
+        sections: computed.iter().map(section).collect(),
+    };
+    page.html()
+}
+
+fn section(computed: &Computed) -> Section<'_> {
+    Section {
+        id: computed.entry.id,
+        title: computed.entry.title,
+        inputs: computed.entry.inputs,
+        findings: match &computed.findings {
+            Ok(found) => Ok(findings(found, computed.seconds)),
+            Err(reason) => Err(reason),
+        },
     }
-    for Computed {
-        entry,
-        findings,
-        seconds,
-    } in computed
-    {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "<h2 id=\"{}\">{}</h2>\n<p>{}</p>",
-            entry.id,
-            escape(entry.title),
-            escape(entry.inputs)
-        );
-        let found = match findings {
-            Ok(found) => found,
-            Err(reason) => {
-                let _ = writeln!(out, "<p class=\"warning\">Failed: {}</p>", escape(reason));
-                continue;
-            }
-        };
-        let _ = writeln!(out, "<p><strong>{}</strong></p>", escape(&found.judgement));
-        for picture in &found.pictures {
-            let _ = writeln!(
-                out,
-                "<figure>\n{}<figcaption>{}</figcaption>\n</figure>",
-                picture.svg,
-                escape(&picture.caption)
-            );
-        }
-        out += "<div class=\"wide\"><table>\n<tr>";
-        for heading in HEADINGS {
-            let _ = write!(out, "<th scope=\"col\">{heading}</th>");
-        }
-        out += "</tr>\n";
-        for figure in &found.figures {
-            out += "<tr>";
-            for cell in cells(figure) {
-                let _ = write!(out, "<td>{}</td>", escape(&cell));
-            }
-            out += "</tr>\n";
-        }
-        let _ = writeln!(
-            out,
-            "</table></div>\n<p>{seconds:.0} s of computation; {}.</p>",
-            comparable(found.comparable)
-        );
+}
+
+fn findings(found: &super::Findings, seconds: f64) -> Findings<'_> {
+    let pictures = found.pictures.iter().map(|picture| Picture {
+        svg: picture.svg.as_str().into(),
+        caption: picture.caption.clone(),
+    });
+    Findings {
+        judgement: &found.judgement,
+        pictures: pictures.collect(),
+        table: Table {
+            headings: HEADINGS.map(Into::into).into(),
+            rows: found.figures.iter().map(|figure| cells(figure).into()).collect(),
+        },
+        remark: format!("{seconds:.0} s of computation; {}.", comparable(found.comparable)),
     }
-    out += "</body>\n</html>\n";
-    out
 }
 
 /// The page as Markdown; pictures are files in the folder `paper` beside it.

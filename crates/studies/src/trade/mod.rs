@@ -80,7 +80,7 @@ impl Plan {
         let outcomes = || ladders.iter().flat_map(|ladder| &ladder.outcomes);
         Ok(Trade {
             outputs: [
-                Output::new("trade.csv", page::csv(&ladders)),
+                Output::new("trade.csv", page::csv(&ladders)?),
                 Output::new("trade.md", table.clone()),
                 Output::new("trade.svg", page::pareto(&ladders)?),
                 Output::new("trade.json", format!("{report:#}\n")),

@@ -3,6 +3,7 @@
 use super::dials::{AMPLITUDES, Source};
 use super::{Ladder, Measured, Part, total};
 use plotters::prelude::*;
+use reports::csv::table;
 use reports::plot::{Canvas, Curve, bounds, log, panel, picture, power, ticks, widen};
 use reports::{Drawing, Error};
 use std::fmt::Write;
@@ -26,49 +27,46 @@ fn seconds(measured: &Measured) -> f64 {
 }
 
 /// All rungs as rows.
-pub(crate) fn csv(ladders: &[Ladder]) -> String {
-    let mut out = String::from("dial,setting,seconds,interface_seconds,peak_memory_bytes,linear_frequency_error");
+pub(crate) fn csv(ladders: &[Ladder]) -> Result<String, Error> {
+    let mut headings: Vec<String> = [
+        "dial",
+        "setting",
+        "seconds",
+        "interface_seconds",
+        "peak_memory_bytes",
+        "linear_frequency_error",
+    ]
+    .map(Into::into)
+    .into();
     for what in ["frequency_shift_error", "damping_ln_error"] {
-        for amplitude in AMPLITUDES {
-            // Writing to a string cannot fail.
-            let _ = write!(out, ",{what}_at_{amplitude:e}_m");
-        }
+        headings.extend(AMPLITUDES.map(|amplitude| format!("{what}_at_{amplitude:e}_m")));
     }
-    out.push_str(",not_converged,pareto,failure\n");
-    for ladder in ladders {
-        for (rung, outcome) in ladder.dial.rungs.iter().zip(&ladder.outcomes) {
-            let cell = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.6e}"));
+    headings.extend(["not_converged", "pareto", "failure"].map(Into::into));
+    let cell = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.6e}"));
+    let rows = ladders.iter().flat_map(|ladder| {
+        let rungs = ladder.dial.rungs.iter().zip(&ladder.outcomes);
+        rungs.map(move |(rung, outcome)| {
             let measured = outcome.measured.as_ref();
             let of = |value: fn(&Measured) -> f64| cell(measured.ok().map(value));
             let memory = measured.ok().and_then(|m| m.peak_memory);
-            let _ = write!(
-                out,
-                "{},\"{}\",{},{},{},{}",
-                ladder.dial.name,
-                rung.name,
+            let mut row = vec![
+                ladder.dial.name.to_owned(),
+                rung.name.clone(),
                 of(seconds),
                 of(|m| m.interface_seconds),
                 memory.map_or_else(String::new, |bytes| bytes.to_string()),
                 cell(outcome.errors.map(|e| e.linear)),
-            );
+            ];
             let errors = outcome.errors;
-            for index in 0..AMPLITUDES.len() {
-                let _ = write!(out, ",{}", cell(errors.and_then(|e| e.shift[index])));
-            }
-            for index in 0..AMPLITUDES.len() {
-                let _ = write!(out, ",{}", cell(errors.and_then(|e| e.damping[index])));
-            }
-            let failure = outcome.measured.as_ref().err();
-            let _ = writeln!(
-                out,
-                ",{},{},\"{}\"",
-                measured.map_or_else(|_| String::new(), |m| m.not_converged.to_string()),
-                outcome.pareto,
-                failure.map_or_else(String::new, |reason| reason.replace('"', "'"))
-            );
-        }
-    }
-    out
+            row.extend((0..AMPLITUDES.len()).map(|index| cell(errors.and_then(|e| e.shift[index]))));
+            row.extend((0..AMPLITUDES.len()).map(|index| cell(errors.and_then(|e| e.damping[index]))));
+            row.push(measured.map_or_else(|_| String::new(), |m| m.not_converged.to_string()));
+            row.push(outcome.pareto.to_string());
+            row.push(measured.err().cloned().unwrap_or_default());
+            row
+        })
+    });
+    table(headings, rows)
 }
 
 /// The same for readers, times and errors to two digits.
