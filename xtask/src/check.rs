@@ -1,9 +1,10 @@
 //! Checks a finished run against bounds that hold for every sound scene of the beam.
 
 use anyhow::{Context, Result, bail};
+use microslip::benchmarks::BENCHMARKS;
+use microslip::{Scene, Summary};
 use reports::markup;
 use reports::run::{SUMMARY, amplitude_file};
-use serde_json::Value;
 use std::path::Path;
 
 /// Share of the area that slips beyond which the damping need not rise any more.
@@ -16,10 +17,12 @@ const NOISE: f64 = 1e-6;
 pub(crate) fn run(directory: &Path) -> Result<()> {
     let path = directory.join(SUMMARY);
     let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
-    let summary: Value = serde_json::from_str(&text).with_context(|| format!("parsing {}", path.display()))?;
+    let summary: Summary = serde_json::from_str(&text).with_context(|| format!("parsing {}", path.display()))?;
+    let scene =
+        Scene::from_summary(&summary.scene, &BENCHMARKS).with_context(|| format!("reading {}", path.display()))?;
     let mut checks = Checks::default();
-    checks.summary(&summary)?;
-    checks.files(directory, &summary)?;
+    checks.summary(&scene, &summary)?;
+    checks.files(directory, &scene, &summary);
     if !checks.defects.is_empty() {
         let (failed, all) = (checks.defects.len(), checks.count);
         bail!(
@@ -51,88 +54,96 @@ impl Checks {
         });
     }
 
-    fn summary(&mut self, summary: &Value) -> Result<()> {
-        let at = |pointer: &str| number(summary, pointer);
+    fn summary(&mut self, scene: &Scene, summary: &Summary) -> Result<()> {
+        let model = &summary.model;
         // 3.70 kg within 0.5 %, for the default material's density.
-        let density = at("/scene/model/material/density")? / 7857.8;
-        self.between("model.mass", at("/model/mass")? / density, 3.70 * 0.995, 3.70 * 1.005);
+        let density = scene.model.material.density;
+        let density = density
+            .context("summary.json: scene.model.material.density is missing")?
+            .si()
+            / 7857.8;
+        let mass = model.mass.context("summary.json: model.mass is missing")?;
+        self.between("model.mass", mass / density, 3.70 * 0.995, 3.70 * 1.005);
         let bore = 0.0085_f64;
         let area = 0.120 * 0.0254 - 3.0 * std::f64::consts::PI * bore * bore / 4.0;
         self.between(
             "model.interface_area over its nominal value",
-            at("/model/interface_area")? / area,
+            model.interface_area / area,
             0.999,
             1.001,
         );
-        let (stuck, unstressed) = (at("/model/zem_stuck")?, at("/model/zem_unstressed")?);
-        self.that(stuck == 6.0, || format!("model.zem_stuck = {stuck} is not 6"));
-        self.that(unstressed == 7.0, || {
+        let (stuck, unstressed) = (model.zem_stuck, model.zem_unstressed);
+        self.that(stuck == 6, || format!("model.zem_stuck = {stuck} is not 6"));
+        self.that(unstressed == 7, || {
             format!("model.zem_unstressed = {unstressed} is not 7")
         });
-        self.between(
-            "model.penalty_spectrum_error",
-            at("/model/penalty_spectrum_error")?,
-            0.0,
-            1e-4,
-        );
+        self.between("model.penalty_spectrum_error", model.penalty_spectrum_error, 0.0, 1e-4);
 
-        let converged = summary.pointer("/prestress/converged") == Some(&Value::Bool(true));
-        self.that(converged, || "prestress.converged is not true".into());
-        let (residual, equilibrium) = (at("/prestress/residual_ratio")?, at("/prestress/equilibrium_error")?);
+        let prestress = &summary.prestress;
+        self.that(prestress.converged, || "prestress.converged is not true".into());
+        let (residual, equilibrium) = (prestress.residual_ratio, prestress.equilibrium_error);
         self.between("prestress.residual_ratio", residual, 0.0, 1e-6);
         self.between("prestress.equilibrium_error", equilibrium, 0.0, 10.0 * residual + 1e-12);
         self.between(
             "prestress.contact_area_fraction",
-            at("/prestress/contact_area_fraction")?,
+            prestress.contact_area_fraction,
             0.05,
             1.0,
         );
 
-        let (stuck, first) = (at("/model/stuck_frequencies_hz/0")?, at("/modes/0/frequency_hz")?);
-        self.between("modes[0] over model.stuck_frequencies_hz[0]", first / stuck, 0.5, 1.0);
-        self.backbone(summary)
+        let stuck = model.stuck_frequencies_hz.first();
+        let stuck = stuck.context("summary.json: model.stuck_frequencies_hz is empty")?;
+        let first = summary.modes.first().context("summary.json: modes is empty")?;
+        self.between(
+            "modes[0] over model.stuck_frequencies_hz[0]",
+            first.frequency_hz / stuck,
+            0.5,
+            1.0,
+        );
+        self.backbone(scene, summary)
     }
 
-    fn backbone(&mut self, summary: &Value) -> Result<()> {
-        let points = summary
-            .pointer("/backbone")
-            .and_then(Value::as_array)
-            .context("summary.json: no backbone")?;
-        let expected = number(summary, "/scene/cqsma/amplitudes")?;
-        self.that(points.len() as f64 == expected, || {
-            format!("backbone has {} amplitudes instead of {expected}", points.len())
+    fn backbone(&mut self, scene: &Scene, summary: &Summary) -> Result<()> {
+        let (found, expected) = (summary.backbone.len(), scene.cqsma.amplitudes);
+        self.that(found == expected, || {
+            format!("backbone has {found} amplitudes instead of {expected}")
         });
-        let tolerance = number(summary, "/scene/cqsma/tolerance")?;
         // (number, frequency, friction damping, slip fraction) once slip begins.
         let mut before: Option<(usize, f64, f64, f64)> = None;
-        for (index, point) in points.iter().enumerate() {
+        for (index, point) in summary.backbone.iter().enumerate() {
             let n = index + 1;
-            let converged = point["converged"] == Value::Bool(true);
-            self.that(converged, || {
-                format!("amplitude {n} did not converge: {}", point["failure"])
+            self.that(point.converged, || {
+                let reason = point.failure.as_deref().unwrap_or("no reason is given");
+                format!("amplitude {n} did not converge: {reason}")
             });
-            if !converged {
+            if !point.converged {
                 continue;
             }
-            let at = |field: &str| number(point, &format!("/{field}")).with_context(|| format!("amplitude {n}"));
-            let (dissipation, area) = (at("dissipation")?, at("loop_area")?);
-            let bound = 1e-6 * dissipation.abs() + 10.0 * tolerance * at("modal_force")? * at("modal_amplitude")?;
+            let value = |field: &str, value: Option<f64>| {
+                value.with_context(|| format!("amplitude {n}: summary.json: {field} is missing"))
+            };
+            let dissipation = value("dissipation", point.dissipation)?;
+            let area = value("loop_area", point.loop_area)?;
+            let load = point.modal_force * value("modal_amplitude", point.modal_amplitude)?;
+            let bound = 1e-6 * dissipation.abs() + 10.0 * scene.cqsma.tolerance * load;
             self.that((dissipation - area).abs() <= bound, || {
                 format!(
                     "amplitude {n}: dissipation {dissipation} J by points and {area} J by the loop differ by more than \
                      {bound:.3e} J"
                 )
             });
-            let frequency = at("frequency_hz")?;
-            let halves = (at("half_frequencies_hz/0")?, at("half_frequencies_hz/1")?);
+            let frequency = value("frequency_hz", point.frequency_hz)?;
+            let halves = point.half_frequencies_hz;
+            let halves = halves.with_context(|| format!("amplitude {n}: half_frequencies_hz is missing"))?;
             self.that(
-                halves.0.min(halves.1) <= frequency && frequency <= halves.0.max(halves.1),
+                halves[0].min(halves[1]) <= frequency && frequency <= halves[0].max(halves[1]),
                 || format!("amplitude {n}: the frequency {frequency} Hz is not between those of the halves {halves:?}"),
             );
-            let slip = at("slip_fraction")?;
+            let slip = value("slip_fraction", point.slip_fraction)?;
             // Below the floor there is no damping to compare.
-            if slip > 0.0 && !point["friction_damping_ratio"].is_null() {
-                let damping = at("friction_damping_ratio")?;
+            if slip > 0.0
+                && let Some(damping) = point.friction_damping_ratio
+            {
                 if let Some((last, f, zeta, slipped)) = before {
                     self.that(frequency < f * (1.0 + NOISE), || {
                         format!("frequency does not fall from amplitude {last} ({f} Hz) to {n} ({frequency} Hz)")
@@ -148,13 +159,13 @@ impl Checks {
         Ok(())
     }
 
-    fn files(&mut self, directory: &Path, summary: &Value) -> Result<()> {
+    fn files(&mut self, directory: &Path, scene: &Scene, summary: &Summary) {
         let mut documents = vec![
             "backbone.svg".to_owned(),
             "report.html".into(),
             "interface-prestress.vtu".into(),
         ];
-        documents.extend(stored(summary)?.into_iter().map(|number| amplitude_file(None, number)));
+        documents.extend(stored(scene, summary).map(|number| amplitude_file(None, number)));
         for name in documents {
             let text = std::fs::read_to_string(directory.join(&name));
             let result = text.map_err(|e| e.to_string()).and_then(|text| markup::check(&text));
@@ -162,36 +173,25 @@ impl Checks {
                 format!("{name}: {}", result.err().unwrap_or_default())
             });
         }
-        let amplitudes = summary
-            .pointer("/backbone")
-            .and_then(Value::as_array)
-            .map_or(0, Vec::len);
+        let amplitudes = summary.backbone.len();
         let table = std::fs::read_to_string(directory.join("backbone.csv")).unwrap_or_default();
         let rows = table.lines().count();
         self.that(rows == amplitudes + 1, || {
             format!("backbone.csv has {rows} lines for {amplitudes} amplitudes")
         });
-        Ok(())
     }
 }
 
 /// Numbers of the amplitudes whose fields must be there: those asked for that converged.
-fn stored(summary: &Value) -> Result<Vec<usize>> {
-    let converged = |n: usize| summary["backbone"][n - 1]["converged"] == Value::Bool(true);
-    let asked = match summary.pointer("/scene/output/fields_at").and_then(Value::as_array) {
-        Some(numbers) => numbers.iter().filter_map(Value::as_u64).map(|n| n as usize).collect(),
-        // By default at least the first and the last.
-        None => vec![1, number(summary, "/scene/cqsma/amplitudes")? as usize],
+fn stored(scene: &Scene, summary: &Summary) -> impl Iterator<Item = usize> {
+    // By default at least the first and the last.
+    let asked = scene.output.fields_at.clone();
+    let asked = asked.unwrap_or_else(|| vec![1, scene.cqsma.amplitudes]);
+    let converged = |n: &usize| {
+        summary
+            .backbone
+            .get(n.wrapping_sub(1))
+            .is_some_and(|point| point.converged)
     };
-    Ok(asked.into_iter().filter(|&n| n > 0 && converged(n)).collect())
-}
-
-fn number(value: &Value, pointer: &str) -> Result<f64> {
-    let found = value.pointer(pointer).and_then(Value::as_f64);
-    found.with_context(|| {
-        format!(
-            "summary.json: {} is missing or not a number",
-            pointer[1..].replace('/', ".")
-        )
-    })
+    asked.into_iter().filter(converged)
 }

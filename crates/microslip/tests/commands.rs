@@ -782,5 +782,5 @@ fn shells_are_given_completions() {
             assert!(script.contains(word), "{shell}: {word}");
         }
     }
-    assert_eq!(exit_code(&run(&folder, &["run"])), 2);
+    assert_eq!(exit_code(&run(&folder, &["completions", "tcsh"])), 2);
 }

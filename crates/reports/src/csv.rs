@@ -36,40 +36,37 @@ where
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Name with unit, and value, of every column.
-fn columns(place: usize, b: &BackboneSummary) -> Vec<(&'static str, String)> {
-    vec![
-        ("number", place.to_string()),
-        ("converged", b.converged.to_string()),
-        ("response_displacement [m]", optional(b.response_displacement)),
-        ("response_acceleration [m/s^2]", optional(b.response_acceleration)),
-        ("frequency [Hz]", optional(b.frequency_hz)),
-        (
-            "frequency_positive_half [Hz]",
-            optional(b.half_frequencies_hz.map(|f| f[0])),
-        ),
-        (
-            "frequency_negative_half [Hz]",
-            optional(b.half_frequencies_hz.map(|f| f[1])),
-        ),
-        ("damping_ratio [-]", optional(b.damping_ratio)),
-        ("friction_damping_ratio [-]", optional(b.friction_damping_ratio)),
-        ("damping_floor [-]", optional(b.damping_floor)),
-        ("modal_force [sqrt(kg) m/s^2]", number(b.modal_force)),
-        ("modal_amplitude [sqrt(kg) m]", optional(b.modal_amplitude)),
-        ("dissipation [J]", optional(b.dissipation)),
-        ("loop_area [J]", optional(b.loop_area)),
-        ("coarse_loop_area [J]", optional(b.coarse_loop_area)),
-        ("slip_fraction [-]", optional(b.slip_fraction)),
-        ("open_fraction [-]", optional(b.open_fraction)),
-        ("shape_deviation [-]", optional(b.shape_deviation)),
-        ("cycles", b.cycles.map_or_else(String::new, |n| n.to_string())),
-        ("loop_closure [-]", optional(b.loop_closure)),
-        ("residual [-]", optional(b.residual)),
-        ("iterations", b.iterations.to_string()),
-        ("failure", b.failure.clone().unwrap_or_default()),
-    ]
-}
+/// Heading with unit, and cell, of every column beside the number.
+type Column = (&'static str, fn(&BackboneSummary) -> String);
+
+const COLUMNS: [Column; 22] = [
+    ("converged", |b| b.converged.to_string()),
+    ("response_displacement [m]", |b| optional(b.response_displacement)),
+    ("response_acceleration [m/s^2]", |b| optional(b.response_acceleration)),
+    ("frequency [Hz]", |b| optional(b.frequency_hz)),
+    ("frequency_positive_half [Hz]", |b| {
+        optional(b.half_frequencies_hz.map(|f| f[0]))
+    }),
+    ("frequency_negative_half [Hz]", |b| {
+        optional(b.half_frequencies_hz.map(|f| f[1]))
+    }),
+    ("damping_ratio [-]", |b| optional(b.damping_ratio)),
+    ("friction_damping_ratio [-]", |b| optional(b.friction_damping_ratio)),
+    ("damping_floor [-]", |b| optional(b.damping_floor)),
+    ("modal_force [sqrt(kg) m/s^2]", |b| number(b.modal_force)),
+    ("modal_amplitude [sqrt(kg) m]", |b| optional(b.modal_amplitude)),
+    ("dissipation [J]", |b| optional(b.dissipation)),
+    ("loop_area [J]", |b| optional(b.loop_area)),
+    ("coarse_loop_area [J]", |b| optional(b.coarse_loop_area)),
+    ("slip_fraction [-]", |b| optional(b.slip_fraction)),
+    ("open_fraction [-]", |b| optional(b.open_fraction)),
+    ("shape_deviation [-]", |b| optional(b.shape_deviation)),
+    ("cycles", |b| b.cycles.map_or_else(String::new, |n| n.to_string())),
+    ("loop_closure [-]", |b| optional(b.loop_closure)),
+    ("residual [-]", |b| optional(b.residual)),
+    ("iterations", |b| b.iterations.to_string()),
+    ("failure", |b| b.failure.clone().unwrap_or_default()),
+];
 
 /// Backbones with the bottom face moved, one row per amplitude; empty cells where damping is below its floor.
 ///
@@ -89,7 +86,7 @@ pub fn registration(study: &[Moved]) -> Result<String, Error> {
         let ([x, y], [tx, ty]) = (moved.registration.shift, moved.registration.tilt);
         let row = move |point: &MemberPoint| {
             let [a, f] = [point.response_displacement, point.frequency_hz].map(number);
-            let [x, y, tx, ty] = [x, y, tx, ty].map(number);
+            let [x, y, tx, ty] = [x.si(), y.si(), tx, ty].map(number);
             [x, y, tx, ty, a, f, optional(point.damping_ratio)]
         };
         moved.points.iter().map(row)
@@ -125,9 +122,12 @@ pub fn ensemble(ensemble: &Ensemble) -> Result<String, Error> {
 /// # Errors
 /// [`Error::Table`].
 pub fn backbone(summary: &Summary) -> Result<String, Error> {
-    let columns = |(index, point)| -> (Vec<&str>, Vec<String>) { columns(index + 1, point).into_iter().unzip() };
-    let (headings, rows): (Vec<_>, Vec<_>) = summary.backbone.iter().enumerate().map(columns).unzip();
-    table(headings.into_iter().next().unwrap_or_default(), rows)
+    let headings = ["number"].into_iter().chain(COLUMNS.map(|(heading, _)| heading));
+    let rows = summary.backbone.iter().enumerate().map(|(index, point)| {
+        let cells = COLUMNS.map(|(_, cell)| cell(point));
+        [(index + 1).to_string()].into_iter().chain(cells)
+    });
+    table(headings, rows)
 }
 
 #[cfg(test)]

@@ -89,8 +89,9 @@ fn maps(run: &Run) -> Vec<Picture<'static>> {
     let pressure = fields::pressure(run, &run.prestress.fields);
     let mut maps = vec![Picture {
         svg: map::svg(&run.mesh, &pressure, "pressure", "Pa").into(),
-        caption: "Pressure under prestress, means over the elements; seen along the normal, x of the interface to the right."
-            .into(),
+        caption:
+            "Pressure under prestress, means over the elements; seen along the normal, x of the interface to the right."
+                .into(),
     }];
     for (index, amplitude) in run.amplitudes().iter().enumerate() {
         let stored = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref());

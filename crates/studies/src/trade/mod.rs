@@ -10,6 +10,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use dials::{AMPLITUDES, Dial, Rung, Share, Source};
 use joint_pipeline::Scene;
 use joint_pipeline::analysis::comparison::{Backbone, Point};
+use joint_pipeline::results::summary::Summary;
 use joint_pipeline::results::trends::{Extrapolation, extrapolate};
 use joint_pipeline::scene::PRESETS;
 use reports::Output;
@@ -169,7 +170,14 @@ pub(crate) struct Ladder {
 }
 
 /// What tells reduced structures apart in summaries: equal only where one was taken from the cache.
-const STRUCTURE: [&str; 5] = ["n_dofs", "n_relative_dofs", "n_modes", "mass", "stuck_frequencies_hz"];
+fn structure(summary: &Summary) -> impl PartialEq {
+    let model = &summary.model;
+    (
+        [model.n_dofs, model.n_relative_dofs, model.n_modes],
+        model.mass,
+        model.stuck_frequencies_hz.clone(),
+    )
+}
 
 /// Runs scenes one after another, each in its own process.
 struct Bench<'a> {
@@ -179,7 +187,7 @@ struct Bench<'a> {
     done: usize,
     all: usize,
     /// Scenes without their names, the reduced structures among them, and what was measured.
-    known: Vec<(Value, Value)>,
+    known: Vec<(Value, Summary)>,
 }
 
 impl<'a> Bench<'a> {
@@ -216,7 +224,7 @@ impl<'a> Bench<'a> {
         measured
     }
 
-    fn summary(&mut self, slug: &str, rung: &Rung) -> Result<Value> {
+    fn summary(&mut self, slug: &str, rung: &Rung) -> Result<Summary> {
         let scene = comparable(&rung.scene, rung.source);
         if let Some((_, summary)) = self.known.iter().find(|(known, _)| *known == scene) {
             return Ok(summary.clone());
@@ -224,7 +232,7 @@ impl<'a> Bench<'a> {
         let folder = self.folder.join(slug);
         let path = folder.join(SUMMARY);
         let earlier = std::fs::read_to_string(&path).ok();
-        let earlier = earlier.and_then(|text| serde_json::from_str::<Value>(&text).ok());
+        let earlier = earlier.and_then(|text| serde_json::from_str::<Summary>(&text).ok());
         // A run that is there was measured as this one would be, if its scene is the same.
         let kept = earlier.filter(|summary| of_summary(summary, rung.source) == scene);
         let summary = match kept {
@@ -235,7 +243,7 @@ impl<'a> Bench<'a> {
         Ok(summary)
     }
 
-    fn measure(&self, slug: &str, rung: &Rung, folder: &Path) -> Result<Value> {
+    fn measure(&self, slug: &str, rung: &Rung, folder: &Path) -> Result<Summary> {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let path = folder.join("scene.json");
         let mut scene = rung.scene.clone();
@@ -264,54 +272,54 @@ impl<'a> Bench<'a> {
         }
         let path = folder.join(SUMMARY);
         let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
-        serde_json::from_str(&text).with_context(|| format!("{} is not JSON", path.display()))
+        serde_json::from_str(&text).with_context(|| format!("{} is not the summary of a run", path.display()))
     }
 
     /// Seconds and memory of reducing the structure of a run, from the run that did it: others took it from the cache, also where their
     /// scenes spell out what is the default.
-    fn structure_of(&self, summary: &Value) -> (f64, Option<u64>) {
-        let structure = |summary: &Value| STRUCTURE.map(|fact| summary["model"][fact].clone());
-        let own = structure(summary);
-        let same = self
-            .known
-            .iter()
-            .map(|(_, known)| known)
-            .filter(|known| structure(known) == own);
+    fn structure_of(&self, summary: &Summary) -> (f64, Option<u64>) {
+        let known = self.known.iter().map(|(_, known)| known);
+        let same = known.filter(|known| structure(known) == structure(summary));
         let longest = same.max_by(|a, b| structure_seconds(a).total_cmp(&structure_seconds(b)));
-        longest.map_or((0.0, None), |run| (structure_seconds(run), run["peak_memory"].as_u64()))
+        longest.map_or((0.0, None), |run| (structure_seconds(run), run.peak_memory))
     }
 
-    fn measured(&self, rung: &Rung, summary: &Value) -> Result<Measured> {
+    fn measured(&self, rung: &Rung, summary: &Summary) -> Result<Measured> {
         let mode = rung.scene.cqsma.mode - 1;
-        let number = |value: &Value, what: &str| value.as_f64().with_context(|| format!("the summary has no {what}"));
-        let linear = number(&summary["modes"][mode]["frequency_hz"], "linearised frequency")?;
-        let name = match rung.source {
-            Source::Loops => String::new(),
-            Source::Method(method) => format!("/methods/{}", method.name()),
-            Source::Ensemble(_) => "/ensemble/bands".into(),
+        let linear = summary
+            .modes
+            .get(mode)
+            .context("the summary has no linearised frequency")?;
+        let points: Vec<Point> = match rung.source {
+            Source::Loops => {
+                let points = summary.backbone.iter();
+                points
+                    .filter_map(|b| point(b.response_displacement, b.frequency_hz, b.damping_ratio))
+                    .collect()
+            }
+            Source::Method(method) => {
+                let points = summary.methods.get(method.name());
+                points
+                    .context("the summary has no backbone of the method")?
+                    .iter()
+                    .filter_map(|m| point(m.response_displacement, m.frequency_hz, m.damping_ratio))
+                    .collect()
+            }
+            Source::Ensemble(_) => {
+                let ensemble = summary.ensemble.as_ref().context("the summary has no ensemble")?;
+                let upper = ensemble.bands.iter();
+                upper
+                    .filter_map(|b| {
+                        point(
+                            Some(b.response_displacement),
+                            Some(b.frequency_hz[2]),
+                            b.damping_ratio[2],
+                        )
+                    })
+                    .collect()
+            }
         };
-        let list = match rung.source {
-            Source::Loops => &summary["backbone"],
-            _ => summary.pointer(&name).unwrap_or(&Value::Null),
-        };
-        let list = list.as_array().context("the summary has no backbone")?;
-        // Of bands, the upper end.
-        let end = |value: &Value| match rung.source {
-            Source::Ensemble(_) => value[2].as_f64(),
-            _ => value.as_f64(),
-        };
-        let points: Vec<Point> = list
-            .iter()
-            .filter_map(|point| {
-                Some(Point {
-                    amplitude: point["response_displacement"].as_f64()?,
-                    frequency_hz: end(&point["frequency_hz"])?,
-                    damping_ratio: end(&point["damping_ratio"]),
-                })
-            })
-            .collect();
         let not_converged = rung.scene.cqsma.amplitudes.saturating_sub(points.len());
-        let seconds = |stage: &str| summary["timings"][stage].as_f64().unwrap_or(0.0);
         let own = match rung.source {
             Source::Loops => "backbone",
             Source::Method(_) => "methods",
@@ -319,20 +327,34 @@ impl<'a> Bench<'a> {
         };
         let (structure, memory) = self.structure_of(summary);
         Ok(Measured {
-            linear,
+            linear: linear.frequency_hz,
             backbone: Backbone::try_new(&rung.name, points)?,
             structure_seconds: structure,
-            interface_seconds: ["characterise", "prestress", "modes", own].map(seconds).iter().sum(),
-            peak_memory: summary["peak_memory"].as_u64().max(memory),
-            n_elements: number(&summary["model"]["n_interface_elements"], "number of elements")?,
+            interface_seconds: seconds(summary, &["characterise", "prestress", "modes", own]),
+            peak_memory: summary.peak_memory.max(memory),
+            n_elements: summary.model.n_interface_elements as f64,
             not_converged,
         })
     }
 }
 
-fn structure_seconds(summary: &Value) -> f64 {
-    let seconds = |stage: &str| summary["timings"][stage].as_f64().unwrap_or(0.0);
-    ["mesh", "assemble", "factor", "reduce"].map(seconds).iter().sum()
+/// A point of a backbone, where the amplitude converged.
+fn point(amplitude: Option<f64>, frequency_hz: Option<f64>, damping_ratio: Option<f64>) -> Option<Point> {
+    Some(Point {
+        amplitude: amplitude?,
+        frequency_hz: frequency_hz?,
+        damping_ratio,
+    })
+}
+
+/// Seconds of these stages together.
+fn seconds(summary: &Summary, stages: &[&str]) -> f64 {
+    let of = |stage: &&str| summary.timings.get(*stage).copied().unwrap_or(0.0);
+    stages.iter().map(of).sum()
+}
+
+fn structure_seconds(summary: &Summary) -> f64 {
+    seconds(summary, &["mesh", "assemble", "factor", "reduce"])
 }
 
 /// A scene as its summary has it, without its name, and what else is computed.
@@ -340,14 +362,14 @@ fn comparable(scene: &Scene, source: Source) -> Value {
     without_name(json!(scene), source)
 }
 
-fn of_summary(summary: &Value, source: Source) -> Value {
-    let members = summary["ensemble"]["realisations"].as_u64().unwrap_or(0);
+fn of_summary(summary: &Summary, source: Source) -> Value {
+    let members = summary.ensemble.as_ref().map_or(0, |ensemble| ensemble.realisations);
     let asked = match source {
-        Source::Ensemble(count) => u64::from(count),
+        Source::Ensemble(count) => usize::from(count),
         _ => 0,
     };
     if members == asked {
-        without_name(summary["scene"].clone(), source)
+        without_name(summary.scene.clone(), source)
     } else {
         Value::Null
     }
