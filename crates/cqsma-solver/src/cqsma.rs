@@ -5,7 +5,7 @@ use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
 use crate::linear::{Motion, dot, multiply};
 use crate::modes::{Linearisation, Mode};
-use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Walk};
+use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use contact_laws::RegimeCounts;
 use rayon::prelude::*;
@@ -24,12 +24,12 @@ pub enum Commit {
     /// At load reversals, as published: the path of a point between two reversals counts as straight.
     #[default]
     AtReversals,
-    /// At every converged vertex: curved paths and local reversals are followed, at the cost of walking every cycle in
+    /// At every converged vertex: curved paths and local reversals are followed, at the cost of computing every cycle in
     /// full.
     AtEveryVertex,
 }
 
-/// How many cycles are walked. The first carries slip left over from the prestress.
+/// How many cycles are computed. The first carries slip left over from the prestress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cycles {
     /// So many.
@@ -52,14 +52,14 @@ impl Default for Cycles {
     }
 }
 
-/// How the loops are walked.
+/// How the loops are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Which mode, zero-based.
     pub mode: usize,
     /// Vertices per quarter of a loop; the measured loop has four times as many edges.
     pub vertices_per_quarter: usize,
-    /// How many cycles are walked; the last one is measured.
+    /// How many cycles are computed; the last one is measured.
     pub cycles: Cycles,
     /// When the history is committed.
     pub commit: Commit,
@@ -123,7 +123,7 @@ pub struct LoopResult {
     pub coarse_loop_area: Option<f64>,
     /// Part of the motion at the peak that is mass-orthogonal to the mode, relative.
     pub shape_deviation: f64,
-    /// Cycles walked, the measured one included; one where nothing dissipates, walked one way.
+    /// Cycles computed, the measured one included; one where nothing dissipates, computed one way.
     pub cycles: usize,
     /// Whether the loop closed within the tolerance asked for; always false for a fixed number of cycles.
     pub closed: bool,
@@ -273,31 +273,31 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
     settings: &Settings,
     observer: &mut O,
 ) -> BackbonePoint {
-    let walk = Walk::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
+    let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
     let solution = (settings.solver, settings.newton);
-    let mut tour = Tour {
+    let mut tracer = LoopTracer {
         mode,
         peak,
         settings,
-        path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, walk),
+        path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, sequence),
     };
-    let result = tour.measure(structure, observer);
+    let result = tracer.measure(structure, observer);
     BackbonePoint {
         modal_force: peak,
         result,
-        effort: tour.path.walk.effort,
+        effort: tracer.path.sequence.effort,
     }
 }
 
 /// The loops of one amplitude.
-struct Tour<'a, F: HystereticForce> {
+struct LoopTracer<'a, F: HystereticForce> {
     mode: &'a Mode,
     peak: f64,
     settings: &'a Settings,
     path: Path<'a, F>,
 }
 
-impl<F: HystereticForce> Tour<'_, F> {
+impl<F: HystereticForce> LoopTracer<'_, F> {
     fn measure<O: LoopObserver<F::State>>(
         &mut self,
         structure: &Linearisation<'_, F::State>,
@@ -314,20 +314,20 @@ impl<F: HystereticForce> Tour<'_, F> {
         }
         let mut passed: Vec<Vec<f64>> = Vec::new();
         let mut total = vec![0.0; self.mode.shape.len()];
-        let mut record = |tour: &Self| {
-            let v = &tour.path.walk.motion.v;
-            let q = dot(&tour.mode.unit.p, v);
-            hysteresis.force.push(tour.path.at);
+        let mut record = |tracer: &Self| {
+            let v = &tracer.path.sequence.motion.v;
+            let q = dot(&tracer.mode.unit.p, v);
+            hysteresis.force.push(tracer.path.at);
             hysteresis.amplitude.push(q);
             for ((t, u), v) in total.iter_mut().zip(&structure.displacement).zip(v) {
                 *t = u + v;
             }
-            observer.vertex(tour.path.at, &total, &tour.path.walk.begin);
+            observer.vertex(tracer.path.at, &total, &tracer.path.sequence.begin);
             if one_way {
                 passed.push(total.clone());
             }
-            if tour.path.at.abs() >= tour.peak {
-                let rest: Vec<f64> = v.iter().zip(&tour.mode.shape).map(|(v, phi)| v - q * phi).collect();
+            if tracer.path.at.abs() >= tracer.peak {
+                let rest: Vec<f64> = v.iter().zip(&tracer.mode.shape).map(|(v, phi)| v - q * phi).collect();
                 let mut momentum = vec![0.0; v.len()];
                 multiply(structure.mass, &rest, &mut momentum);
                 let orthogonal = dot(&rest, &momentum).max(0.0);
@@ -336,14 +336,14 @@ impl<F: HystereticForce> Tour<'_, F> {
         };
         record(self);
         let edges = 2 * self.settings.vertices_per_quarter;
-        let start = self.path.walk.motion.clone();
+        let start = self.path.sequence.motion.clone();
         self.branch(-self.peak, edges, &mut record)?;
         let (counts, closure) = if one_way {
             for (vertex, total) in passed.iter().enumerate().rev().skip(1) {
                 let (force, amplitude) = (hysteresis.force[vertex], hysteresis.amplitude[vertex]);
                 hysteresis.force.push(force);
                 hysteresis.amplitude.push(amplitude);
-                observer.vertex(force, total, &self.path.walk.begin);
+                observer.vertex(force, total, &self.path.sequence.begin);
             }
             (at_peak, 0.0)
         } else {
@@ -363,7 +363,7 @@ impl<F: HystereticForce> Tour<'_, F> {
         ))
     }
 
-    /// Walks the first loading and the cycles before the measured one; returns how many cycles these were, whether the last
+    /// Follows the first loading and the cycles before the measured one; returns how many cycles these were, whether the last
     /// of them was closed, and the regimes at its end.
     fn settle_down(&mut self) -> Result<(usize, bool, RegimeCounts), Failure> {
         // With commits at reversals only, the vertices between them do not influence what follows: these cycles need no
@@ -380,7 +380,7 @@ impl<F: HystereticForce> Tour<'_, F> {
             Cycles::UntilClosed { most, .. } => most,
         };
         for cycle in 1..most {
-            let start = self.path.walk.motion.clone();
+            let start = self.path.sequence.motion.clone();
             self.branch(-self.peak, half, &mut |_| {})?;
             counts = self.branch(self.peak, half, &mut |_| {})?;
             if self.is_closed(self.distance(&start)) {
@@ -392,9 +392,9 @@ impl<F: HystereticForce> Tour<'_, F> {
 
     /// Distance from `start` relative to the motion at hand (energy norm).
     fn distance(&self, start: &Motion) -> f64 {
-        let mut difference = self.path.walk.motion.clone();
+        let mut difference = self.path.sequence.motion.clone();
         difference.add(-1.0, start);
-        difference.norm() / self.path.walk.motion.norm()
+        difference.norm() / self.path.sequence.motion.norm()
     }
 
     /// Whether a cycle whose ends are `distance` apart is closed.
@@ -405,7 +405,7 @@ impl<F: HystereticForce> Tour<'_, F> {
         }
     }
 
-    /// Walks to `target` in `steps` equal steps, calls `record` at each, and commits the history at the end.
+    /// Goes to `target` in `steps` equal steps, calls `record` at each, and commits the history at the end.
     fn branch(&mut self, target: f64, steps: usize, record: &mut dyn FnMut(&Self)) -> Result<RegimeCounts, Failure> {
         let start = self.path.at;
         let mut counts = RegimeCounts::default();
@@ -419,7 +419,7 @@ impl<F: HystereticForce> Tour<'_, F> {
             if step < steps {
                 record(self);
                 if self.settings.commit == Commit::AtEveryVertex {
-                    self.path.walk.commit();
+                    self.path.sequence.commit();
                 }
             }
         }

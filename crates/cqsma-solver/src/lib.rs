@@ -1,8 +1,8 @@
 //! Prestress, linearised modes and coupled quasi-static modal analysis (CQSMA) of structures with hysteretic forces.
 //!
-//! A structure is a pair of dense symmetric matrices whose leading coordinates feel a [`force::HystereticForce`]. The
-//! road through the crate: [`prestress::solve`] finds the equilibrium under the static load, [`modes::linearise`] the
-//! modes about it with everything stuck, [`cqsma::run`] walks the hysteresis loops of one mode and turns them into
+//! A structure is a pair of dense symmetric matrices whose leading coordinates feel a [`force::HystereticForce`]. In
+//! the order of a computation: [`prestress::solve`] finds the equilibrium under the static load, [`modes::linearise`] the
+//! modes about it with everything stuck, [`cqsma::run`] computes the hysteresis loops of one mode and turns them into
 //! frequency and damping (Balaji, Chen and Brake 2020, DOI 10.1016/j.ymssp.2020.106615, section 3.1.2).
 //!
 //! Beside it, on the same equilibria: [`masing::run`] takes the loops from one initial loading curve by Masing's rule,

@@ -23,7 +23,7 @@ use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Reason};
 use crate::path::Path;
 use std::f64::consts::PI;
 
-/// How a loading curve is walked.
+/// How a loading curve is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Which mode, zero-based.
@@ -109,7 +109,7 @@ pub(crate) fn check(settings: &Settings, field: &'static str, targets: &[f64]) -
     Ok(())
 }
 
-/// Walks from the static state through ascending targets; `state` reads modal amplitude `q` and `lambda = alpha / q`.
+/// Goes from the static state through ascending targets; `state` reads modal amplitude `q` and `lambda = alpha / q`.
 pub(crate) fn follow<F: HystereticForce>(
     mut path: Path<'_, F>,
     targets: &[f64],
@@ -122,8 +122,8 @@ pub(crate) fn follow<F: HystereticForce>(
     targets
         .iter()
         .map(|&target| {
-            path.walk.effort = Effort::default();
-            let mut walk = || {
+            path.sequence.effort = Effort::default();
+            let mut follow = || {
                 for edge in 1..=edges {
                     let goal = if edge == edges {
                         target
@@ -142,7 +142,7 @@ pub(crate) fn follow<F: HystereticForce>(
             };
             let result = match &failed {
                 Some(failure) => Err(failure.clone()),
-                None => walk(),
+                None => follow(),
             };
             // Larger amplitudes may be told from round-off where this one is not.
             if let Some(failure) = result.as_ref().err().filter(|f| f.reason != Reason::BelowRoundOff) {
@@ -150,7 +150,7 @@ pub(crate) fn follow<F: HystereticForce>(
             }
             LoadingPoint {
                 result,
-                effort: path.walk.effort,
+                effort: path.sequence.effort,
             }
         })
         .collect()
@@ -202,7 +202,7 @@ impl Curve {
             zeta_floor: (self.noise + self.last.noise(self.before.q)) / energy,
             dissipation: self.dissipation,
             residual,
-            displacement: path.walk.motion.v.clone(),
+            displacement: path.sequence.motion.v.clone(),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::force::HystereticForce;
 use crate::linear::{Motion, dot};
 use crate::loading::{LoadingPoint, Settings, check, follow};
 use crate::modes::{Linearisation, Mode};
-use crate::newton::Walk;
+use crate::newton::Sequence;
 use crate::path::Path;
 
 /// One sweep through `modal_forces` (sqrt(kg) m/s^2), positive and ascending.
@@ -25,11 +25,11 @@ pub fn run<F: HystereticForce>(
 ) -> Result<Vec<LoadingPoint>, Error> {
     check(settings, "modal_force", modal_forces)?;
     let mode = Mode::try_new(structure, settings.mode)?;
-    let walk = Walk::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
+    let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
     let solution = (settings.solver, settings.newton);
-    let path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, walk);
+    let path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, sequence);
     Ok(follow(path, modal_forces, settings.edges, |path| {
-        let q = dot(&mode.unit.p, &path.walk.motion.v);
+        let q = dot(&mode.unit.p, &path.sequence.motion.v);
         (q, path.at / q)
     }))
 }

@@ -103,7 +103,7 @@ pub enum LinearSolver {
     /// GMRES with the inverse of the stuck tangent, and an LU factorisation where it does not converge.
     #[default]
     Krylov,
-    /// An LU factorisation of the tangent at every iteration: slow, and independent of the other road.
+    /// An LU factorisation of the tangent at every iteration: slow, and independent of the other solver.
     Direct,
 }
 
@@ -140,7 +140,7 @@ pub(crate) struct Goal<'a> {
 }
 
 /// State, buffers and history of one sequence of solves.
-pub(crate) struct Walk<F: HystereticForce> {
+pub(crate) struct Sequence<F: HystereticForce> {
     /// Increment from the reference.
     pub(crate) motion: Motion,
     /// History at the last commit.
@@ -162,7 +162,7 @@ pub(crate) struct Walk<F: HystereticForce> {
     inertia: Motion,
 }
 
-impl<F: HystereticForce> Walk<F> {
+impl<F: HystereticForce> Sequence<F> {
     pub(crate) fn new(force: &F, motion: Motion, begin: F::State) -> Self {
         let n = motion.v.len();
         Self {
@@ -188,98 +188,109 @@ impl<F: HystereticForce> Walk<F> {
 }
 
 impl<F: HystereticForce> Equilibrium<'_, F> {
-    /// Leaves residual and tangent at `walk.trial` in the walk, with [`Load::Inertia`] after bringing the trial to the
+    /// Leaves residual and tangent at `sequence.trial` in the sequence, with [`Load::Inertia`] after bringing the trial to the
     /// amplitude of the goal; returns the residual's energy norm.
-    fn evaluate(&self, walk: &mut Walk<F>, goal: &Goal<'_>) -> (f64, RegimeCounts) {
+    fn evaluate(&self, sequence: &mut Sequence<F>, goal: &Goal<'_>) -> (f64, RegimeCounts) {
         if let Load::Inertia(mass) = goal.load {
-            multiply(mass, &walk.trial.v, &mut walk.inertia.p);
-            let factor = goal.factor / dot(&walk.trial.v, &walk.inertia.p).sqrt();
-            walk.trial.scale(factor);
-            walk.inertia.p.iter_mut().for_each(|p| *p *= factor);
-            self.stuck.solve_into(&walk.inertia.p, &mut walk.inertia.v);
+            multiply(mass, &sequence.trial.v, &mut sequence.inertia.p);
+            let factor = goal.factor / dot(&sequence.trial.v, &sequence.inertia.p).sqrt();
+            sequence.trial.scale(factor);
+            sequence.inertia.p.iter_mut().for_each(|p| *p *= factor);
+            self.stuck.solve_into(&sequence.inertia.p, &mut sequence.inertia.v);
         }
-        let Motion { v, p } = &walk.trial;
-        for ((total, u), v) in walk.total.iter_mut().zip(self.reference).zip(v) {
+        let Motion { v, p } = &sequence.trial;
+        for ((total, u), v) in sequence.total.iter_mut().zip(self.reference).zip(v) {
             *total = u + v;
         }
         let counts = self.force.evaluate(
-            &walk.total,
+            &sequence.total,
             goal.sticking,
-            &walk.begin,
-            &mut walk.end,
-            &mut walk.workspace,
-            &mut walk.contact,
-            Some(&mut walk.tangent),
+            &sequence.begin,
+            &mut sequence.end,
+            &mut sequence.workspace,
+            &mut sequence.contact,
+            Some(&mut sequence.tangent),
         );
-        let residual = &mut walk.residual.p;
+        let residual = &mut sequence.residual.p;
         residual.fill(0.0);
         self.force.pattern().add_product(self.stuck.tangent(), v, residual);
         for (r, p) in residual.iter_mut().zip(p) {
             *r = p - *r;
         }
-        for (r, (f, f0)) in residual.iter_mut().zip(walk.contact.iter().zip(self.reference_force)) {
+        for (r, (f, f0)) in residual
+            .iter_mut()
+            .zip(sequence.contact.iter().zip(self.reference_force))
+        {
             *r += f - f0;
         }
         let (factor, load) = match goal.load {
             Load::Pattern(pattern) => (goal.factor, pattern),
             Load::Inertia(_) => {
                 // The one that leaves the smallest residual.
-                let Motion { v, p } = &walk.inertia;
-                walk.lambda = dot(v, residual) / dot(v, p);
-                (walk.lambda, p.as_slice())
+                let Motion { v, p } = &sequence.inertia;
+                sequence.lambda = dot(v, residual) / dot(v, p);
+                (sequence.lambda, p.as_slice())
             }
         };
         for (r, load) in residual.iter_mut().zip(load) {
             *r -= factor * load;
         }
-        self.stuck.solve_into(residual, &mut walk.residual.v);
-        walk.effort.evaluations += 1;
+        self.stuck.solve_into(residual, &mut sequence.residual.v);
+        sequence.effort.evaluations += 1;
         // A residual that is not finite must not pass for a small one.
-        let square = dot(&walk.residual.p, &walk.residual.v);
+        let square = dot(&sequence.residual.p, &sequence.residual.v);
         (if square >= 0.0 { square.sqrt() } else { f64::NAN }, counts)
     }
 
-    /// Newton step from the residual and tangent in the walk.
+    /// Newton step from the residual and tangent in the sequence.
     fn step(
         &self,
-        walk: &mut Walk<F>,
+        sequence: &mut Sequence<F>,
         load: Load<'_>,
         merit: f64,
         tolerance: f64,
         solver: LinearSolver,
     ) -> Option<Motion> {
-        let (pattern, tangent) = (self.force.pattern(), &walk.tangent);
+        let (pattern, tangent) = (self.force.pattern(), &sequence.tangent);
         let border = match load {
             Load::Pattern(_) => None,
             Load::Inertia(mass) => Some(Border {
                 mass,
-                lambda: walk.lambda,
-                inertia: &walk.inertia,
+                lambda: sequence.lambda,
+                inertia: &sequence.inertia,
             }),
         };
         let border = border.as_ref();
         if solver == LinearSolver::Krylov {
-            let found = solve_krylov(self.stuck, pattern, tangent, border, &walk.residual, merit, tolerance);
+            let found = solve_krylov(
+                self.stuck,
+                pattern,
+                tangent,
+                border,
+                &sequence.residual,
+                merit,
+                tolerance,
+            );
             if let Some((step, steps)) = found {
-                walk.effort.krylov_steps += steps;
+                sequence.effort.krylov_steps += steps;
                 return Some(step);
             }
         }
-        walk.effort.factorisations += 1;
-        let v = solve_direct(self.stiffness, pattern, tangent, border, &walk.residual.p)?;
+        sequence.effort.factorisations += 1;
+        let v = solve_direct(self.stiffness, pattern, tangent, border, &sequence.residual.p)?;
         let mut p = vec![0.0; v.len()];
         multiply(self.stiffness, &v, &mut p);
         pattern.add_product(self.stuck.tangent(), &v, &mut p);
         Some(Motion { v, p })
     }
 
-    /// Solves for the goal from the guess in `walk.motion`.
+    /// Solves for the goal from the guess in `sequence.motion`.
     ///
-    /// On success `walk.motion` and `walk.end` belong to the solution; on failure `walk.motion` is left where the search
+    /// On success `sequence.motion` and `sequence.end` belong to the solution; on failure `sequence.motion` is left where the search
     /// ended.
     pub(crate) fn solve(
         &self,
-        walk: &mut Walk<F>,
+        sequence: &mut Sequence<F>,
         goal: &Goal<'_>,
         solver: LinearSolver,
         settings: &NewtonSettings,
@@ -287,9 +298,9 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         let mut history = Vec::new();
         let fail = |reason, history| Err(Failure { reason, history });
         let target = (settings.tolerance * goal.scale).max(self.round_off);
-        walk.trial.copy_from(&walk.motion);
-        let (mut merit, mut counts) = self.evaluate(walk, goal);
-        walk.motion.copy_from(&walk.trial);
+        sequence.trial.copy_from(&sequence.motion);
+        let (mut merit, mut counts) = self.evaluate(sequence, goal);
+        sequence.motion.copy_from(&sequence.trial);
         // Steps that did not reduce the residual although they were cut short.
         let mut stalled = 0;
         for iteration in 0.. {
@@ -298,7 +309,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                 return fail(Reason::NotFinite, history);
             }
             if merit <= target {
-                walk.effort.solves += 1;
+                sequence.effort.solves += 1;
                 return Ok(Converged {
                     residual: merit / goal.scale,
                     counts,
@@ -310,7 +321,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
             if iteration == settings.max_iterations {
                 break;
             }
-            walk.effort.iterations += 1;
+            sequence.effort.iterations += 1;
             // Far from the solution an accurate step is wasted; near it the forcing term follows the residual, which
             // keeps the convergence superlinear. More than a tenth of the target is never needed.
             let forcing = (0.01 * merit / goal.scale)
@@ -318,15 +329,15 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                 .min(0.1)
                 .max(0.1 * target / merit)
                 .min(0.5);
-            let Some(step) = self.step(walk, goal.load, merit, forcing, solver) else {
+            let Some(step) = self.step(sequence, goal.load, merit, forcing, solver) else {
                 return fail(Reason::Singular, history);
             };
             let mut length = 1.0;
             let mut best = (f64::INFINITY, 1.0);
             for halving in 0..=settings.max_halvings {
-                walk.trial.copy_from(&walk.motion);
-                walk.trial.add(-length, &step);
-                let (next, next_counts) = self.evaluate(walk, goal);
+                sequence.trial.copy_from(&sequence.motion);
+                sequence.trial.add(-length, &step);
+                let (next, next_counts) = self.evaluate(sequence, goal);
                 (merit, counts) = (next, next_counts);
                 if next < best.0 {
                     best = (next, length);
@@ -341,14 +352,14 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                         return fail(Reason::Stalled, history);
                     }
                     stalled += 1;
-                    walk.trial.copy_from(&walk.motion);
-                    walk.trial.add(-best.1, &step);
-                    (merit, counts) = self.evaluate(walk, goal);
+                    sequence.trial.copy_from(&sequence.motion);
+                    sequence.trial.add(-best.1, &step);
+                    (merit, counts) = self.evaluate(sequence, goal);
                     break;
                 }
                 length *= 0.5;
             }
-            walk.motion.copy_from(&walk.trial);
+            sequence.motion.copy_from(&sequence.trial);
         }
         fail(Reason::IterationLimit, history)
     }

@@ -2,7 +2,7 @@
 
 use crate::force::HystereticForce;
 use crate::linear::{Motion, dot, multiply};
-use crate::newton::{Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Walk};
+use crate::newton::{Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Sequence};
 use contact_laws::{RegimeCounts, Sticking};
 use faer::MatRef;
 
@@ -26,19 +26,19 @@ const SAME_MODE: f64 = 0.5;
 /// Largest share of the load that the round-off of the contact forces may be: the motion is known no better than that.
 const LARGEST_ROUND_OFF: f64 = 1e-2;
 
-/// A walk along the factor of one load.
+/// Equilibria along the factor of one load.
 pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) equilibrium: Equilibrium<'a, F>,
     /// Unit load, and the stuck structure's response to it.
     pub(crate) unit: &'a Motion,
-    /// Largest factor of the walk: tolerances and smallest steps refer to it.
+    /// Largest factor of the path: tolerances and smallest steps refer to it.
     pub(crate) range: f64,
     /// Given: the factor is the amplitude of the motion, the load its own inertia, and the unit load a first guess.
     pub(crate) mass: Option<MatRef<'a, f64>>,
     pub(crate) sticking: Sticking,
     pub(crate) solver: LinearSolver,
     pub(crate) settings: NewtonSettings,
-    pub(crate) walk: Walk<F>,
+    pub(crate) sequence: Sequence<F>,
     /// Factor reached.
     pub(crate) at: f64,
     /// Largest residual since it was last set to zero, relative to the load of the range (energy norm).
@@ -55,7 +55,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         unit: &'a Motion,
         range: f64,
         (solver, settings): (LinearSolver, NewtonSettings),
-        walk: Walk<F>,
+        sequence: Sequence<F>,
     ) -> Self {
         Self {
             equilibrium,
@@ -65,7 +65,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             sticking: Sticking::Coulomb,
             solver,
             settings,
-            walk,
+            sequence,
             at: 0.0,
             residual: 0.0,
             previous: Vec::new(),
@@ -92,7 +92,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         };
         let converged = self
             .equilibrium
-            .solve(&mut self.walk, &goal, self.solver, &self.settings)?;
+            .solve(&mut self.sequence, &goal, self.solver, &self.settings)?;
         self.at = factor;
         self.residual = self.residual.max(converged.residual);
         Ok(converged.counts)
@@ -109,7 +109,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         };
         let mut inertia = vec![0.0; known.len()];
         multiply(mass, known, &mut inertia);
-        let common = dot(&self.walk.motion.v, &inertia) / factor;
+        let common = dot(&self.sequence.motion.v, &inertia) / factor;
         if common * common < SAME_MODE * dot(known, &inertia) {
             return Err(Failure {
                 reason: Reason::OtherMode,
@@ -119,17 +119,17 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         Ok(counts)
     }
 
-    /// Walks to `goal` in one step. A step that fails is tried again from the last equilibrium as it stands, then halved.
+    /// Goes to `goal` in one step. A step that fails is tried again from the last equilibrium as it stands, then halved.
     pub(crate) fn advance(&mut self, goal: f64) -> Result<RegimeCounts, Failure> {
         let mut targets = vec![goal];
         let mut counts = RegimeCounts::default();
         while let Some(&next) = targets.last() {
-            let (from, origin) = (self.at, self.walk.motion.clone());
+            let (from, origin) = (self.at, self.sequence.motion.clone());
             let step = next - from;
             self.predict(next, &origin);
             let mut outcome = self.settle_beside(next, &origin);
             if outcome.is_err() {
-                self.walk.motion.copy_from(&origin);
+                self.sequence.motion.copy_from(&origin);
                 outcome = self.settle_beside(next, &origin);
             }
             match outcome {
@@ -145,7 +145,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
                 }
                 Err(failure) => {
                     self.at = from;
-                    self.walk.motion.copy_from(&origin);
+                    self.sequence.motion.copy_from(&origin);
                     if failure.reason == Reason::BelowRoundOff || step.abs() < SMALLEST_STEP * self.range {
                         return Err(failure);
                     }
@@ -172,7 +172,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             .collect();
         if points.len() == 1 {
             if self.mass.is_none() || from == 0.0 {
-                self.walk.motion.add(next - from, self.unit);
+                self.sequence.motion.add(next - from, self.unit);
             }
             return;
         }
@@ -181,7 +181,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             let others = points.iter().filter(|(other, _)| *other != at);
             let weight: f64 = others.map(|(other, _)| (next - other) / (at - other)).product();
             // The origin is there already.
-            self.walk
+            self.sequence
                 .motion
                 .add(if at == from { weight - 1.0 } else { weight }, motion);
         }
@@ -193,7 +193,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             .previous
             .iter_mut()
             .map(|(_, motion)| motion)
-            .chain([&mut self.walk.motion])
+            .chain([&mut self.sequence.motion])
         {
             self.equilibrium.stuck.solve_into(p, v);
         }
@@ -202,7 +202,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
 
     /// Makes the history reached the one that later solves start from, and forgets the way there.
     pub(crate) fn turn(&mut self) {
-        self.walk.commit();
+        self.sequence.commit();
         self.previous.clear();
         self.refresh();
     }

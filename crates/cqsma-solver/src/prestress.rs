@@ -4,7 +4,7 @@ use crate::Error;
 use crate::error::check_size;
 use crate::force::HystereticForce;
 use crate::linear::{Motion, Stuck, multiply};
-use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Walk};
+use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use contact_laws::{RegimeCounts, Sticking};
 use faer::MatRef;
@@ -37,7 +37,7 @@ const MOST_SEARCHES: usize = 5;
 ///
 /// The energy norm is that of the structure linearised at `start` with everything stuck, so `start` must close the
 /// interface: a uniform closure that carries the load on average makes the first Newton step the solution of that
-/// linear problem. The equilibrium is first found with sliding prevented, then with friction. A guess so far off that its
+/// linear problem. The equilibrium is first found with full sticking, then with friction. A guess so far off that its
 /// energy norm says little about the solution is replaced by what was found from it, and the work repeated from there;
 /// so is one from which Newton's method came nearer, but did not arrive. Where that does not help either, the load is
 /// applied in steps. The outer `Result` tells of input that cannot be used, the inner one of a solve that did not
@@ -59,7 +59,7 @@ pub fn solve<F: HystereticForce>(
     let mut from = start.to_vec();
     let mut is_refined = false;
     for _ in 0..MOST_SEARCHES {
-        match search(stiffness, force, load, &from, Road::Direct, settings, &mut work) {
+        match search(stiffness, force, load, &from, Loading::Direct, settings, &mut work) {
             Ok(Ok(found)) if found.stretch <= FAR_GUESS || is_refined => return Ok(Ok(found.solution)),
             Ok(Ok(found)) => {
                 is_refined = true;
@@ -72,13 +72,13 @@ pub fn solve<F: HystereticForce>(
             Err(_) => break,
         }
     }
-    let last = search(stiffness, force, load, start, Road::InSteps, settings, &mut work)?;
+    let last = search(stiffness, force, load, start, Loading::InSteps, settings, &mut work)?;
     Ok(last.map(|found| found.solution).map_err(|lost| lost.failure))
 }
 
 /// How a search goes about its load.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Road {
+enum Loading {
     /// All at once.
     Direct,
     /// In steps, if all at once does not do.
@@ -121,7 +121,7 @@ fn search<F: HystereticForce>(
     force: &F,
     load: &[f64],
     start: &[f64],
-    road: Road,
+    loading: Loading,
     settings: &NewtonSettings,
     work: &mut Work,
 ) -> Result<Result<Found<F::State>, Lost>, Error> {
@@ -155,38 +155,38 @@ fn search<F: HystereticForce>(
         reference_force: &zero,
         round_off: stuck.round_off(force.pattern(), &start[..nc], &contact),
     };
-    let walk = Walk::<F>::new(force, guess, initial);
-    let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), walk);
+    let sequence = Sequence::<F>::new(force, guess, initial);
+    let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), sequence);
     let mut counts = RegimeCounts::default();
     for (stage, sticking) in [Sticking::Full, Sticking::Coulomb].into_iter().enumerate() {
         path.sticking = sticking;
         path.residual = 0.0;
-        let before = path.walk.effort.iterations;
-        let guess = path.walk.motion.clone();
+        let before = path.sequence.effort.iterations;
+        let guess = path.sequence.motion.clone();
         let solved = path.settle(1.0).or_else(|failure| {
-            if road == Road::Direct {
+            if loading == Loading::Direct {
                 return Err(failure);
             }
-            path.walk.motion.copy_from(&guess);
+            path.sequence.motion.copy_from(&guess);
             path.at = 0.0;
             path.advance(1.0)
         });
-        work.iterations[stage] += path.walk.effort.iterations - before;
+        work.iterations[stage] += path.sequence.effort.iterations - before;
         match solved {
             Ok(found) => counts = found,
             Err(failure) => {
-                work.effort += path.walk.effort;
-                let displacement = path.walk.motion.v;
+                work.effort += path.sequence.effort;
+                let displacement = path.sequence.motion.v;
                 return Ok(Err(Lost { failure, displacement }));
             }
         }
     }
-    path.walk.commit();
-    work.effort += path.walk.effort;
-    let stretch = path.walk.motion.norm() / unit.norm();
+    path.sequence.commit();
+    work.effort += path.sequence.effort;
+    let stretch = path.sequence.motion.norm() / unit.norm();
     let solution = Prestress {
-        displacement: path.walk.motion.v,
-        state: path.walk.begin,
+        displacement: path.sequence.motion.v,
+        state: path.sequence.begin,
         iterations: work.iterations,
         effort: work.effort,
         residual: path.residual,

@@ -19,7 +19,7 @@ use crate::force::HystereticForce;
 use crate::linear::Motion;
 use crate::loading::{LoadingPoint, Settings, check, follow};
 use crate::modes::{Linearisation, Mode};
-use crate::newton::Walk;
+use crate::newton::Sequence;
 use crate::path::Path;
 
 /// One sweep through `modal_amplitudes` (sqrt(kg) m), positive and ascending; it begins in the direction of the linear
@@ -38,11 +38,11 @@ pub fn run<F: HystereticForce>(
     let mut mode = Mode::try_new(structure, settings.mode)?;
     // The inertia of the linear mode at unit amplitude.
     mode.unit.scale(mode.eigenvalue);
-    let walk = Walk::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
+    let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
     let solution = (settings.solver, settings.newton);
-    let mut path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, walk);
+    let mut path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, sequence);
     path.mass = Some(structure.mass);
     Ok(follow(path, modal_amplitudes, settings.edges, |path| {
-        (path.at, path.walk.lambda)
+        (path.at, path.sequence.lambda)
     }))
 }

@@ -1,4 +1,4 @@
-//! Units, noise floors, and what happens to loops that cannot be walked.
+//! Units, noise floors, and what happens to loops that cannot be computed.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use cqsma_solver::cqsma::{Commit, Cycles, Settings, run};

@@ -142,7 +142,6 @@ pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, 
     check(signal, settings)?;
     let mean = signal.samples.iter().sum::<f64>() / signal.samples.len() as f64;
     let samples: Vec<f64> = signal.samples.iter().map(|v| v - mean).collect();
-    let loudest = |range: &[f64]| (0..range.len()).max_by(|a, b| range[*a].abs().total_cmp(&range[*b].abs()));
     let hit = loudest(&samples).unwrap_or(0).max(signal.last_clipped.unwrap_or(0));
 
     let spectrum = Spectrum::of_ring_down(&samples[hit..], rate);
@@ -156,13 +155,19 @@ pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, 
     filtered.extend(&samples);
     filter.run_backward(&mut filtered);
 
+    let oscillation = Oscillation {
+        rate,
+        samples: &samples,
+        filtered: &filtered,
+        hit,
+        peak,
+        bandwidth,
+    };
     let duration = signal.duration();
-    let start = settings.start.unwrap_or(hit as f64 / rate + 1.0 / peak);
-    let settled = duration - filter.settling_time(TRANSIENT);
     let mut trims = Trims {
         hit: hit as f64 / rate,
-        start,
-        end: settled,
+        start: settings.start.unwrap_or(hit as f64 / rate + 1.0 / peak),
+        end: duration - filter.settling_time(TRANSIENT),
         reason: End::Filter,
         duration,
     };
@@ -171,18 +176,8 @@ pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, 
         few if few < SAMPLES_PER_CYCLE => (INTERPOLATED / few).ceil() as usize,
         _ => 1,
     };
-    let mut extrema = extrema(&filtered, rate, upsampling, [start, settled]);
-    if let Some(k) = extrema.windows(2).position(|w| w[0].1 * w[1].1 > 0.0) {
-        extrema.truncate(k + 1);
-        (trims.end, trims.reason) = (extrema[k].0, End::IrregularPeaks);
-    }
-    let tail = &samples[hit + (samples.len() - hit) / 2..];
-    let density = noise_density(tail, rate, peak, bandwidth);
-    let noise_amplitude = SQRT_2 * (density * NOISE_BANDWIDTH * bandwidth).sqrt();
-    if let Some(k) = (extrema.iter()).position(|(_, v)| v.abs() < settings.noise_margin * noise_amplitude) {
-        extrema.truncate(k);
-        (trims.end, trims.reason) = (extrema.last().map_or(start, |e| e.0), End::Noise);
-    }
+    let noise_amplitude = oscillation.noise_amplitude();
+    let mut extrema = oscillation.extrema(upsampling, settings.noise_margin * noise_amplitude, &mut trims);
     let track = Track::from_extrema(&extrema, &smoother);
     let growth = growth(&extrema);
     let beats = |distance: f64| trims.reason == End::IrregularPeaks || modulation(&track, distance) >= 0.05;
@@ -196,25 +191,9 @@ pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, 
     if trims.reason == End::IrregularPeaks {
         warnings.push(Warning::IrregularPeaks { time: trims.end });
     }
-    let before = ((trims.hit - filter.settling_time(1e-2)) * rate).max(0.0) as usize;
-    if let (Some(k), Some(first)) = (loudest(&filtered[..before]), extrema.first())
-        && filtered[k].abs() > 0.1 * first.1.abs()
-    {
-        let time = k.saturating_sub(REACH) as f64 / rate;
-        warnings.push(Warning::EarlierExcitation { time });
-    }
+    warnings.extend(oscillation.earlier_excitation(&filter, extrema.first()));
 
-    // Rates, their smoothing and the undoing of the filter take two points at either end each.
-    let needed = smoother.window() + 12;
-    if extrema.len() < needed {
-        return Err(Error::TooFewCycles {
-            at: signal.at.clone(),
-            from: start,
-            to: trims.end.max(start),
-            cycles: 0.5 * extrema.len() as f64,
-            needed: 0.5 * needed as f64,
-        });
-    }
+    check_length(signal, &trims, extrema.len(), &smoother)?;
     let track = Track::from_extrema(&extrema, &smoother);
     let (track, transfers) = track.before_filter(|lambda| filter.transfer(lambda), &smoother);
     let moments = moments(&track, &smoother);
@@ -254,6 +233,75 @@ pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, 
         warnings,
         backbone,
     })
+}
+
+/// Refuses a record with too few extrema within the trims.
+fn check_length(signal: &Signal, trims: &Trims, extrema: usize, smoother: &SavitzkyGolay) -> Result<(), Error> {
+    // Rates, their smoothing and the undoing of the filter take two points at either end each.
+    let needed = smoother.window() + 12;
+    if extrema >= needed {
+        return Ok(());
+    }
+    Err(Error::TooFewCycles {
+        at: signal.at.clone(),
+        from: trims.start,
+        to: trims.end.max(trims.start),
+        cycles: 0.5 * extrema as f64,
+        needed: 0.5 * needed as f64,
+    })
+}
+
+/// Index of the sample of largest magnitude.
+fn loudest(samples: &[f64]) -> Option<usize> {
+    (0..samples.len()).max_by(|a, b| samples[*a].abs().total_cmp(&samples[*b].abs()))
+}
+
+/// The mode in a record, before and after the filter.
+struct Oscillation<'a> {
+    rate: f64,
+    /// Without their mean.
+    samples: &'a [f64],
+    /// With [`REACH`] values in front.
+    filtered: &'a [f64],
+    /// Index of the hit.
+    hit: usize,
+    /// Frequency (Hz).
+    peak: f64,
+    /// Width of the band (Hz).
+    bandwidth: f64,
+}
+
+impl Oscillation<'_> {
+    /// Amplitude of the noise in the band, from the second half of the record after the hit.
+    fn noise_amplitude(&self) -> f64 {
+        let tail = &self.samples[self.hit + (self.samples.len() - self.hit) / 2..];
+        let density = noise_density(tail, self.rate, self.peak, self.bandwidth);
+        SQRT_2 * (density * NOISE_BANDWIDTH * self.bandwidth).sqrt()
+    }
+
+    /// Extrema within the trims, which end earlier where extrema lose their order or fall below `least`.
+    fn extrema(&self, upsampling: usize, least: f64, trims: &mut Trims) -> Vec<(f64, f64)> {
+        let mut extrema = extrema(self.filtered, self.rate, upsampling, [trims.start, trims.end]);
+        if let Some(k) = extrema.windows(2).position(|w| w[0].1 * w[1].1 > 0.0) {
+            extrema.truncate(k + 1);
+            (trims.end, trims.reason) = (extrema[k].0, End::IrregularPeaks);
+        }
+        if let Some(k) = extrema.iter().position(|(_, v)| v.abs() < least) {
+            extrema.truncate(k);
+            (trims.end, trims.reason) = (extrema.last().map_or(trims.start, |e| e.0), End::Noise);
+        }
+        extrema
+    }
+
+    /// Motion before the hit that is more than a tenth of the first extremum after it.
+    fn earlier_excitation(&self, filter: &BandPass, first: Option<&(f64, f64)>) -> Option<Warning> {
+        let hit = self.hit as f64 / self.rate;
+        let before = ((hit - filter.settling_time(1e-2)) * self.rate).max(0.0) as usize;
+        let k = loudest(&self.filtered[..before])?;
+        (self.filtered[k].abs() > 0.1 * first?.1.abs()).then(|| Warning::EarlierExcitation {
+            time: k.saturating_sub(REACH) as f64 / self.rate,
+        })
+    }
 }
 
 fn check(signal: &Signal, settings: &Settings) -> Result<(), Error> {

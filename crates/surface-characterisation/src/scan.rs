@@ -144,7 +144,48 @@ struct Patch {
     first: [usize; 2],
 }
 
+/// The form of an element's points.
+struct Form {
+    plane: Bilinear,
+    /// Highest point above it (m).
+    tallest_point: f64,
+    /// Highest de-trended point (m).
+    summit_level: f64,
+}
+
 impl ElementScan<'_> {
+    /// Positions and de-trended heights of the element's points within a window of first and end indices along x and y.
+    fn owned(&self, window: [(usize, usize); 2]) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let map = self.map;
+        (window[1].0..window[1].1)
+            .flat_map(move |j| (window[0].0..window[0].1).map(move |i| (i, j)))
+            .filter(move |&(i, j)| self.partition.owns(self.element, i, j))
+            .filter_map(move |(i, j)| {
+                let p = map.position(i, j);
+                map.height(i, j).map(|z| (p, z - self.trend.at(p)))
+            })
+    }
+
+    /// The bilinear form of the element's points; `None` where they do not determine one.
+    fn form(&self, window: [(usize, usize); 2]) -> Option<Form> {
+        let mut plane = Bilinear::zero(self.elements, self.element);
+        let mut fit = LinearFit::<4>::default();
+        for (p, z) in self.owned(window) {
+            fit.add(plane.columns(p), z);
+        }
+        plane.coefficients = fit.solve()?;
+        let mut form = Form {
+            plane,
+            tallest_point: f64::NEG_INFINITY,
+            summit_level: f64::NEG_INFINITY,
+        };
+        for (p, z) in self.owned(window) {
+            form.tallest_point = form.tallest_point.max(z - form.plane.at(p));
+            form.summit_level = form.summit_level.max(z);
+        }
+        Some(form)
+    }
+
     fn asperities(&self, face: &'static str, options: &Options) -> Result<FaceAsperities, SurfaceError> {
         let (map, element) = (self.map, self.element);
         let (points, missing) = (self.partition.points[element], self.partition.missing[element]);
@@ -164,29 +205,11 @@ impl ElementScan<'_> {
             let (first, end) = map.indices_within(k, low[k], high[k]);
             (first.saturating_sub(1), (end + 1).min([map.nx(), map.ny()][k]))
         });
-        let owned = || {
-            let columns = window[0].0..window[0].1;
-            (window[1].0..window[1].1)
-                .flat_map(move |j| columns.clone().map(move |i| (i, j)))
-                .filter(|&(i, j)| self.partition.owns(element, i, j))
-                .filter_map(|(i, j)| {
-                    let p = map.position(i, j);
-                    map.height(i, j).map(|z| (p, z - self.trend.at(p)))
-                })
-        };
-
-        let mut plane = Bilinear::zero(self.elements, element);
-        let mut fit = LinearFit::<4>::default();
-        for (p, z) in owned() {
-            fit.add(plane.columns(p), z);
-        }
-        plane.coefficients = fit.solve().ok_or_else(|| too_few.clone())?;
-        let mut tallest_point = f64::NEG_INFINITY;
-        let mut summit_level = f64::NEG_INFINITY;
-        for (p, z) in owned() {
-            tallest_point = tallest_point.max(z - plane.at(p));
-            summit_level = summit_level.max(z);
-        }
+        let Form {
+            plane,
+            tallest_point,
+            mut summit_level,
+        } = self.form(window).ok_or_else(|| too_few.clone())?;
 
         let patch = self.patch(&plane, window);
         let height_step = map.height_step().unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! The whole road at full size: two synthetic faces over the interface of the Brake-Reuss beam.
+//! The whole characterisation at full size: two synthetic faces over the interface of the Brake-Reuss beam.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::time::Instant;

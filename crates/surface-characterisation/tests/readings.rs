@@ -1,4 +1,4 @@
-//! Readings, symmetries and options of the whole road on a small pair.
+//! Readings, symmetries and options of the whole characterisation on a small pair.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use contact_laws::{ElasticPair, FittedCurves, TangentialReading};

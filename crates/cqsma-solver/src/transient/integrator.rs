@@ -6,7 +6,7 @@ use crate::Error;
 use crate::force::HystereticForce;
 use crate::linear::{Motion, Stuck, dot};
 use crate::modes::{Linearisation, Mode};
-use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Walk};
+use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Sequence};
 use crate::path::Path;
 use contact_laws::Sticking;
 use dense_algebra::Symmetric;
@@ -65,7 +65,7 @@ pub(super) struct Integrator<'a, F: HystereticForce> {
     damping: ModalDamping,
     /// By halvings of the step; the shorter ones are made when needed.
     levels: Vec<Level>,
-    pub(super) walk: Walk<F>,
+    pub(super) sequence: Sequence<F>,
     pub(super) time: f64,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -134,7 +134,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             mass,
             damping,
             levels: Vec::new(),
-            walk: Walk::new(force, Motion::zero(n), structure.state.clone()),
+            sequence: Sequence::new(force, Motion::zero(n), structure.state.clone()),
             time: 0.0,
             displacement: zeros(),
             velocity: zeros(),
@@ -156,16 +156,16 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         let Start::Release { modal_force } = *self.start else {
             return Ok(());
         };
-        let walk = Walk::new(self.force, self.walk.motion.clone(), self.structure.state.clone());
+        let sequence = Sequence::new(self.force, self.sequence.motion.clone(), self.structure.state.clone());
         let solution = (self.settings.solver, NewtonSettings::default());
         let equilibrium = self.structure.equilibrium(self.force);
-        let mut path = Path::new(equilibrium, &self.mode.unit, modal_force, solution, walk);
+        let mut path = Path::new(equilibrium, &self.mode.unit, modal_force, solution, sequence);
         for step in 1..=LOADING_STEPS {
             path.advance(modal_force * step as f64 / LOADING_STEPS as f64)?;
-            path.walk.commit();
+            path.sequence.commit();
         }
-        self.walk = path.walk;
-        self.displacement.copy_from_slice(&self.walk.motion.v);
+        self.sequence = path.sequence;
+        self.displacement.copy_from_slice(&self.sequence.motion.v);
         self.stiffness.product_into(&self.displacement, &mut self.elastic_force);
         self.mass.product_into(&self.displacement, &mut self.mass_displacement);
         self.acceleration = combine([(-modal_force, &self.mode.shape)]);
@@ -177,7 +177,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
 
     /// Change of the contact force from the static state, at the last solution.
     fn contact_change(&self) -> Vec<f64> {
-        let pairs = self.walk.contact.iter().zip(&self.structure.contact_force);
+        let pairs = self.sequence.contact.iter().zip(&self.structure.contact_force);
         pairs.map(|(f, f0)| f - f0).collect()
     }
 
@@ -349,32 +349,34 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             scale: inertia.max(pulse),
             sticking: Sticking::Coulomb,
         };
-        let solve = |walk: &mut Walk<F>| equilibrium.solve(walk, &goal, self.settings.solver, &self.settings.newton);
+        let solve = |sequence: &mut Sequence<F>| {
+            equilibrium.solve(sequence, &goal, self.settings.solver, &self.settings.newton)
+        };
         // A cubic through the last full steps; where it leads astray, the displacement at hand.
-        let walk = &mut self.walk;
-        walk.motion.copy_from(here);
+        let sequence = &mut self.sequence;
+        sequence.motion.copy_from(here);
         let outcome = match (&self.previous[..], index) {
             ([first, second, third], 0) => {
-                walk.motion.scale(4.0);
-                walk.motion.add(-6.0, first);
-                walk.motion.add(4.0, second);
-                walk.motion.add(-1.0, third);
-                solve(walk).or_else(|_| {
-                    walk.motion.copy_from(here);
-                    solve(walk)
+                sequence.motion.scale(4.0);
+                sequence.motion.add(-6.0, first);
+                sequence.motion.add(4.0, second);
+                sequence.motion.add(-1.0, third);
+                solve(sequence).or_else(|_| {
+                    sequence.motion.copy_from(here);
+                    solve(sequence)
                 })
             }
-            _ => solve(walk),
+            _ => solve(sequence),
         };
         self.residual = self.residual.max(outcome?.residual);
-        walk.commit();
+        sequence.commit();
         Ok(())
     }
 
     /// Takes over the displacement found: velocity, acceleration and energies at the end of the step.
     fn accept(&mut self, h: f64, ahead: &Ahead, [force_before, force_after]: [f64; 2]) {
         let Scheme { beta, gamma, .. } = self.scheme;
-        let displacement = self.walk.motion.v.clone();
+        let displacement = self.sequence.motion.v.clone();
         let advance = combine([(1.0, &displacement), (-1.0, &self.displacement)]);
         let contact = self.contact_change();
         let shared = &advance[..contact.len()];

@@ -71,7 +71,7 @@ pub fn run<F: HystereticForce>(
         failure,
         halved_steps: integrator.halved_steps,
         residual: integrator.residual,
-        effort: integrator.walk.effort,
+        effort: integrator.sequence.effort,
         ..transient
     })
 }

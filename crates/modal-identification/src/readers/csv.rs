@@ -106,12 +106,19 @@ pub fn parse(source: Source<'_>) -> Result<Recording, Error> {
             }
         }
     }
+    let timing = take_timing(source, &mut columns)?;
+    let channels = columns.into_iter().map(|c| (c.name, c.unit, c.values)).collect();
+    Ok(recording(source, &timing, channels))
+}
+
+/// Takes out the column of times, if there is one.
+fn take_timing(source: Source<'_>, columns: &mut Vec<Column>) -> Result<Timing, Error> {
     let is_time = |(i, column): (usize, &Column)| {
         let name = column.name.to_lowercase();
         name == "time" || name == "t" || i == 0 && column.unit.as_deref().and_then(seconds).is_some()
     };
-    let timing = match columns.iter().enumerate().position(is_time) {
-        None => Timing::Unstated,
+    match columns.iter().enumerate().position(is_time) {
+        None => Ok(Timing::Unstated),
         Some(i) => {
             let column = columns.remove(i);
             let unit = column.unit.as_deref().unwrap_or("s");
@@ -123,11 +130,10 @@ pub fn parse(source: Source<'_>) -> Result<Recording, Error> {
                     "s, ms or us",
                 ));
             };
-            Timing::Times(column.values.into_iter().map(|t| t * scale).collect())
+            let times = column.values.into_iter().map(|t| t * scale);
+            Ok(Timing::Times(times.collect()))
         }
-    };
-    let channels = columns.into_iter().map(|c| (c.name, c.unit, c.values)).collect();
-    Ok(recording(source, &timing, channels))
+    }
 }
 
 /// Name and unit from the first row.
