@@ -5,7 +5,7 @@ use brake_reuss_beam::mesh::{BrakeReussBeam, Refinement, build, half_beam, unifo
 use brake_reuss_beam::{Error, published, quality};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use substructure::assemble::System;
-use substructure::mesh::{CouplingKind, Dof, Face, Mesh};
+use substructure::mesh::{CouplingKind, Dof, Mesh};
 
 const LOAD: f64 = published::BOLT_LOAD;
 

@@ -7,8 +7,9 @@
 //! | elements of type 2, 3, 9 (triangle, quadrangle, 6-node triangle) in a group of dimension 2 | list of faces |
 //! | points and lines in a group of dimension 0 or 1 | list of nodes |
 //!
-//! Node orders (Gmsh reference manual, section "Node ordering") stand in the table of [`crate::elements`]. Faces keep the order of the file, whose normals are those of the geometry
-//! and not necessarily outward; the sign of a physical tag is ignored. Gmsh knows no units: lengths are taken as metres.
+//! Node orders (Gmsh reference manual, section "Node ordering") stand in the table of [`crate::elements`]. Faces keep the
+//! order of the file, whose normals are those of the geometry and not necessarily outward; the sign of a physical tag is
+//! ignored. Gmsh knows no units: lengths are taken as metres.
 
 mod assemble;
 mod parts;

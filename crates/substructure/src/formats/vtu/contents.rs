@@ -1,7 +1,7 @@
 //! From the arrays of a VTK file to a mesh with fields.
 
 use super::document::{Array, Grid, Reader, SECTIONS};
-use super::{Field, MATERIAL};
+use super::field::{Field, MATERIAL};
 use crate::Error;
 use crate::elements::{self, Cell, ELEMENT_TYPES, ElementType, FACE_TYPES};
 use crate::formats::common::Kept;

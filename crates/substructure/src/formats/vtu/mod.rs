@@ -10,37 +10,16 @@
 mod arrays;
 mod contents;
 mod document;
+mod field;
 mod write;
 
 pub use contents::Contents;
+pub use field::{Encoding, Field, MATERIAL};
 pub use write::{write, write_surface};
 
 use crate::Error;
 use crate::mesh::Material;
 use document::{Grid, Reader};
-
-/// Name of the cell array with the material numbers.
-pub const MATERIAL: &str = "material";
-
-/// Numbers at points or cells.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Field {
-    /// Name.
-    pub name: String,
-    /// Numbers per point or cell.
-    pub components: usize,
-    /// `values[components * i + c]` at point or cell `i`.
-    pub values: Vec<f64>,
-}
-
-/// How numbers are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// As text, with as many digits as it takes to read the same numbers.
-    Ascii,
-    /// As base64.
-    Base64,
-}
 
 /// Reads `bytes`; `file` is its name in messages. Arrays may be text, base64 or appended, little endian, uncompressed.
 ///

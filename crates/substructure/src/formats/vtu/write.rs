@@ -1,6 +1,6 @@
 //! Writing VTK files.
 
-use super::{Encoding, Field, MATERIAL};
+use super::field::{Encoding, Field, MATERIAL};
 use crate::Error;
 use crate::formats::common::{check, check_nodes, check_positions};
 use crate::mesh::{Face, Mesh};
