@@ -83,7 +83,10 @@ const ALLOWED: [(&str, &[&str]); 17] = [
         ],
     ),
     // Arguments in, files out: what is computed is in the libraries. Its scenes are on the beam unless they say otherwise.
-    ("xtask", &["microslip", "studies", "reports", "joint-pipeline", "brake-reuss-beam"]),
+    (
+        "xtask",
+        &["microslip", "studies", "reports", "joint-pipeline", "brake-reuss-beam"],
+    ),
 ];
 
 /// The crate that the tests of every crate may use, and nothing else may.

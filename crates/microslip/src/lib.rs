@@ -5,7 +5,7 @@ pub mod commands;
 pub mod files;
 pub mod progress;
 
-pub use commands::{Command, Defaults, Outcome, execute};
 pub use benchmarks::BENCHMARKS;
+pub use commands::{Command, Defaults, Outcome, execute};
 pub use joint_pipeline::results::summary::Summary;
 pub use joint_pipeline::{Error, Options, Run, Scene, run, run_ensemble};

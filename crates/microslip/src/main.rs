@@ -44,9 +44,7 @@ fn main() -> ExitCode {
             benchmark: None,
         };
         match command {
-            Program::Run { scene, options } => {
-                commands::run::run(&scene.read(&defaults)?, &options, &defaults)
-            }
+            Program::Run { scene, options } => commands::run::run(&scene.read(&defaults)?, &options, &defaults),
             Program::Other(other) => other.run(&defaults).map(|()| Outcome::Success),
             Program::Completions { shell } => {
                 let mut script = Vec::new();

@@ -14,6 +14,7 @@ use crate::statistics::percentile;
 ///
 /// A resample misses the tallest peak in 37 % of the draws, and the ordinary bootstrap of a maximum is inconsistent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),

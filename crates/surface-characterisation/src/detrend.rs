@@ -8,6 +8,7 @@ use crate::topography::HeightMap;
 
 /// Which points carry the plane that is taken off each face before anything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),

@@ -30,6 +30,7 @@ pub struct NoiseHandling {
 /// mean where more than half of the points equal their local median, as on coarsely quantised maps), and the limit is
 /// never below one stated height step.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),

@@ -74,6 +74,7 @@ fn vertex(z: &[f64], step: f64) -> Option<(f64, f64, f64)> {
 
 /// How the radii of an element's peaks become one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),

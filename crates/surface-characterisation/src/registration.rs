@@ -47,6 +47,7 @@ impl Registration {
 
 /// A height map's place against the interface by the edges and holes of its mask.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Alignment {
     /// Shift that brings the map onto the elements (m), a whole number of lateral steps: hand it to

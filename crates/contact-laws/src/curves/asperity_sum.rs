@@ -86,6 +86,7 @@ static INFO: CurvesInfo = CurvesInfo {
 
 /// Which tangential stiffness the asperities have; see the [module](self).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),

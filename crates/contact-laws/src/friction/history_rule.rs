@@ -9,6 +9,7 @@ use crate::law::RegimeCounts;
 
 /// How the stuck traction follows from the state committed last, and what limits it; see the [module](super).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),

@@ -18,6 +18,7 @@ pub const PERCENTILES: [f64; 3] = [5.0, 50.0, 95.0];
 
 /// An amplitude of a realisation, where its loop converged.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MemberPoint {
     /// Displacement amplitude at the response point (m).
     pub response_displacement: f64,
@@ -29,6 +30,7 @@ pub struct MemberPoint {
 
 /// A realisation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Member {
     /// Its number, from 0.
     pub realisation: usize,
@@ -42,6 +44,7 @@ pub struct Member {
 
 /// Percentiles over the realisations at one amplitude.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BandPoint {
     /// Displacement amplitude at the response point (m).
     pub response_displacement: f64,
@@ -55,6 +58,7 @@ pub struct BandPoint {
 
 /// An ensemble of backbones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Ensemble {
     /// Realisations.
     pub realisations: usize,

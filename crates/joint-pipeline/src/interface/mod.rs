@@ -10,8 +10,7 @@ pub(crate) use asperities::Asperities;
 pub use force::InterfaceForce;
 pub use law::{AsperityReport, LawReport};
 pub use surface::{
-    FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport,
-    synthetic,
+    FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport, synthetic,
 };
 
 use crate::Error;

@@ -1,7 +1,7 @@
 //! What the traction law of a scene follows from, and the gap between the faces.
 
 use super::scans::{Registration, Scans};
-use super::units::{ContactStiffness, Dimension, Length, Quantity, Stress};
+use super::units::{ContactStiffness, Length, Stress};
 use crate::joint::benchmark::BenchmarkRef;
 use serde::{Deserialize, Serialize};
 
@@ -111,10 +111,10 @@ pub struct Fitted {
     /// Interference that the logarithms refer to (length).
     pub u_ref: Length,
     /// Traction that they refer to (force/length^2); by default one unit.
-    #[serde(default = "one_unit")]
+    #[serde(default = "one_unit_of_stress")]
     pub t_ref: Stress,
     /// Stiffness that they refer to (force/length^3); by default one unit.
-    #[serde(default = "one_unit")]
+    #[serde(default = "one_unit_of_stiffness")]
     pub k_ref: ContactStiffness,
     /// Interferences between which the fits hold (length); everywhere by default.
     #[serde(default)]
@@ -182,6 +182,11 @@ pub enum Gap {
 }
 
 /// One in the units of the file.
-fn one_unit<D: Dimension>() -> Quantity<D> {
-    Quantity::in_units(1.0)
+fn one_unit_of_stress() -> Stress {
+    Stress::in_units(1.0)
+}
+
+/// One in the units of the file.
+fn one_unit_of_stiffness() -> ContactStiffness {
+    ContactStiffness::in_units(1.0)
 }

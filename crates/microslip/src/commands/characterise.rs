@@ -5,11 +5,11 @@ use crate::files;
 use anyhow::{Context, Result, bail};
 use contact_laws::FittedCurves;
 use joint_pipeline::Scene;
-use joint_pipeline::structure::Structure;
-use joint_pipeline::progress::Silent;
-use joint_pipeline::joint::benchmark::BenchmarkRef;
-use joint_pipeline::scene::{Length, Place, PlaneMesh, ScanFile, Scans, StructureSource, Surface};
 use joint_pipeline::interface::ScannedSurface;
+use joint_pipeline::joint::benchmark::BenchmarkRef;
+use joint_pipeline::progress::Silent;
+use joint_pipeline::scene::{Length, Place, PlaneMesh, ScanFile, Scans, StructureSource, Surface};
+use joint_pipeline::structure::Structure;
 use reports::Output;
 use reports::fields::CellField;
 use reports::{csv, fields, map, plot};
@@ -167,7 +167,10 @@ fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
 }
 
 fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
-    let named = arguments.mesh.as_ref().and_then(|name| scene::find_benchmark(name.to_str()?));
+    let named = arguments
+        .mesh
+        .as_ref()
+        .and_then(|name| scene::find_benchmark(name.to_str()?));
     match (&arguments.mesh, named) {
         (Some(path), None) => {
             let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;

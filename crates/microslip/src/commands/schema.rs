@@ -6,7 +6,7 @@ use joint_pipeline::results::summary::Summary;
 
 /// What a schema is of.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Subject {
+pub(super) enum Subject {
     /// Scene files.
     Scene,
     /// `summary.json`.

@@ -10,6 +10,7 @@ pub(super) const MAX_NODES: usize = 10;
 
 /// How the strain of an element is formed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
