@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::element_sums::pair;
 use crate::operators::Operators;
-use crate::shape::{MAX_NODES, MAX_PAIRS};
+use crate::shape::MAX_PAIRS;
 use contact_laws::{
     Components, ComponentsMut, LinearisedContact, PointParameters, Regime, RegimeCounts, StateView, StateViewMut,
     Sticking, TangentMut, TractionLaw,
@@ -279,20 +279,8 @@ impl Interface {
     fn interpolate_jump(&self, jump: &[f64], workspace: &mut Workspace) {
         let [x, y, n] = &mut workspace.jump;
         for (nodes, points, shape) in self.operators.elements() {
-            let mut nodal = [[0.0; 3]; MAX_NODES];
-            for (values, &node) in nodal.iter_mut().zip(nodes) {
-                values.copy_from_slice(&jump[3 * node as usize..][..3]);
-                if !self.is_held.is_empty() && self.is_held[node as usize] {
-                    values[1] = 0.0;
-                }
-            }
-            (shape.shape.kernels.interpolate)(
-                &shape.values,
-                &nodal,
-                &mut x[points.clone()],
-                &mut y[points.clone()],
-                &mut n[points],
-            );
+            let fields = [&mut x[points.clone()], &mut y[points.clone()], &mut n[points]];
+            (shape.shape.kernels.interpolate)(&shape.values, nodes, jump, &self.is_held, fields);
         }
         n.iter_mut().zip(&self.gap).for_each(|(n, gap)| *n -= gap);
     }
@@ -303,14 +291,7 @@ impl Interface {
         for (nodes, points, shape) in self.operators.elements() {
             let weights = &self.operators.weights[points.clone()];
             let fields = workspace.traction.each_ref().map(|field| &field[points.clone()]);
-            let mut sums = [[0.0; MAX_NODES]; 3];
-            let [x, y, n] = &mut sums;
-            (shape.shape.kernels.integrate)(&shape.values, weights, fields, [x, y, n]);
-            for (a, &node) in nodes.iter().enumerate() {
-                for (value, sum) in force[3 * node as usize..][..3].iter_mut().zip(&sums) {
-                    *value += sum[a];
-                }
-            }
+            (shape.shape.kernels.integrate)(&shape.values, weights, fields, nodes, force);
         }
         for &coordinate in self.operators.held() {
             force[coordinate] = 0.0;

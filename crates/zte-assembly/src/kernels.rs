@@ -6,10 +6,10 @@ pub(crate) type Fields<'a> = [&'a [f64]; 3];
 /// The sums of elements with one number of nodes. Rows of shape functions stand one after the other, one per point.
 #[derive(Clone, Copy)]
 pub(crate) struct Kernels {
-    /// `sum_a N_a u_a` at each point, from the jumps x, y, n of the nodes.
-    pub(crate) interpolate: fn(rows: &[f64], nodal: &[[f64; 3]], x: &mut [f64], y: &mut [f64], n: &mut [f64]),
-    /// `sum_p N_pa w_p t_p` for all nodes `a` of each component of a traction, in the order of the points.
-    pub(crate) integrate: fn(rows: &[f64], weights: &[f64], fields: Fields<'_>, sums: [&mut [f64]; 3]),
+    /// `sum_a N_a u_a` at each point, from the jumps x, y, n of all nodes; those along y of held nodes count as zero.
+    pub(crate) interpolate: fn(rows: &[f64], nodes: &[u32], jump: &[f64], is_held: &[bool], points: [&mut [f64]; 3]),
+    /// Adds `sum_p N_pa w_p t_p` to the force at each node `a`, in the order of the points.
+    pub(crate) integrate: fn(rows: &[f64], weights: &[f64], fields: Fields<'_>, nodes: &[u32], force: &mut [f64]),
     /// `sum_p N_pa N_pb w_p f_p` for all pairs of nodes; `rows` hold the products.
     pub(crate) integrate_pairs: fn(rows: &[f64], weights: &[f64], field: &[f64], sums: &mut [f64]),
 }
@@ -19,12 +19,7 @@ impl Kernels {
     pub(crate) const fn of<const N: usize, const P: usize>() -> Self {
         Self {
             interpolate: interpolate::<N>,
-            integrate: |rows, weights, fields, sums| {
-                let found = integrate::<N, 3>(rows, weights, fields);
-                for (sums, found) in sums.into_iter().zip(found) {
-                    sums[..N].copy_from_slice(&found);
-                }
-            },
+            integrate: integrate_traction::<N>,
             integrate_pairs: |rows, weights, field, sums| {
                 let [found] = integrate::<P, 1>(rows, weights, [field]);
                 sums[..P].copy_from_slice(&found);
@@ -33,9 +28,24 @@ impl Kernels {
     }
 }
 
-fn interpolate<const N: usize>(rows: &[f64], nodal: &[[f64; 3]], x: &mut [f64], y: &mut [f64], n: &mut [f64]) {
-    let nodal: &[[f64; 3]; N] = nodal.as_chunks().0.first().unwrap_or(&[[0.0; 3]; N]);
-    for (((row, x), y), n) in rows.as_chunks::<N>().0.iter().zip(x).zip(y).zip(n) {
+// The loops over nodes are inside, where their number is known: passing nodal values in and out costs more than the sums.
+
+fn interpolate<const N: usize>(
+    rows: &[f64],
+    nodes: &[u32],
+    jump: &[f64],
+    is_held: &[bool],
+    [x, y, n]: [&mut [f64]; 3],
+) {
+    let mut nodal = [[0.0; 3]; N];
+    for (values, &node) in nodal.iter_mut().zip(nodes) {
+        values.copy_from_slice(&jump[3 * node as usize..][..3]);
+        if !is_held.is_empty() && is_held[node as usize] {
+            values[1] = 0.0;
+        }
+    }
+    let (rows, _) = rows.as_chunks::<N>();
+    for (((row, x), y), n) in rows.iter().zip(x).zip(y).zip(n) {
         let at = |c: usize| {
             let mut sum = row[0] * nodal[0][c];
             for a in 1..N {
@@ -46,6 +56,21 @@ fn interpolate<const N: usize>(rows: &[f64], nodal: &[[f64; 3]], x: &mut [f64], 
         *x = at(0);
         *y = at(1);
         *n = at(2);
+    }
+}
+
+fn integrate_traction<const N: usize>(
+    rows: &[f64],
+    weights: &[f64],
+    fields: Fields<'_>,
+    nodes: &[u32],
+    force: &mut [f64],
+) {
+    let sums = integrate::<N, 3>(rows, weights, fields);
+    for (a, &node) in nodes.iter().enumerate().take(N) {
+        for (value, sum) in force[3 * node as usize..][..3].iter_mut().zip(&sums) {
+            *value += sum[a];
+        }
     }
 }
 
