@@ -2,12 +2,7 @@
 //! dense matrix per shape serves all elements.
 
 use crate::quadrature::Quadrature;
-use crate::shape::{Shape, pairs};
-
-/// Number of the pair of nodes `a` and `b`.
-pub(crate) const fn pair(a: usize, b: usize) -> usize {
-    if a < b { pairs(b) + a } else { pairs(a) + b }
-}
+use crate::shape::Shape;
 
 /// Shape functions of a reference element at its quadrature points.
 #[derive(Clone, Debug)]

@@ -1,9 +1,8 @@
 //! Forces and tangent of an interface from nodal jumps, with one traction law per range of quadrature points.
 
 use crate::Error;
-use crate::element_sums::pair;
+use crate::kernels::Blocks;
 use crate::operators::Operators;
-use crate::shape::MAX_PAIRS;
 use contact_laws::{
     Components, ComponentsMut, LinearisedContact, PointParameters, Regime, RegimeCounts, StateView, StateViewMut,
     Sticking, TangentMut, TractionLaw,
@@ -305,35 +304,15 @@ impl Interface {
         let mut starts = self.block_starts.as_slice();
         for (nodes, points, shape) in self.operators.elements() {
             let weights = &self.operators.weights[points.clone()];
-            // `N_a N_b` is symmetric in the nodes, so one block serves both orders of a pair.
-            let mut blocks = [[0.0; 9]; MAX_PAIRS];
-            for (entry, field) in workspace.tangent.iter().enumerate() {
-                let field = &field[points.clone()];
-                // Common: sliding does not change t_n, and nothing couples x and y where all points stick.
-                if field.iter().all(|v| *v == 0.0) {
-                    continue;
-                }
-                let mut sums = [0.0; MAX_PAIRS];
-                (shape.shape.kernels.integrate_pairs)(&shape.products, weights, field, &mut sums);
-                for (block, sum) in blocks.iter_mut().zip(sums) {
-                    block[entry] = sum;
-                }
-            }
-            for (a, &node) in nodes.iter().enumerate() {
-                let row = 3 * node as usize;
-                let stride = self.pattern.indptr[row + 1] - self.pattern.indptr[row];
-                let (of_row, rest) = starts.split_at(nodes.len());
-                starts = rest;
-                for (b, start) in of_row.iter().enumerate() {
-                    let block = &blocks[pair(a, b)];
-                    for i in 0..3 {
-                        let entries = &mut values[start + i * stride..][..3];
-                        for j in 0..3 {
-                            entries[j] += block[3 * i + j];
-                        }
-                    }
-                }
-            }
+            let tangent = workspace.tangent.each_ref().map(|field| &field[points.clone()]);
+            let (of_element, rest) = starts.split_at(nodes.len() * nodes.len());
+            starts = rest;
+            let blocks = Blocks {
+                nodes,
+                indptr: &self.pattern.indptr,
+                starts: of_element,
+            };
+            (shape.shape.kernels.integrate_tangent)(&shape.products, weights, tangent, blocks, values);
         }
         for &value in &*self.held_values {
             values[value] = 0.0;

@@ -3,6 +3,26 @@
 /// Components x, y, n of a vector field at the points of an element.
 pub(crate) type Fields<'a> = [&'a [f64]; 3];
 
+/// Number of unordered pairs of `n` nodes, each with itself included.
+pub(crate) const fn pairs(n: usize) -> usize {
+    n * (n + 1) / 2
+}
+
+/// Number of the pair of nodes `a` and `b`.
+pub(crate) const fn pair(a: usize, b: usize) -> usize {
+    if a < b { pairs(b) + a } else { pairs(a) + b }
+}
+
+/// Where the blocks of an element stand in the values of a sparse tangent.
+pub(crate) struct Blocks<'a> {
+    /// Nodes of the element.
+    pub(crate) nodes: &'a [u32],
+    /// Row starts of the pattern.
+    pub(crate) indptr: &'a [usize],
+    /// First value of the block of each ordered pair of nodes, node by node.
+    pub(crate) starts: &'a [usize],
+}
+
 /// The sums of elements with one number of nodes. Rows of shape functions stand one after the other, one per point.
 #[derive(Clone, Copy)]
 pub(crate) struct Kernels {
@@ -10,8 +30,9 @@ pub(crate) struct Kernels {
     pub(crate) interpolate: fn(rows: &[f64], nodes: &[u32], jump: &[f64], is_held: &[bool], points: [&mut [f64]; 3]),
     /// Adds `sum_p N_pa w_p t_p` to the force at each node `a`, in the order of the points.
     pub(crate) integrate: fn(rows: &[f64], weights: &[f64], fields: Fields<'_>, nodes: &[u32], force: &mut [f64]),
-    /// `sum_p N_pa N_pb w_p f_p` for all pairs of nodes; `rows` hold the products.
-    pub(crate) integrate_pairs: fn(rows: &[f64], weights: &[f64], field: &[f64], sums: &mut [f64]),
+    /// Adds `sum_p N_pa N_pb w_p d_p` to the block of each ordered pair of nodes; `rows` hold the products of all pairs.
+    pub(crate) integrate_tangent:
+        fn(rows: &[f64], weights: &[f64], tangent: [&[f64]; 9], blocks: Blocks<'_>, values: &mut [f64]),
 }
 
 impl Kernels {
@@ -20,10 +41,7 @@ impl Kernels {
         Self {
             interpolate: interpolate::<N>,
             integrate: integrate_traction::<N>,
-            integrate_pairs: |rows, weights, field, sums| {
-                let [found] = integrate::<P, 1>(rows, weights, [field]);
-                sums[..P].copy_from_slice(&found);
-            },
+            integrate_tangent: integrate_tangent::<N, P>,
         }
     }
 }
@@ -70,6 +88,41 @@ fn integrate_traction<const N: usize>(
     for (a, &node) in nodes.iter().enumerate().take(N) {
         for (value, sum) in force[3 * node as usize..][..3].iter_mut().zip(&sums) {
             *value += sum[a];
+        }
+    }
+}
+
+fn integrate_tangent<const N: usize, const P: usize>(
+    rows: &[f64],
+    weights: &[f64],
+    tangent: [&[f64]; 9],
+    Blocks { nodes, indptr, starts }: Blocks<'_>,
+    values: &mut [f64],
+) {
+    // `N_a N_b` is symmetric in the nodes, so one block serves both orders of a pair.
+    let mut blocks = [[0.0; 9]; P];
+    for (entry, field) in tangent.into_iter().enumerate() {
+        // Common: sliding does not change t_n, and nothing couples x and y where all points stick.
+        if field.iter().all(|v| *v == 0.0) {
+            continue;
+        }
+        let [sums] = integrate::<P, 1>(rows, weights, [field]);
+        for (block, sum) in blocks.iter_mut().zip(sums) {
+            block[entry] = sum;
+        }
+    }
+    let (starts, _) = starts.as_chunks::<N>();
+    for a in 0..N {
+        let row = 3 * nodes[a] as usize;
+        let stride = indptr[row + 1] - indptr[row];
+        for b in 0..N {
+            let block = &blocks[pair(a, b)];
+            for i in 0..3 {
+                let entries = &mut values[starts[a][b] + i * stride..][..3];
+                for j in 0..3 {
+                    entries[j] += block[3 * i + j];
+                }
+            }
         }
     }
 }

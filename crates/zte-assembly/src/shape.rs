@@ -1,18 +1,10 @@
 //! The table of element shapes: node counts, shape functions and sums.
 
-use crate::kernels::Kernels;
+use crate::kernels::{Kernels, pairs};
 use std::fmt;
 
 /// Most nodes that an element can have. A row of the table with more does not compile.
 pub(crate) const MAX_NODES: usize = 4;
-
-/// Unordered pairs of the nodes of the largest element.
-pub(crate) const MAX_PAIRS: usize = pairs(MAX_NODES);
-
-/// Number of unordered pairs of `n` nodes, each with itself included.
-pub(crate) const fn pairs(n: usize) -> usize {
-    n * (n + 1) / 2
-}
 
 /// Reference shape of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
