@@ -130,6 +130,8 @@ fn integrate_tangent<const N: usize, const P: usize>(
 /// `sum_p B_pk w_p f_p` of each field `f` for all `k`, in the order of the points.
 ///
 /// The sums run side by side: vectorised without a change to the order of any.
+// Inlined into the loops over nodes, the sums would be vectorised less well.
+#[inline(never)]
 fn integrate<const K: usize, const M: usize>(rows: &[f64], weights: &[f64], fields: [&[f64]; M]) -> [[f64; K]; M] {
     let mut sums = [[0.0; K]; M];
     let (rows, _) = rows.as_chunks::<K>();
