@@ -23,16 +23,22 @@ pub(crate) struct Blocks<'a> {
     pub(crate) starts: &'a [usize],
 }
 
+/// Rows, nodes, jumps of all nodes, held nodes, jumps at the points.
+type Interpolate = fn(&[f64], &[u32], &[f64], &[bool], [&mut [f64]; 3]);
+/// Rows, weights, tractions at the points, nodes, forces on all nodes.
+type Integrate = fn(&[f64], &[f64], Fields<'_>, &[u32], &mut [f64]);
+/// Rows of products, weights, tangent entries at the points, blocks, values of the sparse tangent.
+type IntegrateTangent = fn(&[f64], &[f64], [&[f64]; 9], Blocks<'_>, &mut [f64]);
+
 /// The sums of elements with one number of nodes. Rows of shape functions stand one after the other, one per point.
 #[derive(Clone, Copy)]
 pub(crate) struct Kernels {
     /// `sum_a N_a u_a` at each point, from the jumps x, y, n of all nodes; those along y of held nodes count as zero.
-    pub(crate) interpolate: fn(rows: &[f64], nodes: &[u32], jump: &[f64], is_held: &[bool], points: [&mut [f64]; 3]),
+    pub(crate) interpolate: Interpolate,
     /// Adds `sum_p N_pa w_p t_p` to the force at each node `a`, in the order of the points.
-    pub(crate) integrate: fn(rows: &[f64], weights: &[f64], fields: Fields<'_>, nodes: &[u32], force: &mut [f64]),
+    pub(crate) integrate: Integrate,
     /// Adds `sum_p N_pa N_pb w_p d_p` to the block of each ordered pair of nodes; `rows` hold the products of all pairs.
-    pub(crate) integrate_tangent:
-        fn(rows: &[f64], weights: &[f64], tangent: [&[f64]; 9], blocks: Blocks<'_>, values: &mut [f64]),
+    pub(crate) integrate_tangent: IntegrateTangent,
 }
 
 impl Kernels {

@@ -100,7 +100,7 @@ impl InterfaceMesh {
         let elements = lists.into_iter().enumerate().map(|(element, list)| {
             let nodes = list.as_ref();
             let found = nodes.len();
-            Element::from_nodes(nodes).ok_or_else(|| Error::NodeCount { element, found })
+            Element::from_nodes(nodes).ok_or(Error::NodeCount { element, found })
         });
         let elements = elements.collect::<Result<_, _>>()?;
         let mesh = Self { nodes, elements };

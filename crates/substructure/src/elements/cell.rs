@@ -99,14 +99,14 @@ impl ForeignType {
     }
 
     /// Nodes in this crate's order from those in the order of the file.
-    pub(crate) fn from_file(&self, nodes: &[u32]) -> Vec<u32> {
+    pub(crate) fn ours(&self, nodes: &[u32]) -> Vec<u32> {
         reorder(self.order, nodes)
     }
 }
 
 impl Alternative {
     /// Nodes in this crate's order from those in this second order of the file.
-    pub(crate) fn from_file(&self, nodes: &[u32]) -> Vec<u32> {
+    pub(crate) fn ours(&self, nodes: &[u32]) -> Vec<u32> {
         reorder(self.order, nodes)
     }
 }

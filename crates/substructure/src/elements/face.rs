@@ -45,6 +45,9 @@ impl Domain {
 /// Values and derivatives by two natural coordinates, one per node.
 pub(crate) type FaceShape = (Vec<f64>, Vec<Vector2<f64>>);
 
+/// Local numbers of nodes, and their shares of a face's area (m^2).
+pub(crate) type NodeAreas = Vec<(usize, f64)>;
+
 /// One row of the table of faces. Nodes are the corners, then the middles of the edges between them.
 pub struct FaceType {
     /// Name: shape and number of nodes.
@@ -61,7 +64,7 @@ pub struct FaceType {
     pub vtk: u8,
     pub(crate) interpolation: fn(Vector2<f64>) -> FaceShape,
     /// Integrals of the shape functions over a face whose nodes are at the given positions (m), by local number (m^2).
-    pub(crate) node_areas: fn(&[nalgebra::Vector3<f64>]) -> Vec<(usize, f64)>,
+    pub(crate) node_areas: fn(&[nalgebra::Vector3<f64>]) -> NodeAreas,
 }
 
 /// Triangle with three nodes.
@@ -144,7 +147,7 @@ fn quad4(s: Vector2<f64>) -> FaceShape {
     (values.to_vec(), slopes.to_vec())
 }
 
-fn quad4_areas(x: &[nalgebra::Vector3<f64>]) -> Vec<(usize, f64)> {
+fn quad4_areas(x: &[nalgebra::Vector3<f64>]) -> NodeAreas {
     let gauss = 1.0 / 3.0_f64.sqrt();
     let mut areas = [0, 1, 2, 3].map(|node| (node, 0.0));
     for sign in SIGNS {

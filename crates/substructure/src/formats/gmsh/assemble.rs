@@ -172,7 +172,7 @@ fn solid_elements<'b>(
 ) -> impl Iterator<Item = Element> + 'b {
     block.nodes.chunks_exact(row.n_nodes()).filter_map(move |old| {
         let new: Vec<u32> = old.iter().filter_map(|node| kept.number(*node)).collect();
-        let cell = Cell::try_new(row, row.default_formulation(), &row.gmsh.from_file(&new))?;
+        let cell = Cell::try_new(row, row.default_formulation(), &row.gmsh.ours(&new))?;
         Some(Element { cell, material })
     })
 }

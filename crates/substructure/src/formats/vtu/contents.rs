@@ -266,12 +266,12 @@ fn mesh(coordinates: &[[f64; 3]], kept: &Kept, solids: &[Solid<'_>], materials: 
     for solid in solids {
         let Solid { row, material, .. } = *solid;
         let file: Vec<u32> = solid.points.iter().filter_map(|node| kept.number(*node)).collect();
-        let mut nodes = row.vtk.from_file(&file);
+        let mut nodes = row.vtk.ours(&file);
         if let Some(alternative) = &row.vtk.alternative {
             let x: Vec<[f64; 3]> = nodes.iter().map(|node| mesh.nodes[*node as usize]).collect();
             if (alternative.applies)(&x) {
                 reversed += 1;
-                nodes = alternative.from_file(&file);
+                nodes = alternative.ours(&file);
             }
         }
         let cell = Cell::try_new(row, row.default_formulation(), &nodes);
