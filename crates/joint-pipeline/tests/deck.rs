@@ -197,7 +197,7 @@ fn hard_contact_with_friction_against_the_method_paper() {
 fn bungees_do_not_change_two_decimals() {
     let Some(path) = deck() else { return };
     let scene = scene(&path, PAPER, "incompatible-modes", 1e-3);
-    let mut structure = Structure::try_new(scene, &Silent).unwrap();
+    let mut structure = Structure::try_new(&scene, &Silent).unwrap();
     // With the springs the six rigid motions are modes too.
     let mut frequencies = |count| {
         let spectrum = structure

@@ -84,7 +84,7 @@ fn backbones_fall_and_damping_rises_over_decades() {
         scene.cqsma.amplitudes = 13;
         let run = go(&scene);
         let points: Vec<_> = run
-            .amplitudes
+            .amplitudes()
             .iter()
             .map(|a| a.point.result.as_ref().unwrap())
             .collect();

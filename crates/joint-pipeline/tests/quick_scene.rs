@@ -95,7 +95,7 @@ fn prestress_carries_the_bolt_load() {
 #[test]
 fn dissipation_from_the_points_equals_that_from_the_mode() {
     let run = go(&quick());
-    for a in &run.amplitudes() {
+    for a in run.amplitudes() {
         let (result, fields) = (a.point.result.as_ref().unwrap(), a.fields.as_ref().unwrap());
         let allowed = 1e-6 * result.loop_area.abs()
             + 10.0 * run.scene.cqsma.tolerance * a.point.modal_force * result.modal_amplitude;
@@ -115,7 +115,7 @@ fn friction_lowers_the_frequency_and_raises_the_damping_later_for_larger_mu() {
         scene.mu = mu;
         let run = go(&scene);
         let results: Vec<_> = run
-            .amplitudes
+            .amplitudes()
             .iter()
             .map(|a| a.point.result.as_ref().unwrap())
             .collect();
@@ -186,7 +186,7 @@ fn locked_bolts_leave_the_prestress_alone_and_stiffen_the_vibration() {
     );
     let free = &dead.model.facts.penalty_frequencies_hz;
     assert!(locked.model.facts.penalty_frequencies_hz[0] > free[0] * (1.0 + 1e-6));
-    for (a, b) in dead.amplitudes().iter().zip(&locked.amplitudes()) {
+    for (a, b) in dead.amplitudes().iter().zip(locked.amplitudes()) {
         let (dead, locked) = (a.point.result.as_ref().unwrap(), b.point.result.as_ref().unwrap());
         assert!(locked.omega > dead.omega, "{} {}", locked.omega, dead.omega);
         let fields = b.fields.as_ref().unwrap();
@@ -205,7 +205,7 @@ fn more_vertices_resolve_the_loop_with_second_order() {
         scene.cqsma.vertices_per_quarter = vertices;
         scene.cqsma.amplitudes = 1;
         scene.cqsma.amplitude_from = Length::from_si(3e-4);
-        go(&scene).amplitudes[0].point.result.as_ref().unwrap().loop_area
+        go(&scene).amplitudes()[0].point.result.as_ref().unwrap().loop_area
     };
     let (coarse, middle, fine) = (area(4), area(8), area(16));
     let ratio = (coarse - middle) / (middle - fine);
@@ -257,7 +257,7 @@ fn a_synthetic_scan_is_characterised_element_by_element() {
     let mut scene = quick();
     // A coarser grid than the default keeps this quick; still dozens of peaks per element.
     scene.surface = Surface::SyntheticScan(SyntheticScan {
-        step: [60e-6, 80e-6],
+        step: [60e-6, 80e-6].map(Length::from_si),
         bootstrap: 4,
         ..SyntheticScan::default()
     });
@@ -266,7 +266,7 @@ fn a_synthetic_scan_is_characterised_element_by_element() {
     scene.cqsma.amplitudes = 2;
     let run = go(&scene);
     assert_eq!(
-        run.law.asperities.unwrap().n_populations,
+        run.law.asperities.as_ref().unwrap().n_populations,
         run.interface.operators().n_elements()
     );
     assert!(run.interface.gap().unwrap().iter().copied().fold(0.0, f64::max) > 1e-7);

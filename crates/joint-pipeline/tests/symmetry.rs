@@ -113,7 +113,7 @@ fn the_half_is_the_whole() {
     let of = |of: &dyn Fn(&Summary) -> f64| [(of(&half), of(&whole))];
     compare(
         "force that separates",
-        of(&|s| s.validity().separation_modal_force.unwrap()),
+        of(&|s| s.validity.separation_modal_force.unwrap()),
         1e-8,
     );
     compare("closure", of(&|s| s.law.mean_closure), 1e-9);
@@ -122,7 +122,7 @@ fn the_half_is_the_whole() {
     compare("mean pressure", of(&|s| s.prestress.mean_pressure), 1e-12);
     compare(
         "real contact area",
-        of(&|s| s.validity().real_contact_area_fraction.unwrap()),
+        of(&|s| s.validity.real_contact_area_fraction.unwrap()),
         1e-9,
     );
     let points = |of: &dyn Fn(&joint_pipeline::results::summary::BackboneSummary) -> f64| -> Vec<_> {
@@ -140,7 +140,7 @@ fn the_half_is_the_whole() {
     compare("dissipation of the points", points(&|p| p.dissipation.unwrap()), 1e-8);
     compare("dissipation of the mode", points(&|p| p.loop_area.unwrap()), 1e-8);
     for (name, of_half) in &half.methods {
-        let pairs = || of_half.iter().zip(&whole.first().methods[name]);
+        let pairs = || of_half.iter().zip(&whole.methods[name]);
         let frequencies = pairs().map(|(a, b)| (a.frequency_hz.unwrap(), b.frequency_hz.unwrap()));
         compare(&format!("frequency of {name}"), frequencies, 1e-9);
         let damping = pairs().filter_map(|(a, b)| a.damping_ratio.zip(b.damping_ratio));
