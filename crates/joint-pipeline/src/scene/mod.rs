@@ -181,9 +181,9 @@ impl Scene {
             fill(&mut filled, known.defaults());
         }
         require_physics(&filled).map_err(syntax)?;
-        let read = |value: Value| -> Result<Self, Error> {
-            let read = || serde_path_to_error::deserialize(value);
-            benchmark::scope(benchmarks, || units.scope(read)).map_err(|e| syntax(e.to_string()))
+        let read = |value: Value| {
+            let read = || Self::understand(value);
+            benchmark::scope(benchmarks, || units.scope(read)).map_err(syntax)
         };
         let mut scene = read(filled.clone())?;
         scene.refuse_idle(&given).map_err(syntax)?;
@@ -199,15 +199,20 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The one place where scenes are deserialised, as every further one would be compiled anew; messages name the field.
+    fn understand(value: Value) -> Result<Self, String> {
+        serde_path_to_error::deserialize(value).map_err(|e| e.to_string())
+    }
+
     /// Reads a scene as [`Serialize`] writes it, such as the one in a summary.
     ///
     /// # Errors
     /// [`Error::Syntax`].
     pub fn from_summary(value: &Value, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
-        let read = || serde_path_to_error::deserialize(value);
-        benchmark::scope(benchmarks, read).map_err(|e| Error::Syntax {
+        let read = || Self::understand(value.clone());
+        benchmark::scope(benchmarks, read).map_err(|message| Error::Syntax {
             place: "the scene of a summary".into(),
-            message: e.to_string(),
+            message,
         })
     }
 
@@ -222,10 +227,10 @@ impl Scene {
             "structure": StructureSource::Benchmark(BenchmarkRef(benchmark)),
         });
         fill(&mut value, benchmark.defaults());
-        let read = || serde_path_to_error::deserialize(value);
-        let mut scene: Self = benchmark::scope(&[benchmark], read).map_err(|e| Error::Syntax {
+        let read = || Self::understand(value);
+        let mut scene = benchmark::scope(&[benchmark], read).map_err(|message| Error::Syntax {
             place: format!("the defaults of {}", benchmark.name()),
-            message: e.to_string(),
+            message,
         })?;
         scene.units = Units::SI;
         Ok(scene)
