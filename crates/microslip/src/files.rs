@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use reports::Output;
-use reports::run::amplitude_file;
+use reports::run::{amplitude_file, picture_file, table_file};
 use std::path::{Path, PathBuf};
 
 /// Writes all files into `directory`: first under temporary names, then, when none failed, renamed in the given order.
@@ -33,7 +33,7 @@ pub fn write_all(directory: &Path, outputs: &[Output]) -> Result<()> {
     written
 }
 
-/// Removes the interface files of amplitudes, and those `named`, that are not among `outputs`.
+/// Removes the interface files of amplitudes, the backbones of further modes, and those `named`, that are not among `outputs`.
 ///
 /// # Errors
 /// The folder cannot be listed, or a file cannot be removed.
@@ -46,7 +46,7 @@ pub(crate) fn remove_stale(directory: &Path, outputs: &[Output], named: &[&str])
         let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
             continue;
         };
-        let ours = is_amplitude_file(name) || named.contains(&name);
+        let ours = is_of_amplitudes_or_modes(name) || named.contains(&name);
         if ours && outputs.iter().all(|output| output.name != name) {
             std::fs::remove_file(&path).with_context(|| format!("removing {} of an earlier run", path.display()))?;
         }
@@ -54,19 +54,24 @@ pub(crate) fn remove_stale(directory: &Path, outputs: &[Output], named: &[&str])
     Ok(())
 }
 
-/// Whether a run writes the fields of some amplitude of some mode to a file of this name.
-fn is_amplitude_file(name: &str) -> bool {
+/// Whether a run writes the fields of some amplitude, or the backbone of a further mode, to a file of this name.
+fn is_of_amplitudes_or_modes(name: &str) -> bool {
+    let number = |text: &str| text.parse::<usize>().ok();
+    if let Some(mode) = name
+        .strip_prefix("mode-")
+        .and_then(|rest| number(rest.split_once('-')?.0))
+    {
+        return name == table_file(Some(mode)) || name == picture_file(Some(mode));
+    }
     let Some(rest) = name.strip_prefix("interface-") else {
         return false;
     };
     let (mode, rest) = match rest.strip_prefix("mode-").and_then(|rest| rest.split_once('-')) {
-        Some((mode, rest)) => (mode.parse().ok(), rest),
+        Some((mode, rest)) => (number(mode), rest),
         None => (None, rest),
     };
-    let number = rest
+    let amplitude = rest
         .strip_prefix("amplitude-")
-        .and_then(|rest| rest.strip_suffix(".vtu"));
-    number
-        .and_then(|number| number.parse().ok())
-        .is_some_and(|number| amplitude_file(mode, number) == name)
+        .and_then(|rest| number(rest.strip_suffix(".vtu")?));
+    amplitude.is_some_and(|amplitude| amplitude_file(mode, amplitude) == name)
 }

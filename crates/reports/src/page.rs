@@ -5,6 +5,7 @@ use crate::run::damping;
 use crate::{Error, fields, map, plot};
 use askama::Template;
 use joint_pipeline::Run;
+use joint_pipeline::analysis::ModeBackbone;
 use joint_pipeline::interface::AsperityReport;
 use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
 use serde::Serialize;
@@ -18,56 +19,77 @@ type Facts = Vec<(String, String)>;
 struct Page<'a> {
     title: &'a str,
     introduction: String,
-    failed: usize,
-    amplitudes: usize,
-    backbone: Picture<'a>,
-    maps: Vec<Picture<'a>>,
+    modes: Vec<Mode<'a>>,
+    pressure: Picture<'a>,
     key_numbers: Facts,
     asperities: Option<Facts>,
-    amplitude_table: Table,
-    methods: Option<Table>,
-    validity: Vec<String>,
     skipped: Vec<&'a str>,
     effort: Facts,
 }
 
-/// The page; `backbone` is the picture of the backbone.
+/// What the page says of one mode.
+struct Mode<'a> {
+    /// None where only one mode is followed.
+    heading: Option<String>,
+    failed: usize,
+    amplitudes: usize,
+    backbone: Picture<'a>,
+    maps: Vec<Picture<'a>>,
+    amplitude_table: Table,
+    methods: Option<Table>,
+    validity: Vec<String>,
+}
+
+/// The page; `pictures` are those of the backbones of the modes followed.
 ///
 /// # Errors
 /// [`Error::Page`].
-pub fn document(run: &Run, summary: &Summary, backbone: &str) -> Result<String, Error> {
-    let bands = summary.ensemble.as_ref().map_or_else(String::new, |all| {
-        let n = all.realisations - all.failed;
-        format!(" Shaded: 5 to 95 % of {n} bootstrap realisations of the laws.")
-    });
+pub fn document(run: &Run, summary: &Summary, pictures: &[String]) -> Result<String, Error> {
+    let modes: Vec<String> = run.backbones.iter().map(|of| of.mode.to_string()).collect();
+    let of_modes = run.backbones.iter().zip(summary.by_mode()).zip(pictures);
     render(&Page {
         title: &run.scene.name,
         introduction: format!(
             "{}: frequency and damping of mode {} against amplitude. Surface: {}; gap: {}; friction \
              coefficient {}; {} bolts with {:.3} kN each.",
             summary.title,
-            run.first().mode,
+            modes.join(", "),
             name(&run.scene.surface),
             name(&run.scene.gap),
             run.scene.mu,
             run.model.reduced.loads.len(),
             run.scene.bolts.load.si() / 1e3,
         ),
-        failed: summary.backbone.iter().filter(|b| !b.converged).count(),
-        amplitudes: summary.backbone.len(),
-        backbone: Picture {
-            svg: backbone.into(),
-            caption: format!("Amplitude: {}.{bands}", plot::amplitude_label(&summary.response)),
-        },
-        maps: maps(run),
+        modes: of_modes
+            .map(|((backbone, (_, of_mode)), picture)| mode(run, backbone, &of_mode, picture))
+            .collect(),
+        pressure: pressure(run),
         key_numbers: key_numbers(summary),
         asperities: summary.law.asperities.as_ref().map(asperity_numbers),
-        amplitude_table: amplitude_table(summary),
-        methods: (!summary.methods.is_empty()).then(|| methods_table(summary)),
-        validity: validity(run, summary),
         skipped: summary.skipped.values().map(String::as_str).collect(),
         effort: effort(summary),
     })
+}
+
+fn mode<'a>(run: &Run, backbone: &ModeBackbone, summary: &Summary, picture: &'a str) -> Mode<'a> {
+    let bands = summary.ensemble.as_ref().map_or_else(String::new, |all| {
+        let n = all.realisations - all.failed;
+        format!(" Shaded: 5 to 95 % of {n} bootstrap realisations of the laws.")
+    });
+    Mode {
+        heading: (run.backbones.len() > 1)
+            .then(|| format!("Mode {}, {:.2} Hz", backbone.mode, run.frequencies[backbone.mode - 1])),
+        failed: summary.backbone.iter().filter(|b| !b.converged).count(),
+        amplitudes: summary.backbone.len(),
+        backbone: Picture {
+            svg: picture.into(),
+            caption: format!("Amplitude: {}.{bands}", plot::amplitude_label(&summary.response)),
+        },
+        maps: maps(run, backbone),
+        amplitude_table: amplitude_table(summary),
+        methods: (!summary.methods.is_empty()).then(|| methods_table(summary)),
+        validity: validity(backbone, summary),
+    }
 }
 
 /// The name by which scenes and summaries call a choice.
@@ -84,16 +106,21 @@ fn facts<const N: usize>(rows: [(&str, String); N]) -> Facts {
     rows.map(|(name, value)| (name.into(), value)).into()
 }
 
-/// Pressure under prestress, and the dissipation of the amplitudes whose fields are stored.
-fn maps(run: &Run) -> Vec<Picture<'static>> {
+fn pressure(run: &Run) -> Picture<'static> {
     let pressure = fields::pressure(run, &run.prestress.fields);
-    let mut maps = vec![Picture {
+    Picture {
         svg: map::svg(&run.mesh, &pressure, "pressure", "Pa").into(),
         caption:
             "Pressure under prestress, means over the elements; seen along the normal, x of the interface to the right."
                 .into(),
-    }];
-    for (index, amplitude) in run.amplitudes().iter().enumerate() {
+    }
+}
+
+/// Dissipation of the amplitudes whose fields are stored.
+fn maps(run: &Run, backbone: &ModeBackbone) -> Vec<Picture<'static>> {
+    let all = backbone.amplitudes.len();
+    let mut maps = Vec::new();
+    for (index, amplitude) in backbone.amplitudes.iter().enumerate() {
         let stored = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref());
         let (Some(stored), Some(x)) = (stored, amplitude.response_displacement) else {
             continue;
@@ -101,7 +128,7 @@ fn maps(run: &Run) -> Vec<Picture<'static>> {
         let flux = fields::total_flux(run, stored);
         maps.push(Picture {
             svg: map::svg(&run.mesh, &flux, "dissipated energy per area and cycle", "J/m^2").into(),
-            caption: format!("Amplitude {} of {}: {x:.3e} m.", index + 1, run.amplitudes().len()),
+            caption: format!("Amplitude {} of {all}: {x:.3e} m.", index + 1),
         });
     }
     maps
@@ -300,13 +327,13 @@ fn methods_table(summary: &Summary) -> Table {
 }
 
 /// What the run says about its own validity, in sentences.
-fn validity(run: &Run, summary: &Summary) -> Vec<String> {
+fn validity(backbone: &ModeBackbone, summary: &Summary) -> Vec<String> {
     let v = &summary.validity;
     let percent = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
     let unknown = || "not known for this law".to_owned();
     let at = |number: usize| {
-        let x = run
-            .amplitudes()
+        let x = backbone
+            .amplitudes
             .get(number.saturating_sub(1))
             .and_then(|a| a.response_displacement);
         x.map_or_else(

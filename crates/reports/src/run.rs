@@ -16,6 +16,16 @@ pub fn amplitude_file(mode: Option<usize>, number: usize) -> String {
     format!("interface-{}amplitude-{number:02}.vtu", of_mode(mode))
 }
 
+/// Name of the table of a backbone; `mode` is none for the first mode followed.
+pub fn table_file(mode: Option<usize>) -> String {
+    of_mode(mode) + "backbone.csv"
+}
+
+/// Name of the picture of a backbone; `mode` is none for the first mode followed.
+pub fn picture_file(mode: Option<usize>) -> String {
+    of_mode(mode) + "backbone.svg"
+}
+
 /// What distinguishes the files of a mode from those of the first mode followed.
 fn of_mode(mode: Option<usize>) -> String {
     mode.map_or_else(String::new, |mode| format!("mode-{mode}-"))
@@ -30,28 +40,23 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
         let document = fields::vtu(&run.mesh, fields::cell_fields(run, of))?;
         Ok::<_, Error>(Output::new(name, document))
     };
-    let picture = plot::backbone(summary, &title(run, run.first().mode))?;
     let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)?];
-    for (place, backbone) in run.backbones.iter().enumerate() {
-        let mode = (place > 0).then_some(backbone.mode);
+    let mut pictures = Vec::with_capacity(run.backbones.len());
+    for (backbone, (mode, of_mode)) in run.backbones.iter().zip(summary.by_mode()) {
         for (index, amplitude) in backbone.amplitudes.iter().enumerate() {
             if let Some(fields) = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref()) {
                 outputs.push(field_file(amplitude_file(mode, index + 1), fields)?);
             }
         }
-    }
-    outputs.push(Output::new("backbone.csv", csv::backbone(summary)?));
-    for backbone in summary.backbones.iter().skip(1) {
-        let (of_mode, name) = (summary.of_mode(backbone), of_mode(Some(backbone.mode)));
-        outputs.push(Output::new(format!("{name}backbone.csv"), csv::backbone(&of_mode)?));
+        outputs.push(Output::new(table_file(mode), csv::backbone(&of_mode)?));
         let picture = plot::backbone(&of_mode, &title(run, backbone.mode))?;
-        outputs.push(Output::new(format!("{name}backbone.svg"), picture));
+        outputs.push(Output::new(picture_file(mode), picture.clone()));
+        pictures.push(picture);
     }
     if let Some(ensemble) = &summary.ensemble {
         outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)?));
     }
-    outputs.push(Output::new("report.html", page::document(run, summary, &picture)?));
-    outputs.push(Output::new("backbone.svg", picture));
+    outputs.push(Output::new("report.html", page::document(run, summary, &pictures)?));
     let json = serde_json::to_string_pretty(summary).map_err(Error::Summary)?;
     outputs.push(Output::new(SUMMARY, json + "\n"));
     Ok(outputs)

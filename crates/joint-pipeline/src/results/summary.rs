@@ -10,6 +10,7 @@ use crate::scene::{BoltBehaviour, Commit, PRESETS, Preset, Scene, StructureSourc
 use cqsma_solver::Reason;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Version of the layout of [`Summary`]; grows with every change that is not a mere addition.
@@ -357,12 +358,20 @@ impl Summary {
 }
 
 impl Summary {
-    /// The summary with one of the `backbones` in the place of the first, for those who show one.
-    pub fn of_mode(&self, mode: &ModeBackboneSummary) -> Self {
+    /// One summary per mode followed, with the backbone, the methods and the validity of that mode. The first is the summary
+    /// itself; the others go with their mode, counted from 1.
+    pub fn by_mode(&self) -> impl Iterator<Item = (Option<usize>, Cow<'_, Self>)> {
+        let further = self.backbones.iter().skip(1);
+        let further = further.map(|of| (Some(of.mode), Cow::Owned(self.of_mode(of))));
+        std::iter::once((None, Cow::Borrowed(self))).chain(further)
+    }
+
+    fn of_mode(&self, mode: &ModeBackboneSummary) -> Self {
         Self {
             backbone: mode.backbone.clone(),
             methods: mode.methods.clone(),
             validity: mode.validity.clone(),
+            backbones: Vec::new(),
             ensemble: None,
             error_estimate: None,
             ..self.clone()

@@ -118,11 +118,10 @@ pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<
         files::remove_stale(&directory, &outputs, &[ENSEMBLE])?;
     }
     print(&account(&summary, &scene.name, &directory))?;
-    let others = summary.methods.values().flatten();
     let mut members = summary.ensemble.iter().flat_map(|all| &all.members);
-    let complete = summary.backbone.iter().all(|b| b.converged)
-        && others.into_iter().all(|m| m.converged)
-        && members.all(|m| m.failure.is_none() && m.not_converged == 0);
+    let complete = summary.by_mode().all(|(_, of_mode)| {
+        of_mode.backbone.iter().all(|b| b.converged) && of_mode.methods.values().flatten().all(|m| m.converged)
+    }) && members.all(|m| m.failure.is_none() && m.not_converged == 0);
     Ok(if complete {
         Outcome::Success
     } else {
@@ -156,9 +155,8 @@ fn moved(study: &[Moved], directory: &Path) -> String {
     out
 }
 
-/// What is printed at the end.
-fn account(summary: &Summary, name: &str, directory: &Path) -> String {
-    let mut out = String::from("\n");
+/// The backbone of one mode, with what went wrong.
+fn table(out: &mut String, summary: &Summary) {
     let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
     // Writing to a string cannot fail.
     let _ = writeln!(
@@ -181,14 +179,6 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
                 .map_or_else(String::new, |reason| format!("  not converged: {reason}")),
         );
     }
-    let _ = writeln!(out, "\namplitude: {}", plot::amplitude_label(&summary.response));
-    if let (Some(first), Some(stuck)) = (summary.modes.first(), summary.model.stuck_frequencies_hz.first()) {
-        let first = first.frequency_hz;
-        let _ = writeln!(
-            out,
-            "first frequency about the prestress: {first:.3} Hz (interface stuck: {stuck:.3} Hz)"
-        );
-    }
     let failed = summary.backbone.iter().filter(|b| !b.converged).count();
     if failed > 0 {
         let all = summary.backbone.len();
@@ -202,6 +192,28 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
         let _ = writeln!(
             out,
             "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
+        );
+    }
+}
+
+/// What is printed at the end.
+fn account(summary: &Summary, name: &str, directory: &Path) -> String {
+    let mut out = String::new();
+    let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
+    for (mode, of_mode) in summary.by_mode() {
+        // Writing to a string cannot fail.
+        let _ = match mode {
+            Some(mode) => writeln!(out, "\nmode {mode}"),
+            None => writeln!(out),
+        };
+        table(&mut out, &of_mode);
+    }
+    let _ = writeln!(out, "\namplitude: {}", plot::amplitude_label(&summary.response));
+    if let (Some(first), Some(stuck)) = (summary.modes.first(), summary.model.stuck_frequencies_hz.first()) {
+        let first = first.frequency_hz;
+        let _ = writeln!(
+            out,
+            "first frequency about the prestress: {first:.3} Hz (interface stuck: {stuck:.3} Hz)"
         );
     }
     if let Some(ensemble) = &summary.ensemble {
