@@ -169,11 +169,11 @@ impl Scene {
         let units: Units = serde_json::from_value(units.clone()).map_err(|e| syntax(format!("units: {e}")))?;
         refuse_former(&given).map_err(syntax)?;
         let source = given.get("structure").ok_or_else(|| {
-            syntax(
-                "`structure` is missing: say where the structure comes from, such as \"structure\": { \"benchmark\": \
-                 \"brake-reuss-beam\" }, { \"deck\": { ... } } or { \"matrices\": { ... } }"
-                    .into(),
-            )
+            let name = benchmarks.first().map_or("NAME", |known| known.name());
+            syntax(format!(
+                "`structure` is missing: say where the structure comes from, such as \"structure\": {{ \"benchmark\": \
+                 \"{name}\" }}, {{ \"deck\": {{ ... }} }} or {{ \"matrices\": {{ ... }} }}"
+            ))
         })?;
         let mut filled = given.clone();
         if let Some(name) = source.get("benchmark").and_then(Value::as_str) {
@@ -366,7 +366,7 @@ fn require_physics(scene: &Value) -> Result<(), String> {
     let missing = |path: &str| scene.pointer(path).is_none_or(Value::is_null);
     match PHYSICS.iter().find(|(path, _)| missing(path)) {
         Some((path, line)) => Err(format!(
-            "{} is missing, and a structure that is no benchmark has no default for it; add for example {line}",
+            "{} is missing, and the structure has no default for it; add for example {line}",
             path[1..].replace('/', ".")
         )),
         None => Ok(()),

@@ -5,13 +5,12 @@ use brake_reuss_beam::BrakeReussBenchmark;
 use joint_pipeline::analysis::Prepared;
 use joint_pipeline::joint::{Bodies, MeshedBodies};
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, Surface};
+use joint_pipeline::scene::{
+    ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, RefinementLevel, Surface,
+};
 use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use std::path::PathBuf;
-
-const QUICK: &str = include_str!("../../../../fixtures/scenes/brb-quick.json");
-const FULL: &str = include_str!("../../../../fixtures/scenes/brb-flat.json");
 
 /// The scene of all cases as it is before anything is done to it, and what came of that.
 pub(super) struct Bench {
@@ -32,8 +31,10 @@ impl Drop for Bench {
 impl Bench {
     /// On the mesh of the default scene if it is `full`, else on the coarse one.
     pub(super) fn try_new(full: bool) -> Result<Self> {
-        let (text, name) = if full { (FULL, "brb-flat") } else { (QUICK, "brb-quick") };
-        let mut scene = Scene::from_json(text, "the built-in scene", name, &[&BrakeReussBenchmark])?;
+        let mut scene = Scene::of(&BrakeReussBenchmark, if full { "brb-flat" } else { "brb-quick" })?;
+        if !full {
+            scene.model.refinement = RefinementLevel::Quick;
+        }
         // Stuck, at the onset of slip, in partial slip.
         scene.cqsma.amplitude_from = Length::from_si(1e-6);
         scene.cqsma.amplitude_to = Length::from_si(1e-4);
