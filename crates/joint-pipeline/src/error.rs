@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be read or written.
-    #[error("{}: {operation} failed: {source}", path.display())]
+    #[error("{}: {operation} failed", path.display())]
     File {
         /// File.
         path: PathBuf,
@@ -162,7 +162,7 @@ pub enum Error {
     #[error(transparent)]
     ScanFile(Box<surface_characterisation::FileError>),
     /// A benchmark that cannot be meshed as the scene asks for.
-    #[error("{benchmark}: {source}")]
+    #[error("{benchmark} cannot be meshed as the scene asks")]
     Benchmark {
         /// Name of the benchmark.
         benchmark: &'static str,

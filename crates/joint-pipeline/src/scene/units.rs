@@ -459,7 +459,7 @@ mod tests {
             let density: Density = read(units, "7.324e-4").unwrap();
             assert!((density.si() / 7827.0 - 1.0).abs() < 1e-3, "{density:?}");
             let load: Force = read(units, "1000").unwrap();
-            assert!((load.si() / 4448.221_615_260_5 - 1.0).abs() < 1e-14, "{load:?}");
+            assert!((load.si() / 4_448.221_615_260_5 - 1.0).abs() < 1e-14, "{load:?}");
         }
     }
 
