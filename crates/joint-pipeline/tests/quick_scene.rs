@@ -1,4 +1,4 @@
-//! The whole road on a small mesh: one reduced model, many scenes on it.
+//! The whole way from scene to backbone on a small mesh: one reduced model, many scenes on it.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 mod common;

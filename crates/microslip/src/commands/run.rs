@@ -102,13 +102,13 @@ pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<
     let (run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
     let mut summary = Summary::new(&run, timings, peak_memory());
     summary.ensemble = ensemble;
-    if let Some((rung, scene)) = finer {
+    if let Some((preset, scene)) = finer {
         let monitor = Monitor::new()?;
-        monitor.note(&format!("again, with the settings `{}`", rung.name));
+        monitor.note(&format!("again, with the settings `{}`", preset.name));
         let fine = joint_pipeline::run(&scene, &options, &monitor);
         monitor.finish();
         let fine = fine.with_context(|| format!("running the scene {} with finer settings", scene.name))?;
-        summary.error_estimate = Some(ErrorEstimate::new(&run, rung, &fine));
+        summary.error_estimate = Some(ErrorEstimate::new(&run, preset, &fine));
     }
 
     let stale = is_run_of(&directory, &scene.name);
@@ -223,11 +223,11 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
             ensemble.realisations, ensemble.failed
         );
     }
-    if let Some(rung) = summary.accuracy {
+    if let Some(preset) = summary.accuracy {
         let _ = writeln!(
             out,
             "settings `{}`, measured errors on the flat beam: {} in frequency, {} in the logarithm of damping",
-            rung.name, rung.frequency_error, rung.damping_error
+            preset.name, preset.frequency_error, preset.damping_error
         );
     }
     if let Some(estimate) = &summary.error_estimate {

@@ -1,18 +1,18 @@
 //! What accuracy costs, measured setting by setting.
 //!
-//! Every rung of every dial is a run in a process of its own, one after another, so that time and memory are
-//! its own. A rung is judged against the last one of its dial.
+//! Every setting of every parameter is a run in a process of its own, one after another, so that time and memory are
+//! its own. A setting is judged against the last one of its parameter.
 
-mod dials;
 mod page;
+mod parameters;
 
 use anyhow::{Context, Result, anyhow, bail};
-use dials::{AMPLITUDES, Dial, Rung, Share, Source};
 use joint_pipeline::Scene;
 use joint_pipeline::analysis::comparison::{Backbone, Point};
 use joint_pipeline::results::summary::Summary;
 use joint_pipeline::results::trends::{Extrapolation, extrapolate};
 use joint_pipeline::scene::PRESETS;
+use parameters::{AMPLITUDES, Parameter, Setting, Share, Source};
 use reports::Output;
 use reports::run::SUMMARY;
 use serde_json::{Map, Value, json};
@@ -32,7 +32,7 @@ pub struct Launcher {
 /// What is to be measured.
 pub struct Plan {
     base: Scene,
-    dials: Vec<Dial>,
+    parameters: Vec<Parameter>,
 }
 
 impl Plan {
@@ -41,17 +41,17 @@ impl Plan {
     /// # Errors
     /// An unknown name, listing those that exist; a scene that cannot be varied.
     pub fn try_new(scene: Scene, only: &[String], quick: bool) -> Result<Self> {
-        let base = dials::base(scene, quick);
+        let base = parameters::base(scene, quick);
         let wanted = |name: &str| only.is_empty() || only.iter().any(|only| only == name);
-        let mut dials = dials::all(&base, quick, wanted)?;
+        let mut parameters = parameters::all(&base, quick, wanted)?;
         for name in only {
-            if dials.iter().all(|dial| dial.name != name) {
-                let names: Vec<&str> = dials.iter().map(|dial| dial.name).collect();
-                bail!("there is no dial `{name}`; there are {}", names.join(", "));
+            if parameters.iter().all(|parameter| parameter.name != name) {
+                let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
+                bail!("there is no parameter `{name}`; there are {}", names.join(", "));
             }
         }
-        dials.retain(|dial| wanted(dial.name));
-        Ok(Self { base, dials })
+        parameters.retain(|parameter| wanted(parameter.name));
+        Ok(Self { base, parameters })
     }
 
     /// Runs everything, or takes what an equal scene left in the folder `runs`. `show` is given a line after each run.
@@ -62,18 +62,26 @@ impl Plan {
         let runs = runs
             .canonicalize()
             .with_context(|| format!("finding the folder {}", runs.display()))?;
-        let all = 1 + self.dials.iter().map(|dial| dial.rungs.len()).sum::<usize>();
+        let all = 1 + self
+            .parameters
+            .iter()
+            .map(|parameter| parameter.settings.len())
+            .sum::<usize>();
         let mut bench = Bench::new(runs, launcher, &show, all);
         let ladders: Vec<Ladder> = self
-            .dials
+            .parameters
             .into_iter()
-            .map(|dial| {
-                let measured = dial.rungs.iter().map(|rung| bench.run(dial.name, rung)).collect();
-                ladder(dial, measured)
+            .map(|parameter| {
+                let measured = parameter
+                    .settings
+                    .iter()
+                    .map(|setting| bench.run(parameter.name, setting))
+                    .collect();
+                ladder(parameter, measured)
             })
             .collect();
-        // After the dials, among whose rungs it usually is.
-        let own = bench.run("scene", &Rung::new("as it is", self.base.clone()));
+        // After the parameters, among whose settings it usually is.
+        let own = bench.run("scene", &Setting::new("as it is", self.base.clone()));
         let own = own.map_err(|reason| anyhow!("the scene itself failed: {reason}"))?;
         let budget = budget(&ladders, &own);
         let report = report(&ladders, &self.base, &budget, &own);
@@ -105,7 +113,7 @@ pub struct Trade {
     pub exceeded: Vec<(&'static str, String)>,
 }
 
-/// A rung that was run.
+/// A setting that was run.
 pub(crate) struct Measured {
     /// Linearised frequency of the mode followed (Hz).
     linear: f64,
@@ -120,7 +128,7 @@ pub(crate) struct Measured {
     not_converged: usize,
 }
 
-/// How far a rung is from its reference.
+/// How far a setting is from its reference.
 #[derive(Clone, Copy)]
 pub(crate) struct Errors {
     /// Relative, of the linearised frequency.
@@ -144,27 +152,27 @@ impl Errors {
     }
 }
 
-/// A rung with what came of it.
+/// A setting with what came of it.
 pub(crate) struct Outcomes {
     pub(crate) measured: Result<Measured, String>,
     pub(crate) errors: Option<Errors>,
-    /// Whether no other rung of the dial is both faster and nearer to the reference.
+    /// Whether no other setting of the parameter is both faster and nearer to the reference.
     pub(crate) pareto: bool,
 }
 
-/// The limit of a refinement, from its three finest rungs.
+/// The limit of a refinement, from its three finest settings.
 pub(crate) struct Limit {
     /// What converges.
     pub(crate) quantity: &'static str,
     pub(crate) extrapolation: Option<Extrapolation>,
-    /// Distance of the finest rung from the limit: relative of frequencies, of the logarithm of damping; zero where refinement changes
+    /// Distance of the finest setting from the limit: relative of frequencies, of the logarithm of damping; zero where refinement changes
     /// nothing.
     pub(crate) uncertainty: Option<f64>,
 }
 
-/// A dial that was measured.
+/// A parameter that was measured.
 pub(crate) struct Ladder {
-    pub(crate) dial: Dial,
+    pub(crate) parameter: Parameter,
     pub(crate) outcomes: Vec<Outcomes>,
     pub(crate) limits: Vec<Limit>,
 }
@@ -202,30 +210,30 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Runs a rung, or takes what an equal scene gave.
-    fn run(&mut self, dial: &str, rung: &Rung) -> Result<Measured, String> {
+    /// Runs a setting, or takes what an equal scene gave.
+    fn run(&mut self, parameter: &str, setting: &Setting) -> Result<Measured, String> {
         self.done += 1;
-        let slug: String = format!("{dial}-{}", rung.name)
+        let slug: String = format!("{parameter}-{}", setting.name)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
             .collect();
         let measured = self
-            .summary(&slug, rung)
-            .and_then(|summary| self.measured(rung, &summary))
+            .summary(&slug, setting)
+            .and_then(|summary| self.measured(setting, &summary))
             .map_err(|error| format!("{error:#}"));
         let account = match &measured {
             Ok(m) => format!("{:.1} s", m.structure_seconds + m.interface_seconds),
             Err(reason) => format!("failed: {reason}"),
         };
         (self.show)(&format!(
-            "{:>3} of {} {dial}, {}: {account}",
-            self.done, self.all, rung.name
+            "{:>3} of {} {parameter}, {}: {account}",
+            self.done, self.all, setting.name
         ));
         measured
     }
 
-    fn summary(&mut self, slug: &str, rung: &Rung) -> Result<Summary> {
-        let scene = comparable(&rung.scene, rung.source);
+    fn summary(&mut self, slug: &str, setting: &Setting) -> Result<Summary> {
+        let scene = comparable(&setting.scene, setting.source);
         if let Some((_, summary)) = self.known.iter().find(|(known, _)| *known == scene) {
             return Ok(summary.clone());
         }
@@ -234,19 +242,19 @@ impl<'a> Bench<'a> {
         let earlier = std::fs::read_to_string(&path).ok();
         let earlier = earlier.and_then(|text| serde_json::from_str::<Summary>(&text).ok());
         // A run that is there was measured as this one would be, if its scene is the same.
-        let kept = earlier.filter(|summary| of_summary(summary, rung.source) == scene);
+        let kept = earlier.filter(|summary| of_summary(summary, setting.source) == scene);
         let summary = match kept {
             Some(summary) => summary,
-            None => self.measure(slug, rung, &folder)?,
+            None => self.measure(slug, setting, &folder)?,
         };
         self.known.push((scene, summary.clone()));
         Ok(summary)
     }
 
-    fn measure(&self, slug: &str, rung: &Rung, folder: &Path) -> Result<Summary> {
+    fn measure(&self, slug: &str, setting: &Setting, folder: &Path) -> Result<Summary> {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let path = folder.join("scene.json");
-        let mut scene = rung.scene.clone();
+        let mut scene = setting.scene.clone();
         scene.name = slug.into();
         let text = serde_json::to_string_pretty(&scene).context("encoding the scene")?;
         std::fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
@@ -256,7 +264,7 @@ impl<'a> Bench<'a> {
             .arg(&path)
             .arg("--out")
             .arg(folder);
-        if let Source::Ensemble(count) = rung.source {
+        if let Source::Ensemble(count) = setting.source {
             command.args(["--ensemble", &count.to_string()]);
         }
         // The cache of reduced structures is relative to the working directory.
@@ -284,13 +292,13 @@ impl<'a> Bench<'a> {
         longest.map_or((0.0, None), |run| (structure_seconds(run), run.peak_memory))
     }
 
-    fn measured(&self, rung: &Rung, summary: &Summary) -> Result<Measured> {
-        let mode = rung.scene.cqsma.mode - 1;
+    fn measured(&self, setting: &Setting, summary: &Summary) -> Result<Measured> {
+        let mode = setting.scene.cqsma.mode - 1;
         let linear = summary
             .modes
             .get(mode)
             .context("the summary has no linearised frequency")?;
-        let points: Vec<Point> = match rung.source {
+        let points: Vec<Point> = match setting.source {
             Source::Loops => {
                 let points = summary.backbone.iter();
                 points
@@ -319,8 +327,8 @@ impl<'a> Bench<'a> {
                     .collect()
             }
         };
-        let not_converged = rung.scene.cqsma.amplitudes.saturating_sub(points.len());
-        let own = match rung.source {
+        let not_converged = setting.scene.cqsma.amplitudes.saturating_sub(points.len());
+        let own = match setting.source {
             Source::Loops => "backbone",
             Source::Method(_) => "methods",
             Source::Ensemble(_) => "ensemble",
@@ -328,7 +336,7 @@ impl<'a> Bench<'a> {
         let (structure, memory) = self.structure_of(summary);
         Ok(Measured {
             linear: linear.frequency_hz,
-            backbone: Backbone::try_new(&rung.name, points)?,
+            backbone: Backbone::try_new(&setting.name, points)?,
             structure_seconds: structure,
             interface_seconds: seconds(summary, &["characterise", "prestress", "modes", own]),
             peak_memory: summary.peak_memory.max(memory),
@@ -386,16 +394,16 @@ fn without_name(mut scene: Value, source: Source) -> Value {
     json!([scene, ensemble])
 }
 
-/// Judges the rungs of a dial by its last one.
-fn ladder(dial: Dial, measured: Vec<Result<Measured, String>>) -> Ladder {
+/// Judges the settings of a parameter by its last one.
+fn ladder(parameter: Parameter, measured: Vec<Result<Measured, String>>) -> Ladder {
     let errors: Vec<Option<Errors>> = match measured.last() {
         Some(Ok(reference)) => measured
             .iter()
-            .map(|rung| rung.as_ref().ok().map(|rung| errors(rung, reference)))
+            .map(|setting| setting.as_ref().ok().map(|setting| errors(setting, reference)))
             .collect(),
         _ => measured.iter().map(|_| None).collect(),
     };
-    let limits = limits(&dial, &measured);
+    let limits = limits(&parameter, &measured);
     let cost: Vec<Option<(f64, f64)>> = measured
         .iter()
         .zip(&errors)
@@ -421,36 +429,40 @@ fn ladder(dial: Dial, measured: Vec<Result<Measured, String>>) -> Ladder {
             }
         })
         .collect();
-    Ladder { dial, outcomes, limits }
+    Ladder {
+        parameter,
+        outcomes,
+        limits,
+    }
 }
 
-fn errors(rung: &Measured, reference: &Measured) -> Errors {
-    let at = |amplitude: f64| rung.backbone.at(amplitude).zip(reference.backbone.at(amplitude));
+fn errors(setting: &Measured, reference: &Measured) -> Errors {
+    let at = |amplitude: f64| setting.backbone.at(amplitude).zip(reference.backbone.at(amplitude));
     let shift = |amplitude| {
         let ((own, _), (right, _)) = at(amplitude)?;
-        Some(((own - rung.linear) - (right - reference.linear)) / reference.linear)
+        Some(((own - setting.linear) - (right - reference.linear)) / reference.linear)
     };
     let damping = |amplitude| {
         let ((_, own), (_, right)) = at(amplitude)?;
         Some((own? / right?).ln())
     };
     Errors {
-        linear: rung.linear / reference.linear - 1.0,
+        linear: setting.linear / reference.linear - 1.0,
         shift: AMPLITUDES.map(shift),
         damping: AMPLITUDES.map(damping),
     }
 }
 
 /// Limits of what a refinement converges to.
-fn limits(dial: &Dial, measured: &[Result<Measured, String>]) -> Vec<Limit> {
-    let sizes: Vec<Option<f64>> = dial
-        .rungs
+fn limits(parameter: &Parameter, measured: &[Result<Measured, String>]) -> Vec<Limit> {
+    let sizes: Vec<Option<f64>> = parameter
+        .settings
         .iter()
         .zip(measured)
-        .map(|(rung, measured)| match (dial.name, measured) {
+        .map(|(setting, measured)| match (parameter.name, measured) {
             // All lengths of the mesh go with the root of the area of an element.
             ("mesh", Ok(measured)) => Some(measured.n_elements.powf(-0.5)),
-            _ => rung.size,
+            _ => setting.size,
         })
         .collect();
     let [.., Some(a), Some(b), Some(c)] = sizes[..] else {
@@ -500,19 +512,19 @@ fn limits(dial: &Dial, measured: &[Result<Measured, String>]) -> Vec<Limit> {
     ]
 }
 
-/// Rungs of scenes that are farther from the reference than their entry says.
+/// Settings of scenes that are farther from the reference than their entry says.
 fn exceeded(ladders: &[Ladder]) -> Vec<(&'static str, String)> {
     let mut found = Vec::new();
-    for ladder in ladders.iter().filter(|ladder| ladder.dial.name == "accuracy") {
-        for (rung, outcome) in PRESETS.iter().zip(&ladder.outcomes) {
+    for ladder in ladders.iter().filter(|ladder| ladder.parameter.name == "accuracy") {
+        for (setting, outcome) in PRESETS.iter().zip(&ladder.outcomes) {
             let Some(errors) = &outcome.errors else { continue };
             let (frequency, damping) = (errors.frequency(), errors.damping().unwrap_or(f64::INFINITY));
-            if frequency > rung.frequency_error || damping > rung.damping_error {
+            if frequency > setting.frequency_error || damping > setting.damping_error {
                 found.push((
-                    rung.name,
+                    setting.name,
                     format!(
                         "measured errors {frequency:.1e} and {damping:.1e}, but {:.1e} and {:.1e} are what scenes are promised",
-                        rung.frequency_error, rung.damping_error
+                        setting.frequency_error, setting.damping_error
                     ),
                 ));
             }
@@ -524,16 +536,16 @@ fn exceeded(ladders: &[Ladder]) -> Vec<(&'static str, String)> {
 /// What `trade.json` holds.
 fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], own: &Measured) -> Value {
     let [frequency, damping_ln] = total(budget);
-    let mut rungs = Vec::new();
+    let mut settings = Vec::new();
     let (mut pareto, mut reference, mut orders) = (Map::new(), Map::new(), Map::new());
     for ladder in ladders {
-        let dial = &ladder.dial;
-        let name = |rung: &Rung| format!("{}: {}", dial.name, rung.name);
-        for (rung, outcome) in dial.rungs.iter().zip(&ladder.outcomes) {
+        let parameter = &ladder.parameter;
+        let name = |setting: &Setting| format!("{}: {}", parameter.name, setting.name);
+        for (setting, outcome) in parameter.settings.iter().zip(&ladder.outcomes) {
             let mut row = json!({
-                "name": name(rung),
-                "dial": dial.name,
-                "setting": rung.name,
+                "name": name(setting),
+                "dial": parameter.name,
+                "setting": setting.name,
                 "errors": outcome.errors.map(|errors| json!({
                     "linear_frequency": errors.linear,
                     "frequency_shift": errors.shift,
@@ -555,11 +567,21 @@ fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], own: &Measured) -> 
                 row["frequency_hz"] = json!(backbone.map(|at| at.map(|(f, _)| f)));
                 row["damping_ratio"] = json!(backbone.map(|at| at.and_then(|(_, zeta)| zeta)));
             }
-            rungs.push(row);
+            settings.push(row);
         }
-        let best = dial.rungs.iter().zip(&ladder.outcomes).filter(|(_, o)| o.pareto);
-        pareto.insert(dial.name.into(), best.map(|(rung, _)| json!(rung.name)).collect());
-        reference.insert(dial.name.into(), json!(dial.rungs.last().map(|rung| &rung.name)));
+        let best = parameter
+            .settings
+            .iter()
+            .zip(&ladder.outcomes)
+            .filter(|(_, o)| o.pareto);
+        pareto.insert(
+            parameter.name.into(),
+            best.map(|(setting, _)| json!(setting.name)).collect(),
+        );
+        reference.insert(
+            parameter.name.into(),
+            json!(parameter.settings.last().map(|setting| &setting.name)),
+        );
         let limits = ladder.limits.iter().map(|limit| {
             json!({
                 "quantity": limit.quantity,
@@ -568,19 +590,19 @@ fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], own: &Measured) -> 
                 "uncertainty": limit.uncertainty,
             })
         });
-        orders.insert(dial.name.into(), limits.collect());
+        orders.insert(parameter.name.into(), limits.collect());
     }
     json!({
         "scene": base,
         "amplitudes": AMPLITUDES,
-        "rungs": rungs,
+        "rungs": settings,
         "pareto": pareto,
         "reference": reference,
         "limits": orders,
         "budget": {
             "parts": budget.iter().map(|part| {
                 let row = json!({"kind": part.kind.name(), "frequency": part.frequency, "damping_ln": part.damping_ln});
-                (part.dial.to_owned(), row)
+                (part.parameter.to_owned(), row)
             }).collect::<Map<_, _>>(),
             "root_sum_of_squares_of_errors": {"frequency": frequency, "damping_ln": damping_ln},
         },
@@ -588,9 +610,9 @@ fn report(ladders: &[Ladder], base: &Scene, budget: &[Part], own: &Measured) -> 
     })
 }
 
-/// A part of what is uncertain about the scene that the dials are about.
+/// A part of what is uncertain about the scene that the parameters are about.
 pub(crate) struct Part {
-    pub(crate) dial: &'static str,
+    pub(crate) parameter: &'static str,
     pub(crate) kind: Share,
     /// Relative.
     pub(crate) frequency: f64,
@@ -598,14 +620,14 @@ pub(crate) struct Part {
     pub(crate) damping_ln: f64,
 }
 
-/// Numerical errors by the rungs whose results are those of the scene itself, choices and sampling by the rung that is farthest from
+/// Numerical errors by the settings whose results are those of the scene itself, choices and sampling by the setting that is farthest from
 /// the reference.
 pub(crate) fn budget(ladders: &[Ladder], own: &Measured) -> Vec<Part> {
     let part = |ladder: &Ladder| {
         let size = |errors: &Errors| [errors.frequency(), errors.damping().unwrap_or(0.0)];
         let all = || ladder.outcomes.iter().filter_map(|outcome| outcome.errors.as_ref());
         let farthest = || all().map(size).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let [frequency, damping_ln] = match ladder.dial.share {
+        let [frequency, damping_ln] = match ladder.parameter.share {
             Share::None => return None,
             Share::Error => {
                 // To the bit, also where a setting spells out the default.
@@ -626,8 +648,8 @@ pub(crate) fn budget(ladders: &[Ladder], own: &Measured) -> Vec<Part> {
             Share::Choice | Share::Sampling => farthest()?,
         };
         Some(Part {
-            dial: ladder.dial.name,
-            kind: ladder.dial.share,
+            parameter: ladder.parameter.name,
+            kind: ladder.parameter.share,
             frequency,
             damping_ln,
         })

@@ -1,6 +1,6 @@
 //! What was measured as a table and a picture.
 
-use super::dials::{AMPLITUDES, Source};
+use super::parameters::{AMPLITUDES, Source};
 use super::{Ladder, Measured, Part, total};
 use plotters::prelude::*;
 use reports::csv::table;
@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 const SIZE: (u32, u32) = (900, 900);
 
-/// Dials that are drawn, with the colours of Okabe and Ito, which the colour-blind can tell apart.
+/// Parameters that are drawn, with the colours of Okabe and Ito, which the colour-blind can tell apart.
 const DRAWN: [(&str, RGBColor); 8] = [
     ("mesh", RGBColor(0, 0, 0)),
     ("points", RGBColor(230, 159, 0)),
@@ -26,7 +26,7 @@ fn seconds(measured: &Measured) -> f64 {
     measured.structure_seconds + measured.interface_seconds
 }
 
-/// All rungs as rows.
+/// All settings as rows.
 pub(crate) fn csv(ladders: &[Ladder]) -> Result<String, Error> {
     let mut headings: Vec<String> = [
         "dial",
@@ -44,14 +44,14 @@ pub(crate) fn csv(ladders: &[Ladder]) -> Result<String, Error> {
     headings.extend(["not_converged", "pareto", "failure"].map(Into::into));
     let cell = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.6e}"));
     let rows = ladders.iter().flat_map(|ladder| {
-        let rungs = ladder.dial.rungs.iter().zip(&ladder.outcomes);
-        rungs.map(move |(rung, outcome)| {
+        let settings = ladder.parameter.settings.iter().zip(&ladder.outcomes);
+        settings.map(move |(setting, outcome)| {
             let measured = outcome.measured.as_ref();
             let of = |value: fn(&Measured) -> f64| cell(measured.ok().map(value));
             let memory = measured.ok().and_then(|m| m.peak_memory);
             let mut row = vec![
-                ladder.dial.name.to_owned(),
-                rung.name.clone(),
+                ladder.parameter.name.to_owned(),
+                setting.name.clone(),
                 of(seconds),
                 of(|m| m.interface_seconds),
                 memory.map_or_else(String::new, |bytes| bytes.to_string()),
@@ -82,15 +82,15 @@ pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
     };
     let three = |values: [Option<f64>; 3]| values.map(|v| v.map_or_else(|| "-".into(), number)).join(", ");
     for ladder in ladders {
-        let last = ladder.dial.rungs.len().saturating_sub(1);
-        for (index, (rung, outcome)) in ladder.dial.rungs.iter().zip(&ladder.outcomes).enumerate() {
+        let last = ladder.parameter.settings.len().saturating_sub(1);
+        for (index, (setting, outcome)) in ladder.parameter.settings.iter().zip(&ladder.outcomes).enumerate() {
             let measured = match &outcome.measured {
                 Ok(measured) => measured,
                 Err(reason) => {
                     let _ = writeln!(
                         out,
                         "| {} | {} | failed: {reason} | | | | | |",
-                        ladder.dial.name, rung.name
+                        ladder.parameter.name, setting.name
                     );
                     continue;
                 }
@@ -101,8 +101,8 @@ pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
             let _ = write!(
                 out,
                 "| {} | {}{} | {:.1} | {:.1} | {memory} ",
-                ladder.dial.name,
-                rung.name,
+                ladder.parameter.name,
+                setting.name,
                 match measured.not_converged {
                     0 => String::new(),
                     count => format!(" ({count} not converged)"),
@@ -111,7 +111,7 @@ pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
                 measured.interface_seconds
             );
             let _ = match outcome.errors {
-                _ if index == last && rung.source == Source::Loops => writeln!(out, "| reference | | |"),
+                _ if index == last && setting.source == Source::Loops => writeln!(out, "| reference | | |"),
                 Some(e) => writeln!(
                     out,
                     "| {} | {} | {} |",
@@ -124,8 +124,10 @@ pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
         }
     }
     out.push_str("\nDials: ");
-    let dials = ladders.iter().map(|l| format!("`{}`, {}", l.dial.name, l.dial.what));
-    out.push_str(&dials.collect::<Vec<_>>().join("; "));
+    let parameters = ladders
+        .iter()
+        .map(|l| format!("`{}`, {}", l.parameter.name, l.parameter.what));
+    out.push_str(&parameters.collect::<Vec<_>>().join("; "));
     out.push_str(".\n");
     for ladder in ladders {
         for limit in &ladder.limits {
@@ -133,13 +135,17 @@ pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
                 (Some(e), Some(uncertainty)) => writeln!(
                     out,
                     "\n{}: {} converges with order {:.1} to {:.5}; the finest is {uncertainty:.1e} from it.",
-                    ladder.dial.name, limit.quantity, e.order, e.limit
+                    ladder.parameter.name, limit.quantity, e.order, e.limit
                 ),
-                (None, Some(_)) => writeln!(out, "\n{}: {} does not depend on it.", ladder.dial.name, limit.quantity),
+                (None, Some(_)) => writeln!(
+                    out,
+                    "\n{}: {} does not depend on it.",
+                    ladder.parameter.name, limit.quantity
+                ),
                 _ => writeln!(
                     out,
                     "\n{}: {} does not approach a limit monotonically.",
-                    ladder.dial.name, limit.quantity
+                    ladder.parameter.name, limit.quantity
                 ),
             };
         }
@@ -150,7 +156,7 @@ pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
         let _ = writeln!(
             out,
             "| {} | {} | {frequency:.1e} | {damping:.1e} |",
-            part.dial,
+            part.parameter,
             part.kind.name()
         );
     }
@@ -169,7 +175,7 @@ pub(crate) fn pareto(ladders: &[Ladder]) -> Result<String, Error> {
 
 fn draw(ladders: &[Ladder], root: &Canvas<'_>) -> Result<(), Drawing> {
     let root = root.titled(
-        "What errors cost: each dial against its finest setting, all others as in the scene",
+        "What errors cost: each parameter against its finest setting, all others as in the scene",
         ("sans-serif", 18),
     )?;
     let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
@@ -185,7 +191,7 @@ fn draw(ladders: &[Ladder], root: &Canvas<'_>) -> Result<(), Drawing> {
         let curves: Vec<Curve> = DRAWN
             .iter()
             .filter_map(|&(name, colour)| {
-                let ladder = ladders.iter().find(|ladder| ladder.dial.name == name)?;
+                let ladder = ladders.iter().find(|ladder| ladder.parameter.name == name)?;
                 let points = ladder.outcomes.iter().enumerate().filter_map(|(index, outcome)| {
                     let errors = outcome.errors?;
                     let error = if is_damping {

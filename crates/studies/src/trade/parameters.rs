@@ -1,4 +1,4 @@
-//! What is varied: every dial with its rungs, from coarse to fine.
+//! What is varied: every parameter with its settings, from coarse to fine.
 
 use crate::elements::{Representatives, given};
 use anyhow::Result;
@@ -12,27 +12,27 @@ use joint_pipeline::scene::{
 };
 use joint_pipeline::structure::Structure;
 
-/// Response amplitudes at which rungs are compared (m): at the onset of slip, in microslip, near macroslip.
+/// Response amplitudes at which settings are compared (m): at the onset of slip, in microslip, near macroslip.
 pub(crate) const AMPLITUDES: [f64; 3] = [5e-5, 2e-4, 6e-4];
 
-/// The dial of laws from scans.
+/// The parameter of laws from scans.
 const SCAN_LAW: &str = "scan-law";
 
 /// Bootstrap realisations that show what the sampling of the surface leaves open.
 const REALISATIONS: u16 = 10;
 
 /// A setting that is varied while all others stay.
-pub(crate) struct Dial {
+pub(crate) struct Parameter {
     pub(crate) name: &'static str,
     /// In words.
     pub(crate) what: &'static str,
     /// The last is the reference.
-    pub(crate) rungs: Vec<Rung>,
+    pub(crate) settings: Vec<Setting>,
     /// How the errors of the default enter its budget.
     pub(crate) share: Share,
 }
 
-/// What the difference of a dial's default to its reference is.
+/// What the difference of a parameter's default to its reference is.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Share {
     /// A numerical error of the default scene.
@@ -56,16 +56,16 @@ impl Share {
     }
 }
 
-/// A value of a dial.
-pub(crate) struct Rung {
+/// A value of a parameter.
+pub(crate) struct Setting {
     pub(crate) name: String,
     pub(crate) scene: Scene,
     pub(crate) source: Source,
-    /// Size of the step, if the dial is a discretisation that is refined: errors go with a power of it.
+    /// Size of the step, if the parameter is a discretisation that is refined: errors go with a power of it.
     pub(crate) size: Option<f64>,
 }
 
-/// Where the backbone of a rung comes from.
+/// Where the backbone of a setting comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Source {
     /// The loops of CQSMA.
@@ -76,7 +76,7 @@ pub(crate) enum Source {
     Ensemble(u16),
 }
 
-impl Rung {
+impl Setting {
     pub(crate) fn new(name: impl Into<String>, scene: Scene) -> Self {
         Self {
             name: name.into(),
@@ -88,25 +88,25 @@ impl Rung {
 }
 
 /// A refined discretisation: `n` steps per unit.
-fn refined<T: Copy + Into<f64> + ToString>(base: &Scene, counts: &[T], set: fn(&mut Scene, T)) -> Vec<Rung> {
-    let rung = |&n: &T| {
+fn refined<T: Copy + Into<f64> + ToString>(base: &Scene, counts: &[T], set: fn(&mut Scene, T)) -> Vec<Setting> {
+    let setting = |&n: &T| {
         let mut scene = base.clone();
         set(&mut scene, n);
-        Rung {
+        Setting {
             size: Some(1.0 / n.into()),
-            ..Rung::new(n.to_string(), scene)
+            ..Setting::new(n.to_string(), scene)
         }
     };
-    counts.iter().map(rung).collect()
+    counts.iter().map(setting).collect()
 }
 
-fn named<T: Copy>(base: &Scene, values: &[(&str, T)], set: fn(&mut Scene, T)) -> Vec<Rung> {
-    let rung = |&(name, value): &(&str, T)| {
+fn named<T: Copy>(base: &Scene, values: &[(&str, T)], set: fn(&mut Scene, T)) -> Vec<Setting> {
+    let setting = |&(name, value): &(&str, T)| {
         let mut scene = base.clone();
         set(&mut scene, value);
-        Rung::new(name, scene)
+        Setting::new(name, scene)
     };
-    values.iter().map(rung).collect()
+    values.iter().map(setting).collect()
 }
 
 /// Fits the amplitudes of a scene to the comparison, which is of the first mode that it follows.
@@ -124,16 +124,16 @@ pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
     scene
 }
 
-/// All dials about the scene `base`; `quick` leaves out what takes more than seconds on its coarse mesh. Rungs that cost work to
-/// describe are left out of dials that are not `wanted`.
+/// All parameters about the scene `base`; `quick` leaves out what takes more than seconds on its coarse mesh. Settings that cost work to
+/// describe are left out of parameters that are not `wanted`.
 ///
 /// # Errors
 /// Of the mesh and of the characterisation of the synthetic scans.
-pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> Result<Vec<Dial>> {
-    let error = |name, what, rungs| Dial {
+pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> Result<Vec<Parameter>> {
+    let error = |name, what, settings| Parameter {
         name,
         what,
-        rungs,
+        settings,
         share: Share::Error,
     };
     let mut meshes = vec![
@@ -157,13 +157,13 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         |scene, formulation| scene.model.formulation = Some(formulation),
     );
     let reference = named(base, &[finest], |scene, refinement| scene.model.refinement = refinement);
-    formulations.extend(reference.into_iter().map(|rung| Rung {
-        name: format!("incompatible-modes, {} mesh", rung.name),
-        ..rung
+    formulations.extend(reference.into_iter().map(|setting| Setting {
+        name: format!("incompatible-modes, {} mesh", setting.name),
+        ..setting
     }));
-    let mut dials = vec![
+    let mut parameters = vec![
         error("mesh", "block mesh: interface elements, bodies with them", mesh),
-        Dial {
+        Parameter {
             share: Share::None,
             ..error(
                 "formulation",
@@ -201,7 +201,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
                 scene.cqsma.vertices_per_quarter = n.into();
             }),
         ),
-        Dial {
+        Parameter {
             share: Share::Choice,
             ..error(
                 "commit",
@@ -239,13 +239,13 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
                 |scene, tolerance| scene.cqsma.tolerance = tolerance,
             ),
         ),
-        Dial {
+        Parameter {
             share: Share::Choice,
             ..error("method", "quasi-static method", methods(base))
         },
         error("symmetry", "half of the structure, or the whole", symmetry(base)),
         error("law", "how the asperity sums are evaluated, one population", laws(base)),
-        Dial {
+        Parameter {
             share: Share::Choice,
             ..error(
                 "reading",
@@ -261,9 +261,9 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         scene.law.kind = LawKind::Fitted;
         scene
     };
-    let none = |name, what, rungs| Dial {
+    let none = |name, what, settings| Parameter {
         share: Share::None,
-        ..error(name, what, rungs)
+        ..error(name, what, settings)
     };
     let mut flat = scan.clone();
     flat.gap = Gap::Flat;
@@ -271,12 +271,12 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
     if wanted(SCAN_LAW) {
         laws.insert(0, uniform(&flat)?);
     }
-    dials.push(none(
+    parameters.push(none(
         SCAN_LAW,
         "law of every element from its own samples (synthetic scans), or that of the median element everywhere",
         laws,
     ));
-    dials.push(Dial {
+    parameters.push(Parameter {
         share: Share::Sampling,
         ..error(
             "bootstrap",
@@ -285,26 +285,26 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         )
     });
     if !quick {
-        dials.push(none("accuracy", "whole sets of settings", sets(base)));
+        parameters.push(none("accuracy", "whole sets of settings", sets(base)));
     }
-    Ok(dials)
+    Ok(parameters)
 }
 
-fn methods(base: &Scene) -> Vec<Rung> {
+fn methods(base: &Scene) -> Vec<Setting> {
     let method = |method: Method| {
         let mut scene = base.clone();
         scene.methods = vec![method];
-        Rung {
+        Setting {
             source: Source::Method(method),
-            ..Rung::new(method.name(), scene)
+            ..Setting::new(method.name(), scene)
         }
     };
-    let mut rungs: Vec<Rung> = [Method::Rqnma, Method::Masing, Method::Qsma].map(method).into();
-    rungs.push(Rung::new("cqsma", base.clone()));
-    rungs
+    let mut settings: Vec<Setting> = [Method::Rqnma, Method::Masing, Method::Qsma].map(method).into();
+    settings.push(Setting::new("cqsma", base.clone()));
+    settings
 }
 
-fn symmetry(base: &Scene) -> Vec<Rung> {
+fn symmetry(base: &Scene) -> Vec<Setting> {
     named(
         base,
         &[("half", Symmetry::Half), ("whole", Symmetry::None)],
@@ -314,7 +314,7 @@ fn symmetry(base: &Scene) -> Vec<Rung> {
     )
 }
 
-fn laws(base: &Scene) -> Vec<Rung> {
+fn laws(base: &Scene) -> Vec<Setting> {
     named(
         base,
         &[
@@ -326,7 +326,7 @@ fn laws(base: &Scene) -> Vec<Rung> {
     )
 }
 
-fn readings(base: &Scene) -> Vec<Rung> {
+fn readings(base: &Scene) -> Vec<Setting> {
     named(
         base,
         &[
@@ -353,7 +353,7 @@ fn readings(base: &Scene) -> Vec<Rung> {
 }
 
 /// The fitted law of one element everywhere.
-fn uniform(scan: &Scene) -> Result<Rung> {
+fn uniform(scan: &Scene) -> Result<Setting> {
     let structure = Structure::try_new(scan, &Silent)?;
     let surface = ScannedSurface::try_new(scan, structure.interface())?;
     let median = Representatives::try_new(&surface.found.elements)?.median;
@@ -361,10 +361,10 @@ fn uniform(scan: &Scene) -> Result<Rung> {
     scene.surface = given(vec![Curves::from(median)]);
     // The curves say what they are.
     scene.law.kind = Law::default().kind;
-    Ok(Rung::new("fitted, uniform", scene))
+    Ok(Setting::new("fitted, uniform", scene))
 }
 
-fn scan_laws(scan: &Scene) -> Vec<Rung> {
+fn scan_laws(scan: &Scene) -> Vec<Setting> {
     named(
         scan,
         &[
@@ -376,18 +376,18 @@ fn scan_laws(scan: &Scene) -> Vec<Rung> {
     )
 }
 
-fn bootstrap(scan: &Scene) -> Vec<Rung> {
+fn bootstrap(scan: &Scene) -> Vec<Setting> {
     vec![
-        Rung {
+        Setting {
             source: Source::Ensemble(REALISATIONS),
-            ..Rung::new(format!("{REALISATIONS} realisations"), scan.clone())
+            ..Setting::new(format!("{REALISATIONS} realisations"), scan.clone())
         },
-        Rung::new("samples", scan.clone()),
+        Setting::new("samples", scan.clone()),
     ]
 }
 
 /// The sets that scenes can ask for, against the finest mesh with the other settings of the finest set.
-fn sets(base: &Scene) -> Vec<Rung> {
+fn sets(base: &Scene) -> Vec<Setting> {
     let scene = |preset: &Preset, refinement| {
         let mut scene = base.clone();
         scene.model.refinement = refinement;
@@ -399,8 +399,8 @@ fn sets(base: &Scene) -> Vec<Rung> {
     };
     let sets = PRESETS
         .iter()
-        .map(|preset| Rung::new(preset.name, scene(preset, preset.refinement)));
+        .map(|preset| Setting::new(preset.name, scene(preset, preset.refinement)));
     let [.., finest] = &PRESETS;
-    let beyond = Rung::new("reference, finest mesh", scene(finest, RefinementLevel::Finest));
+    let beyond = Setting::new("reference, finest mesh", scene(finest, RefinementLevel::Finest));
     sets.chain([beyond]).collect()
 }
