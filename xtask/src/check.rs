@@ -65,12 +65,8 @@ impl Checks {
             .context("summary.json: scene.model.material.density is missing")?
             .si();
         let mass = model.mass.context("summary.json: model.mass is missing")?;
-        self.between(
-            "model.mass over its nominal value",
-            mass / density / (bounds.mass / bounds.density),
-            0.995,
-            1.005,
-        );
+        let nominal = bounds.mass * density / bounds.density;
+        self.between("model.mass", mass, 0.995 * nominal, 1.005 * nominal);
         self.between(
             "model.interface_area over its nominal value",
             model.interface_area / bounds.interface_area,

@@ -31,8 +31,10 @@ fn quick_summary() -> Value {
     read_json(&quick_results().join("summary.json"))
 }
 
-fn rejected(name: &str, scene: &str, expected: &[&str]) {
+/// A scene on the benchmark, with `fields` for all else, is refused.
+fn rejected(name: &str, fields: &str, expected: &[&str]) {
     let folder = folder(name);
+    let scene = fields.replacen('{', "{ \"structure\": { \"benchmark\": \"brake-reuss-beam\" }, ", 1);
     std::fs::write(folder.join("scene.json"), scene).unwrap();
     let output = run(&folder, &["run", "scene.json"]);
     assert_eq!(exit_code(&output), 1);
@@ -539,10 +541,12 @@ fn faces(folder: &Path) {
     std::fs::write(folder.join("mesh.json"), mesh.to_string()).unwrap();
 }
 
-const CHARACTERISE: [&str; 10] = [
+const CHARACTERISE: [&str; 12] = [
     "characterise",
     "top.csv",
     "bottom.csv",
+    "--benchmark",
+    "brake-reuss-beam",
     "--mesh",
     "mesh.json",
     "--mesh-units",
