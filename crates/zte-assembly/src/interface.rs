@@ -126,7 +126,7 @@ impl Interface {
         Ok(Self { gap, ..self.clone() })
     }
 
-    /// The interface with every law linearised about a static state ([`contact_laws::linearised`]), given by the nodal
+    /// The interface with every law linearised about a static state ([`contact_laws::friction::linearised`]), given by the nodal
     /// jumps (m), the history committed there and the friction coefficient; and the history that is the static state
     /// for it.
     ///
