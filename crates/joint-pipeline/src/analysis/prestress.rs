@@ -105,9 +105,9 @@ pub(crate) fn response(model: &ReducedModel) -> Vec<f64> {
     model.recovery.row(0).iter().copied().collect()
 }
 
-/// Generalised force on a uniform closure of the interface at unit tension of all bolts.
-pub(super) fn closing(model: &StructuralModel) -> f64 {
+/// Generalised force of all bolts at their load on a uniform closure of the interface (N).
+pub(super) fn bolt_load(scene: &Scene, model: &StructuralModel) -> f64 {
     let reduced = &model.reduced;
     let of_one = |load: &Vec<f64>| load[2..reduced.n_relative].iter().step_by(3).sum::<f64>();
-    reduced.loads.iter().map(of_one).sum()
+    scene.bolts.load.si() * reduced.loads.iter().map(of_one).sum::<f64>()
 }

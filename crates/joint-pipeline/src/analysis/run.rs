@@ -4,7 +4,7 @@ use super::backbone::{self, uniform};
 use super::ensemble::{self, Ensemble};
 use super::methods::MethodResult;
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
-use super::prestress::{self, closing, linearise, response};
+use super::prestress::{self, bolt_load, linearise, response};
 use super::validity::{self, Validity};
 use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
@@ -156,7 +156,7 @@ impl Prepared {
     ) -> Result<Self, Error> {
         scene.validate(&scene.name)?;
         progress.begin(Stage::Characterise);
-        let load = scene.bolts.load.si() * closing(&model);
+        let load = bolt_load(scene, &model);
         let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
         interface.notes().for_each(|note| progress.note(&note));
         progress.end(Stage::Characterise);
@@ -230,7 +230,7 @@ impl Prepared {
         scene.cqsma.modes_of_interest.clear();
         scene.methods.clear();
         scene.output.fields_at = Some(Vec::new());
-        let load = scene.bolts.load.si() * closing(&self.model);
+        let load = bolt_load(&scene, &self.model);
         let checkpoint = match &self.cache {
             None => Checkpoint::default(),
             Some(directory) => {
@@ -308,7 +308,7 @@ impl Prepared {
         progress.begin(Stage::Prestress);
         let static_load = self.static_load();
         let start = uniform(reduced, closure);
-        let bolts = scene.bolts.load.si() * closing(&self.model);
+        let bolts = bolt_load(scene, &self.model);
         let prestress = prestress::solve(reduced, &force, &static_load, &start, bolts, &newton)?;
         progress.end(Stage::Prestress);
 
