@@ -6,7 +6,7 @@ use microslip::{Defaults, Outcome};
 
 /// Arguments of the command: without a scene the built-in scene brb-flat runs, or brb-deck if there is a deck.
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
     #[command(flatten)]
@@ -14,6 +14,6 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
+pub fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
     commands::run::run(&arguments.scene.read(defaults)?, &arguments.options, defaults)
 }

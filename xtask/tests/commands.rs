@@ -3,7 +3,7 @@
 #[path = "../../crates/microslip/tests/common/mod.rs"]
 mod common;
 
-use common::{assert_same_numbers, exit_code, folder, messages, read_json, run};
+use common::{assert_same_numbers, exit_code, folder, messages, read_json, run, succeeds};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -142,68 +142,88 @@ fn a_check_without_results_is_an_error() {
 }
 
 #[test]
-fn the_layering_holds() {
-    let output = run(&folder("layering"), &["check-layering"]);
-    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-}
-
-/// One entry from its scenes to its page, on the coarse mesh; what is stored serves the next run.
-#[test]
-fn an_entry_of_the_paper_is_computed_written_and_stored() {
-    let folder = folder("paper");
-    let arguments = ["paper", "--only", "table3", "--quick", "--out", "page"];
-    let output = run(&folder, &arguments);
-    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
-    let first = read_json(&folder.join("page/paper.json"));
-    let [entry] = first.as_array().unwrap().as_slice() else {
-        panic!("one entry was asked for: {first}");
-    };
-    assert_eq!((&entry["id"], &entry["status"]), (&json!("table3"), &json!("computed")));
-    let number = |column: &str, name: &str| entry[column][name].as_f64().unwrap();
-    let mode = "mode 1, free (Hz)";
-    assert_eq!(number("published", mode), 167.42);
-    let computed = number("computed", mode);
-    assert!((computed / 167.42 - 1.0).abs() < 0.03, "{computed}");
-    assert!((number("difference", mode) - (computed / 167.42 - 1.0)).abs() < 1e-12);
-    // Friction that sticks holds more than none.
-    assert!(number("computed", "mode 1 without friction (Hz)") < computed);
-    // Springs stiffen, by less than two decimals show.
-    for mode in 1..=10 {
-        let [free, hung] = ["free", "on cords"].map(|how| number("computed", &format!("mode {mode}, {how} (Hz)")));
-        assert!(free < hung && hung < free + 5e-3, "{mode}: {free} {hung}");
-    }
-    let mut fields: Vec<&str> = entry.as_object().unwrap().keys().map(String::as_str).collect();
-    fields.sort_unstable();
-    let agreed = "comparable computed difference id inputs judgement published seconds status title";
-    assert_eq!(fields, agreed.split_whitespace().collect::<Vec<_>>());
-    let names = |column: &str| entry[column].as_object().unwrap().keys().cloned().collect::<Vec<_>>();
-    assert_eq!(names("published"), names("computed"));
-    assert_eq!(names("difference"), names("computed"));
-    let page = std::fs::read_to_string(folder.join("page/report.html")).unwrap();
-    assert!(page.contains("Table 3") && page.contains("167.42") && page.contains("quick look"));
-    for outside in ["http-equiv", "src=", "<script", "<link"] {
-        assert!(!page.contains(outside), "{outside}");
-    }
-
-    let again = run(&folder, &arguments);
-    assert_eq!(exit_code(&again), 0, "{}", messages(&again));
+fn an_accuracy_chooses_settings_and_an_error_is_estimated() {
+    let folder = folder("accuracy");
+    let mut scene = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "accuracy": "draft",
+        "cqsma": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 },
+    });
+    std::fs::write(folder.join("draft.json"), scene.to_string()).unwrap();
+    let text = succeeds(&folder, &["brb", "draft.json", "--out", "run", "--estimate-error"]);
+    let summary = read_json(&folder.join("run/summary.json"));
+    assert_eq!(summary["scene"]["model"]["refinement"], "quick");
+    assert_eq!(summary["accuracy"]["name"], "draft");
+    assert_eq!(summary["error_estimate"]["finer"], "coarse");
+    // What is promised against the finest mesh covers the difference to the next one.
+    let number = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64).unwrap();
+    let linear = number("/error_estimate/linear_frequency").abs();
     assert!(
-        messages(&again).contains("2 of 2 scenes were taken from an earlier run"),
-        "{}",
-        messages(&again)
+        linear > 1e-4 && linear < number("/accuracy/frequency_error"),
+        "{linear}"
     );
-    let second = read_json(&folder.join("page/paper.json"));
-    assert_eq!(second[0]["computed"], entry["computed"]);
+    assert!(number("/error_estimate/damping") < number("/accuracy/damping_error"));
+    assert!(
+        text.contains("settings `draft`") && text.contains("against the settings `coarse`"),
+        "{text}"
+    );
+
+    scene["accuracy"] = json!({ "damping": 1e-12 });
+    std::fs::write(folder.join("impossible.json"), scene.to_string()).unwrap();
+    let output = run(&folder, &["brb", "impossible.json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        message.contains("impossible.json") && message.contains("no measured set"),
+        "{message}"
+    );
 }
 
+/// Cargo, as the program calls it for tasks of other programs: it gets the same arguments, its exit code is returned.
+#[cfg(unix)]
 #[test]
-fn an_unknown_entry_of_the_paper_is_refused() {
-    let folder = folder("paper-unknown");
-    let output = run(&folder, &["paper", "--only", "table99"]);
-    assert_eq!(exit_code(&output), 1);
-    let text = messages(&output);
-    for part in ["error: ", "`table99`", "table1", "fig19", "experiment"] {
-        assert!(text.contains(part), "`{part}` is not in: {text}");
+fn studies_and_the_layering_are_handed_over() {
+    use std::os::unix::fs::PermissionsExt;
+    use std::process::Command;
+    let folder = folder("handed-over");
+    let cargo = folder.join("cargo");
+    std::fs::write(&cargo, "#!/bin/sh\nprintf '%s\\n' \"$@\"\nexit 3\n").unwrap();
+    std::fs::set_permissions(&cargo, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let call = |cargo: &Path, arguments: &[&str]| {
+        let mut command = Command::new(PROGRAM);
+        command
+            .args(arguments)
+            .current_dir(&folder)
+            .env("CARGO", cargo)
+            .output()
+            .unwrap()
+    };
+    for (arguments, package, passed) in [
+        (
+            &["paper", "--only", "table3", "--out", "a folder"][..],
+            "xtask-studies",
+            true,
+        ),
+        (&["trade", "a scene.json", "--quick"], "xtask-studies", true),
+        (&["bench", "--kernel"], "xtask-studies", true),
+        (&["extremes", "--only", "mu-0"], "xtask-studies", true),
+        (&["check-layering"], "xtask-layering", false),
+    ] {
+        let output = call(&cargo, arguments);
+        assert_eq!(exit_code(&output), 3, "{}", messages(&output));
+        let text = String::from_utf8(output.stdout).unwrap();
+        let (before, after) = text.split_once("--\n").unwrap();
+        assert!(
+            before.starts_with("run\n--release\n") && before.contains(&format!("{package}\n")),
+            "{text}"
+        );
+        let expected = if passed { arguments } else { &[] };
+        assert_eq!(after.lines().collect::<Vec<_>>(), expected);
     }
-    assert!(!folder.join("results").exists(), "a refused command leaves no folder");
+    // Wrong arguments are refused before anything is built.
+    let output = call(&cargo, &["paper", "--onyl", "table3"]);
+    assert_eq!((exit_code(&output), output.stdout.len()), (2, 0));
+    let output = call(&folder.join("missing"), &["bench"]);
+    assert_eq!(exit_code(&output), 1);
+    assert!(messages(&output).contains("error: running"), "{}", messages(&output));
 }

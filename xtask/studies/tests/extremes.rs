@@ -1,6 +1,6 @@
 //! `cargo xtask extremes` as scripts meet it: exit codes and `extremes.json`.
 #![allow(clippy::unwrap_used)]
-#[path = "../../crates/microslip/tests/common/mod.rs"]
+#[path = "../../../crates/microslip/tests/common/mod.rs"]
 mod common;
 
 use common::{folder, run};
@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Output;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_xtask");
+const PROGRAM: &str = env!("CARGO_BIN_EXE_xtask-studies");
 
 fn extremes(folder: &Path, arguments: &[&str]) -> Output {
     run(folder, &[&["extremes"], arguments].concat())

@@ -1,12 +1,12 @@
-//! `cargo xtask trade`, and scenes that ask for an accuracy, as scripts meet them.
+//! `cargo xtask trade` as scripts meet it.
 #![allow(clippy::unwrap_used)]
-#[path = "../../crates/microslip/tests/common/mod.rs"]
+#[path = "../../../crates/microslip/tests/common/mod.rs"]
 mod common;
 
 use common::{folder, read_json, run, succeeds};
-use serde_json::{Value, json};
+use serde_json::Value;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_xtask");
+const PROGRAM: &str = env!("CARGO_BIN_EXE_xtask-studies");
 
 #[test]
 fn errors_fall_from_rung_to_rung_and_finished_runs_are_kept() {
@@ -56,42 +56,4 @@ fn errors_fall_from_rung_to_rung_and_finished_runs_are_kept() {
     assert_eq!(unknown.status.code(), Some(1));
     let message = String::from_utf8(unknown.stderr).unwrap();
     assert!(message.contains("`speed`") && message.contains("vertices"), "{message}");
-}
-
-#[test]
-fn an_accuracy_chooses_settings_and_an_error_is_estimated() {
-    let folder = folder("accuracy");
-    let mut scene = json!({
-        "units": { "length": "m", "mass": "kg", "time": "s" },
-        "accuracy": "draft",
-        "cqsma": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 },
-    });
-    std::fs::write(folder.join("draft.json"), scene.to_string()).unwrap();
-    let text = succeeds(&folder, &["brb", "draft.json", "--out", "run", "--estimate-error"]);
-    let summary = read_json(&folder.join("run/summary.json"));
-    assert_eq!(summary["scene"]["model"]["refinement"], "quick");
-    assert_eq!(summary["accuracy"]["name"], "draft");
-    assert_eq!(summary["error_estimate"]["finer"], "coarse");
-    // What is promised against the finest mesh covers the difference to the next one.
-    let number = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64).unwrap();
-    let linear = number("/error_estimate/linear_frequency").abs();
-    assert!(
-        linear > 1e-4 && linear < number("/accuracy/frequency_error"),
-        "{linear}"
-    );
-    assert!(number("/error_estimate/damping") < number("/accuracy/damping_error"));
-    assert!(
-        text.contains("settings `draft`") && text.contains("against the settings `coarse`"),
-        "{text}"
-    );
-
-    scene["accuracy"] = json!({ "damping": 1e-12 });
-    std::fs::write(folder.join("impossible.json"), scene.to_string()).unwrap();
-    let output = run(&folder, &["brb", "impossible.json"]);
-    assert_eq!(output.status.code(), Some(1));
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        message.contains("impossible.json") && message.contains("no measured set"),
-        "{message}"
-    );
 }

@@ -4,25 +4,11 @@ use crate::folder;
 use anyhow::{Result, bail};
 use microslip::commands::print;
 use microslip::files::write_all;
-use std::path::PathBuf;
 use studies::extremes::{self, select};
-
-/// Arguments of the command.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// On the mesh of the default scene instead of the coarse one.
-    #[arg(long)]
-    full: bool,
-    /// Only these cases.
-    #[arg(long, value_name = "NAME", num_args = 1..)]
-    only: Vec<String>,
-    /// Folder for extremes.json, made if missing.
-    #[arg(long, value_name = "DIR", default_value = "results/extremes")]
-    out: PathBuf,
-}
+use xtask::study;
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &study::Extremes) -> Result<()> {
     let cases = select(&arguments.only)?;
     let out = folder(&arguments.out)?;
     let found = extremes::run(&cases, arguments.full, print)?;

@@ -7,29 +7,10 @@ use microslip::files::write_all;
 use microslip::progress::Bar;
 use microslip::{Defaults, Outcome};
 use reports::Output;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 use studies::paper::{Paper, select};
-
-/// Arguments of the command.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Entries to compute [default: all].
-    #[arg(long, value_name = "ID", num_args = 1..)]
-    only: Vec<String>,
-    /// Folder for the results, made if missing; other files in it are left alone.
-    #[arg(long, value_name = "DIR", default_value = "results/paper")]
-    out: PathBuf,
-    /// Neither read nor store reduced models and finished scenes in results/.cache.
-    #[arg(long)]
-    no_cache: bool,
-    /// A coarse mesh and few amplitudes, for a look: the figures are not those of the paper's mesh.
-    #[arg(long)]
-    quick: bool,
-    /// Also write docs/paper.md and its pictures.
-    #[arg(long, conflicts_with_all = ["only", "quick"])]
-    docs: bool,
-}
+use xtask::study;
 
 /// A bar for many scenes.
 struct Display(Bar);
@@ -45,7 +26,7 @@ impl studies::Display for Display {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
+pub(crate) fn run(arguments: &study::Paper, defaults: &Defaults) -> Result<Outcome> {
     let began = Instant::now();
     let entries = select(&arguments.only)?;
     let out = folder(&arguments.out)?;
@@ -56,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome>
     let paper = paper?;
     write_all(out, &paper.outputs()?)?;
     if arguments.docs {
-        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
         write_all(folder(&docs.join("paper"))?, &paper.pictures())?;
         write_all(&docs, &[Output::new("paper.md", paper.markdown())])?;
     }

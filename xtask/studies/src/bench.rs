@@ -6,28 +6,12 @@ use microslip::files::write_all;
 use microslip::progress::{Monitor, forget_peak_memory, peak_memory};
 use reports::Output;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use studies::bench::{Instruments, kernel, processor, scaling, solver};
-
-/// Options of `bench`.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Write the figures to this file as well.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Only the kernel: seconds instead of minutes.
-    #[arg(long, conflicts_with = "scaling")]
-    kernel: bool,
-    /// Instead, how the cost grows with the number of interface elements and of points per element: some ten minutes.
-    #[arg(long)]
-    scaling: bool,
-    /// Draw what `--scaling` measured (SVG).
-    #[arg(long, value_name = "FILE", requires = "scaling")]
-    plot: Option<PathBuf>,
-}
+use xtask::study;
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &study::Bench) -> Result<()> {
     let mut figures = json!({ "processor": processor() });
     if arguments.scaling {
         let found = scaling(Path::new(RESULTS).join(".cache"), &instruments(&Monitor::new()?))?;

@@ -1,0 +1,85 @@
+//! The tasks that are studies, with their arguments.
+
+use microslip::commands::SceneArguments;
+use std::path::PathBuf;
+
+/// Tasks of the program `xtask-studies`.
+#[derive(clap::Subcommand)]
+pub enum Study {
+    /// Measure what every numerical setting costs and misses: errors, time and memory, setting by setting.
+    Trade(Trade),
+    /// Recompute the results of the method paper that need no private scan, each beside the published figure.
+    Paper(Paper),
+    /// Time the kernels in one run: ratios between them, not times, are what to compare.
+    Bench(Bench),
+    /// Run scenes in hostile but finite situations, and check that each does what it must.
+    Extremes(Extremes),
+}
+
+/// Arguments of `trade`.
+#[derive(clap::Args)]
+pub struct Trade {
+    /// The scene whose settings are varied; without it the built-in scene brb-flat.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Dials to measure [default: all].
+    #[arg(long, value_name = "DIAL", num_args = 1..)]
+    pub only: Vec<String>,
+    /// A coarse mesh and only what takes seconds on it, for a look.
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder for the results and the runs, made if missing; finished runs of the same settings found there are kept.
+    #[arg(long, value_name = "DIR", default_value = "results/trade")]
+    pub out: PathBuf,
+}
+
+/// Arguments of `paper`.
+#[derive(clap::Args)]
+pub struct Paper {
+    /// Entries to compute [default: all].
+    #[arg(long, value_name = "ID", num_args = 1..)]
+    pub only: Vec<String>,
+    /// Folder for the results, made if missing; other files in it are left alone.
+    #[arg(long, value_name = "DIR", default_value = "results/paper")]
+    pub out: PathBuf,
+    /// Neither read nor store reduced models and finished scenes in results/.cache.
+    #[arg(long)]
+    pub no_cache: bool,
+    /// A coarse mesh and few amplitudes, for a look: the figures are not those of the paper's mesh.
+    #[arg(long)]
+    pub quick: bool,
+    /// Also write docs/paper.md and its pictures.
+    #[arg(long, conflicts_with_all = ["only", "quick"])]
+    pub docs: bool,
+}
+
+/// Arguments of `bench`.
+#[derive(clap::Args)]
+pub struct Bench {
+    /// Write the figures to this file as well.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Only the kernel: seconds instead of minutes.
+    #[arg(long, conflicts_with = "scaling")]
+    pub kernel: bool,
+    /// Instead, how the cost grows with the number of interface elements and of points per element: some ten minutes.
+    #[arg(long)]
+    pub scaling: bool,
+    /// Draw what `--scaling` measured (SVG).
+    #[arg(long, value_name = "FILE", requires = "scaling")]
+    pub plot: Option<PathBuf>,
+}
+
+/// Arguments of `extremes`.
+#[derive(clap::Args)]
+pub struct Extremes {
+    /// On the mesh of the default scene instead of the coarse one.
+    #[arg(long)]
+    pub full: bool,
+    /// Only these cases.
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    pub only: Vec<String>,
+    /// Folder for extremes.json, made if missing.
+    #[arg(long, value_name = "DIR", default_value = "results/extremes")]
+    pub out: PathBuf,
+}

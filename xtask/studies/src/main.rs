@@ -1,0 +1,46 @@
+//! Runs the studies among the tasks of the workspace. `cargo xtask` starts it, and has checked the arguments.
+mod bench;
+mod extremes;
+mod paper;
+mod trade;
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand};
+use microslip::Outcome;
+use std::path::Path;
+use std::process::ExitCode;
+use xtask::study::Study;
+use xtask::{brb, defaults};
+
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    command: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    #[command(flatten)]
+    Study(Study),
+    /// `trade` runs every setting in a process of its own.
+    Brb(brb::Arguments),
+}
+
+fn main() -> ExitCode {
+    let task = Cli::parse().command;
+    let success = |()| Outcome::Success;
+    microslip::execute(|| match task {
+        Task::Study(Study::Trade(arguments)) => trade::run(&arguments, &defaults()),
+        Task::Study(Study::Paper(arguments)) => paper::run(&arguments, &defaults()),
+        Task::Study(Study::Bench(arguments)) => bench::run(&arguments).map(success),
+        Task::Study(Study::Extremes(arguments)) => extremes::run(&arguments).map(success),
+        Task::Brb(arguments) => brb::run(&arguments, &defaults()),
+    })
+}
+
+/// The folder, made if missing. Before computations: it would be a pity to find out only afterwards.
+fn folder(path: &Path) -> Result<&Path> {
+    std::fs::create_dir_all(path).with_context(|| format!("making the folder {}", path.display()))?;
+    Ok(path)
+}
