@@ -110,18 +110,95 @@ impl fmt::Display for Error {
     }
 }
 
+/// The caller's buffer for a message.
+#[derive(Clone, Copy)]
+pub(crate) struct Message {
+    bytes: *mut c_char,
+    /// Zero where there is no buffer.
+    len: usize,
+}
+
+impl Message {
+    pub(crate) const NAME: &str = "message";
+
+    pub(crate) fn new(bytes: *mut c_char, capacity: usize) -> Self {
+        let len = if bytes.is_null() { 0 } else { capacity.min(MOST_BYTES) };
+        Self { bytes, len }
+    }
+
+    /// The bytes that a message may be written to.
+    pub(crate) fn region(&self) -> Region {
+        Region::new(Self::NAME, self.bytes, self.len)
+    }
+}
+
+/// The bytes of an argument: `pieces` times `width`, one every `stride` bytes.
+#[derive(Clone, Copy)]
+pub(crate) struct Region {
+    argument: &'static str,
+    start: usize,
+    width: usize,
+    stride: usize,
+    pieces: usize,
+}
+
+impl Region {
+    /// `len` entries, which [`check`] found to fit in memory.
+    pub(crate) fn new<T>(argument: &'static str, pointer: *const T, len: usize) -> Self {
+        Self::strided(argument, pointer, len, len, 1)
+    }
+
+    /// `pieces` times `len` entries, one piece every `stride` entries.
+    pub(crate) fn strided<T>(
+        argument: &'static str,
+        pointer: *const T,
+        len: usize,
+        stride: usize,
+        pieces: usize,
+    ) -> Self {
+        Self {
+            argument,
+            start: pointer.addr(),
+            width: len * size_of::<T>(),
+            stride: stride * size_of::<T>(),
+            pieces,
+        }
+    }
+
+    fn starts(&self) -> impl Iterator<Item = usize> {
+        (0..self.pieces).map(|piece| self.start + piece * self.stride)
+    }
+
+    fn span(&self) -> usize {
+        (self.pieces - 1) * self.stride + self.width
+    }
+
+    /// Refuses a common byte.
+    pub(crate) fn apart_from(&self, other: &Self) -> Result<(), Error> {
+        let meet = |a: usize, n_a: usize, b: usize, n_b: usize| n_a > 0 && n_b > 0 && a < b + n_b && b < a + n_a;
+        // Pieces of two arrays may lie in turn.
+        let common = meet(self.start, self.span(), other.start, other.span())
+            && self
+                .starts()
+                .any(|a| other.starts().any(|b| meet(a, self.width, b, other.width)));
+        if common {
+            let arguments = [self.argument, other.argument];
+            return Err(Error::Overlap { arguments });
+        }
+        Ok(())
+    }
+}
+
 /// Runs the body of an exported function. A refusal or a panic becomes a message in the caller's buffer and `None`.
+/// Nothing is written to a buffer that overlaps an array.
 ///
 /// # Safety
-/// `message` is NULL or points to `capacity` bytes that may be written.
-pub(crate) unsafe fn guarded<T>(
-    message: *mut c_char,
-    capacity: usize,
-    body: impl FnOnce() -> Result<T, Error>,
-) -> Option<T> {
+/// The message has no bytes, or as many that may be written.
+pub(crate) unsafe fn guarded<T>(message: Message, body: impl FnOnce() -> Result<T, Error>) -> Option<T> {
     // Whatever the body was doing when it panicked is dropped or belongs to the caller, who is told.
     let refusal = match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(value)) => return Some(value),
+        Ok(Err(Error::Overlap { arguments })) if arguments.contains(&Message::NAME) => return None,
         Ok(Err(error)) => Refusal::Error(error),
         Err(payload) => Refusal::Panic(match payload.downcast::<String>() {
             Ok(text) => *text,
@@ -130,9 +207,9 @@ pub(crate) unsafe fn guarded<T>(
                 .map_or("no message".into(), |text| (*text).into()),
         }),
     };
-    if !message.is_null() && capacity > 0 {
+    if message.len > 0 {
         // SAFETY: neither NULL nor of no length, and the caller of this function vouches for the bytes.
-        let bytes = unsafe { core::slice::from_raw_parts_mut(message.cast::<u8>(), capacity.min(MOST_BYTES)) };
+        let bytes = unsafe { core::slice::from_raw_parts_mut(message.bytes.cast::<u8>(), message.len) };
         write_message(bytes, &refusal);
     }
     None
@@ -199,12 +276,18 @@ pub(crate) fn check<T>(argument: &'static str, pointer: *const T, len: usize) ->
     if fits { Ok(()) } else { Err(Error::TooLong { argument }) }
 }
 
-/// The caller's `len` numbers at `pointer`.
+/// The caller's `len` numbers at `pointer`, which no message may be written over.
 ///
 /// # Safety
 /// If `pointer` is neither NULL nor misaligned, `len` entries can be read there and nobody writes to them during `'a`.
-pub(crate) unsafe fn array<'a, T>(argument: &'static str, pointer: *const T, len: usize) -> Result<&'a [T], Error> {
+pub(crate) unsafe fn array<'a, T>(
+    message: Message,
+    argument: &'static str,
+    pointer: *const T,
+    len: usize,
+) -> Result<&'a [T], Error> {
     check(argument, pointer, len)?;
+    Region::new(argument, pointer, len).apart_from(&message.region())?;
     // SAFETY: not NULL, aligned, no longer than memory; the rest is the caller's promise.
     Ok(unsafe { core::slice::from_raw_parts(pointer, len) })
 }
@@ -214,13 +297,14 @@ pub(crate) unsafe fn array<'a, T>(argument: &'static str, pointer: *const T, len
 /// # Safety
 /// As for [`array`], with `rows * len` entries.
 pub(crate) unsafe fn rows<'a, const ROWS: usize>(
+    message: Message,
     argument: &'static str,
     pointer: *const f64,
     len: usize,
 ) -> Result<[&'a [f64]; ROWS], Error> {
     let total = ROWS.checked_mul(len).ok_or(Error::TooLong { argument })?;
     // SAFETY: the caller's promise.
-    let all = unsafe { array(argument, pointer, total) }?;
+    let all = unsafe { array(message, argument, pointer, total) }?;
     Ok(core::array::from_fn(|row| &all[row * len..][..len]))
 }
 
@@ -263,9 +347,10 @@ mod tests {
         let mut bytes = [0_u8; 200];
         // SAFETY: the buffer has the length given.
         let outcome = unsafe {
-            guarded(bytes.as_mut_ptr().cast(), bytes.len(), || -> Result<(), Error> {
-                panic!("number {}", 7)
-            })
+            guarded(
+                Message::new(bytes.as_mut_ptr().cast(), bytes.len()),
+                || -> Result<(), Error> { panic!("number {}", 7) },
+            )
         };
         assert!(outcome.is_none());
         let text = core::ffi::CStr::from_bytes_until_nul(&bytes).unwrap().to_str().unwrap();

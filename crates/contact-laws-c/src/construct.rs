@@ -8,7 +8,7 @@ use contact_laws::{
     TangentialEnds, TangentialFit, TangentialReading,
 };
 
-use crate::boundary::{Error, array, guarded, rows};
+use crate::boundary::{Error, Message, array, guarded, rows};
 use crate::{
     CL_ENDS_CONSTANT, CL_ENDS_MINDLIN, CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL,
     CL_READING_MINDLIN, CL_READING_PAPER, Law,
@@ -29,6 +29,7 @@ use crate::{
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
 /// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
 /// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
 ///
@@ -50,22 +51,23 @@ pub unsafe extern "C" fn cl_rough_law(
     message: *mut c_char,
     message_capacity: usize,
 ) -> *mut Law {
+    let message = Message::new(message, message_capacity);
     let make = || {
         require_points(n_points)?;
         require_sets("n_sets", n_sets, n_points)?;
         // SAFETY: the lengths are the documented ones, for which the caller vouches.
         let ([a, b, c, d, e], x, y, u_ref) = unsafe {
             (
-                rows("normal", normal, n_sets)?,
-                rows::<4>("tangential_x", tangential_x, n_sets)?,
-                rows::<4>("tangential_y", tangential_y, n_sets)?,
-                array("u_ref", u_ref, n_sets)?,
+                rows(message, "normal", normal, n_sets)?,
+                rows::<4>(message, "tangential_x", tangential_x, n_sets)?,
+                rows::<4>(message, "tangential_y", tangential_y, n_sets)?,
+                array(message, "u_ref", u_ref, n_sets)?,
             )
         };
         let ranges = match ranges.is_null() {
             true => None,
             // SAFETY: as above.
-            false => Some(unsafe { rows::<6>("ranges", ranges, n_sets) }?),
+            false => Some(unsafe { rows::<6>(message, "ranges", ranges, n_sets) }?),
         };
         let ends = match ends {
             CL_ENDS_MINDLIN => TangentialEnds::Mindlin,
@@ -97,7 +99,7 @@ pub unsafe extern "C" fn cl_rough_law(
             FittedCurves::try_new(normal, [tangential(x, 1), tangential(y, 2)])
         })?;
         // SAFETY: as above.
-        let mu = unsafe { friction(mu, n_mu, n_points) }?;
+        let mu = unsafe { friction(message, mu, n_mu, n_points) }?;
         Ok(Law::new(RoughLaw::try_new(
             FittedPoints::new(&curves),
             mu,
@@ -105,7 +107,7 @@ pub unsafe extern "C" fn cl_rough_law(
         )?))
     };
     // SAFETY: the caller vouches for the message buffer.
-    hand_over(unsafe { guarded(message, message_capacity, make) })
+    hand_over(unsafe { guarded(message, make) })
 }
 
 /// Elastic dry friction: constant stiffnesses with the Coulomb limit.
@@ -117,6 +119,7 @@ pub unsafe extern "C" fn cl_rough_law(
 /// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL; they differ only where an open point
 ///   closes and in what the state remembers.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
 /// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
 ///
@@ -135,16 +138,17 @@ pub unsafe extern "C" fn cl_elastic_dry_friction_law(
     message: *mut c_char,
     message_capacity: usize,
 ) -> *mut Law {
+    let message = Message::new(message, message_capacity);
     let make = || {
         require_points(n_points)?;
         require_sets("n_sets", n_sets, n_points)?;
         // SAFETY: the lengths are the documented ones, for which the caller vouches.
         let (k_n, k_x, k_y, mu) = unsafe {
             (
-                array("k_n", k_n, n_sets)?,
-                array("k_x", k_x, n_sets)?,
-                array("k_y", k_y, n_sets)?,
-                friction(mu, n_mu, n_points)?,
+                array(message, "k_n", k_n, n_sets)?,
+                array(message, "k_x", k_x, n_sets)?,
+                array(message, "k_y", k_y, n_sets)?,
+                friction(message, mu, n_mu, n_points)?,
             )
         };
         let curves = per_set(n_sets, n_points, |set| {
@@ -157,7 +161,7 @@ pub unsafe extern "C" fn cl_elastic_dry_friction_law(
         )?))
     };
     // SAFETY: the caller vouches for the message buffer.
-    hand_over(unsafe { guarded(message, message_capacity, make) })
+    hand_over(unsafe { guarded(message, make) })
 }
 
 /// Rough contact as the sum over a population of asperities of two equal elastic bodies (Hertz, Mindlin), tabulated,
@@ -175,6 +179,7 @@ pub unsafe extern "C" fn cl_elastic_dry_friction_law(
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
 /// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
 /// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
 ///
@@ -200,14 +205,15 @@ pub unsafe extern "C" fn cl_asperity_table_law(
     message: *mut c_char,
     message_capacity: usize,
 ) -> *mut Law {
+    let message = Message::new(message, message_capacity);
     let make = || {
         require_points(n_points)?;
         // SAFETY: the lengths are the documented ones, for which the caller vouches.
         let (probabilities, gaps, mu) = unsafe {
             (
-                array("probabilities", probabilities, n_quantiles)?,
-                array("gaps", gaps, n_quantiles)?,
-                friction(mu, n_mu, n_points)?,
+                array(message, "probabilities", probabilities, n_quantiles)?,
+                array(message, "gaps", gaps, n_quantiles)?,
+                friction(message, mu, n_mu, n_points)?,
             )
         };
         let reading = match reading {
@@ -224,7 +230,7 @@ pub unsafe extern "C" fn cl_asperity_table_law(
         Ok(Law::new(TableLaw::try_new(curves, mu, history_rule(history)?)?))
     };
     // SAFETY: the caller vouches for the message buffer.
-    hand_over(unsafe { guarded(message, message_capacity, make) })
+    hand_over(unsafe { guarded(message, make) })
 }
 
 /// A law on its way to the caller, who frees it.
@@ -256,10 +262,15 @@ fn require_sets(argument: &'static str, n_sets: usize, n_points: usize) -> Resul
 ///
 /// # Safety
 /// As for [`array`].
-unsafe fn friction(mu: *const f64, n_mu: usize, n_points: usize) -> Result<PointParameters<f64>, Error> {
+unsafe fn friction(
+    message: Message,
+    mu: *const f64,
+    n_mu: usize,
+    n_points: usize,
+) -> Result<PointParameters<f64>, Error> {
     require_sets("n_mu", n_mu, n_points)?;
     // SAFETY: the caller's promise.
-    let mu = unsafe { array("mu", mu, n_mu) }?;
+    let mu = unsafe { array(message, "mu", mu, n_mu) }?;
     Ok(spread(mu.to_vec(), n_points))
 }
 

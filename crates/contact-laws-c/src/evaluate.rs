@@ -8,7 +8,7 @@ use core::slice;
 
 use contact_laws::{Components, ComponentsMut, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 
-use crate::boundary::{Error, array, check, guarded};
+use crate::boundary::{Error, Message, Region, array, check, guarded};
 use crate::{
     CL_ERROR, CL_INVALID_POINTS, CL_REGIME_INVALID, CL_REGIME_OPEN, CL_REGIME_SLIP, CL_REGIME_STICK,
     CL_STICKING_COULOMB, CL_STICKING_FULL, CL_SUCCESS, Law,
@@ -66,8 +66,9 @@ impl From<RegimeCounts> for Counts {
 /// - CL_INVALID_POINTS (0): computed, but the jump or begin state of some points was not finite: their tractions and
 ///   tangents are NaN, their end state must not be committed; counts and regimes say which;
 /// - CL_ERROR (-1): refused; nothing was written but the message. NULL or misaligned pointers, points that the law does
-///   not have, a stride below count, sizes beyond the memory, unknown codes, arrays of jump, traction and tangent that
-///   overlap.
+///   not have, a stride below count, sizes beyond the memory, unknown codes, or two arrays that overlap of which one is
+///   written (the message is one of them; it is not written then). Two exceptions: begin may be end, and components of
+///   states may lie between those of other arrays.
 ///
 /// # Safety
 /// The law is NULL or not yet freed. Pointers that are not NULL have the lengths stated. During the call nobody else
@@ -93,9 +94,10 @@ pub unsafe extern "C" fn cl_law_evaluate(
     message: *mut c_char,
     message_capacity: usize,
 ) -> i32 {
+    let message = Message::new(message, message_capacity);
     let body = || {
         // SAFETY: the caller vouches for the law and for nine pointers in `tangent`.
-        let (law, tangent) = unsafe { (&array("law", law, 1)?[0], tangent_pointers(tangent)?) };
+        let (law, pointers) = unsafe { (&array(message, "law", law, 1)?[0], tangent_pointers(tangent)?) };
         let batch = Batch {
             law,
             points: points(law, first, count)?,
@@ -115,16 +117,16 @@ pub unsafe extern "C" fn cl_law_evaluate(
             end,
             stride,
             traction: [traction_x, traction_y, traction_n],
-            tangent,
+            tangent: pointers,
+            tangent_table: tangent,
             regimes: if regimes.is_null() { None } else { Some(regimes) },
+            counts: if counts.is_null() { None } else { Some(counts) },
+            message,
         };
         batch.check()?;
-        if !counts.is_null() {
-            check("counts", counts.cast_const(), 1)?;
-        }
         // SAFETY: checked; lengths and exclusive use are the caller's promise.
         let found = unsafe { batch.run() };
-        if !counts.is_null() {
+        if let Some(counts) = batch.counts {
             // SAFETY: neither NULL nor misaligned, and the caller vouches that it may be written.
             unsafe { counts.write(found.into()) };
         }
@@ -135,7 +137,7 @@ pub unsafe extern "C" fn cl_law_evaluate(
         })
     };
     // SAFETY: the caller vouches for the message buffer.
-    unsafe { guarded(message, message_capacity, body) }.unwrap_or(CL_ERROR)
+    unsafe { guarded(message, body) }.unwrap_or(CL_ERROR)
 }
 
 /// # Safety
@@ -168,17 +170,16 @@ struct Batch<'a> {
     stride: usize,
     traction: [*mut f64; 3],
     tangent: Option<[*mut f64; 9]>,
+    /// Where the nine pointers of `tangent` stand.
+    tangent_table: *const *mut f64,
     regimes: Option<*mut i32>,
+    counts: Option<*mut Counts>,
+    message: Message,
 }
 
-/// The arrays of a call but the states: those that are read, then those that are written.
-const NAMES: [&str; 15] = [
-    "jump_x",
-    "jump_y",
-    "jump_n",
-    "traction_x",
-    "traction_y",
-    "traction_n",
+const JUMP: [&str; 3] = ["jump_x", "jump_y", "jump_n"];
+const TRACTION: [&str; 3] = ["traction_x", "traction_y", "traction_n"];
+const TANGENT: [&str; 9] = [
     "tangent[0] (xx)",
     "tangent[1] (xy)",
     "tangent[2] (xn)",
@@ -189,7 +190,26 @@ const NAMES: [&str; 15] = [
     "tangent[7] (ny)",
     "tangent[8] (nn)",
 ];
-const N_READ: usize = 3;
+
+/// The arrays of a call, those that are read before those that are written.
+struct Regions {
+    all: [Region; 21],
+    len: usize,
+}
+
+impl Regions {
+    fn push(&mut self, region: Region) {
+        self.all[self.len] = region;
+        self.len += 1;
+    }
+
+    /// Checks the array and notes it.
+    fn add<T>(&mut self, argument: &'static str, pointer: *const T, len: usize) -> Result<(), Error> {
+        check(argument, pointer, len)?;
+        self.push(Region::new(argument, pointer, len));
+        Ok(())
+    }
+}
 
 /// Points evaluated at a time, and room for their states.
 const CHUNK: usize = 128;
@@ -207,45 +227,63 @@ impl Batch<'_> {
     /// Refuses everything that can be seen to be wrong before a pointer is followed. No point needs no array.
     fn check(&self) -> Result<(), Error> {
         let (count, stride) = (self.points.len(), self.stride);
+        let mut regions = Regions {
+            all: [Region::new("", ptr::null::<u8>(), 0); 21],
+            len: 0,
+        };
+        if self.tangent.is_some() {
+            regions.add("tangent", self.tangent_table, TANGENT.len())?;
+        }
         if count == 0 {
-            return Ok(());
+            return self.check_written(regions, None);
         }
         if stride < count {
             return Err(Error::Stride { stride, count });
         }
-        let span = (self.law.state.len() - 1)
-            .checked_mul(stride)
-            .and_then(|n| n.checked_add(count));
+        let n_state = self.law.state.len();
+        let span = (n_state - 1).checked_mul(stride).and_then(|n| n.checked_add(count));
         let span = span.ok_or(Error::TooLong { argument: "stride" })?;
         check("begin", self.begin, span)?;
         check("end", self.end.cast_const(), span)?;
-        if let Some(regimes) = self.regimes {
-            check("regimes", regimes.cast_const(), count)?;
+        for (name, jump) in JUMP.iter().zip(self.jump) {
+            regions.add(name, jump, count)?;
         }
+        let states = [("begin", self.begin), ("end", self.end.cast_const())];
+        let states = states.map(|(name, state)| Region::strided(name, state, count, stride, n_state));
+        self.check_written(regions, Some(states))
+    }
 
-        let mut arrays = [ptr::null::<f64>(); NAMES.len()];
-        arrays[..3].copy_from_slice(&self.jump);
-        arrays[N_READ..6].copy_from_slice(&self.traction.map(<*mut f64>::cast_const));
-        let n = match self.tangent {
-            None => 6,
-            Some(tangent) => {
-                arrays[6..].copy_from_slice(&tangent.map(<*mut f64>::cast_const));
-                arrays.len()
+    /// Adds what is written to the arrays that are read, and compares all pairs but those of arrays that are only read.
+    fn check_written(&self, mut regions: Regions, states: Option<[Region; 2]>) -> Result<(), Error> {
+        let mut n_read = regions.len;
+        if let Some([begin, end]) = states {
+            regions.push(begin);
+            n_read += 1;
+            // Updated in place, the state is one array, which is written.
+            if self.begin == self.end.cast_const() {
+                n_read -= 1;
+            } else {
+                regions.push(end);
             }
-        };
-        for (name, &array) in NAMES.iter().zip(&arrays[..n]) {
-            check(name, array, count)?;
+            let count = self.points.len();
+            for (name, traction) in TRACTION.iter().zip(self.traction) {
+                regions.add(name, traction.cast_const(), count)?;
+            }
+            for (name, entry) in TANGENT.iter().zip(self.tangent.iter().flatten()) {
+                regions.add(name, entry.cast_const(), count)?;
+            }
+            if let Some(regimes) = self.regimes {
+                regions.add("regimes", regimes.cast_const(), count)?;
+            }
         }
-        // Arrays that are only read may be one.
-        let bytes = count * size_of::<f64>();
-        for i in N_READ..n {
-            for j in 0..i {
-                if arrays[i].addr().abs_diff(arrays[j].addr()) < bytes {
-                    return Err(Error::Overlap {
-                        arguments: [NAMES[j], NAMES[i]],
-                    });
-                }
-            }
+        if let Some(counts) = self.counts {
+            regions.add("counts", counts.cast_const(), 1)?;
+        }
+        regions.push(self.message.region());
+        let regions = &regions.all[..regions.len];
+        // Where the message is part of two overlaps, it must not tell of another first.
+        for (i, written) in regions.iter().enumerate().skip(n_read).rev() {
+            regions[..i].iter().try_for_each(|other| other.apart_from(written))?;
         }
         Ok(())
     }

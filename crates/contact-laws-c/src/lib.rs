@@ -29,10 +29,11 @@
 //!
 //! # Memory
 //!
-//! `cl_law_evaluate` allocates nothing. The arrays of jump, traction and tangent must be arrays of their own:
-//! overlapping ones are refused. The states are read before they are written, point by point, so `begin` and `end` may
-//! be the same array (with the commit then made at every call); states must overlap neither each other otherwise nor
-//! the rest.
+//! `cl_law_evaluate` allocates nothing. Arrays that are only read may overlap one another. An array that is written
+//! (end state, tractions, tangents, regimes, counts, message) must overlap no other array, or the call is refused. The
+//! states are read before they are written, point by point, so `begin` and `end` may be the same array (with the commit
+//! then made at every call). What counts is the points of the call: their components may lie between those of others.
+//! Parameters of constructors may overlap one another, but not the message.
 //!
 //! # Threads
 //!
@@ -43,7 +44,7 @@
 //! # Failure
 //!
 //! What can be checked is checked before anything is written: NULL, alignment, ranges of points, strides, sizes that do
-//! not fit in memory, codes and parameters. Lengths of arrays cannot be seen through a pointer: they are the caller's
+//! not fit in memory, overlaps, codes and parameters. Lengths of arrays cannot be seen through a pointer: they are the caller's
 //! promise. No panic leaves a function; one would be a defect, becomes [`CL_ERROR`] or `NULL`, and the message says
 //! that results may be incomplete. Running out of memory in a constructor ends the process.
 

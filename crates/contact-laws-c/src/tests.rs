@@ -343,3 +343,177 @@ fn a_panic_does_not_leave_the_interface() {
     assert_eq!(status, CL_ERROR);
     assert!(text.contains("defect") && text.contains("index 7"), "{text}");
 }
+
+/// The arrays of a call of [`cl_law_evaluate`]: name, entries, bytes per entry, whether it is written.
+const ARRAYS: [(&str, usize, usize, bool); 20] = {
+    const COUNT: usize = 4;
+    const fn numbers(name: &'static str, written: bool) -> (&'static str, usize, usize, bool) {
+        (name, COUNT, 8, written)
+    }
+    [
+        numbers("jump_x", false),
+        numbers("jump_y", false),
+        numbers("jump_n", false),
+        ("begin", 5 * COUNT, 8, false),
+        ("tangent", 9, 8, false),
+        ("end", 5 * COUNT, 8, true),
+        numbers("traction_x", true),
+        numbers("traction_y", true),
+        numbers("traction_n", true),
+        numbers("tangent[0] (xx)", true),
+        numbers("tangent[1] (xy)", true),
+        numbers("tangent[2] (xn)", true),
+        numbers("tangent[3] (yx)", true),
+        numbers("tangent[4] (yy)", true),
+        numbers("tangent[5] (yn)", true),
+        numbers("tangent[6] (nx)", true),
+        numbers("tangent[7] (ny)", true),
+        numbers("tangent[8] (nn)", true),
+        ("regimes", COUNT, 4, true),
+        ("counts", 1, size_of::<Counts>(), true),
+    ]
+};
+const MESSAGE: usize = ARRAYS.len();
+const MESSAGE_BYTES: usize = 160;
+
+fn extent(array: usize) -> usize {
+    ARRAYS.get(array).map_or(MESSAGE_BYTES, |(_, n, bytes, _)| n * bytes)
+}
+
+/// A call with every array, the message too, at an offset in bytes in one block of memory; stride of the states in points.
+/// Returns the status, the memory before the call and the memory after it.
+fn call_in(offsets: &[usize; MESSAGE + 1], stride: usize) -> (i32, Vec<u8>, Vec<u8>) {
+    let mu = 0.3;
+    // SAFETY: one set of parameters, one friction coefficient, no message.
+    let law = Handle(unsafe {
+        cl_elastic_dry_friction_law(
+            4,
+            &1e12,
+            &1e12,
+            &1e12,
+            1,
+            &mu,
+            1,
+            CL_HISTORY_INCREMENTAL,
+            ptr::null_mut(),
+            0,
+        )
+    });
+    let mut memory = vec![0.0_f64; 1024];
+    let start = memory.as_mut_ptr().cast::<u8>();
+    let at = |array: usize| start.wrapping_add(offsets[array]);
+    let numbers = |array: usize| at(array).cast::<f64>();
+    for (entry, array) in (9..18).enumerate() {
+        // SAFETY: the offsets are multiples of eight within the memory.
+        unsafe { at(4).cast::<*mut f64>().add(entry).write(numbers(array)) };
+    }
+    // SAFETY: numbers are bytes.
+    let copy = || unsafe { std::slice::from_raw_parts(start.cast_const(), 8 * 1024) }.to_vec();
+    let before = copy();
+    // SAFETY: all arrays are within the memory, of the documented lengths.
+    let status = unsafe {
+        cl_law_evaluate(
+            law.0,
+            0,
+            4,
+            CL_STICKING_COULOMB,
+            numbers(0),
+            numbers(1),
+            numbers(2),
+            numbers(3),
+            numbers(5),
+            stride,
+            numbers(6),
+            numbers(7),
+            numbers(8),
+            at(4).cast::<*mut f64>(),
+            at(18).cast::<i32>(),
+            at(19).cast::<Counts>(),
+            at(MESSAGE).cast(),
+            MESSAGE_BYTES,
+        )
+    };
+    (status, before, copy())
+}
+
+fn apart() -> [usize; MESSAGE + 1] {
+    std::array::from_fn(|array| 256 * array)
+}
+
+#[test]
+fn every_overlap_of_two_arrays_is_refused_before_anything_is_written() {
+    assert_eq!(call_in(&apart(), 4).0, CL_SUCCESS);
+    let name = |array: usize| ARRAYS.get(array).map_or("message", |row| row.0);
+    let written = |array: usize| ARRAYS.get(array).is_none_or(|row| row.3);
+    let mut pairs = 0;
+    for (i, j) in (0..=MESSAGE).flat_map(|j| (0..j).map(move |i| (i, j))) {
+        let (first, second) = (extent(i), extent(j));
+        // Both begin together, and each begins in the last eight bytes of the other.
+        let places = [(0, 0), (0, (first - 1) / 8 * 8), ((second - 1) / 8 * 8, 0)];
+        for (a, b) in places {
+            let mut offsets = apart();
+            // Two slots behind all others, so that long arrays do not reach into a third one.
+            (offsets[i], offsets[j]) = (6000 + a, 6000 + b);
+            let (status, before, after) = call_in(&offsets, 4);
+            let place = format!("{} at {a}, {} at {b}", name(i), name(j));
+            let same_states = (name(i), name(j)) == ("begin", "end") && a == b;
+            if !(written(i) || written(j)) || same_states {
+                assert_eq!(status, CL_SUCCESS, "{place}");
+                continue;
+            }
+            pairs += 1;
+            assert_eq!(status, CL_ERROR, "{place}");
+            if j == MESSAGE {
+                assert_eq!(
+                    before, after,
+                    "{place}: nothing may be written where the message is another array"
+                );
+            } else {
+                let text = after[offsets[MESSAGE]..].to_vec();
+                let text = CStr::from_bytes_until_nul(&text).unwrap().to_str().unwrap();
+                let named = text.contains(name(i)) && text.contains(name(j)) && text.contains("overlap");
+                assert!(named, "{place}: {text}");
+                let mut untouched = after.clone();
+                let message = offsets[MESSAGE]..offsets[MESSAGE] + MESSAGE_BYTES;
+                untouched[message.clone()].copy_from_slice(&before[message]);
+                assert_eq!(before, untouched, "{place}");
+            }
+        }
+    }
+    assert!(pairs > 500, "{pairs}");
+}
+
+#[test]
+fn arrays_that_only_lie_between_one_another_are_not_refused() {
+    let separate = call_in(&apart(), 4);
+    // Components of `begin` and of `end` in turn, and the tractions between those of a third block.
+    let mut offsets = apart();
+    (offsets[3], offsets[5]) = (6000, 6000 + 4 * 8);
+    (offsets[6], offsets[7]) = (6000 + 8 * 8, 6000 + 8 * 8 + 12 * 8);
+    let (status, ..) = call_in(&offsets, 12);
+    assert_eq!((separate.0, status), (CL_SUCCESS, CL_SUCCESS));
+}
+
+#[test]
+fn a_message_over_parameters_is_not_written() {
+    let mut parameters = [1e12, 1e12, 1e12, -1.0];
+    let before = parameters;
+    let start = parameters.as_mut_ptr();
+    // SAFETY: one number each, and a message of eight bytes.
+    let law = unsafe {
+        cl_elastic_dry_friction_law(
+            1,
+            start,
+            start.wrapping_add(1),
+            start.wrapping_add(2),
+            1,
+            start.wrapping_add(3),
+            1,
+            CL_HISTORY_INCREMENTAL,
+            start.wrapping_add(3).cast(),
+            8,
+        )
+    };
+    assert!(law.is_null());
+    assert_eq!(parameters, before);
+}
