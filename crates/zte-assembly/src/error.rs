@@ -41,6 +41,21 @@ pub enum Error {
         /// The earlier one.
         first: usize,
     },
+    /// Two elements cover the same area, which would carry the load twice.
+    #[error(
+        "interface elements {first} and {element} overlap: both cover {shared:.3e} m^2, and at most {tolerance:e} of the smaller \
+         one's area may be shared; remove one of the two, or correct their nodes"
+    )]
+    OverlappingElements {
+        /// Element.
+        element: usize,
+        /// The earlier one.
+        first: usize,
+        /// Area that both cover (m^2).
+        shared: f64,
+        /// Part of the smaller area that may be shared.
+        tolerance: f64,
+    },
     /// A node belongs to no element, so no traction could ever reach it.
     #[error("interface node {node} belongs to no element; remove it, or add the missing element")]
     Unused {

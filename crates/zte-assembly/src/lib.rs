@@ -12,6 +12,7 @@ pub mod interface;
 mod kernels;
 pub mod mesh;
 pub mod operators;
+mod overlap;
 pub mod quadrature;
 pub mod shape;
 

@@ -1,6 +1,7 @@
 //! The interface mesh: flat elements between two bodies whose nodes coincide in pairs.
 
 use crate::Error;
+use crate::overlap::{self, Overlap};
 use crate::shape::{MAX_NODES, QUAD4, Shape, TRI3};
 use std::collections::HashMap;
 use std::fmt;
@@ -108,8 +109,8 @@ impl InterfaceMesh {
         Ok(mesh)
     }
 
-    /// Checks coordinates and references, and that no element has a node twice or the nodes of another; shapes are
-    /// checked where quadrature points are known.
+    /// Checks coordinates and references, that no element has a node twice or the nodes of another, and that no two
+    /// elements share more than 1e-4 of the smaller one's area; shapes are checked where quadrature points are known.
     ///
     /// # Errors
     /// The first defect found.
@@ -150,8 +151,16 @@ impl InterfaceMesh {
                 return Err(Error::DuplicateElement { element, first });
             }
         }
-        match used.iter().position(|used| !used) {
-            Some(node) => Err(Error::Unused { node }),
+        if let Some(node) = used.iter().position(|used| !used) {
+            return Err(Error::Unused { node });
+        }
+        match overlap::find(self) {
+            Some(Overlap { element, first, shared }) => Err(Error::OverlappingElements {
+                element,
+                first,
+                shared,
+                tolerance: overlap::TOLERANCE,
+            }),
             None => Ok(()),
         }
     }

@@ -474,6 +474,15 @@ fn defects_are_refused_by_name() {
         lists(7, &turned),
         Err(Error::DuplicateElement { element: 7, first: 5 })
     ));
+    // A triangle over two neighbours, with nodes of both.
+    let mut covered = patch();
+    covered.elements.push(Element::tri3([0, 2, 11]));
+    let last = covered.elements.len() - 1;
+    let error = Operators::try_new(&covered, 2).unwrap_err();
+    assert!(
+        matches!(error, Error::OverlappingElements { element, first: 0, shared, .. } if element == last && shared > 1e-6),
+        "{error}"
+    );
     mesh.nodes[3][1] = f64::NAN;
     assert!(matches!(mesh.validate(), Err(Error::Value { index: 3, .. })));
     let operators = Arc::new(Operators::try_new(&patch(), 2).unwrap());
