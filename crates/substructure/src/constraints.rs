@@ -14,6 +14,9 @@ type Combination = Vec<(usize, f64)>;
 pub struct DofMap {
     /// `u_nodes = transform * u`, shape `3 n_nodes x n_independent`.
     pub transform: CsMat<f64>,
+    /// Motions of the reference points of kinematic couplings: `u_reference = references * u`, shape `6 n_couplings x
+    /// n_independent` (m, rad). Rows of distributing couplings are empty: their reference points follow the nodes.
+    references: CsMat<f64>,
     /// For each independent component `3 node + component` of the displacement that it stands for, or, beyond the nodes,
     /// `3 n_nodes + 6 coupling + component` of a kinematic coupling's reference point.
     pub independent: Vec<usize>,
@@ -51,13 +54,15 @@ impl DofMap {
         Ok(force)
     }
 
-    /// Entries of the transform's row for `3 node + component`.
+    /// What the component `full` is of the independent ones: `3 node + component`, or, beyond the nodes, `3 n_nodes + 6
+    /// coupling + component` of a kinematic coupling's reference point.
     pub fn row(&self, full: usize) -> impl Iterator<Item = (usize, &f64)> {
-        let range = self.transform.indptr().outer_inds_sz(full);
-        self.transform.indices()[range.clone()]
-            .iter()
-            .copied()
-            .zip(&self.transform.data()[range])
+        let (of, row) = match full.checked_sub(self.transform.rows()) {
+            None => (&self.transform, full),
+            Some(beyond) => (&self.references, beyond),
+        };
+        let range = of.indptr().outer_inds_sz(row);
+        of.indices()[range.clone()].iter().copied().zip(&of.data()[range])
     }
 
     /// Collects the constraints of an assembly and eliminates the dependent components.
@@ -108,29 +113,40 @@ impl DofMap {
             }
         }
         let n_nodal = 3 * coordinates.len();
-        let references = assembly
+        let references: Vec<usize> = assembly
             .couplings
             .iter()
             .enumerate()
             .filter(|(_, coupling)| matches!(coupling.kind, CouplingKind::Kinematic(_)))
-            .flat_map(|(index, _)| (0..6).map(move |c| n_nodal + 6 * index + c));
+            .flat_map(|(index, _)| (0..6).map(move |c| n_nodal + 6 * index + c))
+            .collect();
         let independent: Vec<usize> = (0..n_nodal)
-            .chain(references)
+            .chain(references.iter().copied())
             .filter(|dof| !dependent.contains_key(dof))
             .collect();
         let column: BTreeMap<usize, usize> = independent.iter().enumerate().map(|(i, &dof)| (dof, i)).collect();
-        let mut triplets = TriMat::with_capacity((n_nodal, independent.len()), n_nodal);
-        for dof in 0..n_nodal {
-            let Some(combination) = dependent.get(&dof) else {
-                triplets.add_triplet(dof, column[&dof], 1.0);
-                continue;
-            };
-            let mut expression: BTreeMap<usize, f64> = combination.iter().copied().collect();
-            substitute(&mut expression, &dependent)?;
-            for (&master, &coefficient) in &expression {
-                triplets.add_triplet(dof, column[&master], coefficient);
+        // Rows of `full` components, counted from the first of them.
+        let rows = |full: &mut dyn Iterator<Item = usize>, first: usize, count: usize| {
+            let mut triplets = TriMat::with_capacity((count, independent.len()), count);
+            for dof in full {
+                let Some(combination) = dependent.get(&dof) else {
+                    triplets.add_triplet(dof - first, column[&dof], 1.0);
+                    continue;
+                };
+                let mut expression: BTreeMap<usize, f64> = combination.iter().copied().collect();
+                substitute(&mut expression, &dependent)?;
+                for (&master, &coefficient) in &expression {
+                    triplets.add_triplet(dof - first, column[&master], coefficient);
+                }
             }
-        }
+            Ok::<_, Error>(triplets.to_csr())
+        };
+        let transform = rows(&mut (0..n_nodal), 0, n_nodal)?;
+        let references = rows(
+            &mut references.iter().copied(),
+            n_nodal,
+            6 * assembly.couplings.len(),
+        )?;
         let positions = independent
             .iter()
             .map(|&dof| match dof.checked_sub(n_nodal) {
@@ -139,7 +155,8 @@ impl DofMap {
             })
             .collect();
         Ok(Self {
-            transform: triplets.to_csr(),
+            transform,
+            references,
             independent,
             coordinates,
             largest_adjustment,

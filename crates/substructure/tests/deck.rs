@@ -497,6 +497,26 @@ fn couplings_that_share_a_reference_node_move_it_together() {
 }
 
 #[test]
+fn loads_and_supports_of_kinematic_reference_nodes_are_assembled() {
+    let nodes = "*NODE\n200, 0.5, 0.5, -1.\n*NSET, NSET=BASE, GENERATE\n1, 4\n";
+    let step = "*STEP, NAME=S\n*STATIC\n*CLOAD\n200, 3, 2.\n*END STEP\n";
+    for coupling in [
+        "*SURFACE, NAME=BASE, TYPE=NODE\nBASE\n*COUPLING, CONSTRAINT NAME=K, REF NODE=200, SURFACE=BASE\n*KINEMATIC\n",
+        "*KINEMATIC COUPLING, REF NODE=200\nBASE, 1, 3\n",
+        "*MPC\nBEAM, 1, 200\nBEAM, 2, 200\nBEAM, 3, 200\nBEAM, 4, 200\n",
+    ] {
+        for support in ["", "*BOUNDARY\n200, 1, 2\n", "*BOUNDARY\n200, 3\n", "*BOUNDARY\n200, 1, 6\n"] {
+            let text = format!("{CUBES}{nodes}{coupling}{support}{step}");
+            let assembly = model(&text).unwrap().assembly;
+            let system = System::try_new(&assembly).unwrap();
+            let load = system.loads[0].iter().map(|f| f.abs()).sum::<f64>();
+            let held = ["\n200, 3\n", "1, 6"].iter().any(|part| support.contains(part));
+            assert_eq!(load, if held { 0.0 } else { 2.0 }, "{coupling}{support}");
+        }
+    }
+}
+
+#[test]
 fn weights_are_tributary_areas() {
     // A wedge with one triangular face of area 1/2 and a face of area 1.
     let text = "\

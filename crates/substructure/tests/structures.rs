@@ -497,6 +497,60 @@ fn kinematic_couplings_are_rigid_and_distributing_ones_are_not() {
 }
 
 #[test]
+fn loads_on_reference_points_of_kinematic_couplings_are_those_of_the_rigid_clouds() {
+    let mut assembly = sliding_bars();
+    for coupling in &mut assembly.couplings {
+        coupling.kind = CouplingKind::Kinematic([true; 3]);
+    }
+    // The first rotation of one point is held, so that the equation holds that of the other as well.
+    assembly.supports = vec![Dof::Reference(0, 3)];
+    for (name, term) in [
+        ("held", (Dof::Reference(1, 3), 5.0)),
+        ("moment", (Dof::Reference(1, 5), 3.0)),
+    ] {
+        assembly.loads.push(LoadPattern {
+            name: name.into(),
+            terms: vec![term],
+        });
+    }
+    let system = System::try_new(&assembly).unwrap();
+    let dofs = &system.dofs;
+    // The generalised forces of the independent components do the work of the loads on any motion of them.
+    let motion: Vec<f64> = (0..system.n_dofs()).map(|i| 1.0 + (i % 7) as f64).collect();
+    let nodal = multiply_vector(&dofs.transform, &motion);
+    let first = 3 * dofs.coordinates.len();
+    let moved = |full: usize| dofs.row(full).map(|(column, c)| c * motion[column]).sum::<f64>();
+    for (load, pattern) in system.loads.iter().zip(&assembly.loads) {
+        let work: f64 = load.iter().zip(&motion).map(|(f, u)| f * u).sum();
+        let terms = pattern.terms.iter().map(|(dof, value)| match dof {
+            Dof::Reference(index, component) => value * moved(first + 6 * *index as usize + usize::from(*component)),
+            Dof::Node(..) => unreachable!(),
+        });
+        assert!((work - terms.sum::<f64>()).abs() < 1e-12, "{}", pattern.name);
+    }
+    assert!(system.loads[1].iter().all(|f| *f == 0.0), "what is held does no work");
+    assert_eq!(dofs.row(first + 9).next(), None);
+    assert_eq!(moved(first + 5), moved(first + 11), "one rotation by an equation");
+    // Each node of a cloud moves as the rigid body does that its reference point drives.
+    for (index, coupling) in assembly.couplings.iter().enumerate() {
+        let of: [f64; 6] = std::array::from_fn(|c| moved(first + 6 * index + c));
+        for &node in &coupling.nodes {
+            let x = dofs.coordinates[node as usize];
+            let r = [0, 1, 2].map(|c| x[c] - coupling.reference[c]);
+            let turned = [
+                of[4] * r[2] - of[5] * r[1],
+                of[5] * r[0] - of[3] * r[2],
+                of[3] * r[1] - of[4] * r[0],
+            ];
+            for c in 0..3 {
+                let found = nodal[3 * node as usize + c];
+                assert!((found - of[c] - turned[c]).abs() < 1e-12, "node {node}, {c}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_clamped_bar_is_a_cantilever() {
     let mut assembly = bar([60, 2, 2], [0.72, 0.012, 0.012]);
     let nodes: Vec<u32> = (0..assembly.mesh.nodes.len() as u32).collect();
