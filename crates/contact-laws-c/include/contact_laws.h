@@ -133,6 +133,7 @@ extern "C" {
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
  - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
  Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
 
@@ -163,6 +164,7 @@ struct cl_law *cl_rough_law(size_t n_points,
  - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL; they differ only where an open point
    closes and in what the state remembers.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
  Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
 
@@ -196,6 +198,7 @@ struct cl_law *cl_elastic_dry_friction_law(size_t n_points,
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
  - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
  Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
 
@@ -242,8 +245,9 @@ struct cl_law *cl_asperity_table_law(size_t n_points,
  - CL_INVALID_POINTS (0): computed, but the jump or begin state of some points was not finite: their tractions and
    tangents are NaN, their end state must not be committed; counts and regimes say which;
  - CL_ERROR (-1): refused; nothing was written but the message. NULL or misaligned pointers, points that the law does
-   not have, a stride below count, sizes beyond the memory, unknown codes, arrays of jump, traction and tangent that
-   overlap.
+   not have, a stride below count, sizes beyond the memory, unknown codes, or two arrays that overlap of which one is
+   written (the message is one of them; it is not written then). Two exceptions: begin may be end, and components of
+   states may lie between those of other arrays.
 
  # Safety
  The law is NULL or not yet freed. Pointers that are not NULL have the lengths stated. During the call nobody else
