@@ -6,7 +6,10 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file could not be read or written.
+    /// A file cannot be read, is not a regular file, or is too large.
+    #[error(transparent)]
+    InputFile(#[from] input_files::Error),
+    /// A file could not be written.
     #[error("{}: {operation} failed", path.display())]
     File {
         /// File.
@@ -67,6 +70,17 @@ pub enum Error {
         closure: f64,
         /// Force carried there (N).
         carried: f64,
+    },
+    /// Faces that are nowhere near one another.
+    #[error(
+        "the smallest gap of the interface is {smallest:.3e} m, more than the interface's own size of {extent:.3e} m; check the \
+         gap and its unit"
+    )]
+    GapBeyondFaces {
+        /// Smallest gap (m).
+        smallest: f64,
+        /// Diagonal of the interface (m).
+        extent: f64,
     },
     /// Two surfaces that cannot be an interface.
     #[error("the surfaces of the interface do not fit: {reason}")]

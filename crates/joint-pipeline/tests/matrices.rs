@@ -5,6 +5,7 @@ mod common;
 
 use brake_reuss_beam::BrakeReussBenchmark;
 use common::{BENCHMARKS, beam};
+use joint_pipeline::interface::SceneInterface;
 use joint_pipeline::joint::Bodies;
 use joint_pipeline::joint::benchmark::BenchmarkRef;
 use joint_pipeline::progress::Silent;
@@ -20,7 +21,7 @@ use sprs::CsMat;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use substructure::assemble::System;
-use substructure::formats::abaqus::{self as deck, Choices};
+use substructure::formats::abaqus::{self as deck, Choices, Includes};
 
 /// Of the beam; the law of most scenes has none, the check of the reduction is scaled by it.
 fn material() -> Value {
@@ -120,7 +121,7 @@ fn dense(matrix: &CsMat<f64>) -> Dense<f64> {
 #[test]
 fn the_stiffness_of_calculix_is_that_of_the_same_deck_here() {
     let theirs = calculix::read(&fixture("lap.sti")).unwrap();
-    let deck = deck::read(fixture("lap.inp"))
+    let deck = deck::read(fixture("lap.inp"), Includes::BelowTheDeck)
         .unwrap()
         .assembly(&Choices::default())
         .unwrap();
@@ -446,6 +447,12 @@ fn what_does_not_fit_together_is_refused() {
         Some(Dof::table(&dofs))
     };
     let column = |rows: usize| Some(Array::Dense(Dense::try_new(rows, 1, vec![1.0; rows]).unwrap()));
+    // One entry at the end of a matrix far larger than the file.
+    let sparse = |rows: usize, columns: usize| {
+        let mut entries = sprs::TriMat::new((rows, columns));
+        entries.add_triplet(rows - 1, columns - 1, 1.0);
+        Some(Array::Sparse(entries.to_csr()))
+    };
     for (name, array, said) in [
         ("dofs", None, "add an array `dofs` with a row `label, component`"),
         ("K", None, "it has no stiffness K"),
@@ -458,7 +465,18 @@ fn what_does_not_fit_together_is_refused() {
             Some(Array::Dense(Dense::try_new(n, n, unsymmetric).unwrap())),
             "entries (1, 2) and (2, 1) differ by",
         ),
-        ("Fv", column(n - 1), "but its loads over"),
+        ("Fv", column(n - 1), "but its loads Fv over"),
+        ("Fv", sparse(1 << 20, 1 << 20), "but its loads Fv over 1048576"),
+        (
+            "Fv",
+            sparse(n, 1 << 20),
+            "name those of the bolts as structure.matrices.bolts",
+        ),
+        ("R", sparse(1 << 20, 1 << 20), "but its recovery R over 1048576"),
+        ("M", sparse(1 << 20, 1 << 20), "but its mass over 1048576"),
+        ("L", sparse(1 << 20, 1 << 20), "but its L over 1048576"),
+        ("frame", sparse(1 << 20, 1 << 20), "`frame` is not 3 x 3"),
+        ("dofs", sparse(1 << 20, 1 << 20), "not a full matrix of whole numbers"),
         ("dofs", table(&|_| (1, 1)), "names one twice"),
         ("dofs", table(&|i| (i + 100, 1)), "component 1 of 1 is not in its map"),
         ("dofs", column(n), "two columns"),
@@ -469,6 +487,13 @@ fn what_does_not_fit_together_is_refused() {
         assert!(message.contains(said), "{name}: {message}");
         assert!(message.contains("changed.npz"), "{message}");
     }
+    // A row of a large recovery is one vector, whatever the others would need.
+    let mut rows = sprs::TriMat::new((1 << 20, n));
+    rows.add_triplet(0, n - 1, 1.0);
+    let mut arrays = good.clone();
+    arrays.insert("R".into(), Array::Sparse(rows.to_csr()));
+    std::fs::write(&path, npz::to_bytes(&arrays).unwrap()).unwrap();
+    go(&on_jump(&scene, &path));
     // The sign of the load, as the file has it.
     let Array::Dense(load) = &good["Fv"] else {
         unreachable!()
@@ -530,6 +555,106 @@ fn given_parameters_belong_to_interface_elements_or_points() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("law.kind belongs to asperities"), "{error}");
+}
+
+/// Two cubes of 20 mm upon one another; the bolt pulls at reference nodes of kinematic couplings.
+const TWO_CUBES: &str = "\
+*NODE
+1, 0., 0., 0.
+2, 0.02, 0., 0.
+3, 0.02, 0.02, 0.
+4, 0., 0.02, 0.
+5, 0., 0., 0.02
+6, 0.02, 0., 0.02
+7, 0.02, 0.02, 0.02
+8, 0., 0.02, 0.02
+11, 0., 0., 0.02
+12, 0.02, 0., 0.02
+13, 0.02, 0.02, 0.02
+14, 0., 0.02, 0.02
+15, 0., 0., 0.04
+16, 0.02, 0., 0.04
+17, 0.02, 0.02, 0.04
+18, 0., 0.02, 0.04
+100, 0.01, 0.01, 0.
+101, 0.01, 0.01, 0.04
+*ELEMENT, TYPE=C3D8I, ELSET=ALL
+1, 1, 2, 3, 4, 5, 6, 7, 8
+2, 11, 12, 13, 14, 15, 16, 17, 18
+*SOLID SECTION, ELSET=ALL, MATERIAL=ALUMINIUM
+,
+*MATERIAL, NAME=ALUMINIUM
+*ELASTIC
+70E9, 0.33
+*DENSITY
+2700.,
+*SURFACE, NAME=LOWER
+1, S2
+*SURFACE, NAME=UPPER
+2, S1
+*SURFACE, NAME=FOOT
+1, S1
+*SURFACE, NAME=HEAD
+2, S2
+*COUPLING, CONSTRAINT NAME=NUT, REF NODE=100, SURFACE=FOOT
+*KINEMATIC
+*COUPLING, CONSTRAINT NAME=BOLT, REF NODE=101, SURFACE=HEAD
+*KINEMATIC
+";
+
+#[test]
+fn bodies_have_the_material_of_their_deck_unless_the_scenes_is_asked_for() {
+    let folder = folder("material");
+    let path = folder.join("cubes.inp");
+    std::fs::write(&path, TWO_CUBES).unwrap();
+    let mut scene = lap(&path, 1.0, &json!({}));
+    scene["structure"] = json!({ "deck": {
+        "path": path,
+        "top_surface": "UPPER",
+        "bottom_surface": "LOWER",
+        "bolts": [{ "top": "101", "bottom": "100" }],
+        "response": { "node": "18", "direction": [0.0, 0.0, 1.0] },
+    } });
+    let mass_and_material = |scene: &Value| {
+        let structure = Structure::try_new(&read(scene), &Silent).unwrap();
+        let Bodies::Meshed(bodies) = &structure.joint.bodies else {
+            unreachable!()
+        };
+        let system = System::try_new(&bodies.assembly).unwrap();
+        // Unit tension at the two reference nodes.
+        assert_eq!(system.loads[0].iter().map(|f| f.abs()).sum::<f64>(), 2.0);
+        let [material] = &bodies.assembly.mesh.materials[..] else {
+            panic!("one material")
+        };
+        (system.total_mass, material.youngs_modulus, material.poisson_ratio)
+    };
+    let volume = 2.0 * 0.02_f64.powi(3);
+    let (mass, modulus, ratio) = mass_and_material(&scene);
+    assert!((mass / (2700.0 * volume) - 1.0).abs() < 1e-12, "{mass}");
+    assert_eq!((modulus, ratio), (70e9, 0.33));
+    scene["structure"]["deck"]["materials"] = json!("scene");
+    scene["model"]["material"]["density"] = json!(7850.0);
+    let (mass, modulus, ratio) = mass_and_material(&scene);
+    assert!((mass / (7850.0 * volume) - 1.0).abs() < 1e-12, "{mass}");
+    assert_eq!((modulus, ratio), (192.85e9, 0.29));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn gaps_of_any_size_are_closed_or_refused() {
+    let mut scene = lap(&fixture("lap.sti"), 1.0, &json!({}));
+    // Up to the size of the faces, 63 mm, the bracket of the closure grows; beyond, the gap is refused.
+    for gap in [1e-6, 1e-3, 0.06] {
+        scene["surface"]["parameters"]["sets"][0]["gap"] = json!(gap);
+        let structure = Structure::try_new(&read(&scene), &Silent).unwrap();
+        let interface = SceneInterface::try_new(&read(&scene), &structure.joint.interface, 2000.0).unwrap();
+        assert!(interface.closure > gap && interface.closure < gap + 1e-6, "{gap}");
+    }
+    for gap in [0.07, 1.7e7, 1e16, 1e300] {
+        scene["surface"]["parameters"]["sets"][0]["gap"] = json!(gap);
+        let error = run(&read(&scene), &Options::default(), &Silent).unwrap_err();
+        assert!(matches!(error, Error::GapBeyondFaces { .. }), "{gap}: {error}");
+    }
 }
 
 #[test]

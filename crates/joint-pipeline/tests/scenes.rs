@@ -142,28 +142,207 @@ fn wrong_types_name_the_field() {
 }
 
 #[test]
-fn structures_written_as_lists_are_converted_as_well() {
-    let scene = |material: Value, bolts: Value| {
-        let mut scene = on_deck();
-        scene["units"] = json!({ "length": "mm", "mass": "t", "time": "s" });
-        scene["structure"]["deck"]["materials"] = json!("scene");
-        scene["model"]["material"] = material;
-        scene["bolts"] = bolts;
-        read(&scene)
-    };
-    let block = scene(
-        json!({ "youngs_modulus": 192_850.0, "poisson_ratio": 0.29, "density": 7.8578e-9 }),
-        json!({ "load": 12_845.0, "behaviour": "dead-load" }),
-    )
-    .unwrap();
-    assert!((block.model.material.youngs_modulus.si() / 192.85e9 - 1.0).abs() < 1e-15);
-    // Such lists are refused, as the fields of a list have no names; if they were read, every quantity would be SI.
-    match scene(
-        json!([192_850.0, 0.29, 7.8578e-9, 9470.0]),
-        json!([12_845.0, "dead-load"]),
-    ) {
-        Ok(list) => assert_eq!((list.model.material, list.bolts), (block.model.material, block.bolts)),
-        Err(error) => assert!(error.to_string().contains("is missing"), "{error}"),
+fn materials_and_bolts_written_as_lists_are_refused() {
+    let units = json!({ "length": "mm", "mass": "kg", "time": "s" });
+    let material = json!([192_850_000.0, 0.29, 7.8578e-6, 9_470_000.0]);
+    let bolts = json!([12_845e3, "dead-load"]);
+    let benchmark = json!({ "structure": { "benchmark": "brake-reuss-beam" } });
+    for mut scene in [on_deck(), benchmark] {
+        scene["units"] = units.clone();
+        if scene["structure"].get("deck").is_some() {
+            scene["structure"]["deck"]["materials"] = json!("scene");
+            scene["model"]["material"]["density"] = json!(7.8578e-6);
+        }
+        read(&scene).unwrap();
+        let mut listed = scene.clone();
+        listed["model"] = json!({ "material": material });
+        let message = refused(&listed);
+        assert!(message.contains("model.material is a list"), "{message}");
+        let mut listed = scene.clone();
+        listed["bolts"] = bolts.clone();
+        let message = refused(&listed);
+        assert!(message.contains("bolts is a list"), "{message}");
+    }
+}
+
+/// JSON whose objects keep the order of their fields, which is that of their declaration.
+#[derive(Clone)]
+enum Ordered {
+    Leaf(Value),
+    List(Vec<Ordered>),
+    Block(Vec<(String, Ordered)>),
+}
+
+impl<'de> serde::Deserialize<'de> for Ordered {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Any;
+        impl<'de> serde::de::Visitor<'de> for Any {
+            type Value = Ordered;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("JSON")
+            }
+
+            fn visit_unit<E>(self) -> Result<Ordered, E> {
+                Ok(Ordered::Leaf(Value::Null))
+            }
+
+            fn visit_bool<E>(self, value: bool) -> Result<Ordered, E> {
+                Ok(Ordered::Leaf(value.into()))
+            }
+
+            fn visit_u64<E>(self, value: u64) -> Result<Ordered, E> {
+                Ok(Ordered::Leaf(value.into()))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> Result<Ordered, E> {
+                Ok(Ordered::Leaf(value.into()))
+            }
+
+            fn visit_f64<E>(self, value: f64) -> Result<Ordered, E> {
+                Ok(Ordered::Leaf(value.into()))
+            }
+
+            fn visit_str<E>(self, value: &str) -> Result<Ordered, E> {
+                Ok(Ordered::Leaf(value.into()))
+            }
+
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut list: A) -> Result<Ordered, A::Error> {
+                let mut all = Vec::new();
+                while let Some(value) = list.next_element()? {
+                    all.push(value);
+                }
+                Ok(Ordered::List(all))
+            }
+
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, mut block: A) -> Result<Ordered, A::Error> {
+                let mut all = Vec::new();
+                while let Some(entry) = block.next_entry()? {
+                    all.push(entry);
+                }
+                Ok(Ordered::Block(all))
+            }
+        }
+        deserializer.deserialize_any(Any)
+    }
+}
+
+impl Ordered {
+    /// As plain JSON, with the block that `n` counts down to as a list; its path is given back.
+    fn with_list(&self, n: &mut usize, path: &str, found: &mut Option<String>) -> Value {
+        match self {
+            Self::Leaf(value) => value.clone(),
+            Self::List(list) => {
+                let items = list.iter().enumerate();
+                items
+                    .map(|(i, item)| item.with_list(n, &format!("{path}/{i}"), found))
+                    .collect()
+            }
+            Self::Block(fields) => {
+                let this = *n == 0;
+                *n = n.wrapping_sub(1);
+                let of = |(name, value): &(String, Self), n: &mut usize, found: &mut Option<String>| {
+                    (name.clone(), value.with_list(n, &format!("{path}/{name}"), found))
+                };
+                let mut all = Vec::new();
+                for field in fields {
+                    all.push(of(field, n, found));
+                }
+                if this {
+                    *found = Some(path.to_owned());
+                    return all.into_iter().map(|(_, value)| value).collect();
+                }
+                Value::Object(all.into_iter().collect())
+            }
+        }
+    }
+}
+
+/// Every block of scenes that have all blocks there are, one by one, as the list of its values.
+#[test]
+fn no_block_of_a_scene_may_be_a_list() {
+    let elastic = json!({ "elastic": { "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] } });
+    let fitted = json!({ "fitted": {
+        "normal": [13.0, 2.2, 0.4, 0.5, 1.2], "tangential": [[28.0, 1.5, 0.3, 0.6], [28.0, 1.5, 0.3, 0.6]],
+        "u_ref": 1e-6, "range": [1e-7, 1e-5],
+    } });
+    let benchmark = |surface: Value| json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" }, "surface": surface });
+    let mut deck = on_deck();
+    deck["structure"]["deck"]["materials"] = json!("scene");
+    deck["model"]["material"] = json!({
+        "youngs_modulus": 192.85e9, "poisson_ratio": 0.29, "density": 7857.8, "hardness": 3e9, "work_of_adhesion": 0.1,
+    });
+    deck["structure"]["deck"]["tie_tolerance"] = json!(1e-3);
+    deck["output"] = json!({ "fields_at": [1] });
+    deck["accuracy"] = json!({ "damping": 0.5 });
+    deck["methods"] = json!(["qsma"]);
+    let mut matrices = on_deck();
+    matrices["structure"] = json!({ "matrices": {
+        "path": "joint.npz",
+        "coordinates": { "both-sides": { "top": [1, 2, 3], "bottom": [4, 5, 6], "frame": [[1, 0, 0], [0, 1, 0], [0, 0, 1]] } },
+        "interface": { "nodes": [[0, 0], [1, 0], [0, 1]], "elements": [[1, 2, 3]] },
+        "bolts": [{ "number": 1 }, { "terms": [[1, 3, 1.0]] }],
+        "response": { "number": 1 },
+        "bolt_hole_clearance": 1e-4,
+    } });
+    let mut paths = std::collections::BTreeSet::new();
+    for scene in [
+        deck,
+        matrices,
+        benchmark(json!({ "parameters": { "per": "interface", "sets": [{ "curves": elastic, "gap": 1e-6 }] } })),
+        benchmark(json!({ "parameters": { "per": "interface", "sets": [{ "curves": fitted }] } })),
+        benchmark(json!({ "synthetic-scan": {} })),
+        benchmark(
+            json!({ "scans": { "top": { "path": "a.x3p", "place": { "origin": [0.0, 0.0] }, "height_step": 1e-9 },
+            "bottom": "b.x3p", "align": 1e-3, "noise": { "s_filter": 1e-5 } } }),
+        ),
+    ] {
+        let full = read(&scene).unwrap_or_else(|error| panic!("{scene}: {error}"));
+        let ordered: Ordered = serde_json::from_str(&serde_json::to_string(&full).unwrap()).unwrap();
+        let mut millimetres = serde_json::to_value(&full).unwrap();
+        millimetres["units"] = json!({ "length": "mm", "mass": "kg", "time": "s" });
+        read(&millimetres).unwrap_or_else(|error| panic!("{millimetres}: {error}"));
+        for block in 0.. {
+            let (mut n, mut path) = (block, None);
+            let mut listed = ordered.with_list(&mut n, "", &mut path);
+            let Some(path) = path else { break };
+            if !path.is_empty() && path != "/units" {
+                listed["units"] = json!({ "length": "mm", "mass": "kg", "time": "s" });
+            }
+            assert!(read(&listed).is_err(), "{path} as a list: {listed}");
+            paths.insert(path);
+        }
+    }
+    for path in [
+        "",
+        "/units",
+        "/bolts",
+        "/model",
+        "/model/material",
+        "/law",
+        "/cqsma",
+        "/output",
+        "/accuracy",
+        "/structure/deck",
+        "/structure/deck/units",
+        "/structure/deck/bolts/0",
+        "/structure/deck/response",
+        "/structure/matrices",
+        "/structure/matrices/interface",
+        "/structure/matrices/coordinates/both-sides",
+        "/surface/parameters",
+        "/surface/parameters/sets/0",
+        "/surface/parameters/sets/0/curves/elastic",
+        "/surface/parameters/sets/0/curves/fitted",
+        "/surface/synthetic-scan",
+        "/surface/synthetic-scan/registration",
+        "/surface/scans",
+        "/surface/scans/top",
+        "/surface/scans/registration",
+        "/surface/scans/noise",
+        "/surface/scans/readings",
+    ] {
+        assert!(paths.contains(path), "{path} is in no scene of this test: {paths:?}");
     }
 }
 

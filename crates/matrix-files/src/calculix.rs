@@ -31,7 +31,7 @@ pub struct Files<'a> {
 /// Reads the three files that lie beside one another; `path` is any of them, or their common name without extension.
 ///
 /// # Errors
-/// [`Error::NoDofMap`] if there is no `.dof`, [`Error::Io`], and those of [`parse`].
+/// [`Error::NoDofMap`] if there is no `.dof`, [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Assembled, Error> {
     let known = |e: &std::ffi::OsStr| ["sti", "mas", "dof"].iter().any(|k| e.eq_ignore_ascii_case(k));
     let job = if path.extension().is_some_and(known) {

@@ -1,7 +1,6 @@
 //! Errors of this crate.
 
 use std::fmt;
-use std::path::PathBuf;
 
 /// Where in a file something stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,14 +32,9 @@ impl fmt::Display for Place {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The file cannot be opened or read.
-    #[error("{}: {source}; check the path and its permissions", path.display())]
-    Io {
-        /// Path.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    /// The file cannot be opened or read, is not a regular file, or is too large.
+    #[error(transparent)]
+    File(#[from] input_files::Error),
     /// The file breaks the rules of its format.
     #[error("{file}, {place}: found {found}, expected {expected}; write the file anew, or check that it is complete")]
     Malformed {

@@ -17,7 +17,7 @@ use crate::{Error, writing};
 /// Reads the file at `path`.
 ///
 /// # Errors
-/// [`Error::Io`], and those of [`parse`].
+/// [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Array, Error> {
     let bytes = text::load(path)?;
     parse(Source {

@@ -7,10 +7,7 @@ use crate::{Error, Place, Source};
 
 /// The bytes of a file.
 pub(crate) fn load(path: &Path) -> Result<Vec<u8>, Error> {
-    std::fs::read(path).map_err(|source| Error::Io {
-        path: path.to_owned(),
-        source,
-    })
+    Ok(input_files::read(path, input_files::Kind::Matrices)?)
 }
 
 /// A line without its end, with its number from one.

@@ -261,5 +261,8 @@ fn the_file_that_is_missing_is_named() {
     let refused = calculix::read(&folder.join("two_hexes")).unwrap_err();
     assert!(matches!(refused, Error::NoDofMap { .. }), "{refused}");
     assert!(refused.to_string().contains("two_hexes.dof"), "{refused}");
-    assert!(matches!(mat::read(&fixture("none.mat")), Err(Error::Io { .. })));
+    assert!(matches!(
+        mat::read(&fixture("none.mat")),
+        Err(Error::File(input_files::Error::Unreadable { .. }))
+    ));
 }

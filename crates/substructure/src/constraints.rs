@@ -142,11 +142,7 @@ impl DofMap {
             Ok::<_, Error>(triplets.to_csr())
         };
         let transform = rows(&mut (0..n_nodal), 0, n_nodal)?;
-        let references = rows(
-            &mut references.iter().copied(),
-            n_nodal,
-            6 * assembly.couplings.len(),
-        )?;
+        let references = rows(&mut references.iter().copied(), n_nodal, 6 * assembly.couplings.len())?;
         let positions = independent
             .iter()
             .map(|&dof| match dof.checked_sub(n_nodal) {

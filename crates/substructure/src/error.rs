@@ -172,14 +172,9 @@ pub enum Error {
     /// A small dense problem inside the eigensolver failed.
     #[error(transparent)]
     Dense(#[from] dense_algebra::Error),
-    /// A deck's file cannot be read.
-    #[error("{}: {reason}", path.display())]
-    DeckFile {
-        /// The file.
-        path: std::path::PathBuf,
-        /// What the operating system says.
-        reason: std::io::Error,
-    },
+    /// A deck's file cannot be read, is not a regular file, or is too large.
+    #[error(transparent)]
+    DeckFile(#[from] input_files::Error),
     /// A deck cannot be understood, or holds what is not supported.
     #[error("{file}:{line}: {problem}")]
     Deck {
@@ -274,6 +269,12 @@ pub enum DeckProblem {
         /// Why not.
         reason: String,
     },
+    /// A line of a file outside the deck's folder. What is wrong with it is not said, because that would show the line.
+    #[error(
+        "the line is not one that a deck may hold there; the file is outside the deck's folder, so that nothing of it is \
+         quoted: copy it into the folder for a full message"
+    )]
+    NotQuoted,
     /// A keyword that changes the mechanics and is not supported, or stands where it may not.
     #[error("*{keyword} is not supported here: {remedy}")]
     Keyword {

@@ -3,7 +3,7 @@
 
 use substructure::assemble::System;
 use substructure::elements::{Formulation, HEX8};
-use substructure::formats::abaqus::{self, Choices, Deck, DeckModel, Members};
+use substructure::formats::abaqus::{self, Choices, Deck, DeckModel, Includes, Members};
 use substructure::mesh::{
     Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, GroundSpring, LoadPattern,
     Material, Mesh, Tie,
@@ -505,7 +505,12 @@ fn loads_and_supports_of_kinematic_reference_nodes_are_assembled() {
         "*KINEMATIC COUPLING, REF NODE=200\nBASE, 1, 3\n",
         "*MPC\nBEAM, 1, 200\nBEAM, 2, 200\nBEAM, 3, 200\nBEAM, 4, 200\n",
     ] {
-        for support in ["", "*BOUNDARY\n200, 1, 2\n", "*BOUNDARY\n200, 3\n", "*BOUNDARY\n200, 1, 6\n"] {
+        for support in [
+            "",
+            "*BOUNDARY\n200, 1, 2\n",
+            "*BOUNDARY\n200, 3\n",
+            "*BOUNDARY\n200, 1, 6\n",
+        ] {
             let text = format!("{CUBES}{nodes}{coupling}{support}{step}");
             let assembly = model(&text).unwrap().assembly;
             let system = System::try_new(&assembly).unwrap();
@@ -827,9 +832,9 @@ fn every_defect_names_its_line() {
         let text = PARTS.replacen(old, new, 1);
         assert_defect(&text, part, said);
     }
-    let missing = abaqus::read("/no such folder/x.inp").unwrap_err();
+    let missing = abaqus::read("/no such folder/x.inp", Includes::BelowTheDeck).unwrap_err();
     assert!(
-        matches!(&missing, Error::DeckFile { path, .. } if path.ends_with("x.inp")),
+        matches!(&missing, Error::DeckFile(input_files::Error::Unreadable { path, .. }) if path.ends_with("x.inp")),
         "{missing}"
     );
 }
@@ -867,20 +872,151 @@ fn included_files_are_found_and_circles_are_not_followed() {
     write("main.inp", &format!("{header}*INCLUDE, INPUT=sub/nodes.inp\n{rest}"));
     write("sub/nodes.inp", "*INCLUDE, INPUT=more.inp\n");
     write("sub/more.inp", coordinates);
-    let found = abaqus::read(folder.join("main.inp")).unwrap();
+    let found = abaqus::read(folder.join("main.inp"), Includes::BelowTheDeck).unwrap();
     assert_eq!(found.files, ["main.inp", "sub/nodes.inp", "more.inp"]);
     let plain = model(CUBES).unwrap();
     assert_eq!(found.assembly(&Choices::default()).unwrap().assembly, plain.assembly);
     assert_eq!(found.place(found.nodes[2].line), "more.inp:3");
     write("sub/more.inp", "1, 0., 0., 0.\n*INCLUDE, INPUT=../main.inp\n");
-    let circle = abaqus::read(folder.join("main.inp")).unwrap_err();
+    let circle = abaqus::read(folder.join("main.inp"), Includes::BelowTheDeck).unwrap_err();
     assert!(
         matches!(&circle, Error::Deck { file, line: 2, problem: DeckProblem::Include { .. } } if file == "more.inp"),
         "{circle}"
     );
     write("sub/more.inp", "*INCLUDE, INPUT=none.inp\n");
-    let absent = abaqus::read(folder.join("main.inp")).unwrap_err().to_string();
+    let absent = abaqus::read(folder.join("main.inp"), Includes::BelowTheDeck)
+        .unwrap_err()
+        .to_string();
     assert!(absent.starts_with("more.inp:1: *INCLUDE of `none.inp`"), "{absent}");
+}
+
+#[test]
+fn files_outside_the_folder_of_the_deck_are_taken_on_request_and_never_quoted() {
+    let folder = test_support::TemporaryFolder::new("substructure-outside");
+    std::fs::create_dir_all(folder.join("deck/sub")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("secret.inp", "root:$6$hash:19000\n*SECRET, KEY=hash\n1, hash\n");
+    write("deck/sub/link.txt", "");
+    let main = folder.join("deck/main.inp");
+    let include = |path: &str| {
+        std::fs::write(&main, format!("*INCLUDE, INPUT={path}\n{CUBES}")).unwrap();
+    };
+    let absolute = folder.join("secret.inp").display().to_string();
+    let mut outside = vec![
+        "../secret.inp",
+        "sub/../../secret.inp",
+        &absolute,
+        "../absent.inp",
+        "/absent.inp",
+    ];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&absolute, folder.join("deck/sub/link.inp")).unwrap();
+        outside.push("sub/link.inp");
+    }
+    for path in outside {
+        include(path);
+        let error = abaqus::read(&main, Includes::BelowTheDeck).unwrap_err().to_string();
+        assert!(error.starts_with("main.inp:1: *INCLUDE of"), "{error}");
+        assert!(
+            error.contains("--allow-includes-outside") && !error.contains("hash"),
+            "{error}"
+        );
+    }
+    // What is wrong with each of the lines would quote it.
+    for text in [
+        "root:hash",
+        "*HASH",
+        "*NODE, HASH=1",
+        "*NODE\nhash, 1., 1., 1.",
+        "*INCLUDE, INPUT=hash",
+        "*ELEMENT, TYPE=HASH",
+    ] {
+        write("secret.inp", text);
+        include("../secret.inp");
+        let error = abaqus::read(&main, Includes::Anywhere).unwrap_err().to_string();
+        assert!(error.starts_with("../secret.inp:"), "{error}");
+        assert!(!error.to_lowercase().contains("hash"), "{error}");
+    }
+    write("secret.inp", "*NODE\n99, 1., 2., 3.\n");
+    include("../secret.inp");
+    assert_eq!(
+        abaqus::read(&main, Includes::Anywhere).unwrap().nodes[0].at,
+        [1.0, 2.0, 3.0]
+    );
+    // A folder that is named in another way is the same folder.
+    write("deck/nodes.inp", "*NODE\n99, 1., 2., 3.\n");
+    include("../deck/nodes.inp");
+    assert_eq!(
+        abaqus::read(&main, Includes::BelowTheDeck).unwrap().nodes[0].at,
+        [1.0, 2.0, 3.0]
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn endless_files_are_not_included() {
+    let folder = test_support::TemporaryFolder::new("substructure-endless");
+    let main = folder.join("main.inp");
+    let pipe = folder.join("pipe.inp");
+    assert!(
+        std::process::Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
+    for (path, includes, said) in [
+        ("pipe.inp", Includes::BelowTheDeck, "it is a pipe"),
+        ("/dev/zero", Includes::Anywhere, "it is a device"),
+        (".", Includes::BelowTheDeck, "it is a folder"),
+    ] {
+        std::fs::write(&main, format!("*INCLUDE, INPUT={path}\n")).unwrap();
+        let error = abaqus::read(&main, includes).unwrap_err().to_string();
+        assert!(error.contains(said) && error.starts_with("main.inp:1"), "{error}");
+    }
+    for (path, said) in [
+        (pipe.as_path(), "it is a pipe"),
+        ("/dev/zero".as_ref(), "it is a device"),
+    ] {
+        let error = abaqus::read(path, Includes::BelowTheDeck).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+/// Time that this thread has spent on a processor (ns), whatever else the machine does.
+#[cfg(target_os = "linux")]
+fn on_processor() -> u64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
+    text.split_whitespace().next().unwrap().parse().unwrap()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn instances_cost_in_proportion_to_their_number() {
+    let (part, rest) = PARTS.split_at(PARTS.find("*ASSEMBLY").unwrap());
+    let material = &rest[rest.find("*MATERIAL").unwrap()..rest.find("*BOUNDARY").unwrap()];
+    let cost = |count: usize| {
+        let mut text = format!("{part}*ASSEMBLY, NAME=A\n");
+        for i in 0..count {
+            text += &format!("*INSTANCE, NAME=I{i}, PART=CUBE\n{}., 0., 0.\n*END INSTANCE\n", 2 * i);
+        }
+        for i in 0..count {
+            text += &format!(
+                "*NSET, NSET=S{i}, INSTANCE=I{i}\nLOW\n*NSET, NSET=ENDS\nI{i}.1\n*TIE, NAME=T{i}\nA.I{i}.UP, I{i}.UP\n"
+            );
+        }
+        text += &format!("*END ASSEMBLY\n{material}");
+        let times = (0..3).map(|_| {
+            let begin = on_processor();
+            let deck = parse(&text).unwrap();
+            assert_eq!((deck.instances.len(), deck.node_sets["ENDS"].len()), (count + 1, count));
+            on_processor() - begin
+        });
+        times.min().unwrap() as f64
+    };
+    let ratio = cost(8000) / cost(2000);
+    assert!(ratio < 8.0, "four times the instances cost {ratio:.1} times as much");
 }
 
 /// Three blocks of different cells with everything that an assembly may hold.

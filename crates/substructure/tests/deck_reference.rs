@@ -7,12 +7,12 @@ use substructure::assemble::System;
 use substructure::constraints::DofMap;
 use substructure::eigen::{Modes, lowest_modes};
 use substructure::elements::{Formulation, HEX8};
-use substructure::formats::abaqus::{self, Choices, Deck, DeckModel};
+use substructure::formats::abaqus::{self, Choices, Deck, DeckModel, Includes};
 use substructure::mesh::{Assembly, CouplingKind, Element, Material};
 
 fn reference_deck() -> Option<Deck> {
     let path = test_support::reference_file("brb_deck/Job.inp")?;
-    Some(abaqus::read(path).unwrap())
+    Some(abaqus::read(path, Includes::BelowTheDeck).unwrap())
 }
 
 fn material(youngs_modulus: f64, density: f64) -> Option<Material> {

@@ -85,6 +85,7 @@ impl SceneInterface {
                 (built.law.clone(), built.kind, gap, clipped)
             }
         };
+        refuse_gap_beyond_the_faces(&gap, mesh)?;
         let interface = Interface::try_new(operators.clone(), vec![(0..n, law)], gap)?;
         let closure = uniform_closure(&interface, load)?;
         let flat = interface.with_gap(vec![0.0; n])?;
@@ -190,6 +191,21 @@ fn stiffnesses(curves: &dyn ContactCurves, u: f64) -> [f64; 2] {
     [curves.normal(u).1, 0.5 * (k[0].value + k[1].value)]
 }
 
+/// Refuses faces that are farther apart everywhere than they are long: small motions cannot close them.
+fn refuse_gap_beyond_the_faces(gap: &[f64], mesh: &InterfaceMesh) -> Result<(), Error> {
+    let smallest = gap.iter().copied().fold(f64::INFINITY, f64::min);
+    let size = |axis: usize| {
+        let along = mesh.nodes.iter().map(|x| x[axis]);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    };
+    let extent = size(0).hypot(size(1));
+    if smallest > extent {
+        return Err(Error::GapBeyondFaces { smallest, extent });
+    }
+    Ok(())
+}
+
 /// The rigid approach of the two faces at which the interface carries `load` (N); bisection on a rising function.
 fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
     let state = interface.initial_state();
@@ -217,7 +233,9 @@ fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
         .iter()
         .copied()
         .fold(f64::INFINITY, f64::min);
-    let (mut low, mut high) = (smallest, smallest + 1e-9);
+    // Beyond round-off of the gap, or the bracket would never grow.
+    let first = f64::max(1e-9, 4.0 * f64::EPSILON * smallest);
+    let (mut low, mut high) = (smallest, smallest + first);
     while carried(high) < load {
         low = high;
         high = smallest + 2.0 * (high - smallest);

@@ -112,7 +112,7 @@ impl Scene {
     /// Reads a scene file and converts it to SI; `benchmarks` are those it may name. Paths in it are relative to its folder.
     ///
     /// # Errors
-    /// [`Error::File`], or those of [`Scene::from_json`].
+    /// [`Error::InputFile`], or those of [`Scene::from_json`].
     pub fn read(path: &Path, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
         Self::read_filled(path, benchmarks, &|_| {})
     }
@@ -122,11 +122,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::read`].
     pub fn read_filled(path: &Path, benchmarks: Benchmarks<'_>, fill: &dyn Fn(&mut Value)) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
-            path: path.to_owned(),
-            operation: "reading the scene",
-            source,
-        })?;
+        let text = input_files::read_text(path, input_files::Kind::Scene)?;
         let place = path.display().to_string();
         let mut value = json::parse(&text).map_err(|message| Error::Syntax {
             place: place.clone(),
@@ -186,6 +182,8 @@ impl Scene {
             benchmark::scope(benchmarks, || units.scope(read)).map_err(syntax)
         };
         let mut scene = read(filled.clone())?;
+        let own = serde_json::to_value(&scene).map_err(|e| syntax(e.to_string()))?;
+        refuse_lists(&given, &own, "").map_err(syntax)?;
         scene.refuse_idle(&given).map_err(syntax)?;
         if let Some(accuracy) = scene.accuracy {
             accuracy.preset().map_err(syntax)?.fill(&mut filled);
@@ -361,8 +359,52 @@ fn refuse_former(given: &Value) -> Result<(), String> {
     Ok(())
 }
 
+fn listed(path: &str) -> String {
+    format!("{path} is a list, but its fields have names; write it as {{ \"NAME\": VALUE, ... }}")
+}
+
+/// Refuses lists in the place of blocks: which field a value belongs to, and in which unit it is, would depend on its place.
+/// `own` is the scene as it was understood, with all fields by name.
+fn refuse_lists(given: &Value, own: &Value, path: &str) -> Result<(), String> {
+    let within = |name: &str| match path {
+        "" => name.to_owned(),
+        _ => format!("{path}.{name}"),
+    };
+    match (given, own) {
+        // Two files with all defaults.
+        (Value::Array(files), Value::Object(fields)) if path == "surface.scans" => {
+            let faces = ["top", "bottom"].iter().filter_map(|name| fields.get(*name));
+            files
+                .iter()
+                .zip(faces)
+                .try_for_each(|(file, face)| refuse_lists(file, face, path))
+        }
+        (Value::Array(_), Value::Object(_)) => Err(listed(path)),
+        (Value::Array(given), Value::Array(own)) => {
+            let mut pairs = given.iter().zip(own);
+            pairs.try_for_each(|(given, own)| refuse_lists(given, own, path))
+        }
+        (Value::Object(given), Value::Object(own)) => {
+            let mut pairs = given
+                .iter()
+                .filter_map(|(name, value)| Some((name, value, own.get(name)?)));
+            pairs.try_for_each(|(name, given, own)| refuse_lists(given, own, &within(name)))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Names the first thing that the physics depends on and that nothing says.
 fn require_physics(scene: &Value) -> Result<(), String> {
+    for (path, _) in PHYSICS {
+        let parents = path.match_indices('/').skip(1).map(|(end, _)| &path[..end]);
+        if let Some(block) = parents
+            .into_iter()
+            .find(|block| scene.pointer(block).is_some_and(Value::is_array))
+        {
+            return Err(listed(&block[1..].replace('/', ".")));
+        }
+    }
     let missing = |path: &str| scene.pointer(path).is_none_or(Value::is_null);
     match PHYSICS.iter().find(|(path, _)| missing(path)) {
         Some((path, line)) => Err(format!(

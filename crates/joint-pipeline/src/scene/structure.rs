@@ -5,6 +5,7 @@ use crate::joint::benchmark::{BenchmarkRef, RefinementLevel, Symmetry};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use substructure::elements::Formulation;
+use substructure::formats::abaqus::Includes;
 use zte_assembly::InterfaceMesh;
 
 /// Where the structure comes from.
@@ -111,6 +112,9 @@ pub struct Material {
 pub struct Deck {
     /// The file; in a scene file relative to its folder.
     pub path: PathBuf,
+    /// Which files it may include. Whoever runs a scene decides it, not the scene.
+    #[serde(skip)]
+    pub includes: Includes,
     /// Its units; by default those of the scene.
     #[serde(default = "Units::in_use")]
     pub units: Units,

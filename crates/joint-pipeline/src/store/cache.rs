@@ -32,7 +32,7 @@ fn path_of(directory: &Path, key: &Key) -> PathBuf {
 /// The model stored for `key` and the facts stored with it, if there is an intact file. Damaged or foreign files count as
 /// absent.
 pub(crate) fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(ReducedModel, F)> {
-    let bytes = std::fs::read(path_of(directory, key)).ok()?;
+    let bytes = input_files::read(&path_of(directory, key), input_files::Kind::Model).ok()?;
     let end = bytes.iter().position(|b| *b == b'\n')?;
     let header: Header<F> = serde_json::from_slice(&bytes[..end]).ok()?;
     let payload = &bytes[end + 1..];

@@ -41,7 +41,7 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     /// read, such as a line that was cut off, counts as not done.
     pub(crate) fn open(directory: &Path, what: &str, key: &Key) -> Self {
         let path = directory.join(format!("{what}-{}.jsonl", key.short()));
-        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        let text = input_files::read_text(&path, input_files::Kind::Checkpoint).unwrap_or_default();
         let finished = text
             .lines()
             .filter_map(|line| serde_json::from_str::<Line<T>>(line).ok())

@@ -28,7 +28,7 @@ pub(super) fn joint(
         },
         ..Choices::default()
     };
-    let deck = abaqus::read(&source.path)?.assembly(&choices)?;
+    let deck = abaqus::read(&source.path, source.includes)?.assembly(&choices)?;
     deck.notes.iter().for_each(|note| notes(note));
     let mut assembly = deck.assembly.clone();
     assembly.convert_units(length, mass);

@@ -8,6 +8,7 @@ use matrix_files::Error;
 use matrix_files::value::{Array, Dense, Dof};
 use std::collections::BTreeMap;
 use std::path::Path;
+use substructure::formats::abaqus::Includes;
 use substructure::mesh::{Dof as Component, Face, Group};
 
 /// What the arrays are; goes with them where the format has room for text.
@@ -109,6 +110,7 @@ pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path) -> scene::Deck {
     };
     scene::Deck {
         path: path.to_owned(),
+        includes: Includes::BelowTheDeck,
         units: Units::SI,
         top_surface: SIDES[0].to_owned(),
         bottom_surface: SIDES[1].to_owned(),

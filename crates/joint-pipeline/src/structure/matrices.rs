@@ -13,6 +13,9 @@ use substructure::sparse::{multiply_vector, submatrix};
 /// Relative difference of the masses that a structure shows along the three axes, up to which it has one mass.
 const SAME_MASS: f64 = 1e-3;
 
+/// Most bolts of a structure whose bolts the scene does not name: each load is a vector over all coordinates.
+const MOST_BOLTS: usize = 1000;
+
 /// Reads the matrices that a scene names.
 ///
 /// # Errors
@@ -145,7 +148,7 @@ impl Vectors<'_> {
             Some(bolts) => bolts
                 .iter()
                 .map(|bolt| match bolt {
-                    MatrixVector::Number(number) => self.numbered("load", &contents.loads, *number),
+                    MatrixVector::Number(number) => self.numbered("load", contents.loads.as_ref(), *number),
                     MatrixVector::LoadCase(name) => contents.load_cases.get(name).cloned().ok_or_else(|| {
                         let known: Vec<&str> = contents.load_cases.keys().map(String::as_str).collect();
                         self.file
@@ -154,12 +157,19 @@ impl Vectors<'_> {
                     MatrixVector::Terms(terms) => self.terms(terms),
                 })
                 .collect::<Result<Vec<_>, _>>()?,
-            None => contents
-                .loads
-                .iter()
-                .chain(contents.load_cases.values())
-                .cloned()
-                .collect(),
+            None => {
+                let numbered = contents.loads.as_ref().map_or(0, CsMat::rows);
+                let found = numbered + contents.load_cases.len();
+                if found > MOST_BOLTS {
+                    return Err(self.file.fail(&format!(
+                        "it has {found} loads, and at most {MOST_BOLTS} are taken for bolts: name those of the bolts as \
+                         structure.matrices.bolts"
+                    )));
+                }
+                let rows = contents.loads.iter().flat_map(|loads| loads.outer_iterator());
+                let cases = contents.load_cases.values().cloned();
+                rows.map(|row| row.to_dense().to_vec()).chain(cases).collect()
+            }
         };
         if loads.is_empty() {
             return Err(self
@@ -171,7 +181,9 @@ impl Vectors<'_> {
 
     fn response(&self, response: &MatrixVector) -> Result<Vec<f64>, Error> {
         match response {
-            MatrixVector::Number(number) => self.numbered("row of the recovery R", &self.contents.recovery, *number),
+            MatrixVector::Number(number) => {
+                self.numbered("row of the recovery R", self.contents.recovery.as_ref(), *number)
+            }
             MatrixVector::Terms(terms) => self.terms(terms),
             MatrixVector::LoadCase(name) => Err(self.file.fail(&format!(
                 "the response cannot be the load case `{name}`; give a number or terms as structure.matrices.response"
@@ -179,10 +191,11 @@ impl Vectors<'_> {
         }
     }
 
-    fn numbered(&self, what: &str, of: &[Vec<f64>], number: usize) -> Result<Vec<f64>, Error> {
-        let found = number.checked_sub(1).and_then(|index| of.get(index));
-        found.cloned().ok_or_else(|| {
-            let count = of.len();
+    /// One row of a matrix whose columns were compared with the coordinates.
+    fn numbered(&self, what: &str, of: Option<&CsMat<f64>>, number: usize) -> Result<Vec<f64>, Error> {
+        let found = of.and_then(|of| of.outer_view(number.checked_sub(1)?));
+        found.map(|row| row.to_dense().to_vec()).ok_or_else(|| {
+            let count = of.map_or(0, CsMat::rows);
             self.file.fail(&format!(
                 "it has no {what} number {number} (there are {count}); give another number, or terms"
             ))

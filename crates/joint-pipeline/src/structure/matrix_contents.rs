@@ -32,9 +32,11 @@ pub(super) struct Contents {
     pub(super) dofs: Vec<Dof>,
     pub(super) stiffness: Option<CsMat<f64>>,
     pub(super) mass: Option<CsMat<f64>>,
-    pub(super) loads: Vec<Vec<f64>>,
+    /// Loads of unit tension, one per row.
+    pub(super) loads: Option<CsMat<f64>>,
     pub(super) load_cases: BTreeMap<String, Vec<f64>>,
-    pub(super) recovery: Vec<Vec<f64>>,
+    /// Displacements at which amplitudes may be measured, one per row.
+    pub(super) recovery: Option<CsMat<f64>>,
     /// The coordinates of `dofs` from those of the matrices.
     pub(super) lift: Option<CsMat<f64>>,
     pub(super) frame: Option<[[f64; 3]; 3]>,
@@ -86,7 +88,7 @@ impl File<'_> {
                     mass: matrix("MASS"),
                     dofs: found.dofs,
                     load_cases: found.loads,
-                    recovery: found.recovery.map(|r| rows(&r.matrix)).unwrap_or_default(),
+                    recovery: found.recovery.map(|r| from_dense(&r.matrix)),
                     ..Contents::default()
                 })
             }
@@ -154,14 +156,8 @@ impl File<'_> {
             dofs,
             stiffness: matrix(stiffness)?,
             mass: matrix(mass)?,
-            loads: match loads {
-                Some(loads) => rows_of(&self.matrix("Fv", loads)?.transpose_view().to_csr()),
-                None => Vec::new(),
-            },
-            recovery: match recovery {
-                Some(recovery) => rows_of(&self.matrix("R", recovery)?),
-                None => Vec::new(),
-            },
+            loads: matrix(loads.map(|loads| ("Fv", loads)))?.map(|loads| loads.transpose_view().to_csr()),
+            recovery: matrix(recovery.map(|recovery| ("R", recovery)))?,
             lift: matrix(lift)?,
             frame: frame.transpose()?,
             mesh: match mesh {
@@ -244,16 +240,13 @@ impl File<'_> {
 
     pub(super) fn check_sizes(&self, contents: &Contents, n: usize, mass: usize) -> Result<(), Error> {
         let lift = contents.lift.as_ref().map(CsMat::shape);
-        let vectors = contents
-            .loads
-            .iter()
-            .chain(contents.load_cases.values())
-            .map(|v| ("loads", v.len()));
-        let rows = contents.recovery.iter().map(|v| ("recovery", v.len()));
+        let cases = contents.load_cases.values().map(|v| ("load cases", v.len()));
+        let loads = contents.loads.iter().map(|m| ("loads Fv", m.cols()));
+        let rows = contents.recovery.iter().map(|m| ("recovery R", m.cols()));
         let map = lift.map_or(("map of degrees of freedom", contents.dofs.len()), |(_, columns)| {
             ("L", columns)
         });
-        for (what, found) in vectors.chain(rows).chain([("mass", mass), map]) {
+        for (what, found) in loads.chain(cases).chain(rows).chain([("mass", mass), map]) {
             if found != n {
                 return Err(self.fail(&format!(
                     "its stiffness is over {n} coordinates, but its {what} over {found}"
@@ -268,17 +261,6 @@ impl File<'_> {
             _ => Ok(()),
         }
     }
-}
-
-/// Rows of a full matrix.
-fn rows(matrix: &Dense<f64>) -> Vec<Vec<f64>> {
-    let row = |i| (0..matrix.columns()).map(|j| matrix[(i, j)]).collect();
-    (0..matrix.rows()).map(row).collect()
-}
-
-/// Rows of a sparse matrix, in full.
-fn rows_of(matrix: &CsMat<f64>) -> Vec<Vec<f64>> {
-    matrix.outer_iterator().map(|row| row.to_dense().to_vec()).collect()
 }
 
 /// Without the zeros.

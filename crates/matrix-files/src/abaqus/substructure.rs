@@ -35,7 +35,7 @@ pub struct Recovery {
 /// Reads the substructure file at `path`.
 ///
 /// # Errors
-/// [`Error::Io`], and those of [`parse_substructure`].
+/// [`Error::File`], and those of [`parse_substructure`].
 pub fn read_substructure(path: &Path) -> Result<Substructure, Error> {
     let bytes = text::load(path)?;
     parse_substructure(Source {

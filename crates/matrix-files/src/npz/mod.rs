@@ -22,7 +22,7 @@ use crate::{Error, Place};
 /// Reads the file at `path`.
 ///
 /// # Errors
-/// [`Error::Io`], and those of [`parse`].
+/// [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Collection, Error> {
     let bytes = text::load(path)?;
     parse(Source {

@@ -173,7 +173,7 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
         .and_then(|name| scene::find_benchmark(name.to_str()?));
     match (&arguments.mesh, named) {
         (Some(path), None) => {
-            let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+            let text = input_files::read_text(path, input_files::Kind::Table)?;
             let plane: PlaneMesh =
                 serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
             plane

@@ -108,7 +108,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn read(path: &Path) -> Result<String> {
-    std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))
+    Ok(input_files::read_text(path, input_files::Kind::Table)?)
 }
 
 /// The file itself, or the one of this name in a folder.

@@ -131,7 +131,7 @@ pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<
 
 /// Whether `directory` holds an earlier run of the scene `name`.
 fn is_run_of(directory: &Path, name: &str) -> bool {
-    let text = std::fs::read_to_string(directory.join(SUMMARY)).unwrap_or_default();
+    let text = input_files::read_text(&directory.join(SUMMARY), input_files::Kind::Table).unwrap_or_default();
     let earlier: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
     earlier.pointer("/scene/name").and_then(serde_json::Value::as_str) == Some(name)
 }

@@ -7,6 +7,7 @@ use joint_pipeline::scene::StructureSource;
 use joint_pipeline::{Benchmark, Scene};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use substructure::formats::abaqus::Includes;
 
 /// The scene that a command works on.
 #[derive(clap::Args)]
@@ -19,6 +20,9 @@ pub struct SceneArguments {
     /// Input deck of the structure, in the place of the one that the scene names.
     #[arg(long, value_name = "FILE")]
     deck: Option<PathBuf>,
+    /// Let the deck include files outside its folder.
+    #[arg(long)]
+    allow_includes_outside: bool,
 }
 
 impl SceneArguments {
@@ -45,6 +49,9 @@ impl SceneArguments {
                 )
             };
             deck.path = path.clone();
+        }
+        if let (true, StructureSource::Deck(deck)) = (self.allow_includes_outside, &mut scene.structure) {
+            deck.includes = Includes::Anywhere;
         }
         Ok(scene)
     }

@@ -28,10 +28,7 @@ pub use recording::Recording;
 /// # Errors
 /// [`Error::File`].
 pub fn read(path: &Path) -> Result<Recording, Error> {
-    let bytes = std::fs::read(path).map_err(|source| matrix_files::Error::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = input_files::read(path, input_files::Kind::Record).map_err(matrix_files::Error::from)?;
     parse(Source {
         name: &path.to_string_lossy(),
         bytes: &bytes,

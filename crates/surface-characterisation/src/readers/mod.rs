@@ -58,10 +58,7 @@ pub use units::{Declaration, LengthUnit, UnknownUnit};
 /// # Errors
 /// [`FileError`]; each names the file, the place where there is one, and what to do.
 pub fn read(path: &Path, options: &Options) -> Result<Scan, FileError> {
-    let bytes = std::fs::read(path).map_err(|source| Layout::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = input_files::read(path, input_files::Kind::Scan).map_err(Layout::from)?;
     parse(
         Source {
             name: &path.to_string_lossy(),

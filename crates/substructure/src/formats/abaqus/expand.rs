@@ -201,8 +201,8 @@ impl<'a> Reader<'a> {
 
     /// Adds an instance: moved by the first data line, then turned about the axis of the second.
     fn instance(&mut self, name: String, block: &Block<'_>) -> Result<(), Error> {
-        if let Some(first) = self.deck.instances.iter().position(|known| *known == name) {
-            return Err(self.duplicate(block.at, "instance", name, self.frames[first].1));
+        if let Some(first) = self.instance_named(&name) {
+            return Err(self.duplicate(block.at, "instance", name, self.frames[first as usize].1));
         }
         let mut frame = Isometry3::identity();
         let mut lines = block.data.iter();
@@ -221,8 +221,7 @@ impl<'a> Reader<'a> {
             let about = Isometry3::from_parts(Translation3::from(a - turn * a), turn.into());
             frame = about * frame;
         }
-        self.deck.instances.push(name);
-        self.frames.push((frame, block.at));
+        self.add_instance(name, frame, block.at);
         Ok(())
     }
 }

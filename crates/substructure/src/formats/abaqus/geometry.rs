@@ -331,11 +331,8 @@ impl Reader<'_> {
     /// The qualified name of a new set or surface of `instance`.
     fn named(&self, instance: u32, name: &str, block: &Block<'_>) -> Result<String, Error> {
         let full = self.full_name(instance, name);
-        let (prefix, instances) = (
-            name.split_once('.').map_or("", |(first, _)| first),
-            &self.deck.instances,
-        );
-        if !prefix.is_empty() && instances.iter().any(|i| i.eq_ignore_ascii_case(prefix)) {
+        let prefix = name.split_once('.').map_or("", |(first, _)| first);
+        if self.instance_named(prefix).is_some() {
             return Err(self.error(
                 block.at,
                 DeckProblem::Syntax {
@@ -350,20 +347,16 @@ impl Reader<'_> {
     /// Adds to a node set, new or old.
     fn add_nodes(&mut self, name: String, block: &Block<'_>, members: Vec<u32>) -> Result<(), Error> {
         self.spend(members.len(), block.at)?;
-        if block.flag("UNSORTED") {
-            self.unsorted.insert(name.clone());
+        let set = self.deck.node_sets.entry(name.clone()).or_default();
+        if block.flag("UNSORTED") && !self.unsorted.contains_key(&name) {
+            self.unsorted.insert(name.clone(), set.iter().copied().collect());
+        }
+        if let Some(seen) = self.unsorted.get_mut(&name) {
+            set.extend(members.into_iter().filter(|node| seen.insert(*node)));
+            return Ok(());
         }
         let nodes = &self.deck.nodes;
-        let key = |&node: &u32| nodes[node as usize].label;
-        let set = self.deck.node_sets.entry(name.clone()).or_default();
-        set.extend(members);
-        if self.unsorted.contains(&name) {
-            let mut seen = HashSet::new();
-            set.retain(|node| seen.insert(*node));
-        } else {
-            set.sort_unstable_by_key(key);
-            set.dedup();
-        }
+        merge(set, members, |node| nodes[node as usize].label);
         Ok(())
     }
 
@@ -372,9 +365,7 @@ impl Reader<'_> {
         self.spend(members.len(), block.at)?;
         let elements = &self.deck.elements;
         let set = self.deck.element_sets.entry(name).or_default();
-        set.extend(members);
-        set.sort_unstable_by_key(|&element| elements[element as usize].label);
-        set.dedup();
+        merge(set, members, |element| elements[element as usize].label);
         Ok(())
     }
 
@@ -488,5 +479,16 @@ impl Reader<'_> {
                     "S1 to S6, as far as the element has that many faces",
                 )
             })
+    }
+}
+
+/// Adds members to a set that is sorted by label and has none twice. What continues the set costs nothing for the members
+/// that it has, so that sets may grow member by member.
+fn merge(set: &mut Vec<u32>, members: Vec<u32>, label: impl Fn(u32) -> Label) {
+    let last = set.len().saturating_sub(1);
+    set.extend(members);
+    if set[last..].windows(2).any(|pair| label(pair[0]) >= label(pair[1])) {
+        set.sort_unstable_by_key(|member| label(*member));
+        set.dedup();
     }
 }

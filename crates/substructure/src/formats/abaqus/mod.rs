@@ -17,7 +17,7 @@
 //! | `*EQUATION`, `*MPC` (`BEAM`, `LINK`, `PIN`, `TIE`) | equations, rigid links |
 //! | `*BOUNDARY` | supports: of the model in the assembly; of a step kept with the step |
 //! | `*STEP`, `*CLOAD`, `*SUBSTRUCTURE LOAD CASE`, `*LOAD CASE` | one load pattern per step or case, of its own loads |
-//! | `*INCLUDE` | the file, relative to the one that includes it |
+//! | `*INCLUDE` | the file, relative to the one that includes it; see [`Includes`] |
 //!
 //! Keywords that only ask for output are listed in [`Deck::ignored`], those that choose an analysis in
 //! [`Step::procedures`]. Any other keyword or parameter may change the mechanics, and is an error that names file, line
@@ -58,17 +58,20 @@ pub use deck::{
     Label, Line, Link, LinkKind, LoadCase, Members, Node, Solid, Step, Surface,
 };
 pub use model::DeckModel;
+pub use text::Includes;
 pub use write::write;
 
 use crate::Error;
 use std::path::Path;
 
-/// Reads a deck and the files that it includes.
+/// Reads a deck and the files that it includes: at most 1000, 10 deep, and all together no more than
+/// [`input_files::Kind::Deck`] allows.
 ///
 /// # Errors
 /// [`Error::DeckFile`] if the file cannot be read; [`Error::Deck`] naming file and line of the first defect.
-pub fn read(path: impl AsRef<Path>) -> Result<Deck, Error> {
-    phases::run(&text::Source::from_file(path.as_ref())?)
+pub fn read(path: impl AsRef<Path>, includes: Includes) -> Result<Deck, Error> {
+    let limit = input_files::Kind::Deck.limit();
+    phases::run(&text::Source::from_file(path.as_ref(), includes, limit)?)
 }
 
 /// Reads a deck from its text; `name` stands for the file in messages.

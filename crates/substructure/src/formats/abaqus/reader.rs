@@ -15,6 +15,8 @@ pub(super) struct Reader<'a> {
     pub(super) deck: Deck,
     pub(super) nodes: HashMap<Label, u32>,
     pub(super) elements: HashMap<Label, u32>,
+    /// Numbers of the instances by their names in capitals; the model itself has none.
+    instances: HashMap<String, u32>,
     /// Where each instance stands, and is defined.
     pub(super) frames: Vec<(Isometry3<f64>, Line)>,
     /// `SPRING1` and `DCOUP3D`: element label to node, and the line.
@@ -23,8 +25,8 @@ pub(super) struct Reader<'a> {
     pub(super) used_points: HashSet<Label>,
     /// Sets of those.
     pub(super) point_sets: HashMap<String, Vec<Label>>,
-    /// Node sets that keep the order of the deck.
-    pub(super) unsorted: HashSet<String>,
+    /// Node sets that keep the order of the deck, with their members.
+    pub(super) unsorted: HashMap<String, HashSet<u32>>,
     /// A coupling whose kind is still to come.
     pub(super) open_coupling: Option<DeckCoupling>,
     pub(super) in_step: bool,
@@ -52,11 +54,12 @@ impl<'a> Reader<'a> {
             },
             nodes: HashMap::new(),
             elements: HashMap::new(),
+            instances: HashMap::new(),
             frames: vec![(Isometry3::identity(), Line::default())],
             points: HashMap::new(),
             used_points: HashSet::new(),
             point_sets: HashMap::new(),
-            unsorted: HashSet::new(),
+            unsorted: HashMap::new(),
             open_coupling: None,
             in_step: false,
             in_case: None,
@@ -119,17 +122,27 @@ impl<'a> Reader<'a> {
         self.error(at, DeckProblem::Duplicate { what, name, first })
     }
 
+    /// Adds an instance, whose name is in capitals.
+    pub(super) fn add_instance(&mut self, name: String, frame: Isometry3<f64>, at: Line) {
+        self.instances.insert(name.clone(), self.deck.instances.len() as u32);
+        self.deck.instances.push(name);
+        self.frames.push((frame, at));
+    }
+
+    pub(super) fn instance_named(&self, name: &str) -> Option<u32> {
+        self.instances.get(&name.to_ascii_uppercase()).copied()
+    }
+
     /// Splits a label or set name of `instance` into an instance and the rest.
     pub(super) fn scope<'t>(&self, instance: u32, text: &'t str) -> (u32, &'t str) {
         let text = match (instance, text.split_once('.')) {
             (0, Some((first, rest))) if !self.assembly.is_empty() && first.eq_ignore_ascii_case(&self.assembly) => rest,
             _ => text,
         };
-        if let (0, Some((first, rest))) = (instance, text.split_once('.')) {
-            let found = self.deck.instances.iter().position(|i| i.eq_ignore_ascii_case(first));
-            if let Some(found) = found.filter(|found| *found > 0) {
-                return (found as u32, rest);
-            }
+        if let (0, Some((first, rest))) = (instance, text.split_once('.'))
+            && let Some(found) = self.instance_named(first)
+        {
+            return (found, rest);
         }
         (instance, text)
     }
@@ -145,17 +158,10 @@ impl<'a> Reader<'a> {
         let Some(name) = block.optional("INSTANCE") else {
             return Ok(instance);
         };
-        let found = self.deck.instances.iter().position(|i| i.eq_ignore_ascii_case(name));
-        match found.filter(|found| *found > 0) {
-            Some(found) => Ok(found as u32),
-            None => Err(self.error(
-                block.at,
-                DeckProblem::Undefined {
-                    what: "instance",
-                    name: excerpt(name),
-                },
-            )),
-        }
+        self.instance_named(name).ok_or_else(|| {
+            let (what, name) = ("instance", excerpt(name));
+            self.error(block.at, DeckProblem::Undefined { what, name })
+        })
     }
 
     /// The node with this label (or the nodes of this set), as `instance` names it.

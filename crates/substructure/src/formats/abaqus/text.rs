@@ -2,26 +2,49 @@
 
 use super::Line;
 use crate::error::{DeckProblem, Error};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// How deep files may include one another.
 const INCLUDE_DEPTH: usize = 10;
 /// How many files a deck may include.
 const INCLUDE_COUNT: usize = 1000;
 
+/// Which files the `*INCLUDE` lines of a deck may name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Includes {
+    /// Those in the folder of the deck and below, links followed.
+    #[default]
+    BelowTheDeck,
+    /// Any. Of files elsewhere errors say the place, and quote nothing.
+    Anywhere,
+}
+
 /// All files of a deck, included ones in place of the lines that include them.
 pub(super) struct Source {
     /// File names.
     pub(super) files: Vec<String>,
+    /// Which of them are outside the folder of the deck.
+    outside: Vec<bool>,
     text: String,
     /// End in `text` and origin of each line.
     lines: Vec<(usize, Line)>,
 }
 
+/// What a deck may still include, and what it is including.
+struct Open {
+    /// Folder of the deck.
+    root: PathBuf,
+    includes: Includes,
+    /// The file itself and those that include it.
+    files: Vec<PathBuf>,
+    /// Bytes that all files together may still have.
+    left: u64,
+}
+
 impl Source {
     pub(super) fn from_text(name: &str, text: &str) -> Result<Self, Error> {
         let mut source = Self::empty();
-        source.append(name, text, &mut |source, _, at| {
+        source.append(name, text, false, &mut |source, _, at| {
             Err(source.error(
                 at,
                 DeckProblem::Include {
@@ -33,57 +56,45 @@ impl Source {
         Ok(source)
     }
 
-    pub(super) fn from_file(path: &Path) -> Result<Self, Error> {
-        let unreadable = |reason: std::io::Error| Error::DeckFile {
+    /// The deck may have `limit` bytes with all that it includes.
+    pub(super) fn from_file(path: &Path, includes: Includes, limit: u64) -> Result<Self, Error> {
+        let bytes = input_files::read_at_most(path, input_files::Kind::Deck, limit)?;
+        let canonical = path.canonicalize().map_err(|reason| input_files::Error::Unreadable {
             path: path.to_owned(),
             reason,
+        })?;
+        let mut open = Open {
+            root: canonical.parent().map(Path::to_owned).unwrap_or_default(),
+            includes,
+            left: limit - bytes.len() as u64,
+            files: vec![canonical],
         };
-        let bytes = std::fs::read(path).map_err(unreadable)?;
-        let canonical = path.canonicalize().map_err(unreadable)?;
         let mut source = Self::empty();
-        let name = file_name(path);
-        source.append_file(&name, &bytes, &mut vec![canonical])?;
+        source.append_file(&file_name(path), bytes, false, &mut open)?;
         Ok(source)
     }
 
     fn empty() -> Self {
         Self {
             files: Vec::new(),
+            outside: Vec::new(),
             text: String::new(),
             lines: Vec::new(),
         }
     }
 
-    /// `open` holds the file itself and those that include it.
-    fn append_file(&mut self, name: &str, bytes: &[u8], open: &mut Vec<PathBuf>) -> Result<(), Error> {
+    fn append_file(&mut self, name: &str, bytes: Vec<u8>, outside: bool, open: &mut Open) -> Result<(), Error> {
         // Comments may be in any old encoding; nothing else needs more than ASCII.
-        let text = String::from_utf8_lossy(bytes).into_owned();
-        self.append(name, &text, &mut |source, input, at| {
-            let fail = |source: &Self, reason: String| {
-                source.error(
-                    at,
-                    DeckProblem::Include {
-                        path: input.to_owned(),
-                        reason,
-                    },
-                )
-            };
-            let folder = open.last().and_then(|file| file.parent()).unwrap_or(Path::new(""));
-            let path = folder.join(input);
-            let canonical = path.canonicalize().map_err(|e| fail(source, e.to_string()))?;
-            if open.contains(&canonical) {
-                return Err(fail(source, "the file includes itself".into()));
-            }
-            if open.len() > INCLUDE_DEPTH || source.files.len() > INCLUDE_COUNT {
-                return Err(fail(
-                    source,
-                    format!("more than {INCLUDE_DEPTH} files deep, or {INCLUDE_COUNT} files; join some of them"),
-                ));
-            }
-            let bytes = std::fs::read(&canonical).map_err(|e| fail(source, e.to_string()))?;
-            open.push(canonical);
-            source.append_file(input, &bytes, open)?;
-            open.pop();
+        let text =
+            String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
+        self.append(name, &text, outside, &mut |source, input, at| {
+            let included = open.include(input, source.files.len());
+            let (bytes, outside) = included.map_err(|reason| {
+                let path = input.to_owned();
+                source.error(at, DeckProblem::Include { path, reason })
+            })?;
+            source.append_file(input, bytes, outside, open)?;
+            open.files.pop();
             Ok(())
         })
     }
@@ -92,10 +103,12 @@ impl Source {
         &mut self,
         name: &str,
         text: &str,
+        outside: bool,
         include: &mut dyn FnMut(&mut Self, &str, Line) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let file = self.files.len() as u32;
         self.files.push(name.to_owned());
+        self.outside.push(outside);
         for (number, line) in text.lines().enumerate() {
             let line = line.trim();
             let at = Line {
@@ -125,7 +138,12 @@ impl Source {
         self.text.len()
     }
 
+    /// The error for a line; lines of files outside the folder of the deck are not quoted.
     pub(super) fn error(&self, at: Line, problem: DeckProblem) -> Error {
+        let problem = match self.outside[at.file as usize] {
+            true => DeckProblem::NotQuoted,
+            false => problem,
+        };
         Error::Deck {
             file: self.files[at.file as usize].clone(),
             line: at.number,
@@ -162,6 +180,67 @@ impl Source {
         }
         Ok(blocks)
     }
+}
+
+impl Open {
+    /// The bytes of the next file, and whether it is outside the folder of the deck; or why it is not taken.
+    fn include(&mut self, input: &str, count: usize) -> Result<(Vec<u8>, bool), String> {
+        let outside = "it is outside the folder of the deck; move it there, or allow files elsewhere \
+                       (--allow-includes-outside)";
+        let folder = self
+            .files
+            .last()
+            .and_then(|file| file.parent())
+            .unwrap_or(Path::new(""));
+        let path = folder.join(input);
+        let allowed = |path: &Path| self.includes == Includes::Anywhere || path.starts_with(&self.root);
+        let canonical = match path.canonicalize() {
+            Ok(canonical) => canonical,
+            // Whether a file is there is no one's concern where it may not be read.
+            Err(_) if !allowed(&without_parents(&path)) => return Err(outside.into()),
+            Err(error) => return Err(error.to_string()),
+        };
+        if !allowed(&canonical) {
+            return Err(outside.into());
+        }
+        if self.files.contains(&canonical) {
+            return Err("the file includes itself".into());
+        }
+        if self.files.len() > INCLUDE_DEPTH || count > INCLUDE_COUNT {
+            return Err(format!(
+                "more than {INCLUDE_DEPTH} files deep, or {INCLUDE_COUNT} files; join some of them"
+            ));
+        }
+        let bytes = input_files::read_at_most(&canonical, input_files::Kind::Deck, self.left).map_err(|error| {
+            let left = self.left;
+            match error {
+                input_files::Error::TooLarge { kind, .. } => format!(
+                    "the files before it leave {left} of the {} bytes that a deck may have with all its includes; remove \
+                     what the structure does not need",
+                    kind.limit()
+                ),
+                other => other.to_string(),
+            }
+        })?;
+        self.left -= bytes.len() as u64;
+        let is_outside = !canonical.starts_with(&self.root);
+        self.files.push(canonical);
+        Ok((bytes, is_outside))
+    }
+}
+
+/// The path without `..`, as far as names tell.
+fn without_parents(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => {
+                plain.pop();
+            }
+            part => plain.push(part),
+        }
+    }
+    plain
 }
 
 fn file_name(path: &Path) -> String {
@@ -392,5 +471,32 @@ impl<'a> Block<'a> {
                 })
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use test_support::TemporaryFolder;
+
+    #[test]
+    fn a_deck_and_its_includes_share_one_limit() {
+        let folder = TemporaryFolder::new("substructure-includes");
+        let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+        let nodes = format!("*NODE\n** {}\n1, 0., 0., 0.\n", "-".repeat(960));
+        write("nodes.inp", &nodes);
+        // The same file again and again counts each time.
+        write("main.inp", &"*INCLUDE, INPUT=nodes.inp\n".repeat(50));
+        let read = |limit: u64| Source::from_file(&folder.join("main.inp"), Includes::BelowTheDeck, limit);
+        let needed = 50 * (26 + nodes.len() as u64);
+        assert_eq!(read(needed).unwrap().files.len(), 51);
+        let error = read(needed - 1).err().unwrap().to_string();
+        assert!(error.starts_with("main.inp:50: *INCLUDE of `nodes.inp`"), "{error}");
+        assert!(error.contains(&format!("leave {} of", nodes.len() - 1)), "{error}");
+        let error = read(100).err().unwrap();
+        assert!(
+            matches!(error, Error::DeckFile(input_files::Error::TooLarge { limit: 100, .. })),
+            "{error}"
+        );
     }
 }
