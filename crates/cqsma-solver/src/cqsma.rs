@@ -7,7 +7,7 @@ use crate::linear::{Motion, dot, multiply};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
-use contact_laws::RegimeCounts;
+use contact_laws::{RegimeCounts, Sticking};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -22,22 +22,25 @@ use std::sync::atomic::{AtomicBool, Ordering};
     serde(rename_all = "kebab-case")
 )]
 pub enum Commit {
-    /// At load reversals, as published: the path of a point between two reversals counts as straight.
-    #[default]
+    /// At load reversals, as published: the path of a point between two reversals counts as straight. Of laws whose stuck
+    /// traction depends on the path this leaves a damping without slip, which [`LoopResult::zeta_floor`] contains.
     AtReversals,
-    /// At every converged vertex: curved paths and local reversals are followed, at the cost of computing every cycle in
-    /// full.
+    /// At every converged vertex: curved paths and local reversals are followed.
+    #[default]
     AtEveryVertex,
 }
 
 /// How many cycles are computed. The first carries slip left over from the prestress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cycles {
-    /// So many.
+    /// So many, of which the last is measured.
     Fixed(usize),
-    /// Until a cycle ends where it began, and the one that is measured.
+    /// Until a cycle closes, and the one that is measured, which must close as well or is measured again.
+    ///
+    /// Closed is a loop of modal force and amplitude, not the motion of every point: points under low pressure may creep on
+    /// from cycle to cycle for ever, without a change of frequency or damping.
     UntilClosed {
-        /// Distance between its ends relative to the motion there (energy norm).
+        /// Part of the damping ratio that the gap between the ends of the loop may make up.
         tolerance: f64,
         /// Most cycles, the measured one included.
         most: usize,
@@ -47,7 +50,7 @@ pub enum Cycles {
 impl Default for Cycles {
     fn default() -> Self {
         Self::UntilClosed {
-            tolerance: 1e-4,
+            tolerance: 1e-2,
             most: 20,
         }
     }
@@ -85,6 +88,9 @@ impl Default for Settings {
 
 /// Sees every converged vertex of a measured loop.
 pub trait LoopObserver<S>: Send {
+    /// A loop begins. It replaces one seen before, which did not close.
+    fn begin(&mut self) {}
+
     /// `modal_force` and the total displacement; `begin` is the history that the force at this vertex starts from.
     fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &S);
 
@@ -111,12 +117,16 @@ pub struct LoopResult {
     pub modal_amplitude: f64,
     /// Secant frequency `sqrt(2 alpha / range(q))` (rad/s); it does not depend on the sign of the mode shape.
     pub omega: f64,
+    /// Frequency from the first harmonic of the modal force in a sinusoidal motion ([`Loop::harmonic_omega`], rad/s): that of a
+    /// free oscillation, and of harmonic balance, more closely than the secant.
+    pub harmonic_omega: f64,
     /// Frequencies of the halves where the modal force is positive and where it is negative, `sqrt(alpha / |q|)` at the
     /// reversals, with `q` from the static state (rad/s).
     pub half_omegas: [f64; 2],
     /// `loop_area / (2 pi (q omega)^2)` (eq. 42).
     pub zeta: f64,
-    /// What residuals and an open loop may make of `zeta`: a smaller one is not resolved.
+    /// What residuals, an open loop and, with commits at reversals, the history of points that do not slip may make of
+    /// `zeta`: a smaller one is not resolved.
     pub zeta_floor: f64,
     /// Dissipation per cycle: area of the polygon of modal force and amplitude (J).
     pub loop_area: f64,
@@ -124,10 +134,12 @@ pub struct LoopResult {
     pub coarse_loop_area: Option<f64>,
     /// Part of the motion at the peak that is mass-orthogonal to the mode, relative.
     pub shape_deviation: f64,
-    /// Cycles computed, the measured one included; one where nothing dissipates, computed one way.
+    /// Cycles computed, the measured one included.
     pub cycles: usize,
     /// Whether the loop closed within the tolerance asked for; always false for a fixed number of cycles.
     pub closed: bool,
+    /// Whether the measured loop was computed one way only, because the cycle before it dissipated nothing.
+    pub one_way: bool,
     /// Distance between the ends of the measured loop relative to the motion there (energy norm); zero where nothing dissipates.
     pub closure: f64,
     /// Largest residual at a vertex, relative to the peak load (energy norm).
@@ -141,7 +153,7 @@ pub struct LoopResult {
 /// What a loop's polygon does not tell.
 struct Circumstances {
     cycles: usize,
-    closed: bool,
+    one_way: bool,
     closure: f64,
     residual: f64,
     shape_deviation: f64,
@@ -152,26 +164,25 @@ impl LoopResult {
     fn new(peak: f64, hysteresis: Loop, found: Circumstances) -> Self {
         let (low, high) = hysteresis.extremes();
         let modal_amplitude = 0.5 * (high - low);
-        let omega = (peak / modal_amplitude).sqrt();
-        let loop_area = hysteresis.area();
         let middle = hysteresis.amplitude.len() / 2;
         let half = |at: Option<&f64>| at.map_or(f64::NAN, |q| (peak / q.abs()).sqrt());
         Self {
             modal_amplitude,
-            omega,
+            omega: (peak / modal_amplitude).sqrt(),
+            harmonic_omega: hysteresis.harmonic_omega(),
             half_omegas: [
                 half(hysteresis.amplitude.last()),
                 half(hysteresis.amplitude.get(middle)),
             ],
-            zeta: loop_area / (2.0 * PI * (modal_amplitude * omega).powi(2)),
+            zeta: hysteresis.zeta(peak),
             // A residual moves q by its own size, relative, and the sides of the loop add up to four times the peak force.
-            // Ends that lie apart by 2 q times the closure may be joined at any force between the peaks.
-            zeta_floor: 2.0 * (found.residual + hysteresis.closure()) / PI,
-            loop_area,
+            zeta_floor: 2.0 * found.residual / PI + open_ends(&hysteresis),
+            loop_area: hysteresis.area(),
             coarse_loop_area: hysteresis.coarse_area(),
             shape_deviation: found.shape_deviation,
             cycles: found.cycles,
-            closed: found.closed,
+            closed: false,
+            one_way: found.one_way,
             closure: found.closure,
             residual: found.residual,
             counts: found.counts,
@@ -183,6 +194,11 @@ impl LoopResult {
     pub fn is_resolved(&self) -> bool {
         self.zeta.abs() > self.zeta_floor
     }
+}
+
+/// Damping ratio that the gap between the ends of a loop may make: they may be joined at any force between the peaks.
+fn open_ends(hysteresis: &Loop) -> f64 {
+    2.0 * hysteresis.closure() / PI
 }
 
 /// One amplitude of a backbone.
@@ -274,19 +290,23 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
     settings: &Settings,
     observer: &mut O,
 ) -> BackbonePoint {
-    let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
-    let solution = (settings.solver, settings.newton);
-    let mut tracer = LoopTracer {
-        mode,
-        peak,
-        settings,
-        path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, sequence),
-    };
-    let result = tracer.measure(structure, observer);
+    let mut tracer = LoopTracer::new(structure, force, mode, peak, settings);
+    let mut result = tracer.measure(structure, observer);
+    let mut effort = tracer.path.sequence.effort;
+    if let Ok(found) = &mut result
+        && settings.commit == Commit::AtReversals
+        && force.dissipates()
+    {
+        let mut stuck = LoopTracer::new(structure, force, mode, peak, settings);
+        stuck.path.sticking = Sticking::Full;
+        // Without a stuck loop to compare with, all of the damping may be such a remainder.
+        found.zeta_floor += stuck.remainder().unwrap_or(found.zeta.abs());
+        effort += stuck.path.sequence.effort;
+    }
     BackbonePoint {
         modal_force: peak,
         result,
-        effort: tracer.path.sequence.effort,
+        effort,
     }
 }
 
@@ -298,22 +318,72 @@ struct LoopTracer<'a, F: HystereticForce> {
     path: Path<'a, F>,
 }
 
-impl<F: HystereticForce> LoopTracer<'_, F> {
+/// What comes before the measured loop.
+struct Settled {
+    cycles: usize,
+    /// Whether nothing that can be told from the residuals was dissipated in the last of them.
+    is_quiet: bool,
+    /// Regimes at the positive peak.
+    counts: RegimeCounts,
+}
+
+impl<'a, F: HystereticForce> LoopTracer<'a, F> {
+    fn new(
+        structure: &'a Linearisation<'_, F::State>,
+        force: &'a F,
+        mode: &'a Mode,
+        peak: f64,
+        settings: &'a Settings,
+    ) -> Self {
+        let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
+        let solution = (settings.solver, settings.newton);
+        Self {
+            mode,
+            peak,
+            settings,
+            path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, sequence),
+        }
+    }
+
     fn measure<O: LoopObserver<F::State>>(
         &mut self,
         structure: &Linearisation<'_, F::State>,
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
-        let (cycles, settled, at_peak) = self.settle_down()?;
+        let settled = self.settle_down()?;
+        let mut cycles = settled.cycles;
+        loop {
+            cycles += 1;
+            observer.begin();
+            let mut found = self.measured_loop(structure, &settled, cycles, observer)?;
+            let most = match self.settings.cycles {
+                Cycles::Fixed(_) => return Ok(found),
+                Cycles::UntilClosed { most, .. } => most,
+            };
+            found.closed = self.is_closed(&found.hysteresis);
+            if found.closed || cycles >= most {
+                return Ok(found);
+            }
+        }
+    }
+
+    /// The loop from where the path is, at its positive peak.
+    fn measured_loop<O: LoopObserver<F::State>>(
+        &mut self,
+        structure: &Linearisation<'_, F::State>,
+        settled: &Settled,
+        cycles: usize,
+        observer: &mut O,
+    ) -> Result<LoopResult, Failure> {
         let mut hysteresis = Loop::default();
         let mut deviation = 0.0_f64;
-        // Without dissipation the way back passes the same vertices, whose displacements are kept for it.
-        let one_way = !self.path.equilibrium.force.dissipates();
+        // Without dissipation the way back passes the same vertices, which are kept for it.
+        let one_way = settled.is_quiet;
         if !one_way {
-            // Of cycles that are not measured; one way there are none, and the peak is not solved for again.
+            // Of cycles that are not measured; one way the peak is not solved for again.
             self.path.residual = 0.0;
         }
-        let mut passed: Vec<Vec<f64>> = Vec::new();
+        let mut passed: Vec<(Vec<f64>, F::State)> = Vec::new();
         let mut total = vec![0.0; self.mode.shape.len()];
         let mut record = |tracer: &Self| {
             let v = &tracer.path.sequence.motion.v;
@@ -325,7 +395,7 @@ impl<F: HystereticForce> LoopTracer<'_, F> {
             }
             observer.vertex(tracer.path.at, &total, &tracer.path.sequence.begin);
             if one_way {
-                passed.push(total.clone());
+                passed.push((total.clone(), tracer.path.sequence.begin.clone()));
             }
             if tracer.path.at.abs() >= tracer.peak {
                 let rest: Vec<f64> = v.iter().zip(&tracer.mode.shape).map(|(v, phi)| v - q * phi).collect();
@@ -340,13 +410,13 @@ impl<F: HystereticForce> LoopTracer<'_, F> {
         let start = self.path.sequence.motion.clone();
         self.branch(-self.peak, edges, &mut record)?;
         let (counts, closure) = if one_way {
-            for (vertex, total) in passed.iter().enumerate().rev().skip(1) {
+            for (vertex, (total, begin)) in passed.iter().enumerate().rev().skip(1) {
                 let (force, amplitude) = (hysteresis.force[vertex], hysteresis.amplitude[vertex]);
                 hysteresis.force.push(force);
                 hysteresis.amplitude.push(amplitude);
-                observer.vertex(force, total, &self.path.sequence.begin);
+                observer.vertex(force, total, begin);
             }
-            (at_peak, 0.0)
+            (settled.counts, 0.0)
         } else {
             (self.branch(self.peak, edges, &mut record)?, self.distance(&start))
         };
@@ -354,8 +424,8 @@ impl<F: HystereticForce> LoopTracer<'_, F> {
             self.peak,
             hysteresis,
             Circumstances {
-                cycles: cycles + 1,
-                closed: settled || self.is_closed(closure),
+                cycles,
+                one_way,
                 closure,
                 residual: self.path.residual,
                 shape_deviation: deviation,
@@ -364,31 +434,64 @@ impl<F: HystereticForce> LoopTracer<'_, F> {
         ))
     }
 
-    /// Follows the first loading and the cycles before the measured one; returns how many cycles these were, whether the last
-    /// of them was closed, and the regimes at its end.
-    fn settle_down(&mut self) -> Result<(usize, bool, RegimeCounts), Failure> {
-        // With commits at reversals only, the vertices between them do not influence what follows: these cycles need no
-        // more than their reversals.
-        let quarter = self.settings.vertices_per_quarter;
-        let (loading, half) = match self.settings.commit {
-            Commit::AtReversals => (1, 1),
-            Commit::AtEveryVertex => (quarter, 2 * quarter),
-        };
-        let mut counts = self.branch(self.peak, loading, &mut |_| {})?;
+    /// Follows the first loading and the cycles before the measured one. What these leave behind depends little on their
+    /// vertices, of which they have fewer.
+    fn settle_down(&mut self) -> Result<Settled, Failure> {
+        let quarter = self.settings.vertices_per_quarter.div_ceil(4);
+        let mut counts = self.branch(self.peak, quarter, &mut |_| {})?;
         let most = match self.settings.cycles {
-            _ if !self.path.equilibrium.force.dissipates() => 1,
+            _ if !self.path.equilibrium.force.dissipates() => {
+                return Ok(Settled {
+                    cycles: 0,
+                    is_quiet: true,
+                    counts,
+                });
+            }
             Cycles::Fixed(n) => n,
             Cycles::UntilClosed { most, .. } => most,
         };
         for cycle in 1..most {
-            let start = self.path.sequence.motion.clone();
-            self.branch(-self.peak, half, &mut |_| {})?;
-            counts = self.branch(self.peak, half, &mut |_| {})?;
-            if self.is_closed(self.distance(&start)) {
-                return Ok((cycle, true, counts));
+            self.path.residual = 0.0;
+            let mut hysteresis = Loop::default();
+            let mut record = |tracer: &Self| tracer.record(&mut hysteresis);
+            record(self);
+            self.branch(-self.peak, 2 * quarter, &mut record)?;
+            counts = self.branch(self.peak, 2 * quarter, &mut record)?;
+            if self.is_closed(&hysteresis) {
+                return Ok(Settled {
+                    cycles: cycle,
+                    is_quiet: self.is_quiet(&hysteresis),
+                    counts,
+                });
             }
         }
-        Ok((most - 1, false, counts))
+        Ok(Settled {
+            cycles: most - 1,
+            is_quiet: false,
+            counts,
+        })
+    }
+
+    /// Damping ratio that a loop with everything stuck has under this rule of history.
+    fn remainder(&mut self) -> Result<f64, Failure> {
+        let mut hysteresis = Loop::default();
+        let mut record = |tracer: &Self| tracer.record(&mut hysteresis);
+        for peak in [self.peak, -self.peak, self.peak] {
+            self.branch(peak, 1, &mut |_| {})?;
+        }
+        record(self);
+        let edges = 2 * self.settings.vertices_per_quarter;
+        self.branch(-self.peak, edges, &mut record)?;
+        self.branch(self.peak, edges, &mut record)?;
+        Ok(hysteresis.zeta(self.peak).abs() + open_ends(&hysteresis))
+    }
+
+    /// Adds the vertex at hand to a loop.
+    fn record(&self, hysteresis: &mut Loop) {
+        hysteresis.force.push(self.path.at);
+        hysteresis
+            .amplitude
+            .push(dot(&self.mode.unit.p, &self.path.sequence.motion.v));
     }
 
     /// Distance from `start` relative to the motion at hand (energy norm).
@@ -398,12 +501,25 @@ impl<F: HystereticForce> LoopTracer<'_, F> {
         difference.norm() / self.path.sequence.motion.norm()
     }
 
-    /// Whether a cycle whose ends are `distance` apart is closed.
-    fn is_closed(&self, distance: f64) -> bool {
+    /// Damping ratio that the residuals since the last reset may make.
+    fn noise(&self) -> f64 {
+        2.0 * self.path.residual / PI
+    }
+
+    /// Whether the ends of a loop are close enough together.
+    fn is_closed(&self, hysteresis: &Loop) -> bool {
+        let open = open_ends(hysteresis);
         match self.settings.cycles {
             Cycles::Fixed(_) => false,
-            Cycles::UntilClosed { tolerance, .. } => distance <= tolerance,
+            Cycles::UntilClosed { tolerance, .. } => {
+                open <= self.noise() || open <= tolerance * hysteresis.zeta(self.peak).abs()
+            }
         }
+    }
+
+    /// Whether a loop tells of no dissipation, and lies so well closed that this means something.
+    fn is_quiet(&self, hysteresis: &Loop) -> bool {
+        open_ends(hysteresis) <= self.noise() && hysteresis.zeta(self.peak).abs() <= self.noise()
     }
 
     /// Goes to `target` in `steps` equal steps, calls `record` at each, and commits the history at the end.

@@ -25,6 +25,12 @@ impl Loop {
         (self.force.len() % 2 == 1).then(|| polygon(&self.force, &self.amplitude, 2))
     }
 
+    /// Damping ratio of a loop with the peak force `peak`: its area over `2 pi q alpha`, as `(q omega)^2 = q alpha` (eq. 42).
+    pub(crate) fn zeta(&self, peak: f64) -> f64 {
+        let (low, high) = self.extremes();
+        self.area() / (PI * (high - low) * peak)
+    }
+
     /// Smallest and largest modal amplitude.
     pub fn extremes(&self) -> (f64, f64) {
         self.amplitude

@@ -150,15 +150,19 @@ fn a_chain_dissipates_what_its_sliders_do_and_masing_holds() {
 fn prestress_slip_contaminates_the_first_cycle_only() {
     let chain = JenkinsChain::new(6, 2000.0, (400.0, 1.0));
     let mut load = vec![0.0; 6];
-    load[5] = 10.0;
+    // Pulled backwards, so that the first cycle slips on its way back only.
+    load[5] = -10.0;
     let area = |cycles| {
         let settings = Settings {
             cycles: Cycles::Fixed(cycles),
             ..Settings::default()
         };
-        backbone(&chain.stiffness, &chain.mass, &chain.force, &load, &[2.0], &settings)[0].4
+        backbone(&chain.stiffness, &chain.mass, &chain.force, &load, &[8.0], &settings)[0].4
     };
-    assert!((area(2) / area(3) - 1.0).abs() < 1e-6);
+    // Its loop is open: it has not gone back to where the static load left it.
+    let [first, second, third] = [1, 2, 3].map(area);
+    assert!((first / third - 1.0).abs() > 1e-3, "{first} {third}");
+    assert!((second / third - 1.0).abs() < 1e-6, "{second} {third}");
 }
 
 #[test]

@@ -101,7 +101,7 @@ impl Default for Cqsma {
             vertices_per_quarter: 8,
             cycles: None,
             until_closed: None,
-            commit: Commit::AtReversals,
+            commit: Commit::AtEveryVertex,
             tolerance: 1e-9,
         }
     }
