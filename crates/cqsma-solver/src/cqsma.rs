@@ -194,7 +194,15 @@ impl LoopResult {
     pub fn is_resolved(&self) -> bool {
         self.zeta.abs() > self.zeta_floor
     }
+
+    /// Damping ratio with the frequency of the first harmonic in the place of the secant one in eq. 42.
+    pub fn harmonic_zeta(&self) -> f64 {
+        self.zeta * (self.omega / self.harmonic_omega).powi(2)
+    }
 }
+
+/// Remainders where some points slip, over those with everything stuck; measured are up to 1.01.
+const PARTIAL_SLIP: f64 = 1.1;
 
 /// Damping ratio that the gap between the ends of a loop may make: they may be joined at any force between the peaks.
 fn open_ends(hysteresis: &Loop) -> f64 {
@@ -300,7 +308,7 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
         let mut stuck = LoopTracer::new(structure, force, mode, peak, settings);
         stuck.path.sticking = Sticking::Full;
         // Without a stuck loop to compare with, all of the damping may be such a remainder.
-        found.zeta_floor += stuck.remainder().unwrap_or(found.zeta.abs());
+        found.zeta_floor += stuck.remainder().map_or(found.zeta.abs(), |zeta| PARTIAL_SLIP * zeta);
         effort += stuck.path.sequence.effort;
     }
     BackbonePoint {

@@ -81,6 +81,15 @@ impl Motion {
     }
 }
 
+/// Round-off in the contact forces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RoundOff {
+    /// Its energy norm, if the errors of the coordinates are independent.
+    pub(crate) energy: f64,
+    /// Sum of its magnitudes over the coordinates.
+    pub(crate) force: f64,
+}
+
 /// The structure with everything in contact stuck, `P`: preconditioner and energy norm.
 #[derive(Clone, Debug)]
 pub(crate) struct Stuck {
@@ -112,15 +121,17 @@ impl Stuck {
         self.flexibility.product_into(p, v);
     }
 
-    /// Energy norm of the round-off that evaluating the contact force `force` at the displacements `u` leaves, if the
-    /// errors of the coordinates are independent.
-    pub(crate) fn round_off(&self, pattern: PatternView<'_>, u: &[f64], force: &[f64]) -> f64 {
+    /// Round-off that evaluating the contact force `force` at the displacements `u` leaves.
+    pub(crate) fn round_off(&self, pattern: PatternView<'_>, u: &[f64], force: &[f64]) -> RoundOff {
         let tangent: Vec<f64> = self.tangent.iter().map(|t| t.abs()).collect();
         let u: Vec<f64> = u.iter().map(|u| u.abs()).collect();
         let mut size: Vec<f64> = force.iter().map(|f| f.abs()).collect();
         pattern.add_product(&tangent, &u, &mut size);
         let squares = size.iter().zip(self.flexibility.diagonal()).map(|(f, c)| f * f * c);
-        f64::EPSILON * squares.sum::<f64>().sqrt()
+        RoundOff {
+            energy: f64::EPSILON * squares.sum::<f64>().sqrt(),
+            force: f64::EPSILON * size.iter().sum::<f64>(),
+        }
     }
 
     /// The motion under a force `p`.

@@ -19,6 +19,7 @@
 
 use crate::Error;
 use crate::force::HystereticForce;
+use crate::hysteresis::Loop;
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Reason};
 use crate::path::Path;
 use std::f64::consts::PI;
@@ -57,6 +58,9 @@ pub struct LoadingResult {
     pub modal_amplitude: f64,
     /// Frequency `sqrt(alpha / q)` (rad/s).
     pub omega: f64,
+    /// Frequency from the first harmonic of the loop that Masing's rule makes of the curve
+    /// ([`Loop::harmonic_omega`](crate::hysteresis::Loop::harmonic_omega), rad/s).
+    pub harmonic_omega: f64,
     /// Damping ratio.
     pub zeta: f64,
     /// What residuals may make of `zeta`: a smaller one is not resolved.
@@ -162,6 +166,8 @@ struct Curve {
     /// Last vertex and the one before it.
     last: Vertex,
     before: Vertex,
+    /// All vertices, in the order of their amplitude.
+    vertices: Vec<Vertex>,
     dissipation: f64,
     /// What the residuals of the vertices before the last may make of the dissipation.
     noise: f64,
@@ -189,6 +195,20 @@ impl Curve {
         self.noise += self.last.noise(q - self.before.q);
         self.before = self.last;
         self.last = Vertex { q, lambda, residual };
+        self.vertices.push(self.last);
+    }
+
+    /// The closed loop whose branches are the curve, scaled by two and turned around.
+    fn masing_loop(&self) -> Loop {
+        let origin = (0.0, 0.0);
+        let curve: Vec<(f64, f64)> = std::iter::once(origin)
+            .chain(self.vertices.iter().map(|v| (v.lambda * v.q, v.q)))
+            .collect();
+        let (alpha, q) = (self.last.lambda * self.last.q, self.last.q);
+        let down = curve.iter().map(|(a, x)| (alpha - 2.0 * a, q - 2.0 * x));
+        let up = curve.iter().skip(1).map(|(a, x)| (2.0 * a - alpha, 2.0 * x - q));
+        let (force, amplitude) = down.chain(up).unzip();
+        Loop { force, amplitude }
     }
 
     fn result<F: HystereticForce>(&self, path: &Path<'_, F>) -> LoadingResult {
@@ -198,6 +218,7 @@ impl Curve {
             modal_force: lambda * q,
             modal_amplitude: q,
             omega: lambda.sqrt(),
+            harmonic_omega: self.masing_loop().harmonic_omega(),
             zeta: self.dissipation / energy,
             zeta_floor: (self.noise + self.last.noise(self.before.q)) / energy,
             dissipation: self.dissipation,

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::HystereticForce;
-use crate::linear::{Motion, Stuck, multiply};
+use crate::linear::{Motion, RoundOff, Stuck, multiply};
 use crate::newton::Equilibrium;
 use contact_laws::Sticking;
 use faer::{Mat, MatRef};
@@ -17,8 +17,8 @@ pub struct Linearisation<'a, S> {
     pub(crate) displacement: Vec<f64>,
     pub(crate) state: S,
     pub(crate) contact_force: Vec<f64>,
-    /// Energy norm of the round-off in the contact forces.
-    pub(crate) round_off: f64,
+    /// Round-off in the contact forces.
+    pub(crate) round_off: RoundOff,
     /// `omega^2` of the modes, ascending (rad^2/s^2).
     pub eigenvalues: Vec<f64>,
     /// Mass-normalised mode shapes, `n x n_modes`.

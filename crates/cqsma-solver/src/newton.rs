@@ -1,9 +1,15 @@
 //! Newton's method for the equilibrium of a structure with a hysteretic force.
 
 use crate::force::HystereticForce;
-use crate::linear::{Border, Motion, Stuck, dot, multiply, solve_direct, solve_krylov};
+use crate::linear::{Border, Motion, RoundOff, Stuck, dot, multiply, solve_direct, solve_krylov};
 use contact_laws::{RegimeCounts, Sticking};
 use faer::MatRef;
+
+/// Round-off of the forces, relative to that of one evaluation, that a residual may add up to.
+const NOISE: f64 = 8.0;
+
+/// Accuracy of Newton steps that are made for the balance of forces alone, relative.
+const BALANCING: f64 = 1e-3;
 
 /// When to stop, and when to give up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +51,12 @@ pub enum Reason {
     /// Too many iterations.
     #[error("the iteration limit was reached")]
     IterationLimit,
+    /// The residual is small in the energy norm and large as a force: against a contact this stiff hardly any work is done.
+    #[error(
+        "the forces do not balance, although the residual is small in the energy norm: the contact is too stiff for this \
+         tolerance, or for double precision; ask for a smaller tolerance, or make the contact softer"
+    )]
+    Unbalanced,
     /// The load is so small that the round-off of the contact forces is no small part of it. The history holds this part
     /// alone.
     #[error(
@@ -95,6 +107,8 @@ impl std::ops::AddAssign for Effort {
 pub(crate) struct Converged {
     pub(crate) residual: f64,
     pub(crate) counts: RegimeCounts,
+    /// Sum of the magnitudes of the contact forces, from the reference (N).
+    pub(crate) force: f64,
 }
 
 /// How the linear systems of Newton's method are solved.
@@ -115,8 +129,8 @@ pub(crate) struct Equilibrium<'a, F: HystereticForce> {
     pub(crate) stuck: &'a Stuck,
     pub(crate) reference: &'a [f64],
     pub(crate) reference_force: &'a [f64],
-    /// Energy norm below which a residual is round-off.
-    pub(crate) round_off: f64,
+    /// Below it a residual is round-off.
+    pub(crate) round_off: RoundOff,
 }
 
 /// The load of a solve.
@@ -137,6 +151,9 @@ pub(crate) struct Goal<'a> {
     /// Energy norm that the tolerance refers to.
     pub(crate) scale: f64,
     pub(crate) sticking: Sticking,
+    /// Largest sum of residual contact forces over that of the contact forces themselves (from the reference), and what the
+    /// latter was so far (N). In the energy norm alone a stiff contact hides forces that are out of balance.
+    pub(crate) balance: (f64, f64),
 }
 
 /// State, buffers and history of one sequence of solves.
@@ -242,6 +259,14 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         (if square >= 0.0 { square.sqrt() } else { f64::NAN }, counts)
     }
 
+    /// Sums of the magnitudes of the residual at the contact coordinates, and of the contact forces from the reference (N).
+    fn balance(&self, sequence: &Sequence<F>) -> (f64, f64) {
+        let sum = |terms: &mut dyn Iterator<Item = f64>| terms.fold(0.0, |sum, term| sum + term.abs());
+        let changes = sequence.contact.iter().zip(self.reference_force).map(|(f, f0)| f - f0);
+        let residual = sequence.residual.p[..sequence.contact.len()].iter().copied();
+        (sum(&mut { residual }), sum(&mut { changes }))
+    }
+
     /// Newton step from the residual and tangent in the sequence.
     fn step(
         &self,
@@ -297,29 +322,37 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
     ) -> Result<Converged, Failure> {
         let mut history = Vec::new();
         let fail = |reason, history| Err(Failure { reason, history });
-        let target = (settings.tolerance * goal.scale).max(self.round_off);
+        let target = (settings.tolerance * goal.scale).max(self.round_off.energy);
         sequence.trial.copy_from(&sequence.motion);
         let (mut merit, mut counts) = self.evaluate(sequence, goal);
         sequence.motion.copy_from(&sequence.trial);
         // Steps that did not reduce the residual although they were cut short.
         let mut stalled = 0;
-        for iteration in 0.. {
+        let mut iteration = 0;
+        loop {
             history.push(merit / goal.scale);
             if !merit.is_finite() {
                 return fail(Reason::NotFinite, history);
             }
-            if merit <= target {
-                sequence.effort.solves += 1;
-                return Ok(Converged {
-                    residual: merit / goal.scale,
-                    counts,
-                });
+            let is_small = merit <= target;
+            if is_small {
+                let (unbalanced, force) = self.balance(sequence);
+                let (share, known) = goal.balance;
+                if unbalanced <= share * force.max(known) + NOISE * self.round_off.force {
+                    sequence.effort.solves += 1;
+                    return Ok(Converged {
+                        residual: merit / goal.scale,
+                        counts,
+                        force,
+                    });
+                }
             }
+            let or_unbalanced = |reason| if is_small { Reason::Unbalanced } else { reason };
             if stalled > 3 {
-                return fail(Reason::Stalled, history);
+                return fail(or_unbalanced(Reason::Stalled), history);
             }
             if iteration == settings.max_iterations {
-                break;
+                return fail(or_unbalanced(Reason::IterationLimit), history);
             }
             sequence.effort.iterations += 1;
             // Far from the solution an accurate step is wasted; near it the forcing term follows the residual, which
@@ -327,10 +360,10 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
             let forcing = (0.01 * merit / goal.scale)
                 .sqrt()
                 .min(0.1)
-                .max(0.1 * target / merit)
+                .max(if is_small { BALANCING } else { 0.1 * target / merit })
                 .min(0.5);
             let Some(step) = self.step(sequence, goal.load, merit, forcing, solver) else {
-                return fail(Reason::Singular, history);
+                return fail(or_unbalanced(Reason::Singular), history);
             };
             let mut length = 1.0;
             let mut best = (f64::INFINITY, 1.0);
@@ -349,7 +382,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                     // No descent along this direction: a kink. Take the best point seen, unless it is far worse, and let
                     // the tangent there show another side of it.
                     if best.0 > 2.0 * history[iteration] * goal.scale {
-                        return fail(Reason::Stalled, history);
+                        return fail(or_unbalanced(Reason::Stalled), history);
                     }
                     stalled += 1;
                     sequence.trial.copy_from(&sequence.motion);
@@ -360,7 +393,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                 length *= 0.5;
             }
             sequence.motion.copy_from(&sequence.trial);
+            iteration += 1;
         }
-        fail(Reason::IterationLimit, history)
     }
 }

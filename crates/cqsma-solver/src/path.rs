@@ -26,6 +26,9 @@ const SAME_MODE: f64 = 0.5;
 /// Largest share of the load that the round-off of the contact forces may be: the motion is known no better than that.
 const LARGEST_ROUND_OFF: f64 = 1e-2;
 
+/// Largest sum of residual contact forces, relative to the contact forces of the path.
+const LARGEST_IMBALANCE: f64 = 1e-3;
+
 /// Equilibria along the factor of one load.
 pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) equilibrium: Equilibrium<'a, F>,
@@ -41,6 +44,8 @@ pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) sequence: Sequence<F>,
     /// Factor reached.
     pub(crate) at: f64,
+    /// Largest sum of contact forces so far, from the reference (N).
+    force: f64,
     /// Largest residual since it was last set to zero, relative to the load of the range (energy norm).
     pub(crate) residual: f64,
     /// The last points of the same branch before the one at hand, the later one first, for extrapolation.
@@ -67,6 +72,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             settings,
             sequence,
             at: 0.0,
+            force: 0.0,
             residual: 0.0,
             previous: Vec::new(),
             steps: 0,
@@ -78,10 +84,10 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         let scale = self.range * self.unit.norm();
         // Residuals below round-off count as converged, which says nothing where round-off is as large as the load. Without
         // any load there is nothing to compare with.
-        if scale > 0.0 && self.equilibrium.round_off > LARGEST_ROUND_OFF * scale {
+        if scale > 0.0 && self.equilibrium.round_off.energy > LARGEST_ROUND_OFF * scale {
             return Err(Failure {
                 reason: Reason::BelowRoundOff,
-                history: vec![self.equilibrium.round_off / scale],
+                history: vec![self.equilibrium.round_off.energy / scale],
             });
         }
         let goal = Goal {
@@ -89,11 +95,13 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             load: self.mass.map_or(Load::Pattern(&self.unit.p), Load::Inertia),
             scale,
             sticking: self.sticking,
+            balance: (LARGEST_IMBALANCE, self.force),
         };
         let converged = self
             .equilibrium
             .solve(&mut self.sequence, &goal, self.solver, &self.settings)?;
         self.at = factor;
+        self.force = self.force.max(converged.force);
         self.residual = self.residual.max(converged.residual);
         Ok(converged.counts)
     }

@@ -145,6 +145,18 @@ pub enum Error {
         /// Residuals per iteration.
         history: Vec<f64>,
     },
+    /// The forces of the prestress, evaluated anew, are out of balance: nothing that follows from it can be believed.
+    #[error(
+        "the prestress is out of balance: the residual forces at the interface add up to {residual_ratio:.1e} of the loads there, \
+         where at most {limit:.0e} is accepted; ask for a smaller `cqsma.tolerance`, or make a contact that is far stiffer than the \
+         structure softer"
+    )]
+    Unbalanced {
+        /// Sum of the magnitudes of the residual forces over that of the loads.
+        residual_ratio: f64,
+        /// Largest that is accepted.
+        limit: f64,
+    },
     /// The mode does not move the response point, so amplitudes there say nothing about it.
     #[error(
         "mode {mode} ({frequency:.2} Hz) hardly moves the response point in its direction ({participation:.1e} of a rigid \

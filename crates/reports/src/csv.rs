@@ -39,11 +39,15 @@ where
 /// Heading with unit, and cell, of every column beside the number.
 type Column = (&'static str, fn(&BackboneSummary) -> String);
 
-const COLUMNS: [Column; 22] = [
+const COLUMNS: [Column; 25] = [
     ("converged", |b| b.converged.to_string()),
     ("response_displacement [m]", |b| optional(b.response_displacement)),
     ("response_acceleration [m/s^2]", |b| optional(b.response_acceleration)),
+    ("response_motion [m]", |b| optional(b.response_motion)),
     ("frequency [Hz]", |b| optional(b.frequency_hz)),
+    ("frequency_first_harmonic [Hz]", |b| {
+        optional(b.frequency_first_harmonic_hz)
+    }),
     ("frequency_positive_half [Hz]", |b| {
         optional(b.half_frequencies_hz.map(|f| f[0]))
     }),
@@ -52,6 +56,9 @@ const COLUMNS: [Column; 22] = [
     }),
     ("damping_ratio [-]", |b| optional(b.damping_ratio)),
     ("friction_damping_ratio [-]", |b| optional(b.friction_damping_ratio)),
+    ("damping_ratio_first_harmonic [-]", |b| {
+        optional(b.damping_ratio_first_harmonic)
+    }),
     ("damping_floor [-]", |b| optional(b.damping_floor)),
     ("modal_force [sqrt(kg) m/s^2]", |b| number(b.modal_force)),
     ("modal_amplitude [sqrt(kg) m]", |b| optional(b.modal_amplitude)),

@@ -1,6 +1,6 @@
 //! The picture of an identification: signal, spectrum, frequency and damping.
 
-use crate::plot::{BLUE, Canvas, Curve, Points, RED, bounds, log, panel, picture, power, ticks, widen};
+use crate::plot::{BLUE, Canvas, Curve, Marks, Points, RED, bounds, log, panel, picture, power, ticks, widen};
 use crate::{Drawing, Error};
 use modal_identification::average::MeanPoint;
 use modal_identification::backbone::{Identification, Point};
@@ -160,7 +160,7 @@ fn curve(name: &str, colour: RGBColor, points: Points) -> Curve {
         name: name.into(),
         colour,
         dashes: None,
-        dots: false,
+        marks: Marks::None,
         points,
     }
 }

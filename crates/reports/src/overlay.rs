@@ -1,6 +1,6 @@
 //! Backbones on shared axes: frequency above, damping ratio below.
 
-use crate::plot::{Canvas, Curve, bounds, log, panel, picture, power, ticks, widen};
+use crate::plot::{Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
 use crate::{Drawing, Error};
 use joint_pipeline::analysis::comparison::{Backbone, Point};
 use plotters::prelude::*;
@@ -89,7 +89,7 @@ fn curves(series: &[Series<'_>], value: fn(&Point) -> Option<f64>) -> Vec<Curve>
             name: series.name.clone(),
             colour,
             dashes: series.dashes,
-            dots: false,
+            marks: Marks::None,
             points: points(series.backbone),
         });
         let edges = series.band.iter().flatten().zip(["5 %", "95 %"]);
@@ -97,7 +97,7 @@ fn curves(series: &[Series<'_>], value: fn(&Point) -> Option<f64>) -> Vec<Curve>
             name: format!("{}, {share}", series.name),
             colour,
             dashes: Some((2, 3)),
-            dots: false,
+            marks: Marks::None,
             points: points(edge),
         }));
     }

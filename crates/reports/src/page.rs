@@ -256,14 +256,20 @@ fn asperity_numbers(law: &AsperityReport) -> Facts {
 /// Heading of a column and its cell for an amplitude.
 type Column = (&'static str, fn(&BackboneSummary) -> Option<String>);
 
-const COLUMNS: [Column; 10] = [
+const COLUMNS: [Column; 12] = [
     ("displacement [m]", |b| {
         b.response_displacement.map(|v| format!("{v:.4e}"))
+    }),
+    ("displacement as it moved [m]", |b| {
+        b.response_motion.map(|v| format!("{v:.4e}"))
     }),
     ("acceleration [m/s²]", |b| {
         b.response_acceleration.map(|v| format!("{v:.4e}"))
     }),
-    ("frequency [Hz]", |b| b.frequency_hz.map(|v| format!("{v:.4}"))),
+    ("frequency, first harmonic [Hz]", |b| {
+        b.frequency_first_harmonic_hz.map(|v| format!("{v:.4}"))
+    }),
+    ("frequency, secant [Hz]", |b| b.frequency_hz.map(|v| format!("{v:.4}"))),
     ("damping ratio [-]", |b| b.frequency_hz.map(|_| damping(b))),
     ("of it friction [-]", |b| {
         b.friction_damping_ratio.map(|v| format!("{v:.4e}"))
@@ -303,7 +309,11 @@ fn amplitude_table(summary: &Summary) -> Table {
 fn methods_table(summary: &Summary) -> Table {
     let mut headings = vec!["no.".to_owned()];
     for name in summary.methods.keys() {
-        for heading in ["displacement [m]", "frequency [Hz]", "damping ratio [-]"] {
+        for heading in [
+            "displacement [m]",
+            "frequency, first harmonic [Hz]",
+            "damping ratio [-]",
+        ] {
             headings.push(format!("{}: {heading}", plot::title(name)));
         }
     }
@@ -313,7 +323,7 @@ fn methods_table(summary: &Summary) -> Table {
             let below = point.damping_floor.map(|floor| format!("< {floor:.1e}"));
             let cells = [
                 point.response_displacement.map(|v| format!("{v:.4e}")),
-                point.frequency_hz.map(|v| format!("{v:.4}")),
+                point.frequency_first_harmonic_hz.map(|v| format!("{v:.4}")),
                 point.damping_ratio.map(|v| format!("{v:.4e}")).or(below),
             ];
             row.extend(cells.map(|text| text.unwrap_or_else(|| MISSING.into())));

@@ -4,7 +4,7 @@ use crate::{Drawing, Error};
 use contact_laws::{ContactCurves, FittedCurves};
 use joint_pipeline::analysis::ensemble::BandPoint;
 use joint_pipeline::interface::Profile;
-use joint_pipeline::results::summary::{BackboneSummary, MethodSummary, Summary};
+use joint_pipeline::results::summary::{BackboneSummary, MethodSummary, Status, Summary};
 use plotters::coord::Shift;
 use plotters::coord::combinators::{LogCoord, WithKeyPoints};
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
@@ -88,7 +88,7 @@ pub fn scaling(by_elements: &[(f64, f64)], by_points: &[(f64, f64)]) -> Result<S
                     name: String::new(),
                     colour,
                     dashes: None,
-                    dots: true,
+                    marks: Marks::Dots,
                     points,
                 }],
                 &[],
@@ -112,7 +112,7 @@ pub fn response(element: &ElementSurface, fits: &FittedCurves, title: &str) -> R
             name: name.into(),
             colour,
             dashes,
-            dots: false,
+            marks: Marks::None,
             points: points.filter(|p| p.2 > 0.0).collect(),
         }
     };
@@ -202,7 +202,7 @@ pub fn profile(profile: &Profile, title: &str) -> Result<String, Error> {
             name: name.into(),
             colour,
             dashes,
-            dots: false,
+            marks: Marks::None,
             points: points.collect(),
         }
     };
@@ -224,7 +224,7 @@ pub fn profile(profile: &Profile, title: &str) -> Result<String, Error> {
         name: "parabolas of the peaks".into(),
         colour: RED,
         dashes: Some((SAMPLE, 1)),
-        dots: false,
+        marks: Marks::None,
         points: arcs.collect(),
     };
     let flat = [line("heights above the form", BLUE, None, residual), arcs];
@@ -254,6 +254,17 @@ pub fn profile(profile: &Profile, title: &str) -> Result<String, Error> {
 /// Points of a curve with their numbers in the backbone, so that lines break where an amplitude is missing.
 pub type Points = Vec<(usize, f64, f64)>;
 
+/// How points are marked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marks {
+    /// Not at all.
+    None,
+    /// Filled circles.
+    Dots,
+    /// Open circles without a line: bounds that the value lies below.
+    Bounds,
+}
+
 /// The curve of one method.
 pub struct Curve {
     /// Name in the legend; empty: none.
@@ -262,8 +273,8 @@ pub struct Curve {
     pub colour: RGBColor,
     /// Length and spacing of its dashes (pixels); none: a solid line.
     pub dashes: Option<(u32, u32)>,
-    /// Whether its points are marked.
-    pub dots: bool,
+    /// How its points are marked.
+    pub marks: Marks,
     /// Its points.
     pub points: Points,
 }
@@ -287,7 +298,7 @@ impl Curve {
             name: title(name),
             colour,
             dashes,
-            dots: dashes.is_none(),
+            marks: if dashes.is_none() { Marks::Dots } else { Marks::None },
             points,
         }
     }
@@ -331,7 +342,12 @@ fn heights<'a>(curves: &'a [Curve], bands: &'a [Band]) -> impl Iterator<Item = f
 }
 
 fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing> {
-    let frequency = curves(summary, BLUE, |b| b.frequency_hz, |m| m.frequency_hz);
+    let frequency = curves(
+        summary,
+        BLUE,
+        |b| b.frequency_first_harmonic_hz,
+        |m| m.frequency_first_harmonic_hz,
+    );
     let mut damping = curves(summary, RED, |b| b.damping_ratio, |m| m.damping_ratio);
     let all = points(&damping).count();
     for curve in &mut damping {
@@ -350,7 +366,10 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
             .into_iter()
             .collect()
     };
-    let frequency_band = of(BLUE, &|b| Some([b.frequency_hz[0], b.frequency_hz[2]]));
+    let frequency_band = of(BLUE, &|b| {
+        let [low, _, high] = b.frequency_first_harmonic_hz;
+        Some([low, high])
+    });
     let damping_band = of(RED, &|b| Some([b.damping_ratio[0]?, b.damping_ratio[2]?]));
 
     let root = root.titled(title, ("sans-serif", 20))?;
@@ -370,7 +389,7 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
         &upper,
         log(&x, &x_ticks),
         y,
-        "frequency [Hz]",
+        "frequency, first harmonic [Hz]",
         "",
         [&power, &|f| format!("{f:.2}")],
         &frequency,
@@ -380,7 +399,16 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
 
     let y = bounds(heights(&damping, &damping_band)).map_or(1e-6..1.0, |range| widen(&range, 1.5));
     let y_ticks = ticks(&y);
-    let label = format!("{} [m]", amplitude_label(&summary.response));
+    let bounds_below: Points = below_floor(summary, y.start);
+    let below = bounds_below.len();
+    damping.push(Curve {
+        name: String::new(),
+        colour: RED,
+        dashes: None,
+        marks: Marks::Bounds,
+        points: bounds_below,
+    });
+    let label = format!("{}, by the linearised mode [m]", amplitude_label(&summary.response));
     let chart_y = log(&y, &y_ticks);
     panel(
         &lower,
@@ -393,11 +421,28 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
         &damping_band,
         SeriesLabelPosition::LowerRight,
     )?;
+    let mut remarks = Vec::new();
     if omitted > 0 {
-        let text = format!("{omitted} of {all} points are not positive and left out");
-        lower.draw(&Text::new(text, (110, 12), ("sans-serif", 14)))?;
+        remarks.push(format!("{omitted} of {all} points are not positive and left out"));
+    }
+    if below > 0 {
+        remarks.push(format!(
+            "open: {below} points below the floor, at the floor or the lower edge"
+        ));
+    }
+    if !remarks.is_empty() {
+        lower.draw(&Text::new(remarks.join("; "), (110, 12), ("sans-serif", 14)))?;
     }
     Ok(())
+}
+
+/// The bounds of dampings that are not told from zero; those below `lowest` are put there.
+fn below_floor(summary: &Summary, lowest: f64) -> Points {
+    let points = summary.backbone.iter().enumerate();
+    let points = points.filter(|(_, b)| b.status == Status::BelowFloor);
+    points
+        .filter_map(|(i, b)| Some((i, b.response_displacement?, b.damping_floor?.max(lowest))))
+        .collect()
 }
 
 /// One diagram with curves and bands over two axes.
@@ -449,15 +494,20 @@ where
     }
     for curve in curves {
         let style = curve.colour.stroke_width(2);
-        for run in curve.points.chunk_by(|a, b| a.0 + 1 == b.0) {
+        let has_line = curve.marks != Marks::Bounds;
+        for run in curve.points.chunk_by(|a, b| a.0 + 1 == b.0).filter(|_| has_line) {
             let line = run.iter().map(|p| (p.1, p.2));
             match curve.dashes {
                 None => chart.draw_series(LineSeries::new(line, style))?,
                 Some((length, spacing)) => chart.draw_series(DashedLineSeries::new(line, length, spacing, style))?,
             };
         }
-        let dots: &[_] = if curve.dots { &curve.points } else { &[] };
-        let dots = dots.iter().map(|p| Circle::new((p.1, p.2), 3, curve.colour.filled()));
+        let (dots, circle): (&[_], ShapeStyle) = match curve.marks {
+            Marks::None => (&[], curve.colour.filled()),
+            Marks::Dots => (&curve.points, curve.colour.filled()),
+            Marks::Bounds => (&curve.points, curve.colour.stroke_width(1)),
+        };
+        let dots = dots.iter().map(|p| Circle::new((p.1, p.2), 3, circle));
         let drawn = chart.draw_series(dots)?;
         if legend_wanted && !curve.name.is_empty() {
             let (length, spacing) = curve.dashes.unwrap_or((SAMPLE, 1));

@@ -1,7 +1,7 @@
 //! The picture of a computed ring-down: the signal, and its identified backbone beside the quasi-static ones.
 
 use crate::overlay::{self, Series};
-use crate::plot::{BLUE, Canvas, Curve, bounds, panel, picture};
+use crate::plot::{BLUE, Canvas, Curve, Marks, bounds, panel, picture};
 use crate::{Drawing, Error};
 use joint_pipeline::analysis::comparison::Backbone;
 use plotters::prelude::*;
@@ -38,7 +38,7 @@ fn panels(
             name: String::new(),
             colour: BLUE,
             dashes: None,
-            dots: false,
+            marks: Marks::None,
             points,
         }],
         &[],

@@ -4,7 +4,7 @@ use super::motion::{Energy, Sample, Settings, Start};
 use super::scheme::Scheme;
 use crate::Error;
 use crate::force::HystereticForce;
-use crate::linear::{Motion, Stuck, dot};
+use crate::linear::{Motion, RoundOff, Stuck, dot};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Sequence};
 use crate::path::Path;
@@ -24,7 +24,7 @@ struct Level {
     damping: f64,
     stiffness: Mat<f64>,
     stuck: Stuck,
-    round_off: f64,
+    round_off: RoundOff,
     /// Energy norm of the peak force of the pulse.
     pulse: f64,
 }
@@ -348,6 +348,8 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             load: Load::Pattern(load),
             scale: inertia.max(pulse),
             sticking: Sticking::Coulomb,
+            // Motions pass through the reference, where the contact forces do not change; the balance of energies tells.
+            balance: (1.0, f64::INFINITY),
         };
         let solve = |sequence: &mut Sequence<F>| {
             equilibrium.solve(sequence, &goal, self.settings.solver, &self.settings.newton)

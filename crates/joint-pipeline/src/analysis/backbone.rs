@@ -197,7 +197,14 @@ impl Request<'_> {
         let points = cqsma::run(self.line, self.force, &pending_forces, settings, |at| {
             let index = pending[at];
             let store = stored.contains(&(index + 1));
-            Watcher::new(self.force.interface(), &self.prestress.fields, index, store, &finish)
+            Watcher::new(
+                self.force.interface(),
+                &self.prestress.fields,
+                self.response,
+                index,
+                store,
+                &finish,
+            )
         })?;
         let points: Vec<_> = points
             .into_iter()

@@ -11,6 +11,7 @@ use crate::scene::Scene;
 use crate::store::checkpoint::Checkpoint;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Percentiles that are given.
@@ -22,8 +23,10 @@ pub const PERCENTILES: [f64; 3] = [5.0, 50.0, 95.0];
 pub struct MemberPoint {
     /// Displacement amplitude at the response point (m).
     pub response_displacement: f64,
-    /// Frequency (Hz).
+    /// Secant frequency (Hz).
     pub frequency_hz: f64,
+    /// Frequency of the first harmonic (Hz).
+    pub frequency_first_harmonic_hz: f64,
     /// Total damping ratio, friction plus background; none below its floor.
     pub damping_ratio: Option<f64>,
 }
@@ -50,8 +53,10 @@ pub struct BandPoint {
     pub response_displacement: f64,
     /// Realisations that reach it.
     pub realisations: usize,
-    /// 5, 50 and 95 % of the frequency (Hz).
+    /// 5, 50 and 95 % of the secant frequency (Hz).
     pub frequency_hz: [f64; 3],
+    /// 5, 50 and 95 % of the frequency of the first harmonic (Hz).
+    pub frequency_first_harmonic_hz: [f64; 3],
     /// 5, 50 and 95 % of the total damping ratio; none where the percentile lies among dampings below their floor.
     pub damping_ratio: [Option<f64>; 3],
 }
@@ -146,7 +151,8 @@ impl Member {
                 let result = a.point.result.as_ref().ok()?;
                 Some(MemberPoint {
                     response_displacement: a.response_displacement?,
-                    frequency_hz: result.omega / (2.0 * std::f64::consts::PI),
+                    frequency_hz: result.omega / TAU,
+                    frequency_first_harmonic_hz: result.harmonic_omega / TAU,
                     damping_ratio: result.is_resolved().then_some(result.zeta + background),
                 })
             })
@@ -159,9 +165,9 @@ impl Member {
         }
     }
 
-    /// Frequency and damping at an amplitude between the first and the last one, linear in the logarithm of the amplitude;
-    /// damping below the floor is below every other.
-    pub(crate) fn at(&self, amplitude: f64) -> Option<[f64; 2]> {
+    /// Secant frequency, damping and frequency of the first harmonic at an amplitude between the first and the last one,
+    /// linear in the logarithm of the amplitude; damping below the floor is below every other.
+    pub(crate) fn at(&self, amplitude: f64) -> Option<[f64; 3]> {
         let [first, .., last] = self.points.as_slice() else {
             return None;
         };
@@ -184,7 +190,8 @@ impl Member {
             [None, Some(b)] if part == 1.0 => b,
             _ => f64::NEG_INFINITY,
         };
-        Some([between(a.frequency_hz, b.frequency_hz), damping])
+        let harmonic = between(a.frequency_first_harmonic_hz, b.frequency_first_harmonic_hz);
+        Some([between(a.frequency_hz, b.frequency_hz), damping, harmonic])
     }
 }
 
@@ -219,7 +226,7 @@ fn bands(members: &[Member], amplitudes: impl Iterator<Item = f64>) -> Vec<BandP
     common.sort_by(f64::total_cmp);
     common.dedup();
     let band = |amplitude| {
-        let values: Vec<[f64; 2]> = members.iter().filter_map(|m| m.at(amplitude)).collect();
+        let values: Vec<[f64; 3]> = members.iter().filter_map(|m| m.at(amplitude)).collect();
         let of = |which: usize| {
             let mut sorted: Vec<f64> = values.iter().map(|v| v[which]).collect();
             sorted.sort_by(f64::total_cmp);
@@ -229,6 +236,7 @@ fn bands(members: &[Member], amplitudes: impl Iterator<Item = f64>) -> Vec<BandP
             response_displacement: amplitude,
             realisations: values.len(),
             frequency_hz: of(0),
+            frequency_first_harmonic_hz: of(2),
             damping_ratio: of(1).map(|v| v.is_finite().then_some(v)),
         }
     };
@@ -258,6 +266,7 @@ mod tests {
             .map(|(x, damping_ratio)| MemberPoint {
                 response_displacement: x,
                 frequency_hz: f - x.ln(),
+                frequency_first_harmonic_hz: f - x.ln() - 1.0,
                 damping_ratio,
             });
         Member {
@@ -280,6 +289,9 @@ mod tests {
             let shift = band.response_displacement.ln();
             for (f, expected) in band.frequency_hz.iter().zip([101.0, 110.0, 119.0]) {
                 assert!((f + shift - expected).abs() < 1e-9, "{band:?}");
+            }
+            for (f, first) in band.frequency_hz.iter().zip(band.frequency_first_harmonic_hz) {
+                assert!((f - first - 1.0).abs() < 1e-9, "{band:?}");
             }
         }
         let halfway = 2e-4 + 2e-4 * 3f64.log10();

@@ -38,8 +38,10 @@ pub struct MethodValues {
     pub modal_force: f64,
     /// Modal amplitude `q` (sqrt(kg) m).
     pub modal_amplitude: f64,
-    /// Frequency (rad/s).
+    /// Secant frequency (rad/s).
     pub omega: f64,
+    /// Frequency of the first harmonic (rad/s); that of methods without loops belongs to the loop by Masing's rule.
+    pub harmonic_omega: f64,
     /// Damping ratio due to friction; none where it may be noise.
     pub zeta: Option<f64>,
     /// Damping ratios up to this one may be noise.
@@ -142,6 +144,7 @@ impl Request<'_> {
                 modal_force: point.modal_force,
                 modal_amplitude: r.modal_amplitude,
                 omega: r.omega,
+                harmonic_omega: r.harmonic_omega,
                 zeta: r.is_resolved().then_some(r.zeta),
                 zeta_floor: r.zeta_floor,
                 residual: r.residual,
@@ -195,6 +198,7 @@ fn values(points: Vec<LoadingPoint>, response: impl Fn(f64, &[f64]) -> f64) -> V
                 modal_force: r.modal_force,
                 modal_amplitude: r.modal_amplitude,
                 omega: r.omega,
+                harmonic_omega: r.harmonic_omega,
                 zeta: r.is_resolved().then_some(r.zeta),
                 zeta_floor: r.zeta_floor,
                 residual: r.residual,

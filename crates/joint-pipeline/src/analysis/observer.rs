@@ -10,13 +10,20 @@ use zte_assembly::{Interface, State, Workspace};
 /// Hears of a finished amplitude: its place in the backbone, the loop, and what it did at the interface.
 pub(super) type Finish<'a> = dyn Fn(usize, &BackbonePoint, Option<&LoopFields>) -> ControlFlow<()> + Sync + 'a;
 
+/// Range of a motion that has not begun.
+const NO_MOTION: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
 /// Watches one loop at the quadrature points.
 pub(super) struct Watcher<'a> {
     interface: &'a Interface,
     prestress: &'a Fields,
+    /// Recovers the displacement at the response point.
+    response: &'a [f64],
     index: usize,
     store: bool,
     finish: &'a Finish<'a>,
+    /// Smallest and largest displacement at the response point so far (m).
+    motion: [f64; 2],
     area: LoopArea,
     workspace: Workspace,
     end: Option<State>,
@@ -35,6 +42,7 @@ impl<'a> Watcher<'a> {
     pub(super) fn new(
         interface: &'a Interface,
         prestress: &'a Fields,
+        response: &'a [f64],
         index: usize,
         store: bool,
         finish: &'a Finish<'a>,
@@ -42,6 +50,8 @@ impl<'a> Watcher<'a> {
         Self {
             interface,
             prestress,
+            response,
+            motion: NO_MOTION,
             index,
             store,
             finish,
@@ -70,6 +80,7 @@ impl<'a> Watcher<'a> {
             open_fraction: self.open_fraction,
             dissipation,
             largest_sliding: self.largest_sliding,
+            response_motion: 0.5 * (self.motion[1] - self.motion[0]),
             fields: self.at_peak.take().map(|peak| Fields {
                 jump: peak.jump,
                 traction: peak.traction,
@@ -81,6 +92,12 @@ impl<'a> Watcher<'a> {
 }
 
 impl LoopObserver<State> for Watcher<'_> {
+    fn begin(&mut self) {
+        self.area = LoopArea::new(self.interface.operators().n_points());
+        (self.peak, self.largest_sliding) = (f64::NEG_INFINITY, 0.0);
+        self.motion = NO_MOTION;
+    }
+
     fn done(&mut self, point: &BackbonePoint) -> ControlFlow<()> {
         self.fields = point.result.is_ok().then(|| self.close());
         (self.finish)(self.index, point, self.fields.as_ref())
@@ -99,6 +116,8 @@ impl LoopObserver<State> for Watcher<'_> {
             None,
         );
         self.area.add(&self.workspace);
+        let motion: f64 = displacement.iter().zip(self.response).map(|(u, r)| u * r).sum();
+        self.motion = [self.motion[0].min(motion), self.motion[1].max(motion)];
         for p in 0..self.workspace.regime.len() {
             let slide = |c: usize| self.workspace.jump[c][p] - self.prestress.jump[c][p];
             self.largest_sliding = self.largest_sliding.max(slide(0).hypot(slide(1)));

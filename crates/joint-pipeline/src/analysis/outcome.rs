@@ -31,6 +31,9 @@ pub struct LoopFields {
     pub dissipation: f64,
     /// Largest tangential motion from the prestress over the loop (m).
     pub largest_sliding: f64,
+    /// Half the range of the displacement at the response point over the loop (m); it differs from `q phi` by what moves
+    /// outside the linearised mode.
+    pub response_motion: f64,
     /// Fields at the positive peak, for the amplitudes asked for.
     pub fields: Option<Fields>,
 }

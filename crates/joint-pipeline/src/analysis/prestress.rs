@@ -11,11 +11,15 @@ use cqsma_solver::{Linearisation, NewtonSettings, modes};
 use reduction::ReducedModel;
 use zte_assembly::State;
 
+/// Largest sum of residual forces over that of the loads, all at the interface, evaluated anew from stiffness and laws. It
+/// bounds what is missing in the balance of forces and, times the largest lever, of moments.
+const LARGEST_IMBALANCE: f64 = 1e-3;
+
 /// The equilibrium of the interface and the static load (N), from the guess `start`; `bolts` is the sum of the bolt loads
 /// along the normal (N).
 ///
 /// # Errors
-/// [`Error::Prestress`].
+/// [`Error::Prestress`]; [`Error::Unbalanced`] if the forces of the equilibrium do not balance.
 pub(super) fn solve(
     reduced: &ReducedModel,
     force: &InterfaceForce<'_>,
@@ -31,7 +35,14 @@ pub(super) fn solve(
                 history: failure.history,
             }
         })?;
-    Ok(describe(reduced, force, solution, static_load, bolts))
+    let found = describe(reduced, force, solution, static_load, bolts);
+    if !(found.residual_ratio <= LARGEST_IMBALANCE) {
+        return Err(Error::Unbalanced {
+            residual_ratio: found.residual_ratio,
+            limit: LARGEST_IMBALANCE,
+        });
+    }
+    Ok(found)
 }
 
 /// Balance and fields of a static state.

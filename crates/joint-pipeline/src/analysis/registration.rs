@@ -81,7 +81,7 @@ pub fn study(
 fn differences(base: &Member, other: &Member) -> [f64; 2] {
     let mut largest = [0.0_f64; 2];
     for point in &base.points {
-        let Some([frequency, damping]) = other.at(point.response_displacement) else {
+        let Some([frequency, damping, _]) = other.at(point.response_displacement) else {
             continue;
         };
         largest[0] = largest[0].max((frequency - point.frequency_hz).abs());

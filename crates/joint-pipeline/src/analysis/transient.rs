@@ -234,8 +234,9 @@ fn of_points(what: &str, points: &[backbone::Point]) -> Result<Backbone, Error> 
     Backbone::try_new(what, points.iter().map(point).collect())
 }
 
-/// The backbones of a run over the acceleration at the response point, by name: `cqsma` (secants), the same loops with the
-/// frequency of their first harmonic, and the other methods of the scene.
+/// The backbones of a run over the acceleration at the response point, by name: `cqsma` (secants, amplitudes of the linearised
+/// mode), the same loops with the frequency of their first harmonic over the motion as it was, and the other methods of the
+/// scene.
 ///
 /// # Errors
 /// [`Error::Comparison`] if fewer than two amplitudes converged.
@@ -248,13 +249,15 @@ pub fn backbones(run: &Run) -> Result<Vec<(String, Backbone)>, Error> {
     };
     let converged = || {
         let all = run.amplitudes().iter();
-        all.filter_map(|a| Some((a.point.result.as_ref().ok()?, a.response_displacement?)))
+        all.filter_map(|a| Some((a.point.result.as_ref().ok()?, a)))
     };
-    let secant = converged().map(|(r, x)| point(x, r.omega, r.is_resolved().then_some(r.zeta)));
-    let harmonic = converged().map(|(r, x)| {
-        let omega = r.hysteresis.harmonic_omega();
-        let zeta = r.zeta * (r.omega / omega).powi(2);
-        point(x, omega, r.is_resolved().then_some(zeta))
+    let secant = converged().filter_map(|(r, a)| {
+        let zeta = r.is_resolved().then_some(r.zeta);
+        Some(point(a.response_displacement?, r.omega, zeta))
+    });
+    let harmonic = converged().filter_map(|(r, a)| {
+        let zeta = r.is_resolved().then_some(r.harmonic_zeta());
+        Some(point(a.fields.as_ref()?.response_motion, r.harmonic_omega, zeta))
     });
     let mut all = vec![
         ("cqsma".to_owned(), Backbone::try_new("cqsma", secant.collect())?),

@@ -6,7 +6,7 @@ use crate::analysis::methods::MethodPoint;
 use crate::analysis::validity::Validity;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
 use crate::interface::LawReport;
-use crate::scene::{BoltBehaviour, Commit, PRESETS, Preset, Scene, StructureSource, Symmetry};
+use crate::scene::{BoltBehaviour, PRESETS, Preset, Scene, StructureSource, Symmetry};
 use cqsma_solver::Reason;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -212,13 +212,19 @@ pub struct BackboneSummary {
     pub modal_amplitude: Option<f64>,
     /// Secant frequency (Hz).
     pub frequency_hz: Option<f64>,
+    /// Frequency of the first harmonic of the modal force in a sinusoidal motion (Hz): closer to a free oscillation's.
+    #[serde(default)]
+    pub frequency_first_harmonic_hz: Option<f64>,
     /// Secant frequencies of the halves of positive and of negative modal force (Hz).
     pub half_frequencies_hz: Option<[f64; 2]>,
     /// Total damping ratio, friction plus background; `null` below the floor.
     pub damping_ratio: Option<f64>,
     /// Part of it due to friction.
     pub friction_damping_ratio: Option<f64>,
-    /// What residuals and an open loop may make of the friction part.
+    /// Total damping ratio with the frequency of the first harmonic in the place of the secant one; `null` below the floor.
+    #[serde(default)]
+    pub damping_ratio_first_harmonic: Option<f64>,
+    /// What residuals, an open loop, and with commits at reversals points that do not slip, may make of the friction part.
     pub damping_floor: Option<f64>,
     /// Dissipation per cycle summed over the points (J).
     pub dissipation: Option<f64>,
@@ -226,10 +232,13 @@ pub struct BackboneSummary {
     pub loop_area: Option<f64>,
     /// The same from every second vertex of the loop (J).
     pub coarse_loop_area: Option<f64>,
-    /// Acceleration amplitude at the response point (m/s^2).
+    /// Acceleration amplitude at the response point by the linearised mode (m/s^2).
     pub response_acceleration: Option<f64>,
-    /// Displacement amplitude at the response point (m).
+    /// Displacement amplitude at the response point by the linearised mode, modal amplitude times mode shape (m).
     pub response_displacement: Option<f64>,
+    /// Displacement amplitude at the response point as it moved: half its range over the loop (m).
+    #[serde(default)]
+    pub response_motion: Option<f64>,
     /// Area fraction slipping at the positive peak.
     pub slip_fraction: Option<f64>,
     /// Area fraction open there.
@@ -246,11 +255,15 @@ pub struct BackboneSummary {
     pub factorisations: usize,
     /// Part of the peak motion that is mass-orthogonal to the mode.
     pub shape_deviation: Option<f64>,
-    /// Cycles walked, the measured one included.
+    /// Cycles computed, the measured one included.
     pub cycles: Option<usize>,
+    /// Whether the measured loop was computed one way only, because the cycle before it dissipated nothing.
+    #[serde(default)]
+    pub one_way: Option<bool>,
     /// Whether the loop closed; `null` for a fixed number of cycles.
     pub closed: Option<bool>,
-    /// Distance between the ends of the measured loop relative to the motion there (energy norm).
+    /// Distance between the ends of the measured loop relative to the motion there (energy norm): what points under low
+    /// pressure creep on in a cycle counts, also where force and amplitude close.
     pub loop_closure: Option<f64>,
     /// Largest residual of a vertex relative to the peak load (energy norm).
     pub residual: Option<f64>,
@@ -266,8 +279,11 @@ pub struct BackboneSummary {
 pub struct MethodSummary {
     /// Displacement amplitude at the response point (m).
     pub response_displacement: Option<f64>,
-    /// Frequency (Hz).
+    /// Secant frequency (Hz).
     pub frequency_hz: Option<f64>,
+    /// Frequency of the first harmonic (Hz); that of `masing` and `rqnma` belongs to the loop by Masing's rule.
+    #[serde(default)]
+    pub frequency_first_harmonic_hz: Option<f64>,
     /// Total damping ratio, friction plus background; `null` below the floor.
     pub damping_ratio: Option<f64>,
     /// What residuals may make of the friction part.
@@ -396,7 +412,7 @@ fn skipped(run: &Run) -> BTreeMap<String, String> {
         skipped.insert("laws_of_open_points".to_owned(), reason);
     }
     if scene.cqsma.amplitudes > 0 && !run.interface.dissipates() {
-        let reason = "mu is zero: the history of friction cannot change what follows; no cycle is walked before the measured one, \
+        let reason = "mu is zero: the history of friction cannot change what follows; no cycle is computed before the measured one, \
                       and that only one way, as the way back passes the same vertices";
         skipped.insert("way_back_of_loops".to_owned(), reason.to_owned());
     }
@@ -428,9 +444,20 @@ fn skipped(run: &Run) -> BTreeMap<String, String> {
         );
         skipped.insert("fields".to_owned(), reason);
     }
-    if scene.cqsma.commit == Commit::AtReversals && amplitudes > 0 && run.interface.dissipates() {
-        let reason = "cqsma.commit is at-reversals: cycles before the measured one are walked from reversal to reversal, because \
-                      the vertices between cannot change what follows";
+    let quiet = run
+        .amplitudes()
+        .iter()
+        .filter(|a| a.point.result.as_ref().is_ok_and(|r| r.one_way));
+    let quiet = quiet.count();
+    if quiet > 0 && run.interface.dissipates() {
+        let reason = format!(
+            "of {amplitudes} loops {quiet} were computed one way only: the closed cycle before them dissipated nothing that can be \
+             told from the residuals, so that the way back passes the same vertices"
+        );
+        skipped.insert("way_back_of_loops".to_owned(), reason);
+    }
+    if amplitudes > 0 && run.interface.dissipates() && scene.cqsma.vertices_per_quarter > 1 {
+        let reason = "first loading and cycles before the measured one have a quarter of its vertices";
         skipped.insert("vertices_of_the_first_cycles".to_owned(), reason.to_owned());
     }
     skipped
@@ -445,6 +472,7 @@ fn method(point: &MethodPoint, scene: &Scene) -> MethodSummary {
         Ok(values) => MethodSummary {
             response_displacement: Some(values.response_displacement),
             frequency_hz: Some(hertz(values.omega)),
+            frequency_first_harmonic_hz: Some(hertz(values.harmonic_omega)),
             damping_ratio: values.zeta.map(|zeta| zeta + scene.background_damping),
             damping_floor: Some(values.zeta_floor),
             modal_force: Some(values.modal_force),
@@ -500,15 +528,20 @@ fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, holds: f64) -> Bac
         modal_force: point.modal_force,
         modal_amplitude: result.map(|r| r.modal_amplitude),
         frequency_hz: result.map(|r| hertz(r.omega)),
+        frequency_first_harmonic_hz: result.map(|r| hertz(r.harmonic_omega)),
         half_frequencies_hz: result.map(|r| r.half_omegas.map(hertz)),
         damping_ratio: zeta.map(|zeta| zeta + scene.background_damping),
         friction_damping_ratio: zeta,
+        damping_ratio_first_harmonic: result
+            .filter(|r| r.is_resolved())
+            .map(|r| r.harmonic_zeta() + scene.background_damping),
         damping_floor: result.map(|r| r.zeta_floor),
         dissipation: fields.map(|f| f.dissipation),
         loop_area: result.map(|r| r.loop_area),
         coarse_loop_area: result.and_then(|r| r.coarse_loop_area),
         response_acceleration: amplitude.response_acceleration,
         response_displacement: amplitude.response_displacement,
+        response_motion: fields.map(|f| f.response_motion),
         slip_fraction: fields.map(|f| f.slip_fraction),
         open_fraction: fields.map(|f| f.open_fraction),
         load_points: point.effort.solves,
@@ -518,6 +551,7 @@ fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, holds: f64) -> Bac
         factorisations: point.effort.factorisations,
         shape_deviation: result.map(|r| r.shape_deviation),
         cycles: result.map(|r| r.cycles),
+        one_way: result.map(|r| r.one_way),
         closed: result.filter(|_| scene.cqsma.cycles.is_none()).map(|r| r.closed),
         loop_closure: result.map(|r| r.closure),
         residual: result.map(|r| r.residual),

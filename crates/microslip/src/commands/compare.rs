@@ -142,9 +142,9 @@ struct Summary {
 /// An amplitude; its values are missing where it did not converge.
 #[derive(Deserialize)]
 struct Amplitude {
-    response_displacement: Option<f64>,
-    frequency_hz: Option<f64>,
-    damping_ratio: Option<f64>,
+    response_motion: Option<f64>,
+    frequency_first_harmonic_hz: Option<f64>,
+    damping_ratio_first_harmonic: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -156,7 +156,7 @@ struct Ensemble {
 #[derive(Deserialize)]
 struct Band {
     response_displacement: f64,
-    frequency_hz: [f64; 3],
+    frequency_first_harmonic_hz: [f64; 3],
     damping_ratio: [Option<f64>; 3],
 }
 
@@ -171,7 +171,7 @@ impl Ensemble {
         let edge = |index: usize| {
             let points = self.bands.iter().map(|band| Point {
                 amplitude: band.response_displacement,
-                frequency_hz: band.frequency_hz[index],
+                frequency_hz: band.frequency_first_harmonic_hz[index],
                 damping_ratio: band.damping_ratio[index],
             });
             Backbone::try_new("the edge of the band", points.collect())
@@ -188,9 +188,9 @@ impl Theory {
             serde_json::from_str(&read(&path)?).with_context(|| format!("{at} is not the summary of a run"))?;
         let points = summary.backbone.iter().filter_map(|point| {
             Some(Point {
-                amplitude: point.response_displacement?,
-                frequency_hz: point.frequency_hz?,
-                damping_ratio: point.damping_ratio,
+                amplitude: point.response_motion?,
+                frequency_hz: point.frequency_first_harmonic_hz?,
+                damping_ratio: point.damping_ratio_first_harmonic,
             })
         });
         let points: Vec<Point> = points.collect();

@@ -11,7 +11,7 @@ use joint_pipeline::results::trends::{PowerLaw, at, power_law};
 use joint_pipeline::scene::{Commit, Curves, Force, Gap, LawKind, Method, Stress};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use reports::map::rgb;
-use reports::plot::{BLUE, Curve, Panel, RED, stack, title};
+use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack, title};
 use surface_characterisation::{
     AsperityCount, HeightCombination, Options, PackingHeight, PairRadius, RadiusStatistic, characterise,
 };
@@ -61,7 +61,7 @@ fn curve(name: String, colour: RGBColor, dashes: Option<(u32, u32)>, points: &[(
         name,
         colour,
         dashes,
-        dots: false,
+        marks: Marks::None,
         points: points.iter().enumerate().map(|(i, &(x, y))| (i, x, y)).collect(),
     }
 }

@@ -7,7 +7,7 @@ use joint_pipeline::Scene;
 use joint_pipeline::results::trends;
 use joint_pipeline::scene::Gap;
 use plotters::prelude::SeriesLabelPosition;
-use reports::plot::{BLUE, Curve, Panel, RED, stack};
+use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
 
 pub(super) const CLAIMS: Entry = Entry {
     id: "claims",
@@ -222,7 +222,7 @@ fn sliders() -> Result<(f64, String)> {
         name: format!("mu = {mu}"),
         colour,
         dashes,
-        dots: false,
+        marks: Marks::None,
         points: (0..=120)
             .map(|i| 0.05 * f64::from(i))
             .enumerate()

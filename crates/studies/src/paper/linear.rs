@@ -13,7 +13,7 @@ use joint_pipeline::Scene;
 use joint_pipeline::scene::{ContactStiffness, Curves, Elastic, Force, Gap};
 use joint_pipeline::structure::{LinearInterface, Structure};
 use plotters::prelude::SeriesLabelPosition;
-use reports::plot::{BLUE, Curve, Panel, RED, stack};
+use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
 use surface_characterisation::ElementSurface;
 
 /// Standard gravity (m/s^2).
@@ -336,14 +336,14 @@ fn table_4(inputs: &Inputs) -> Result<Plan<'_>> {
                                 name: label("here"),
                                 colour,
                                 dashes: None,
-                                dots: true,
+                                marks: Marks::Dots,
                                 points: pick(case, ours),
                             },
                             Curve {
                                 name: label("published"),
                                 colour,
                                 dashes: Some((6, 4)),
-                                dots: false,
+                                marks: Marks::None,
                                 points: pick(case, theirs),
                             },
                         ]

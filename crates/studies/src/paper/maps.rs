@@ -11,7 +11,7 @@ use joint_pipeline::results::trends::power_law;
 use joint_pipeline::scene::Gap;
 use plotters::prelude::SeriesLabelPosition;
 use reports::map::{Map, several};
-use reports::plot::{BLUE, Curve, Panel, RED, stack};
+use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
 use zte_assembly::InterfaceMesh;
 
 pub(super) const FIG_17: Entry = Entry {
@@ -484,7 +484,7 @@ fn backbones(inputs: &Inputs, runs: &[&Record]) -> Result<Picture> {
                 name: if named { name.to_owned() } else { String::new() },
                 colour,
                 dashes,
-                dots: false,
+                marks: Marks::None,
                 points: (run.backbone.iter())
                     .filter_map(|p| Some((p.index, p.displacement, of(p)?)))
                     .collect(),
@@ -497,7 +497,7 @@ fn backbones(inputs: &Inputs, runs: &[&Record]) -> Result<Picture> {
                 name: String::new(),
                 colour,
                 dashes: None,
-                dots: true,
+                marks: Marks::Dots,
                 points: points
                     .filter_map(|(i, p)| Some((2 * i, p.displacement, of(p)?)))
                     .collect(),

@@ -9,7 +9,7 @@ use contact_laws::{AsperitySumCurves, ContactCurves, ElasticPair, TangentialRead
 use joint_pipeline::results::trends::histogram;
 use joint_pipeline::scene::{Gap, SyntheticScan};
 use plotters::prelude::SeriesLabelPosition;
-use reports::plot::{BLUE, Curve, Panel, RED, stack};
+use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
 use surface_characterisation::{CorrelationOptions, ElementField, benjamini_hochberg, changes, correlate, p_as89};
 
 pub(super) const FIG_12: Entry = Entry {
@@ -95,7 +95,7 @@ fn fig_12(inputs: &Inputs) -> Result<Plan<'_>> {
                 name: name.to_owned(),
                 colour,
                 dashes,
-                dots: false,
+                marks: Marks::None,
                 points: points.into_iter().enumerate().map(|(i, (x, y))| (i, x, y)).collect(),
             };
             let panel = |y_label, log, curves| Panel {

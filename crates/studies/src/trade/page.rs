@@ -4,7 +4,7 @@ use super::parameters::{AMPLITUDES, Source};
 use super::{Ladder, Measured, Part, total};
 use plotters::prelude::*;
 use reports::csv::table;
-use reports::plot::{Canvas, Curve, bounds, log, panel, picture, power, ticks, widen};
+use reports::plot::{Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
 use reports::{Drawing, Error};
 use std::fmt::Write;
 
@@ -207,7 +207,7 @@ fn draw(ladders: &[Ladder], root: &Canvas<'_>) -> Result<(), Drawing> {
                     name: name.into(),
                     colour,
                     dashes: None,
-                    dots: true,
+                    marks: Marks::Dots,
                     points: points.collect(),
                 })
             })
