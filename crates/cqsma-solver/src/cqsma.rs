@@ -33,7 +33,7 @@ pub enum Commit {
 /// How many cycles are computed. The first carries slip left over from the prestress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cycles {
-    /// So many, of which the last is measured.
+    /// So many, all with the same vertices, of which the last is measured.
     Fixed(usize),
     /// Until a cycle closes, and the one that is measured, which must close as well or is measured again.
     ///
@@ -138,7 +138,8 @@ pub struct LoopResult {
     pub cycles: usize,
     /// Whether the loop closed within the tolerance asked for; always false for a fixed number of cycles.
     pub closed: bool,
-    /// Whether the measured loop was computed one way only, because the cycle before it dissipated nothing.
+    /// Whether the measured loop was computed one way only, because the cycle before it dissipated nothing and nothing slips
+    /// or opens on the way.
     pub one_way: bool,
     /// Distance between the ends of the measured loop relative to the motion there (energy norm); zero where nothing dissipates.
     pub closure: f64,
@@ -324,6 +325,10 @@ struct LoopTracer<'a, F: HystereticForce> {
     peak: f64,
     settings: &'a Settings,
     path: Path<'a, F>,
+    /// Most points that slipped at a vertex since it was last set to zero.
+    most_slipping: usize,
+    /// Fewest and most points that were open at a vertex.
+    open: Option<[usize; 2]>,
 }
 
 /// What comes before the measured loop.
@@ -350,6 +355,8 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             peak,
             settings,
             path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, sequence),
+            most_slipping: 0,
+            open: None,
         }
     }
 
@@ -386,8 +393,8 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         let mut hysteresis = Loop::default();
         let mut deviation = 0.0_f64;
         // Without dissipation the way back passes the same vertices, which are kept for it.
-        let one_way = settled.is_quiet;
-        if !one_way {
+        let quiet = settled.is_quiet;
+        if !quiet {
             // Of cycles that are not measured; one way the peak is not solved for again.
             self.path.residual = 0.0;
         }
@@ -402,7 +409,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 *t = u + v;
             }
             observer.vertex(tracer.path.at, &total, &tracer.path.sequence.begin);
-            if one_way {
+            if quiet {
                 passed.push((total.clone(), tracer.path.sequence.begin.clone()));
             }
             if tracer.path.at.abs() >= tracer.peak {
@@ -416,7 +423,11 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         record(self);
         let edges = 2 * self.settings.vertices_per_quarter;
         let start = self.path.sequence.motion.clone();
+        self.most_slipping = 0;
         self.branch(-self.peak, edges, &mut record)?;
+        // What the few vertices of the cycles before did not show may slip or open between them.
+        let sticks = self.most_slipping == 0 && self.open.is_some_and(|[fewest, most]| fewest == most);
+        let one_way = quiet && (sticks || !self.path.equilibrium.force.dissipates());
         let (counts, closure) = if one_way {
             for (vertex, (total, begin)) in passed.iter().enumerate().rev().skip(1) {
                 let (force, amplitude) = (hysteresis.force[vertex], hysteresis.amplitude[vertex]);
@@ -443,9 +454,12 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     }
 
     /// Follows the first loading and the cycles before the measured one. What these leave behind depends little on their
-    /// vertices, of which they have fewer.
+    /// vertices, of which they have a quarter where the measured loop is checked for having closed.
     fn settle_down(&mut self) -> Result<Settled, Failure> {
-        let quarter = self.settings.vertices_per_quarter.div_ceil(4);
+        let quarter = match self.settings.cycles {
+            Cycles::Fixed(_) => self.settings.vertices_per_quarter,
+            Cycles::UntilClosed { .. } => self.settings.vertices_per_quarter.div_ceil(4),
+        };
         let mut counts = self.branch(self.peak, quarter, &mut |_| {})?;
         let most = match self.settings.cycles {
             _ if !self.path.equilibrium.force.dissipates() => {
@@ -541,6 +555,9 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 start + (target - start) * step as f64 / steps as f64
             };
             counts = self.path.advance(goal)?;
+            self.most_slipping = self.most_slipping.max(counts.slip);
+            let [fewest, most] = self.open.unwrap_or([counts.open; 2]);
+            self.open = Some([fewest.min(counts.open), most.max(counts.open)]);
             if step < steps {
                 record(self);
                 if self.settings.commit == Commit::AtEveryVertex {

@@ -290,7 +290,7 @@ fn the_halves_have_their_own_frequencies_and_the_whole_does_not_know_the_sign() 
 }
 
 #[test]
-fn a_loop_is_walked_until_it_closes() {
+fn a_loop_is_followed_until_it_closes() {
     let chain = JenkinsChain::new(6, 2000.0, (400.0, 1.0));
     let mut load = vec![0.0; 6];
     // Pulled backwards, so that the first cycle slips on its way back only.
@@ -315,7 +315,8 @@ fn a_loop_is_walked_until_it_closes() {
     assert!((first.zeta / closed.zeta - 1.0).abs() > 1e-3);
     // The most cycles are kept, and what is open is called open.
     let open = until(1e-6, 1);
-    assert!(!open.closed && open.cycles == 1 && open.closure == first.closure);
+    assert!(!open.closed && open.cycles == 1);
+    assert!((open.closure / first.closure - 1.0).abs() < 1e-6);
     for (tolerance, most) in [(0.0, 3), (f64::NAN, 3), (1e-6, 0)] {
         let cycles = Cycles::UntilClosed { tolerance, most };
         let settings = Settings {

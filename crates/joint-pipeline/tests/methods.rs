@@ -6,7 +6,7 @@ mod common;
 use common::{BENCHMARKS, beam};
 use contact_laws::{ElasticCurves, FrictionalLaw, HistoryRule, PointParameters, RegimeCounts, Sticking};
 use cqsma_solver::cqsma::LoopObserver;
-use cqsma_solver::cqsma::{self, Settings};
+use cqsma_solver::cqsma::{self, Cycles, Settings};
 use cqsma_solver::{HystereticForce, LoopResult, NewtonSettings, NoObserver, PatternView, modes, prestress};
 use faer::Mat;
 use joint_pipeline::interface::InterfaceForce;
@@ -150,6 +150,8 @@ fn without_friction_one_way_of_a_loop_is_the_whole_loop() {
     let mut settings = Settings::default();
     settings.newton.tolerance = 1e-11;
     let one_way = cqsma::run(&line, &force, &forces, &settings, |_| Path::default()).unwrap();
+    // So many cycles are measured both ways, whatever the cycle before them tells.
+    settings.cycles = Cycles::Fixed(2);
     let both = cqsma::run(&line, &Reticent(force), &forces, &settings, |_| Path::default()).unwrap();
     for ((a, path), (b, full)) in one_way.iter().zip(&both) {
         let (found, expected) = (a.result.as_ref().unwrap(), b.result.as_ref().unwrap());
@@ -169,7 +171,7 @@ fn without_friction_one_way_of_a_loop_is_the_whole_loop() {
             assert!((a / b - 1.0).abs() < 1e-9);
         }
         assert!(found.zeta.abs() < 1e-14 && expected.zeta.abs() < 1e-9);
-        assert!(found.closed && expected.closed);
+        assert!(found.closed && found.one_way && !expected.one_way);
         assert_eq!(found.counts, expected.counts);
         assert_eq!(found.hysteresis.force, expected.hysteresis.force);
         assert_eq!(path.0.len(), full.0.len());
