@@ -180,7 +180,8 @@ fn without_slip_commits_at_every_vertex_leave_no_damping_at_all() {
         assert!(!b.one_way);
         let bound = (1e-2 * a.zeta).max(1e-9);
         assert!((zeta - a.zeta).abs() < bound, "{zeta:e} {:e}", a.zeta);
-        assert!((a.omega / b.omega - 1.0).abs() < bound.max(1e-8));
+        let bound = if b.counts.open > 0 { 1e-4 } else { 1e-8 };
+        assert!((a.omega / b.omega - 1.0).abs() < bound, "{} {}", a.omega, b.omega);
     }
 }
 
