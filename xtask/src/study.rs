@@ -1,6 +1,7 @@
 //! The tasks that are studies, with their arguments.
 
 use microslip::commands::SceneArguments;
+use microslip::files::Overwrite;
 use std::path::PathBuf;
 
 /// Tasks of the program `xtask-studies`.
@@ -31,6 +32,9 @@ pub struct Trade {
     /// Folder for the results and the runs, made if missing; finished runs of the same settings found there are kept.
     #[arg(long, value_name = "DIR", default_value = "results/trade")]
     pub out: PathBuf,
+    /// Whether results of something else are replaced.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Arguments of `paper`.
@@ -42,6 +46,9 @@ pub struct Paper {
     /// Folder for the results, made if missing; other files in it are left alone.
     #[arg(long, value_name = "DIR", default_value = "results/paper")]
     pub out: PathBuf,
+    /// Whether results of something else are replaced.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
     /// Neither read nor store reduced models and finished scenes in results/.cache.
     #[arg(long)]
     pub no_cache: bool,
@@ -82,4 +89,7 @@ pub struct Extremes {
     /// Folder for extremes.json, made if missing.
     #[arg(long, value_name = "DIR", default_value = "results/extremes")]
     pub out: PathBuf,
+    /// Whether results of something else are replaced.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }

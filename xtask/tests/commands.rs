@@ -71,14 +71,18 @@ fn a_cached_model_gives_the_same_results_and_old_fields_are_removed() {
     scene["output"] = json!({ "fields_at": [2] });
     go(&scene);
     assert_eq!(fields(&here), ["interface-amplitude-02.vtu", foreign]);
-    // Of a scene of another name, nothing is removed.
+    // Of a scene of another name, nothing is removed, and nothing overwritten, unless that is asked for.
     scene["name"] = json!("another");
     scene["output"] = json!({ "fields_at": [3] });
-    go(&scene);
-    assert_eq!(
-        fields(&here),
-        ["interface-amplitude-02.vtu", "interface-amplitude-03.vtu", foreign]
-    );
+    std::fs::write(folder.join("brb-quick.json"), scene.to_string()).unwrap();
+    let arguments = ["brb", "brb-quick.json", "--out", "here"];
+    let output = run(&folder, &arguments);
+    assert_eq!(exit_code(&output), 1);
+    assert!(messages(&output).contains("--overwrite"), "{}", messages(&output));
+    assert_eq!(fields(&here), ["interface-amplitude-02.vtu", foreign]);
+    let output = run(&folder, &[&arguments[..], &["--overwrite"]].concat());
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+    assert_eq!(fields(&here), ["interface-amplitude-03.vtu", foreign]);
     let left: Vec<_> = std::fs::read_dir(&here)
         .unwrap()
         .map(|e| e.unwrap().file_name())

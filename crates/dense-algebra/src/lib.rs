@@ -5,9 +5,11 @@
 //! library must not touch. And eigenproblems are brought to unit size, because the library's divide-and-conquer step
 //! deflates with an absolute tolerance (a matrix of size 1e12 lost four digits to it, one of size 1e-5 five).
 
+mod fingerprint;
 mod packed;
 mod subspace;
 
+pub use fingerprint::arithmetic_fingerprint;
 pub use packed::Symmetric;
 pub use subspace::lowest_pairs;
 

@@ -25,6 +25,7 @@ fn main() -> Result<(), joint_pipeline::Error> {
     };
     let options = Options {
         cache: std::env::args().nth(2).map(Into::into),
+        build: None,
     };
     let run = run(&scene, &options, &Stages)?;
     println!("stuck modes [Hz]: {:.2?}", &run.model.reduced.stuck_frequencies[..10]);

@@ -19,6 +19,22 @@ pub enum Error {
         /// Why it failed.
         source: std::io::Error,
     },
+    /// A file could not be replaced safely.
+    #[error(transparent)]
+    Store(#[from] durable_files::Error),
+    /// An input is not the one that a run read.
+    #[error(
+        "{}: is not the file that the results were computed from (SHA-256 {found} instead of {expected}); restore it, or run the \
+         scene again", path.display()
+    )]
+    InputChanged {
+        /// File.
+        path: PathBuf,
+        /// Its SHA-256 then.
+        expected: String,
+        /// Its SHA-256 now.
+        found: String,
+    },
     /// A scene is not valid JSON, misses a mandatory block or has an unknown field.
     #[error("{place}: {message}")]
     Syntax {

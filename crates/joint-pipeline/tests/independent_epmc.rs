@@ -59,6 +59,7 @@ fn first_harmonics_of_the_loops_are_those_of_periodic_motions() {
     let folder = TemporaryFolder::new("independent-epmc");
     let options = Options {
         cache: Some(folder.to_path_buf()),
+        ..Options::default()
     };
     let scene = |rest: Value| {
         let mut scene = json!({

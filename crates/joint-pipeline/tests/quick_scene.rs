@@ -11,9 +11,11 @@ use joint_pipeline::progress::{Progress, Silent, Stage};
 use joint_pipeline::results::summary::{Status, Summary};
 use joint_pipeline::scene::{BoltBehaviour, Commit, Gap, LawKind, RefinementLevel, Surface, SyntheticScan};
 use joint_pipeline::scene::{Force, Length};
+use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Options, Run, Scene, run};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
+use test_support::TemporaryFolder;
 
 /// Folder with the reduced model that all tests share; the first test in makes it.
 fn cache() -> PathBuf {
@@ -23,14 +25,10 @@ fn cache() -> PathBuf {
             let folder = std::env::temp_dir().join(format!("joint-pipeline-{}", std::process::id()));
             let mut first = quick();
             first.cqsma.amplitudes = 1;
-            run(
-                &first,
-                &Options {
-                    cache: Some(folder.clone()),
-                },
-                &Silent,
-            )
-            .unwrap();
+            run(&first, &Options::cached(&folder), &Silent)
+                .unwrap()
+                .checkpoints
+                .remove();
             folder
         })
         .clone()
@@ -46,7 +44,9 @@ fn quick() -> Scene {
 }
 
 fn go(scene: &Scene) -> Run {
-    run(scene, &Options { cache: Some(cache()) }, &Silent).unwrap()
+    let run = run(scene, &Options::cached(cache()), &Silent).unwrap();
+    run.checkpoints.remove();
+    run
 }
 
 fn damping(run: &Run) -> Vec<f64> {
@@ -313,10 +313,12 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
     let mut scene = quick();
     scene.cqsma.amplitudes = 1;
     let folder = std::env::temp_dir().join(format!("joint-pipeline-damaged-{}", std::process::id()));
-    let options = Options {
-        cache: Some(folder.clone()),
+    let options = Options::cached(&folder);
+    let with = |heard: &Heard| {
+        let run = run(&scene, &options, heard).unwrap();
+        run.checkpoints.remove();
+        run
     };
-    let with = |heard: &Heard| run(&scene, &options, heard).unwrap();
     let fresh = with(&Heard::default());
     let heard = Heard::default();
     let cached = with(&heard);
@@ -335,6 +337,119 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
     );
     assert_eq!(fresh.amplitudes()[0].point.result, again.amplitudes()[0].point.result);
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// A folder of a test's own with the reduced model that all tests share.
+fn folder_with_model(name: &str) -> TemporaryFolder {
+    let folder = TemporaryFolder::new(&format!("joint-pipeline-{name}"));
+    for entry in std::fs::read_dir(cache()).unwrap().map(Result::unwrap) {
+        if entry.file_name().to_string_lossy().starts_with("reduced-") {
+            std::fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
+        }
+    }
+    folder
+}
+
+/// The file in a folder whose name begins so.
+fn file_of(folder: &Path, name: &str) -> PathBuf {
+    let mut entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap());
+    let found = entries.find(|e| e.file_name().to_string_lossy().starts_with(name));
+    found.unwrap().path()
+}
+
+/// Every bit of the header, which says sizes, mass and frequencies, and of some of the numbers.
+#[test]
+fn a_cached_model_with_any_bit_flipped_is_computed_again() {
+    let scene = quick();
+    let folder = folder_with_model("flipped");
+    let path = file_of(&folder, "reduced-");
+    let intact = std::fs::read(&path).unwrap();
+    let header = intact
+        .iter()
+        .enumerate()
+        .filter(|(_, byte)| **byte == b'\n')
+        .nth(1)
+        .unwrap()
+        .0;
+    let structure = Structure::try_new(&scene, &Silent).unwrap();
+    // Whether the file is taken for the model; computing another one is not what this test is about.
+    let is_read = |options: &Options| {
+        struct Stop(Mutex<bool>);
+        impl Progress for Stop {
+            fn begin(&self, _: Stage) {
+                std::panic::panic_any("computed again");
+            }
+            fn note(&self, text: &str) {
+                *self.0.lock().unwrap() |= text.contains("read from the cache");
+            }
+        }
+        let stop = Stop(Mutex::new(false));
+        let reduced = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| structure.reduce(options, &stop)));
+        assert_eq!(reduced.is_ok(), *stop.0.lock().unwrap());
+        reduced.is_ok()
+    };
+    let options = Options::cached(&*folder);
+    assert!(is_read(&options));
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let payload = (header..intact.len()).step_by(intact.len() / 50);
+    let taken: Vec<usize> = (0..header)
+        .step_by(7)
+        .chain(payload)
+        .filter(|&place| {
+            let mut damaged = intact.clone();
+            damaged[place] ^= 1 << (place % 8);
+            std::fs::write(&path, damaged).unwrap();
+            is_read(&options)
+        })
+        .collect();
+    std::fs::write(&path, &intact).unwrap();
+    let of_another_build = Options {
+        build: Some("another".into()),
+        ..options.clone()
+    };
+    let [own, other] = [is_read(&options), is_read(&of_another_build)];
+    std::panic::set_hook(usual);
+    assert_eq!(taken, Vec::<usize>::new());
+    assert!(own && !other);
+}
+
+#[test]
+fn a_line_of_a_checkpoint_with_a_digit_changed_counts_as_not_done() {
+    let mut scene = quick();
+    scene.name = "digits".into();
+    scene.cqsma.amplitudes = 3;
+    let folder = folder_with_model("digits");
+    let options = Options::cached(&*folder);
+    struct Notes(Mutex<String>);
+    impl Progress for Notes {
+        fn note(&self, text: &str) {
+            *self.0.lock().unwrap() += text;
+        }
+    }
+    let go = || {
+        let notes = Notes(Mutex::default());
+        let run = run(&scene, &options, &notes).unwrap();
+        let frequencies: Vec<f64> = (run.amplitudes().iter())
+            .map(|a| a.point.result.as_ref().unwrap().omega)
+            .collect();
+        (frequencies, notes.0.into_inner().unwrap())
+    };
+    let (undisturbed, _) = go();
+    let path = file_of(&folder, "loops-");
+    let intact = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(intact.lines().count(), 3);
+    assert_eq!(go().0, undisturbed);
+    let omega = intact.find("\"omega\":").unwrap() + 8;
+    // A digit of the frequency, of the checksum, and of the number of the amplitude.
+    for place in [omega, omega + 3, 0, intact.find("\"index\":").unwrap() + 8] {
+        let mut damaged = intact.clone().into_bytes();
+        damaged[place] = if damaged[place] == b'2' { b'1' } else { b'2' };
+        std::fs::write(&path, damaged).unwrap();
+        let (found, notes) = go();
+        assert_eq!(found, undisturbed, "byte {place}");
+        assert!(notes.contains("2 of 3 amplitudes were taken"), "{notes}");
+    }
 }
 
 #[test]
@@ -396,7 +511,7 @@ fn a_mode_that_does_not_move_the_response_point_is_refused() {
     // The second mode bends across the beam, the response is normal to the interface.
     let mut scene = quick();
     scene.cqsma.mode = 2;
-    let error = run(&scene, &Options { cache: Some(cache()) }, &Silent).unwrap_err();
+    let error = run(&scene, &Options::cached(cache()), &Silent).unwrap_err();
     assert!(matches!(error, Error::NoResponse { mode: 2, .. }), "{error}");
 }
 
@@ -442,16 +557,17 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
             std::fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
         }
     }
-    let options = Options {
-        cache: Some(folder.clone()),
-    };
+    let options = Options::cached(&folder);
     let loops = || {
         let mut entries = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path());
         entries.find(|p| p.extension().is_some_and(|e| e == "jsonl"))
     };
     // Alone, a thread stops where it is told to; the others of a pool would finish what they have begun.
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let undisturbed = numbers(&run(&scene, &options, &Silent).unwrap());
+    let finished = run(&scene, &options, &Silent).unwrap();
+    let undisturbed = numbers(&finished);
+    assert!(loops().is_some(), "the results are not safe yet");
+    finished.checkpoints.remove();
     assert!(loops().is_none(), "a finished run leaves no loops behind");
     for stops in [vec![1], vec![3, 1, 2], vec![6]] {
         for &stop in &stops {
@@ -464,6 +580,7 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
         std::fs::write(&path, &text[..text.len() - 7]).unwrap();
         let resumed = run(&scene, &options, &Silent).unwrap();
         assert!(numbers(&resumed) == undisturbed, "{stops:?}");
+        resumed.checkpoints.remove();
         assert!(loops().is_none());
     }
     // Loops of another scene are not taken for those of this one.
@@ -474,7 +591,9 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
     );
     let mut other = scene.clone();
     other.mu = 0.3;
-    assert!(numbers(&run(&other, &options, &Silent).unwrap()) != undisturbed);
+    let of_other = run(&other, &options, &Silent).unwrap();
+    assert!(numbers(&of_other) != undisturbed);
+    of_other.checkpoints.remove();
     assert!(loops().is_some());
     std::fs::remove_dir_all(&folder).unwrap();
 }
@@ -484,7 +603,7 @@ fn prestress_is_found_from_far_guesses() {
     for gap in [Gap::Flat, Gap::Measured] {
         let mut scene = quick();
         scene.gap = gap;
-        let options = Options { cache: Some(cache()) };
+        let options = Options::cached(cache());
         let prepared = prepare(&scene, &options, &Silent).unwrap();
         let reduced = &prepared.model().reduced;
         let force = InterfaceForce::new(&prepared.interface().interface);

@@ -41,9 +41,7 @@ fn structure() -> Structure {
 }
 
 fn options(folder: &Path) -> Options {
-    Options {
-        cache: Some(folder.join("cache")),
-    }
+    Options::cached(folder.join("cache"))
 }
 
 fn faces() -> SyntheticScan {
@@ -277,9 +275,7 @@ fn ensembles_depend_on_the_seed_alone_and_go_on_where_they_stopped() {
         let from = entry.unwrap().path();
         std::fs::copy(&from, cache.join(from.file_name().unwrap())).unwrap();
     }
-    let options = Options {
-        cache: Some(cache.clone()),
-    };
+    let options = Options::cached(cache.clone());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let stopped = pool.install(|| run_ensemble(&scene, 3, &options, &StopAfter(AtomicUsize::new(7))));
     assert!(stopped.is_err());

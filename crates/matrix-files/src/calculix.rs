@@ -5,7 +5,7 @@
 //! `*FREQUENCY`; checked against version 2.20). Fixed and dependent components do not occur.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::text::{self, quoted};
 use crate::triplets::{self, Entry};
@@ -28,11 +28,9 @@ pub struct Files<'a> {
     pub dofs: Source<'a>,
 }
 
-/// Reads the three files that lie beside one another; `path` is any of them, or their common name without extension.
-///
-/// # Errors
-/// [`Error::NoDofMap`] if there is no `.dof`, [`Error::File`], and those of [`parse`].
-pub fn read(path: &Path) -> Result<Assembled, Error> {
+/// The `.sti`, `.mas` and `.dof` of a job; `path` is any of them, or their common name without extension.
+#[must_use]
+pub fn files(path: &Path) -> [PathBuf; 3] {
     let known = |e: &std::ffi::OsStr| ["sti", "mas", "dof"].iter().any(|k| e.eq_ignore_ascii_case(k));
     let job = if path.extension().is_some_and(known) {
         path.with_extension("")
@@ -43,9 +41,17 @@ pub fn read(path: &Path) -> Result<Assembled, Error> {
     let beside = |extension: &str| {
         let mut name = job.clone().into_os_string();
         name.push(extension);
-        std::path::PathBuf::from(name)
+        PathBuf::from(name)
     };
-    let [sti, mas, dof] = [".sti", ".mas", ".dof"].map(beside);
+    [".sti", ".mas", ".dof"].map(beside)
+}
+
+/// Reads the three files that lie beside one another; `path` is any of them, or their common name without extension.
+///
+/// # Errors
+/// [`Error::NoDofMap`] if there is no `.dof`, [`Error::File`], and those of [`parse`].
+pub fn read(path: &Path) -> Result<Assembled, Error> {
+    let [sti, mas, dof] = files(path);
     if !dof.exists() {
         return Err(Error::NoDofMap {
             file: sti.to_string_lossy().into_owned(),

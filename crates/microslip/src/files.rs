@@ -1,61 +1,69 @@
-//! Output files that appear whole or not at all.
+//! Folders of results, each written by one command at a time and replaced as a set.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
+use durable_files::{Folder, Identity};
+use joint_pipeline::Scene;
+use joint_pipeline::scene::StructureSource;
 use reports::Output;
 use reports::run::{amplitude_file, picture_file, table_file};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 
-/// Writes all files into `directory`: first under temporary names, then, when none failed, renamed in the given order.
-///
-/// # Errors
-/// The first file that cannot be written or renamed; temporary files are removed.
-pub fn write_all(directory: &Path, outputs: &[Output]) -> Result<()> {
-    let temporary: Vec<PathBuf> = outputs
-        .iter()
-        .map(|o| directory.join(format!(".{}.part{}", o.name, std::process::id())))
-        .collect();
-    let written = outputs
-        .iter()
-        .zip(&temporary)
-        .try_for_each(|(output, path)| {
-            std::fs::write(path, &output.contents).with_context(|| format!("writing {}", path.display()))
-        })
-        .and_then(|()| {
-            outputs.iter().zip(&temporary).try_for_each(|(output, from)| {
-                let to = directory.join(&output.name);
-                std::fs::rename(from, &to).with_context(|| format!("moving {} into place", to.display()))
-            })
-        });
-    if written.is_err() {
-        // Those already renamed are gone from here; the others are of no use.
-        temporary.iter().for_each(|path| drop(std::fs::remove_file(path)));
-    }
-    written
+/// Whether results of something else may be replaced.
+#[derive(clap::Args)]
+pub struct Overwrite {
+    /// Replace what is in the folder, also results of another scene or command and files that no manifest lists.
+    #[arg(long)]
+    overwrite: bool,
 }
 
-/// Removes the interface files of amplitudes, the backbones of further modes, and those `named`, that are not among `outputs`.
-///
-/// # Errors
-/// The folder cannot be listed, or a file cannot be removed.
-pub(crate) fn remove_stale(directory: &Path, outputs: &[Output], named: &[&str]) -> Result<()> {
-    let entries = std::fs::read_dir(directory).with_context(|| format!("listing {}", directory.display()))?;
-    for entry in entries {
-        let path = entry
-            .with_context(|| format!("listing {}", directory.display()))?
-            .path();
-        let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
-            continue;
-        };
-        let ours = is_of_amplitudes_or_modes(name) || named.contains(&name);
-        if ours && outputs.iter().all(|output| output.name != name) {
-            std::fs::remove_file(&path).with_context(|| format!("removing {} of an earlier run", path.display()))?;
+impl Overwrite {
+    /// Takes hold of the folder of results, made if missing, before what is computed. `names` are files that will be
+    /// written.
+    ///
+    /// # Errors
+    /// Another process holds the folder; it holds results of something else; it cannot be made.
+    pub fn open(&self, directory: &Path, identity: &Identity, names: &[&str]) -> Result<Folder> {
+        let folder = Folder::open(directory, identity, self.overwrite)?;
+        folder.expect(names.iter().copied())?;
+        if !folder.is_locked() {
+            // Who cannot be told is not told.
+            let _ = writeln!(
+                std::io::stderr(),
+                "warning: {}: the file system has no locks; start no other command with this folder before the end",
+                directory.display()
+            );
         }
+        Ok(folder)
     }
-    Ok(())
 }
 
-/// Whether a run writes the fields of some amplitude, or the backbone of a further mode, to a file of this name.
-fn is_of_amplitudes_or_modes(name: &str) -> bool {
+/// Replaces the results in a folder by these, with their manifest, and gives the folder free.
+///
+/// # Errors
+/// A file that cannot be written; the results that were there are as they were.
+pub fn publish(folder: Folder, outputs: &[Output]) -> Result<()> {
+    let files: Vec<(&str, &[u8])> = outputs.iter().map(|o| (o.name.as_str(), &o.contents[..])).collect();
+    Ok(folder.publish(&files)?)
+}
+
+/// What a command computes for a scene: results of scenes of the same name on the same structure replace one another.
+pub fn of_scene(command: &str, scene: &Scene) -> Identity {
+    let file = |path: &Path| {
+        path.file_name()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    };
+    let structure = match &scene.structure {
+        StructureSource::Benchmark(benchmark) => benchmark.name().to_owned(),
+        StructureSource::Deck(deck) => file(&deck.path),
+        StructureSource::Matrices(matrices) => file(&matrices.path),
+    };
+    Identity::new(command, format!("{} on {structure}", scene.name))
+}
+
+/// Whether a run of some scene may write a file of this name beside those that every run writes: the fields of an amplitude,
+/// or the backbone of a further mode.
+pub(crate) fn is_of_amplitudes_or_modes(name: &str) -> bool {
     let number = |text: &str| text.parse::<usize>().ok();
     if let Some(mode) = name
         .strip_prefix("mode-")

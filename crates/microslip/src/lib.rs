@@ -1,9 +1,11 @@
 #![doc = include_str!("../README.md")]
 
 pub mod benchmarks;
+pub mod check;
 pub mod commands;
 pub mod files;
 pub mod progress;
+pub mod provenance;
 
 pub use benchmarks::BENCHMARKS;
 pub use commands::{Command, Defaults, Outcome, execute};

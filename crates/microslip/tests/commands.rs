@@ -52,7 +52,7 @@ fn the_summary_keeps_its_contract() {
     for (pointer, fields) in [
         (
             "",
-            "schema_version scene model law gap prestress modes backbone validity skipped timings peak_memory",
+            "schema_version scene model law gap prestress modes backbone validity skipped provenance timings peak_memory",
         ),
         (
             "/model",
@@ -453,7 +453,10 @@ fn ring_downs_are_identified_averaged_and_drawn() {
         .map(|e| e.unwrap().file_name())
         .collect();
     left.sort();
-    assert_eq!(left, ["backbone.csv", "backbone.svg", "identification.json"]);
+    assert_eq!(
+        left,
+        ["backbone.csv", "backbone.svg", "identification.json", "manifest.json"]
+    );
 }
 
 #[test]

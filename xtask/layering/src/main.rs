@@ -7,11 +7,13 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// Every crate of the workspace with the crates of the workspace it may use, also for its tests.
-const ALLOWED: [(&str, &[&str]); 20] = [
+const ALLOWED: [(&str, &[&str]); 21] = [
     // For tests alone, see `FOR_TESTS`.
     (FOR_TESTS, &[]),
     // Dense kernels that must not depend on units or threads, shared by all that factorise.
     ("dense-algebra", &[]),
+    // Files that others trust; whatever they hold.
+    ("durable-files", &[]),
     ("contact-laws", &[]),
     // All files that users name are read by it.
     ("input-files", &[]),
@@ -46,6 +48,10 @@ const ALLOWED: [(&str, &[&str]); 20] = [
             "matrix-files",
             // Computed motions are identified like measured ones.
             "modal-identification",
+            // The cache and the checkpoints outlive the process.
+            "durable-files",
+            // What is stored is keyed by the arithmetic of the processor.
+            "dense-algebra",
         ],
     ),
     // Documents of what the pipeline, the identification and the characterisation give.
@@ -73,6 +79,8 @@ const ALLOWED: [(&str, &[&str]); 20] = [
             "cqsma-solver",
             "brake-reuss-beam",
             "matrix-files",
+            // Finished scenes are stored like reduced models.
+            "durable-files",
         ],
     ),
     (
@@ -89,12 +97,14 @@ const ALLOWED: [(&str, &[&str]); 20] = [
             "input-files",
             "matrix-files",
             "modal-identification",
+            // Its results are sets of files.
+            "durable-files",
         ],
     ),
     // Arguments in, files out: what is computed is in the libraries. Its scenes are on the beam unless they say otherwise.
     ("xtask", &["microslip", "reports", "brake-reuss-beam"]),
     // A program of its own, so that `cargo xtask brb` need not compile the studies.
-    ("xtask-studies", &["xtask", "studies", "microslip", "reports"]),
+    ("xtask-studies", &["xtask", "studies", "microslip", "reports", "durable-files"]),
     // It reads what Cargo says about the others.
     ("xtask-layering", &[]),
 ];

@@ -2,9 +2,7 @@
 
 use anyhow::{Context, Result};
 use microslip::commands::{RESULTS, print};
-use microslip::files::write_all;
 use microslip::progress::{Monitor, forget_peak_memory, peak_memory};
-use reports::Output;
 use serde_json::json;
 use std::path::Path;
 use studies::bench::{Instruments, kernel, processor, scaling, solver};
@@ -49,9 +47,5 @@ fn instruments(monitor: &Monitor) -> Instruments<'_> {
 }
 
 fn write(path: &Path, text: String) -> Result<()> {
-    let name = path
-        .file_name()
-        .with_context(|| format!("{} names no file", path.display()))?;
-    let directory = path.parent().unwrap_or(Path::new(""));
-    write_all(directory, &[Output::new(name.to_string_lossy(), text)])
+    Ok(durable_files::write(path, text.as_bytes())?)
 }

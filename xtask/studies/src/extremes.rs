@@ -1,20 +1,21 @@
 //! `cargo xtask extremes`: hostile but finite situations.
 
-use crate::folder;
 use anyhow::{Result, bail};
+use durable_files::Identity;
 use microslip::commands::print;
-use microslip::files::write_all;
+use microslip::files::publish;
 use studies::extremes::{self, select};
 use xtask::study;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &study::Extremes) -> Result<()> {
     let cases = select(&arguments.only)?;
-    let out = folder(&arguments.out)?;
+    let identity = Identity::new("extremes", "");
+    let results = arguments.overwrite.open(&arguments.out, &identity, &[])?;
     let found = extremes::run(&cases, arguments.full, print)?;
     let (all, failed) = (found.all, found.failed.len());
-    let path = out.join(&found.document.name);
-    write_all(out, &[found.document])?;
+    let path = arguments.out.join(&found.document.name);
+    publish(results, &[found.document])?;
     print(&format!(
         "\n{} of {all} cases did what they must; written to {}\n",
         all - failed,

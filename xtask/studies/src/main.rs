@@ -4,10 +4,8 @@ mod extremes;
 mod paper;
 mod trade;
 
-use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 use microslip::Outcome;
-use std::path::Path;
 use std::process::ExitCode;
 use xtask::study::Study;
 use xtask::{brb, defaults};
@@ -37,10 +35,4 @@ fn main() -> ExitCode {
         Task::Study(Study::Extremes(arguments)) => extremes::run(&arguments).map(success),
         Task::Brb(arguments) => brb::run(&arguments, &defaults()),
     })
-}
-
-/// The folder, made if missing. Before computations: it would be a pity to find out only afterwards.
-fn folder(path: &Path) -> Result<&Path> {
-    std::fs::create_dir_all(path).with_context(|| format!("making the folder {}", path.display()))?;
-    Ok(path)
 }

@@ -1,16 +1,18 @@
 //! `cargo xtask paper`: the results of the method paper, recomputed.
 
-use crate::folder;
 use anyhow::Result;
+use durable_files::Identity;
 use microslip::commands::print;
-use microslip::files::write_all;
+use microslip::files::publish;
 use microslip::progress::Bar;
 use microslip::{Defaults, Outcome};
-use reports::Output;
 use std::path::Path;
 use std::time::Instant;
 use studies::paper::{Paper, select};
 use xtask::study;
+
+/// Name of the page.
+const REPORT: &str = "report.html";
 
 /// A bar for many scenes.
 struct Display(Bar);
@@ -29,17 +31,20 @@ impl studies::Display for Display {
 pub(crate) fn run(arguments: &study::Paper, defaults: &Defaults) -> Result<Outcome> {
     let began = Instant::now();
     let entries = select(&arguments.only)?;
-    let out = folder(&arguments.out)?;
+    let out = &arguments.out;
+    let folder = arguments.overwrite.open(out, &Identity::new("paper", ""), &[REPORT])?;
     let cache = defaults.cache.clone().filter(|_| !arguments.no_cache);
     let display = Display(Bar::new("scenes")?);
     let paper = Paper::compute(&entries, arguments.quick, cache, &display);
     display.0.finish();
     let paper = paper?;
-    write_all(out, &paper.outputs()?)?;
+    publish(folder, &paper.outputs()?)?;
     if arguments.docs {
         let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-        write_all(folder(&docs.join("paper"))?, &paper.pictures())?;
-        write_all(&docs, &[Output::new("paper.md", paper.markdown())])?;
+        for picture in paper.pictures() {
+            durable_files::write(&docs.join("paper").join(&picture.name), &picture.contents)?;
+        }
+        durable_files::write(&docs.join("paper.md"), paper.markdown().as_bytes())?;
     }
     print(&paper.account(out, began.elapsed().as_secs_f64()))?;
     Ok(if paper.is_complete() {

@@ -1,9 +1,8 @@
 //! `cargo xtask trade`: what accuracy costs.
 
-use crate::folder;
 use anyhow::{Context, Result};
 use microslip::commands::print;
-use microslip::files::write_all;
+use microslip::files::{of_scene, publish};
 use microslip::{Defaults, Outcome};
 use std::io::Write;
 use studies::trade::{Launcher, Plan};
@@ -11,18 +10,21 @@ use xtask::study;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &study::Trade, defaults: &Defaults) -> Result<Outcome> {
-    let scene = arguments.scene.read(defaults)?;
+    let scene = arguments.scene.read(defaults)?.scene;
+    let identity = of_scene("trade", &scene);
     let plan = Plan::try_new(scene, &arguments.only, arguments.quick)?;
+    let results = arguments.overwrite.open(&arguments.out, &identity, &[])?;
     let runs = arguments.out.join("runs");
     let launcher = Launcher {
         program: std::env::current_exe().context("finding this program")?,
-        arguments: vec!["brb".into()],
+        // The runs are parts of these results, whatever scene was varied before.
+        arguments: vec!["brb".into(), "--overwrite".into()],
     };
     // Progress that nobody can read must not stop the run.
-    let trade = plan.measure(folder(&runs)?, &launcher, |line| {
+    let trade = plan.measure(&runs, &launcher, |line| {
         drop(writeln!(std::io::stderr(), "{line}"));
     })?;
-    write_all(&arguments.out, &trade.outputs)?;
+    publish(results, &trade.outputs)?;
     let names = trade.outputs.each_ref().map(|o| o.name.as_str()).join(", ");
     print(&format!(
         "\n{}\nwritten to {}: {names}\n",

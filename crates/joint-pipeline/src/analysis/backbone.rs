@@ -7,7 +7,7 @@ use crate::Error;
 use crate::interface::InterfaceForce;
 use crate::progress::{Progress, Stage};
 use crate::scene::{Length, Scene};
-use crate::store::checkpoint::Checkpoint;
+use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use cqsma_solver::cqsma::{self, Cycles, Settings};
 use cqsma_solver::{BackbonePoint, Linearisation, NewtonSettings};
@@ -27,8 +27,11 @@ const FREE_OF_ENERGY: f64 = 1e-9;
 /// Inertia of a mode along a uniform separation, relative to that of the separation itself, that is round-off.
 const FREE_OF_INERTIA: f64 = 1e-9;
 
+/// What came of an amplitude.
+type Loop = (BackbonePoint, Option<LoopFields>);
+
 /// Amplitudes that are done.
-type Finished = Checkpoint<(BackbonePoint, Option<LoopFields>)>;
+type Finished = Checkpoint<Loop>;
 
 /// What the backbone of a mode starts from.
 pub(super) struct Request<'a> {
@@ -52,7 +55,7 @@ pub(super) struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// Loops at all amplitudes, and the other methods. `key` is the folder of checkpoints and what all loops of the run
+    /// Loops at all amplitudes, and the other methods, with what lets the run resume until its results are safe. `key` is the folder of checkpoints and what all loops of the run
     /// depend on; `share` maps the part of this backbone that is done to that of all backbones.
     ///
     /// # Errors
@@ -62,7 +65,7 @@ impl Request<'_> {
         key: Option<(&Path, KeyBuilder)>,
         share: &(dyn Fn(f64) -> f64 + Sync),
         progress: &dyn Progress,
-    ) -> Result<ModeAnalysis, Error> {
+    ) -> Result<(ModeAnalysis, Checkpoints), Error> {
         let shape: Vec<f64> = self.line.shapes.col(self.mode).iter().copied().collect();
         let phi: f64 = shape.iter().zip(self.response).map(|(a, b)| a * b).sum();
         self.check_response(phi)?;
@@ -76,8 +79,8 @@ impl Request<'_> {
             Some((directory, key)) => self.finished(directory, key, &shape, &forces, progress),
             None => Finished::default(),
         };
-        let done = self.loops(finished, &forces, &settings, share, progress)?;
-        let amplitude = |(point, fields): (BackbonePoint, Option<LoopFields>)| {
+        let (done, checkpoints) = self.loops(finished, &forces, &settings, share, progress)?;
+        let amplitude = |(point, fields): Loop| {
             let result = point.result.as_ref().ok();
             let motion = result.map(|r| (r.modal_amplitude * phi.abs(), r.omega));
             AmplitudeResult {
@@ -98,12 +101,13 @@ impl Request<'_> {
             modal_forces: &forces,
             settings: &settings,
         };
-        Ok(ModeAnalysis {
+        let analysis = ModeAnalysis {
             mode: self.mode + 1,
             separation: self.separation(&shape),
             amplitudes: done.into_iter().map(amplitude).collect(),
             methods: methods.run(progress)?,
-        })
+        };
+        Ok((analysis, checkpoints))
     }
 
     /// Refuses a mode of which amplitudes at the response point say nothing; `phi` is its response.
@@ -179,7 +183,7 @@ impl Request<'_> {
         settings: &Settings,
         share: &(dyn Fn(f64) -> f64 + Sync),
         progress: &dyn Progress,
-    ) -> Result<Vec<(BackbonePoint, Option<LoopFields>)>, Error> {
+    ) -> Result<(Vec<Loop>, Checkpoints), Error> {
         let pending: Vec<usize> = (0..forces.len()).filter(|i| !finished.holds(*i)).collect();
         let pending_forces: Vec<f64> = pending.iter().map(|&i| forces[i]).collect();
         let stored = self.scene.fields_at();
@@ -210,9 +214,9 @@ impl Request<'_> {
             .into_iter()
             .map(|(point, watcher)| (point, watcher.fields))
             .collect();
-        let mut done = finished.complete();
+        let (mut done, checkpoints) = finished.complete();
         done.extend(pending.iter().copied().zip(points));
-        Ok(done.into_values().collect())
+        Ok((done.into_values().collect(), checkpoints))
     }
 
     /// Modal force at which the inertia of a mode pulls a vibrating structure apart as much as the bolt loads hold it

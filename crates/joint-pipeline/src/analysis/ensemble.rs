@@ -8,7 +8,7 @@ use super::outcome::{AmplitudeResult, Analysis};
 use crate::Error;
 use crate::progress::{Progress, Stage};
 use crate::scene::Scene;
-use crate::store::checkpoint::Checkpoint;
+use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -75,14 +75,14 @@ pub struct Ensemble {
     pub members: Vec<Member>,
 }
 
-/// Runs the realisations that `checkpoint` does not hold.
+/// Runs the realisations that `checkpoint` does not hold, and gives all of them with what lets the run resume.
 pub(crate) fn members(
     scene: &Scene,
     realisations: usize,
     checkpoint: Checkpoint<Member>,
     progress: &dyn Progress,
     analyse: impl Fn(usize, &dyn Progress) -> Result<Analysis, Error> + Sync,
-) -> Result<Vec<Member>, Error> {
+) -> Result<(Vec<Member>, Checkpoints), Error> {
     let pending: Vec<usize> = (0..realisations).filter(|k| !checkpoint.holds(*k)).collect();
     let found = realisations - pending.len();
     if found > 0 {
@@ -97,8 +97,12 @@ pub(crate) fn members(
         all: realisations * loops,
     };
     let member = |&k: &usize| {
+        let mut loops = Checkpoints::default();
         let member = match analyse(k, &inner) {
-            Ok(analysis) => Member::new(k, &analysis.modes[0].amplitudes, scene.background_damping),
+            Ok(analysis) => {
+                loops = analysis.checkpoints;
+                Member::new(k, &analysis.modes[0].amplitudes, scene.background_damping)
+            }
             Err(Error::Solver(cqsma_solver::Error::Interrupted)) => {
                 return Err(Error::Solver(cqsma_solver::Error::Interrupted));
             }
@@ -109,7 +113,9 @@ pub(crate) fn members(
                 failure: Some(error.to_string()),
             },
         };
-        checkpoint.add(k, &member);
+        if checkpoint.add(k, &member) {
+            loops.remove();
+        }
         Ok((k, member))
     };
     let mut fresh = Vec::with_capacity(pending.len());
@@ -118,9 +124,9 @@ pub(crate) fn members(
     for some in pending.chunks(rayon::current_num_threads().max(1)) {
         fresh.extend(some.par_iter().map(member).collect::<Result<Vec<_>, Error>>()?);
     }
-    let mut done = checkpoint.complete();
+    let (mut done, checkpoints) = checkpoint.complete();
     done.extend(fresh);
-    Ok(done.into_values().take(realisations).collect())
+    Ok((done.into_values().take(realisations).collect(), checkpoints))
 }
 
 /// Shows the loops of all realisations as the progress of one stage.

@@ -13,5 +13,6 @@ mod run;
 pub mod transient;
 pub mod validity;
 
+pub use crate::store::checkpoint::Checkpoints;
 pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};
 pub use run::{ModeBackbone, Options, Prepared, Run, prepare, run, run_ensemble};

@@ -1,6 +1,7 @@
 //! What the analyses find.
 
 use super::methods::MethodResult;
+use crate::store::checkpoint::Checkpoints;
 use contact_laws::Regime;
 use cqsma_solver::BackbonePoint;
 use cqsma_solver::prestress::Prestress;
@@ -80,4 +81,6 @@ pub(crate) struct Analysis {
     pub(crate) frequencies: Vec<f64>,
     /// The modes followed, in the scene's order.
     pub(crate) modes: Vec<ModeAnalysis>,
+    /// What lets the run resume until its results are safe.
+    pub(crate) checkpoints: Checkpoints,
 }

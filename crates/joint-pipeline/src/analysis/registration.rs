@@ -4,6 +4,7 @@ use super::ensemble::{Member, MemberPoint};
 use super::run::{Options, Prepared};
 use crate::progress::{Progress, Silent};
 use crate::scene::{Length, Registration};
+use crate::store::checkpoint::Checkpoints;
 use crate::structure::Structure;
 use crate::{Error, Scene};
 use serde::Serialize;
@@ -26,7 +27,7 @@ pub struct Moved {
 }
 
 /// The scene as it is, and with its bottom face moved by `shift` (m) and tilted by `tilt` (1) to either side along x and y;
-/// all on one reduced structure.
+/// all on one reduced structure. Beside the backbones it gives what lets the study resume until they are safe.
 ///
 /// # Errors
 /// [`Error::NoSamples`] for a surface that is not scanned; of [`Prepared::solve`].
@@ -35,7 +36,7 @@ pub fn study(
     [shift, tilt]: [f64; 2],
     options: &Options,
     progress: &dyn Progress,
-) -> Result<Vec<Moved>, Error> {
+) -> Result<(Vec<Moved>, Checkpoints), Error> {
     let mut scene = scene.clone();
     let base = *scene.surface.registration().ok_or(Error::NoSamples)?;
     let mut all = vec![base];
@@ -51,6 +52,7 @@ pub fn study(
     let structure = Structure::try_new(&scene, progress)?;
     let mut moved: Vec<Moved> = Vec::with_capacity(all.len());
     let mut first: Option<Member> = None;
+    let mut checkpoints = Checkpoints::default();
     for (index, &registration) in all.iter().enumerate() {
         progress.note(&format!("registration {} of {}", index + 1, all.len()));
         if let Some(place) = scene.surface.registration() {
@@ -73,8 +75,9 @@ pub fn study(
             damping_change,
         });
         first.get_or_insert(member);
+        checkpoints.extend(run.checkpoints);
     }
-    Ok(moved)
+    Ok((moved, checkpoints))
 }
 
 /// Largest differences of frequency (Hz) and of the logarithm of damping at the amplitudes of `base` that both reach.

@@ -10,7 +10,7 @@ use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, Scene};
-use crate::store::checkpoint::Checkpoint;
+use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use crate::structure::{StructuralModel, Structure};
 use cqsma_solver::NewtonSettings;
@@ -23,6 +23,19 @@ pub struct Options {
     /// Folder of cached reduced models, and of the finished amplitudes of interrupted runs; none: nothing is read or
     /// stored.
     pub cache: Option<PathBuf>,
+    /// What distinguishes the build of the program from others of the same version, such as its commit. What other builds
+    /// have stored is not read.
+    pub build: Option<String>,
+}
+
+impl Options {
+    /// With a folder for what is stored between runs, in the name of no particular build.
+    pub fn cached(folder: impl Into<PathBuf>) -> Self {
+        Self {
+            cache: Some(folder.into()),
+            build: None,
+        }
+    }
 }
 
 /// A finished run.
@@ -48,6 +61,9 @@ pub struct Run {
     pub backbones: Vec<ModeBackbone>,
     /// Where and in which direction amplitudes are measured, in words.
     pub response: String,
+    /// Files in the cache that let the run resume. Whoever has put the results in a safe place, or does not want to keep them,
+    /// calls [`Checkpoints::remove`].
+    pub checkpoints: Checkpoints,
 }
 
 /// The backbone of one mode.
@@ -84,7 +100,7 @@ impl Run {
 #[derive(Debug)]
 pub struct Prepared {
     scene: Scene,
-    cache: Option<PathBuf>,
+    options: Options,
     clearance: Option<f64>,
     response: String,
     mesh: InterfaceMesh,
@@ -139,7 +155,7 @@ impl Prepared {
         options: &Options,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        let model = structure.reduce(options.cache.as_deref(), progress)?;
+        let model = structure.reduce(options, progress)?;
         Self::with_model(scene, structure, model, options, progress)
     }
 
@@ -162,7 +178,7 @@ impl Prepared {
         progress.end(Stage::Characterise);
         Ok(Self {
             scene: scene.clone(),
-            cache: options.cache.clone(),
+            options: options.clone(),
             clearance: structure.joint.clearance,
             response: structure.joint.response.clone(),
             mesh: structure.interface().clone(),
@@ -217,12 +233,18 @@ impl Prepared {
     /// ends a realisation is part of the result.
     pub fn solve_ensemble(self, realisations: usize, progress: &dyn Progress) -> Result<(Run, Ensemble), Error> {
         let interface = &self.interface;
-        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
-        let ensemble = self.ensemble(realisations, &analysis, progress)?;
+        let mut analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
+        let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
+        analysis.checkpoints.extend(checkpoints);
         Ok((self.finish(analysis), ensemble))
     }
 
-    fn ensemble(&self, realisations: usize, analysis: &Analysis, progress: &dyn Progress) -> Result<Ensemble, Error> {
+    fn ensemble(
+        &self,
+        realisations: usize,
+        analysis: &Analysis,
+        progress: &dyn Progress,
+    ) -> Result<(Ensemble, Checkpoints), Error> {
         progress.begin(Stage::Ensemble);
         // Fields, other methods and other modes are left to the measured law.
         let mut scene = self.scene.clone();
@@ -231,7 +253,7 @@ impl Prepared {
         scene.methods.clear();
         scene.output.fields_at = Some(Vec::new());
         let load = bolt_load(&scene, &self.model);
-        let checkpoint = match &self.cache {
+        let checkpoint = match &self.options.cache {
             None => Checkpoint::default(),
             Some(directory) => {
                 let mut key = self.key(&scene);
@@ -241,18 +263,17 @@ impl Prepared {
                 Checkpoint::open(directory, "ensemble", &key.finish())
             }
         };
-        let members = ensemble::members(&scene, realisations, checkpoint, progress, |k, progress| {
+        let (members, checkpoints) = ensemble::members(&scene, realisations, checkpoint, progress, |k, progress| {
             let (interface, closure) = self.interface.realisation(&scene, k, load)?;
             self.analyse(&scene, &interface, closure, progress)
         })?;
         progress.end(Stage::Ensemble);
-        Ok(Ensemble::new(members, &analysis.modes[0].amplitudes))
+        Ok((Ensemble::new(members, &analysis.modes[0].amplitudes), checkpoints))
     }
 
     fn key(&self, scene: &Scene) -> KeyBuilder {
-        let mut key = KeyBuilder::new();
+        let mut key = KeyBuilder::new(self.options.build.as_deref());
         key.text(&serde_json::to_string(scene).unwrap_or_default());
-        key.text(contact_laws::instruction_set());
         key
     }
 
@@ -261,6 +282,7 @@ impl Prepared {
             prestress,
             frequencies,
             modes,
+            checkpoints,
         } = analysis;
         let judge = |found: ModeAnalysis| ModeBackbone {
             validity: validity::assess(
@@ -287,6 +309,7 @@ impl Prepared {
             model: self.model,
             response: self.response,
             scene: self.scene,
+            checkpoints,
         }
     }
 
@@ -325,6 +348,7 @@ impl Prepared {
         let followed = scene.cqsma.followed();
         let response = response(vibrating);
         let mut modes = Vec::with_capacity(followed.len());
+        let mut checkpoints = Checkpoints::default();
         for (place, mode) in followed.iter().enumerate() {
             let request = backbone::Request {
                 scene,
@@ -339,9 +363,15 @@ impl Prepared {
                 mode: mode - 1,
                 newton,
             };
-            let key = self.cache.as_deref().map(|directory| (directory, self.key(scene)));
+            let key = self
+                .options
+                .cache
+                .as_deref()
+                .map(|directory| (directory, self.key(scene)));
             let share = |done: f64| (place as f64 + done) / followed.len() as f64;
-            modes.push(request.run(key, &share, progress)?);
+            let (found, resume) = request.run(key, &share, progress)?;
+            modes.push(found);
+            checkpoints.extend(resume);
         }
         progress.end(Stage::Backbone);
 
@@ -351,6 +381,7 @@ impl Prepared {
             prestress,
             frequencies,
             modes,
+            checkpoints,
         })
     }
 }

@@ -1,4 +1,5 @@
 //! Results as programs read them.
 
+pub mod provenance;
 pub mod summary;
 pub mod trends;

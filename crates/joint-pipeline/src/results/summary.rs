@@ -1,5 +1,6 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
+use super::provenance::Provenance;
 use crate::analysis::ensemble::Ensemble;
 use crate::analysis::error_estimate::ErrorEstimate;
 use crate::analysis::methods::MethodPoint;
@@ -65,6 +66,9 @@ pub struct Summary {
     pub validity: Validity,
     /// What the scene does not require and was left out, and why; empty if nothing was.
     pub skipped: BTreeMap<String, String>,
+    /// Program, processor and inputs; left out of summaries that a library made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub provenance: Option<Provenance>,
     /// Seconds per stage, and in total.
     pub timings: BTreeMap<String, f64>,
     /// Largest memory of the process (bytes), where the system tells.
@@ -367,6 +371,7 @@ impl Summary {
             error_estimate: None,
             validity: run.validity().clone(),
             skipped: skipped(run),
+            provenance: None,
             timings,
             peak_memory,
         }

@@ -134,9 +134,14 @@ impl Scene {
             .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         let mut scene = Self::from_value(value, &place, &stem, benchmarks)?;
         if let Some(folder) = path.parent() {
-            scene.paths().for_each(|path| *path = folder.join(&*path));
+            scene.resolve(folder);
         }
         Ok(scene)
+    }
+
+    /// Makes relative paths start from a folder.
+    pub fn resolve(&mut self, folder: &Path) {
+        self.paths().for_each(|path| *path = folder.join(&*path));
     }
 
     /// Parses and validates a scene; `place` is named in errors, `name` is used if the scene has none.

@@ -1,12 +1,11 @@
-//! Reduced models on disk, keyed by a hash of everything they depend on and checked when read.
+//! Reduced models on disk, keyed by a hash of everything they depend on. A checksum covers every byte.
 
-use super::key::{Key, hex};
+use super::key::Key;
 use crate::Error;
 use faer::Mat;
 use reduction::ReducedModel;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// First line of a stored model; the numbers follow as little-endian doubles in the order of the fields.
@@ -22,7 +21,6 @@ struct Header<F> {
     asymmetry: f64,
     stuck_frequencies: Vec<f64>,
     facts: F,
-    payload_sha256: String,
 }
 
 fn path_of(directory: &Path, key: &Key) -> PathBuf {
@@ -32,16 +30,19 @@ fn path_of(directory: &Path, key: &Key) -> PathBuf {
 /// The model stored for `key` and the facts stored with it, if there is an intact file. Damaged or foreign files count as
 /// absent.
 pub(crate) fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(ReducedModel, F)> {
-    let bytes = input_files::read(&path_of(directory, key), input_files::Kind::Model).ok()?;
+    let bytes = durable_files::read_sealed(&path_of(directory, key))?;
     let end = bytes.iter().position(|b| *b == b'\n')?;
     let header: Header<F> = serde_json::from_slice(&bytes[..end]).ok()?;
     let payload = &bytes[end + 1..];
-    if header.key != key.0 || header.payload_sha256 != hex(&Sha256::digest(payload)) {
+    if header.key != key.0 {
         return None;
     }
     let n = header.n;
-    let count = 2 * n * n + header.n_loads * n + header.n_recovered * n;
-    if payload.len() != 8 * count {
+    let columns = n
+        .checked_mul(2)?
+        .checked_add(header.n_loads)?
+        .checked_add(header.n_recovered)?;
+    if Some(payload.len()) != columns.checked_mul(n)?.checked_mul(8) || header.n_relative > n {
         return None;
     }
     let mut numbers = payload
@@ -100,25 +101,14 @@ pub(crate) fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: 
         asymmetry: reduced.asymmetry,
         stuck_frequencies: reduced.stuck_frequencies.clone(),
         facts,
-        payload_sha256: hex(&Sha256::digest(&payload)),
     };
-    let fail = |path: &Path, operation| {
-        let path = path.to_owned();
-        move |source| Error::File {
-            path,
-            operation,
-            source,
-        }
-    };
-    let mut bytes = serde_json::to_vec(&header)
-        .map_err(std::io::Error::other)
-        .map_err(fail(directory, "encoding the reduced model"))?;
+    let path = path_of(directory, key);
+    let mut bytes = serde_json::to_vec(&header).map_err(|error| Error::File {
+        path: path.clone(),
+        operation: "encoding the reduced model",
+        source: error.into(),
+    })?;
     bytes.push(b'\n');
     bytes.extend_from_slice(&payload);
-    std::fs::create_dir_all(directory).map_err(fail(directory, "creating the cache folder"))?;
-    let path = path_of(directory, key);
-    // A name of its own per process, so that two runs cannot write into one another's file.
-    let part = path.with_extension(format!("part{}", std::process::id()));
-    std::fs::write(&part, bytes).map_err(fail(&part, "writing the reduced model"))?;
-    std::fs::rename(&part, &path).map_err(fail(&path, "moving the reduced model into place"))
+    Ok(durable_files::write_sealed(&path, &bytes)?)
 }

@@ -1,7 +1,8 @@
 //! Finished parts of a run under way, so that an interrupted one goes on where it stopped.
 //!
-//! One line of JSON per part, an amplitude or a realisation, written when it is done. Numbers are written so that they read
-//! back bit by bit, and parts are independent: what is taken from here and what is computed afresh make the same as one run.
+//! One line per part, an amplitude or a realisation, written when it is done: a checksum, and JSON. Numbers are written so
+//! that they read back bit by bit, and parts are independent: what is taken from here and what is computed afresh make the
+//! same as one run. A line of which a bit has changed counts as not done.
 
 use super::key::Key;
 use serde::de::DeserializeOwned;
@@ -12,12 +13,37 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+/// Characters of a line's checksum.
+const CHECKSUM: usize = 32;
+
+/// The files that let a run resume. They outlive the run, until its results are safe.
+#[derive(Clone, Debug, Default)]
+pub struct Checkpoints(Vec<PathBuf>);
+
+impl Checkpoints {
+    /// Removes the files. To be called when the results are where they shall be, or are not to be kept; a run that ends
+    /// before resumes from them.
+    pub fn remove(&self) {
+        for path in &self.0 {
+            // One that stays is found again by the same run, and changes no result.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+
+    /// Takes the files of another run too.
+    pub fn extend(&mut self, others: Self) {
+        self.0.extend(others.0);
+    }
+}
+
 /// Parts that are done, by their number, and where they are written down.
 pub(crate) struct Checkpoint<T> {
     finished: BTreeMap<usize, T>,
     path: PathBuf,
     /// None if the folder cannot be written, or nothing is to be kept.
     file: Option<Mutex<File>>,
+    /// What else the checksums of lines cover.
+    key: String,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -32,25 +58,29 @@ impl<T> Default for Checkpoint<T> {
             finished: BTreeMap::new(),
             path: PathBuf::new(),
             file: None,
+            key: String::new(),
         }
     }
 }
 
 impl<T: DeserializeOwned> Checkpoint<T> {
-    /// Reads what an earlier run with the same key has finished of `what`, and goes on writing there. Whatever cannot be
-    /// read, such as a line that was cut off, counts as not done.
+    /// Reads what an earlier run with the same key has finished of `what`, and goes on writing there. Whatever is not as it
+    /// was written, such as a line that was cut off, counts as not done.
     pub(crate) fn open(directory: &Path, what: &str, key: &Key) -> Self {
         let path = directory.join(format!("{what}-{}.jsonl", key.short()));
-        let text = input_files::read_text(&path, input_files::Kind::Checkpoint).unwrap_or_default();
-        let finished = text
-            .lines()
-            .filter_map(|line| serde_json::from_str::<Line<T>>(line).ok())
-            .map(|line| (line.index, line.value))
-            .collect();
+        let text = input_files::read(&path, input_files::Kind::Checkpoint).unwrap_or_default();
+        let part = |line: &[u8]| {
+            let (sum, json) = line.split_at_checked(CHECKSUM)?;
+            let json = json.strip_prefix(b" ")?;
+            let intact = sum == checksum(&key.0, json).as_bytes();
+            let line: Line<T> = intact.then(|| serde_json::from_slice(json).ok())??;
+            Some((line.index, line.value))
+        };
+        let finished = text.split(|byte| *byte == b'\n').filter_map(part).collect();
         let mut file = std::fs::create_dir_all(directory)
             .and_then(|()| File::options().create(true).append(true).open(&path))
             .ok();
-        if let Some(file) = file.as_mut().filter(|_| !text.is_empty() && !text.ends_with('\n')) {
+        if let Some(file) = file.as_mut().filter(|_| !text.is_empty() && !text.ends_with(b"\n")) {
             // Whether this succeeds shows in the next line only, which would then count as not done.
             let _ = file.write_all(b"\n");
         }
@@ -58,6 +88,7 @@ impl<T: DeserializeOwned> Checkpoint<T> {
             finished,
             path,
             file: file.map(Mutex::new),
+            key: key.0.clone(),
         }
     }
 
@@ -69,22 +100,31 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         self.finished.contains_key(&index)
     }
 
-    /// Writes down a part, which may be given by reference. A run goes on without its checkpoint if that fails: it is a
-    /// convenience.
-    pub(crate) fn add(&self, index: usize, value: impl Serialize) {
-        let Some(file) = &self.file else { return };
-        if let Ok(mut line) = serde_json::to_vec(&Line { index, value }) {
-            line.push(b'\n');
-            let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-            let _ = file.write_all(&line).and_then(|()| file.sync_data());
-        }
+    /// Writes down a part, which may be given by reference, and says whether it is safe now. A run goes on without its
+    /// checkpoint if that fails: it is a convenience.
+    pub(crate) fn add(&self, index: usize, value: impl Serialize) -> bool {
+        let Some(file) = &self.file else { return false };
+        let Ok(json) = serde_json::to_vec(&Line { index, value }) else {
+            return false;
+        };
+        let mut line = checksum(&self.key, &json).into_bytes();
+        line.push(b' ');
+        line.extend(json);
+        line.push(b'\n');
+        let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.write_all(&line).and_then(|()| file.sync_data()).is_ok()
     }
 
-    /// The run is complete: what was found at the beginning; the file is of no more use.
-    pub(crate) fn complete(self) -> BTreeMap<usize, T> {
-        if self.file.is_some() {
-            let _ = std::fs::remove_file(&self.path);
-        }
-        self.finished
+    /// The run is complete: what was found at the beginning, and the file, which stays until the results are safe.
+    pub(crate) fn complete(self) -> (BTreeMap<usize, T>, Checkpoints) {
+        let kept = self.file.is_some().then_some(self.path);
+        (self.finished, Checkpoints(kept.into_iter().collect()))
     }
+}
+
+/// Checksum of a line in the file of a key.
+fn checksum(key: &str, json: &[u8]) -> String {
+    let mut sum = durable_files::sha256(&[key.as_bytes(), json].concat());
+    sum.truncate(CHECKSUM);
+    sum
 }

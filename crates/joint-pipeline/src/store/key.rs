@@ -1,9 +1,10 @@
 //! Hashes of what stored results depend on.
 
+use durable_files::hex;
 use sha2::{Digest, Sha256};
 
 /// Changes whenever the meaning of the stored numbers or the way they are computed does.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Hash of the inputs of a reduced model.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,11 +14,17 @@ pub(crate) struct Key(pub(super) String);
 pub(crate) struct KeyBuilder(Sha256);
 
 impl KeyBuilder {
-    pub(crate) fn new() -> Self {
+    /// Begins with what else changes the numbers: the program, of which `build` is the caller's, and the arithmetic of the
+    /// processor.
+    pub(crate) fn new(build: Option<&str>) -> Self {
         let mut hash = Sha256::new();
         hash.update(VERSION.to_le_bytes());
-        hash.update(env!("CARGO_PKG_VERSION").as_bytes());
-        Self(hash)
+        let mut key = Self(hash);
+        key.text(env!("CARGO_PKG_VERSION"));
+        key.text(build.unwrap_or_default());
+        key.text(contact_laws::instruction_set());
+        key.text(dense_algebra::arithmetic_fingerprint());
+        key
     }
 
     pub(crate) fn numbers(&mut self, values: impl IntoIterator<Item = f64>) {
@@ -42,10 +49,6 @@ impl KeyBuilder {
     pub(crate) fn finish(self) -> Key {
         Key(hex(&self.0.finalize()))
     }
-}
-
-pub(super) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 impl Key {

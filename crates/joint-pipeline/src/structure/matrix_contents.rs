@@ -6,7 +6,7 @@ use matrix_files::value::{Array, Collection, Dense, Dof};
 use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use substructure::sparse::symmetric_part;
 
 /// Arrays that are read; all others are noted.
@@ -43,6 +43,24 @@ pub(super) struct Contents {
     pub(super) mesh: Option<PlaneMesh>,
 }
 
+/// The files that make up the matrices at a path: itself, or those of a folder or a job of CalculiX.
+pub(crate) fn matrix_files_of(path: &Path) -> Vec<PathBuf> {
+    if path.is_dir() {
+        let files = ARRAYS.iter().map(|name| array_file(path, name));
+        return files.filter(|file| file.exists()).collect();
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("sti" | "mas" | "dof") => calculix::files(path).into(),
+        _ => vec![path.to_owned()],
+    }
+}
+
+/// The file of an array in a folder of matrices.
+fn array_file(folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("{name}.mtx"))
+}
+
 /// The file or folder of a scene.
 pub(super) struct File<'a> {
     pub(super) path: &'a Path,
@@ -61,7 +79,7 @@ impl File<'_> {
         if path.is_dir() {
             let mut found = Collection::default();
             for name in ARRAYS {
-                let file = path.join(format!("{name}.mtx"));
+                let file = array_file(path, name);
                 if file.exists() {
                     found.arrays.insert(name.into(), matrix_market::read(&file)?);
                 }

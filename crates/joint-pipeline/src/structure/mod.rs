@@ -9,6 +9,7 @@ mod reduce;
 mod reduced;
 mod spectrum;
 
+pub(crate) use matrix_contents::matrix_files_of;
 pub use reduced::{Facts, StructuralModel};
 pub use spectrum::{Description, Frequencies, LinearInterface, Spectrum};
 

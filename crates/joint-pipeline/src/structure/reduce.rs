@@ -3,13 +3,13 @@
 use super::spectrum::CHECK_STIFFNESS;
 use super::{Facts, N_CHECKED, StructuralModel, Structure};
 use crate::Error;
+use crate::analysis::Options;
 use crate::joint::{Bodies, ImportedBodies};
 use crate::progress::{Progress, Stage};
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Step, checks, reduce};
 use std::borrow::Cow;
-use std::path::Path;
 use substructure::assemble::System;
 use substructure::mesh::{Cell, Dof};
 
@@ -21,8 +21,8 @@ impl Structure {
     ///
     /// # Errors
     /// Of assembly and reduction. A cache that cannot be written is noted, not fatal.
-    pub fn reduce(&self, cache: Option<&Path>, progress: &dyn Progress) -> Result<StructuralModel, Error> {
-        let key = self.key();
+    pub fn reduce(&self, options: &Options, progress: &dyn Progress) -> Result<StructuralModel, Error> {
+        let (cache, key) = (options.cache.as_deref(), self.key(options.build.as_deref()));
         if let Some((reduced, facts)) = cache.and_then(|directory| cache::load(directory, &key)) {
             progress.note("the reduced model was read from the cache");
             return Ok(StructuralModel { reduced, facts });
@@ -146,8 +146,8 @@ impl Structure {
     }
 
     /// Hash of everything the reduced model depends on.
-    fn key(&self) -> Key {
-        let mut key = KeyBuilder::new();
+    fn key(&self, build: Option<&str>) -> Key {
+        let mut key = KeyBuilder::new(build);
         key.numbers(self.joint.frame.iter().flatten().copied());
         key.text(&format!(
             "{:?}{:?}{:?}",

@@ -1,9 +1,10 @@
 //! `characterise`: two scans over an interface, element by element.
 
 use super::{Defaults, scene};
-use crate::files;
+use crate::files::{self, Overwrite};
 use anyhow::{Context, Result, bail};
 use contact_laws::FittedCurves;
+use durable_files::Identity;
 use joint_pipeline::Scene;
 use joint_pipeline::interface::ScannedSurface;
 use joint_pipeline::joint::benchmark::BenchmarkRef;
@@ -18,6 +19,9 @@ use std::path::{Path, PathBuf};
 use surface_characterisation::readers::{FirstRow, LengthUnit};
 use surface_characterisation::{ElementSurface, GapChange};
 use zte_assembly::InterfaceMesh;
+
+/// Name of the machine-readable account.
+const REPORT: &str = "surface.json";
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -79,6 +83,8 @@ pub struct Arguments {
     /// Folder for the results, made if missing.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -98,7 +104,7 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
-    let mut scene = scene::read(arguments.scene.as_deref(), arguments.benchmark.as_deref(), defaults)?;
+    let mut scene = scene::read(arguments.scene.as_deref(), arguments.benchmark.as_deref(), defaults)?.scene;
     if let (Some(top), Some(bottom)) = (&arguments.top, &arguments.bottom) {
         let mut scans = match scene.surface {
             Surface::Scans(scans) => *scans,
@@ -112,7 +118,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let mesh = mesh(arguments, &scene)?;
     // Before the computation: it would be a pity to find out only afterwards.
     let directory = &arguments.out;
-    std::fs::create_dir_all(directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    let folder = arguments.overwrite.open(directory, &identity(&scene), &[REPORT])?;
     let surface = ScannedSurface::try_new(&scene, &mesh)?;
     let study = match arguments.registration_study {
         true => Some(surface.registration_study().context("moving the bottom face")?),
@@ -120,8 +126,20 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     };
     let shown = shown(arguments, &surface.found.elements)?;
     let outputs = outputs(&surface, &mesh, shown, study.as_deref())?;
-    files::write_all(directory, &outputs)?;
+    files::publish(folder, &outputs)?;
     super::print(&account(&surface, study.as_deref(), &outputs, directory))
+}
+
+/// The scans that are characterised, or the scene that describes the surface otherwise.
+fn identity(scene: &Scene) -> Identity {
+    match &scene.surface {
+        Surface::Scans(scans) => {
+            let files = [&scans.top.path, &scans.bottom.path];
+            let names = files.map(|path| path.file_name().unwrap_or_default().to_string_lossy());
+            Identity::new("characterise", names.join(" and "))
+        }
+        _ => files::of_scene("characterise", scene),
+    }
 }
 
 /// Lays what the arguments say of the scans over what the scene says.
@@ -256,7 +274,7 @@ fn outputs(
         outputs.push(Output::new("registration.csv", registration(study)?));
     }
     let json = serde_json::to_string(&surface.report(study)).context("encoding the surface")?;
-    outputs.push(Output::new("surface.json", json + "\n"));
+    outputs.push(Output::new(REPORT, json + "\n"));
     Ok(outputs)
 }
 

@@ -2,8 +2,9 @@
 
 use super::identify;
 use super::transient::line;
-use crate::files;
+use crate::files::{self, Overwrite};
 use anyhow::{Context, Result, bail, ensure};
+use durable_files::Identity;
 use joint_pipeline::analysis::comparison::{Backbone, Misfit, POINTS, Point};
 use modal_identification::signal::{Quantity, Unit};
 use reports::Output;
@@ -36,6 +37,8 @@ pub struct Arguments {
     /// Folder for compare.csv, compare.svg and compare.json.
     #[arg(long, value_name = "DIR", default_value = "results/compare")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// The backbone of a run, over displacement, with its band of 5 to 95 % where there is one.
@@ -100,8 +103,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         Output::new("compare.json", format!("{:#}\n", report(&theory, &results, quantity))),
     ];
     let directory = &arguments.out;
-    std::fs::create_dir_all(directory).with_context(|| format!("making the folder {}", directory.display()))?;
-    files::write_all(directory, &outputs)?;
+    let names: Vec<&str> = results.iter().map(|r| r.experiment.name.as_str()).collect();
+    let identity = Identity::new("compare", format!("{} with {}", theory.name, names.join(", ")));
+    files::publish(arguments.overwrite.open(directory, &identity, &[])?, &outputs)?;
     let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
     let text = printed(&theory, &results, quantity);
     super::print(&format!("{text}written to {}: {names}\n", directory.display()))

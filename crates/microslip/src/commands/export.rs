@@ -1,7 +1,7 @@
 //! `export`: the reduced model of a scene, or its mesh, for other programs.
 
 use super::{Cache, Defaults, SceneArguments, default_directory};
-use crate::files;
+use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::Scene;
@@ -24,9 +24,11 @@ pub struct Arguments {
     /// Format: of the reduced model one file of all arrays, or one Matrix Market file each; or of the mesh.
     #[arg(long, value_enum)]
     format: Format,
-    /// Folder for the files [default: results/NAME-export].
+    /// Folder for the files [default: results/NAME-export-FORMAT].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     #[command(flatten)]
     cache: Cache,
 }
@@ -47,25 +49,39 @@ enum Format {
     Vtu,
 }
 
+impl Format {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Npz => "npz",
+            Self::Mat => "mat",
+            Self::Mtx => "mtx",
+            Self::Inp => "inp",
+            Self::Msh => "msh",
+            Self::Vtu => "vtu",
+        }
+    }
+}
+
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
-    let scene = arguments.scene.read(defaults)?;
+    let scene = arguments.scene.read(defaults)?.scene;
+    let format = arguments.format.name();
     let directory = match &arguments.out {
         Some(path) => path.clone(),
-        None => default_directory(&format!("{}-export", scene.name))?,
+        None => default_directory(&format!("{}-export-{format}", scene.name))?,
     };
-    std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
     if scene.model.symmetry == Symmetry::Half {
         bail!(
             "the half of the scene {} stands for the whole only here; leave out model.symmetry to export it",
             scene.name
         );
     }
+    let identity = files::of_scene(&format!("export --format {format}"), &scene);
+    let folder = arguments.overwrite.open(&directory, &identity, &[])?;
     let monitor = Monitor::new()?;
     let structure = Structure::try_new(&scene, &monitor)?;
     let reduced = || {
-        let cache = arguments.cache.folder(defaults);
-        let model = structure.reduce(cache.as_deref(), &monitor)?;
+        let model = structure.reduce(&arguments.cache.options(defaults), &monitor)?;
         Ok::<_, anyhow::Error>(arrays(&model, &structure.joint)?)
     };
     let outputs = match arguments.format {
@@ -81,7 +97,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         Format::Inp | Format::Msh | Format::Vtu => mesh(&scene, &structure, arguments.format)?,
     };
     monitor.finish();
-    files::write_all(&directory, &outputs)?;
+    files::publish(folder, &outputs)?;
     let names: Vec<&str> = outputs.iter().map(|o| o.name.as_str()).collect();
     let about = match arguments.format {
         Format::Npz | Format::Mat | Format::Mtx => ABOUT,

@@ -1,7 +1,8 @@
 //! `identify`: frequency and damping against amplitude from measured ring-downs.
 
-use crate::files;
-use anyhow::{Context, Result};
+use crate::files::{self, Overwrite};
+use anyhow::Result;
+use durable_files::Identity;
 use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
 use modal_identification::signal::{Quantity, Signal, Stated};
@@ -50,6 +51,8 @@ pub struct Arguments {
     /// Folder for backbone.csv, backbone.svg and identification.json.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -125,8 +128,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             format!("{:#}\n", report(&hits, &mean, quantity, &settings)),
         ),
     ];
-    std::fs::create_dir_all(directory).with_context(|| format!("making the folder {}", directory.display()))?;
-    files::write_all(directory, &outputs)?;
+    let records: Vec<&str> = hits.iter().map(|hit| hit.file.as_str()).collect();
+    let identity = Identity::new("identify", records.join(", "));
+    files::publish(arguments.overwrite.open(directory, &identity, &[])?, &outputs)?;
     let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
     let text = printed(&hits, &mean, quantity);
     super::print(&format!("{text}written to {}: {names}\n", directory.display()))

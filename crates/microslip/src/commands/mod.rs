@@ -10,10 +10,12 @@ pub mod run;
 mod scene;
 mod schema;
 mod transient;
+mod verify;
 
+use crate::provenance;
 use anyhow::{Result, bail};
-use joint_pipeline::Benchmark;
-pub use scene::SceneArguments;
+use joint_pipeline::{Benchmark, Options};
+pub use scene::{GivenScene, SceneArguments};
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
@@ -43,6 +45,8 @@ pub enum Command {
     Transient(transient::Arguments),
     /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
     Compare(compare::Arguments),
+    /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
+    Verify(verify::Arguments),
     /// Write a commented scene to start from.
     New(new::Arguments),
     /// List the benchmarks that scenes may name, with the scenes that come with them.
@@ -64,6 +68,7 @@ impl Command {
             Self::Characterise(arguments) => characterise::run(arguments, defaults),
             Self::Transient(arguments) => transient::run(arguments, defaults),
             Self::Compare(arguments) => compare::run(arguments),
+            Self::Verify(arguments) => verify::run(arguments),
             Self::New(arguments) => new::run(arguments),
             Self::Benchmarks => print(&scene::list()),
             Self::Schema(arguments) => schema::run(arguments),
@@ -92,11 +97,15 @@ pub struct Cache {
 }
 
 impl Cache {
-    fn folder(&self, defaults: &Defaults) -> Option<PathBuf> {
-        match (self.no_cache, &self.cache) {
+    fn options(&self, defaults: &Defaults) -> Options {
+        let cache = match (self.no_cache, &self.cache) {
             (true, _) => None,
             (false, Some(folder)) => Some(folder.clone()),
             (false, None) => defaults.cache.clone(),
+        };
+        Options {
+            cache,
+            build: provenance::commit(),
         }
     }
 }

@@ -1,8 +1,9 @@
 //! `model`: what a scene's structure is, before anything nonlinear.
 
 use super::{Defaults, SceneArguments, default_directory};
-use crate::files;
+use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
+use crate::provenance;
 use anyhow::{Context, Result};
 use joint_pipeline::structure::{Frequencies, LinearInterface, Structure};
 use reports::Output;
@@ -31,11 +32,15 @@ pub struct Arguments {
     /// Folder for summary.json [default: results/NAME-model].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
-    let scene = arguments.scene.read(defaults)?;
+    let given = arguments.scene.read(defaults)?;
+    let provenance = provenance::of(given.inputs()?)?;
+    let scene = given.scene;
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&format!("{}-model", scene.name))?,
@@ -46,7 +51,9 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         tangential_stiffness,
         points_per_direction: scene.points_per_direction,
     });
-    std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    let folder = arguments
+        .overwrite
+        .open(&directory, &files::of_scene("model", &scene), &[SUMMARY])?;
     let monitor = Monitor::new()?;
     let structure = Structure::try_new(&scene, &monitor)?;
     let found = structure.describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)?;
@@ -88,8 +95,8 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         );
         row(&name, &spectrum.with_linear)?;
     }
-    let summary = json!({ "scene": scene, "model": found, "seconds": timings });
+    let summary = json!({ "scene": scene, "model": found, "provenance": provenance, "seconds": timings });
     let json = serde_json::to_string_pretty(&summary).context("encoding the summary")?;
-    files::write_all(&directory, &[Output::new(SUMMARY, json + "\n")])?;
+    files::publish(folder, &[Output::new(SUMMARY, json + "\n")])?;
     super::print(&text)
 }

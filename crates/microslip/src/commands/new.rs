@@ -1,8 +1,6 @@
 //! `new`: a commented scene to start from.
 
-use crate::files;
-use anyhow::{Context, Result, bail};
-use reports::Output;
+use anyhow::{Result, bail};
 use std::path::PathBuf;
 
 /// The scene that is written.
@@ -25,8 +23,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     if path.exists() {
         bail!("{} is there already; choose another folder", path.display());
     }
-    std::fs::create_dir_all(directory).with_context(|| format!("making the folder {}", directory.display()))?;
-    files::write_all(directory, &[Output::new(FILE, SCENE.to_owned())])?;
+    durable_files::write(&path, SCENE.as_bytes())?;
     super::print(&format!(
         "a scene to start from is in {0}; run it by\n  microslip run {0}\n",
         path.display()

@@ -1,15 +1,16 @@
 //! Runs a scene and writes its results.
 
-use super::{Cache, Defaults, Outcome, default_directory, print};
-use crate::files;
+use super::{Cache, Defaults, GivenScene, Outcome, default_directory, print};
+use crate::files::{self, Overwrite};
 use crate::progress::{Monitor, peak_memory};
+use crate::provenance;
 use anyhow::{Context, Result};
 use joint_pipeline::analysis::error_estimate::ErrorEstimate;
 use joint_pipeline::analysis::registration::{self, Moved};
 use joint_pipeline::progress::Progress;
 use joint_pipeline::results::summary::Summary;
 use joint_pipeline::scene::{self, Length};
-use joint_pipeline::{Options, Scene};
+use joint_pipeline::{Options, Run, Scene};
 use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
 use reports::{Output, csv, plot};
 use std::fmt::Write;
@@ -20,11 +21,12 @@ const REGISTRATION: &str = "registration.csv";
 /// Options of a run.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Folder for the results, made if missing; other files in it are left alone, except that fields of amplitudes
-    /// that this run does not store are removed when the folder holds an earlier run of a scene of the same name
+    /// Folder for the results, made if missing; results of the same scene in it are replaced, other files are left alone
     /// [default: a folder in results, named like the scene].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Number of threads [default: one per processor].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -38,7 +40,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "registration_study")]
     estimate_error: bool,
     /// Instead, the backbone with the bottom face of a scanned surface moved: by SHIFT (m) and tilted by TILT to either side
-    /// along x and y; written to registration.csv.
+    /// along x and y; written to registration.csv [default folder: results/NAME-registration].
     #[arg(long, value_name = "SHIFT,TILT", num_args = 0..=1, default_missing_value = "6e-4,1e-4", value_parser = shift_and_tilt,
         conflicts_with = "ensemble")]
     registration_study: Option<[f64; 2]>,
@@ -52,40 +54,53 @@ fn shift_and_tilt(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
+/// What is asked of a run beside its scene.
+#[derive(Clone, Copy)]
+pub(super) struct Request {
+    /// Bootstrap realisations.
+    pub(super) ensemble: Option<usize>,
+    /// Whether finer settings are run too.
+    pub(super) estimate_error: bool,
+}
+
 /// Runs a scene and writes its results.
 ///
 /// # Errors
 /// The scene cannot be run as asked, or its results cannot be written.
-pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
-    if arguments.ensemble.is_some() && !scene.surface.is_scanned() {
-        return Err(joint_pipeline::Error::NoSamples.into());
-    }
-    let finer = match arguments.estimate_error {
-        true => Some(scene::refined(scene)?),
-        false => None,
+pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
+    let scene = &given.scene;
+    let request = Request {
+        ensemble: arguments.ensemble.map(usize::from),
+        estimate_error: arguments.estimate_error,
+    };
+    request.check(scene)?;
+    let moves = arguments.registration_study;
+    let (command, suffix, names) = match moves {
+        None => ("run", "", &[SUMMARY, "report.html", "backbone.csv"][..]),
+        Some(_) => ("run --registration-study", "-registration", &[REGISTRATION][..]),
     };
     let directory = match &arguments.out {
         Some(path) => path.clone(),
-        None => default_directory(&scene.name)?,
+        None => default_directory(&format!("{}{suffix}", scene.name))?,
     };
     // Before the computation: it would be a pity to find out only afterwards.
-    std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    let folder = (arguments.overwrite).open(&directory, &files::of_scene(command, scene), names)?;
     if let Some(threads) = arguments.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global()
             .with_context(|| format!("starting {threads} threads"))?;
     }
+    let provenance = provenance::of(given.inputs()?)?;
 
-    let options = Options {
-        cache: arguments.cache.folder(defaults),
-    };
-    let monitor = Monitor::new()?;
-    if let Some(moves) = arguments.registration_study {
+    let options = arguments.cache.options(defaults);
+    if let Some(moves) = moves {
+        let monitor = Monitor::new()?;
         let study = registration::study(scene, moves, &options, &monitor);
         monitor.finish();
-        let study = study.with_context(|| format!("moving the bottom face of the scene {}", scene.name))?;
-        let outputs = [Output::new(REGISTRATION, csv::registration(&study)?)];
-        files::write_all(&directory, &outputs)?;
+        let (study, checkpoints) =
+            study.with_context(|| format!("moving the bottom face of the scene {}", scene.name))?;
+        files::publish(folder, &[Output::new(REGISTRATION, csv::registration(&study)?)])?;
+        checkpoints.remove();
         print(&moved(&study, &directory))?;
         let complete = study.iter().all(|moved| moved.not_converged == 0);
         return Ok(if complete {
@@ -94,29 +109,13 @@ pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<
             Outcome::Incomplete
         });
     }
-    let result = match arguments.ensemble {
-        None => joint_pipeline::run(scene, &options, &monitor).map(|run| (run, None)),
-        Some(k) => joint_pipeline::run_ensemble(scene, k.into(), &options, &monitor).map(|(run, all)| (run, Some(all))),
-    };
-    let timings = monitor.finish();
-    let (run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
-    let mut summary = Summary::new(&run, timings, peak_memory());
-    summary.ensemble = ensemble;
-    if let Some((preset, scene)) = finer {
-        let monitor = Monitor::new()?;
-        monitor.note(&format!("again, with the settings `{}`", preset.name));
-        let fine = joint_pipeline::run(&scene, &options, &monitor);
-        monitor.finish();
-        let fine = fine.with_context(|| format!("running the scene {} with finer settings", scene.name))?;
-        summary.error_estimate = Some(ErrorEstimate::new(&run, preset, &fine));
-    }
-
-    let stale = is_run_of(&directory, &scene.name);
-    let outputs = outputs(&run, &summary)?;
-    files::write_all(&directory, &outputs)?;
-    if stale {
-        files::remove_stale(&directory, &outputs, &[ENSEMBLE])?;
-    }
+    let (run, mut summary) = request.compute(scene, &options)?;
+    // What was hashed before must be what was read since.
+    let here = Path::new(&provenance.working_directory);
+    provenance.inputs.iter().try_for_each(|input| input.check(here))?;
+    summary.provenance = Some(provenance);
+    files::publish(folder, &outputs(&run, &summary)?)?;
+    run.checkpoints.remove();
     print(&account(&summary, &scene.name, &directory))?;
     let mut members = summary.ensemble.iter().flat_map(|all| &all.members);
     let complete = summary.by_mode().all(|(_, of_mode)| {
@@ -129,11 +128,42 @@ pub fn run(scene: &Scene, arguments: &Arguments, defaults: &Defaults) -> Result<
     })
 }
 
-/// Whether `directory` holds an earlier run of the scene `name`.
-fn is_run_of(directory: &Path, name: &str) -> bool {
-    let text = input_files::read_text(&directory.join(SUMMARY), input_files::Kind::Table).unwrap_or_default();
-    let earlier: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
-    earlier.pointer("/scene/name").and_then(serde_json::Value::as_str) == Some(name)
+impl Request {
+    /// Refuses what cannot be computed for the scene.
+    fn check(&self, scene: &Scene) -> Result<()> {
+        if self.ensemble.is_some() && !scene.surface.is_scanned() {
+            return Err(joint_pipeline::Error::NoSamples.into());
+        }
+        if self.estimate_error {
+            scene::refined(scene)?;
+        }
+        Ok(())
+    }
+
+    /// The run and its summary, which lacks only where it comes from. The checkpoints of the run are those of all that was
+    /// computed.
+    pub(super) fn compute(&self, scene: &Scene, options: &Options) -> Result<(Run, Summary)> {
+        let monitor = Monitor::new()?;
+        let result = match self.ensemble {
+            None => joint_pipeline::run(scene, options, &monitor).map(|run| (run, None)),
+            Some(k) => joint_pipeline::run_ensemble(scene, k, options, &monitor).map(|(run, all)| (run, Some(all))),
+        };
+        let timings = monitor.finish();
+        let (mut run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
+        let mut summary = Summary::new(&run, timings, peak_memory());
+        summary.ensemble = ensemble;
+        if self.estimate_error {
+            let (preset, finer) = scene::refined(scene)?;
+            let monitor = Monitor::new()?;
+            monitor.note(&format!("again, with the settings `{}`", preset.name));
+            let fine = joint_pipeline::run(&finer, options, &monitor);
+            monitor.finish();
+            let fine = fine.with_context(|| format!("running the scene {} with finer settings", scene.name))?;
+            summary.error_estimate = Some(ErrorEstimate::new(&run, preset, &fine));
+            run.checkpoints.extend(fine.checkpoints);
+        }
+        Ok((run, summary))
+    }
 }
 
 /// What is printed at the end of a registration study.

@@ -3,11 +3,37 @@
 use super::Defaults;
 use crate::benchmarks::{self, BENCHMARKS};
 use anyhow::{Result, anyhow, bail};
+use joint_pipeline::results::provenance::{Input, InputRole, inputs_of};
 use joint_pipeline::scene::StructureSource;
 use joint_pipeline::{Benchmark, Scene};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use substructure::formats::abaqus::Includes;
+
+/// A scene and where it is from.
+#[derive(Clone, Debug)]
+pub struct GivenScene {
+    /// The scene, in SI.
+    pub scene: Scene,
+    /// Its file, as it was read.
+    pub source: Input,
+}
+
+impl GivenScene {
+    fn built_in(name: &str, text: &str) -> Result<Self> {
+        Ok(Self {
+            scene: benchmarks::read(name, text)?,
+            source: Input::of_built_in_scene(name, text),
+        })
+    }
+
+    /// All files that a run of the scene reads, as they stand.
+    pub(super) fn inputs(&self) -> Result<Vec<Input>> {
+        let mut inputs = vec![self.source.clone()];
+        inputs.extend(inputs_of(&self.scene)?);
+        Ok(inputs)
+    }
+}
 
 /// The scene that a command works on.
 #[derive(clap::Args)]
@@ -31,34 +57,34 @@ impl SceneArguments {
         self.scene.is_some() || self.benchmark.is_some() || self.deck.is_some()
     }
 
-    /// The scene, in SI.
+    /// The scene, in SI, and the file that it is from.
     ///
     /// # Errors
     /// No scene is named; it cannot be read or is not admissible; it has no deck to be replaced.
-    pub fn read(&self, defaults: &Defaults) -> Result<Scene> {
-        let mut scene = match (&self.scene, &self.benchmark) {
+    pub fn read(&self, defaults: &Defaults) -> Result<GivenScene> {
+        let mut given = match (&self.scene, &self.benchmark) {
             (None, None) => default_scene(self.deck.is_some(), defaults)?,
             (path, name) => read(path.as_deref(), name.as_deref(), defaults)?,
         };
         if let Some(path) = &self.deck {
-            let StructureSource::Deck(deck) = &mut scene.structure else {
+            let StructureSource::Deck(deck) = &mut given.scene.structure else {
                 bail!(
                     "the scene {} has no structure.deck to say which surfaces and bolts of {} to take",
-                    scene.name,
+                    given.scene.name,
                     path.display()
                 )
             };
             deck.path = path.clone();
         }
-        if let (true, StructureSource::Deck(deck)) = (self.allow_includes_outside, &mut scene.structure) {
+        if let (true, StructureSource::Deck(deck)) = (self.allow_includes_outside, &mut given.scene.structure) {
             deck.includes = Includes::Anywhere;
         }
-        Ok(scene)
+        Ok(given)
     }
 }
 
 /// The scene of a file, or one that comes with a benchmark, or else the first scene of the default benchmark.
-pub(super) fn read(path: Option<&Path>, benchmark: Option<&str>, defaults: &Defaults) -> Result<Scene> {
+pub(super) fn read(path: Option<&Path>, benchmark: Option<&str>, defaults: &Defaults) -> Result<GivenScene> {
     match (path, benchmark) {
         (Some(path), _) => read_file(path, defaults),
         (None, Some(name)) => of_benchmark(name),
@@ -67,14 +93,14 @@ pub(super) fn read(path: Option<&Path>, benchmark: Option<&str>, defaults: &Defa
 }
 
 /// The first scene of the benchmark that commands work on by default, or the first of its scenes that reads a deck.
-fn default_scene(on_deck: bool, defaults: &Defaults) -> Result<Scene> {
+fn default_scene(on_deck: bool, defaults: &Defaults) -> Result<GivenScene> {
     let Some(benchmark) = defaults.benchmark else {
         bail!("no scene is given: name a scene file, or a benchmark by --benchmark");
     };
     for (name, text) in benchmark.scenes() {
-        let scene = benchmarks::read(name, text)?;
-        if scene.structure.deck().is_some() == on_deck {
-            return Ok(scene);
+        let given = GivenScene::built_in(name, text)?;
+        if given.scene.structure.deck().is_some() == on_deck {
+            return Ok(given);
         }
     }
     bail!("{} has no scene that reads a deck; give a scene file", benchmark.name())
@@ -87,18 +113,22 @@ pub(super) fn find_benchmark(name: &str) -> Option<&'static dyn Benchmark> {
 }
 
 /// The scene of a file; one that names no structure is on the default benchmark, if there is one.
-fn read_file(path: &Path, defaults: &Defaults) -> Result<Scene> {
+fn read_file(path: &Path, defaults: &Defaults) -> Result<GivenScene> {
     let fill = |scene: &mut Value| {
         let benchmark = defaults.benchmark.map(Benchmark::name);
         if let (Some(name), Some(scene)) = (benchmark, scene.as_object_mut()) {
             scene.entry("structure").or_insert_with(|| json!({ "benchmark": name }));
         }
     };
-    Ok(Scene::read_filled(path, &BENCHMARKS, &fill)?)
+    Ok(GivenScene {
+        // The error of a scene that cannot be read comes first.
+        scene: Scene::read_filled(path, &BENCHMARKS, &fill)?,
+        source: Input::of_file(InputRole::Scene, path)?,
+    })
 }
 
 /// The scene of a benchmark's name, `NAME` or `NAME/SCENE`.
-fn of_benchmark(name: &str) -> Result<Scene> {
+fn of_benchmark(name: &str) -> Result<GivenScene> {
     let (benchmark, scene) = match name.split_once('/') {
         Some((benchmark, scene)) => (benchmark, Some(scene)),
         None => (name, None),
@@ -108,11 +138,11 @@ fn of_benchmark(name: &str) -> Result<Scene> {
         anyhow!("there is no benchmark `{benchmark}`; there are {}", names.join(", "))
     })?;
     let (name, text) = benchmarks::scene_text(known, scene).map_err(|reason| anyhow!(reason))?;
-    Ok(benchmarks::read(name, text)?)
+    GivenScene::built_in(name, text)
 }
 
 /// The scene of a benchmark on its coarse mesh, which takes seconds.
-pub(super) fn coarse(benchmark: &'static dyn Benchmark) -> Result<Scene> {
+pub(super) fn coarse(benchmark: &'static dyn Benchmark) -> Result<GivenScene> {
     of_benchmark(&format!("{}/{}-quick", benchmark.name(), benchmark.short_name()))
 }
 

@@ -2,13 +2,14 @@
 
 use super::identify::{table, trims};
 use super::{Cache, Defaults, SceneArguments, default_directory, scene};
-use crate::files;
+use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
 use anyhow::{Context, Result};
+use joint_pipeline::analysis::Checkpoints;
 use joint_pipeline::analysis::comparison::{Backbone, Misfit, Point};
 use joint_pipeline::analysis::transient::{Excitation, RingDown, Settings, backbones, ring_down, scene_for};
 use joint_pipeline::progress::Progress;
-use joint_pipeline::{Options, Run, Scene};
+use joint_pipeline::{Run, Scene};
 use modal_identification::average::average;
 use modal_identification::backbone::Identification;
 use modal_identification::signal::Quantity;
@@ -18,6 +19,9 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Instant;
+
+/// Name of the machine-readable account.
+const REPORT: &str = "transient.json";
 
 /// Options of `transient`.
 #[derive(clap::Args)]
@@ -53,6 +57,8 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
     cache: Cache,
 }
 
@@ -68,19 +74,23 @@ struct Found {
     /// Identification of a ring-down that has the first theory's backbone, minus that backbone.
     own_error: Option<Misfit>,
     seconds: f64,
+    checkpoints: Checkpoints,
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
-    let scene = match defaults.benchmark {
+    let given = match defaults.benchmark {
         Some(benchmark) if !arguments.scene.is_given() => scene::coarse(benchmark)?,
         _ => arguments.scene.read(defaults)?,
     };
+    let scene = given.scene;
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&format!("{}-transient", scene.name))?,
     };
-    std::fs::create_dir_all(&directory).with_context(|| format!("making the folder {}", directory.display()))?;
+    let folder = arguments
+        .overwrite
+        .open(&directory, &files::of_scene("transient", &scene), &[REPORT])?;
     let settings = Settings {
         excitation: match (arguments.impulse, arguments.contact_time) {
             (Some(impulse), Some(duration)) => Excitation::Impact { impulse, duration },
@@ -91,14 +101,12 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         spectral_radius: arguments.spectral_radius,
         other_damping: arguments.other_damping,
     };
-    let options = Options {
-        cache: arguments.cache.folder(defaults),
-    };
+    let options = arguments.cache.options(defaults);
     let monitor = Monitor::new()?;
     let scene = scene_for(scene, arguments.amplitude);
     let name = scene.name.clone();
     let found = joint_pipeline::run(&scene, &options, &monitor)
-        .and_then(|run| follow(&run, &settings, &monitor))
+        .and_then(|run| follow(run, &settings, &monitor))
         .with_context(|| format!("following the scene {name}"));
     monitor.finish();
     let found = found?;
@@ -107,27 +115,29 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         Output::new("backbone.csv", identified(&found)?),
         Output::new("theory.csv", theory(&found)?),
         Output::new("transient.svg", draw(&found)?),
-        Output::new("transient.json", format!("{:#}\n", report(&found, &settings))),
+        Output::new(REPORT, format!("{:#}\n", report(&found, &settings))),
     ];
-    files::write_all(&directory, &outputs)?;
+    files::publish(folder, &outputs)?;
+    found.checkpoints.remove();
     let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
     let text = printed(&found);
     super::print(&format!("{text}written to {}: {names}\n", directory.display()))
 }
 
-fn follow(run: &Run, settings: &Settings, progress: &dyn Progress) -> Result<Found, joint_pipeline::Error> {
+fn follow(run: Run, settings: &Settings, progress: &dyn Progress) -> Result<Found, joint_pipeline::Error> {
     let began = Instant::now();
-    let ring = ring_down(run, settings, progress)?;
+    let ring = ring_down(&run, settings, progress)?;
     let seconds = began.elapsed().as_secs_f64();
     let how = ring.identification();
     let (identification, measured) = ring.identify(&how)?;
-    let theories = backbones(run)?;
+    let theories = backbones(&run)?;
     let misfits = theories.iter();
     let misfits = misfits.filter_map(|(name, theory)| Some((name.clone(), theory.misfit(&measured)?)));
     let known = &theories[0].1;
     let own_error = ring.identified_again(known, &how)?.misfit(known);
     Ok(Found {
-        scene: run.scene.clone(),
+        scene: run.scene,
+        checkpoints: run.checkpoints,
         misfits: misfits.collect(),
         own_error,
         ring,

@@ -171,7 +171,7 @@ pub(super) fn scaling(cache: PathBuf, instruments: &Instruments<'_>) -> Result<S
         Refinement::default(),
         Refinement::fine(),
     ];
-    let options = Options { cache: Some(cache) };
+    let options = Options::cached(cache);
     let mut text = format!(
         "\n{:>9} {:>7} {:>7} {:>6} {:>12} {:>14} {:>14} {:>10} {:>10}\n",
         "elements", "points", "size", "f1", "evaluate ms", "stuck solve ms", "load point ms", "residuals", "Krylov"

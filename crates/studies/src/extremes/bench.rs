@@ -42,8 +42,9 @@ impl Bench {
         scene.cqsma.vertices_per_quarter = 4;
         let folder = std::env::temp_dir().join(format!("joint-extremes-{}", std::process::id()));
         std::fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
-        let cache = Some(folder.clone());
-        let base = run(&scene, &Options { cache }, &Silent).context("running the scene that all cases start from")?;
+        let base =
+            run(&scene, &Options::cached(&folder), &Silent).context("running the scene that all cases start from")?;
+        base.checkpoints.remove();
         Ok(Self {
             scene,
             base,
@@ -54,14 +55,14 @@ impl Bench {
 
     /// Reduced models are taken from the folder of the bench.
     pub(super) fn options(&self) -> Options {
-        Options {
-            cache: Some(self.folder.clone()),
-        }
+        Options::cached(&self.folder)
     }
 
     /// Runs a scene.
     pub(super) fn run_scene(&self, scene: &Scene) -> Result<Run, Error> {
-        run(scene, &self.options(), &Silent)
+        let run = run(scene, &self.options(), &Silent)?;
+        run.checkpoints.remove();
+        Ok(run)
     }
 
     /// The scene after a change.

@@ -3,8 +3,9 @@
 use crate::progress::{Batch, Display, Task};
 use anyhow::{Context, Result};
 use contact_laws::Regime;
-use joint_pipeline::analysis::{Fields, Prepared};
+use joint_pipeline::analysis::{Checkpoints, Fields, Prepared};
 use joint_pipeline::progress::Progress;
+use joint_pipeline::results::provenance::arithmetic_fingerprint;
 use joint_pipeline::results::summary::Summary;
 use joint_pipeline::structure::Structure;
 use joint_pipeline::{Options, Run, Scene};
@@ -18,7 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Changes whenever what is stored of a run, or how it is computed, does.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Scenes that run at the same time; their loops share all threads, and each holds a reduced model of its own.
 const WORKERS: usize = 2;
@@ -187,8 +188,9 @@ fn hash(inputs: &impl Serialize) -> Result<String> {
     hash.update(VERSION.to_le_bytes());
     hash.update(env!("CARGO_PKG_VERSION"));
     hash.update(contact_laws::instruction_set());
+    hash.update(arithmetic_fingerprint());
     hash.update(serde_json::to_vec(inputs).context("encoding inputs")?);
-    Ok(hash.finalize().iter().take(16).map(|b| format!("{b:02x}")).collect())
+    Ok(durable_files::hex(&hash.finalize()[..16]))
 }
 
 fn path_of(folder: &Path, key: &str) -> PathBuf {
@@ -197,16 +199,14 @@ fn path_of(folder: &Path, key: &str) -> PathBuf {
 
 /// An intact result of an earlier run; anything else counts as absent.
 fn stored<T: DeserializeOwned>(folder: &Path, key: &str) -> Option<T> {
-    serde_json::from_slice(&std::fs::read(path_of(folder, key)).ok()?).ok()
+    serde_json::from_slice(&durable_files::read_sealed(&path_of(folder, key))?).ok()
 }
 
-/// Written under another name first, so that an interrupted run leaves no half of one.
 fn store(folder: &Path, key: &str, result: &impl Serialize) -> Result<()> {
-    let path = path_of(folder, key);
-    std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
-    let part = path.with_extension(format!("part{}", std::process::id()));
-    std::fs::write(&part, serde_json::to_vec(result)?).with_context(|| format!("writing {}", part.display()))?;
-    std::fs::rename(&part, &path).with_context(|| format!("moving {} into place", path.display()))
+    Ok(durable_files::write_sealed(
+        &path_of(folder, key),
+        &serde_json::to_vec(result)?,
+    )?)
 }
 
 /// What was made of these inputs in an earlier run, or is made now and stored.
@@ -278,9 +278,13 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
         return Vec::new();
     };
     let silent = batch.task(0.0);
+    let options = Options {
+        cache: cache.map(Path::to_owned),
+        build: None,
+    };
     let began = Instant::now();
     let reduced = Structure::try_new(&scenes[first], &silent)
-        .and_then(|structure| structure.reduce(cache, &silent).map(|model| (structure, model)));
+        .and_then(|structure| structure.reduce(&options, &silent).map(|model| (structure, model)));
     let (structure, model) = match reduced {
         Ok(found) => found,
         Err(error) => {
@@ -294,9 +298,6 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
     ));
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::with_capacity(members.len()));
-    let options = Options {
-        cache: cache.map(Path::to_owned),
-    };
     std::thread::scope(|threads| {
         for _ in 0..WORKERS.min(members.len()) {
             threads.spawn(|| {
@@ -304,10 +305,11 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
                     let scene = &scenes[index];
                     let task = batch.task(work(scene));
                     let began = Instant::now();
-                    let run = |task: &Task<'_>| -> Result<Record> {
+                    let run = |task: &Task<'_>| -> Result<(Record, Checkpoints)> {
                         let prepared = Prepared::with_model(scene, &structure, model.clone(), &options, task)?;
                         let run = prepared.solve(task)?;
-                        Ok(Record::new(&run, began.elapsed().as_secs_f64()))
+                        let record = Record::new(&run, began.elapsed().as_secs_f64());
+                        Ok((record, run.checkpoints))
                     };
                     let result = run(&task);
                     let seconds = began.elapsed().as_secs_f64();
@@ -316,12 +318,15 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
                         Err(error) => format!("{}: FAILED, {error:#}", scene.name),
                     };
                     batch.end(&task, &end);
-                    if let (Some(folder), Ok(record)) = (cache, &result)
-                        && let Err(error) = key(scene).and_then(|key| store(folder, &key, record))
-                    {
-                        task.note(&format!("the result was not stored: {error:#}"));
+                    if let (Some(folder), Ok((record, checkpoints))) = (cache, &result) {
+                        match key(scene).and_then(|key| store(folder, &key, record)) {
+                            Ok(()) => checkpoints.remove(),
+                            Err(error) => task.note(&format!("the result was not stored: {error:#}")),
+                        }
                     }
-                    let result = result.map(Arc::new).map_err(|error| format!("{error:#}"));
+                    let result = result
+                        .map(|(record, _)| Arc::new(record))
+                        .map_err(|error| format!("{error:#}"));
                     let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
                     results.push((index, result));
                 }

@@ -62,7 +62,7 @@ pub use text::Includes;
 pub use write::write;
 
 use crate::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Reads a deck and the files that it includes: at most 1000, 10 deep, and all together no more than
 /// [`input_files::Kind::Deck`] allows.
@@ -72,6 +72,15 @@ use std::path::Path;
 pub fn read(path: impl AsRef<Path>, includes: Includes) -> Result<Deck, Error> {
     let limit = input_files::Kind::Deck.limit();
     phases::run(&text::Source::from_file(path.as_ref(), includes, limit)?)
+}
+
+/// The files of a deck: itself, and those that it includes, in the order of the lines that include them.
+///
+/// # Errors
+/// As [`read`], of the files and the lines that include them alone.
+pub fn files(path: impl AsRef<Path>, includes: Includes) -> Result<Vec<PathBuf>, Error> {
+    let limit = input_files::Kind::Deck.limit();
+    Ok(text::Source::from_file(path.as_ref(), includes, limit)?.paths)
 }
 
 /// Reads a deck from its text; `name` stands for the file in messages.

@@ -25,6 +25,8 @@ pub(super) struct Source {
     pub(super) files: Vec<String>,
     /// Which of them are outside the folder of the deck.
     outside: Vec<bool>,
+    /// Their places; none for a text.
+    pub(super) paths: Vec<PathBuf>,
     text: String,
     /// End in `text` and origin of each line.
     lines: Vec<(usize, Line)>,
@@ -70,6 +72,7 @@ impl Source {
             files: vec![canonical],
         };
         let mut source = Self::empty();
+        source.paths.extend(open.files.iter().cloned());
         source.append_file(&file_name(path), bytes, false, &mut open)?;
         Ok(source)
     }
@@ -78,6 +81,7 @@ impl Source {
         Self {
             files: Vec::new(),
             outside: Vec::new(),
+            paths: Vec::new(),
             text: String::new(),
             lines: Vec::new(),
         }
@@ -93,6 +97,7 @@ impl Source {
                 let path = input.to_owned();
                 source.error(at, DeckProblem::Include { path, reason })
             })?;
+            source.paths.extend(open.files.last().cloned());
             source.append_file(input, bytes, outside, open)?;
             open.files.pop();
             Ok(())

@@ -1,0 +1,89 @@
+//! What only the program knows about where its results come from.
+
+use anyhow::{Context, Result};
+use joint_pipeline::results::provenance::{Input, ProgramBuild, Provenance};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// The commit that the program is built from, if it is known.
+pub fn commit() -> Option<String> {
+    let commit = env!("MICROSLIP_COMMIT");
+    (!commit.is_empty()).then(|| commit.to_owned())
+}
+
+/// The build of this program.
+pub(crate) fn program() -> ProgramBuild {
+    ProgramBuild {
+        name: env!("CARGO_PKG_NAME").to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        commit: commit(),
+    }
+}
+
+/// Of a run that begins now and reads `inputs`. The environment variable `SOURCE_DATE_EPOCH` stands for the clock where it is
+/// set.
+///
+/// # Errors
+/// The variable is no number of seconds; the working directory is gone.
+pub(crate) fn of(inputs: Vec<Input>) -> Result<Provenance> {
+    let seconds = match std::env::var("SOURCE_DATE_EPOCH") {
+        Ok(text) => text
+            .trim()
+            .parse()
+            .with_context(|| format!("SOURCE_DATE_EPOCH = `{text}` is no whole number of seconds since 1970"))?,
+        Err(_) => SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .map_or(0, |since| since.as_secs()),
+    };
+    let directory = std::env::current_dir().context("finding the working directory")?;
+    let command = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+    Ok(Provenance::new(
+        program(),
+        Some(date(seconds)),
+        command.collect(),
+        &directory,
+        inputs,
+    ))
+}
+
+/// Seconds since 1970 as ISO 8601 in UTC, by the civil calendar (H. Hinnant, chrono-compatible low-level date algorithms).
+fn date(seconds: u64) -> String {
+    let (days, time) = (seconds / 86_400, seconds % 86_400);
+    // Years begin in March here, so that the leap day is their last one; an era has 400 years.
+    let shifted = days + 719_468;
+    let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted_month = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
+    let month = if shifted_month < 10 {
+        shifted_month + 3
+    } else {
+        shifted_month - 9
+    };
+    let year = 400 * era + year_of_era + u64::from(month <= 2);
+    let (hours, minutes) = (time / 3600, time / 60 % 60);
+    format!(
+        "{year:04}-{month:02}-{day:02}T{hours:02}:{minutes:02}:{:02}Z",
+        time % 60
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::date;
+
+    #[test]
+    fn dates_follow_the_calendar() {
+        for (seconds, expected) in [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_399, "2000-02-28T23:59:59Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (951_868_800, "2000-03-01T00:00:00Z"),
+            (1_709_164_800, "2024-02-29T00:00:00Z"),
+            (1_798_761_599, "2026-12-31T23:59:59Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
+        ] {
+            assert_eq!(date(seconds), expected);
+        }
+    }
+}
