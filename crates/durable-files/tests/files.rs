@@ -1,4 +1,5 @@
 //! Single files, sealed files, locks and manifests as their users meet them.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use durable_files::{
     Defect, Error, Folder, Identity, MANIFEST, Manifest, read_sealed, seal, unseal, write, write_sealed,

@@ -23,10 +23,7 @@ fn main() -> Result<(), joint_pipeline::Error> {
         Some(path) => Scene::read(path.as_ref(), &[&BrakeReussBenchmark])?,
         None => Scene::of(&BrakeReussBenchmark, "brb-flat")?,
     };
-    let options = Options {
-        cache: std::env::args().nth(2).map(Into::into),
-        build: None,
-    };
+    let options = std::env::args().nth(2).map(Options::cached).unwrap_or_default();
     let run = run(&scene, &options, &Stages)?;
     println!("stuck modes [Hz]: {:.2?}", &run.model.reduced.stuck_frequencies[..10]);
     println!("linearised modes [Hz]: {:.2?}", run.frequencies);
@@ -72,5 +69,7 @@ fn main() -> Result<(), joint_pipeline::Error> {
             }
         }
     }
+    // The results are where they shall be: the run need not be resumed any more.
+    run.checkpoints.remove();
     Ok(())
 }

@@ -39,6 +39,7 @@ fn at(q: f64, scene: &Scene, options: &Options) -> BackboneSummary {
         scene.cqsma.amplitude_from = Length::from_si(x);
         scene.cqsma.amplitude_to = Length::from_si(x);
         let found = run(&scene, options, &Silent).unwrap();
+        found.checkpoints.remove();
         let mut summary = Summary::new(&found, Default::default(), None);
         let point = summary.backbone.remove(0);
         let error = point.modal_amplitude.unwrap() / q;

@@ -9,6 +9,7 @@ use joint_pipeline::interface::SceneInterface;
 use joint_pipeline::joint::Bodies;
 use joint_pipeline::joint::benchmark::BenchmarkRef;
 use joint_pipeline::progress::Silent;
+use joint_pipeline::results::provenance::{InputRole, inputs_of};
 use joint_pipeline::scene::Length;
 use joint_pipeline::scene::{Coordinates, RefinementLevel, Sides, StructureSource, Surface};
 use joint_pipeline::structure::export::{self, arrays, groups};
@@ -149,6 +150,32 @@ fn the_stiffness_of_calculix_is_that_of_the_same_deck_here() {
 }
 
 #[test]
+fn all_files_of_the_matrices_are_inputs() {
+    let names = |path: &Path| {
+        let inputs = inputs_of(&read(&lap(path, 1.0, &json!({})))).unwrap();
+        assert!(inputs.iter().all(|input| input.role == InputRole::Matrices));
+        let names = inputs
+            .iter()
+            .map(|input| input.path.rsplit('/').next().unwrap().to_owned());
+        names.collect::<Vec<_>>()
+    };
+    assert_eq!(names(&fixture("lap.sti")), ["lap.sti", "lap.mas", "lap.dof"]);
+    let folder = folder("inputs");
+    for name in ["K.mtx", "M.mtx", "notes.txt"] {
+        std::fs::write(folder.join(name), name).unwrap();
+    }
+    assert_eq!(names(&folder), ["M.mtx", "K.mtx"]);
+    let input = inputs_of(&read(&lap(&folder, 1.0, &json!({})))).unwrap().remove(0);
+    input.check(&folder).unwrap();
+    std::fs::write(folder.join("M.mtx"), "other").unwrap();
+    let error = input.check(&folder).unwrap_err();
+    assert!(
+        matches!(&error, Error::InputChanged { path, .. } if path.ends_with("M.mtx")),
+        "{error}"
+    );
+}
+
+#[test]
 fn matrices_run_from_every_format_and_in_every_order_and_unit() {
     let folder = folder("formats");
     let reference = go(&lap(&fixture("lap.sti"), 1.0, &json!({})));
@@ -220,7 +247,7 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
 /// Writes a reduced model in all formats; returns the paths.
 fn export(scene: &Scene, folder: &Path) -> (BTreeMap<String, Array>, [PathBuf; 3]) {
     let structure = Structure::try_new(scene, &Silent).unwrap();
-    let model = structure.reduce(None, &Silent).unwrap();
+    let model = structure.reduce(&Options::default(), &Silent).unwrap();
     let arrays = arrays(&model, &structure.joint).unwrap();
     let paths = [
         folder.join("reduced.npz"),
@@ -352,7 +379,7 @@ fn the_deck_of_the_beam_gives_the_same_structure() {
         Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark)),
     );
     let again = Structure::try_new(&scene, &Silent).unwrap();
-    let [direct, read] = [&structure, &again].map(|structure| structure.reduce(None, &Silent).unwrap());
+    let [direct, read] = [&structure, &again].map(|structure| structure.reduce(&Options::default(), &Silent).unwrap());
     assert_eq!(direct.facts.mass, read.facts.mass);
     let frequencies = |model: &StructuralModel| {
         let facts = &model.facts;

@@ -15,6 +15,7 @@ pub(crate) fn run(arguments: &study::Trade, defaults: &Defaults) -> Result<Outco
     let plan = Plan::try_new(scene, &arguments.only, arguments.quick)?;
     let results = arguments.overwrite.open(&arguments.out, &identity, &[])?;
     let runs = arguments.out.join("runs");
+    std::fs::create_dir_all(&runs).with_context(|| format!("making the folder {}", runs.display()))?;
     let launcher = Launcher {
         program: std::env::current_exe().context("finding this program")?,
         // The runs are parts of these results, whatever scene was varied before.
