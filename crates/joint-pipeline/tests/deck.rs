@@ -76,6 +76,7 @@ fn hard_contact(scene: &Scene, bolt_load: f64, penalty: f64, sticking: bool) -> 
     // The structure is reduced once for all contacts.
     let options = Options::cached(std::env::temp_dir().join("joint-pipeline-deck"));
     let run = run(&scene, &options, &Silent).unwrap();
+    run.checkpoints.remove();
     let area = run.validity().contact_area_fraction_by_points;
     println!("{:.1} % of the interface closed", 100.0 * area);
     run.frequencies

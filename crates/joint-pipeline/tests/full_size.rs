@@ -23,7 +23,9 @@ static TURN: std::sync::Mutex<()> = std::sync::Mutex::new(());
 fn go(scene: &Scene) -> Run {
     let _turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let cache = std::env::temp_dir().join("joint-pipeline-full-size");
-    run(scene, &Options::cached(cache), &Silent).unwrap()
+    let run = run(scene, &Options::cached(cache), &Silent).unwrap();
+    run.checkpoints.remove();
+    run
 }
 
 #[test]

@@ -245,7 +245,10 @@ impl Progress for StopAfter {
 
 fn go(scene: &Scene, options: &Options, threads: usize) -> (Run, Ensemble) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| run_ensemble(scene, 3, options, &Silent)).unwrap()
+    let (run, ensemble) = pool.install(|| run_ensemble(scene, 3, options, &Silent)).unwrap();
+    // The next one shall compute it again.
+    run.checkpoints.remove();
+    (run, ensemble)
 }
 
 #[test]
