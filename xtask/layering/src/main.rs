@@ -104,7 +104,10 @@ const ALLOWED: [(&str, &[&str]); 21] = [
     // Arguments in, files out: what is computed is in the libraries. Its scenes are on the beam unless they say otherwise.
     ("xtask", &["microslip", "reports", "brake-reuss-beam"]),
     // A program of its own, so that `cargo xtask brb` need not compile the studies.
-    ("xtask-studies", &["xtask", "studies", "microslip", "reports", "durable-files"]),
+    (
+        "xtask-studies",
+        &["xtask", "studies", "microslip", "reports", "durable-files"],
+    ),
     // It reads what Cargo says about the others.
     ("xtask-layering", &[]),
 ];

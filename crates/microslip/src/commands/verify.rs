@@ -40,7 +40,11 @@ const OF_ROUND_OFF: [&str; 15] = [
 ];
 
 /// Fields that are differences of large numbers; what `damping_floor` says of the same amplitude is allowed of them too.
-const DAMPINGS: [&str; 2] = ["damping_ratio", "friction_damping_ratio"];
+const DAMPINGS: [&str; 3] = [
+    "damping_ratio",
+    "damping_ratio_first_harmonic",
+    "friction_damping_ratio",
+];
 
 /// Energies, of which the same holds through the damping ratio.
 const ENERGIES: [&str; 2] = ["dissipation", "loop_area"];
