@@ -51,6 +51,14 @@ pub enum Reason {
     /// Too many iterations.
     #[error("the iteration limit was reached")]
     IterationLimit,
+    /// Too many iterations for the equilibria found so far: the next ones would take as long.
+    #[error(
+        "more than {} iterations and {} for each equilibrium found were needed: points of very different stiffness slip and open \
+         one by one; take a smaller amplitude, or laws that differ less",
+        BUDGET[0],
+        BUDGET[1]
+    )]
+    Budget,
     /// The residual is small in the energy norm and large as a force: against a contact this stiff hardly any work is done.
     #[error(
         "the forces do not balance, although the residual is small in the energy norm: the contact is too stiff for this \
@@ -76,6 +84,9 @@ pub struct Failure {
     pub history: Vec<f64>,
 }
 
+/// Iterations that a sequence of solves may take, and those that each equilibrium found adds. Three to six each is usual.
+pub(crate) const BUDGET: [usize; 2] = [500, 10];
+
 /// How a solve went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -90,6 +101,12 @@ pub struct Effort {
     pub krylov_steps: usize,
     /// Direct factorisations.
     pub factorisations: usize,
+}
+
+impl Effort {
+    pub(crate) fn is_within_budget(&self) -> bool {
+        self.iterations <= BUDGET[0] + BUDGET[1] * self.solves
+    }
 }
 
 impl std::ops::AddAssign for Effort {

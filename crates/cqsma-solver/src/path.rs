@@ -132,6 +132,12 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         let mut targets = vec![goal];
         let mut counts = RegimeCounts::default();
         while let Some(&next) = targets.last() {
+            if !self.sequence.effort.is_within_budget() {
+                return Err(Failure {
+                    reason: Reason::Budget,
+                    history: Vec::new(),
+                });
+            }
             let (from, origin) = (self.at, self.sequence.motion.clone());
             let step = next - from;
             self.predict(next, &origin);

@@ -143,12 +143,34 @@ struct Summary {
     ensemble: Option<Ensemble>,
 }
 
-/// An amplitude; its values are missing where it did not converge.
+/// An amplitude; its values are missing where it did not converge, those of the first harmonic also where another program
+/// wrote the summary.
 #[derive(Deserialize)]
 struct Amplitude {
+    response_displacement: Option<f64>,
+    frequency_hz: Option<f64>,
+    damping_ratio: Option<f64>,
     response_motion: Option<f64>,
     frequency_first_harmonic_hz: Option<f64>,
     damping_ratio_first_harmonic: Option<f64>,
+}
+
+impl Amplitude {
+    fn point(&self, harmonic: bool) -> Option<Point> {
+        Some(if harmonic {
+            Point {
+                amplitude: self.response_motion?,
+                frequency_hz: self.frequency_first_harmonic_hz?,
+                damping_ratio: self.damping_ratio_first_harmonic,
+            }
+        } else {
+            Point {
+                amplitude: self.response_displacement?,
+                frequency_hz: self.frequency_hz?,
+                damping_ratio: self.damping_ratio,
+            }
+        })
+    }
 }
 
 #[derive(Deserialize)]
@@ -160,7 +182,8 @@ struct Ensemble {
 #[derive(Deserialize)]
 struct Band {
     response_displacement: f64,
-    frequency_first_harmonic_hz: [f64; 3],
+    frequency_hz: [f64; 3],
+    frequency_first_harmonic_hz: Option<[f64; 3]>,
     damping_ratio: [Option<f64>; 3],
 }
 
@@ -175,7 +198,7 @@ impl Ensemble {
         let edge = |index: usize| {
             let points = self.bands.iter().map(|band| Point {
                 amplitude: band.response_displacement,
-                frequency_hz: band.frequency_first_harmonic_hz[index],
+                frequency_hz: band.frequency_first_harmonic_hz.unwrap_or(band.frequency_hz)[index],
                 damping_ratio: band.damping_ratio[index],
             });
             Backbone::try_new("the edge of the band", points.collect())
@@ -190,14 +213,8 @@ impl Theory {
         let at = path.display();
         let summary: Summary =
             serde_json::from_str(&read(&path)?).with_context(|| format!("{at} is not the summary of a run"))?;
-        let points = summary.backbone.iter().filter_map(|point| {
-            Some(Point {
-                amplitude: point.response_motion?,
-                frequency_hz: point.frequency_first_harmonic_hz?,
-                damping_ratio: point.damping_ratio_first_harmonic,
-            })
-        });
-        let points: Vec<Point> = points.collect();
+        let harmonic = summary.backbone.iter().any(|a| a.frequency_first_harmonic_hz.is_some());
+        let points: Vec<Point> = summary.backbone.iter().filter_map(|a| a.point(harmonic)).collect();
         ensure!(
             !points.is_empty(),
             "none of the {} amplitudes of {at} converged: there is nothing to compare",
@@ -208,7 +225,7 @@ impl Theory {
             Some(ensemble) => Some(ensemble.edges().with_context(|| format!("{at}: `ensemble`"))?),
         };
         Ok(Self {
-            name: title(&path, SUMMARY),
+            name: title(&path, SUMMARY) + if harmonic { "" } else { " (secant)" },
             backbone: Backbone::try_new(&at.to_string(), points)?,
             band,
         })

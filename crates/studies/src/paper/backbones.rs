@@ -377,7 +377,9 @@ fn readings(inputs: &Inputs) -> Result<Plan<'_>> {
         changed("k_t: paper", &|s| s.law.tangential = TangentialReading::Paper),
         changed("history: paper", &|s| s.law.history = HistoryRule::Paper),
         changed("history: potential", &|s| s.law.history = HistoryRule::Potential),
-        changed("commit at every vertex", &|s| s.cqsma.commit = Commit::AtEveryVertex),
+        changed("commit at reversals, as published", &|s| {
+            s.cqsma.commit = Commit::AtReversals
+        }),
         changed("law: fitted, eqs. (28), (29)", &|s| s.law.kind = LawKind::Fitted),
         per_element(base("scans, as by default")),
         per_element(changed("scans, k_t: paper", &|s| {

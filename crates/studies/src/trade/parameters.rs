@@ -205,7 +205,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
             share: Share::Choice,
             ..error(
                 "commit",
-                "when the friction history is committed, and vertices per quarter (at every vertex: four cycles)",
+                "when the friction history is committed, and vertices per quarter",
                 named(
                     base,
                     &[
@@ -215,10 +215,6 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
                     ],
                     |scene, (commit, vertices)| {
                         scene.cqsma.commit = commit;
-                        if commit == Commit::AtEveryVertex {
-                            // The interface creeps for dozens of cycles, by less than what is measured here.
-                            scene.cqsma.cycles = Some(4);
-                        }
                         scene.cqsma.vertices_per_quarter = vertices;
                     },
                 ),
