@@ -148,37 +148,52 @@ pub fn read_text(path: &Path, kind: Kind) -> Result<String, Error> {
     })
 }
 
+/// Refuses what [`read`] would refuse before it opens a file, for those who read it in another way.
+///
+/// # Errors
+/// As [`read`].
+pub fn check(path: &Path, kind: Kind) -> Result<(), Error> {
+    let metadata = std::fs::metadata(path).map_err(|reason| unreadable(path, reason))?;
+    admissible(path, &metadata, kind, kind.limit()).map(drop)
+}
+
+fn unreadable(path: &Path, reason: std::io::Error) -> Error {
+    Error::Unreadable {
+        path: path.to_owned(),
+        reason,
+    }
+}
+
+/// The size of a regular file within the limit.
+fn admissible(path: &Path, metadata: &Metadata, kind: Kind, limit: u64) -> Result<u64, Error> {
+    let (path, size) = (path.to_owned(), metadata.len());
+    if !metadata.is_file() {
+        let found = what(metadata);
+        return Err(Error::NotRegular { path, found });
+    }
+    if size > limit {
+        return Err(Error::TooLarge {
+            path,
+            kind,
+            size,
+            exact: true,
+            limit,
+        });
+    }
+    Ok(size)
+}
+
 /// The bytes of a regular file of which no more than `limit` are allowed, for files that share the limit of their kind.
 ///
 /// # Errors
 /// As [`read`].
 pub fn read_at_most(path: &Path, kind: Kind, limit: u64) -> Result<Vec<u8>, Error> {
-    let unreadable = |reason| Error::Unreadable {
-        path: path.to_owned(),
-        reason,
-    };
-    let check = |metadata: &Metadata| {
-        let (path, size) = (path.to_owned(), metadata.len());
-        if !metadata.is_file() {
-            let found = what(metadata);
-            return Err(Error::NotRegular { path, found });
-        }
-        if size > limit {
-            return Err(Error::TooLarge {
-                path,
-                kind,
-                size,
-                exact: true,
-                limit,
-            });
-        }
-        Ok(size)
-    };
+    let unreadable = |reason| unreadable(path, reason);
     // Before it is opened: opening a pipe waits for its writer, and opening a device may act.
-    check(&std::fs::metadata(path).map_err(unreadable)?)?;
+    admissible(path, &std::fs::metadata(path).map_err(unreadable)?, kind, limit)?;
     let file = File::open(path).map_err(unreadable)?;
     // Once more: what stood there may have been replaced.
-    let size = check(&file.metadata().map_err(unreadable)?)?;
+    let size = admissible(path, &file.metadata().map_err(unreadable)?, kind, limit)?;
     let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or_default());
     // Files of the system state no size, and others grow.
     file.take(limit.saturating_add(1))

@@ -188,6 +188,45 @@ fn without_friction_one_way_of_a_loop_is_the_whole_loop() {
     assert!(summary["skipped"]["vertices_of_the_first_cycles"].is_null());
 }
 
+/// Rough faces, which open: the loops shake down, where one loading curve counts what slips once.
+#[test]
+fn slip_that_shakes_down_is_damping_for_masings_rule_alone() {
+    let mut scene = beam("quick");
+    scene.model.refinement = RefinementLevel::Quick;
+    scene.gap = Gap::Measured;
+    scene.cqsma.amplitudes = 9;
+    scene.cqsma.amplitude_from = Length::from_si(1e-8);
+    scene.methods = vec![Method::Rqnma, Method::Qsma, Method::Masing];
+    let run = run(&scene, &Options::default(), &Silent).unwrap();
+    let mut counted = 0;
+    for (i, amplitude) in run.amplitudes().iter().enumerate() {
+        let reference = amplitude.point.result.as_ref().unwrap();
+        let [rqnma, qsma, masing] = [0, 1, 2].map(|m| *run.first().methods[m].points[i].result.as_ref().unwrap());
+        for (name, found) in [("rqnma", rqnma), ("qsma", qsma), ("masing", masing)] {
+            let x = amplitude.response_displacement.unwrap();
+            let frequency = found.harmonic_omega / reference.harmonic_omega - 1.0;
+            println!(
+                "{x:10.3e} m {:.3e} {name:>8} {frequency:+.2e} {:?}",
+                reference.zeta, found.zeta
+            );
+            let allowed = if i == 0 { 1e-6 } else { 0.03 };
+            assert!(frequency.abs() < allowed, "{name} {x:e}: {frequency:e}");
+            if reference.zeta > 5e-3 {
+                assert!(
+                    (found.zeta.unwrap() / reference.zeta - 1.0).abs() < 0.35,
+                    "{name} {x:e}"
+                );
+            }
+        }
+        if !reference.is_resolved() {
+            // Closed loops have nothing; neither has QSMA, whose loops close as well.
+            assert!(qsma.zeta.is_none(), "{:?}", qsma.zeta);
+            counted += usize::from(rqnma.zeta.is_some_and(|zeta| zeta > 1e-5));
+        }
+    }
+    assert!(counted > 0, "one loading curve slips where closed loops do not");
+}
+
 #[test]
 fn all_methods_agree_at_small_amplitude_and_roughly_beyond() {
     let mut scene = beam("quick");

@@ -89,6 +89,18 @@ pub enum InputRole {
     BottomScan,
 }
 
+impl InputRole {
+    /// Which limits hold for it.
+    fn kind(self) -> input_files::Kind {
+        match self {
+            Self::BuiltInScene | Self::Scene => input_files::Kind::Scene,
+            Self::Deck | Self::DeckInclude => input_files::Kind::Deck,
+            Self::Matrices => input_files::Kind::Matrices,
+            Self::TopScan | Self::BottomScan => input_files::Kind::Scan,
+        }
+    }
+}
+
 /// A file that a run read.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -107,8 +119,9 @@ impl Input {
     /// A file as it stands.
     ///
     /// # Errors
-    /// [`Error::Store`] if it cannot be read.
+    /// [`Error::InputFile`] if it is no regular file within the limit of its kind; [`Error::Store`] if it cannot be read.
     pub fn of_file(role: InputRole, path: &Path) -> Result<Self, Error> {
+        input_files::check(path, role.kind())?;
         let (bytes, sha256) = durable_files::sha256_of_file(path)?;
         Ok(Self {
             role,
@@ -140,7 +153,7 @@ impl Input {
             InputRole::Scene if !path.exists() => return Ok(()),
             _ => {}
         }
-        let (bytes, sha256) = durable_files::sha256_of_file(&path)?;
+        let Self { bytes, sha256, .. } = Self::of_file(self.role, &path)?;
         if (bytes, &sha256) != (self.bytes, &self.sha256) {
             return Err(Error::InputChanged {
                 path,
