@@ -484,7 +484,8 @@ where
         .x_desc(x_label)
         .y_desc(y_label)
         .draw()?;
-    let legend_wanted = curves.len() > 1 && curves.iter().any(|curve| !curve.name.is_empty());
+    let lines = curves.iter().filter(|curve| curve.marks != Marks::Bounds).count();
+    let legend_wanted = lines > 1 && curves.iter().any(|curve| !curve.name.is_empty());
     for band in bands {
         let lower = band.points.iter().map(|&(x, low, _)| (x, low));
         let outline: Vec<(f64, f64)> = lower
