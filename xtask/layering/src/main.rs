@@ -168,8 +168,8 @@ fn metadata() -> Result<Metadata> {
             .exec()
     };
     // Packages for other systems may not have been downloaded yet.
-    ask(&["--offline"])
-        .or_else(|_| ask(&[]))
+    ask(&["--locked", "--offline"])
+        .or_else(|_| ask(&["--locked"]))
         .context("running `cargo metadata`")
 }
 
