@@ -30,8 +30,9 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), Error> {
     part.write_all(contents)
         .and_then(|()| part.as_file().sync_all())
         .map_err(|source| Error::file(path, "writing", source))?;
-    part.persist(path)
-        .map_err(|failed| Error::file(path, "moving into place", failed.error))?;
+    std::fs::rename(part.path(), path).map_err(|source| Error::file(path, "moving into place", source))?;
+    // It has another name by now.
+    let _ = part.keep();
     sync_folder(folder)
 }
 

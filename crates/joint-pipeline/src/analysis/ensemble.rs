@@ -113,10 +113,12 @@ pub(crate) fn members(
                 failure: Some(error.to_string()),
             },
         };
-        if checkpoint.add(k, &member) {
-            loops.remove();
+        // The loops go first: nobody looks for those of a realisation that the checkpoint holds.
+        let left = loops.try_remove();
+        if left.is_empty() {
+            checkpoint.add(k, &member);
         }
-        Ok((k, member))
+        Ok((k, member, left))
     };
     let mut fresh = Vec::with_capacity(pending.len());
     // As many at a time as there are threads: a thread that waits for the loops of one may begin another, and so on without
@@ -124,8 +126,11 @@ pub(crate) fn members(
     for some in pending.chunks(rayon::current_num_threads().max(1)) {
         fresh.extend(some.par_iter().map(member).collect::<Result<Vec<_>, Error>>()?);
     }
-    let (mut done, checkpoints) = checkpoint.complete();
-    done.extend(fresh);
+    let (mut done, mut checkpoints) = checkpoint.complete();
+    for (k, member, left) in fresh {
+        done.insert(k, member);
+        checkpoints.extend(left);
+    }
     Ok((done.into_values().take(realisations).collect(), checkpoints))
 }
 

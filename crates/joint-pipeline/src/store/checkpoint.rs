@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -24,10 +24,21 @@ impl Checkpoints {
     /// Removes the files. To be called when the results are where they shall be, or are not to be kept; a run that ends
     /// before resumes from them.
     pub fn remove(&self) {
-        for path in &self.0 {
-            // One that stays is found again by the same run, and changes no result.
-            let _ = std::fs::remove_file(path);
-        }
+        // One that stays is found again by the same run, and changes no result.
+        let _ = self.clone().try_remove();
+    }
+
+    /// Removes the files, and gives those that stay.
+    pub(crate) fn try_remove(self) -> Self {
+        let stays = |path: &PathBuf| {
+            let removed = std::fs::remove_file(path);
+            removed.is_err_and(|error| error.kind() != ErrorKind::NotFound)
+        };
+        Self(self.0.into_iter().filter(stays).collect())
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// Takes the files of another run too.
@@ -100,19 +111,19 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         self.finished.contains_key(&index)
     }
 
-    /// Writes down a part, which may be given by reference, and says whether it is safe now. A run goes on without its
-    /// checkpoint if that fails: it is a convenience.
-    pub(crate) fn add(&self, index: usize, value: impl Serialize) -> bool {
-        let Some(file) = &self.file else { return false };
+    /// Writes down a part, which may be given by reference. A run goes on without its checkpoint if that fails: it is a
+    /// convenience.
+    pub(crate) fn add(&self, index: usize, value: impl Serialize) {
+        let Some(file) = &self.file else { return };
         let Ok(json) = serde_json::to_vec(&Line { index, value }) else {
-            return false;
+            return;
         };
         let mut line = checksum(&self.key, &json).into_bytes();
         line.push(b' ');
         line.extend(json);
         line.push(b'\n');
         let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(&line).and_then(|()| file.sync_data()).is_ok()
+        let _ = file.write_all(&line).and_then(|()| file.sync_data());
     }
 
     /// The run is complete: what was found at the beginning, and the file, which stays until the results are safe.
