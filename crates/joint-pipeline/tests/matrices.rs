@@ -4,7 +4,7 @@
 mod common;
 
 use brake_reuss_beam::BrakeReussBenchmark;
-use common::{BENCHMARKS, beam};
+use common::{BENCHMARKS, beam, fixture, lap, material};
 use joint_pipeline::interface::SceneInterface;
 use joint_pipeline::joint::Bodies;
 use joint_pipeline::joint::benchmark::BenchmarkRef;
@@ -24,67 +24,11 @@ use std::path::{Path, PathBuf};
 use substructure::assemble::System;
 use substructure::formats::abaqus::{self as deck, Choices, Includes};
 
-/// Of the beam; the law of most scenes has none, the check of the reduction is scaled by it.
-fn material() -> Value {
-    json!({ "youngs_modulus": "192.85 GPa", "poisson_ratio": 0.29 })
-}
-
-fn fixture(name: &str) -> PathBuf {
-    [env!("CARGO_MANIFEST_DIR"), "tests", "fixtures", name].iter().collect()
-}
-
 /// A folder of the test's own.
 fn folder(test: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("joint-pipeline-matrices-{test}-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     folder
-}
-
-/// Two blocks that lie upon one another, the upper one being the top, with an elastic interface. `matrices` adds to what
-/// is said of the matrices.
-fn lap(path: &Path, length: f64, matrices: &Value) -> Value {
-    let node = |side: u64, i: u64, j: u64, k: u64| 1 + 16 * side + i + 4 * (j + 2 * k);
-    let at = |side, k| -> Vec<u64> { (0..2).flat_map(|j| (0..4).map(move |i| node(side, i, j, k))).collect() };
-    let nodes: Vec<[f64; 2]> = (0..2)
-        .flat_map(|j| (0..4).map(move |i| [0.02 * f64::from(i) / length, 0.02 * f64::from(j) / length]))
-        .collect();
-    let elements: Vec<[u32; 4]> = (1..4).map(|i| [i, i + 1, i + 5, i + 4]).collect();
-    // Pulled together at four nodes of the outer faces.
-    let pull = |side, k, factor: f64| {
-        let places = [(1, 0), (2, 0), (1, 1), (2, 1)];
-        places.map(|(i, j)| json!([node(side, i, j, k), 3, 0.25 * factor]))
-    };
-    let bolt = [pull(0, 1, -1.0), pull(1, 0, 1.0)].concat();
-    let mut scene = json!({
-        "units": { "length": if length == 1.0 { "m" } else { "mm" }, "mass": if length == 1.0 { "kg" } else { "t" }, "time": "s" },
-        "structure": { "matrices": {
-            "path": path,
-            "coordinates": { "both-sides": {
-                "top": at(0, 0),
-                "bottom": at(1, 1),
-                "frame": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]],
-            } },
-            "interface": { "nodes": nodes, "elements": elements },
-            "bolts": [{ "terms": bolt }],
-            "response": { "terms": [[node(0, 3, 1, 1), 3, 1.0]] },
-        } },
-        "model": { "material": material() },
-        "mu": 0.2,
-        "surface": { "parameters": { "per": "interface", "sets": [{
-            "curves": { "elastic": {
-                "normal_stiffness": 1e13 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 },
-                "tangential_stiffness": [7e12 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 },
-                    7e12 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 }],
-            } },
-        }] } },
-        "bolts": { "load": 2000.0 },
-        "cqsma": { "amplitudes": 5, "amplitude_from": 1e-9 / length, "amplitude_to": 1e-7 / length, "vertices_per_quarter": 6 },
-    });
-    let target = &mut scene["structure"]["matrices"];
-    for (name, value) in matrices.as_object().unwrap() {
-        target[name] = value.clone();
-    }
-    scene
 }
 
 fn read(scene: &Value) -> Scene {
