@@ -1,5 +1,6 @@
 //! The tasks of the workspace: `cargo xtask --help`.
 mod handover;
+mod requirements;
 
 use clap::{Parser, Subcommand};
 use handover::hand_over;
@@ -33,6 +34,8 @@ enum Task {
     Study(Study),
     /// Check that the dependencies between the crates point one way only.
     CheckLayering,
+    /// Write the table of requirements and tests into docs/verification.md, from the names of the tests.
+    Requirements(requirements::Arguments),
     /// Check a finished run against bounds that hold for every sound scene of the beam.
     CheckResults {
         /// Folder of the run.
@@ -47,6 +50,7 @@ fn main() -> ExitCode {
         Task::Program(command) => microslip::execute(|| command.run(&defaults()).map(success)),
         Task::Study(_) => hand_over("xtask-studies", args_os().skip(1)),
         Task::CheckLayering => hand_over("xtask-layering", []),
+        Task::Requirements(arguments) => microslip::execute(|| requirements::run(&arguments).map(success)),
         Task::CheckResults { directory } => microslip::execute(|| {
             let count = check::results(&directory, Demand::Complete)?;
             print(&format!("{}: {count} checks passed\n", directory.display())).map(success)

@@ -3,7 +3,7 @@
 //!
 //! The cases run in processes of their own, so that an abort or an endless loop is a finding too. `HOSTILE_CASES` (a number of
 //! cases, or a range such as `17..18`) and `HOSTILE_SEED` choose others than the ordinary ones:
-//! `HOSTILE_CASES=1000000 HOSTILE_SEED=2 cargo test --release -p joint-pipeline --test hostile_inputs -- --ignored --nocapture`.
+//! `HOSTILE_CASES=1000000 HOSTILE_SEED=2 cargo test --release -p joint-pipeline --test hostile_inputs -- --ignored --nocapture many`.
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 

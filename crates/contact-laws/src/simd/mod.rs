@@ -41,7 +41,7 @@ pub(crate) trait Pass {
 pub(crate) fn run(pass: impl Pass) {
     #[cfg(all(target_arch = "x86_64", feature = "std"))]
     match x86::widest() {
-        // SAFETY: `widest` asked the processor for what the callee is compiled for.
+        // SAFETY: `widest` gives this only where the processor has what the callee is compiled for.
         #[expect(unsafe_code, reason = "the call from code for any processor into code for AVX-512")]
         x86::Widest::Avx512 => return unsafe { x86::avx512(pass) },
         // SAFETY: as above.
@@ -52,7 +52,13 @@ pub(crate) fn run(pass: impl Pass) {
     pass.run::<false>();
 }
 
-/// Name of the instruction set that laws are evaluated with.
+/// Environment variable that is read at the first evaluation: `avx2` and `baseline` ask for no more than AVX2 with FMA, or than
+/// what every processor of the target has. Other values ask for nothing.
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+const INSTRUCTION_SET: &str = "CONTACT_LAWS_INSTRUCTION_SET";
+
+/// Name of the instruction set that laws are evaluated with: the widest that the processor has, or less where the environment
+/// variable `CONTACT_LAWS_INSTRUCTION_SET` is `avx2` or `baseline` at the first evaluation.
 pub fn instruction_set() -> &'static str {
     #[cfg(all(target_arch = "x86_64", feature = "std"))]
     match x86::widest() {
@@ -88,24 +94,43 @@ pub(crate) fn part_mut<'a, const N: usize>(
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 mod x86 {
-    use super::Pass;
+    use super::{INSTRUCTION_SET, Pass};
+    use core::sync::atomic::{AtomicU8, Ordering};
 
+    #[derive(Clone, Copy)]
     pub(super) enum Widest {
-        Avx512,
-        Avx2,
-        Baseline,
+        Avx512 = 1,
+        Avx2 = 2,
+        Baseline = 3,
     }
+
+    /// The choice as a number, 0 before the first call.
+    static CHOSEN: AtomicU8 = AtomicU8::new(0);
 
     #[inline]
     pub(super) fn widest() -> Widest {
+        match CHOSEN.load(Ordering::Relaxed) {
+            1 => Widest::Avx512,
+            2 => Widest::Avx2,
+            3 => Widest::Baseline,
+            _ => choose(),
+        }
+    }
+
+    /// What the processor has, or less where the environment asks for less. All threads choose alike.
+    #[cold]
+    fn choose() -> Widest {
         use std::arch::is_x86_feature_detected as has;
-        if !(has!("avx2") && has!("fma")) {
-            return Widest::Baseline;
-        }
-        if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") {
-            return Widest::Avx512;
-        }
-        Widest::Avx2
+        let asked = std::env::var(INSTRUCTION_SET).unwrap_or_default();
+        let avx2 = has!("avx2") && has!("fma") && asked != "baseline";
+        let avx512 = has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
+        let chosen = match (avx2, avx512 && asked != "avx2") {
+            (true, true) => Widest::Avx512,
+            (true, false) => Widest::Avx2,
+            (false, _) => Widest::Baseline,
+        };
+        CHOSEN.store(chosen as u8, Ordering::Relaxed);
+        chosen
     }
 
     #[target_feature(enable = "avx2,fma,avx512f,avx512bw,avx512dq,avx512vl")]
