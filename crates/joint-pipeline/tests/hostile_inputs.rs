@@ -167,12 +167,12 @@ fn answer(subject: &Subject, folder: &Path) -> Result<(), String> {
 }
 
 /// A case: a subject with one of its files damaged.
-fn damaged<'a>(subjects: &'a [Subject], seed: u64, case: usize) -> (&'a Subject, &'static str, Files) {
+fn damaged(subjects: &[Subject], seed: u64, case: usize) -> (&Subject, &'static str, Files) {
     let subject = &subjects[case % subjects.len()];
     let rest = case / subjects.len();
     let names: Vec<&'static str> = subject.files.keys().copied().collect();
     // Scenes, by value and by byte, as often as the other files together.
-    let name = if rest % 2 == 0 {
+    let name = if rest.is_multiple_of(2) {
         "scene.json"
     } else {
         names[rest / 2 % names.len()]
@@ -181,7 +181,7 @@ fn damaged<'a>(subjects: &'a [Subject], seed: u64, case: usize) -> (&'a Subject,
     let mut files = subject.files.clone();
     let sound = &files[name];
     let changed = match serde_json::from_slice(sound) {
-        Ok(document) if rest % 4 == 0 => bytes(&Changes::new(seed).of(&document)),
+        Ok(document) if rest.is_multiple_of(4) => bytes(&Changes::new(seed).of(&document)),
         _ => Damage::new(seed, &FRAGMENTS).of(sound),
     };
     files.insert(name, changed);

@@ -1,8 +1,10 @@
 //! The commands as a user meets them: the built program, its exit codes, its messages and its files.
 #![allow(clippy::unwrap_used)]
 mod common;
+mod inputs;
 
-use common::{assert_same_numbers, exit_code, faces, folder, messages, read_json, ring_down, run};
+use common::{assert_same_numbers, exit_code, folder, messages, read_json, run};
+use inputs::{faces, ring_down};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

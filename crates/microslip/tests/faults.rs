@@ -6,9 +6,11 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 mod common;
+mod inputs;
 
-use common::{faces, folder, read_json, ring_down};
+use common::{folder, read_json};
 use durable_files::{Error, Folder, Identity, MANIFEST, Manifest};
+use inputs::{faces, ring_down};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fs;
