@@ -43,7 +43,7 @@ pub static PRESETS: [Preset; 4] = [
         vertices_per_quarter: 4,
         tolerance: 1e-5,
         frequency_error: 1.8e-2,
-        damping_error: 0.065,
+        damping_error: 0.1,
         cost: 0.1,
     },
     Preset {
@@ -54,7 +54,7 @@ pub static PRESETS: [Preset; 4] = [
         vertices_per_quarter: 8,
         tolerance: 1e-7,
         frequency_error: 1.2e-2,
-        damping_error: 0.05,
+        damping_error: 0.065,
         cost: 0.3,
     },
     Preset {
