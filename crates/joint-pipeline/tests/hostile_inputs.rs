@@ -207,7 +207,7 @@ fn asked((cases, seed): (usize, u64)) -> (Range<usize>, u64) {
 /// The process of cases: writes the number of each before it begins, and ends at the first finding.
 #[test]
 #[ignore = "one of the processes of the tests below"]
-fn cases() {
+fn a_range_of_damaged_inputs_is_refused_or_admissible() {
     static CASE: AtomicUsize = AtomicUsize::new(usize::MAX);
     let Some(progress) = std::env::var_os("HOSTILE_PROGRESS") else {
         return;
@@ -260,7 +260,7 @@ fn trial(range: Range<usize>, seed: u64, name: &str) -> (Vec<String>, usize) {
             .args(["-c", &format!("ulimit -v {ADDRESSES}; exec \"$0\" \"$@\"")])
             .arg(&program);
         command
-            .args(["cases", "--exact", "--ignored", "--nocapture"])
+            .args(["a_range_of_damaged_inputs_is_refused_or_admissible", "--exact", "--ignored", "--nocapture"])
             .env("HOSTILE_PROGRESS", &progress)
             .env("HOSTILE_CASES", format!("{from}..{}", range.end))
             .env("HOSTILE_SEED", seed.to_string())
