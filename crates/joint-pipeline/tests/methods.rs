@@ -212,10 +212,7 @@ fn slip_that_shakes_down_is_damping_for_masings_rule_alone() {
             let allowed = if i == 0 { 1e-6 } else { 0.03 };
             assert!(frequency.abs() < allowed, "{name} {x:e}: {frequency:e}");
             if reference.zeta > 5e-3 {
-                assert!(
-                    (found.zeta.unwrap() / reference.zeta - 1.0).abs() < 0.5,
-                    "{name} {x:e}"
-                );
+                assert!((found.zeta.unwrap() / reference.zeta - 1.0).abs() < 0.5, "{name} {x:e}");
             }
         }
         if !reference.is_resolved() {
