@@ -85,7 +85,7 @@ pub struct Failure {
 }
 
 /// Iterations that a sequence of solves may take, and those that each equilibrium found adds. Three to six each is usual.
-pub(crate) const BUDGET: [usize; 2] = [500, 10];
+pub(crate) const BUDGET: [usize; 2] = [2000, 10];
 
 /// How a solve went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -604,7 +604,7 @@ fn experiment(inputs: &Inputs) -> Result<Plan<'_>> {
             let rise = largest / published::LOW_AMPLITUDE_DAMPING;
             let judgement = format!(
                 "The measured first frequency is met to {:+.2} %. Claim: {}, up to {:.1} % by friction, {rise:.0} times the measured low-amplitude 0.1 %, of which \
-                 friction explains {}. Against EPMC on the same surface frequencies differ by at most {:.1} % flat and {:.1} % with topography, damping by \
+                 friction explains {}. Against EPMC on the same surface frequencies differ by at most {:.1} % flat and {:.1} % with topography, damping, where it is above its floor here, by \
                  at most {:.0} % and {:.0} %; asperities that yield are part of EPMC and not of this model.",
                 100.0 * (ours.first() / measured - 1.0),
                 claim(rise > 3.0, "damping rises many-fold with amplitude"),
