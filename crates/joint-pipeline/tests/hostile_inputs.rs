@@ -260,7 +260,12 @@ fn trial(range: Range<usize>, seed: u64, name: &str) -> (Vec<String>, usize) {
             .args(["-c", &format!("ulimit -v {ADDRESSES}; exec \"$0\" \"$@\"")])
             .arg(&program);
         command
-            .args(["a_range_of_damaged_inputs_is_refused_or_admissible", "--exact", "--ignored", "--nocapture"])
+            .args([
+                "a_range_of_damaged_inputs_is_refused_or_admissible",
+                "--exact",
+                "--ignored",
+                "--nocapture",
+            ])
             .env("HOSTILE_PROGRESS", &progress)
             .env("HOSTILE_CASES", format!("{from}..{}", range.end))
             .env("HOSTILE_SEED", seed.to_string())
