@@ -14,7 +14,8 @@ mod scoped;
 mod store;
 pub mod structure;
 
-pub use analysis::{Options, Run, run, run_ensemble};
+pub use analysis::{Run, run, run_ensemble};
 pub use error::Error;
 pub use joint::benchmark::{Benchmark, Benchmarks};
 pub use scene::Scene;
+pub use store::Options;

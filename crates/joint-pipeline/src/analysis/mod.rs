@@ -15,4 +15,4 @@ pub mod validity;
 
 pub use crate::store::checkpoint::Checkpoints;
 pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};
-pub use run::{ModeBackbone, Options, Prepared, Run, prepare, run, run_ensemble};
+pub use run::{ModeBackbone, Prepared, Run, prepare, run, run_ensemble};

@@ -1,9 +1,10 @@
 //! What the position of one face on the other does to a backbone.
 
 use super::ensemble::{Member, MemberPoint};
-use super::run::{Options, Prepared};
+use super::run::Prepared;
 use crate::progress::{Progress, Silent};
 use crate::scene::{Length, Registration};
+use crate::store::Options;
 use crate::store::checkpoint::Checkpoints;
 use crate::structure::Structure;
 use crate::{Error, Scene};

@@ -10,33 +10,12 @@ use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, Scene};
+use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use crate::structure::{StructuralModel, Structure};
 use cqsma_solver::NewtonSettings;
-use std::path::PathBuf;
 use zte_assembly::{Interface, InterfaceMesh};
-
-/// What is not part of the scene.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// Folder of cached reduced models, and of the finished amplitudes of interrupted runs; none: nothing is read or
-    /// stored.
-    pub cache: Option<PathBuf>,
-    /// What distinguishes the build of the program from others of the same version, such as its commit. What other builds
-    /// have stored is not read.
-    pub build: Option<String>,
-}
-
-impl Options {
-    /// With a folder for what is stored between runs, in the name of no particular build.
-    pub fn cached(folder: impl Into<PathBuf>) -> Self {
-        Self {
-            cache: Some(folder.into()),
-            build: None,
-        }
-    }
-}
 
 /// A finished run.
 #[derive(Debug)]

@@ -3,3 +3,6 @@
 pub(crate) mod cache;
 pub(crate) mod checkpoint;
 pub(crate) mod key;
+mod options;
+
+pub use options::Options;

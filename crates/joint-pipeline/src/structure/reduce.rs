@@ -3,9 +3,9 @@
 use super::spectrum::CHECK_STIFFNESS;
 use super::{Facts, N_CHECKED, StructuralModel, Structure};
 use crate::Error;
-use crate::analysis::Options;
 use crate::joint::{Bodies, ImportedBodies};
 use crate::progress::{Progress, Stage};
+use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Step, checks, reduce};
