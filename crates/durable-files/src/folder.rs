@@ -2,14 +2,11 @@
 
 use crate::Error;
 use crate::lock::Lock;
-use crate::manifest::{Identity, MANIFEST, Manifest};
+use crate::manifest::{COMPLETE, Identity, MANIFEST, Manifest};
 use crate::write::{create_folder, is_temporary, sync_folder, temporary};
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-
-/// Folder of a set that is complete but not in place yet.
-pub(crate) const COMPLETE: &str = ".microslip-complete";
 
 /// Name of the manifest that a set replaces, while it does.
 const SUPERSEDED: &str = "superseded.json";

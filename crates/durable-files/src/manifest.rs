@@ -1,6 +1,5 @@
 //! What a set of files consists of.
 
-use crate::folder::COMPLETE;
 use crate::{Error, sha256, sha256_of_file};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -9,6 +8,9 @@ use std::path::{Component, Path};
 
 /// Name of the manifest in the folder of a set.
 pub const MANIFEST: &str = "manifest.json";
+
+/// Folder of a set that is complete but not in place yet.
+pub(crate) const COMPLETE: &str = ".microslip-complete";
 
 /// Version of the layout of manifests.
 const FORMAT: u32 = 1;
