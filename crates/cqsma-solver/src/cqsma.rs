@@ -154,6 +154,7 @@ pub struct LoopResult {
 /// What a loop's polygon does not tell.
 struct Circumstances {
     cycles: usize,
+    closed: bool,
     one_way: bool,
     closure: f64,
     residual: f64,
@@ -182,7 +183,7 @@ impl LoopResult {
             coarse_loop_area: hysteresis.coarse_area(),
             shape_deviation: found.shape_deviation,
             cycles: found.cycles,
-            closed: false,
+            closed: found.closed,
             one_way: found.one_way,
             closure: found.closure,
             residual: found.residual,
@@ -370,14 +371,10 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         loop {
             cycles += 1;
             observer.begin();
-            let mut found = self.measured_loop(structure, &settled, cycles, observer)?;
-            let most = match self.settings.cycles {
-                Cycles::Fixed(_) => return Ok(found),
-                Cycles::UntilClosed { most, .. } => most,
-            };
-            found.closed = self.is_closed(&found.hysteresis);
-            if found.closed || cycles >= most {
-                return Ok(found);
+            let found = self.measured_loop(structure, &settled, cycles, observer)?;
+            match self.settings.cycles {
+                Cycles::UntilClosed { most, .. } if !found.closed && cycles < most => {}
+                _ => return Ok(found),
             }
         }
     }
@@ -439,11 +436,13 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         } else {
             (self.branch(self.peak, edges, &mut record)?, self.distance(&start))
         };
+        let closed = self.is_closed(&hysteresis);
         Ok(LoopResult::new(
             self.peak,
             hysteresis,
             Circumstances {
                 cycles,
+                closed,
                 one_way,
                 closure,
                 residual: self.path.residual,

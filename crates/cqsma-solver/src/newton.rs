@@ -168,9 +168,17 @@ pub(crate) struct Goal<'a> {
     /// Energy norm that the tolerance refers to.
     pub(crate) scale: f64,
     pub(crate) sticking: Sticking,
-    /// Largest sum of residual contact forces over that of the contact forces themselves (from the reference), and what the
-    /// latter was so far (N). In the energy norm alone a stiff contact hides forces that are out of balance.
-    pub(crate) balance: (f64, f64),
+    /// What the contact forces must satisfy beside the energy norm; none where nothing is known of their size.
+    pub(crate) balance: Option<Balance>,
+}
+
+/// Balance of the contact forces. In the energy norm alone a stiff contact hides forces that are out of balance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Balance {
+    /// Largest sum of residual contact forces over that of the contact forces themselves, from the reference.
+    pub(crate) share: f64,
+    /// What the latter was so far (N).
+    pub(crate) force: f64,
 }
 
 /// State, buffers and history of one sequence of solves.
@@ -354,8 +362,10 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
             let is_small = merit <= target;
             if is_small {
                 let (unbalanced, force) = self.balance(sequence);
-                let (share, known) = goal.balance;
-                if unbalanced <= share * force.max(known) + NOISE * self.round_off.force {
+                let is_balanced = goal.balance.is_none_or(|balance| {
+                    unbalanced <= balance.share * force.max(balance.force) + NOISE * self.round_off.force
+                });
+                if is_balanced {
                     sequence.effort.solves += 1;
                     return Ok(Converged {
                         residual: merit / goal.scale,

@@ -2,7 +2,7 @@
 
 use crate::force::HystereticForce;
 use crate::linear::{Motion, dot, multiply};
-use crate::newton::{Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Sequence};
+use crate::newton::{Balance, Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Sequence};
 use contact_laws::{RegimeCounts, Sticking};
 use faer::MatRef;
 
@@ -95,7 +95,10 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             load: self.mass.map_or(Load::Pattern(&self.unit.p), Load::Inertia),
             scale,
             sticking: self.sticking,
-            balance: (LARGEST_IMBALANCE, self.force),
+            balance: Some(Balance {
+                share: LARGEST_IMBALANCE,
+                force: self.force,
+            }),
         };
         let converged = self
             .equilibrium

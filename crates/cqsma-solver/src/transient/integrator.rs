@@ -349,7 +349,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             scale: inertia.max(pulse),
             sticking: Sticking::Coulomb,
             // Motions pass through the reference, where the contact forces do not change; the balance of energies tells.
-            balance: (1.0, f64::INFINITY),
+            balance: None,
         };
         let solve = |sequence: &mut Sequence<F>| {
             equilibrium.solve(sequence, &goal, self.settings.solver, &self.settings.newton)
