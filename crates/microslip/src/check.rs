@@ -32,7 +32,7 @@ pub enum Demand {
 /// A file that cannot be read, or is no summary of a run.
 pub fn read(directory: &Path) -> Result<(Summary, Scene)> {
     let path = directory.join(SUMMARY);
-    let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
+    let text = input_files::read_text(&path, input_files::Kind::Table)?;
     let summary: Summary = serde_json::from_str(&text).with_context(|| format!("parsing {}", path.display()))?;
     let scene =
         Scene::from_summary(&summary.scene, &BENCHMARKS).with_context(|| format!("reading {}", path.display()))?;

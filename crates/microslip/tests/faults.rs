@@ -8,7 +8,7 @@
 mod common;
 mod inputs;
 
-use common::{folder, read_json};
+use common::{copy, folder, read_json, reproducible};
 use durable_files::{Error, Folder, Identity, MANIFEST, Manifest};
 use inputs::{faces, ring_down};
 use serde_json::json;
@@ -198,13 +198,7 @@ fn contents(folder: &Path) -> Contents {
         let entry = entry.unwrap();
         let name = entry.file_name().into_string().unwrap();
         let bytes = match name.as_str() {
-            "summary.json" => {
-                let mut summary = read_json(&entry.path());
-                for field in ["provenance", "timings", "peak_memory"] {
-                    assert!(summary.as_object_mut().unwrap().remove(field).is_some(), "{field}");
-                }
-                summary.to_string().into_bytes()
-            }
+            "summary.json" => reproducible(folder).to_string().into_bytes(),
             // They repeat times, and hashes of what repeats times.
             "report.html" | MANIFEST => Vec::new(),
             _ if entry.file_type().unwrap().is_dir() => Vec::new(),
@@ -213,17 +207,6 @@ fn contents(folder: &Path) -> Contents {
         contents.insert(name, bytes);
     }
     contents
-}
-
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).unwrap();
-    for entry in fs::read_dir(from).unwrap() {
-        let (entry, to) = (entry.as_ref().unwrap(), to.join(entry.as_ref().unwrap().file_name()));
-        match entry.file_type().unwrap().is_dir() {
-            true => copy(&entry.path(), &to),
-            false => drop(fs::copy(entry.path(), to).unwrap()),
-        }
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{exit_code, folder, messages, read_json, run, succeeds};
+use common::{copy, exit_code, folder, messages, read_json, run, succeeds};
 use durable_files::{Folder, MANIFEST, Manifest, sha256};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -37,11 +37,7 @@ fn scene(folder: &Path, name: &str, cqsma: &Value) {
 fn copied(name: &str) -> PathBuf {
     let folder = folder(name);
     for part in ["out", "kept"] {
-        std::fs::create_dir(folder.join(part)).unwrap();
-        for entry in std::fs::read_dir(finished().join(part)).unwrap() {
-            let entry = entry.unwrap();
-            std::fs::copy(entry.path(), folder.join(part).join(entry.file_name())).unwrap();
-        }
+        copy(&finished().join(part), &folder.join(part));
     }
     std::fs::copy(finished().join("few.json"), folder.join("few.json")).unwrap();
     folder

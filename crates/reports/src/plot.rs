@@ -427,7 +427,7 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
     }
     if below > 0 {
         remarks.push(format!(
-            "open: {below} points below the floor, at the floor or the lower edge"
+            "open: {below} points below the floor, at background and floor or the lower edge"
         ));
     }
     if !remarks.is_empty() {
@@ -436,12 +436,14 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
     Ok(())
 }
 
-/// The bounds of dampings that are not told from zero; those below `lowest` are put there.
+/// The bounds of dampings whose friction is not told from zero: the background damping, which is in all dampings of the
+/// diagram, and the floor. Those below `lowest` are put there.
 fn below_floor(summary: &Summary, lowest: f64) -> Points {
+    let background = summary.scene["background_damping"].as_f64().unwrap_or_default();
     let points = summary.backbone.iter().enumerate();
     let points = points.filter(|(_, b)| b.status == Status::BelowFloor);
     points
-        .filter_map(|(i, b)| Some((i, b.response_displacement?, b.damping_floor?.max(lowest))))
+        .filter_map(|(i, b)| Some((i, b.response_displacement?, (background + b.damping_floor?).max(lowest))))
         .collect()
 }
 
