@@ -56,6 +56,15 @@ pub enum Error {
         /// Number of parameter sets.
         n_sets: usize,
     },
+    /// Two choices exclude each other.
+    Combination {
+        /// One choice.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// A curve does not rise everywhere in its range.
     NotMonotone {
         /// The curve.
@@ -103,6 +112,9 @@ impl fmt::Display for Error {
                     f,
                     "point {point} asks for parameter set {index}, but there are {n_sets}: use 0..{n_sets}"
                 )
+            }
+            Error::Combination { first, second, remedy } => {
+                write!(f, "{first} do not go with {second}: {remedy}")
             }
             Error::NotMonotone {
                 curve,

@@ -21,10 +21,11 @@
 //! | [`TableLaw`] | monotone C1 table of known error | any other curves | [`curves::table`] |
 //! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`curves::fitted`] |
 //! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`curves::elastic`] |
+//! | [`ResolvedLaw`] | asperities one by one, elastic or with yield | bins of gaps | [`friction::resolved`] |
 //! | [`MindlinIwan`] | any of the above, with microslip | curves, number of sliders | [`friction::mindlin_iwan`] |
 //! | [`LinearisedContact`] | constant stiffnesses and slip limit | any law's static state | [`friction::linearised`] |
 //!
-//! All carry Coulomb friction; all but the last two are a [`FrictionalLaw`]: contact curves ([`curves`]) and a
+//! All carry Coulomb friction; all but the last three are a [`FrictionalLaw`]: contact curves ([`curves`]) and a
 //! [`HistoryRule`] ([`friction`]). Curves of one's own implement [`ContactCurves`]. Beside the laws stand single contacts ([`hertz`], [`mindlin`]), onset of yield and
 //! [`adhesion`].
 //!
@@ -86,8 +87,10 @@ pub use curves::{ContactCurves, CurveBlock, CurvesInfo, Exponents, PointCurves};
 pub use error::{Error, Place};
 pub use friction::linearised::{LinearisedContact, StaticPoint};
 pub use friction::mindlin_iwan::MindlinIwan;
+pub use friction::radii::Radii;
+pub use friction::resolved::{AsperityFriction, ResolvedLaw};
 pub use friction::{
-    AsperityLaw, ElasticDryFriction, FrictionalLaw, GreenwoodWilliamsonLaw, HistoryRule, RoughLaw, TableLaw,
+    AsperityLaw, Cone, ElasticDryFriction, FrictionalLaw, GreenwoodWilliamsonLaw, HistoryRule, RoughLaw, TableLaw,
 };
 pub use jet::Jet;
 pub use law::{
@@ -96,9 +99,11 @@ pub use law::{
 };
 pub use parameters::PointParameters;
 pub use physics::adhesion::Adhesion;
+pub use physics::bins::{AsperityBins, MAX_BINS};
+pub use physics::elastic_plastic::{Asperity, Contact, Dent, Unloading, Yield};
 pub use physics::heights::HeightDistribution;
 pub use physics::hertz::ElasticPair;
 pub use physics::population::{AsperityPopulation, GapDistribution};
-pub use physics::{adhesion, hertz, mindlin};
+pub use physics::{adhesion, elastic_plastic, hertz, mindlin};
 pub use simd::elementary::Real;
 pub use simd::instruction_set;

@@ -11,6 +11,8 @@ pub(crate) trait Float {
     fn powi(self, exponent: i32) -> Self;
     fn hypot(self, other: Self) -> Self;
     fn atan(self) -> Self;
+    fn sin(self) -> Self;
+    fn cos(self) -> Self;
 }
 
 impl Float for f64 {
@@ -48,5 +50,13 @@ impl Float for f64 {
 
     fn atan(self) -> Self {
         libm::atan(self)
+    }
+
+    fn sin(self) -> Self {
+        libm::sin(self)
+    }
+
+    fn cos(self) -> Self {
+        libm::cos(self)
     }
 }

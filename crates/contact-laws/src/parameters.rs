@@ -58,6 +58,28 @@ impl<T> PointParameters<T> {
         matches!(self.0, Storage::Uniform { .. })
     }
 
+    /// All sets of values.
+    pub(crate) fn sets(&self) -> &[T] {
+        match &self.0 {
+            Storage::Uniform { value, .. } => core::slice::from_ref(value),
+            Storage::PerPoint(values) | Storage::Indexed { values, .. } => values,
+        }
+    }
+
+    /// Which of [`Self::sets`] belongs to each of the points from `first` on.
+    pub(crate) fn copy_set_numbers(&self, first: usize, into: &mut [u32]) {
+        let n = into.len();
+        match &self.0 {
+            Storage::Uniform { .. } => into.fill(0),
+            Storage::PerPoint(_) => {
+                for (i, into) in into.iter_mut().enumerate() {
+                    *into = (first + i) as u32;
+                }
+            }
+            Storage::Indexed { index, .. } => into.copy_from_slice(&index[first..][..n]),
+        }
+    }
+
     /// Value at `point`.
     ///
     /// # Panics

@@ -1,5 +1,6 @@
 //! The table of history rules: the name that calling codes and files use, and the type behind it.
 
+use super::end_point::EndPoint;
 use super::incremental::Incremental;
 use super::paper::Paper;
 use super::potential::Potential;
@@ -21,6 +22,8 @@ pub enum HistoryRule {
     Incremental,
     /// As [published](super::paper): linearised about the end point, with the total displacement.
     Paper,
+    /// With the stiffness at the [end point](super::end_point) of the path.
+    EndPoint,
     /// From a [potential](super::potential), with the elastic stretch as state.
     Potential,
 }
@@ -35,6 +38,10 @@ macro_rules! with_rule {
             }
             HistoryRule::Paper => {
                 let $rule = Paper;
+                $body
+            }
+            HistoryRule::EndPoint => {
+                let $rule = EndPoint;
                 $body
             }
             HistoryRule::Potential => {

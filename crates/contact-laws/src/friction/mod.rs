@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | [`Incremental`](incremental) | midpoint rule along the closed part of the path | traction |
 //! | [`Paper`](paper) | as published (eq. 18), linearised about the end point | traction |
+//! | [`EndPoint`](end_point) | stiffness at the end point, along the whole path | traction |
 //! | [`Potential`](potential) | from a potential | elastic stretch |
 //!
 //! Two laws have no history rule: [`mindlin_iwan`] slips part by part, [`linearised`] keeps the slip limit of a static
@@ -40,7 +41,7 @@
 //! `Potential`.
 //!
 //! # Energy
-//! At constant `u_n` closed collinear cycles dissipate and obey Masing's rule with all three rules. At changing `u_n`
+//! At constant `u_n` closed collinear cycles dissipate and obey Masing's rule with all rules. At changing `u_n`
 //! only `Potential` never gives back more than was put in, with a commit at every step.
 //!
 //! # Parameters and state
@@ -48,7 +49,7 @@
 //! |---|---|
 //! | friction coefficient `mu`, not negative, per point | 1 |
 //! | state `u_x, u_y, u_n` of the point committed last | m |
-//! | state `t_x, t_y` (`Incremental`, `Paper`) | Pa |
+//! | state `t_x, t_y` (`Incremental`, `Paper`, `EndPoint`) | Pa |
 //! | state `e_x, e_y` (`Potential`) | m |
 //!
 //! Source: N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear dynamic modeling of bolted
@@ -64,6 +65,7 @@
 //! for (history, stuck) in [
 //!     (HistoryRule::Incremental, 1.5e5),
 //!     (HistoryRule::Paper, 3e5),
+//!     (HistoryRule::EndPoint, 3e5),
 //!     (HistoryRule::Potential, 1.5e5),
 //! ] {
 //!     // t_n = 2 MPa at u_n = 1 um, k_x = k_y = 1.5e12 Pa/m, mu = 0.3.
@@ -90,6 +92,8 @@
 #![doc = include_str!("../../katex.html")]
 
 mod block_start;
+mod cone;
+pub mod end_point;
 mod frictional_law;
 mod history_rule;
 pub mod incremental;
@@ -98,9 +102,12 @@ pub mod linearised;
 pub mod mindlin_iwan;
 pub mod paper;
 pub mod potential;
+pub mod radii;
+pub mod resolved;
 mod return_map;
 pub(crate) mod rule;
 
+pub use cone::Cone;
 pub use frictional_law::FrictionalLaw;
 pub use history_rule::HistoryRule;
 pub use laws::{AsperityLaw, ElasticDryFriction, GreenwoodWilliamsonLaw, RoughLaw, TableLaw};

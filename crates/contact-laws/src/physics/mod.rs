@@ -1,7 +1,9 @@
 //! Asperities and what happens at them beside friction: single contacts (Hertz, Mindlin), populations, distributions of
-//! heights, adhesion and onset of yield.
+//! heights, adhesion and yield.
 
 pub mod adhesion;
+pub(crate) mod bins;
+pub mod elastic_plastic;
 pub(crate) mod heights;
 pub mod hertz;
 pub mod mindlin;

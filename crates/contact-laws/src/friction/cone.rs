@@ -1,0 +1,142 @@
+//! The set of tangential tractions that friction can carry.
+
+use super::history_rule::HistoryRule;
+use super::return_map::{Block, Workspace};
+use crate::law::{Regime, RegimeCounts};
+use crate::simd::Lanes;
+
+/// Shape of the limit of the tangential traction at a point, with Coulomb's limit `L = mu t_n`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Cone {
+    /// `t_x^2 + t_y^2 <= L^2`: the same in every direction.
+    #[default]
+    Circle,
+    /// `|t_x| <= L` and `|t_y| <= L`: each direction slips on its own. A point slips if one direction does.
+    Box,
+}
+
+/// Numbers of a block that is answered one direction at a time.
+pub(crate) struct BoxWorkspace<const B: usize> {
+    traction: [Lanes<f64, B>; 3],
+    tangent: [Lanes<f64, B>; 9],
+    memory: [Lanes<f64, B>; 2],
+    regimes: [Regime; B],
+}
+
+impl<const B: usize> BoxWorkspace<B> {
+    pub(crate) fn new() -> Self {
+        let zero = Lanes([0.0; B]);
+        Self {
+            traction: [zero; 3],
+            tangent: [zero; 9],
+            memory: [zero; 2],
+            regimes: [Regime::Open; B],
+        }
+    }
+}
+
+/// Response of a block under a cone. In a box both directions are answered alone, each as if the other did not move.
+pub(crate) fn respond<const B: usize>(
+    history: HistoryRule,
+    workspace: &mut Option<BoxWorkspace<B>>,
+    block: Block<'_, B>,
+) -> RegimeCounts {
+    match workspace {
+        None => history.respond(block),
+        Some(workspace) => in_box(history, workspace, block),
+    }
+}
+
+fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block: Block<'_, B>) -> RegimeCounts {
+    let n = block.mu.len();
+    let still = [0.0; B];
+    let still = &still[..n];
+    let Block {
+        jump: [u_x, u_y, u_n],
+        begin: [x_0, y_0, n_0, m_x, m_y],
+        mu,
+        u_n: closed,
+        present,
+        curves,
+        sticking,
+        workspace,
+        memory: [end_x, end_y],
+        traction: [t_x, t_y, t_n],
+        mut tangent,
+        regimes,
+    } = block;
+    let alone = |jump, begin, workspace: &mut Workspace<B>, own: &mut BoxWorkspace<B>, with_tangent: bool| {
+        history.respond(Block {
+            jump,
+            begin,
+            mu,
+            u_n: closed,
+            present,
+            curves,
+            sticking,
+            workspace,
+            memory: own.memory.each_mut().map(|lanes| &mut lanes.0[..n]),
+            traction: own.traction.each_mut().map(|lanes| &mut lanes.0[..n]),
+            tangent: with_tangent.then(|| own.tangent.each_mut().map(|lanes| &mut lanes.0[..n])),
+            regimes: Some(&mut own.regimes[..n]),
+        });
+    };
+    let with_tangent = tangent.is_some();
+    alone(
+        [u_x, still, u_n],
+        [x_0, still, n_0, m_x, still],
+        workspace,
+        own,
+        with_tangent,
+    );
+    let mut slips = [false; B];
+    for i in 0..n {
+        (t_x[i], t_n[i], end_x[i]) = (own.traction[0].0[i], own.traction[2].0[i], own.memory[0].0[i]);
+        slips[i] = own.regimes[i] == Regime::Slip;
+    }
+    if let Some([xx, xy, xn, .., nx, _, nn]) = &mut tangent {
+        for i in 0..n {
+            (xx[i], xy[i], xn[i]) = (own.tangent[0].0[i], 0.0 * closed.0[i], own.tangent[2].0[i]);
+            (nx[i], nn[i]) = (own.tangent[6].0[i], own.tangent[8].0[i]);
+        }
+    }
+    alone(
+        [still, u_y, u_n],
+        [still, y_0, n_0, still, m_y],
+        workspace,
+        own,
+        with_tangent,
+    );
+    // Both answers hold the normal traction of the curves; what the stretch of each direction adds counts once.
+    let without = |both: f64, curve: f64, closed: f64| if closed > 0.0 { both - curve } else { both };
+    for i in 0..n {
+        (t_y[i], end_y[i]) = (own.traction[1].0[i], own.memory[1].0[i]);
+        t_n[i] += without(own.traction[2].0[i], curves.normal.0[i], closed.0[i]);
+    }
+    if let Some([_, _, _, yx, yy, yn, _, ny, nn]) = &mut tangent {
+        for i in 0..n {
+            (yx[i], yy[i], yn[i]) = (0.0 * closed.0[i], own.tangent[4].0[i], own.tangent[5].0[i]);
+            ny[i] = own.tangent[7].0[i];
+            nn[i] += without(own.tangent[8].0[i], curves.normal_slope.0[i], closed.0[i]);
+        }
+    }
+    let mut counts = RegimeCounts::default();
+    let mut regimes = regimes;
+    for i in 0..n {
+        let regime = match own.regimes[i] {
+            Regime::Stick if slips[i] => Regime::Slip,
+            regime => regime,
+        };
+        counts.count(regime);
+        if let Some(regimes) = &mut regimes {
+            regimes[i] = regime;
+        }
+    }
+    counts
+}

@@ -1,0 +1,336 @@
+//! Microslip within one asperity: sliders at radii of the contact circle.
+//!
+//! With `rho = r/a`, normal force `F`, contact radius `a` and the tangential stiffness `k_t` of the whole contact, an annulus
+//! has stiffness and limit per area
+//! <div>
+//! $$ k(\rho) = \frac{k_t}{\pi a^2} \left( 0.8709 + \frac{0.1291}{\sqrt{1 - \rho^2}} + 0.0629 \rho - 0.8915 \rho^2
+//! + 0.6998 \rho^3 \right), \qquad
+//! l(\rho) = \mu \frac{3 F}{2 \pi a^2} \sqrt{1 - \rho^2}, \qquad
+//! T = 2 \pi \int_0^a t \, r \, dr . $$
+//! </div>
+//!
+//! An annulus sticks with the stiffness at the end of the path, from the traction that the state committed last has at the
+//! same radius: between the radii remembered tractions are interpolated linearly, at the edge of the contact and beyond they are zero.
+//!
+//! Source: J. H. Porter and M. R. W. Brake, *Towards a predictive, physics-based friction model for the dynamics of
+//! jointed structures*, Mech. Syst. Signal Process. 192 (2023) 110210.
+
+use super::cone::Cone;
+use crate::error::{Error, Place, require};
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+/// Most radii of a contact circle.
+pub const MAX_RADII: usize = 256;
+
+/// Quadrature over the radii of a contact circle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Radii {
+    /// Ascending, from 0 to 1.
+    nodes: Vec<Node>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Node {
+    rho: f64,
+    /// `2 w rho`, with the weight `w` of the quadrature over `rho`.
+    weight: f64,
+    /// `k(rho) pi a^2/k_t`.
+    stiffness: f64,
+    /// `3/2 sqrt(1 - rho^2)`.
+    limit: f64,
+}
+
+impl Radii {
+    /// `n` equally spaced radii from 0 to 1 and the trapezoidal rule: as published, with 100.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when `n` is not from 2 to [`MAX_RADII`].
+    pub fn equally_spaced(n: usize) -> Result<Self, Error> {
+        require_count(n, 2)?;
+        let spacing = 1.0 / (n - 1) as f64;
+        let nodes = (0..n).map(|i| {
+            // The edge carries nothing.
+            let rho = if i + 1 == n { 1.0 } else { i as f64 * spacing };
+            let end = if i == 0 || i + 1 == n { 0.5 } else { 1.0 };
+            Node::new(rho, 2.0 * end * spacing * rho)
+        });
+        Ok(Self { nodes: nodes.collect() })
+    }
+
+    /// `n` radii of the Gauss-Legendre rule in `s = sqrt(1 - rho^2)`, in which `k(rho) s` and `l(rho)` have no singularity. The
+    /// stiffnesses are scaled so that their sum is `k_t`: the published polynomial exceeds it by 0.5 %.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when `n` is not from 1 to [`MAX_RADII`].
+    pub fn gauss(n: usize) -> Result<Self, Error> {
+        require_count(n, 1)?;
+        let mut nodes: Vec<Node> = gauss_legendre(n)
+            .into_iter()
+            .map(|(x, weight)| {
+                let s = 0.5 * (1.0 + x);
+                // `rho d rho = -s ds`.
+                Node::new(((1.0 - s) * (1.0 + s)).sqrt(), weight * s)
+            })
+            .collect();
+        nodes.sort_by(|a, b| a.rho.total_cmp(&b.rho));
+        let sum: f64 = nodes.iter().map(|node| node.weight * node.stiffness).sum();
+        for node in &mut nodes {
+            node.stiffness /= sum;
+        }
+        Ok(Self { nodes })
+    }
+
+    /// Number of radii.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// False: there is at least one radius.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+}
+
+impl Node {
+    fn new(rho: f64, weight: f64) -> Self {
+        let s = ((1.0 - rho) * (1.0 + rho)).sqrt();
+        let edge = if s > 0.0 { 0.1291 / s } else { 0.0 };
+        Self {
+            rho,
+            weight,
+            stiffness: 0.8709 + edge + rho * (0.0629 + rho * (-0.8915 + rho * 0.6998)),
+            limit: 1.5 * s,
+        }
+    }
+}
+
+fn require_count(n: usize, least: usize) -> Result<(), Error> {
+    let ok = (least..=MAX_RADII).contains(&n);
+    require(
+        ok,
+        "radii",
+        n as f64,
+        "(no unit)",
+        Place::Whole,
+        "from 1, or 2 if equally spaced, to 256",
+    )
+}
+
+/// Nodes and weights on -1..1 by Newton's method on the Legendre polynomial.
+fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+    let count = n as f64;
+    (0..n)
+        .map(|i| {
+            let mut x = -(PI * (i as f64 + 0.75) / (count + 0.5)).cos();
+            let mut slope = 1.0;
+            for _ in 0..100 {
+                let (mut before, mut value) = (0.0, 1.0);
+                for k in 1..=n {
+                    let k = k as f64;
+                    (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
+                }
+                slope = count * (x * value - before) / (x * x - 1.0);
+                let step = value / slope;
+                x -= step;
+                if step.abs() < 1e-16 {
+                    break;
+                }
+            }
+            (x, 2.0 / ((1.0 - x * x) * slope * slope))
+        })
+        .collect()
+}
+
+/// One asperity and its path.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Circle {
+    /// Normal force (N) and contact radius (m) with their derivatives with respect to the interference.
+    pub(super) force: [f64; 2],
+    pub(super) radius: [f64; 2],
+    /// `k_t/a` (Pa).
+    pub(super) modulus: f64,
+    /// Contact radius of the state committed last (m).
+    pub(super) radius_before: f64,
+    /// Change of the tangential jump (m).
+    pub(super) du: [f64; 2],
+    pub(super) mu: f64,
+    pub(super) cone: Cone,
+    pub(super) unlimited: bool,
+}
+
+/// What an asperity answers.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Reaction {
+    pub(super) force: [f64; 2],
+    /// Rows of the tangential forces; columns x, y, n.
+    pub(super) tangent: [[f64; 3]; 2],
+    /// No annulus sticks.
+    pub(super) slips: bool,
+}
+
+impl Radii {
+    /// Tangential force of an asperity. `before` gives the traction remembered at a radius, `after` takes the new one.
+    #[inline]
+    pub(super) fn react(
+        &self,
+        circle: &Circle,
+        before: impl Fn(usize) -> [f64; 2],
+        mut after: impl FnMut(usize, [f64; 2]),
+    ) -> Reaction {
+        let Circle {
+            force: [force, force_slope],
+            radius: [a, a_slope],
+            modulus,
+            radius_before,
+            du,
+            mu,
+            cone,
+            unlimited,
+        } = *circle;
+        let area = PI * a * a;
+        let (growth, load_growth) = (a_slope / a, force_slope / force);
+        let stretch = if radius_before > 0.0 {
+            a / radius_before
+        } else {
+            f64::INFINITY
+        };
+        let mut reaction = Reaction {
+            slips: true,
+            ..Reaction::default()
+        };
+        let mut cursor = 0;
+        for (i, node) in self.nodes.iter().enumerate() {
+            let (history, history_slope) = self.remembered(node.rho * stretch, &mut cursor, &before);
+            let k = modulus * node.stiffness / (PI * a);
+            let limit = mu * force * node.limit / area;
+            let mut trial = [0.0; 2];
+            // Derivatives of the trial along the interference.
+            let mut closing = [0.0; 2];
+            for q in 0..2 {
+                trial[q] = history[q] + k * du[q];
+                let moved = if stretch < f64::INFINITY {
+                    history_slope[q] * node.rho * stretch
+                } else {
+                    0.0
+                };
+                closing[q] = (moved - k * du[q]) * growth;
+            }
+            let limit_slope = limit * (load_growth - 2.0 * growth);
+            let cut = if unlimited {
+                Cut::stuck(trial, k, closing)
+            } else {
+                Cut::new(cone, trial, k, closing, limit, limit_slope)
+            };
+            reaction.slips &= cut.slips;
+            // The outermost of equally spaced radii carries nothing and counts for nothing.
+            let (t, tangent) = if node.limit > 0.0 {
+                (cut.traction, cut.tangent)
+            } else {
+                ([0.0; 2], [[0.0; 3]; 2])
+            };
+            after(i, t);
+            let weight = area * node.weight;
+            for q in 0..2 {
+                reaction.force[q] += weight * t[q];
+                for c in 0..3 {
+                    reaction.tangent[q][c] += weight * tangent[q][c];
+                }
+            }
+        }
+        for q in 0..2 {
+            reaction.tangent[q][2] += 2.0 * growth * reaction.force[q];
+        }
+        reaction
+    }
+
+    /// Traction remembered at `rho` of the contact circle committed last, and its derivative with respect to `rho`.
+    #[inline]
+    fn remembered(&self, rho: f64, cursor: &mut usize, before: impl Fn(usize) -> [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let nodes = &self.nodes;
+        if !(rho < 1.0) {
+            return ([0.0; 2], [0.0; 2]);
+        }
+        // Ascending from call to call.
+        while *cursor < nodes.len() && nodes[*cursor].rho < rho {
+            *cursor += 1;
+        }
+        match *cursor {
+            0 => (before(0), [0.0; 2]),
+            n => {
+                let (inner, t_inner) = (nodes[n - 1].rho, before(n - 1));
+                let (outer, t_outer) = match nodes.get(n) {
+                    Some(node) => (node.rho, before(n)),
+                    None => (1.0, [0.0; 2]),
+                };
+                let part = (rho - inner) / (outer - inner);
+                let slope = [0, 1].map(|q| (t_outer[q] - t_inner[q]) / (outer - inner));
+                ([0, 1].map(|q| t_inner[q] + part * (t_outer[q] - t_inner[q])), slope)
+            }
+        }
+    }
+}
+
+/// A traction under its limit, with derivatives along x, y and n.
+struct Cut {
+    traction: [f64; 2],
+    tangent: [[f64; 3]; 2],
+    slips: bool,
+}
+
+impl Cut {
+    fn stuck(trial: [f64; 2], k: f64, closing: [f64; 2]) -> Self {
+        Self {
+            traction: trial,
+            tangent: [[k, 0.0, closing[0]], [0.0, k, closing[1]]],
+            slips: false,
+        }
+    }
+
+    #[inline]
+    fn new(cone: Cone, trial: [f64; 2], k: f64, closing: [f64; 2], limit: f64, limit_slope: f64) -> Self {
+        let stuck = Self::stuck(trial, k, closing);
+        match cone {
+            Cone::Box => {
+                let mut cut = stuck;
+                for q in 0..2 {
+                    if trial[q].abs() > limit {
+                        cut.slips = true;
+                        cut.traction[q] = limit.copysign(trial[q]);
+                        cut.tangent[q] = [0.0, 0.0, limit_slope.copysign(trial[q] * limit_slope)];
+                    }
+                }
+                cut
+            }
+            Cone::Circle => {
+                let length = trial[0].hypot(trial[1]);
+                if length <= limit && limit > 0.0 {
+                    return stuck;
+                }
+                let d = if length > 0.0 {
+                    [trial[0] / length, trial[1] / length]
+                } else {
+                    [0.0; 2]
+                };
+                let ratio = if length > 0.0 { limit / length } else { 0.0 };
+                let across = [
+                    [ratio * d[1] * d[1], -ratio * d[0] * d[1]],
+                    [-ratio * d[0] * d[1], ratio * d[0] * d[0]],
+                ];
+                Self {
+                    traction: d.map(|d| limit * d),
+                    tangent: [0, 1].map(|q| {
+                        [
+                            across[q][0] * k,
+                            across[q][1] * k,
+                            across[q][0] * closing[0] + across[q][1] * closing[1] + limit_slope * d[q],
+                        ]
+                    }),
+                    slips: true,
+                }
+            }
+        }
+    }
+}

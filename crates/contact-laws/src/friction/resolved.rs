@@ -1,0 +1,953 @@
+//! Friction resolved over asperities: a population in [bins](crate::AsperityBins), each with a history of its own.
+//!
+//! [`FrictionalLaw`](crate::FrictionalLaw) limits the sum of a point's tangential forces by the sum of its normal
+//! forces: nothing slips until everything does. But asperities that touch late carry little load, so they slip early,
+//! and a point dissipates long before it slips as a whole.
+//!
+//! With the gap `g_j` and the number per area `n_j` of bin `j`, and the interference `w_j = u_n - g_j` of its asperities,
+//! <div>
+//! $$ t_n = \sum_j n_j F_j(w_j), \qquad \boldsymbol{t}_t = \sum_j n_j \boldsymbol{T}_j, \qquad
+//! k_j = \frac{2 E}{(2 - \nu)(1 + \nu)} \, a_j(w_j), \qquad |\boldsymbol{T}_j| \le \mu F_j . $$
+//! </div>
+//!
+//! Normal force `F` and contact radius `a` are those of [one asperity](crate::elastic_plastic), elastic or with yield and
+//! unloading. How the tangential force `T_j` follows from the history is the [`HistoryRule`], with forces in the place of
+//! tractions and the interference beyond the residual depth in the place of `u_n`; its limit is a [`Cone`]. Or every
+//! asperity slips from its rim inwards ([`AsperityFriction::MindlinIwan`], [`radii`](super::radii)).
+//!
+//! # Exponential gaps
+//! Where `n_A` asperities per area have exponential gaps of scale `s` and all have been moved by `d` at constant `u_n`, far
+//! from the first touch, those with `w < c d` slip, `c = k_j w/(F_j mu)`, and
+//! <div>
+//! $$ \frac{t_t}{\mu t_n} = 1 - Q\left(\tfrac{5}{2}, z\right) + z \, Q\left(\tfrac{3}{2}, z\right)
+//! \frac{\Gamma(3/2)}{\Gamma(5/2)}, \qquad z = \frac{c d}{s}, \qquad
+//! c = \frac{3}{2} \, \frac{2 (1 - \nu)}{(2 - \nu) \mu} , $$
+//! </div>
+//!
+//! with the regularised upper incomplete gamma function `Q`.
+//!
+//! # Energy
+//! At constant `u_n` closed cycles never give energy. At changing `u_n` only [`HistoryRule::Potential`] never does, with a
+//! commit at every step. It is for elastic asperities alone: with yield the contact radius jumps between loading and unloading,
+//! which no potential describes.
+//!
+//! # Parameters and state
+//! | quantity | unit |
+//! |---|---|
+//! | Young's modulus, Poisson's ratio, radius of the asperities | Pa, 1, m |
+//! | yield strength, tangent modulus, if they yield | Pa |
+//! | gap and density of every bin | m, 1/m^2 |
+//! | friction coefficient `mu`, per point | 1 |
+//! | state `u_x, u_y, u_n` of the point committed last | m |
+//! | state of every bin: `f_x, f_y`, with `Potential` `e_x, e_y` | N, m |
+//! | with `MindlinIwan` instead the contact radius and `t_x, t_y` at every radius | m, Pa |
+//! | and with yield the largest interference and the force there | m, N |
+//!
+//! [`Regime::Slip`] is gross slip: all bins in contact slip.
+//!
+//! Source: J. H. Porter and M. R. W. Brake, *Towards a predictive, physics-based friction model for the dynamics of
+//! jointed structures*, Mech. Syst. Signal Process. 192 (2023) 110210.
+//!
+//! # Example
+//! ```
+//! use contact_laws::*;
+//!
+//! let asperity = Asperity::try_new(ElasticPair::new(192.31e9, 0.3), 1.4e-3, None)?;
+//! let bins = AsperityBins::try_new(asperity, vec![0.0, 2e-6, 4e-6], vec![1e5; 3])?;
+//! let (bins, mu) = (PointParameters::uniform(bins, 1), PointParameters::uniform(0.1, 1));
+//! let law = ResolvedLaw::try_new(bins, mu, AsperityFriction::StickSlip(HistoryRule::Incremental), Cone::Circle)?;
+//!
+//! // Closed by 4.1 um and moved along x: the asperities with the largest gap slip first.
+//! let mut begin = vec![0.0; law.info().n_state()];
+//! begin[2] = 4.1e-6;
+//! let mut end = begin.clone();
+//! let [mut t_x, mut t_y, mut t_n] = [[0.0]; 3];
+//! law.evaluate(
+//!     0..1,
+//!     Sticking::Coulomb,
+//!     Components::new(&[0.1e-6], &[0.0], &[4.1e-6]),
+//!     StateView::new(&begin, 1, 0),
+//!     StateViewMut::new(&mut end, 1, 0),
+//!     ComponentsMut::new(&mut t_x, &mut t_y, &mut t_n),
+//!     None,
+//!     None,
+//! );
+//! let limit = 0.1 * asperity.loading(0.1e-6).force.value;
+//! assert!((end[7] / limit - 1.0).abs() < 1e-9, "the third bin slips");
+//! assert!(end[3] < 0.1 * asperity.loading(4.1e-6).force.value, "the first sticks");
+//! # Ok::<(), Error>(())
+//! ```
+#![doc = include_str!("../../katex.html")]
+
+use super::block_start::{Present, Start};
+use super::cone::{BoxWorkspace, Cone, respond};
+use super::history_rule::HistoryRule;
+use super::radii::{Circle, Radii, Reaction};
+use super::return_map::{Block, Workspace};
+use super::rule::{Memory, StiffnessAt};
+use super::{JUMP, MU, require_friction};
+use crate::curves::CurveBlock;
+use crate::error::Error;
+use crate::law::{
+    Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
+    TractionLaw, check_points,
+};
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
+use crate::parameters::PointParameters;
+use crate::physics::bins::AsperityBins;
+use crate::physics::elastic_plastic::Asperity;
+use crate::simd::bounds::{bounded, within};
+use crate::simd::elementary::{max, min};
+use crate::simd::{BLOCK, Lanes, Pass, SHORT_BLOCK, part, part_mut, run};
+use alloc::borrow::Cow;
+use alloc::format;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// State components before those of the bins: the jump.
+const N_JUMP: usize = 3;
+
+/// Bound of what one bin adds to a traction (Pa) or a tangent (Pa/m).
+const LARGEST: f64 = 1e300;
+
+/// How the tangential force of an asperity follows from its history.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AsperityFriction {
+    /// It sticks or slips as a whole.
+    StickSlip(HistoryRule),
+    /// It slips from its rim inwards, at the radii of a quadrature.
+    MindlinIwan(Radii),
+}
+
+impl AsperityFriction {
+    fn stiffness(&self) -> (StiffnessAt, bool) {
+        match self {
+            Self::StickSlip(history) => {
+                let needs = history.needs();
+                (needs.stiffness, needs.curvature)
+            }
+            Self::MindlinIwan(_) => (StiffnessAt::End, false),
+        }
+    }
+
+    /// What a bin remembers of its tangential force.
+    fn memory(&self, bin: usize) -> Vec<Quantity> {
+        let named = |name: &str, unit| Quantity {
+            name: Cow::Owned(format!("{name}_{bin}")),
+            unit,
+        };
+        match self {
+            Self::StickSlip(history) => match history.needs().memory {
+                Memory::Traction => alloc::vec![named("f_x", "N"), named("f_y", "N")],
+                Memory::Stretch => alloc::vec![named("e_x", "m"), named("e_y", "m")],
+            },
+            Self::MindlinIwan(radii) => {
+                let at = |i| ["x", "y"].map(|q| named(&format!("t_{q}_{i}"), "Pa"));
+                let tractions = (1..=radii.len()).flat_map(at);
+                core::iter::once(named("a", "m")).chain(tractions).collect()
+            }
+        }
+    }
+}
+
+/// Bins of asperities with friction. State per point: `u_x, u_y, u_n` (m), then two or, with yield, four numbers of
+/// every bin.
+#[derive(Debug, Clone)]
+pub struct ResolvedLaw {
+    bins: PointParameters<AsperityBins>,
+    mu: PointParameters<f64>,
+    friction: AsperityFriction,
+    cone: Cone,
+    tables: Tables,
+    info: LawInfo,
+}
+
+/// The sets of bins as the loops read them.
+#[derive(Debug, Clone)]
+struct Tables {
+    n_bins: usize,
+    yields: bool,
+    /// Of every set.
+    asperities: Vec<Asperity>,
+    hertz: Vec<f64>,
+    mindlin: Vec<f64>,
+    onset: Vec<f64>,
+    /// Of every bin and set, `[bin][set]`. Sets with fewer bins end with empty ones.
+    gaps: Vec<f64>,
+    densities: Vec<f64>,
+}
+
+impl Tables {
+    fn new(sets: &[AsperityBins]) -> Self {
+        let n_bins = sets.iter().map(AsperityBins::len).max().unwrap_or(0);
+        let each = |of: &dyn Fn(&Asperity) -> f64| sets.iter().map(|set| of(set.asperity())).collect::<Vec<_>>();
+        let onset = each(&Asperity::onset_of_yield);
+        let mut gaps = Vec::with_capacity(n_bins * sets.len());
+        let mut densities = Vec::with_capacity(n_bins * sets.len());
+        for bin in 0..n_bins {
+            for set in sets {
+                gaps.push(set.gaps()[bin.min(set.len() - 1)]);
+                densities.push(set.densities().get(bin).copied().unwrap_or(0.0));
+            }
+        }
+        Self {
+            n_bins,
+            yields: onset.iter().any(|onset| onset.is_finite()),
+            asperities: sets.iter().map(|set| *set.asperity()).collect(),
+            hertz: each(&Asperity::hertz_factor),
+            mindlin: each(&Asperity::mindlin_factor),
+            onset,
+            gaps,
+            densities,
+        }
+    }
+
+    /// Gaps or densities of a bin at the points of a block.
+    fn gather(&self, values: &[f64], bin: usize, sets: &[u32], into: &mut [f64]) {
+        let n_sets = self.asperities.len();
+        let row = &values[bin * n_sets..][..n_sets];
+        for (into, &set) in into.iter_mut().zip(sets) {
+            *into = row[set as usize];
+        }
+    }
+}
+
+impl ResolvedLaw {
+    /// A law over `bins.len()` points with the friction coefficient `mu` per point.
+    ///
+    /// # Errors
+    /// [`Error::Length`] when `mu` has another number of points, [`Error::Parameter`] when a coefficient is negative or
+    /// not finite, [`Error::Combination`] for asperities that yield with [`HistoryRule::Potential`].
+    pub fn try_new(
+        bins: PointParameters<AsperityBins>,
+        mu: PointParameters<f64>,
+        friction: AsperityFriction,
+        cone: Cone,
+    ) -> Result<Self, Error> {
+        require_friction(&mu, bins.len())?;
+        let tables = Tables::new(bins.sets());
+        if tables.yields && friction == AsperityFriction::StickSlip(HistoryRule::Potential) {
+            return Err(Error::Combination {
+                first: "asperities that yield",
+                second: "the history rule `potential`",
+                remedy: "take another rule, or elastic asperities",
+            });
+        }
+        let dent = |bin: usize| {
+            let named = [("w_max", "m"), ("f_max", "N")].map(|(name, unit)| Quantity {
+                name: Cow::Owned(format!("{name}_{bin}")),
+                unit,
+            });
+            named.into_iter().filter(|_| tables.yields)
+        };
+        let state = (1..=tables.n_bins).flat_map(|bin| friction.memory(bin).into_iter().chain(dent(bin)));
+        let elastic = [
+            Quantity::new("youngs_modulus", "Pa"),
+            Quantity::new("poisson_ratio", "1"),
+            Quantity::new("asperity_radius", "m"),
+            Quantity::new("bin_gap", "m"),
+            Quantity::new("bin_density", "1/m^2"),
+        ];
+        let plastic = [
+            Quantity::new("yield_strength", "Pa"),
+            Quantity::new("tangent_modulus", "Pa"),
+        ];
+        let plastic = plastic.into_iter().filter(|_| tables.yields);
+        let info = LawInfo {
+            name: "friction resolved over asperities",
+            reference: "10.1016/j.ymssp.2023.110210",
+            state: JUMP.into_iter().chain(state).collect(),
+            parameters: elastic.into_iter().chain(plastic).chain([MU]).collect(),
+        };
+        Ok(Self {
+            bins,
+            mu,
+            friction,
+            cone,
+            tables,
+            info,
+        })
+    }
+
+    /// The bins of every point.
+    pub fn bins(&self) -> &PointParameters<AsperityBins> {
+        &self.bins
+    }
+
+    /// The friction coefficients.
+    pub fn mu(&self) -> &PointParameters<f64> {
+        &self.mu
+    }
+
+    /// How tangential forces follow from the history.
+    pub fn friction(&self) -> &AsperityFriction {
+        &self.friction
+    }
+
+    /// The cone.
+    pub fn cone(&self) -> Cone {
+        self.cone
+    }
+
+    /// [`TractionLaw::evaluate`] in blocks of `B` points.
+    fn evaluate_blocks<const B: usize>(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        tangent: Option<TangentMut<'_>>,
+        mut regimes: Option<&mut [Regime]>,
+    ) -> RegimeCounts {
+        let n = points.len();
+        let jump = [jump.x, jump.y, jump.n];
+        let mut traction = [traction.x, traction.y, traction.n];
+        let mut tangent = tangent.map(TangentMut::into_entries);
+        let mut room = Room::<B>::new(self.cone);
+        let mut counts = RegimeCounts::default();
+        let mut block = 0..0;
+        while block.end < n {
+            block = block.end..n.min(block.end + B);
+            let m = block.len();
+            let rows = Rows {
+                begin,
+                end: StateViewMut::new(&mut *end.data, end.stride, end.offset),
+                n,
+                block: block.clone(),
+            };
+            self.block(
+                points.start + block.start,
+                sticking,
+                part(&jump, &block),
+                rows,
+                tangent.is_some(),
+                &mut room,
+            );
+            for (q, traction) in part_mut(&mut traction, &block).into_iter().enumerate() {
+                traction.copy_from_slice(&room.traction[q].0[..m]);
+            }
+            if let Some(tangent) = &mut tangent {
+                for (entry, tangent) in part_mut(tangent, &block).into_iter().enumerate() {
+                    tangent.copy_from_slice(&room.tangent[entry].0[..m]);
+                }
+            }
+            for i in 0..m {
+                let regime = match room.regimes[i] {
+                    _ if room.fill.0[i].is_nan() => Regime::Invalid,
+                    regime => regime,
+                };
+                counts.count(regime);
+                if let Some(regimes) = &mut regimes {
+                    regimes[block.start + i] = regime;
+                }
+            }
+        }
+        counts
+    }
+
+    /// The points of a block from `first` on.
+    fn block<const B: usize>(
+        &self,
+        first: usize,
+        sticking: Sticking,
+        jump: [&[f64]; 3],
+        mut rows: Rows<'_>,
+        with_tangent: bool,
+        room: &mut Room<B>,
+    ) {
+        let tables = &self.tables;
+        let (stiffness, curvature) = self.friction.stiffness();
+        let n_dent = if tables.yields { 2 } else { 0 };
+        let n_memory = (self.info.n_state() - N_JUMP).checked_div(tables.n_bins).unwrap_or(0);
+        let m = jump[0].len();
+        let Room {
+            sets,
+            gap,
+            density,
+            hertz,
+            mindlin,
+            onset,
+            mu,
+            fill,
+            approach,
+            u_n,
+            middle,
+            scratch,
+            curves,
+            workspace,
+            in_box,
+            bin,
+            traction,
+            tangent,
+            regimes,
+            ..
+        } = room;
+        let sets = &mut sets[..m];
+        self.bins.copy_set_numbers(first, sets);
+        self.mu.copy_to(first, &mut mu.0[..m]);
+        for (i, &set) in sets.iter().enumerate() {
+            let set = set as usize;
+            (hertz.0[i], mindlin.0[i], onset.0[i]) = (tables.hertz[set], tables.mindlin[set], tables.onset[set]);
+        }
+        // Zero, or NaN where any input is no number.
+        fill.0 = [0.0; B];
+        for part in jump {
+            run(Spoil(part, fill));
+        }
+        for component in 0..self.info.n_state() {
+            run(Spoil(rows.begin(component), fill));
+        }
+        for sum in traction.iter_mut().chain(tangent.iter_mut()) {
+            *sum = *fill;
+        }
+        for (c, jump) in jump.into_iter().enumerate() {
+            let [end] = rows.end::<1>(c);
+            for i in 0..m {
+                end[i] = jump[i] + fill.0[i];
+            }
+        }
+        regimes[..m].fill(Regime::Open);
+
+        for j in 0..tables.n_bins {
+            tables.gather(&tables.gaps, j, sets, &mut gap.0[..m]);
+            tables.gather(&tables.densities, j, sets, &mut density.0[..m]);
+            let base = N_JUMP + j * n_memory;
+            let begin: [&[f64]; 5] = core::array::from_fn(|c| {
+                if c < N_JUMP {
+                    rows.begin(c)
+                } else {
+                    rows.begin(base + c - N_JUMP)
+                }
+            });
+            let dent = tables
+                .yields
+                .then(|| [n_dent, n_dent - 1].map(|c| rows.begin(base + n_memory - c)));
+            run(Elastic {
+                u_n: jump[2],
+                u_n0: begin[2],
+                gap,
+                fill,
+                hertz,
+                approach,
+            });
+            if let Some([interference, force]) = dent {
+                run(Unload {
+                    interference,
+                    force,
+                    onset,
+                    approach,
+                    hertz,
+                });
+            }
+            let w = &approach.u_n.0[..m];
+            let jump = [jump[0], jump[1], w];
+            let begin = [begin[0], begin[1], &approach.u_n0.0[..m], begin[3], begin[4]];
+            let mut present = Present::default();
+            run(Start {
+                jump,
+                begin,
+                stiffness,
+                u_n,
+                middle,
+                end: scratch.each_mut().map(|lanes| &mut lanes.0[..m]),
+                present: &mut present,
+            });
+            if present.closed {
+                run(Hertz {
+                    u_n,
+                    middle,
+                    approach,
+                    hertz,
+                    mindlin,
+                    curvature: curvature && with_tangent,
+                    curves,
+                });
+                if let Some([interference, _]) = dent {
+                    self.load(sets, interference, approach, onset, u_n, middle, stiffness, curves);
+                }
+                match &self.friction {
+                    AsperityFriction::StickSlip(history) => {
+                        let block = Block {
+                            jump,
+                            begin,
+                            mu: &mu.0[..m],
+                            u_n,
+                            present,
+                            curves,
+                            sticking,
+                            workspace,
+                            memory: rows.end::<2>(base),
+                            traction: bin.traction.each_mut().map(|lanes| &mut lanes.0[..m]),
+                            tangent: with_tangent.then(|| bin.tangent.each_mut().map(|lanes| &mut lanes.0[..m])),
+                            regimes: Some(&mut bin.regimes[..m]),
+                        };
+                        respond(*history, in_box, block);
+                    }
+                    AsperityFriction::MindlinIwan(radii) => {
+                        for i in 0..m {
+                            let modulus = tables.asperities[sets[i] as usize].tangential_modulus();
+                            let at = Lane {
+                                i,
+                                base,
+                                modulus,
+                                mu: mu.0[i],
+                                u_n: u_n.0[i],
+                                fill: fill.0[i],
+                            };
+                            self.microslip(radii, at, sticking, jump, begin, curves, &mut rows, bin);
+                        }
+                    }
+                }
+                for (sum, part) in traction.iter_mut().zip(&bin.traction) {
+                    run(Add(density, part, sum));
+                }
+                if with_tangent {
+                    for (sum, part) in tangent.iter_mut().zip(&bin.tangent) {
+                        run(Add(density, part, sum));
+                    }
+                }
+                for i in 0..m {
+                    regimes[i] = match (regimes[i], bin.regimes[i]) {
+                        (Regime::Stick, _) | (_, Regime::Stick) if density.0[i] > 0.0 => Regime::Stick,
+                        (Regime::Open, Regime::Slip) if density.0[i] > 0.0 => Regime::Slip,
+                        (before, _) => before,
+                    };
+                }
+            } else {
+                for component in base..base + n_memory - n_dent {
+                    let [end] = rows.end::<1>(component);
+                    end.copy_from_slice(&fill.0[..m]);
+                }
+            }
+            if let Some([interference, force]) = dent {
+                let (w_0, f_0) = (interference, force);
+                let [end_w, end_f] = rows.end::<2>(base + n_memory - n_dent);
+                for i in 0..m {
+                    let further = (u_n.0[i] > 0.0) & (approach.interference.0[i] > w_0[i]);
+                    end_w[i] = fill.0[i] + if further { approach.interference.0[i] } else { w_0[i] };
+                    end_f[i] = fill.0[i]
+                        + if further {
+                            min(curves.normal.0[i], LARGEST)
+                        } else {
+                            f_0[i]
+                        };
+                }
+            }
+        }
+    }
+
+    /// The asperities of a bin at one point, annulus by annulus.
+    fn microslip<const B: usize>(
+        &self,
+        radii: &Radii,
+        at: Lane,
+        sticking: Sticking,
+        jump: [&[f64]; 3],
+        begin: [&[f64]; 5],
+        curves: &CurveBlock<B>,
+        rows: &mut Rows<'_>,
+        answer: &mut Answer<B>,
+    ) {
+        let Lane {
+            i,
+            base,
+            modulus,
+            mu,
+            u_n,
+            fill,
+        } = at;
+        let (radius, reaction) = if u_n > 0.0 {
+            let [k, slope] = [&curves.tangential, &curves.tangential_slope].map(|of| bounded(of[0].0[i]) / modulus);
+            let circle = Circle {
+                force: [bounded(curves.normal.0[i]), bounded(curves.normal_slope.0[i])],
+                radius: [k, slope],
+                modulus,
+                radius_before: rows.begin(base)[i],
+                du: [0, 1].map(|q| bounded(jump[q][i] - begin[q][i])),
+                mu,
+                cone: self.cone,
+                unlimited: sticking == Sticking::Full,
+            };
+            let Rows { begin, end, n, block } = &mut *rows;
+            let (begin, n) = (*begin, *n);
+            let before = |r: usize| [1, 2].map(|q| begin.component(base + 2 * r + q, n)[block.start + i]);
+            let after = |r: usize, t: [f64; 2]| {
+                for (q, t) in t.into_iter().enumerate() {
+                    end.data[(base + 1 + 2 * r + q) * end.stride + end.offset + block.start + i] = t;
+                }
+            };
+            (k, radii.react(&circle, before, after))
+        } else {
+            for component in base + 1..base + 1 + 2 * radii.len() {
+                rows.end::<1>(component)[0][i] = fill;
+            }
+            (0.0, Reaction::default())
+        };
+        rows.end::<1>(base)[0][i] = radius + fill;
+        let closed = u_n > 0.0;
+        let normal = |of: &Lanes<f64, B>| if closed { of.0[i] } else { 0.0 };
+        let Reaction { force, tangent, slips } = reaction;
+        let rows = [tangent[0], tangent[1], [0.0, 0.0, normal(&curves.normal_slope)]];
+        for (traction, value) in answer
+            .traction
+            .iter_mut()
+            .zip([force[0], force[1], normal(&curves.normal)])
+        {
+            traction.0[i] = value;
+        }
+        for (entry, value) in answer.tangent.iter_mut().zip(rows.as_flattened()) {
+            entry.0[i] = *value;
+        }
+        answer.regimes[i] = match (closed, slips) {
+            (false, _) => Regime::Open,
+            (true, false) => Regime::Stick,
+            (true, true) => Regime::Slip,
+        };
+    }
+
+    /// Puts first loading beyond the onset of yield in the place of unloading. Few points do it at a time.
+    fn load<const B: usize>(
+        &self,
+        sets: &[u32],
+        past: &[f64],
+        approach: &Approach<B>,
+        onset: &Lanes<f64, B>,
+        u_n: &Lanes<f64, B>,
+        middle: &Lanes<f64, B>,
+        stiffness: StiffnessAt,
+        curves: &mut CurveBlock<B>,
+    ) {
+        for (i, &set) in sets.iter().enumerate() {
+            let limit = max(past[i], onset.0[i]);
+            let w = approach.interference.0[i];
+            if u_n.0[i] > 0.0 && w > limit {
+                let asperity = &self.tables.asperities[set as usize];
+                let contact = asperity.loading(w);
+                curves.normal.0[i] = contact.force.value;
+                curves.normal_slope.0[i] = contact.force.slope;
+                let at = match stiffness {
+                    StiffnessAt::End => w,
+                    StiffnessAt::Middle => middle.0[i] + approach.depth.0[i],
+                };
+                if at > limit {
+                    let radius = asperity.loading(at).radius;
+                    let modulus = asperity.tangential_modulus();
+                    for q in 0..2 {
+                        curves.tangential[q].0[i] = modulus * radius.value;
+                        curves.tangential_slope[q].0[i] = modulus * radius.slope;
+                        curves.tangential_curvature[q].0[i] = modulus * radius.curvature;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl TractionLaw for ResolvedLaw {
+    fn info(&self) -> &LawInfo {
+        &self.info
+    }
+
+    fn len(&self) -> usize {
+        self.bins.len()
+    }
+
+    fn evaluate(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        tangent: Option<TangentMut<'_>>,
+        regimes: Option<&mut [Regime]>,
+    ) -> RegimeCounts {
+        check_points(&points, self);
+        if points.len() <= SHORT_BLOCK {
+            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes)
+        } else {
+            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes)
+        }
+    }
+
+    fn dissipates(&self) -> bool {
+        self.tables.yields || self.mu.sets().iter().any(|mu| *mu != 0.0)
+    }
+
+    fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64> {
+        let bins = self.bins.at(point);
+        let loaded = bins.gaps().iter().zip(bins.densities());
+        let sum: f64 = loaded.map(|(gap, density)| density * (u_n - gap).max(0.0)).sum();
+        Some(core::f64::consts::PI * bins.asperity().radius() * sum)
+    }
+
+    fn yielded_fraction(&self, point: usize, u_n: f64, omega_c: f64) -> Option<f64> {
+        let bins = self.bins.at(point);
+        let beyond = |limit: f64| -> f64 {
+            let loaded = bins.gaps().iter().zip(bins.densities());
+            loaded
+                .filter(|(gap, _)| u_n - *gap > limit)
+                .map(|(_, density)| density)
+                .sum()
+        };
+        let loaded = beyond(0.0);
+        Some(if loaded > 0.0 {
+            beyond(omega_c.max(0.0)) / loaded
+        } else {
+            0.0
+        })
+    }
+}
+
+/// One point of a block, for what is done point by point.
+struct Lane {
+    i: usize,
+    /// First state component of the bin.
+    base: usize,
+    modulus: f64,
+    mu: f64,
+    /// Interference beyond the residual depth, zero where open, NaN where the input is no number (m).
+    u_n: f64,
+    fill: f64,
+}
+
+/// The states of a block's points.
+struct Rows<'a> {
+    begin: StateView<'a>,
+    end: StateViewMut<'a>,
+    n: usize,
+    block: Range<usize>,
+}
+
+impl<'a> Rows<'a> {
+    fn begin(&self, component: usize) -> &'a [f64] {
+        &self.begin.component(component, self.n)[self.block.clone()]
+    }
+
+    /// `N` components from one on.
+    fn end<const N: usize>(&mut self, component: usize) -> [&mut [f64]; N] {
+        let (stride, offset) = (self.end.stride, self.end.offset);
+        let rows = StateViewMut::new(&mut self.end.data[component * stride..], stride, offset);
+        rows.components::<N>(self.n).map(|row| &mut row[self.block.clone()])
+    }
+}
+
+/// Room for the numbers of a block.
+struct Room<const B: usize> {
+    sets: [u32; B],
+    gap: Lanes<f64, B>,
+    density: Lanes<f64, B>,
+    hertz: Lanes<f64, B>,
+    mindlin: Lanes<f64, B>,
+    onset: Lanes<f64, B>,
+    mu: Lanes<f64, B>,
+    fill: Lanes<f64, B>,
+    approach: Approach<B>,
+    u_n: Lanes<f64, B>,
+    middle: Lanes<f64, B>,
+    scratch: [Lanes<f64, B>; 3],
+    curves: CurveBlock<B>,
+    workspace: Workspace<B>,
+    in_box: Option<BoxWorkspace<B>>,
+    bin: Answer<B>,
+    traction: [Lanes<f64, B>; 3],
+    tangent: [Lanes<f64, B>; 9],
+    regimes: [Regime; B],
+}
+
+/// What a bin answers, per asperity.
+struct Answer<const B: usize> {
+    traction: [Lanes<f64, B>; 3],
+    tangent: [Lanes<f64, B>; 9],
+    regimes: [Regime; B],
+}
+
+/// Where the asperities of a bin are.
+struct Approach<const B: usize> {
+    /// Interference (m).
+    interference: Lanes<f64, B>,
+    /// Residual depth (m).
+    depth: Lanes<f64, B>,
+    /// Normal force over the interference beyond the residual depth to the power 3/2.
+    stiffness: Lanes<f64, B>,
+    /// Interference beyond the residual depth, now and at the begin state.
+    u_n: Lanes<f64, B>,
+    u_n0: Lanes<f64, B>,
+}
+
+impl<const B: usize> Room<B> {
+    fn new(cone: Cone) -> Self {
+        let zero = Lanes([0.0; B]);
+        Self {
+            sets: [0; B],
+            gap: zero,
+            density: zero,
+            hertz: zero,
+            mindlin: zero,
+            onset: zero,
+            mu: zero,
+            fill: zero,
+            approach: Approach {
+                interference: zero,
+                depth: zero,
+                stiffness: zero,
+                u_n: zero,
+                u_n0: zero,
+            },
+            u_n: zero,
+            middle: zero,
+            scratch: [zero; 3],
+            curves: CurveBlock::new(),
+            workspace: Workspace::new(),
+            in_box: (cone == Cone::Box).then(BoxWorkspace::new),
+            bin: Answer {
+                traction: [zero; 3],
+                tangent: [zero; 9],
+                regimes: [Regime::Open; B],
+            },
+            traction: [zero; 3],
+            tangent: [zero; 9],
+            regimes: [Regime::Open; B],
+        }
+    }
+}
+
+/// NaN where a value is no finite number.
+struct Spoil<'a, const B: usize>(&'a [f64], &'a mut Lanes<f64, B>);
+
+impl<const B: usize> Pass for Spoil<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self(values, fill) = self;
+        let n = values.len().min(B);
+        let values = &values[..n];
+        for i in 0..n {
+            fill.0[i] += 0.0 * values[i];
+        }
+    }
+}
+
+/// Sum of what the bins carry.
+struct Add<'a, const B: usize>(&'a Lanes<f64, B>, &'a Lanes<f64, B>, &'a mut Lanes<f64, B>);
+
+impl<const B: usize> Pass for Add<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self(density, part, sum) = self;
+        for i in 0..B {
+            sum.0[i] += within(density.0[i] * part.0[i], LARGEST);
+        }
+    }
+}
+
+/// Asperities without a past.
+struct Elastic<'a, const B: usize> {
+    u_n: &'a [f64],
+    u_n0: &'a [f64],
+    gap: &'a Lanes<f64, B>,
+    fill: &'a Lanes<f64, B>,
+    hertz: &'a Lanes<f64, B>,
+    approach: &'a mut Approach<B>,
+}
+
+impl<const B: usize> Pass for Elastic<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Approach {
+            interference,
+            depth,
+            stiffness,
+            u_n,
+            u_n0,
+        } = self.approach;
+        let n = self.u_n.len().min(B);
+        let (now, before) = (&self.u_n[..n], &self.u_n0[..n]);
+        for i in 0..n {
+            let w = now[i] - self.gap.0[i] + self.fill.0[i];
+            interference.0[i] = w;
+            u_n.0[i] = w;
+            u_n0.0[i] = before[i] - self.gap.0[i];
+            depth.0[i] = 0.0;
+            stiffness.0[i] = self.hertz.0[i];
+        }
+    }
+}
+
+/// Asperities with a dent: see [`Asperity::unloading`].
+struct Unload<'a, const B: usize> {
+    interference: &'a [f64],
+    force: &'a [f64],
+    onset: &'a Lanes<f64, B>,
+    hertz: &'a Lanes<f64, B>,
+    approach: &'a mut Approach<B>,
+}
+
+impl<const B: usize> Pass for Unload<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Approach {
+            depth,
+            stiffness,
+            u_n,
+            u_n0,
+            ..
+        } = self.approach;
+        let n = self.interference.len().min(B);
+        let (past, force) = (&self.interference[..n], &self.force[..n]);
+        for i in 0..n {
+            let yielded = past[i] > self.onset.0[i];
+            let force = max(force[i], 0.0);
+            let beyond = min(force / (self.hertz.0[i] * past[i].sqrt()), past[i]);
+            let residual = past[i] - beyond;
+            // A begin state that no loading leaves has a dent without force.
+            let factor = force / max(beyond * beyond.sqrt(), f64::MIN_POSITIVE);
+            depth.0[i] = if yielded { residual } else { 0.0 };
+            stiffness.0[i] = if yielded { factor } else { self.hertz.0[i] };
+            u_n.0[i] -= depth.0[i];
+            u_n0.0[i] -= depth.0[i];
+        }
+    }
+}
+
+/// Normal force and tangential stiffness of asperities that do not yield now.
+struct Hertz<'a, const B: usize> {
+    u_n: &'a Lanes<f64, B>,
+    middle: &'a Lanes<f64, B>,
+    approach: &'a Approach<B>,
+    hertz: &'a Lanes<f64, B>,
+    mindlin: &'a Lanes<f64, B>,
+    curvature: bool,
+    curves: &'a mut CurveBlock<B>,
+}
+
+impl<const B: usize> Pass for Hertz<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let CurveBlock {
+            normal,
+            normal_slope,
+            tangential: [k_x, k_y],
+            tangential_slope: [slope_x, slope_y],
+            tangential_curvature: [curvature_x, curvature_y],
+        } = self.curves;
+        for i in 0..B {
+            let stiffness = self.approach.stiffness.0[i];
+            let (u, m) = (self.u_n.0[i], self.middle.0[i]);
+            let root = u.sqrt() * stiffness;
+            normal.0[i] = u * root;
+            normal_slope.0[i] = 1.5 * root;
+            let k = m.sqrt() * self.mindlin.0[i] * (stiffness / self.hertz.0[i]);
+            let slope = 0.5 * k / m;
+            (k_x.0[i], k_y.0[i]) = (k, k);
+            (slope_x.0[i], slope_y.0[i]) = (slope, slope);
+            if self.curvature {
+                let curvature = -0.5 * slope / m;
+                (curvature_x.0[i], curvature_y.0[i]) = (curvature, curvature);
+            }
+        }
+    }
+}
