@@ -1,6 +1,8 @@
 //! Populations of asperities as a few bins, each of which stands for the asperities of an interval of gaps.
 
 use crate::error::{Error, Place, require};
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
 use crate::physics::elastic_plastic::Asperity;
 use crate::physics::population::{AsperityPopulation, GapDistribution};
 use alloc::vec::Vec;
@@ -68,60 +70,96 @@ impl AsperityBins {
         Self::try_new(asperity, at, densities)
     }
 
-    /// `n` bins that carry equal shares of the tangential stiffness, averaged over interferences up to `reach` (m); `shift`
-    /// from 0 to 1 moves the limits between them by that share of a bin, and splits off what that leaves at the ends.
-    /// Each bin has the asperities between its limits and their mean gap. Asperities with gaps beyond `reach` are one
-    /// bin more.
+    /// `n` bins as two-point Gauss rules in `n/2` intervals of gaps up to `reach` (m), and one such rule for the gaps beyond; once for
+    /// each of the `shifts` from 0 to 1. Each rule has the mass and the first three moments of the gaps in its interval. The limits
+    /// are at `reach ((j + shift)/(n/2))^0.65`, so that intervals are narrower where more asperities are.
     ///
-    /// Neighbouring points with different shifts see different bins of the same population, so that their mean is as
-    /// fine as all their bins together.
+    /// Where neighbouring points have different shifts, the kinks of their tractions at the onset of contact and of slip are at different
+    /// places and disappear in their mean. For a measured surface (a Brake-Reuss beam after fretting, 16 shifts) [`Self::errors`] are
+    ///
+    /// | bins up to `reach` | normal traction | tangential stiffness | energy from 0.1 of gross slip | from 0.01 |
+    /// |---|---|---|---|---|
+    /// | 8 | 5.5e-5 | 9e-6 | 2.4e-3 | 0.02 |
+    /// | 12 | 1.6e-5 | 1.1e-5 | 6e-4 | 0.04 |
+    /// | 16 | 9e-6 | 9e-5 | 5e-4 | 0.04 |
+    /// | 101 equally spaced, no shifts | 3e-4 | 3e-5 | 9e-4 | 0.06 |
     ///
     /// # Errors
-    /// [`Error::Parameter`] when `n` is not from 1 to [`MAX_BINS`] or when `reach` or `shift` is out of bounds.
-    pub fn equally_stiff(
+    /// [`Error::Parameter`] when `n` is not an even number from 2 to [`MAX_BINS`]` - 4` or when `reach` or a shift is out of bounds.
+    pub fn gauss(
         asperity: Asperity,
         population: &AsperityPopulation,
         n: usize,
         reach: f64,
-        shift: f64,
-    ) -> Result<Self, Error> {
-        require_count(n)?;
+        shifts: &[f64],
+    ) -> Result<Vec<Self>, Error> {
+        let ok = n.is_multiple_of(2) && (2..=MAX_BINS - 4).contains(&n);
+        require(
+            ok,
+            "bins",
+            n as f64,
+            "(no unit)",
+            Place::Whole,
+            "an even number from 2 to 1020",
+        )?;
         let gaps = population.gaps();
         let ok = reach > gaps.smallest() && reach.is_finite();
         require(ok, "reach", reach, "m", Place::Whole, "above the smallest gap")?;
-        require(
-            (0.0..1.0).contains(&shift),
-            "shift",
-            shift,
-            "(no unit)",
-            Place::Whole,
-            "from 0 to 1",
-        )?;
-        let share = StiffnessShare::new(gaps, reach);
-        // The first limit is at the share `shift/n`; a shift of zero has none before the end of the first bin.
-        let inner = (0..n).map(|j| (j as f64 + shift) / n as f64).filter(|&s| s > 0.0);
-        let mut limits: Vec<f64> = inner.map(|s| share.gap_at(s)).collect();
-        limits.push(reach.min(gaps.largest()));
-        if gaps.largest() > reach {
-            limits.push(gaps.largest());
-        }
-        let mut bins = Vec::with_capacity(n + 2);
-        let mut below = (0.0, 0.0);
-        for limit in limits {
-            // Probability, and probability times mean gap, of all gaps up to the limit.
-            let probability = gaps.loaded_fraction(next_up(limit));
-            let upto = (probability, limit * probability - gaps.mean_interference(limit));
-            let mass = upto.0 - below.0;
-            if mass > 0.0 {
-                bins.push(((upto.1 - below.1) / mass, mass * population.density()));
-                below = upto;
+        let intervals = n / 2;
+        let set = |(i, &shift): (usize, &f64)| {
+            let ok = (0.0..1.0).contains(&shift);
+            require(
+                ok,
+                "shift",
+                shift,
+                "(no unit)",
+                Place::Entry(i),
+                "at least 0 and below 1",
+            )?;
+            // A shift of zero has no limit before the end of the first interval.
+            let inner = (0..intervals)
+                .map(|j| (j as f64 + shift) / intervals as f64)
+                .filter(|&at| at > 0.0);
+            let ends = [reach.min(gaps.largest()), gaps.largest()];
+            let (mut at, mut densities) = (Vec::with_capacity(n + 4), Vec::with_capacity(n + 4));
+            let mut begin = f64::NEG_INFINITY;
+            for end in inner
+                .map(|at| (reach * at.powf(GRADING)).min(gaps.largest()))
+                .chain(ends)
+            {
+                for (gap, mass) in gauss_rule(gaps, begin, end) {
+                    at.push(gap.max(0.0));
+                    densities.push(mass * population.density());
+                }
+                begin = begin.max(end);
             }
-        }
-        let (at, densities) = bins
-            .into_iter()
-            .map(|(gap, density): (f64, f64)| (gap.max(0.0), density))
-            .unzip();
-        Self::try_new(asperity, at, densities)
+            Self::try_new(asperity, at, densities)
+        };
+        shifts.iter().enumerate().map(set).collect()
+    }
+
+    /// Relative errors of several sets against another set, elastic, on a surface whose interferences lie between a third of `reach`
+    /// and `reach` (m), each set on an equal share of it: of normal traction, of tangential stiffness, and the largest of the
+    /// energy that cycles of stick and slip at constant interference dissipate, at amplitudes from `smallest` of gross slip to
+    /// gross slip.
+    pub fn errors(sets: &[Self], reference: &Self, reach: f64, smallest: f64) -> [f64; 3] {
+        let interferences = || (0..=40).map(|i| reach * (1.0 + 0.05 * f64::from(i)) / 3.0);
+        let mean = |set: &Self, of: &dyn Fn(f64) -> f64| interferences().map(|u| set.sum(u, of)).sum::<f64>();
+        let error = |of: &dyn Fn(f64) -> f64| {
+            let found = sets.iter().map(|set| mean(set, of)).sum::<f64>() / sets.len() as f64;
+            (found / mean(reference, of) - 1.0).abs()
+        };
+        // Asperities slip where their interference is below the amplitude times a constant.
+        let gross = reach - reference.gaps[0];
+        let amplitudes = (0..=12).map(|i| gross * smallest.powf(f64::from(i) / 12.0));
+        let dissipated = amplitudes.map(|slips| error(&|w| w * root(w) * (slips - w).max(0.0)));
+        [error(&|w| w * root(w)), error(&root), dissipated.fold(0.0, f64::max)]
+    }
+
+    /// Sum of a function of the interference over the asperities in contact.
+    fn sum(&self, u: f64, of: &dyn Fn(f64) -> f64) -> f64 {
+        let bins = self.gaps.iter().zip(&self.densities);
+        bins.map(|(gap, density)| density * of((u - gap).max(0.0))).sum()
     }
 
     /// What an asperity of any bin does.
@@ -155,69 +193,59 @@ fn require_count(n: usize) -> Result<(), Error> {
     require(ok, "bins", n as f64, "(no unit)", Place::Whole, "from 1 to 1024")
 }
 
-/// The next larger number: gaps at a limit belong below it.
-fn next_up(x: f64) -> f64 {
-    if x > 0.0 {
-        f64::from_bits(x.to_bits() + 1)
-    } else {
-        f64::MIN_POSITIVE
-    }
-}
+/// Exponent of the limits between intervals: of 0.5, 0.65, 0.8 and 1 the one with the smallest errors for 8 to 16 bins.
+const GRADING: f64 = 0.65;
 
-/// The share of the tangential stiffness that asperities up to a gap carry, averaged over interferences.
-struct StiffnessShare {
-    gaps: Vec<f64>,
-    /// Rises from 0 to 1.
-    shares: Vec<f64>,
-}
-
-/// Gaps at which the share is tabulated, and interferences it is averaged over: both only place the limits between bins.
-const GRID: usize = 512;
-const INTERFERENCES: usize = 24;
-
-impl StiffnessShare {
-    fn new(gaps: &GapDistribution, reach: f64) -> Self {
-        let at: Vec<f64> = (0..=GRID).map(|i| reach * i as f64 / GRID as f64).collect();
-        let mut density = alloc::vec![0.0; GRID];
-        for k in 1..=INTERFERENCES {
-            let u = reach * k as f64 / INTERFERENCES as f64;
-            let mut shares: Vec<f64> = Vec::with_capacity(GRID);
-            for i in 0..GRID {
-                let mass = gaps.loaded_fraction(at[i + 1]) - gaps.loaded_fraction(at[i]);
-                let beyond = u - 0.5 * (at[i] + at[i + 1]);
-                shares.push(if beyond > 0.0 { mass * root(beyond) } else { 0.0 });
-            }
-            let sum: f64 = shares.iter().sum();
-            if sum > 0.0 {
-                for (density, share) in density.iter_mut().zip(&shares) {
-                    *density += share / sum;
-                }
+/// Gaps and probabilities of the two-point rule for the gaps above `begin` up to `end`; one point where all are the same, none
+/// where there are none.
+fn gauss_rule(gaps: &GapDistribution, begin: f64, end: f64) -> impl Iterator<Item = (f64, f64)> {
+    // Moments about the end, where all differences have one sign.
+    let mut moments = [0.0; 4];
+    for (start, width, probability) in gaps.pieces() {
+        let (low, high) = (start.max(begin), (start + width).min(end));
+        let inside = if width > 0.0 {
+            high > low
+        } else {
+            start > begin && start <= end
+        };
+        if inside {
+            let mass = if width > 0.0 {
+                probability * (high - low) / width
+            } else {
+                probability
+            };
+            let (a, b) = (end - low, end - high);
+            let means = [
+                1.0,
+                (a + b) / 2.0,
+                (a * a + a * b + b * b) / 3.0,
+                (a * a + b * b) * (a + b) / 4.0,
+            ];
+            for (moment, mean) in moments.iter_mut().zip(means) {
+                *moment += mass * mean;
             }
         }
-        let total: f64 = density.iter().sum();
-        let mut sum = 0.0;
-        let mut shares = alloc::vec![0.0];
-        shares.extend(density.iter().map(|d| {
-            sum += d;
-            if total > 0.0 { sum / total } else { 0.0 }
-        }));
-        Self { gaps: at, shares }
     }
-
-    /// The gap up to which asperities carry a share.
-    fn gap_at(&self, share: f64) -> f64 {
-        let i = self
-            .shares
-            .partition_point(|&s| s < share)
-            .clamp(1, self.shares.len() - 1);
-        let (low, high) = (self.shares[i - 1], self.shares[i]);
-        let part = if high > low { (share - low) / (high - low) } else { 1.0 };
-        self.gaps[i - 1] + part.clamp(0.0, 1.0) * (self.gaps[i] - self.gaps[i - 1])
-    }
+    let [mass, first, second, third] = moments;
+    let mean = first / mass;
+    let variance = second / mass - mean * mean;
+    let two = variance > 1e-12 * mean * mean;
+    let deviation = variance.max(0.0).sqrt();
+    let skewness = (third / mass - mean * (3.0 * variance + mean * mean)) / (variance * deviation);
+    let half = 0.5 * skewness;
+    let length = (half * half + 1.0).sqrt();
+    // Without cancellation: the product of both is -1.
+    let far = half + length.copysign(half);
+    let near = -1.0 / far;
+    let share = if two { -near / (far - near) } else { 1.0 };
+    let [far, near] = if two { [far, near] } else { [0.0; 2] };
+    let points = [
+        (end - (mean + deviation * far), mass * share),
+        (end - (mean + deviation * near), mass * (1.0 - share)),
+    ];
+    points.into_iter().filter(|(_, mass)| *mass > 0.0)
 }
 
 fn root(x: f64) -> f64 {
-    #[cfg(not(feature = "std"))]
-    use crate::math::Float as _;
     x.sqrt()
 }
