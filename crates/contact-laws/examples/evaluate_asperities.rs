@@ -284,6 +284,7 @@ fn asperity(part: &Value, place: &str, case: Option<usize>) -> Result<Asperity, 
         Some(strength) => Some(Yield {
             strength,
             tangent_modulus: required("Et")?,
+            curves: YieldCurves::Published,
         }),
     };
     law_error(place, Asperity::try_new(material, required("R")?, yielding))

@@ -230,6 +230,8 @@ pub enum Sticking {
     /// Every closed point sticks, whatever its traction; open points still carry none. For the first guess of a
     /// prestress, and for the stuck tangent about a state.
     Full,
+    /// No point carries a tangential traction, as with `mu = 0`. For joints that are assembled without friction.
+    Frictionless,
 }
 
 /// Name and SI unit of a state component or a parameter.

@@ -100,7 +100,7 @@ pub use law::{
 pub use parameters::PointParameters;
 pub use physics::adhesion::Adhesion;
 pub use physics::bins::{AsperityBins, MAX_BINS};
-pub use physics::elastic_plastic::{Asperity, Contact, Dent, Unloading, Yield};
+pub use physics::elastic_plastic::{Asperity, Contact, Dent, Unloading, Yield, YieldCurves};
 pub use physics::heights::HeightDistribution;
 pub use physics::hertz::ElasticPair;
 pub use physics::population::{AsperityPopulation, GapDistribution};

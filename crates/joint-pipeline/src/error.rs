@@ -192,6 +192,17 @@ pub enum Error {
          surface.scans or surface.synthetic-scan"
     )]
     NoSamples,
+    /// No number of bins is exact enough.
+    #[error(
+        "law.bins.error = {target:e}: 128 bins reach {reached:.1e}; ask for less, or give their number with \
+         \"bins\": {{ \"gauss\": N }}"
+    )]
+    Bins {
+        /// Relative error asked for.
+        target: f64,
+        /// Smallest error reached.
+        reached: f64,
+    },
     /// A scan that cannot be brought onto the interface.
     #[error("{}: {source}", path.display())]
     ScannedFace {

@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use super::block_start::{Present, Start};
+use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::{HistoryRule, Needs};
 use super::return_map::{Block, Workspace};
 use super::{JUMP, MU, require_friction};
@@ -22,6 +23,7 @@ pub struct FrictionalLaw<C> {
     curves: C,
     mu: PointParameters<f64>,
     history: HistoryRule,
+    cone: Cone,
     info: LawInfo,
 }
 
@@ -47,8 +49,15 @@ impl<C: PointCurves> FrictionalLaw<C> {
             curves,
             mu,
             history,
+            cone: Cone::default(),
             info,
         })
+    }
+
+    /// The same law with another cone.
+    #[must_use]
+    pub fn with_cone(self, cone: Cone) -> Self {
+        Self { cone, ..self }
     }
 
     /// The curves of every point.
@@ -91,6 +100,7 @@ impl<C: PointCurves> FrictionalLaw<C> {
             Workspace::<B>::new(),
         );
         let (mut u_n, mut middle, mut mu) = (Lanes([0.0; B]), Lanes([0.0; B]), Lanes([0.0; B]));
+        let mut in_box = (self.cone == Cone::Box).then(BoxWorkspace::new);
         let mut counts = RegimeCounts::default();
         let (mut block, mut present) = (0..0, Present::default());
         while block.end < n {
@@ -114,7 +124,10 @@ impl<C: PointCurves> FrictionalLaw<C> {
                     .evaluate(first, u_n, middle, curvature, &mut for_curves, &mut curves);
             }
             let mu = &mut mu.0[..m];
-            self.mu.copy_to(first, mu);
+            match sticking {
+                Sticking::Frictionless => mu.fill(0.0),
+                Sticking::Coulomb | Sticking::Full => self.mu.copy_to(first, mu),
+            }
             let block = Block {
                 jump,
                 begin,
@@ -129,7 +142,7 @@ impl<C: PointCurves> FrictionalLaw<C> {
                 tangent: tangent.as_mut().map(|tangent| part_mut(tangent, &block)),
                 regimes: regimes.as_mut().map(|regimes| &mut regimes[block.clone()]),
             };
-            counts += self.history.respond(block);
+            counts += respond(self.history, &mut in_box, block);
         }
         counts
     }

@@ -247,7 +247,11 @@ impl StaticPoint {
         let trial: [f64; 2] = core::array::from_fn(|q| self.traction[q] + beyond[q]);
         let length = trial[0].hypot(trial[1]);
         let t_n = self.traction[2] + k[2] * d[2];
-        if sticking == Sticking::Full || (length <= self.slip_limit && self.slip_limit > 0.0) {
+        let slip_limit = match sticking {
+            Sticking::Frictionless => 0.0,
+            Sticking::Coulomb | Sticking::Full => self.slip_limit,
+        };
+        if sticking == Sticking::Full || (length <= slip_limit && slip_limit > 0.0) {
             return Response {
                 regime: Regime::Stick,
                 traction: [trial[0], trial[1], t_n],
@@ -257,10 +261,10 @@ impl StaticPoint {
         }
         // A trial of no length has no direction to slip in.
         let (s, share) = match length > 0.0 {
-            true => (trial.map(|t| t / length), self.slip_limit / length),
+            true => (trial.map(|t| t / length), slip_limit / length),
             false => ([0.0; 2], 0.0),
         };
-        let t = s.map(|s| self.slip_limit * s);
+        let t = s.map(|s| slip_limit * s);
         let across = share * s[0] * s[1];
         let [xx, yy] = [share * s[1] * s[1], share * s[0] * s[0]];
         Response {

@@ -391,9 +391,10 @@ impl Sum {
         let (u_n, u_n0) = (u[2], u_begin[2]);
         let (t_n, slope_n) = curves.normal(u_n);
         let normal = [bounded(t_n), bounded(slope_n)];
+        let mu = if sticking == Sticking::Frictionless { 0.0 } else { mu };
         let grip = normal.map(|v| bounded(mu * v));
         let limit = match sticking {
-            Sticking::Coulomb => grip[0],
+            Sticking::Coulomb | Sticking::Frictionless => grip[0],
             Sticking::Full => f64::INFINITY,
         };
         let jets = curves.tangential(u_n);

@@ -1,5 +1,5 @@
 //! Friction on top of contact curves (eqs. 18-20): stick from the state committed last, slip on the circular cone
-//! `|t_t| <= mu t_n`, no traction when open.
+//! `|t_t| <= mu t_n` (or in a [box](Cone)), no traction when open.
 //!
 //! With the begin state (index 0), the jump `u_x, u_y, u_n` and the curves `t_n(u_n)`, `k_q(u_n)`, `q` in {x, y}, the
 //! stuck trial of the tangential traction follows by a [`HistoryRule`]:
@@ -11,8 +11,8 @@
 //! | [`EndPoint`](end_point) | stiffness at the end point, along the whole path | traction |
 //! | [`Potential`](potential) | from a potential | elastic stretch |
 //!
-//! Two laws have no history rule: [`mindlin_iwan`] slips part by part, [`linearised`] keeps the slip limit of a static
-//! state.
+//! [`resolved`] applies a rule to every asperity. Two laws have no history rule: [`mindlin_iwan`] slips part by part,
+//! [`linearised`] keeps the slip limit of a static state.
 //!
 //! # Cone
 //! <div>

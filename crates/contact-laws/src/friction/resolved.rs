@@ -387,7 +387,10 @@ impl ResolvedLaw {
         } = room;
         let sets = &mut sets[..m];
         self.bins.copy_set_numbers(first, sets);
-        self.mu.copy_to(first, &mut mu.0[..m]);
+        match sticking {
+            Sticking::Frictionless => mu.0 = [0.0; B],
+            Sticking::Coulomb | Sticking::Full => self.mu.copy_to(first, &mut mu.0[..m]),
+        }
         for (i, &set) in sets.iter().enumerate() {
             let set = set as usize;
             (hertz.0[i], mindlin.0[i], onset.0[i]) = (tables.hertz[set], tables.mindlin[set], tables.onset[set]);

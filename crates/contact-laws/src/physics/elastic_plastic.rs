@@ -20,8 +20,7 @@
 //! $$ F = F_p + (F_e - F_p) \left(1 - e^{-3.3 H/E}\right) \qquad (w > 1.9 \, \delta_y) . $$
 //! </div>
 //!
-//! `H = 0` means `Y = 0`. The published formula jumps at `1.9 delta_y`: the force by `+0.47 %` for `S/E = 0.0017` and by
-//! `+2.6 %` for `S/E = 0.0008`, the radius not at all; the jump is kept. The angle of the cosine ends at `pi`.
+//! `H = 0` means `Y = 0`. The angle of the cosine ends at `pi`.
 //!
 //! # Unloading and reloading
 //! Below the largest past interference `d` with the force `F_d` contact is that of a flatter sphere in a dent:
@@ -31,8 +30,15 @@
 //! F = \tfrac{4}{3} E^* \sqrt{R_b} \, (w - b)^{3/2}, \qquad a = \sqrt{R_b (w - b)} . $$
 //! </div>
 //!
-//! The force is continuous at `w = d`, the radius is not: unloading begins with `sqrt(R d)`, which is less than what
-//! first loading ends with. Where the jump at the onset would make the residual depth `b` negative, it is zero.
+//! Where `F_d` is above the elastic force the residual depth `b` is zero.
+//!
+//! # Two jumps
+//! - At `1.9 delta_y` the published force jumps, by `+0.47 %` for `S/E = 0.0017` and by `+2.6 %` for `S/E = 0.0008`.
+//! - At `w = d` the force is continuous, the contact radius is not: unloading begins with `sqrt(R d)`, which is less than what
+//!   first loading ends with. So the tangential stiffness depends on whether the load rises or falls.
+//!
+//! Across a jump there need not be an equilibrium. [`YieldCurves::Continuous`] has neither: contact is elastic until the published
+//! plastic force falls below the elastic one, and the radius of first loading is that with which unloading begins.
 //!
 //! Sources: loading H. Ghaednia et al., *Strain hardening from elastic-perfectly plastic to perfectly elastic
 //! indentation single asperity contact*, Front. Mech. Eng. 5 (2019) 60; unloading M. R. W. Brake, *An analytical
@@ -48,6 +54,22 @@ use crate::jet::Jet;
 use crate::math::Float as _;
 use crate::physics::hertz::ElasticPair;
 use core::f64::consts::PI;
+
+/// What is made of the jumps in the published curves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum YieldCurves {
+    /// They are taken out.
+    #[default]
+    Continuous,
+    /// They stay.
+    Published,
+}
 
 /// Interference of the onset of yield in the force, over `delta_y`.
 const ONSET: f64 = 1.9;
@@ -65,6 +87,8 @@ pub struct Yield {
     pub strength: f64,
     /// Tangent modulus of the hardening material (Pa).
     pub tangent_modulus: f64,
+    /// What is made of the jumps in the published curves.
+    pub curves: YieldCurves,
 }
 
 /// What of the past an asperity remembers in the normal direction. Zeros: it has touched nothing yet.
@@ -100,6 +124,9 @@ pub struct Asperity {
 /// Constants of loading beyond the onset of yield.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plastic {
+    /// Interference of the onset of yield (m).
+    onset: f64,
+    curves: YieldCurves,
     delta_y: f64,
     /// `C`.
     yield_factor: f64,
@@ -136,13 +163,18 @@ impl Asperity {
             None => None,
             Some(yielding) => Some(Plastic::try_new(material, radius, yielding)?),
         };
-        Ok(Self {
+        let mut asperity = Self {
             material,
             radius,
             hertz: 4.0 / 3.0 * composite * radius.sqrt(),
             mindlin: material.mindlin_modulus() * radius.sqrt(),
             plastic,
-        })
+        };
+        if let Some(plastic) = plastic.filter(|plastic| plastic.curves == YieldCurves::Continuous) {
+            let onset = plastic.crossing(&asperity);
+            asperity.plastic = Some(Plastic { onset, ..plastic });
+        }
+        Ok(asperity)
     }
 
     /// The material.
@@ -155,9 +187,9 @@ impl Asperity {
         self.radius
     }
 
-    /// Interference of the onset of yield, `1.9 delta_y` (m); infinite for an elastic asperity.
+    /// Interference of the onset of yield (m), of published curves `1.9 delta_y`; infinite for an elastic asperity.
     pub fn onset_of_yield(&self) -> f64 {
-        self.plastic.map_or(f64::INFINITY, |plastic| ONSET * plastic.delta_y)
+        self.plastic.map_or(f64::INFINITY, |plastic| plastic.onset)
     }
 
     /// Normal force of the elastic contact over the interference to the power 3/2 (N/m^(3/2)).
@@ -179,7 +211,13 @@ impl Asperity {
     pub fn loading(&self, w: f64) -> Contact {
         match &self.plastic {
             _ if w <= 0.0 => Contact::default(),
-            Some(plastic) if w > ONSET * plastic.delta_y => plastic.loading(self, w),
+            Some(plastic) if w > plastic.onset => match plastic.curves {
+                YieldCurves::Published => plastic.loading(self, w),
+                YieldCurves::Continuous => Contact {
+                    force: plastic.loading(self, w).force,
+                    radius: self.hertzian(w).radius,
+                },
+            },
             _ => self.hertzian(w),
         }
     }
@@ -235,6 +273,7 @@ impl Plastic {
         let Yield {
             strength,
             tangent_modulus,
+            curves,
         } = yielding;
         let modulus = material.youngs_modulus;
         require_positive("yield_strength", strength, "Pa")?;
@@ -260,6 +299,8 @@ impl Plastic {
         let hardening = tangent_modulus / modulus;
         let slenderness = -2.0 * (modulus / strength).sqrt();
         Ok(Self {
+            onset: ONSET * delta_y,
+            curves,
             delta_y,
             yield_factor,
             exponent: 0.14 * (11.5 * strength / composite).min(LARGEST_EXPONENT).exp(),
@@ -267,6 +308,26 @@ impl Plastic {
             hardening,
             blending: slenderness / ((4.0 - 3.0 * (slenderness * hardening).exp()) * (1.0 - hardening)),
         })
+    }
+
+    /// The first interference beyond `1.9 delta_y` at which the plastic force is not above the elastic one (m). It exists: the
+    /// one grows linearly at last, the other with the power 3/2.
+    fn crossing(&self, asperity: &Asperity) -> f64 {
+        let is_above = |w: f64| self.loading(asperity, w).force.value > asperity.hertzian(w).force.value;
+        let (mut low, mut high) = (self.onset, self.onset);
+        while is_above(high) && high < LARGEST_RATIO * self.delta_y {
+            low = high;
+            high *= 1.02;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if is_above(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
     }
 
     fn loading(&self, asperity: &Asperity, w: f64) -> Contact {

@@ -9,7 +9,7 @@ use super::validity::{self, Validity};
 use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::progress::{Progress, Stage};
-use crate::scene::{BoltBehaviour, Scene};
+use crate::scene::{Assembly, BoltBehaviour, Scene};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
@@ -311,7 +311,11 @@ impl Prepared {
         let static_load = self.static_load();
         let start = uniform(reduced, closure);
         let bolts = bolt_load(scene, &self.model);
-        let prestress = prestress::solve(reduced, &force, &static_load, &start, bolts, &newton)?;
+        let assembled = match scene.bolts.assembly {
+            Assembly::WithFriction => InterfaceForce::new(interface),
+            Assembly::Frictionless => InterfaceForce::frictionless(interface),
+        };
+        let prestress = prestress::solve(reduced, &assembled, &static_load, &start, bolts, &newton)?;
         progress.end(Stage::Prestress);
 
         progress.begin(Stage::Modes);

@@ -7,12 +7,25 @@ use zte_assembly::{Interface, State, Workspace};
 /// The interface as the solver sees it.
 pub struct InterfaceForce<'a> {
     interface: &'a Interface,
+    friction: Sticking,
 }
 
 impl<'a> InterfaceForce<'a> {
     /// Wraps an interface.
     pub fn new(interface: &'a Interface) -> Self {
-        Self { interface }
+        Self {
+            interface,
+            friction: Sticking::Coulomb,
+        }
+    }
+
+    /// The same without friction, wherever the solver asks for it.
+    #[must_use]
+    pub fn frictionless(interface: &'a Interface) -> Self {
+        Self {
+            interface,
+            friction: Sticking::Frictionless,
+        }
     }
 
     /// The interface.
@@ -46,7 +59,7 @@ impl HystereticForce for InterfaceForce<'_> {
     }
 
     fn dissipates(&self) -> bool {
-        self.interface.dissipates()
+        self.friction == Sticking::Coulomb && self.interface.dissipates()
     }
 
     fn evaluate(
@@ -59,6 +72,10 @@ impl HystereticForce for InterfaceForce<'_> {
         force: &mut [f64],
         tangent: Option<&mut [f64]>,
     ) -> RegimeCounts {
+        let sticking = match sticking {
+            Sticking::Full => Sticking::Full,
+            Sticking::Coulomb | Sticking::Frictionless => self.friction,
+        };
         self.interface
             .evaluate(u, sticking, begin, end, workspace, force, tangent)
     }

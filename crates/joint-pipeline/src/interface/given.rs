@@ -51,7 +51,7 @@ impl GivenLaw {
                 set + 1
             ),
         };
-        let history = scene.law.history;
+        let (history, cone) = (scene.law.history, scene.law.cone);
         let (law, kind, curves): (Arc<dyn TractionLaw>, _, Vec<Box<dyn ContactCurves>>) = match first {
             Curves::Elastic(_) => {
                 let curves = sets
@@ -66,7 +66,7 @@ impl GivenLaw {
                     })
                     .collect::<Result<Vec<_>, Error>>()?;
                 let points = PointParameters::try_indexed(curves.clone(), set_of.clone())?;
-                let law = Arc::new(FrictionalLaw::try_new(points, mu, history)?);
+                let law = Arc::new(FrictionalLaw::try_new(points, mu, history)?.with_cone(cone));
                 (law, "elastic", curves.into_iter().map(|c| Box::new(c) as _).collect())
             }
             Curves::Fitted(_) => {
@@ -79,7 +79,8 @@ impl GivenLaw {
                     })
                     .collect::<Result<Vec<_>, Error>>()?;
                 let points = PointParameters::try_indexed(curves.clone(), set_of.clone())?;
-                let law = Arc::new(FrictionalLaw::try_new(FittedPoints::<f64>::new(&points), mu, history)?);
+                let law =
+                    Arc::new(FrictionalLaw::try_new(FittedPoints::<f64>::new(&points), mu, history)?.with_cone(cone));
                 (law, "fitted", curves.into_iter().map(|c| Box::new(c) as _).collect())
             }
         };

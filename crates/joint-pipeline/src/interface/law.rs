@@ -1,10 +1,11 @@
 //! Traction laws from asperities: sums, tables and fits, and what is reported about them.
 
 use super::asperities::Asperities;
+use super::resolved::ResolvedReport;
 use super::surface::{FileReport, U_REF};
 use super::{mean, stiffnesses};
 use crate::Error;
-use crate::scene::{LawKind, Scene};
+use crate::scene::{Friction, LawKind, Scene};
 use contact_laws::{
     AsperitySumCurves, ContactCurves, FittedCurves, FittedPoints, FrictionalLaw, PointCurves, PointParameters,
     TableOptions, Tabulated, TangentialEnds, TangentialReading, TractionLaw,
@@ -31,13 +32,16 @@ const TABLE_RANGE: [f64; 2] = [1e-10, 1e-3];
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawReport {
-    /// `tabulated`, `fitted`, `asperity-sum` or `elastic`.
+    /// `tabulated`, `fitted`, `asperity-sum` or `elastic`; with friction of single asperities `resolved` or `mindlin-iwan`.
     pub kind: String,
     /// History rule.
     pub history: contact_laws::HistoryRule,
     /// What follows from asperities; left out where the parameters of the law are given.
     #[serde(flatten)]
     pub asperities: Option<AsperityReport>,
+    /// About the bins of asperities with a history of their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resolved: Option<ResolvedReport>,
     /// Uniform closure that carries the bolt load (m).
     pub mean_closure: f64,
     /// Mean pressure there (Pa).
@@ -75,8 +79,25 @@ pub struct AsperityReport {
     pub paper_to_mindlin: f64,
 }
 
-/// Name of the kind, law, and largest relative errors (normal, tangential) of its tables.
-pub(super) type NamedLaw = (&'static str, Arc<dyn TractionLaw>, Option<[f64; 2]>);
+/// A law and what is reported about it.
+pub(super) struct NamedLaw {
+    pub(super) kind: &'static str,
+    pub(super) law: Arc<dyn TractionLaw>,
+    /// Largest relative errors of its tables, normal and tangential.
+    pub(super) table_errors: Option<[f64; 2]>,
+    pub(super) resolved: Option<ResolvedReport>,
+}
+
+impl NamedLaw {
+    fn lumped(kind: &'static str, law: Arc<dyn TractionLaw>) -> Self {
+        Self {
+            kind,
+            law,
+            table_errors: None,
+            resolved: None,
+        }
+    }
+}
 
 /// A law that follows from asperities.
 pub(super) struct BuiltLaw {
@@ -89,16 +110,28 @@ pub(super) struct BuiltLaw {
     fits: Vec<Fit>,
     /// Largest relative errors of the tables, normal and tangential.
     table_errors: Option<[f64; 2]>,
+    pub(super) resolved: Option<ResolvedReport>,
 }
 
 impl Asperities {
-    pub(super) fn law(self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> Result<BuiltLaw, Error> {
+    pub(super) fn law(
+        self,
+        scene: &Scene,
+        operators: &Operators,
+        element_of: &[u32],
+        pressure: f64,
+    ) -> Result<BuiltLaw, Error> {
         let sums = self.sums(scene.law.tangential)?;
         let fits = match &self.scan {
             Some((scan, _)) => scan.elements.iter().map(Fit::of_element).collect::<Result<_, _>>()?,
             None => fits_of(&sums, scene.law.tangential, FIT_RANGE)?,
         };
-        let (kind, law, table_errors) = self.traction_law(scene, element_of, &sums, &fits)?;
+        let NamedLaw {
+            kind,
+            law,
+            table_errors,
+            resolved,
+        } = self.traction_law(scene, element_of, &sums, &fits, pressure)?;
         Ok(BuiltLaw {
             raw_gap: self.gap(scene, operators, element_of),
             asperities: self,
@@ -107,30 +140,44 @@ impl Asperities {
             sums,
             fits,
             table_errors,
+            resolved,
         })
     }
 
-    /// The law of the scene's kind from the sums or the fits of all populations.
+    /// The law of the scene's kind from the sums or the fits of all populations; `pressure` is the mean pressure of the bolts
+    /// (Pa).
     pub(super) fn traction_law(
         &self,
         scene: &Scene,
         element_of: &[u32],
         sums: &[AsperitySumCurves],
         fits: &[Fit],
+        pressure: f64,
     ) -> Result<NamedLaw, Error> {
-        let history = scene.law.history;
+        let kind = match scene.law.friction {
+            Friction::Lumped => None,
+            Friction::Resolved => Some("resolved"),
+            Friction::MindlinIwan => Some("mindlin-iwan"),
+        };
+        if let Some(kind) = kind {
+            let (law, report) = self.resolved_law(scene, element_of, sums, pressure)?;
+            return Ok(NamedLaw {
+                resolved: Some(report),
+                ..NamedLaw::lumped(kind, Arc::new(law))
+            });
+        }
         let population_of: Vec<u32> = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
         let mu = PointParameters::uniform(scene.mu, population_of.len());
         Ok(match scene.law.kind {
             LawKind::AsperitySum => {
                 let curves = PointParameters::try_indexed(sums.to_vec(), population_of)?;
-                ("asperity-sum", frictional(curves, mu, history)?, None)
+                NamedLaw::lumped("asperity-sum", frictional(curves, mu, scene)?)
             }
             LawKind::Fitted => {
                 let fitted = fits.iter().map(|fit| fit.curves).collect();
                 let curves = PointParameters::try_indexed(fitted, population_of)?;
                 let points = FittedPoints::<f64>::new(&curves);
-                ("fitted", frictional(points, mu, history)?, None)
+                NamedLaw::lumped("fitted", frictional(points, mu, scene)?)
             }
             LawKind::Tabulated => {
                 // Hundreds of tables: a coarser one each is still far below the scatter of the samples behind it.
@@ -154,7 +201,10 @@ impl Asperities {
                     worst(&Tabulated::max_relative_error_tangential),
                 ];
                 let curves = PointParameters::try_indexed(tables, population_of)?;
-                ("tabulated", frictional(curves, mu, history)?, Some(errors))
+                NamedLaw {
+                    table_errors: Some(errors),
+                    ..NamedLaw::lumped("tabulated", frictional(curves, mu, scene)?)
+                }
             }
         })
     }
@@ -256,7 +306,8 @@ impl Fit {
 fn frictional<C: PointCurves + 'static>(
     curves: C,
     mu: PointParameters<f64>,
-    history: contact_laws::HistoryRule,
+    scene: &Scene,
 ) -> Result<Arc<dyn TractionLaw>, Error> {
-    Ok(Arc::new(FrictionalLaw::try_new(curves, mu, history)?))
+    let law = FrictionalLaw::try_new(curves, mu, scene.law.history)?;
+    Ok(Arc::new(law.with_cone(scene.law.cone)))
 }

@@ -4,11 +4,13 @@ mod asperities;
 mod force;
 mod given;
 mod law;
+mod resolved;
 mod surface;
 
 pub(crate) use asperities::Asperities;
 pub use force::InterfaceForce;
 pub use law::{AsperityReport, LawReport};
+pub use resolved::ResolvedReport;
 pub use surface::{
     FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport, synthetic,
 };
@@ -16,9 +18,11 @@ pub use surface::{
 use crate::Error;
 use crate::scene::{LawKind, Scene, Surface};
 use asperities::population;
-use contact_laws::{ContactCurves, Sticking};
+use contact_laws::{
+    Components, ComponentsMut, ContactCurves, StateView, StateViewMut, Sticking, TangentMut, TractionLaw,
+};
 use given::GivenLaw;
-use law::{BuiltLaw, fits_of};
+use law::{BuiltLaw, NamedLaw, fits_of};
 use std::sync::Arc;
 use surface_characterisation::PairAsperities;
 use zte_assembly::{Interface, InterfaceMesh, Operators};
@@ -63,7 +67,8 @@ impl SceneInterface {
             .flat_map(|(e, r)| vec![e as u32; r[1] - r[0]])
             .collect();
         let law_of = |asperities: Asperities| -> Result<Source, Error> {
-            let built = asperities.law(scene, &operators, &element_of)?;
+            let pressure = load / operators.area();
+            let built = asperities.law(scene, &operators, &element_of, pressure)?;
             Ok(Source::Asperities(Box::new(built)))
         };
         let from = match &scene.surface {
@@ -90,6 +95,10 @@ impl SceneInterface {
         let closure = uniform_closure(&interface, load)?;
         let flat = interface.with_gap(vec![0.0; n])?;
         let mean_closure = uniform_closure(&flat, load)?;
+        let resolved = match &from {
+            Source::Given(_) => None,
+            Source::Asperities(built) => built.resolved.clone(),
+        };
         let (stiffness, asperity_report) = match &from {
             Source::Given(given) => {
                 let of_curves = |p: usize| stiffnesses(given.at(p), mean_closure);
@@ -97,6 +106,10 @@ impl SceneInterface {
             }
             Source::Asperities(built) => {
                 let (stiffness, report) = built.describe(scene, &operators, &element_of, mean_closure)?;
+                let stiffness = match &resolved {
+                    None => stiffness,
+                    Some(_) => mean(&operators, |p| stuck_stiffness(&*built.law, p, mean_closure)),
+                };
                 (stiffness, Some(report))
             }
         };
@@ -104,6 +117,7 @@ impl SceneInterface {
             kind: kind.to_owned(),
             history: scene.law.history,
             asperities: asperity_report,
+            resolved,
             mean_closure,
             mean_pressure: load / operators.area(),
             normal_stiffness: stiffness[0],
@@ -152,7 +166,8 @@ impl SceneInterface {
             LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,
             LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
         };
-        let (_, law, _) = realisation.traction_law(scene, &self.element_of, &sums, &fits)?;
+        let pressure = load / self.operators.area();
+        let NamedLaw { law, .. } = realisation.traction_law(scene, &self.element_of, &sums, &fits, pressure)?;
         let mut gap: Vec<f64> = self.element_of.iter().map(|&e| drawn[e as usize].1).collect();
         for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
             *gap += own;
@@ -189,6 +204,32 @@ fn mean(operators: &Operators, of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
 fn stiffnesses(curves: &dyn ContactCurves, u: f64) -> [f64; 2] {
     let k = curves.tangential(u);
     [curves.normal(u).1, 0.5 * (k[0].value + k[1].value)]
+}
+
+/// Normal and mean tangential stiffness (Pa/m) of a point that was closed to an interference and sticks there.
+fn stuck_stiffness(law: &dyn TractionLaw, point: usize, u: f64) -> [f64; 2] {
+    let n_state = law.info().n_state();
+    let (mut begin, mut end) = (vec![0.0; n_state], vec![0.0; n_state]);
+    let mut tangent = [[0.0]; 9];
+    // First loading, and then from there.
+    for _ in 0..2 {
+        let [mut x, mut y, mut n] = [[0.0]; 3];
+        law.evaluate(
+            point..point + 1,
+            Sticking::Full,
+            Components::new(&[0.0], &[0.0], &[u]),
+            StateView::new(&begin, 1, 0),
+            StateViewMut::new(&mut end, 1, 0),
+            ComponentsMut::new(&mut x, &mut y, &mut n),
+            Some(TangentMut::from_entries(
+                tangent.each_mut().map(|entry| entry.as_mut_slice()),
+            )),
+            None,
+        );
+        begin.copy_from_slice(&end);
+    }
+    let [[x], _, _, _, [y], _, _, _, [n]] = tangent;
+    [n, 0.5 * (x + y)]
 }
 
 /// Refuses faces that are farther apart everywhere than they are long: small motions cannot close them.

@@ -42,6 +42,9 @@ pub struct Bolts {
     /// What the bolts do in vibration.
     #[serde(default)]
     pub behaviour: BoltBehaviour,
+    /// Whether the faces have friction while the bolts are tightened.
+    #[serde(default)]
+    pub assembly: Assembly,
 }
 
 /// What bolts do once they are tightened to their load. The prestress is the same.
@@ -56,6 +59,18 @@ pub enum BoltBehaviour {
     /// The axial motion of bolt and nut relative to one another is locked in the prestressed state, as by the thread of
     /// a tightened nut: tension changes in vibration, and the bolts' axial stiffness acts.
     Locked,
+}
+
+/// Whether the faces have friction while the bolts are tightened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Assembly {
+    /// That of the scene.
+    #[default]
+    WithFriction,
+    /// None: no tangential traction is there before the structure vibrates.
+    Frictionless,
 }
 
 /// Settings of the analysis.

@@ -1,6 +1,7 @@
 //! The traction law of a scene.
 
-use contact_laws::{HistoryRule, TangentialReading};
+use super::units::Stress;
+use contact_laws::{Cone, HistoryRule, TangentialReading, YieldCurves};
 use serde::{Deserialize, Serialize};
 
 /// Traction law.
@@ -8,12 +9,23 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Law {
-    /// How the asperity sums are evaluated.
+    /// How the asperity sums are evaluated. For lumped friction.
     pub kind: LawKind,
-    /// Tangential stiffness of an asperity.
+    /// Tangential stiffness of an asperity. For lumped friction; asperities with a history of their own have Mindlin's.
     pub tangential: TangentialReading,
     /// How the stuck traction follows from the last committed state.
     pub history: HistoryRule,
+    /// What sticks or slips as a whole.
+    pub friction: Friction,
+    /// How asperities yield; by default they are elastic. For resolved friction.
+    #[serde(rename = "yield", skip_serializing_if = "Option::is_none")]
+    pub yielding: Option<Yield>,
+    /// Shape of the slip limit.
+    pub cone: Cone,
+    /// Bins that stand for the asperities of a point. For resolved friction.
+    pub bins: Bins,
+    /// Radii at which an asperity slips. For `mindlin-iwan`.
+    pub radii: RadialRule,
 }
 
 impl Default for Law {
@@ -22,6 +34,11 @@ impl Default for Law {
             kind: LawKind::Tabulated,
             tangential: TangentialReading::Mindlin,
             history: HistoryRule::Incremental,
+            friction: Friction::Lumped,
+            yielding: None,
+            cone: Cone::Circle,
+            bins: Bins::Error(1e-3),
+            radii: RadialRule::Gauss(8),
         }
     }
 }
@@ -38,4 +55,57 @@ pub enum LawKind {
     Fitted,
     /// The sums themselves.
     AsperitySum,
+}
+
+/// What sticks or slips as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Friction {
+    /// A quadrature point, as in the method paper.
+    Lumped,
+    /// An asperity.
+    Resolved,
+    /// An annulus of the contact circle of an asperity.
+    MindlinIwan,
+}
+
+/// How asperities yield.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Yield {
+    /// Yield strength (force/length^2).
+    pub strength: Stress,
+    /// Tangent modulus of the hardening material (force/length^2).
+    pub tangent_modulus: Stress,
+    /// What is made of the jumps in the published curves.
+    #[serde(default)]
+    pub curves: YieldCurves,
+}
+
+/// Bins that stand for the asperities of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Bins {
+    /// As few Gauss bins as keep the largest relative error of elastic traction, stiffness and dissipated energy below this
+    /// ([`contact_laws::AsperityBins::errors`], amplitudes from a tenth of gross slip).
+    Error(f64),
+    /// So many Gauss bins, an even number, up to the largest interference expected
+    /// ([`contact_laws::AsperityBins::gauss`]).
+    Gauss(usize),
+    /// So many equally spaced gaps, the same at every point.
+    EquallySpaced(usize),
+}
+
+/// Radii at which an asperity slips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum RadialRule {
+    /// So many radii of a Gauss rule ([`contact_laws::Radii::gauss`]).
+    Gauss(usize),
+    /// So many equally spaced radii.
+    EquallySpaced(usize),
 }

@@ -15,8 +15,8 @@ mod units;
 mod validate;
 
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
-pub use analysis::{BoltBehaviour, Bolts, Cqsma, Method, Output};
-pub use law::{Law, LawKind};
+pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, Method, Output};
+pub use law::{Bins, Friction, Law, LawKind, RadialRule, Yield};
 pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use structure::{
     Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model, PlaneMesh,
@@ -293,6 +293,10 @@ impl Scene {
         let meshes = "meshes of a benchmark, and structure names another source";
         let reductions = "reductions, and matrices over the jump are reduced";
         let asperities = "asperities, which surface.parameters replaces";
+        let resolved = self.law.friction != Friction::Lumped;
+        let lumped = "law.friction = \"lumped\"; resolved friction sums over its bins, with Mindlin's stiffness";
+        let of_asperities = "law.friction = \"resolved\" or \"mindlin-iwan\"";
+        let law = Law::default();
         // What makes a field idle, the field, what its default is, and what it belongs to.
         let idle = [
             (other, "/model/refinement", json!("default"), meshes),
@@ -318,12 +322,24 @@ impl Scene {
             ),
             (over_jump, "/model/modes", Value::Null, reductions),
             (over_jump, "/model/reduction_error", Value::Null, reductions),
-            (parameters, "/law/kind", json!(LawKind::Tabulated), asperities),
+            (parameters, "/law/kind", json!(law.kind), asperities),
+            (parameters, "/law/tangential", json!(law.tangential), asperities),
+            (parameters, "/law/friction", json!(law.friction), asperities),
+            (resolved, "/law/kind", json!(law.kind), lumped),
+            (resolved, "/law/tangential", json!(law.tangential), lumped),
+            (!resolved, "/law/yield", Value::Null, of_asperities),
+            (!resolved, "/law/bins", json!(law.bins), of_asperities),
             (
-                parameters,
-                "/law/tangential",
-                json!(Law::default().tangential),
-                asperities,
+                self.law.friction != Friction::MindlinIwan,
+                "/law/radii",
+                json!(law.radii),
+                "law.friction = \"mindlin-iwan\"",
+            ),
+            (
+                self.law.friction == Friction::MindlinIwan,
+                "/law/history",
+                json!(law.history),
+                "friction without radii; annuli stick with the stiffness at the end point",
             ),
             (
                 parameters,

@@ -1,8 +1,8 @@
 //! What must hold of a scene before anything is computed, as far as the crates below do not check it themselves.
 
 use super::{
-    Cqsma, Deck, Gap, Length, MaterialSource, ParameterSet, Parameters, Per, Scene, Stress, StructureSource, Surface,
-    SurfaceEnergy, Symmetry,
+    Bins, Cqsma, Deck, Gap, Length, MaterialSource, ParameterSet, Parameters, Per, RadialRule, Scene, Stress,
+    StructureSource, Surface, SurfaceEnergy, Symmetry,
 };
 use crate::Error;
 
@@ -64,6 +64,7 @@ impl Scene {
             "at least 0 and below 1",
         )?;
         self.validate_model(&check)?;
+        self.validate_law(&check)?;
         self.validate_surface(&check)?;
         self.cqsma.validate(&check)?;
         self.validate_requests(&check)
@@ -118,6 +119,46 @@ impl Scene {
             self.validate_half(check.place)?;
         }
         Ok(())
+    }
+
+    fn validate_law(&self, check: &Check<'_>) -> Result<(), Error> {
+        let law = &self.law;
+        if let Some(yielding) = law.yielding {
+            let (strength, modulus) = (yielding.strength.si(), yielding.tangent_modulus.si());
+            check.positive("law.yield.strength", strength, "Pa")?;
+            check.that(
+                modulus >= 0.0 && modulus < self.model.material.youngs_modulus.si(),
+                "law.yield.tangent_modulus",
+                modulus,
+                "Pa",
+                "at least 0 and below model.material.youngs_modulus",
+            )?;
+        }
+        match law.bins {
+            Bins::Error(error) => check.that(
+                (1e-8..1.0).contains(&error),
+                "law.bins.error",
+                error,
+                "",
+                "at least 1e-8 and below 1",
+            )?,
+            Bins::Gauss(n) => check.that(
+                n.is_multiple_of(2) && (2..=128).contains(&n),
+                "law.bins.gauss",
+                n as f64,
+                "",
+                "an even number from 2 to 128",
+            )?,
+            Bins::EquallySpaced(n) => check.that(
+                (2..=1024).contains(&n),
+                "law.bins.equally-spaced",
+                n as f64,
+                "",
+                "from 2 to 1024",
+            )?,
+        }
+        let (RadialRule::Gauss(n) | RadialRule::EquallySpaced(n)) = law.radii;
+        check.that((2..=256).contains(&n), "law.radii", n as f64, "", "from 2 to 256")
     }
 
     /// Half of a scene stands for the whole only where all of it is symmetric.
