@@ -325,6 +325,11 @@ pub trait TractionLaw: Send + Sync {
         true
     }
 
+    /// Whether a point can slip in parts, so that [`Regime::Stick`] does not say that nothing slips there.
+    fn slips_in_parts(&self) -> bool {
+        false
+    }
+
     /// Real contact area per nominal area at `point` under the interference `u_n` (m); none for laws without
     /// asperities.
     fn contact_area_ratio(&self, _point: usize, _u_n: f64) -> Option<f64> {

@@ -423,7 +423,9 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         self.most_slipping = 0;
         self.branch(-self.peak, edges, &mut record)?;
         // What the few vertices of the cycles before did not show may slip or open between them.
-        let sticks = self.most_slipping == 0 && self.open.is_some_and(|[fewest, most]| fewest == most);
+        let sticks = self.most_slipping == 0
+            && !self.path.equilibrium.force.slips_in_parts()
+            && self.open.is_some_and(|[fewest, most]| fewest == most);
         let one_way = quiet && (sticks || !self.path.equilibrium.force.dissipates());
         let (counts, closure) = if one_way {
             for (vertex, (total, begin)) in passed.iter().enumerate().rev().skip(1) {

@@ -47,6 +47,10 @@ pub trait HystereticForce: Sync {
     fn dissipates(&self) -> bool {
         true
     }
+    /// Whether parts of points slip that count as sticking, so that the counts do not tell whether anything slips.
+    fn slips_in_parts(&self) -> bool {
+        false
+    }
     /// Force (N) and, on request, tangent values (N/m) at displacements `u` (m) over the leading coordinates.
     fn evaluate(
         &self,

@@ -189,6 +189,11 @@ impl Interface {
         Some((law.as_ref(), point - range.start))
     }
 
+    /// Whether any point can slip in parts ([`TractionLaw::slips_in_parts`]).
+    pub fn slips_in_parts(&self) -> bool {
+        self.laws.iter().any(|(_, law)| law.slips_in_parts())
+    }
+
     /// Whether friction can take energy at any point ([`TractionLaw::dissipates`]).
     pub fn dissipates(&self) -> bool {
         self.laws.iter().any(|(_, law)| law.dissipates())

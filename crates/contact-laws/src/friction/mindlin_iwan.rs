@@ -302,6 +302,10 @@ impl<C: ContactCurves> TractionLaw for MindlinIwan<C> {
         run(self, points, sticking, jump, begin, end, traction, tangent, regimes)
     }
 
+    fn slips_in_parts(&self) -> bool {
+        true
+    }
+
     fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64> {
         self.curves.at(point).contact_area_ratio(u_n)
     }

@@ -83,6 +83,12 @@ impl Radii {
         Ok(Self { nodes })
     }
 
+    /// Shares of the slip limit and of the stiffness that the annuli have.
+    pub(super) fn shares(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let shares = |node: &Node| [node.weight * node.limit, node.weight * node.stiffness];
+        self.nodes.iter().map(shares)
+    }
+
     /// Number of radii.
     pub fn len(&self) -> usize {
         self.nodes.len()

@@ -13,7 +13,8 @@
 //! Normal force `F` and contact radius `a` are those of [one asperity](crate::elastic_plastic), elastic or with yield and
 //! unloading. How the tangential force `T_j` follows from the history is the [`HistoryRule`], with forces in the place of
 //! tractions and the interference beyond the residual depth in the place of `u_n`; its limit is a [`Cone`]. Or every
-//! asperity slips from its rim inwards ([`AsperityFriction::MindlinIwan`], [`radii`](super::radii)).
+//! asperity slips from its rim inwards ([`AsperityFriction::Annuli`], [`AsperityFriction::MindlinIwan`],
+//! [`radii`](super::radii)).
 //!
 //! # Exponential gaps
 //! Where `n_A` asperities per area have exponential gaps of scale `s` and all have been moved by `d` at constant `u_n`, far
@@ -39,7 +40,7 @@
 //! | gap and density of every bin | m, 1/m^2 |
 //! | friction coefficient `mu`, per point | 1 |
 //! | state `u_x, u_y, u_n` of the point committed last | m |
-//! | state of every bin: `f_x, f_y`, with `Potential` `e_x, e_y` | N, m |
+//! | state of every bin, or of every annulus: `f_x, f_y`, with `Potential` `e_x, e_y` | N, m |
 //! | with `MindlinIwan` instead the contact radius and `t_x, t_y` at every radius | m, Pa |
 //! | and with yield the largest interference and the force there | m, N |
 //!
@@ -116,14 +117,18 @@ const LARGEST: f64 = 1e300;
 pub enum AsperityFriction {
     /// It sticks or slips as a whole.
     StickSlip(HistoryRule),
-    /// It slips from its rim inwards, at the radii of a quadrature.
+    /// It slips from its rim inwards: annuli of its contact circle stick or slip, each with a share of its stiffness and of its slip
+    /// limit. An annulus remembers its force and keeps its place relative to the contact radius.
+    Annuli(HistoryRule, Radii),
+    /// As published: an annulus remembers its traction at its radius, which is interpolated when the contact radius changes. The
+    /// interpolation smooths the history a little at every commit, so that cycles with changing `u_n` close slowly.
     MindlinIwan(Radii),
 }
 
 impl AsperityFriction {
     fn stiffness(&self) -> (StiffnessAt, bool) {
         match self {
-            Self::StickSlip(history) => {
+            Self::StickSlip(history) | Self::Annuli(history, _) => {
                 let needs = history.needs();
                 (needs.stiffness, needs.curvature)
             }
@@ -137,11 +142,20 @@ impl AsperityFriction {
             name: Cow::Owned(format!("{name}_{bin}")),
             unit,
         };
+        let of = |history: HistoryRule| match history.needs().memory {
+            Memory::Traction => ("f", "N"),
+            Memory::Stretch => ("e", "m"),
+        };
         match self {
-            Self::StickSlip(history) => match history.needs().memory {
-                Memory::Traction => alloc::vec![named("f_x", "N"), named("f_y", "N")],
-                Memory::Stretch => alloc::vec![named("e_x", "m"), named("e_y", "m")],
-            },
+            Self::StickSlip(history) => {
+                let (name, unit) = of(*history);
+                ["x", "y"].map(|q| named(&format!("{name}_{q}"), unit)).to_vec()
+            }
+            Self::Annuli(history, radii) => {
+                let (name, unit) = of(*history);
+                let at = |i| ["x", "y"].map(|q| named(&format!("{name}_{q}_{i}"), unit));
+                (1..=radii.len()).flat_map(at).collect()
+            }
             Self::MindlinIwan(radii) => {
                 let at = |i| ["x", "y"].map(|q| named(&format!("t_{q}_{i}"), "Pa"));
                 let tractions = (1..=radii.len()).flat_map(at);
@@ -227,7 +241,11 @@ impl ResolvedLaw {
     ) -> Result<Self, Error> {
         require_friction(&mu, bins.len())?;
         let tables = Tables::new(bins.sets());
-        if tables.yields && friction == AsperityFriction::StickSlip(HistoryRule::Potential) {
+        let potential = matches!(
+            friction,
+            AsperityFriction::StickSlip(HistoryRule::Potential) | AsperityFriction::Annuli(HistoryRule::Potential, _)
+        );
+        if tables.yields && potential {
             return Err(Error::Combination {
                 first: "asperities that yield",
                 second: "the history rule `potential`",
@@ -327,15 +345,15 @@ impl ResolvedLaw {
                 &mut room,
             );
             for (q, traction) in part_mut(&mut traction, &block).into_iter().enumerate() {
-                traction.copy_from_slice(&room.traction[q].0[..m]);
+                traction.copy_from_slice(&room.sums.traction[q].0[..m]);
             }
             if let Some(tangent) = &mut tangent {
                 for (entry, tangent) in part_mut(tangent, &block).into_iter().enumerate() {
-                    tangent.copy_from_slice(&room.tangent[entry].0[..m]);
+                    tangent.copy_from_slice(&room.sums.tangent[entry].0[..m]);
                 }
             }
             for i in 0..m {
-                let regime = match room.regimes[i] {
+                let regime = match room.sums.regimes[i] {
                     _ if room.fill.0[i].is_nan() => Regime::Invalid,
                     regime => regime,
                 };
@@ -377,12 +395,11 @@ impl ResolvedLaw {
             middle,
             scratch,
             curves,
+            of_annulus,
             workspace,
             in_box,
             bin,
-            traction,
-            tangent,
-            regimes,
+            sums,
             ..
         } = room;
         let sets = &mut sets[..m];
@@ -403,17 +420,13 @@ impl ResolvedLaw {
         for component in 0..self.info.n_state() {
             run(Spoil(rows.begin(component), fill));
         }
-        for sum in traction.iter_mut().chain(tangent.iter_mut()) {
-            *sum = *fill;
-        }
+        sums.begin(fill);
         for (c, jump) in jump.into_iter().enumerate() {
             let [end] = rows.end::<1>(c);
             for i in 0..m {
                 end[i] = jump[i] + fill.0[i];
             }
         }
-        regimes[..m].fill(Regime::Open);
-
         for j in 0..tables.n_bins {
             tables.gather(&tables.gaps, j, sets, &mut gap.0[..m]);
             tables.gather(&tables.densities, j, sets, &mut density.0[..m]);
@@ -471,23 +484,40 @@ impl ResolvedLaw {
                 if let Some([interference, _]) = dent {
                     self.load(sets, interference, approach, onset, u_n, middle, stiffness, curves);
                 }
-                match &self.friction {
-                    AsperityFriction::StickSlip(history) => {
+                let mut stick_or_slip =
+                    |history: HistoryRule, curves: &CurveBlock<B>, memory: usize, bin: &mut Answer<B>| {
                         let block = Block {
                             jump,
-                            begin,
+                            begin: [begin[0], begin[1], begin[2], rows.begin(memory), rows.begin(memory + 1)],
                             mu: &mu.0[..m],
                             u_n,
                             present,
                             curves,
                             sticking,
                             workspace,
-                            memory: rows.end::<2>(base),
+                            memory: rows.end::<2>(memory),
                             traction: bin.traction.each_mut().map(|lanes| &mut lanes.0[..m]),
                             tangent: with_tangent.then(|| bin.tangent.each_mut().map(|lanes| &mut lanes.0[..m])),
                             regimes: Some(&mut bin.regimes[..m]),
                         };
-                        respond(*history, in_box, block);
+                        respond(history, in_box, block);
+                    };
+                match &self.friction {
+                    AsperityFriction::StickSlip(history) => {
+                        stick_or_slip(*history, curves, base, bin);
+                        sums.add(density, bin, with_tangent);
+                    }
+                    AsperityFriction::Annuli(history, radii) => {
+                        for (k, [limit, stiffness]) in radii.shares().enumerate() {
+                            run(Share {
+                                limit,
+                                stiffness,
+                                of: curves,
+                                into: of_annulus,
+                            });
+                            stick_or_slip(*history, of_annulus, base + 2 * k, bin);
+                            sums.add(density, bin, with_tangent);
+                        }
                     }
                     AsperityFriction::MindlinIwan(radii) => {
                         for i in 0..m {
@@ -502,22 +532,8 @@ impl ResolvedLaw {
                             };
                             self.microslip(radii, at, sticking, jump, begin, curves, &mut rows, bin);
                         }
+                        sums.add(density, bin, with_tangent);
                     }
-                }
-                for (sum, part) in traction.iter_mut().zip(&bin.traction) {
-                    run(Add(density, part, sum));
-                }
-                if with_tangent {
-                    for (sum, part) in tangent.iter_mut().zip(&bin.tangent) {
-                        run(Add(density, part, sum));
-                    }
-                }
-                for i in 0..m {
-                    regimes[i] = match (regimes[i], bin.regimes[i]) {
-                        (Regime::Stick, _) | (_, Regime::Stick) if density.0[i] > 0.0 => Regime::Stick,
-                        (Regime::Open, Regime::Slip) if density.0[i] > 0.0 => Regime::Slip,
-                        (before, _) => before,
-                    };
                 }
             } else {
                 for component in base..base + n_memory - n_dent {
@@ -681,6 +697,10 @@ impl TractionLaw for ResolvedLaw {
         self.tables.yields || self.mu.sets().iter().any(|mu| *mu != 0.0)
     }
 
+    fn slips_in_parts(&self) -> bool {
+        true
+    }
+
     fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64> {
         let bins = self.bins.at(point);
         let loaded = bins.gaps().iter().zip(bins.densities());
@@ -754,19 +774,58 @@ struct Room<const B: usize> {
     middle: Lanes<f64, B>,
     scratch: [Lanes<f64, B>; 3],
     curves: CurveBlock<B>,
+    of_annulus: CurveBlock<B>,
     workspace: Workspace<B>,
     in_box: Option<BoxWorkspace<B>>,
+    /// What one asperity of a bin answers, or one of its annuli.
     bin: Answer<B>,
+    /// What the point answers.
+    sums: Answer<B>,
+}
+
+/// Tractions, tangent row by row, and regimes.
+struct Answer<const B: usize> {
     traction: [Lanes<f64, B>; 3],
     tangent: [Lanes<f64, B>; 9],
     regimes: [Regime; B],
 }
 
-/// What a bin answers, per asperity.
-struct Answer<const B: usize> {
-    traction: [Lanes<f64, B>; 3],
-    tangent: [Lanes<f64, B>; 9],
-    regimes: [Regime; B],
+impl<const B: usize> Answer<B> {
+    fn new() -> Self {
+        let zero = Lanes([0.0; B]);
+        Self {
+            traction: [zero; 3],
+            tangent: [zero; 9],
+            regimes: [Regime::Open; B],
+        }
+    }
+
+    /// Nothing is in contact yet; `fill` is NaN where the input is no number.
+    fn begin(&mut self, fill: &Lanes<f64, B>) {
+        self.traction = [*fill; 3];
+        self.tangent = [*fill; 9];
+        self.regimes = [Regime::Open; B];
+    }
+
+    /// Adds what a number of asperities per area answer.
+    fn add(&mut self, density: &Lanes<f64, B>, part: &Self, with_tangent: bool) {
+        for (sum, part) in self.traction.iter_mut().zip(&part.traction) {
+            run(Add(density, part, sum));
+        }
+        if with_tangent {
+            for (sum, part) in self.tangent.iter_mut().zip(&part.tangent) {
+                run(Add(density, part, sum));
+            }
+        }
+        let parts = part.regimes.iter().zip(&density.0);
+        for (sum, (&part, &density)) in self.regimes.iter_mut().zip(parts) {
+            *sum = match (*sum, part) {
+                (Regime::Stick, _) | (_, Regime::Stick) if density > 0.0 => Regime::Stick,
+                (Regime::Open, Regime::Slip) if density > 0.0 => Regime::Slip,
+                (before, _) => before,
+            };
+        }
+    }
 }
 
 /// Where the asperities of a bin are.
@@ -805,16 +864,11 @@ impl<const B: usize> Room<B> {
             middle: zero,
             scratch: [zero; 3],
             curves: CurveBlock::new(),
+            of_annulus: CurveBlock::new(),
             workspace: Workspace::new(),
             in_box: (cone == Cone::Box).then(BoxWorkspace::new),
-            bin: Answer {
-                traction: [zero; 3],
-                tangent: [zero; 9],
-                regimes: [Regime::Open; B],
-            },
-            traction: [zero; 3],
-            tangent: [zero; 9],
-            regimes: [Regime::Open; B],
+            bin: Answer::new(),
+            sums: Answer::new(),
         }
     }
 }
@@ -843,6 +897,37 @@ impl<const B: usize> Pass for Add<'_, B> {
         let Self(density, part, sum) = self;
         for i in 0..B {
             sum.0[i] += within(density.0[i] * part.0[i], LARGEST);
+        }
+    }
+}
+
+/// Share of an annulus in the curves of its asperity.
+struct Share<'a, const B: usize> {
+    limit: f64,
+    stiffness: f64,
+    of: &'a CurveBlock<B>,
+    into: &'a mut CurveBlock<B>,
+}
+
+impl<const B: usize> Pass for Share<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self {
+            limit,
+            stiffness,
+            of,
+            into,
+        } = self;
+        for i in 0..B {
+            into.normal.0[i] = limit * of.normal.0[i];
+            into.normal_slope.0[i] = limit * of.normal_slope.0[i];
+        }
+        for q in 0..2 {
+            for i in 0..B {
+                into.tangential[q].0[i] = stiffness * of.tangential[q].0[i];
+                into.tangential_slope[q].0[i] = stiffness * of.tangential_slope[q].0[i];
+                into.tangential_curvature[q].0[i] = stiffness * of.tangential_curvature[q].0[i];
+            }
         }
     }
 }

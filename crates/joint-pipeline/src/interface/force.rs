@@ -58,6 +58,10 @@ impl HystereticForce for InterfaceForce<'_> {
         self.interface.workspace()
     }
 
+    fn slips_in_parts(&self) -> bool {
+        self.interface.slips_in_parts()
+    }
+
     fn dissipates(&self) -> bool {
         self.friction == Sticking::Coulomb && self.interface.dissipates()
     }

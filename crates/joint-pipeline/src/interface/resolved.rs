@@ -122,21 +122,22 @@ impl Asperities {
         let index = index.map(|(population, place)| needed[&population][&place]).collect();
 
         let mean = |of: &dyn Fn(&Source<'_>) -> f64| sources.iter().map(of).sum::<f64>() / sources.len() as f64;
-        let radii = match law.friction {
-            Friction::Lumped | Friction::Resolved => None,
-            Friction::MindlinIwan => Some(match law.radii {
-                RadialRule::Gauss(n) => Radii::gauss(n)?,
-                RadialRule::EquallySpaced(n) => Radii::equally_spaced(n)?,
-            }),
+        let (friction, radii) = match (law.friction, law.radii) {
+            (Friction::Lumped | Friction::Resolved, _) => (AsperityFriction::StickSlip(law.history), None),
+            (Friction::MindlinIwan, RadialRule::Gauss(n)) => {
+                (AsperityFriction::Annuli(law.history, Radii::gauss(n)?), Some(n))
+            }
+            (Friction::MindlinIwan, RadialRule::EquallySpaced(n)) => {
+                (AsperityFriction::MindlinIwan(Radii::equally_spaced(n)?), Some(n))
+            }
         };
         let report = ResolvedReport {
             bins: sets.iter().map(AsperityBins::len).max().unwrap_or(0),
             reach: mean(&|source| source.reach),
             bin_errors,
-            radii: radii.as_ref().map(Radii::len),
+            radii,
             onset_of_yield: yielding.map(|_| mean(&|source| source.asperity.onset_of_yield())),
         };
-        let friction = radii.map_or(AsperityFriction::StickSlip(law.history), AsperityFriction::MindlinIwan);
         let bins = PointParameters::try_indexed(sets, index)?;
         let mu = PointParameters::uniform(scene.mu, bins.len());
         Ok((ResolvedLaw::try_new(bins, mu, friction, law.cone)?, report))

@@ -104,8 +104,10 @@ pub enum Bins {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RadialRule {
-    /// So many radii of a Gauss rule ([`contact_laws::Radii::gauss`]).
+    /// So many annuli of a Gauss rule, which keep their places relative to the contact radius
+    /// ([`contact_laws::AsperityFriction::Annuli`]).
     Gauss(usize),
-    /// So many equally spaced radii.
+    /// So many equally spaced radii, between which the history is interpolated, as published
+    /// ([`contact_laws::AsperityFriction::MindlinIwan`]).
     EquallySpaced(usize),
 }

@@ -297,6 +297,7 @@ impl Scene {
         let lumped = "law.friction = \"lumped\"; resolved friction sums over its bins, with Mindlin's stiffness";
         let of_asperities = "law.friction = \"resolved\" or \"mindlin-iwan\"";
         let law = Law::default();
+        let published_radii = matches!(self.law.radii, RadialRule::EquallySpaced(_));
         // What makes a field idle, the field, what its default is, and what it belongs to.
         let idle = [
             (other, "/model/refinement", json!("default"), meshes),
@@ -336,10 +337,10 @@ impl Scene {
                 "law.friction = \"mindlin-iwan\"",
             ),
             (
-                self.law.friction == Friction::MindlinIwan,
+                published_radii,
                 "/law/history",
                 json!(law.history),
-                "friction without radii; annuli stick with the stiffness at the end point",
+                "other friction; equally spaced radii stick with the stiffness at the end point",
             ),
             (
                 parameters,
