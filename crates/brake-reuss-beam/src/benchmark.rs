@@ -57,6 +57,15 @@ impl Benchmark for BrakeReussBenchmark {
             ("brb-synthetic-scan", include_str!("../scenes/brb-synthetic-scan.json")),
             ("brb-quick", include_str!("../scenes/brb-quick.json")),
             ("brb-deck", include_str!("../scenes/brb-deck.json")),
+            ("brb-predictive", include_str!("../scenes/brb-predictive.json")),
+            (
+                "published-epmc-flat",
+                include_str!("../scenes/published-epmc-flat.json"),
+            ),
+            (
+                "published-epmc-topography",
+                include_str!("../scenes/published-epmc-topography.json"),
+            ),
         ]
     }
 

@@ -587,6 +587,8 @@ pub struct SourceModel {
     pub friction_coefficient: f64,
     /// Yield strength beyond which its asperities are plastic (Pa).
     pub yield_strength: f64,
+    /// Tangent modulus of the hardening material (Pa).
+    pub tangent_modulus: f64,
     /// Tension of each bolt (N).
     pub bolt_load: f64,
 }
@@ -597,6 +599,7 @@ pub const SURFACE_SOURCE_MODEL: SourceModel = SourceModel {
     poisson_ratio: 0.3,
     friction_coefficient: 0.03,
     yield_strength: 331.7e6,
+    tangent_modulus: 620e6,
     bolt_load: 12_249.0,
 };
 

@@ -268,6 +268,11 @@ impl Prepared {
                 &self.interface.interface,
                 self.interface.asperities.as_ref(),
                 &self.scene.model.material,
+                self.interface
+                    .report
+                    .resolved
+                    .as_ref()
+                    .and_then(|law| law.onset_of_yield),
                 &prestress.fields,
                 self.clearance,
                 found.separation,

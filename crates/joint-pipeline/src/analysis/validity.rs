@@ -21,8 +21,8 @@ pub struct Validity {
     pub contact_area_fraction_by_points: f64,
     /// The same counted by whole elements with any point in contact.
     pub contact_area_fraction_by_elements: f64,
-    /// Interference of one asperity at the onset of yield, `omega_c` (m) (mean over the populations); needs the material's
-    /// hardness.
+    /// Interference of one asperity at the onset of yield (m) (mean over the populations): of asperities that yield their own,
+    /// else `omega_c` from the material's hardness, if it is given.
     pub yield_onset_interference: Option<f64>,
     /// Fraction of the loaded asperities beyond it under prestress (mean over the points in contact).
     pub yielded_asperity_fraction: Option<f64>,
@@ -46,11 +46,12 @@ pub struct Validity {
     pub separation_modal_force: Option<f64>,
 }
 
-/// Judges a run from its prestressed interface and its amplitudes.
+/// Judges a run from its prestressed interface and its amplitudes; `own_onset` is the onset of yield of asperities that yield (m).
 pub(crate) fn assess(
     interface: &Interface,
     asperities: Option<&Asperities>,
     material: &Material,
+    own_onset: Option<f64>,
     prestressed: &Fields,
     clearance: Option<f64>,
     separation_modal_force: Option<f64>,
@@ -71,6 +72,9 @@ pub(crate) fn assess(
     let element_of = |p: usize| operators.first_point.partition_point(|&first| first <= p) - 1;
     let population = |p: usize| asperities.map(|a| (a, &a.populations[a.of_element[element_of(p)] as usize]));
     let onset_of = |asperities: &Asperities, population: &AsperityPopulation| {
+        if own_onset.is_some() {
+            return own_onset;
+        }
         let hardness = material.hardness.map(Stress::si)?;
         Some(critical_interference(
             &asperities.material,

@@ -13,6 +13,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use brake_reuss_beam::BrakeReussBenchmark;
 use joint_pipeline::Scene;
 use joint_pipeline::interface::ScannedSurface;
+use joint_pipeline::joint::benchmark::Benchmark as _;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{Gap, LawKind, Length, RefinementLevel, Surface, SyntheticScan};
 use joint_pipeline::structure::Structure;
@@ -237,6 +238,24 @@ impl Inputs {
         scene.cqsma.amplitude_to = Length::from_si(to);
         scene.output.fields_at = Some(Vec::new());
         scene
+    }
+
+    /// A scene of the benchmark's own, on the mesh of the command.
+    ///
+    /// # Errors
+    /// Of a scene that is not there.
+    pub(crate) fn benchmark(&self, name: &str) -> Result<Scene> {
+        let scenes = BrakeReussBenchmark.scenes().iter();
+        let text = scenes.filter(|(own, _)| *own == name).map(|(_, text)| *text).next();
+        let text = text.ok_or_else(|| anyhow!("the benchmark has no scene {name}"))?;
+        let mut scene = Scene::from_json(text, name, name, &[&BrakeReussBenchmark])?;
+        if self.quick {
+            scene.model.refinement = self.scene(name).model.refinement;
+            scene.cqsma.amplitudes = scene.cqsma.amplitudes.min(6);
+            scene.cqsma.vertices_per_quarter = 4;
+        }
+        scene.output.fields_at = Some(Vec::new());
+        Ok(scene)
     }
 
     /// The same as a static scene of the paper: mu = 0.6 and 25 points per element.

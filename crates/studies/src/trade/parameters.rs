@@ -2,13 +2,14 @@
 
 use crate::elements::{Representatives, given};
 use anyhow::Result;
-use contact_laws::{HistoryRule, TangentialReading};
+use brake_reuss_beam::published;
+use contact_laws::{Cone, HistoryRule, TangentialReading, YieldCurves};
 use joint_pipeline::Scene;
 use joint_pipeline::interface::ScannedSurface;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{
-    Commit, Curves, Formulation, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RefinementLevel, Surface,
-    Symmetry, SyntheticScan,
+    Bins, Commit, Curves, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RadialRule,
+    RefinementLevel, Stress, Surface, Symmetry, SyntheticScan, Yield,
 };
 use joint_pipeline::structure::Structure;
 
@@ -249,6 +250,30 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
                 readings(base),
             )
         },
+        Parameter {
+            share: Share::Choice,
+            ..error(
+                "friction",
+                "what sticks or slips as a whole, and whether asperities yield",
+                frictions(base),
+            )
+        },
+        Parameter {
+            share: Share::None,
+            ..error(
+                "bins",
+                "bins of asperities per point, friction of single asperities",
+                bins(base),
+            )
+        },
+        Parameter {
+            share: Share::None,
+            ..error("radii", "annuli per asperity, friction of annuli", radii(base))
+        },
+        Parameter {
+            share: Share::Choice,
+            ..error("cone", "shape of the slip limit", cones(base))
+        },
     ];
     let scan = {
         let mut scene = base.clone();
@@ -346,6 +371,70 @@ fn readings(base: &Scene) -> Vec<Setting> {
             scene.law.history = history;
         },
     )
+}
+
+/// Steel as published with the measured asperities.
+fn yielding() -> Yield {
+    let source = published::SURFACE_SOURCE_MODEL;
+    Yield {
+        strength: Stress::from_si(source.yield_strength),
+        tangent_modulus: Stress::from_si(source.tangent_modulus),
+        curves: YieldCurves::Continuous,
+    }
+}
+
+fn frictions(base: &Scene) -> Vec<Setting> {
+    let lumped = (Friction::Lumped, None);
+    named(
+        base,
+        &[
+            ("lumped", lumped),
+            ("resolved", (Friction::Resolved, None)),
+            ("mindlin-iwan", (Friction::MindlinIwan, None)),
+            ("resolved, yield", (Friction::Resolved, Some(yielding()))),
+            ("mindlin-iwan, yield", (Friction::MindlinIwan, Some(yielding()))),
+        ],
+        |scene, (friction, yielding)| {
+            scene.law.friction = friction;
+            scene.law.yielding = yielding;
+        },
+    )
+}
+
+fn bins(base: &Scene) -> Vec<Setting> {
+    named(
+        base,
+        &[
+            ("101 equally spaced", Bins::EquallySpaced(101)),
+            ("4", Bins::Gauss(4)),
+            ("8", Bins::Gauss(8)),
+            ("16", Bins::Gauss(16)),
+            ("32", Bins::Gauss(32)),
+            ("64", Bins::Gauss(64)),
+        ],
+        |scene, bins| {
+            scene.law.friction = Friction::Resolved;
+            scene.law.bins = bins;
+        },
+    )
+}
+
+fn radii(base: &Scene) -> Vec<Setting> {
+    named(
+        base,
+        &[("2", 2), ("4", 4), ("8", 8), ("16", 16), ("32", 32)],
+        |scene, radii| {
+            scene.law.friction = Friction::MindlinIwan;
+            scene.law.radii = RadialRule::Gauss(radii);
+        },
+    )
+}
+
+fn cones(base: &Scene) -> Vec<Setting> {
+    named(base, &[("box", Cone::Box), ("circle", Cone::Circle)], |scene, cone| {
+        scene.law.friction = Friction::Resolved;
+        scene.law.cone = cone;
+    })
 }
 
 /// The fitted law of one element everywhere.
