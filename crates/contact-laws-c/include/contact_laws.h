@@ -37,6 +37,31 @@
 #define CL_HISTORY_POTENTIAL 2
 
 /*
+ History rule: with the stiffness at the end of the path.
+ */
+#define CL_HISTORY_END_POINT 3
+
+/*
+ Slip limit of an asperity: the same in every direction.
+ */
+#define CL_CONE_CIRCLE 0
+
+/*
+ Slip limit of an asperity: for x and y apart.
+ */
+#define CL_CONE_BOX 1
+
+/*
+ Yield: without the jumps of the published curves.
+ */
+#define CL_YIELD_CONTINUOUS 0
+
+/*
+ Yield: the published curves, with their jumps.
+ */
+#define CL_YIELD_PUBLISHED 1
+
+/*
  Sticking: points slip at the Coulomb limit.
  */
 #define CL_STICKING_COULOMB 0
@@ -45,6 +70,11 @@
  Sticking: every closed point sticks, for a first prestress and for stuck tangents.
  */
 #define CL_STICKING_FULL 1
+
+/*
+ Sticking: no tangential tractions, as with a friction coefficient of zero.
+ */
+#define CL_STICKING_FRICTIONLESS 2
 
 /*
  Fitted tangential stiffness outside its range: towards a log-slope of 1/2 below, with its end slope above.
@@ -131,7 +161,7 @@ extern "C" {
  - n_sets: 1 (the same for all points) or n_points (one set per point).
  - ends: CL_ENDS_MINDLIN or CL_ENDS_CONSTANT; without effect where ranges is NULL.
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
+ - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
    One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
@@ -161,7 +191,7 @@ struct cl_law *cl_rough_law(size_t n_points,
  - k_n, k_x, k_y: normal and tangential stiffnesses per area (Pa/m), n_sets numbers each.
  - n_sets: 1 (the same for all points) or n_points (one set per point).
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL; they differ only where an open point
+ - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT; they differ only where an open point
    closes and in what the state remembers.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
    One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
@@ -196,7 +226,7 @@ struct cl_law *cl_elastic_dry_friction_law(size_t n_points,
  - range_lower, range_upper: interferences (m) between which the curves are tabulated, with a relative error of at
    most 1e-5 (normal) and 1e-4 (tangential). Beyond them they go on smoothly.
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
+ - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
    One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
@@ -224,10 +254,58 @@ struct cl_law *cl_asperity_table_law(size_t n_points,
                                      size_t message_capacity);
 
 /*
+ Friction resolved over asperities of two equal bodies: a population in bins of one initial gap each, and every bin
+ has a history of its own. Normal force by Hertz, or with yield and unloading.
+
+ - n_points: number of points of the law, at least 1.
+ - gaps, densities: initial gap (m, 0 is the first asperity to touch) and asperities per area (1/m^2) of the bins,
+   n_bins x n_sets numbers each, bin by bin. Sets with fewer bins end with bins of density 0.
+ - n_sets: 1 (the same for all points) or n_points (one set per point); any number, at least 1, with set_of_point.
+ - set_of_point: NULL, or the set of every point, n_points numbers, counted from 0.
+ - radius: effective radius of an asperity (m).
+ - youngs_modulus (Pa), poisson_ratio: the material.
+ - yield_strength (Pa): 0 for elastic asperities.
+ - tangent_modulus (Pa): of the hardening material, 0 or more; without effect where yield_strength is 0.
+ - yield_curves: CL_YIELD_CONTINUOUS or CL_YIELD_PUBLISHED; without effect where yield_strength is 0.
+ - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
+ - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL (elastic asperities only) or
+   CL_HISTORY_END_POINT.
+ - cone: CL_CONE_CIRCLE or CL_CONE_BOX.
+ - n_radii: 0: an asperity sticks or slips as a whole. 2 to 256: it slips from its rim inwards, in so many annuli of a
+   Gauss rule.
+ - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
+
+ Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
+
+ # Safety
+ Pointers that are not NULL have the lengths stated.
+ */
+struct cl_law *cl_resolved_law(size_t n_points,
+                               const double *gaps,
+                               const double *densities,
+                               size_t n_bins,
+                               size_t n_sets,
+                               const uint32_t *set_of_point,
+                               double radius,
+                               double youngs_modulus,
+                               double poisson_ratio,
+                               double yield_strength,
+                               double tangent_modulus,
+                               int32_t yield_curves,
+                               const double *mu,
+                               size_t n_mu,
+                               int32_t history,
+                               int32_t cone,
+                               size_t n_radii,
+                               char *message,
+                               size_t message_capacity);
+
+/*
  Tractions, end state and, on request, tangent and regimes of the points first, ..., first + count - 1 of a law.
  Entry i of every array belongs to point first + i. Allocates nothing.
 
- - sticking: CL_STICKING_COULOMB or CL_STICKING_FULL.
+ - sticking: CL_STICKING_COULOMB, CL_STICKING_FULL or CL_STICKING_FRICTIONLESS.
  - jump_x, jump_y, jump_n: jump (m), count numbers each; jump_n > 0 is interference, the gap already subtracted.
  - begin: state committed last, component by component: component c of point first + i is begin[c * stride + i].
    It reaches over (cl_law_n_state(law) - 1) * stride + count numbers. All zeros is a point that touches nothing.

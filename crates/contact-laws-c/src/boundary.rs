@@ -39,6 +39,17 @@ pub(crate) enum Error {
         stride: usize,
         count: usize,
     },
+    /// More state components per point than an evaluation has room for.
+    State {
+        n_state: usize,
+        most: usize,
+    },
+    /// Which set of parameters a point uses.
+    Index {
+        point: usize,
+        index: u32,
+        n_sets: usize,
+    },
     Code {
         argument: &'static str,
         code: i32,
@@ -98,6 +109,14 @@ impl fmt::Display for Error {
                 f,
                 "stride = {stride}: must be at least the {count} points of the call, it is the distance between the \
                  state components of a point"
+            ),
+            Error::State { n_state, most } => write!(
+                f,
+                "the law has {n_state} state components per point: at most {most} fit, take fewer bins or radii"
+            ),
+            Error::Index { point, index, n_sets } => write!(
+                f,
+                "set_of_point[{point}] = {index}: must be below n_sets = {n_sets}, sets are counted from 0"
             ),
             Error::Code {
                 argument,

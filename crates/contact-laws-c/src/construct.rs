@@ -3,15 +3,17 @@
 use core::ffi::c_char;
 
 use contact_laws::{
-    AsperityPopulation, AsperitySumCurves, ElasticCurves, ElasticDryFriction, ElasticPair, FittedCurves, FittedPoints,
-    GapDistribution, HistoryRule, NormalFit, PointParameters, RoughLaw, TableLaw, TableOptions, Tabulated,
-    TangentialEnds, TangentialFit, TangentialReading,
+    Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, Cone, ElasticCurves,
+    ElasticDryFriction, ElasticPair, FittedCurves, FittedPoints, GapDistribution, HistoryRule, NormalFit,
+    PointParameters, Radii, ResolvedLaw, RoughLaw, TableLaw, TableOptions, Tabulated, TangentialEnds, TangentialFit,
+    TangentialReading, Yield, YieldCurves,
 };
 
 use crate::boundary::{Error, Message, array, guarded, rows};
 use crate::{
-    CL_ENDS_CONSTANT, CL_ENDS_MINDLIN, CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL,
-    CL_READING_MINDLIN, CL_READING_PAPER, Law,
+    CL_CONE_BOX, CL_CONE_CIRCLE, CL_ENDS_CONSTANT, CL_ENDS_MINDLIN, CL_HISTORY_END_POINT, CL_HISTORY_INCREMENTAL,
+    CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL, CL_READING_MINDLIN, CL_READING_PAPER, CL_YIELD_CONTINUOUS,
+    CL_YIELD_PUBLISHED, Law,
 };
 
 /// Rough contact by fitted curves (eqs. 28 and 29 of Balaji, Chen and Brake 2020) with friction. With
@@ -27,7 +29,7 @@ use crate::{
 /// - n_sets: 1 (the same for all points) or n_points (one set per point).
 /// - ends: CL_ENDS_MINDLIN or CL_ENDS_CONSTANT; without effect where ranges is NULL.
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
+/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
@@ -100,11 +102,11 @@ pub unsafe extern "C" fn cl_rough_law(
         })?;
         // SAFETY: as above.
         let mu = unsafe { friction(message, mu, n_mu, n_points) }?;
-        Ok(Law::new(RoughLaw::try_new(
+        Law::try_new(RoughLaw::try_new(
             FittedPoints::new(&curves),
             mu,
             history_rule(history)?,
-        )?))
+        )?)
     };
     // SAFETY: the caller vouches for the message buffer.
     hand_over(unsafe { guarded(message, make) })
@@ -116,7 +118,7 @@ pub unsafe extern "C" fn cl_rough_law(
 /// - k_n, k_x, k_y: normal and tangential stiffnesses per area (Pa/m), n_sets numbers each.
 /// - n_sets: 1 (the same for all points) or n_points (one set per point).
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL; they differ only where an open point
+/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT; they differ only where an open point
 ///   closes and in what the state remembers.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
@@ -154,11 +156,7 @@ pub unsafe extern "C" fn cl_elastic_dry_friction_law(
         let curves = per_set(n_sets, n_points, |set| {
             ElasticCurves::try_new(k_n[set], [k_x[set], k_y[set]])
         })?;
-        Ok(Law::new(ElasticDryFriction::try_new(
-            curves,
-            mu,
-            history_rule(history)?,
-        )?))
+        Law::try_new(ElasticDryFriction::try_new(curves, mu, history_rule(history)?)?)
     };
     // SAFETY: the caller vouches for the message buffer.
     hand_over(unsafe { guarded(message, make) })
@@ -177,7 +175,7 @@ pub unsafe extern "C" fn cl_elastic_dry_friction_law(
 /// - range_lower, range_upper: interferences (m) between which the curves are tabulated, with a relative error of at
 ///   most 1e-5 (normal) and 1e-4 (tangential). Beyond them they go on smoothly.
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL.
+/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
@@ -227,7 +225,118 @@ pub unsafe extern "C" fn cl_asperity_table_law(
         let curves = AsperitySumCurves::try_new(population, material, reading)?;
         let table = Tabulated::try_new(curves, [range_lower, range_upper], TableOptions::default())?;
         let curves = PointParameters::uniform(table, n_points);
-        Ok(Law::new(TableLaw::try_new(curves, mu, history_rule(history)?)?))
+        Law::try_new(TableLaw::try_new(curves, mu, history_rule(history)?)?)
+    };
+    // SAFETY: the caller vouches for the message buffer.
+    hand_over(unsafe { guarded(message, make) })
+}
+
+/// Friction resolved over asperities of two equal bodies: a population in bins of one initial gap each, and every bin
+/// has a history of its own. Normal force by Hertz, or with yield and unloading.
+///
+/// - n_points: number of points of the law, at least 1.
+/// - gaps, densities: initial gap (m, 0 is the first asperity to touch) and asperities per area (1/m^2) of the bins,
+///   n_bins x n_sets numbers each, bin by bin. Sets with fewer bins end with bins of density 0.
+/// - n_sets: 1 (the same for all points) or n_points (one set per point); any number, at least 1, with set_of_point.
+/// - set_of_point: NULL, or the set of every point, n_points numbers, counted from 0.
+/// - radius: effective radius of an asperity (m).
+/// - youngs_modulus (Pa), poisson_ratio: the material.
+/// - yield_strength (Pa): 0 for elastic asperities.
+/// - tangent_modulus (Pa): of the hardening material, 0 or more; without effect where yield_strength is 0.
+/// - yield_curves: CL_YIELD_CONTINUOUS or CL_YIELD_PUBLISHED; without effect where yield_strength is 0.
+/// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
+/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL (elastic asperities only) or
+///   CL_HISTORY_END_POINT.
+/// - cone: CL_CONE_CIRCLE or CL_CONE_BOX.
+/// - n_radii: 0: an asperity sticks or slips as a whole. 2 to 256: it slips from its rim inwards, in so many annuli of a
+///   Gauss rule.
+/// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
+///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
+///
+/// Returns a law to be freed with cl_law_free, or NULL. The arrays are copied.
+///
+/// # Safety
+/// Pointers that are not NULL have the lengths stated.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cl_resolved_law(
+    n_points: usize,
+    gaps: *const f64,
+    densities: *const f64,
+    n_bins: usize,
+    n_sets: usize,
+    set_of_point: *const u32,
+    radius: f64,
+    youngs_modulus: f64,
+    poisson_ratio: f64,
+    yield_strength: f64,
+    tangent_modulus: f64,
+    yield_curves: i32,
+    mu: *const f64,
+    n_mu: usize,
+    history: i32,
+    cone: i32,
+    n_radii: usize,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> *mut Law {
+    let message = Message::new(message, message_capacity);
+    let make = || {
+        require_points(n_points)?;
+        let index = match set_of_point.is_null() {
+            true => None,
+            // SAFETY: the length is the documented one, for which the caller vouches.
+            false => Some(unsafe { array(message, "set_of_point", set_of_point, n_points) }?),
+        };
+        match index {
+            None => require_sets("n_sets", n_sets, n_points)?,
+            Some(index) => require_indices(index, n_sets)?,
+        }
+        let total = |argument| n_bins.checked_mul(n_sets).ok_or(Error::TooLong { argument });
+        // SAFETY: as above.
+        let (gaps, densities, mu) = unsafe {
+            (
+                array(message, "gaps", gaps, total("gaps")?)?,
+                array(message, "densities", densities, total("densities")?)?,
+                friction(message, mu, n_mu, n_points)?,
+            )
+        };
+        let curves = match yield_curves {
+            CL_YIELD_CONTINUOUS => YieldCurves::Continuous,
+            CL_YIELD_PUBLISHED => YieldCurves::Published,
+            code => {
+                return Err(unknown(
+                    "yield_curves",
+                    code,
+                    "CL_YIELD_CONTINUOUS or CL_YIELD_PUBLISHED",
+                ));
+            }
+        };
+        let yielding = (yield_strength != 0.0).then_some(Yield {
+            strength: yield_strength,
+            tangent_modulus,
+            curves,
+        });
+        let asperity = Asperity::try_new(ElasticPair::new(youngs_modulus, poisson_ratio), radius, yielding)?;
+        let sets = (0..n_sets).map(|set| {
+            let of = |values: &[f64]| values.chunks_exact(n_sets).map(|bin| bin[set]).collect();
+            AsperityBins::try_new(asperity, of(gaps), of(densities)).map_err(|error| Error::Parameters { set, error })
+        });
+        let sets = sets.collect::<Result<Vec<_>, _>>()?;
+        let bins = match index {
+            None => spread(sets, n_points),
+            Some(index) => PointParameters::try_indexed(sets, index.to_vec())?,
+        };
+        let history = history_rule(history)?;
+        let friction = match n_radii {
+            0 => AsperityFriction::StickSlip(history),
+            n => AsperityFriction::Annuli(history, Radii::gauss(n)?),
+        };
+        let cone = match cone {
+            CL_CONE_CIRCLE => Cone::Circle,
+            CL_CONE_BOX => Cone::Box,
+            code => return Err(unknown("cone", code, "CL_CONE_CIRCLE or CL_CONE_BOX")),
+        };
+        Law::try_new(ResolvedLaw::try_new(bins, mu, friction, cone)?)
     };
     // SAFETY: the caller vouches for the message buffer.
     hand_over(unsafe { guarded(message, make) })
@@ -255,6 +364,17 @@ fn require_sets(argument: &'static str, n_sets: usize, n_points: usize) -> Resul
             n_sets,
             n_points,
         })
+    }
+}
+
+fn require_indices(index: &[u32], n_sets: usize) -> Result<(), Error> {
+    match index.iter().position(|&set| set as usize >= n_sets) {
+        None => Ok(()),
+        Some(point) => Err(Error::Index {
+            point,
+            index: index[point],
+            n_sets,
+        }),
     }
 }
 
@@ -296,10 +416,11 @@ fn history_rule(code: i32) -> Result<HistoryRule, Error> {
         CL_HISTORY_INCREMENTAL => Ok(HistoryRule::Incremental),
         CL_HISTORY_PAPER => Ok(HistoryRule::Paper),
         CL_HISTORY_POTENTIAL => Ok(HistoryRule::Potential),
+        CL_HISTORY_END_POINT => Ok(HistoryRule::EndPoint),
         _ => Err(unknown(
             "history",
             code,
-            "CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER or CL_HISTORY_POTENTIAL",
+            "CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT",
         )),
     }
 }

@@ -11,7 +11,7 @@ use contact_laws::{Components, ComponentsMut, Regime, RegimeCounts, StateView, S
 use crate::boundary::{Error, Message, Region, array, check, guarded};
 use crate::{
     CL_ERROR, CL_INVALID_POINTS, CL_REGIME_INVALID, CL_REGIME_OPEN, CL_REGIME_SLIP, CL_REGIME_STICK,
-    CL_STICKING_COULOMB, CL_STICKING_FULL, CL_SUCCESS, Law,
+    CL_STICKING_COULOMB, CL_STICKING_FRICTIONLESS, CL_STICKING_FULL, CL_SUCCESS, Law,
 };
 
 /// Number of points in each regime.
@@ -48,7 +48,7 @@ impl From<RegimeCounts> for Counts {
 /// Tractions, end state and, on request, tangent and regimes of the points first, ..., first + count - 1 of a law.
 /// Entry i of every array belongs to point first + i. Allocates nothing.
 ///
-/// - sticking: CL_STICKING_COULOMB or CL_STICKING_FULL.
+/// - sticking: CL_STICKING_COULOMB, CL_STICKING_FULL or CL_STICKING_FRICTIONLESS.
 /// - jump_x, jump_y, jump_n: jump (m), count numbers each; jump_n > 0 is interference, the gap already subtracted.
 /// - begin: state committed last, component by component: component c of point first + i is begin[c * stride + i].
 ///   It reaches over (cl_law_n_state(law) - 1) * stride + count numbers. All zeros is a point that touches nothing.
@@ -104,11 +104,12 @@ pub unsafe extern "C" fn cl_law_evaluate(
             sticking: match sticking {
                 CL_STICKING_COULOMB => Sticking::Coulomb,
                 CL_STICKING_FULL => Sticking::Full,
+                CL_STICKING_FRICTIONLESS => Sticking::Frictionless,
                 code => {
                     return Err(Error::Code {
                         argument: "sticking",
                         code,
-                        allowed: "CL_STICKING_COULOMB or CL_STICKING_FULL",
+                        allowed: "CL_STICKING_COULOMB, CL_STICKING_FULL or CL_STICKING_FRICTIONLESS",
                     });
                 }
             },
@@ -213,14 +214,14 @@ impl Regions {
 
 /// Points evaluated at a time, and room for their states.
 const CHUNK: usize = 128;
-const SCRATCH: usize = 5 * CHUNK;
+const SCRATCH: usize = 16 * CHUNK;
 
-/// The states of at least one point fit into the scratch memory.
-pub(crate) fn assert_state_fits(n_state: usize) {
-    assert!(
-        (1..=SCRATCH).contains(&n_state),
-        "a law with {n_state} state components per point: the interface has room for 1 to {SCRATCH}"
-    );
+/// Refuses a law if the states of one point do not fit into the scratch memory.
+pub(crate) fn require_state_fits(n_state: usize) -> Result<(), Error> {
+    match n_state {
+        1..=SCRATCH => Ok(()),
+        _ => Err(Error::State { n_state, most: SCRATCH }),
+    }
 }
 
 impl Batch<'_> {

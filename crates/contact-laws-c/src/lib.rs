@@ -64,7 +64,7 @@ use std::ffi::CString;
 
 use contact_laws::{Quantity, TractionLaw};
 
-pub use construct::{cl_asperity_table_law, cl_elastic_dry_friction_law, cl_rough_law};
+pub use construct::{cl_asperity_table_law, cl_elastic_dry_friction_law, cl_resolved_law, cl_rough_law};
 pub use evaluate::{Counts, cl_law_evaluate};
 pub use queries::{
     cl_law_free, cl_law_n_parameters, cl_law_n_points, cl_law_n_state, cl_law_name, cl_law_parameter_name,
@@ -85,10 +85,25 @@ pub const CL_HISTORY_PAPER: i32 = 1;
 /// From a potential, with the elastic stretch as state.
 pub const CL_HISTORY_POTENTIAL: i32 = 2;
 
+/// History rule: with the stiffness at the end of the path.
+pub const CL_HISTORY_END_POINT: i32 = 3;
+
+/// Slip limit of an asperity: the same in every direction.
+pub const CL_CONE_CIRCLE: i32 = 0;
+/// Slip limit of an asperity: for x and y apart.
+pub const CL_CONE_BOX: i32 = 1;
+
+/// Yield: without the jumps of the published curves.
+pub const CL_YIELD_CONTINUOUS: i32 = 0;
+/// Yield: the published curves, with their jumps.
+pub const CL_YIELD_PUBLISHED: i32 = 1;
+
 /// Sticking: points slip at the Coulomb limit.
 pub const CL_STICKING_COULOMB: i32 = 0;
 /// Sticking: every closed point sticks, for a first prestress and for stuck tangents.
 pub const CL_STICKING_FULL: i32 = 1;
+/// Sticking: no tangential tractions, as with a friction coefficient of zero.
+pub const CL_STICKING_FRICTIONLESS: i32 = 2;
 
 /// Fitted tangential stiffness outside its range: towards a log-slope of 1/2 below, with its end slope above.
 pub const CL_ENDS_MINDLIN: i32 = 0;
@@ -125,7 +140,7 @@ struct Labels {
 }
 
 impl Law {
-    fn new(law: impl TractionLaw + 'static) -> Self {
+    fn try_new(law: impl TractionLaw + 'static) -> Result<Self, boundary::Error> {
         let text = |text: &str| CString::new(text).expect("names of laws hold no zero");
         let labels = |quantities: &[Quantity]| {
             let label = |quantity: &Quantity| Labels {
@@ -135,13 +150,13 @@ impl Law {
             quantities.iter().map(label).collect::<Vec<_>>()
         };
         let info = law.info();
-        evaluate::assert_state_fits(info.n_state());
-        Self {
+        evaluate::require_state_fits(info.n_state())?;
+        Ok(Self {
             name: text(info.name),
             reference: text(info.reference),
             state: labels(&info.state),
             parameters: labels(&info.parameters),
             law: Box::new(law),
-        }
+        })
     }
 }

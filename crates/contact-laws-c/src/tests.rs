@@ -282,6 +282,95 @@ fn threads_share_a_law_and_a_block() {
     assert_eq!(out, by_rust(&input));
 }
 
+/// Sets of bins with an index, with yield, in more chunks than one.
+#[test]
+fn resolved_laws_give_what_the_law_gives() {
+    let n_sets = 3;
+    let sets: Vec<u32> = (0..N as u32).map(|i| i / 7 % 3).collect();
+    let (gaps, densities) = ([0.0, 1e-7, 2e-7, 1e-6, 2e-6, 3e-6], [1e5, 2e5, 3e5, 4e5, 5e5, 0.0]);
+    let yielding = Yield {
+        strength: 330e6,
+        tangent_modulus: 620e6,
+        curves: YieldCurves::Continuous,
+    };
+    let input = input();
+    for (strength, n_radii, cone) in [(0.0, 0, Cone::Box), (330e6, 0, Cone::Circle), (330e6, 4, Cone::Circle)] {
+        let asperity = Asperity::try_new(
+            ElasticPair::new(192e9, 0.3),
+            1.4e-3,
+            (strength > 0.0).then_some(yielding),
+        )
+        .unwrap();
+        let of = |set: usize| {
+            let bins = [0, 1].map(|bin| bin * n_sets + set);
+            let (gaps, densities) = (bins.map(|i| gaps[i]), bins.map(|i| densities[i]));
+            AsperityBins::try_new(asperity, gaps.to_vec(), densities.to_vec()).unwrap()
+        };
+        let friction = match n_radii {
+            0 => AsperityFriction::StickSlip(HistoryRule::EndPoint),
+            n => AsperityFriction::Annuli(HistoryRule::EndPoint, Radii::gauss(n).unwrap()),
+        };
+        let bins = PointParameters::try_indexed((0..n_sets).map(of).collect(), sets.clone()).unwrap();
+        let by_rust = ResolvedLaw::try_new(bins, PointParameters::uniform(MU, N), friction, cone).unwrap();
+        let mut message = [0_u8; 200];
+        // SAFETY: all arrays have the documented lengths.
+        let law = Handle(unsafe {
+            cl_resolved_law(
+                N,
+                gaps.as_ptr(),
+                densities.as_ptr(),
+                2,
+                n_sets,
+                sets.as_ptr(),
+                1.4e-3,
+                192e9,
+                0.3,
+                strength,
+                620e6,
+                CL_YIELD_CONTINUOUS,
+                &MU,
+                1,
+                CL_HISTORY_END_POINT,
+                if cone == Cone::Box { CL_CONE_BOX } else { CL_CONE_CIRCLE },
+                n_radii,
+                message.as_mut_ptr().cast(),
+                message.len(),
+            )
+        });
+        assert!(!law.0.is_null(), "{:?}", CStr::from_bytes_until_nul(&message));
+        let n_state = by_rust.info().n_state();
+        // SAFETY: from the constructor.
+        assert_eq!(unsafe { cl_law_n_state(law.0) }, n_state);
+        let mut states = [(); 2].map(|()| vec![0.0; n_state * N]);
+        for jump in [&input.jump, &[2, 0, 1].map(|q| input.jump[q].clone())] {
+            let mut outs = [Output::new(), Output::new()];
+            outs.iter_mut().for_each(|out| out.end = vec![0.0; n_state * N]);
+            let [ours, theirs] = &mut outs;
+            // SAFETY: blocks of `N` points that no one else knows.
+            ours.counts = unsafe { call(&law, 0..N, jump, states[0].as_ptr(), &Targets::new(ours)) };
+            let [tx, ty, tn] = &mut theirs.traction;
+            let mut regimes = vec![Regime::Open; N];
+            let counts = by_rust.evaluate(
+                0..N,
+                Sticking::Coulomb,
+                Components::new(&jump[0], &jump[1], &jump[2]),
+                StateView::new(&states[1], N, 0),
+                StateViewMut::new(&mut theirs.end, N, 0),
+                ComponentsMut::new(tx, ty, tn),
+                Some(TangentMut::from_entries(
+                    theirs.tangent.each_mut().map(Vec::as_mut_slice),
+                )),
+                Some(&mut regimes),
+            );
+            theirs.counts = counts.into();
+            theirs.regimes.clone_from(&ours.regimes);
+            assert_eq!(ours, theirs);
+            assert!(ours.counts.open > 20 && ours.counts.stick + ours.counts.slip > 20);
+            states = outs.map(|out| out.end);
+        }
+    }
+}
+
 /// A law with a defect.
 struct Panicking(LawInfo);
 
@@ -311,7 +400,7 @@ impl TractionLaw for Panicking {
 
 #[test]
 fn a_panic_does_not_leave_the_interface() {
-    let law = Law::new(Panicking(rust_law().info().clone()));
+    let law = Law::try_new(Panicking(rust_law().info().clone())).unwrap();
     let (mut output, mut message) = ([0.0; 3 + 5], [0_u8; 200]);
     let zeros = [0.0; 5];
     let x = output.as_mut_ptr();

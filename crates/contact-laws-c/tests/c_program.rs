@@ -40,6 +40,7 @@ fn run(source: &Path) -> Option<String> {
             "-I",
         ])
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("include"))
+        .args(["-I", env!("CARGO_TARGET_TMPDIR")])
         .arg(source)
         .arg(library())
         .args(["-lpthread", "-ldl", "-lm", "-o"])
@@ -81,5 +82,57 @@ fn the_example_of_the_readme_runs() {
     if let Some(text) = run(&source) {
         // Stuck: k_x u_x = 4.5e5 Pa; slipping: mu k_n u_n = 2e5 Pa.
         assert_eq!(text, "t_x = 450000 and 200000 Pa, 1 slip\n");
+    }
+}
+
+/// A list of any depth as an initialiser in C.
+fn initialiser(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::Array(list) => {
+            let entries: Vec<String> = list.iter().map(initialiser).collect();
+            format!("{{{}}}", entries.join(", "))
+        }
+        value => format!("{:e}", value.as_f64().unwrap()),
+    }
+}
+
+/// Element cycles of yielding asperities as the authors' code computes them.
+#[test]
+fn the_element_cycles_are_those_of_the_reference() {
+    let Some(folder) = env::var_os("BRB_REFERENCE") else {
+        println!("skipped the element cycles of the authors' code: BRB_REFERENCE is not set");
+        return;
+    };
+    // The variable may be relative to the workspace, while tests run in the crate's folder.
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = fs::read_to_string(workspace.join(folder).join("elastic_plastic_asperity.json")).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let part = &file["element_cycles"];
+    let length = |value: &serde_json::Value| value.as_array().unwrap().len();
+    let (bins, cycles, steps) = (
+        length(&part["gap_values"]),
+        length(&part["uxyn"]),
+        length(&part["uxyn"][0][0]),
+    );
+    let mut header = format!("enum {{ N_BINS = {bins}, N_CYCLES = {cycles}, N_STEPS = {steps} }};\n");
+    for (name, field) in [
+        ("radius", "R"),
+        ("youngs_modulus", "E"),
+        ("poisson_ratio", "nu"),
+        ("yield_strength", "Sys"),
+        ("tangent_modulus", "Et"),
+        ("mu", "mu"),
+        ("gaps[N_BINS]", "gap_values"),
+        ("densities[N_BINS]", "gap_weights"),
+        ("u[N_CYCLES][3][N_STEPS]", "uxyn"),
+        ("expected[N_CYCLES][3][N_STEPS]", "txyn"),
+    ] {
+        header += &format!("static const double {name} = {};\n", initialiser(&part[field]));
+    }
+    fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join("reference.h"), header).unwrap();
+    if let Some(text) = run(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/element_cycles.c")) {
+        let error: f64 = text.trim().parse().unwrap();
+        println!("element cycles from C within {error:e} of the largest traction of a cycle");
+        assert!(error <= 1e-6);
     }
 }

@@ -17,11 +17,34 @@ const MIXES: [(&str, [usize; 3]); 4] = [
 /// Fitted range, as fits have it.
 const RANGE: Option<[f64; 2]> = Some([1e-7, 1e-4]);
 
+/// How steel yields.
+const STEEL: Yield = Yield {
+    strength: 330e6,
+    tangent_modulus: 620e6,
+    curves: YieldCurves::Published,
+};
+
 type Laws = Vec<(&'static str, Box<dyn TractionLaw>)>;
 
 fn friction<C: PointCurves + 'static>(curves: C) -> Result<Box<dyn TractionLaw>, Error> {
     let mu = PointParameters::uniform(0.2, curves.len());
     Ok(Box::new(FrictionalLaw::try_new(curves, mu, HistoryRule::Incremental)?))
+}
+
+fn end_point() -> AsperityFriction {
+    AsperityFriction::StickSlip(HistoryRule::EndPoint)
+}
+
+/// Asperities of a measured surface in 12 bins.
+fn resolved(friction: AsperityFriction, yielding: Option<Yield>) -> Result<Box<dyn TractionLaw>, Error> {
+    let direct = asperity_sums()?;
+    let asperity = Asperity::try_new(*direct.material(), direct.population().radii()[0], yielding)?;
+    let bins = AsperityBins::gauss(asperity, direct.population(), 8, 1e-5, &[0.5])?;
+    let (bins, mu) = (
+        PointParameters::try_indexed(bins, vec![0; N])?,
+        PointParameters::uniform(0.2, N),
+    );
+    Ok(Box::new(ResolvedLaw::try_new(bins, mu, friction, Cone::Circle)?))
 }
 
 fn laws() -> Result<Laws, Error> {
@@ -44,6 +67,12 @@ fn laws() -> Result<Laws, Error> {
             friction(PointParameters::uniform(ElasticCurves::try_new(2e12, [1.5e12; 2])?, N))?,
         ),
         ("microslip-8", Box::new(microslip)),
+        ("resolved-12", resolved(end_point(), None)?),
+        ("resolved-12-yield", resolved(end_point(), Some(STEEL))?),
+        (
+            "resolved-12-radii-8",
+            resolved(AsperityFriction::Annuli(HistoryRule::EndPoint, Radii::gauss(8)?), None)?,
+        ),
         ("load-store", Box::new(LoadStoreFloor::<21>::new(N))),
     ])
 }
@@ -55,6 +84,8 @@ fn kinds(criterion: &mut Criterion) {
     for (mix, shares) in MIXES {
         for (name, law) in &laws {
             let mut batch = Batch::new(N, shares, law.info().n_state());
+            // Loaded before, as in a prestressed joint: what has yielded unloads and reloads.
+            batch.press(&**law);
             for (label, tangent) in [("traction", false), ("tangent", true)] {
                 group.bench_function(BenchmarkId::new(format!("{name}/{label}"), mix), |b| {
                     b.iter(|| black_box(batch.evaluate(&**law, tangent)));

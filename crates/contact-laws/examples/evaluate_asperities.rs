@@ -36,7 +36,7 @@ fn main() -> ExitCode {
 }
 
 /// Reads, evaluates, writes.
-fn run(input: &Path, output: &Path) -> Result<(), String> {
+pub(crate) fn run(input: &Path, output: &Path) -> Result<(), String> {
     let at = |path: &Path, error: &dyn fmt::Display| format!("{}: {error}", path.display());
     let text = std::fs::read_to_string(input).map_err(|error| at(input, &error))?;
     let mut file: Value = serde_json::from_str(&text).map_err(|error| at(input, &error))?;
@@ -52,7 +52,7 @@ fn run(input: &Path, output: &Path) -> Result<(), String> {
 }
 
 /// What is wrong with a part of the file, and where.
-pub(crate) enum Defect {
+enum Defect {
     Field {
         place: String,
         expected: &'static str,
@@ -88,7 +88,7 @@ const PARTS: [(&str, Evaluate); 3] = [
 ];
 
 /// Puts the computed fields into all parts that are there.
-pub(crate) fn evaluate(file: &mut Value) -> Result<(), Defect> {
+fn evaluate(file: &mut Value) -> Result<(), Defect> {
     let mut found = false;
     for (name, evaluate) in PARTS {
         if let Some(part) = file.get_mut(name) {
@@ -142,11 +142,14 @@ fn element_cycles(part: &mut Value, place: &str) -> Result<(), Defect> {
         numbers(part, "gap_weights", place)?,
     );
     let bins = law_error(place, AsperityBins::try_new(asperity, gaps, densities))?;
-    let cases = part["uxyn"].as_array().cloned().unwrap_or_default();
+    let cases = part["uxyn"].as_array().cloned().ok_or_else(|| Defect::Field {
+        place: format!("{place}.uxyn"),
+        expected: "a list of cases",
+    })?;
     let mut computed = Vec::new();
     for (case, history) in cases.iter().enumerate() {
         let place = format!("{place}.uxyn[{case}]");
-        let [x, y, n] = [0, 1, 2].map(|q| list_of(&history[q], &place));
+        let [x, y, n] = [0, 1, 2].map(|q| list_of(&history[q], &format!("{place}[{q}]")));
         let (x, y, n) = (x?, y?, n?);
         same_length(&n, &[&x, &y], &place)?;
         let mut point = Point::new(bins.clone(), mu, stick_slip(), Cone::Box, &place)?;
@@ -259,11 +262,12 @@ fn law_error<T>(place: &str, result: Result<T, Error>) -> Result<T, Defect> {
 
 /// The asperity of a part, or of one of its cases.
 fn asperity(part: &Value, place: &str, case: Option<usize>) -> Result<Asperity, Defect> {
+    let at = |name: &str| match case {
+        None => (&part[name], format!("{place}.{name}")),
+        Some(i) => (&part[name][i], format!("{place}.{name}[{i}]")),
+    };
     let read = |name: &str| -> Result<Option<f64>, Defect> {
-        let (value, place) = match case {
-            None => (&part[name], format!("{place}.{name}")),
-            Some(i) => (&part[name][i], format!("{place}.{name}[{i}]")),
-        };
+        let (value, place) = at(name);
         match value {
             Value::Null => Ok(None),
             value => value.as_f64().map(Some).ok_or(Defect::Field {
@@ -274,7 +278,7 @@ fn asperity(part: &Value, place: &str, case: Option<usize>) -> Result<Asperity, 
     };
     let required = |name: &'static str| {
         read(name)?.ok_or_else(|| Defect::Field {
-            place: format!("{place}.{name}"),
+            place: at(name).1,
             expected: "there",
         })
     };

@@ -21,8 +21,8 @@
 //! | [`TableLaw`] | monotone C1 table of known error | any other curves | [`curves::table`] |
 //! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`curves::fitted`] |
 //! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`curves::elastic`] |
-//! | [`ResolvedLaw`] | asperities one by one, elastic or with yield | bins of gaps | [`friction::resolved`] |
 //! | [`MindlinIwan`] | any of the above, with microslip | curves, number of sliders | [`friction::mindlin_iwan`] |
+//! | [`ResolvedLaw`] | asperities one by one, elastic or with yield | bins of gaps | [`friction::resolved`] |
 //! | [`LinearisedContact`] | constant stiffnesses and slip limit | any law's static state | [`friction::linearised`] |
 //!
 //! All carry Coulomb friction; all but the last three are a [`FrictionalLaw`]: contact curves ([`curves`]) and a

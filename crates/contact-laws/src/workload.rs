@@ -60,6 +60,16 @@ impl Batch {
         }
     }
 
+    /// Presses all points further than their jumps do, without tangential displacement, and commits.
+    pub fn press<L: TractionLaw + ?Sized>(&mut self, law: &L) {
+        let deep: Vec<f64> = self.jump[2].iter().map(|n| 1.1 * n).collect();
+        let [x, y] = [0, 1].map(|q| core::mem::replace(&mut self.jump[q], vec![0.0; deep.len()]));
+        let n = core::mem::replace(&mut self.jump[2], deep);
+        self.evaluate(law, false);
+        core::mem::swap(&mut self.begin, &mut self.end);
+        self.jump = [x, y, n];
+    }
+
     /// Evaluates all points.
     pub fn evaluate<L: TractionLaw + ?Sized>(&mut self, law: &L, with_tangent: bool) -> RegimeCounts {
         let n = self.jump[0].len();

@@ -1,9 +1,10 @@
 //! The set of tangential tractions that friction can carry.
 
 use super::history_rule::HistoryRule;
-use super::return_map::{Block, Workspace};
-use crate::law::{Regime, RegimeCounts};
+use super::return_map::{Block, SLIP, Workspace};
+use crate::law::RegimeCounts;
 use crate::simd::Lanes;
+use crate::simd::bounds::bounded;
 
 /// Shape of the limit of the tangential traction at a point, with Coulomb's limit `L = mu t_n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,7 +27,6 @@ pub(crate) struct BoxWorkspace<const B: usize> {
     traction: [Lanes<f64, B>; 3],
     tangent: [Lanes<f64, B>; 9],
     memory: [Lanes<f64, B>; 2],
-    regimes: [Regime; B],
 }
 
 impl<const B: usize> BoxWorkspace<B> {
@@ -36,13 +36,13 @@ impl<const B: usize> BoxWorkspace<B> {
             traction: [zero; 3],
             tangent: [zero; 9],
             memory: [zero; 2],
-            regimes: [Regime::Open; B],
         }
     }
 }
 
-/// Response of a block under a cone. In a box both directions are answered alone, each as if the other did not move.
-pub(crate) fn respond<const B: usize>(
+/// Response of a block under a cone, whose regimes are left in the block's workspace. In a box both directions are answered
+/// alone, each as if the other did not move.
+pub(super) fn respond<const B: usize>(
     history: HistoryRule,
     workspace: &mut Option<BoxWorkspace<B>>,
     block: Block<'_, B>,
@@ -84,7 +84,7 @@ fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block
             memory: own.memory.each_mut().map(|lanes| &mut lanes.0[..n]),
             traction: own.traction.each_mut().map(|lanes| &mut lanes.0[..n]),
             tangent: with_tangent.then(|| own.tangent.each_mut().map(|lanes| &mut lanes.0[..n])),
-            regimes: Some(&mut own.regimes[..n]),
+            regimes: None,
         });
     };
     let with_tangent = tangent.is_some();
@@ -95,10 +95,9 @@ fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block
         own,
         with_tangent,
     );
-    let mut slips = [false; B];
+    let along_x = workspace.regime;
     for i in 0..n {
         (t_x[i], t_n[i], end_x[i]) = (own.traction[0].0[i], own.traction[2].0[i], own.memory[0].0[i]);
-        slips[i] = own.regimes[i] == Regime::Slip;
     }
     if let Some([xx, xy, xn, .., nx, _, nn]) = &mut tangent {
         for i in 0..n {
@@ -117,26 +116,18 @@ fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block
     let without = |both: f64, curve: f64, closed: f64| if closed > 0.0 { both - curve } else { both };
     for i in 0..n {
         (t_y[i], end_y[i]) = (own.traction[1].0[i], own.memory[1].0[i]);
-        t_n[i] += without(own.traction[2].0[i], curves.normal.0[i], closed.0[i]);
+        t_n[i] += without(own.traction[2].0[i], bounded(curves.normal.0[i]), closed.0[i]);
     }
     if let Some([_, _, _, yx, yy, yn, _, ny, nn]) = &mut tangent {
         for i in 0..n {
             (yx[i], yy[i], yn[i]) = (0.0 * closed.0[i], own.tangent[4].0[i], own.tangent[5].0[i]);
             ny[i] = own.tangent[7].0[i];
-            nn[i] += without(own.tangent[8].0[i], curves.normal_slope.0[i], closed.0[i]);
+            nn[i] += without(own.tangent[8].0[i], bounded(curves.normal_slope.0[i]), closed.0[i]);
         }
     }
-    let mut counts = RegimeCounts::default();
-    let mut regimes = regimes;
-    for i in 0..n {
-        let regime = match own.regimes[i] {
-            Regime::Stick if slips[i] => Regime::Slip,
-            regime => regime,
-        };
-        counts.count(regime);
-        if let Some(regimes) = &mut regimes {
-            regimes[i] = regime;
-        }
+    for (regime, along_x) in workspace.regime.0[..n].iter_mut().zip(along_x.0) {
+        *regime = if along_x == SLIP { SLIP } else { *regime };
     }
-    counts
+    workspace.sum = workspace.regime.0[..n].iter().sum();
+    workspace.report(n, regimes)
 }

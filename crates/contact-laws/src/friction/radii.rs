@@ -12,6 +12,20 @@
 //! An annulus sticks with the stiffness at the end of the path, from the traction that the state committed last has at the
 //! same radius: between the radii remembered tractions are interpolated linearly, at the edge of the contact and beyond they are zero.
 //!
+//! # Error
+//! Against Mindlin's sphere at constant normal force: the loading curve relative to `mu N`, and the area of the loop relative
+//! to that of the closed form, the largest error over amplitudes in ranges of the displacement of full slip.
+//!
+//! | radii | loading | loop, 0.1 to 0.3 | 0.3 to 1 | 1 to 2 |
+//! |---|---|---|---|---|
+//! | `gauss(4)` | 1.8 % | 80 % | 74 % | 2.3 % |
+//! | `gauss(8)` | 0.7 % | 44 % | 23 % | 2.4 % |
+//! | `gauss(16)` | 0.5 % | 16 % | 8.3 % | 2.4 % |
+//! | `equally_spaced(100)` | 0.2 % | 54 % | 9.6 % | 0.7 % |
+//!
+//! The area of small loops falls with the third power of the amplitude, so that few sliders at the rim carry all of it: over
+//! one asperity its error is large, over asperities of many interferences it averages out.
+//!
 //! Source: J. H. Porter and M. R. W. Brake, *Towards a predictive, physics-based friction model for the dynamics of
 //! jointed structures*, Mech. Syst. Signal Process. 192 (2023) 110210.
 
@@ -19,8 +33,12 @@ use super::cone::Cone;
 use crate::error::{Error, Place, require};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::simd::bounds::within;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
+
+/// Bound of tractions (Pa): their squares are finite.
+const LARGEST: f64 = 1e150;
 
 /// Most radii of a contact circle.
 pub const MAX_RADII: usize = 256;
@@ -41,15 +59,17 @@ struct Node {
     stiffness: f64,
     /// `3/2 sqrt(1 - rho^2)`.
     limit: f64,
+    /// One over the distance to the next node, or to the edge.
+    per_width: f64,
 }
 
 impl Radii {
     /// `n` equally spaced radii from 0 to 1 and the trapezoidal rule: as published, with 100.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when `n` is not from 2 to [`MAX_RADII`].
+    /// [`Error::Parameter`] when `n` is not from 3 to [`MAX_RADII`].
     pub fn equally_spaced(n: usize) -> Result<Self, Error> {
-        require_count(n, 2)?;
+        require_count(n, 3)?;
         let spacing = 1.0 / (n - 1) as f64;
         let nodes = (0..n).map(|i| {
             // The edge carries nothing.
@@ -57,16 +77,16 @@ impl Radii {
             let end = if i == 0 || i + 1 == n { 0.5 } else { 1.0 };
             Node::new(rho, 2.0 * end * spacing * rho)
         });
-        Ok(Self { nodes: nodes.collect() })
+        Ok(Self::from_nodes(nodes.collect()))
     }
 
     /// `n` radii of the Gauss-Legendre rule in `s = sqrt(1 - rho^2)`, in which `k(rho) s` and `l(rho)` have no singularity. The
     /// stiffnesses are scaled so that their sum is `k_t`: the published polynomial exceeds it by 0.5 %.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when `n` is not from 1 to [`MAX_RADII`].
+    /// [`Error::Parameter`] when `n` is not from 2 to [`MAX_RADII`].
     pub fn gauss(n: usize) -> Result<Self, Error> {
-        require_count(n, 1)?;
+        require_count(n, 2)?;
         let mut nodes: Vec<Node> = gauss_legendre(n)
             .into_iter()
             .map(|(x, weight)| {
@@ -80,7 +100,16 @@ impl Radii {
         for node in &mut nodes {
             node.stiffness /= sum;
         }
-        Ok(Self { nodes })
+        Ok(Self::from_nodes(nodes))
+    }
+
+    /// From ascending nodes.
+    fn from_nodes(mut nodes: Vec<Node>) -> Self {
+        let ends: Vec<f64> = nodes.iter().skip(1).map(|node| node.rho).chain([1.0]).collect();
+        for (node, end) in nodes.iter_mut().zip(ends) {
+            node.per_width = if end > node.rho { 1.0 / (end - node.rho) } else { 0.0 };
+        }
+        Self { nodes }
     }
 
     /// Shares of the slip limit and of the stiffness that the annuli have.
@@ -109,6 +138,7 @@ impl Node {
             weight,
             stiffness: 0.8709 + edge + rho * (0.0629 + rho * (-0.8915 + rho * 0.6998)),
             limit: 1.5 * s,
+            per_width: 0.0,
         }
     }
 }
@@ -121,7 +151,7 @@ fn require_count(n: usize, least: usize) -> Result<(), Error> {
         n as f64,
         "(no unit)",
         Place::Whole,
-        "from 1, or 2 if equally spaced, to 256",
+        "from 2, or 3 if equally spaced, to 256",
     )
 }
 
@@ -178,14 +208,8 @@ pub(super) struct Reaction {
 }
 
 impl Radii {
-    /// Tangential force of an asperity. `before` gives the traction remembered at a radius, `after` takes the new one.
-    #[inline]
-    pub(super) fn react(
-        &self,
-        circle: &Circle,
-        before: impl Fn(usize) -> [f64; 2],
-        mut after: impl FnMut(usize, [f64; 2]),
-    ) -> Reaction {
+    /// Tangential force of an asperity. `before` holds the tractions remembered at the radii, `after` takes the new ones.
+    pub(super) fn react(&self, circle: &Circle, before: &[[f64; 2]], after: &mut [[f64; 2]]) -> Reaction {
         let Circle {
             force: [force, force_slope],
             radius: [a, a_slope],
@@ -197,26 +221,33 @@ impl Radii {
             unlimited,
         } = *circle;
         let area = PI * a * a;
+        let mut reaction = Reaction {
+            slips: true,
+            ..Reaction::default()
+        };
+        // Nothing is left of an asperity that just touches.
+        if !(area >= f64::MIN_POSITIVE && force > 0.0) {
+            after.fill([0.0; 2]);
+            return reaction;
+        }
         let (growth, load_growth) = (a_slope / a, force_slope / force);
         let stretch = if radius_before > 0.0 {
             a / radius_before
         } else {
             f64::INFINITY
         };
-        let mut reaction = Reaction {
-            slips: true,
-            ..Reaction::default()
-        };
+        let mean_limit = within(mu * force, LARGEST) / area;
+        let mean_stiffness = modulus / (PI * a);
         let mut cursor = 0;
-        for (i, node) in self.nodes.iter().enumerate() {
-            let (history, history_slope) = self.remembered(node.rho * stretch, &mut cursor, &before);
-            let k = modulus * node.stiffness / (PI * a);
-            let limit = mu * force * node.limit / area;
+        for (node, after) in self.nodes.iter().zip(after) {
+            let (history, history_slope) = self.remembered(node.rho * stretch, &mut cursor, before);
+            let k = mean_stiffness * node.stiffness;
+            let limit = mean_limit * node.limit;
             let mut trial = [0.0; 2];
             // Derivatives of the trial along the interference.
             let mut closing = [0.0; 2];
             for q in 0..2 {
-                trial[q] = history[q] + k * du[q];
+                trial[q] = within(history[q] + k * du[q], LARGEST);
                 let moved = if stretch < f64::INFINITY {
                     history_slope[q] * node.rho * stretch
                 } else {
@@ -237,7 +268,7 @@ impl Radii {
             } else {
                 ([0.0; 2], [[0.0; 3]; 2])
             };
-            after(i, t);
+            *after = t;
             let weight = area * node.weight;
             for q in 0..2 {
                 reaction.force[q] += weight * t[q];
@@ -254,7 +285,7 @@ impl Radii {
 
     /// Traction remembered at `rho` of the contact circle committed last, and its derivative with respect to `rho`.
     #[inline]
-    fn remembered(&self, rho: f64, cursor: &mut usize, before: impl Fn(usize) -> [f64; 2]) -> ([f64; 2], [f64; 2]) {
+    fn remembered(&self, rho: f64, cursor: &mut usize, before: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
         let nodes = &self.nodes;
         if !(rho < 1.0) {
             return ([0.0; 2], [0.0; 2]);
@@ -264,16 +295,14 @@ impl Radii {
             *cursor += 1;
         }
         match *cursor {
-            0 => (before(0), [0.0; 2]),
+            0 => (before[0], [0.0; 2]),
             n => {
-                let (inner, t_inner) = (nodes[n - 1].rho, before(n - 1));
-                let (outer, t_outer) = match nodes.get(n) {
-                    Some(node) => (node.rho, before(n)),
-                    None => (1.0, [0.0; 2]),
-                };
-                let part = (rho - inner) / (outer - inner);
-                let slope = [0, 1].map(|q| (t_outer[q] - t_inner[q]) / (outer - inner));
-                ([0, 1].map(|q| t_inner[q] + part * (t_outer[q] - t_inner[q])), slope)
+                let inner = &nodes[n - 1];
+                let t_inner = before[n - 1];
+                let t_outer = before.get(n).copied().unwrap_or([0.0; 2]);
+                let slope = [0, 1].map(|q| (t_outer[q] - t_inner[q]) * inner.per_width);
+                let beyond = rho - inner.rho;
+                ([0, 1].map(|q| t_inner[q] + beyond * slope[q]), slope)
             }
         }
     }
@@ -311,16 +340,13 @@ impl Cut {
                 cut
             }
             Cone::Circle => {
-                let length = trial[0].hypot(trial[1]);
-                if length <= limit && limit > 0.0 {
+                let square = trial[0] * trial[0] + trial[1] * trial[1];
+                if square <= limit * limit && limit > 0.0 {
                     return stuck;
                 }
-                let d = if length > 0.0 {
-                    [trial[0] / length, trial[1] / length]
-                } else {
-                    [0.0; 2]
-                };
-                let ratio = if length > 0.0 { limit / length } else { 0.0 };
+                let per_length = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
+                let d = trial.map(|t| t * per_length);
+                let ratio = limit * per_length;
                 let across = [
                     [ratio * d[1] * d[1], -ratio * d[0] * d[1]],
                     [-ratio * d[0] * d[1], ratio * d[0] * d[0]],

@@ -17,8 +17,8 @@
 //! [`radii`](super::radii)).
 //!
 //! # Exponential gaps
-//! Where `n_A` asperities per area have exponential gaps of scale `s` and all have been moved by `d` at constant `u_n`, far
-//! from the first touch, those with `w < c d` slip, `c = k_j w/(F_j mu)`, and
+//! The number of asperities of an exponential tail of heights falls with the interference as `exp(-w/s)`. Where all have been
+//! moved by `d` at constant `u_n`, far from the first touch, those with `w < c d` slip, `c = k_j w/(F_j mu)`, and
 //! <div>
 //! $$ \frac{t_t}{\mu t_n} = 1 - Q\left(\tfrac{5}{2}, z\right) + z \, Q\left(\tfrac{3}{2}, z\right)
 //! \frac{\Gamma(3/2)}{\Gamma(5/2)}, \qquad z = \frac{c d}{s}, \qquad
@@ -31,6 +31,16 @@
 //! At constant `u_n` closed cycles never give energy. At changing `u_n` only [`HistoryRule::Potential`] never does, with a
 //! commit at every step. It is for elastic asperities alone: with yield the contact radius jumps between loading and unloading,
 //! which no potential describes.
+//!
+//! The largest tangential work that came out of 3000 random closed paths from rest with changing `u_n` and opening, 400 steps
+//! each, relative to the sum of `mu t_n |du_t|`:
+//!
+//! | | elastic | continuous yield | published yield |
+//! |---|---|---|---|
+//! | `Incremental`, `EndPoint` | 4.4 % | 3.6 % | 13.5 % |
+//! | `Paper` | 72 % | 69 % | 69 % |
+//! | `Annuli` with `Incremental` | 1.7 % | 1.4 % | |
+//! | `MindlinIwan` | 0.4 % | | 1.0 % |
 //!
 //! # Parameters and state
 //! | quantity | unit |
@@ -80,11 +90,11 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use super::block_start::{Present, Start};
+use super::block_start::Present;
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
-use super::radii::{Circle, Radii, Reaction};
-use super::return_map::{Block, Workspace};
+use super::radii::{Circle, MAX_RADII, Radii, Reaction};
+use super::return_map::{Block, OPEN, SLIP, STICK, Workspace};
 use super::rule::{Memory, StiffnessAt};
 use super::{JUMP, MU, require_friction};
 use crate::curves::CurveBlock;
@@ -108,6 +118,10 @@ use core::ops::Range;
 
 /// State components before those of the bins: the jump.
 const N_JUMP: usize = 3;
+
+/// Entries of the tangent without the derivatives of the normal traction along the surface, which are zero unless the rule has a
+/// potential.
+const UNCOUPLED: [usize; 7] = [0, 1, 2, 3, 4, 5, 8];
 
 /// Bound of what one bin adds to a traction (Pa) or a tangent (Pa/m).
 const LARGEST: f64 = 1e300;
@@ -218,9 +232,13 @@ impl Tables {
     }
 
     /// Gaps or densities of a bin at the points of a block.
-    fn gather(&self, values: &[f64], bin: usize, sets: &[u32], into: &mut [f64]) {
+    fn gather(&self, values: &[f64], bin: usize, sets: &[u32], one_set: Option<u32>, into: &mut [f64]) {
         let n_sets = self.asperities.len();
         let row = &values[bin * n_sets..][..n_sets];
+        if let Some(set) = one_set {
+            into.fill(row[set as usize]);
+            return;
+        }
         for (into, &set) in into.iter_mut().zip(sets) {
             *into = row[set as usize];
         }
@@ -353,9 +371,15 @@ impl ResolvedLaw {
                 }
             }
             for i in 0..m {
-                let regime = match room.sums.regimes[i] {
-                    _ if room.fill.0[i].is_nan() => Regime::Invalid,
-                    regime => regime,
+                let merged = room.sums.regimes.0[i];
+                let regime = if room.fill.0[i].is_nan() {
+                    Regime::Invalid
+                } else if merged & STICK > 0 {
+                    Regime::Stick
+                } else if merged & SLIP > 0 {
+                    Regime::Slip
+                } else {
+                    Regime::Open
                 };
                 counts.count(regime);
                 if let Some(regimes) = &mut regimes {
@@ -378,6 +402,15 @@ impl ResolvedLaw {
     ) {
         let tables = &self.tables;
         let (stiffness, curvature) = self.friction.stiffness();
+        let couples = matches!(
+            self.friction,
+            AsperityFriction::StickSlip(HistoryRule::Potential) | AsperityFriction::Annuli(HistoryRule::Potential, _)
+        );
+        let entries: &[usize] = match (with_tangent, couples) {
+            (false, _) => &[],
+            (true, false) => &UNCOUPLED,
+            (true, true) => &[0, 1, 2, 3, 4, 5, 6, 7, 8],
+        };
         let n_dent = if tables.yields { 2 } else { 0 };
         let n_memory = (self.info.n_state() - N_JUMP).checked_div(tables.n_bins).unwrap_or(0);
         let m = jump[0].len();
@@ -393,17 +426,22 @@ impl ResolvedLaw {
             approach,
             u_n,
             middle,
-            scratch,
             curves,
             of_annulus,
             workspace,
             in_box,
             bin,
+            sliders,
             sums,
             ..
         } = room;
         let sets = &mut sets[..m];
         self.bins.copy_set_numbers(first, sets);
+        // Most blocks lie within one element.
+        let one_set = sets
+            .first()
+            .copied()
+            .filter(|first| sets.iter().all(|set| set == first));
         match sticking {
             Sticking::Frictionless => mu.0 = [0.0; B],
             Sticking::Coulomb | Sticking::Full => self.mu.copy_to(first, &mut mu.0[..m]),
@@ -428,8 +466,8 @@ impl ResolvedLaw {
             }
         }
         for j in 0..tables.n_bins {
-            tables.gather(&tables.gaps, j, sets, &mut gap.0[..m]);
-            tables.gather(&tables.densities, j, sets, &mut density.0[..m]);
+            tables.gather(&tables.gaps, j, sets, one_set, &mut gap.0[..m]);
+            tables.gather(&tables.densities, j, sets, one_set, &mut density.0[..m]);
             let base = N_JUMP + j * n_memory;
             let begin: [&[f64]; 5] = core::array::from_fn(|c| {
                 if c < N_JUMP {
@@ -462,13 +500,12 @@ impl ResolvedLaw {
             let jump = [jump[0], jump[1], w];
             let begin = [begin[0], begin[1], &approach.u_n0.0[..m], begin[3], begin[4]];
             let mut present = Present::default();
-            run(Start {
-                jump,
-                begin,
-                stiffness,
+            run(Close {
+                halfway: stiffness == StiffnessAt::Middle,
+                fill,
+                approach,
                 u_n,
                 middle,
-                end: scratch.each_mut().map(|lanes| &mut lanes.0[..m]),
                 present: &mut present,
             });
             if present.closed {
@@ -478,34 +515,39 @@ impl ResolvedLaw {
                     approach,
                     hertz,
                     mindlin,
+                    dented: dent.is_some(),
+                    at_end: stiffness == StiffnessAt::End,
                     curvature: curvature && with_tangent,
                     curves,
                 });
                 if let Some([interference, _]) = dent {
                     self.load(sets, interference, approach, onset, u_n, middle, stiffness, curves);
                 }
-                let mut stick_or_slip =
-                    |history: HistoryRule, curves: &CurveBlock<B>, memory: usize, bin: &mut Answer<B>| {
-                        let block = Block {
-                            jump,
-                            begin: [begin[0], begin[1], begin[2], rows.begin(memory), rows.begin(memory + 1)],
-                            mu: &mu.0[..m],
-                            u_n,
-                            present,
-                            curves,
-                            sticking,
-                            workspace,
-                            memory: rows.end::<2>(memory),
-                            traction: bin.traction.each_mut().map(|lanes| &mut lanes.0[..m]),
-                            tangent: with_tangent.then(|| bin.tangent.each_mut().map(|lanes| &mut lanes.0[..m])),
-                            regimes: Some(&mut bin.regimes[..m]),
-                        };
-                        respond(history, in_box, block);
+                let mut stick_or_slip = |history: HistoryRule,
+                                         curves: &CurveBlock<B>,
+                                         memory: usize,
+                                         workspace: &mut Workspace<B>,
+                                         bin: &mut Answer<B>| {
+                    let block = Block {
+                        jump,
+                        begin: [begin[0], begin[1], begin[2], rows.begin(memory), rows.begin(memory + 1)],
+                        mu: &mu.0[..m],
+                        u_n,
+                        present,
+                        curves,
+                        sticking,
+                        workspace,
+                        memory: rows.end::<2>(memory),
+                        traction: bin.traction.each_mut().map(|lanes| &mut lanes.0[..m]),
+                        tangent: with_tangent.then(|| bin.tangent.each_mut().map(|lanes| &mut lanes.0[..m])),
+                        regimes: None,
                     };
+                    respond(history, in_box, block);
+                };
                 match &self.friction {
                     AsperityFriction::StickSlip(history) => {
-                        stick_or_slip(*history, curves, base, bin);
-                        sums.add(density, bin, with_tangent);
+                        stick_or_slip(*history, curves, base, workspace, bin);
+                        sums.add(density, bin, &workspace.regime, entries);
                     }
                     AsperityFriction::Annuli(history, radii) => {
                         for (k, [limit, stiffness]) in radii.shares().enumerate() {
@@ -515,8 +557,8 @@ impl ResolvedLaw {
                                 of: curves,
                                 into: of_annulus,
                             });
-                            stick_or_slip(*history, of_annulus, base + 2 * k, bin);
-                            sums.add(density, bin, with_tangent);
+                            stick_or_slip(*history, of_annulus, base + 2 * k, workspace, bin);
+                            sums.add(density, bin, &workspace.regime, entries);
                         }
                     }
                     AsperityFriction::MindlinIwan(radii) => {
@@ -530,9 +572,11 @@ impl ResolvedLaw {
                                 u_n: u_n.0[i],
                                 fill: fill.0[i],
                             };
-                            self.microslip(radii, at, sticking, jump, begin, curves, &mut rows, bin);
+                            let answer = (&mut *bin, &mut *sliders);
+                            workspace.regime.0[i] =
+                                self.microslip(radii, at, sticking, jump, begin, curves, &mut rows, answer);
                         }
-                        sums.add(density, bin, with_tangent);
+                        sums.add(density, bin, &workspace.regime, entries);
                     }
                 }
             } else {
@@ -568,8 +612,8 @@ impl ResolvedLaw {
         begin: [&[f64]; 5],
         curves: &CurveBlock<B>,
         rows: &mut Rows<'_>,
-        answer: &mut Answer<B>,
-    ) {
+        (answer, sliders): (&mut Answer<B>, &mut Sliders),
+    ) -> u64 {
         let Lane {
             i,
             base,
@@ -590,15 +634,22 @@ impl ResolvedLaw {
                 cone: self.cone,
                 unlimited: sticking == Sticking::Full,
             };
-            let Rows { begin, end, n, block } = &mut *rows;
-            let (begin, n) = (*begin, *n);
-            let before = |r: usize| [1, 2].map(|q| begin.component(base + 2 * r + q, n)[block.start + i]);
-            let after = |r: usize, t: [f64; 2]| {
-                for (q, t) in t.into_iter().enumerate() {
-                    end.data[(base + 1 + 2 * r + q) * end.stride + end.offset + block.start + i] = t;
-                }
-            };
-            (k, radii.react(&circle, before, after))
+            let n_radii = radii.len();
+            let [before, after] = [&mut sliders.before[..n_radii], &mut sliders.after[..n_radii]];
+            let Rows { begin, end, block, .. } = &mut *rows;
+            let first = |stride: usize, offset: usize| (base + 1) * stride + offset + block.start + i;
+            let remembered = begin.data[first(begin.stride, begin.offset)..]
+                .iter()
+                .step_by(begin.stride);
+            for (before, value) in before.as_flattened_mut().iter_mut().zip(remembered) {
+                *before = bounded(*value);
+            }
+            let reaction = radii.react(&circle, before, after);
+            let reached = end.data[first(end.stride, end.offset)..].iter_mut().step_by(end.stride);
+            for (value, after) in reached.zip(after.as_flattened()) {
+                *value = *after;
+            }
+            (k, reaction)
         } else {
             for component in base + 1..base + 1 + 2 * radii.len() {
                 rows.end::<1>(component)[0][i] = fill;
@@ -620,11 +671,11 @@ impl ResolvedLaw {
         for (entry, value) in answer.tangent.iter_mut().zip(rows.as_flattened()) {
             entry.0[i] = *value;
         }
-        answer.regimes[i] = match (closed, slips) {
-            (false, _) => Regime::Open,
-            (true, false) => Regime::Stick,
-            (true, true) => Regime::Slip,
-        };
+        match (closed, slips) {
+            (false, _) => OPEN,
+            (true, false) => STICK,
+            (true, true) => SLIP,
+        }
     }
 
     /// Puts first loading beyond the onset of yield in the place of unloading. Few points do it at a time.
@@ -772,59 +823,53 @@ struct Room<const B: usize> {
     approach: Approach<B>,
     u_n: Lanes<f64, B>,
     middle: Lanes<f64, B>,
-    scratch: [Lanes<f64, B>; 3],
     curves: CurveBlock<B>,
     of_annulus: CurveBlock<B>,
     workspace: Workspace<B>,
     in_box: Option<BoxWorkspace<B>>,
     /// What one asperity of a bin answers, or one of its annuli.
     bin: Answer<B>,
-    /// What the point answers.
-    sums: Answer<B>,
+    sliders: Sliders,
+    sums: Sums<B>,
 }
 
-/// Tractions, tangent row by row, and regimes.
+/// Tractions at the radii of one asperity.
+struct Sliders {
+    before: [[f64; 2]; MAX_RADII],
+    after: [[f64; 2]; MAX_RADII],
+}
+
+/// Tractions, and tangent row by row.
 struct Answer<const B: usize> {
     traction: [Lanes<f64, B>; 3],
     tangent: [Lanes<f64, B>; 9],
-    regimes: [Regime; B],
 }
 
-impl<const B: usize> Answer<B> {
-    fn new() -> Self {
-        let zero = Lanes([0.0; B]);
-        Self {
-            traction: [zero; 3],
-            tangent: [zero; 9],
-            regimes: [Regime::Open; B],
-        }
-    }
+/// What the points answer.
+struct Sums<const B: usize> {
+    traction: [Lanes<f64, B>; 3],
+    tangent: [Lanes<f64, B>; 9],
+    /// Regimes of all bins that hold asperities, bit by bit.
+    regimes: Lanes<u64, B>,
+}
 
+impl<const B: usize> Sums<B> {
     /// Nothing is in contact yet; `fill` is NaN where the input is no number.
     fn begin(&mut self, fill: &Lanes<f64, B>) {
         self.traction = [*fill; 3];
         self.tangent = [*fill; 9];
-        self.regimes = [Regime::Open; B];
+        self.regimes.0 = [0; B];
     }
 
-    /// Adds what a number of asperities per area answer.
-    fn add(&mut self, density: &Lanes<f64, B>, part: &Self, with_tangent: bool) {
+    /// Adds what a number of asperities per area answer, of the tangent some entries.
+    fn add(&mut self, density: &Lanes<f64, B>, part: &Answer<B>, regime: &Lanes<u64, B>, entries: &[usize]) {
         for (sum, part) in self.traction.iter_mut().zip(&part.traction) {
             run(Add(density, part, sum));
         }
-        if with_tangent {
-            for (sum, part) in self.tangent.iter_mut().zip(&part.tangent) {
-                run(Add(density, part, sum));
-            }
+        for &entry in entries {
+            run(Add(density, &part.tangent[entry], &mut self.tangent[entry]));
         }
-        let parts = part.regimes.iter().zip(&density.0);
-        for (sum, (&part, &density)) in self.regimes.iter_mut().zip(parts) {
-            *sum = match (*sum, part) {
-                (Regime::Stick, _) | (_, Regime::Stick) if density > 0.0 => Regime::Stick,
-                (Regime::Open, Regime::Slip) if density > 0.0 => Regime::Slip,
-                (before, _) => before,
-            };
-        }
+        run(Merge(density, regime, &mut self.regimes));
     }
 }
 
@@ -862,13 +907,23 @@ impl<const B: usize> Room<B> {
             },
             u_n: zero,
             middle: zero,
-            scratch: [zero; 3],
             curves: CurveBlock::new(),
             of_annulus: CurveBlock::new(),
             workspace: Workspace::new(),
             in_box: (cone == Cone::Box).then(BoxWorkspace::new),
-            bin: Answer::new(),
-            sums: Answer::new(),
+            bin: Answer {
+                traction: [zero; 3],
+                tangent: [zero; 9],
+            },
+            sliders: Sliders {
+                before: [[0.0; 2]; MAX_RADII],
+                after: [[0.0; 2]; MAX_RADII],
+            },
+            sums: Sums {
+                traction: [zero; 3],
+                tangent: [zero; 9],
+                regimes: Lanes([0; B]),
+            },
         }
     }
 }
@@ -897,6 +952,19 @@ impl<const B: usize> Pass for Add<'_, B> {
         let Self(density, part, sum) = self;
         for i in 0..B {
             sum.0[i] += within(density.0[i] * part.0[i], LARGEST);
+        }
+    }
+}
+
+/// Regimes that some asperities are in.
+struct Merge<'a, const B: usize>(&'a Lanes<f64, B>, &'a Lanes<u64, B>, &'a mut Lanes<u64, B>);
+
+impl<const B: usize> Pass for Merge<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self(density, regime, merged) = self;
+        for i in 0..B {
+            merged.0[i] |= if density.0[i] > 0.0 { regime.0[i] } else { 0 };
         }
     }
 }
@@ -954,6 +1022,8 @@ impl<const B: usize> Pass for Elastic<'_, B> {
         } = self.approach;
         let n = self.u_n.len().min(B);
         let (now, before) = (&self.u_n[..n], &self.u_n0[..n]);
+        // Beyond the points nothing is closed.
+        u_n.0[n..].fill(0.0);
         for i in 0..n {
             let w = now[i] - self.gap.0[i] + self.fill.0[i];
             interference.0[i] = w;
@@ -1001,6 +1071,38 @@ impl<const B: usize> Pass for Unload<'_, B> {
     }
 }
 
+/// Interferences at which the forces are needed, as [`Start`](super::block_start::Start) has them for points.
+struct Close<'a, const B: usize> {
+    halfway: bool,
+    fill: &'a Lanes<f64, B>,
+    approach: &'a Approach<B>,
+    u_n: &'a mut Lanes<f64, B>,
+    middle: &'a mut Lanes<f64, B>,
+    present: &'a mut Present,
+}
+
+impl<const B: usize> Pass for Close<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let (mut n_closed, mut n_reclosed) = (0_u64, 0_u64);
+        for i in 0..B {
+            let (u_n, u_n0) = (self.approach.u_n.0[i], self.approach.u_n0.0[i]);
+            // Not where the input is no number, which is in the interference.
+            let closed = u_n > 0.0;
+            let from = if self.halfway { max(u_n0, 0.0) } else { u_n };
+            let mean = max(0.5 * u_n + 0.5 * from, f64::from_bits(1));
+            self.u_n.0[i] = if closed { u_n } else { self.fill.0[i] };
+            self.middle.0[i] = if closed { mean } else { 0.0 };
+            n_closed += u64::from(closed);
+            n_reclosed += u64::from(closed & (u_n0 < 0.0));
+        }
+        *self.present = Present {
+            closed: n_closed > 0,
+            reclosed: n_reclosed > 0,
+        };
+    }
+}
+
 /// Normal force and tangential stiffness of asperities that do not yield now.
 struct Hertz<'a, const B: usize> {
     u_n: &'a Lanes<f64, B>,
@@ -1008,6 +1110,10 @@ struct Hertz<'a, const B: usize> {
     approach: &'a Approach<B>,
     hertz: &'a Lanes<f64, B>,
     mindlin: &'a Lanes<f64, B>,
+    /// Whether there are dents, so that stiffnesses differ from those of the elastic contact.
+    dented: bool,
+    /// Whether `middle` is `u_n` where a point is closed.
+    at_end: bool,
     curvature: bool,
     curves: &'a mut CurveBlock<B>,
 }
@@ -1025,10 +1131,13 @@ impl<const B: usize> Pass for Hertz<'_, B> {
         for i in 0..B {
             let stiffness = self.approach.stiffness.0[i];
             let (u, m) = (self.u_n.0[i], self.middle.0[i]);
-            let root = u.sqrt() * stiffness;
+            let u_root = u.sqrt();
+            let root = u_root * stiffness;
             normal.0[i] = u * root;
             normal_slope.0[i] = 1.5 * root;
-            let k = m.sqrt() * self.mindlin.0[i] * (stiffness / self.hertz.0[i]);
+            let m_root = if self.at_end { u_root } else { m.sqrt() };
+            let share = if self.dented { stiffness / self.hertz.0[i] } else { 1.0 };
+            let k = m_root * self.mindlin.0[i] * share;
             let slope = 0.5 * k / m;
             (k_x.0[i], k_y.0[i]) = (k, k);
             (slope_x.0[i], slope_y.0[i]) = (slope, slope);

@@ -51,9 +51,9 @@ pub(crate) struct Workspace<const B: usize> {
     /// Traction over trial, and one over the length of the trial.
     ratio: Lanes<f64, B>,
     per_trial: Lanes<f64, B>,
-    regime: Lanes<u64, B>,
+    pub(super) regime: Lanes<u64, B>,
     /// Sum of the regimes.
-    sum: u64,
+    pub(super) sum: u64,
 }
 
 impl<const B: usize> Workspace<B> {
@@ -85,8 +85,16 @@ impl<const B: usize> Block<'_, B> {
         if self.tangent.is_some() {
             run(Tangents(&mut self, rule));
         }
-        if let Some(regimes) = self.regimes {
-            for (regime, &code) in regimes.iter_mut().zip(&self.workspace.regime.0[..n]) {
+        self.workspace.report(n, self.regimes)
+    }
+}
+
+impl<const B: usize> Workspace<B> {
+    /// Regimes of the first `n` points and their counts.
+    pub(super) fn report(&self, n: usize, regimes: Option<&mut [Regime]>) -> RegimeCounts {
+        let codes = &self.regime.0[..n];
+        if let Some(regimes) = regimes {
+            for (regime, &code) in regimes.iter_mut().zip(codes) {
                 *regime = if code == STICK {
                     Regime::Stick
                 } else if code == SLIP {
@@ -98,20 +106,19 @@ impl<const B: usize> Block<'_, B> {
                 };
             }
         }
-        let sum = self.workspace.sum;
         RegimeCounts {
-            stick: count(sum, STICK),
-            slip: count(sum, SLIP),
-            open: count(sum, OPEN),
-            invalid: count(sum, INVALID),
+            stick: count(self.sum, STICK),
+            slip: count(self.sum, SLIP),
+            open: count(self.sum, OPEN),
+            invalid: count(self.sum, INVALID),
         }
     }
 }
 
 /// Regimes as numbers that add up to the counts of a block: one digit of base 2^16 for each.
-const STICK: u64 = 1;
-const SLIP: u64 = 1 << 16;
-const OPEN: u64 = 1 << 32;
+pub(super) const STICK: u64 = 1;
+pub(super) const SLIP: u64 = 1 << 16;
+pub(super) const OPEN: u64 = 1 << 32;
 const INVALID: u64 = 1 << 48;
 
 /// How many points of one regime are in a sum of regimes.

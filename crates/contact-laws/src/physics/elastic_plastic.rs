@@ -20,7 +20,8 @@
 //! $$ F = F_p + (F_e - F_p) \left(1 - e^{-3.3 H/E}\right) \qquad (w > 1.9 \, \delta_y) . $$
 //! </div>
 //!
-//! `H = 0` means `Y = 0`. The angle of the cosine ends at `pi`.
+//! `H = 0` means `Y = 0`. The angle of the cosine ends at `pi`. Beyond the onset force and radius rise at least up to
+//! `w = R/2`.
 //!
 //! # Unloading and reloading
 //! Below the largest past interference `d` with the force `F_d` contact is that of a flatter sphere in a dent:
@@ -33,12 +34,20 @@
 //! Where `F_d` is above the elastic force the residual depth `b` is zero.
 //!
 //! # Two jumps
-//! - At `1.9 delta_y` the published force jumps, by `+0.47 %` for `S/E = 0.0017` and by `+2.6 %` for `S/E = 0.0008`.
+//! - Just beyond `1.9 delta_y` the published force jumps, by a share that depends on Poisson's ratio most of all. With
+//!   `S/E = 0.0017` and `H/E = 0.003` it is
+//!
+//!   | `nu` | 0 | 0.2 | 0.3 | 0.4 | 0.5 |
+//!   |---|---|---|---|---|---|
+//!   | jump of the force | +7.4 % | +2.6 % | +0.47 % | -1.5 % | -3.4 % |
+//!
+//!   For `nu = 0.3` it is 0.44 to 0.48 % for `S/E` from 0.0005 to 0.005 and `H/E` up to 0.015, and 0.09 % for `H/E = 0.5`.
 //! - At `w = d` the force is continuous, the contact radius is not: unloading begins with `sqrt(R d)`, which is less than what
 //!   first loading ends with. So the tangential stiffness depends on whether the load rises or falls.
 //!
-//! Across a jump there need not be an equilibrium. [`YieldCurves::Continuous`] has neither: contact is elastic until the published
-//! plastic force falls below the elastic one, and the radius of first loading is that with which unloading begins.
+//! Across a jump there need not be an equilibrium. With [`YieldCurves::Continuous`] the radius never jumps, and the force does not jump
+//! up: contact is elastic until the published plastic force falls below the elastic one. (Where it is below at `1.9 delta_y` already, for `nu`
+//! of 0.4 and more, the jump down stays.) And the radius of first loading is that with which unloading begins.
 //!
 //! Sources: loading H. Ghaednia et al., *Strain hardening from elastic-perfectly plastic to perfectly elastic
 //! indentation single asperity contact*, Front. Mech. Eng. 5 (2019) 60; unloading M. R. W. Brake, *An analytical

@@ -314,7 +314,7 @@ fn points() -> impl Strategy<Value = (Points, Vec<usize>, Vec<usize>)> {
     })
 }
 
-fn chunks(n: usize, cuts: &[usize]) -> Vec<std::ops::Range<usize>> {
+pub(super) fn chunks(n: usize, cuts: &[usize]) -> Vec<std::ops::Range<usize>> {
     let mut cuts: Vec<usize> = cuts.iter().copied().chain([0, n]).collect();
     cuts.sort_unstable();
     // Evaluated from the last chunk to the first.
@@ -322,7 +322,7 @@ fn chunks(n: usize, cuts: &[usize]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// The parameters of points, stored with an index or apart.
-fn stored<T: Clone>(sets: &[T], index: &[u32], indexed: bool) -> PointParameters<T> {
+pub(super) fn stored<T: Clone>(sets: &[T], index: &[u32], indexed: bool) -> PointParameters<T> {
     if indexed {
         PointParameters::try_indexed(sets.to_vec(), index.to_vec()).unwrap()
     } else {

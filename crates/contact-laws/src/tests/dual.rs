@@ -33,6 +33,11 @@ pub(super) trait Real:
         self.apply(&[x.powf(p), a * x.powf(p - 1.0), b * x.powf(p - 2.0), c * x.powf(p - 3.0)])
     }
 
+    fn cos(self) -> Self {
+        let (sin, cos) = self.value().sin_cos();
+        self.apply(&[cos, -sin, -cos, sin])
+    }
+
     /// `1 - 2/(exp(2x) + 1)`, whose derivatives do not cancel.
     fn tanh(self) -> Self {
         let one = Self::from(1.0);
@@ -215,11 +220,12 @@ fn derivatives_of_known_functions() {
     let x = 0.7_f64;
     let variable = Second::variable(Dual::variable(Rounded::from(x), 0), 0);
     let (t, s) = (x.tanh(), 1.0 / x.cosh().powi(2));
-    let cases: [(Second, [f64; 3]); 5] = [
+    let cases: [(Second, [f64; 3]); 6] = [
         (variable.exp(), [x.exp(); 3]),
         (variable.ln(), [x.ln(), 1.0 / x, -1.0 / (x * x)]),
         (variable.pow(1.5), [x.powf(1.5), 1.5 * x.sqrt(), 0.75 / x.sqrt()]),
         (variable.tanh(), [t, s, -2.0 * t * s]),
+        (variable.cos(), [x.cos(), -x.sin(), -x.cos()]),
         (
             variable * variable / (variable - Second::from(2.0)),
             [

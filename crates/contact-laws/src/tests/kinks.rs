@@ -266,7 +266,7 @@ fn one_branch_slope(law: &dyn TractionLaw, n: f64) -> f64 {
 }
 
 /// From zero over the denormal numbers to the largest ones, of either sign.
-fn extreme() -> impl Strategy<Value = f64> {
+pub(super) fn extreme() -> impl Strategy<Value = f64> {
     let sizes = [
         0.0,
         f64::from_bits(1),

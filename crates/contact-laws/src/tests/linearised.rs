@@ -45,9 +45,10 @@ fn the_static_state_and_its_stuck_stiffness_are_those_of_the_law() {
     let curves = |n| PointParameters::uniform(table(), n);
     let per = |history| TableLaw::try_new(curves(1), PointParameters::uniform(mu, 1), history).unwrap();
     let iwan = MindlinIwan::try_new(curves(1), PointParameters::uniform(mu, 1), 8).unwrap();
-    let laws: [&dyn TractionLaw; 4] = [
+    let laws: [&dyn TractionLaw; 5] = [
         &per(HistoryRule::Incremental),
         &per(HistoryRule::Paper),
+        &per(HistoryRule::EndPoint),
         &per(HistoryRule::Potential),
         &iwan,
     ];

@@ -4,6 +4,7 @@ mod authors_points;
 mod batches;
 mod closed_forms;
 mod dual;
+mod elastic_plastic;
 mod elementary;
 mod fits;
 mod fitted_points;
@@ -14,7 +15,10 @@ mod kinks;
 mod linearised;
 mod mindlin_iwan;
 mod oracle;
+mod radii;
 mod refusals;
+mod resolved;
+mod resolved_properties;
 mod tables;
 
 use crate::friction::rule::Memory;
@@ -134,7 +138,12 @@ fn rough(curves: FittedCurves, mu: f64, history: HistoryRule) -> RoughLaw {
 }
 
 /// All rules: the tests of any rule are about these.
-const HISTORIES: [HistoryRule; 3] = [HistoryRule::Incremental, HistoryRule::Paper, HistoryRule::Potential];
+const HISTORIES: [HistoryRule; 4] = [
+    HistoryRule::Incremental,
+    HistoryRule::Paper,
+    HistoryRule::EndPoint,
+    HistoryRule::Potential,
+];
 
 fn memory(history: HistoryRule) -> Memory {
     history.needs().memory

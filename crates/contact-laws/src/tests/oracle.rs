@@ -16,7 +16,7 @@ use crate::testing::{
 use crate::*;
 
 /// A quantity with its derivatives with respect to the jump.
-type Quantity3 = Dual<Rounded, 3>;
+pub(super) type Quantity3 = Dual<Rounded, 3>;
 
 /// Normal traction and tangential stiffnesses as functions of the interference.
 pub(super) trait Curves {
@@ -194,7 +194,7 @@ impl Curves for Asperities {
 }
 
 /// Nodes and weights of Gauss and Legendre for the interval from 0 to 1.
-fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
+pub(super) fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
     let polynomial = |x: f64| {
         let (mut before, mut p) = (1.0, x);
         for k in 2..=n {
@@ -223,7 +223,7 @@ pub(super) struct Expected {
     /// Last two components of the state: tangential tractions, or the elastic stretch.
     pub(super) memory: [Quantity3; 2],
     /// What the elastic stretch adds to the normal traction.
-    coupling: Quantity3,
+    pub(super) coupling: Quantity3,
     /// Distance from the cone over the slip limit; regime and tangent are open where it is of the order of rounding.
     pub(super) cone_distance: f64,
 }
@@ -265,6 +265,7 @@ pub(super) fn expected(
             let (k, slope) = with_slope(|u| curves.tangential(q, u), u[2]);
             number(begin[3 + q]) + k * moved[q] + slope * moved[2] * u[q]
         }
+        HistoryRule::EndPoint => number(begin[3 + q]) + curves.tangential(q, u[2]) * moved[q],
         HistoryRule::Potential => curves.tangential(q, u[2]) * (number(begin[3 + q]) + share * moved[q]),
     });
 
@@ -320,7 +321,7 @@ struct Worst {
 /// Below, numbers lose digits to underflow.
 pub(super) const SMALLEST: f64 = 1e-250;
 
-fn error(found: f64, expected: Rounded, share: f64) -> f64 {
+pub(super) fn error(found: f64, expected: Rounded, share: f64) -> f64 {
     if found == expected.value {
         0.0
     } else {
@@ -594,7 +595,7 @@ proptest! {
 }
 
 /// A closed smooth path around a compressed point; with `depth` above 1 it opens on its way.
-fn closed_path(amplitudes: [f64; 3], phases: [f64; 3], depth: f64, n: u32) -> Vec<[f64; 3]> {
+pub(super) fn closed_path(amplitudes: [f64; 3], phases: [f64; 3], depth: f64, n: u32) -> Vec<[f64; 3]> {
     let mean = amplitudes[2] / depth;
     (0..=n)
         .map(|i| {
