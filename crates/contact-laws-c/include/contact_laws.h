@@ -271,8 +271,7 @@ struct cl_law *cl_asperity_table_law(size_t n_points,
  - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL (elastic asperities only) or
    CL_HISTORY_END_POINT.
  - cone: CL_CONE_CIRCLE or CL_CONE_BOX.
- - n_radii: 0: an asperity sticks or slips as a whole. 2 to 256: it slips from its rim inwards, in so many annuli of a
-   Gauss rule.
+ - n_annuli: 0: an asperity sticks or slips as a whole. 1 to 256: it slips from its rim inwards, in so many annuli.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
    One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
@@ -297,7 +296,7 @@ struct cl_law *cl_resolved_law(size_t n_points,
                                size_t n_mu,
                                int32_t history,
                                int32_t cone,
-                               size_t n_radii,
+                               size_t n_annuli,
                                char *message,
                                size_t message_capacity);
 

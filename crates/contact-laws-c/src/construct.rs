@@ -5,7 +5,7 @@ use core::ffi::c_char;
 use contact_laws::{
     Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, Cone, ElasticCurves,
     ElasticDryFriction, ElasticPair, FittedCurves, FittedPoints, GapDistribution, HistoryRule, NormalFit,
-    PointParameters, Radii, ResolvedLaw, RoughLaw, TableLaw, TableOptions, Tabulated, TangentialEnds, TangentialFit,
+    PointParameters, ResolvedLaw, RoughLaw, TableLaw, TableOptions, Tabulated, TangentialEnds, TangentialFit,
     TangentialReading, Yield, YieldCurves,
 };
 
@@ -248,8 +248,7 @@ pub unsafe extern "C" fn cl_asperity_table_law(
 /// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL (elastic asperities only) or
 ///   CL_HISTORY_END_POINT.
 /// - cone: CL_CONE_CIRCLE or CL_CONE_BOX.
-/// - n_radii: 0: an asperity sticks or slips as a whole. 2 to 256: it slips from its rim inwards, in so many annuli of a
-///   Gauss rule.
+/// - n_annuli: 0: an asperity sticks or slips as a whole. 1 to 256: it slips from its rim inwards, in so many annuli.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
@@ -275,7 +274,7 @@ pub unsafe extern "C" fn cl_resolved_law(
     n_mu: usize,
     history: i32,
     cone: i32,
-    n_radii: usize,
+    n_annuli: usize,
     message: *mut c_char,
     message_capacity: usize,
 ) -> *mut Law {
@@ -327,9 +326,9 @@ pub unsafe extern "C" fn cl_resolved_law(
             Some(index) => PointParameters::try_indexed(sets, index.to_vec())?,
         };
         let history = history_rule(history)?;
-        let friction = match n_radii {
+        let friction = match n_annuli {
             0 => AsperityFriction::StickSlip(history),
-            n => AsperityFriction::Annuli(history, Radii::gauss(n)?),
+            n => AsperityFriction::Annuli(history, n),
         };
         let cone = match cone {
             CL_CONE_CIRCLE => Cone::Circle,

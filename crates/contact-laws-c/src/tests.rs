@@ -308,7 +308,7 @@ fn resolved_laws_give_what_the_law_gives() {
         };
         let friction = match n_radii {
             0 => AsperityFriction::StickSlip(HistoryRule::EndPoint),
-            n => AsperityFriction::Annuli(HistoryRule::EndPoint, Radii::gauss(n).unwrap()),
+            n => AsperityFriction::Annuli(HistoryRule::EndPoint, n),
         };
         let bins = PointParameters::try_indexed((0..n_sets).map(of).collect(), sets.clone()).unwrap();
         let by_rust = ResolvedLaw::try_new(bins, PointParameters::uniform(MU, N), friction, cone).unwrap();

@@ -255,7 +255,7 @@ static void refused_laws(void) {
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 0, CL_HISTORY_POTENTIAL, 0, 0), "asperities that yield");
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 4, 0, 0), "history = 4");
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 2, 0), "cone = 2");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 0, 1), "radii = 1e0");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 0, 257), "annuli = 2.57e2");
     REFUSED(cl_resolved_law(2, gaps, densities, 2, 2, sets, 1e-3, 2e11, 0.3, 3e8, 0, 2, mu, 1, 3, 0, 0, message,
                             sizeof message),
             "yield_curves = 2");

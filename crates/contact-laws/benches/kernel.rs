@@ -71,7 +71,7 @@ fn laws() -> Result<Laws, Error> {
         ("resolved-12-yield", resolved(end_point(), Some(STEEL))?),
         (
             "resolved-12-radii-8",
-            resolved(AsperityFriction::Annuli(HistoryRule::EndPoint, Radii::gauss(8)?), None)?,
+            resolved(AsperityFriction::Annuli(HistoryRule::EndPoint, 8), None)?,
         ),
         ("load-store", Box::new(LoadStoreFloor::<21>::new(N))),
     ])

@@ -148,7 +148,7 @@ fn annuli_dissipate_more_than_asperities_as_a_whole_and_few_of_them_suffice() {
     scene.background_damping = 0.0;
     let mut damping = |friction, radii| {
         scene.law.friction = friction;
-        scene.law.radii = RadialRule::Gauss(radii);
+        scene.law.radii = RadialRule::Annuli(radii);
         backbone(&go(&scene)).into_iter().map(|p| p[2]).collect::<Vec<_>>()
     };
     let whole = damping(Friction::Resolved, 8);
@@ -212,7 +212,7 @@ fn what_does_not_belong_to_the_friction_of_a_scene_is_refused() {
             ["law.tangential", "lumped"],
         ),
         (
-            r#"{ "friction": "resolved", "radii": { "gauss": 4 } }"#.into(),
+            r#"{ "friction": "resolved", "radii": { "annuli": 4 } }"#.into(),
             ["law.radii", "mindlin-iwan"],
         ),
         (

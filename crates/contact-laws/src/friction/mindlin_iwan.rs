@@ -340,6 +340,14 @@ fn sliders(n: usize) -> Vec<Slider> {
         .collect()
 }
 
+/// Shares of the slip limit and of the stiffness of `n` sliders.
+pub(super) fn shares(n: usize) -> Vec<[f64; 2]> {
+    sliders(n)
+        .iter()
+        .map(|slider| [slider.limit, slider.stiffness])
+        .collect()
+}
+
 /// What one point answers.
 struct Response {
     t: [f64; 3],

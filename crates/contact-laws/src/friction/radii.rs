@@ -18,13 +18,9 @@
 //!
 //! | radii | loading | loop, 0.1 to 0.3 | 0.3 to 1 | 1 to 2 |
 //! |---|---|---|---|---|
-//! | `gauss(4)` | 1.8 % | 80 % | 74 % | 2.3 % |
-//! | `gauss(8)` | 0.7 % | 44 % | 23 % | 2.4 % |
-//! | `gauss(16)` | 0.5 % | 16 % | 8.3 % | 2.4 % |
 //! | `equally_spaced(100)` | 0.2 % | 54 % | 9.6 % | 0.7 % |
 //!
-//! The area of small loops falls with the third power of the amplitude, so that few sliders at the rim carry all of it: over
-//! one asperity its error is large, over asperities of many interferences it averages out.
+//! The area of small loops falls with the third power of the amplitude, so that the few radii at the rim carry all of it.
 //!
 //! Source: J. H. Porter and M. R. W. Brake, *Towards a predictive, physics-based friction model for the dynamics of
 //! jointed structures*, Mech. Syst. Signal Process. 192 (2023) 110210.
@@ -69,7 +65,8 @@ impl Radii {
     /// # Errors
     /// [`Error::Parameter`] when `n` is not from 3 to [`MAX_RADII`].
     pub fn equally_spaced(n: usize) -> Result<Self, Error> {
-        require_count(n, 3)?;
+        let ok = (3..=MAX_RADII).contains(&n);
+        require(ok, "radii", n as f64, "(no unit)", Place::Whole, "from 3 to 256")?;
         let spacing = 1.0 / (n - 1) as f64;
         let nodes = (0..n).map(|i| {
             // The edge carries nothing.
@@ -77,45 +74,12 @@ impl Radii {
             let end = if i == 0 || i + 1 == n { 0.5 } else { 1.0 };
             Node::new(rho, 2.0 * end * spacing * rho)
         });
-        Ok(Self::from_nodes(nodes.collect()))
-    }
-
-    /// `n` radii of the Gauss-Legendre rule in `s = sqrt(1 - rho^2)`, in which `k(rho) s` and `l(rho)` have no singularity. The
-    /// stiffnesses are scaled so that their sum is `k_t`: the published polynomial exceeds it by 0.5 %.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] when `n` is not from 2 to [`MAX_RADII`].
-    pub fn gauss(n: usize) -> Result<Self, Error> {
-        require_count(n, 2)?;
-        let mut nodes: Vec<Node> = gauss_legendre(n)
-            .into_iter()
-            .map(|(x, weight)| {
-                let s = 0.5 * (1.0 + x);
-                // `rho d rho = -s ds`.
-                Node::new(((1.0 - s) * (1.0 + s)).sqrt(), weight * s)
-            })
-            .collect();
-        nodes.sort_by(|a, b| a.rho.total_cmp(&b.rho));
-        let sum: f64 = nodes.iter().map(|node| node.weight * node.stiffness).sum();
-        for node in &mut nodes {
-            node.stiffness /= sum;
-        }
-        Ok(Self::from_nodes(nodes))
-    }
-
-    /// From ascending nodes.
-    fn from_nodes(mut nodes: Vec<Node>) -> Self {
+        let mut nodes: Vec<Node> = nodes.collect();
         let ends: Vec<f64> = nodes.iter().skip(1).map(|node| node.rho).chain([1.0]).collect();
         for (node, end) in nodes.iter_mut().zip(ends) {
             node.per_width = if end > node.rho { 1.0 / (end - node.rho) } else { 0.0 };
         }
-        Self { nodes }
-    }
-
-    /// Shares of the slip limit and of the stiffness that the annuli have.
-    pub(super) fn shares(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let shares = |node: &Node| [node.weight * node.limit, node.weight * node.stiffness];
-        self.nodes.iter().map(shares)
+        Ok(Self { nodes })
     }
 
     /// Number of radii.
@@ -141,43 +105,6 @@ impl Node {
             per_width: 0.0,
         }
     }
-}
-
-fn require_count(n: usize, least: usize) -> Result<(), Error> {
-    let ok = (least..=MAX_RADII).contains(&n);
-    require(
-        ok,
-        "radii",
-        n as f64,
-        "(no unit)",
-        Place::Whole,
-        "from 2, or 3 if equally spaced, to 256",
-    )
-}
-
-/// Nodes and weights on -1..1 by Newton's method on the Legendre polynomial.
-fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    let count = n as f64;
-    (0..n)
-        .map(|i| {
-            let mut x = -(PI * (i as f64 + 0.75) / (count + 0.5)).cos();
-            let mut slope = 1.0;
-            for _ in 0..100 {
-                let (mut before, mut value) = (0.0, 1.0);
-                for k in 1..=n {
-                    let k = k as f64;
-                    (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
-                }
-                slope = count * (x * value - before) / (x * x - 1.0);
-                let step = value / slope;
-                x -= step;
-                if step.abs() < 1e-16 {
-                    break;
-                }
-            }
-            (x, 2.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
 }
 
 /// One asperity and its path.

@@ -124,9 +124,7 @@ impl Asperities {
         let mean = |of: &dyn Fn(&Source<'_>) -> f64| sources.iter().map(of).sum::<f64>() / sources.len() as f64;
         let (friction, radii) = match (law.friction, law.radii) {
             (Friction::Lumped | Friction::Resolved, _) => (AsperityFriction::StickSlip(law.history), None),
-            (Friction::MindlinIwan, RadialRule::Gauss(n)) => {
-                (AsperityFriction::Annuli(law.history, Radii::gauss(n)?), Some(n))
-            }
+            (Friction::MindlinIwan, RadialRule::Annuli(n)) => (AsperityFriction::Annuli(law.history, n), Some(n)),
             (Friction::MindlinIwan, RadialRule::EquallySpaced(n)) => {
                 (AsperityFriction::MindlinIwan(Radii::equally_spaced(n)?), Some(n))
             }

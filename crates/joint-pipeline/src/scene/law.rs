@@ -38,7 +38,7 @@ impl Default for Law {
             yielding: None,
             cone: Cone::Circle,
             bins: Bins::Error(1e-3),
-            radii: RadialRule::Gauss(8),
+            radii: RadialRule::Annuli(8),
         }
     }
 }
@@ -104,9 +104,8 @@ pub enum Bins {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RadialRule {
-    /// So many annuli of a Gauss rule, which keep their places relative to the contact radius
-    /// ([`contact_laws::AsperityFriction::Annuli`]).
-    Gauss(usize),
+    /// So many annuli, which keep their places relative to the contact radius ([`contact_laws::AsperityFriction::Annuli`]).
+    Annuli(usize),
     /// So many equally spaced radii, between which the history is interpolated, as published
     /// ([`contact_laws::AsperityFriction::MindlinIwan`]).
     EquallySpaced(usize),

@@ -157,7 +157,7 @@ impl Scene {
                 "from 2 to 1024",
             )?,
         }
-        let (RadialRule::Gauss(n) | RadialRule::EquallySpaced(n)) = law.radii;
+        let (RadialRule::Annuli(n) | RadialRule::EquallySpaced(n)) = law.radii;
         check.that((2..=256).contains(&n), "law.radii", n as f64, "", "from 2 to 256")
     }
 

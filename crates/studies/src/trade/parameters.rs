@@ -425,7 +425,7 @@ fn radii(base: &Scene) -> Vec<Setting> {
         &[("2", 2), ("4", 4), ("8", 8), ("16", 16), ("32", 32)],
         |scene, radii| {
             scene.law.friction = Friction::MindlinIwan;
-            scene.law.radii = RadialRule::Gauss(radii);
+            scene.law.radii = RadialRule::Annuli(radii);
         },
     )
 }
