@@ -132,6 +132,7 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
             bottom_nodes: beam.bottom_nodes,
             response_node: beam.response_node,
             response_direction: beam.response_direction,
+            moved_pairs: None,
         }),
         interface: beam.interface,
         frame: beam.frame,

@@ -118,13 +118,32 @@ pub enum Error {
         /// What is wrong, and where.
         reason: String,
     },
-    /// A set that cannot name one response point.
-    #[error("the response is measured at one node, but the set `{set}` has {count}; name a node or a set of one")]
-    ResponseSet {
+    /// A set that cannot name one node.
+    #[error("{field} is one node, but the set `{set}` has {count}; name a node or a set of one")]
+    NodeSet {
+        /// Field of the scene.
+        field: &'static str,
         /// Set.
         set: String,
         /// Its nodes.
         count: usize,
+    },
+    /// A position that no node is near.
+    #[error(
+        "structure.point_masses, number {number}: the node nearest to {position:?} m is at {nearest:?} m, {distance:.3e} m away and not \
+         within {within:.3e} m; move the mass there, or allow the distance by `within`"
+    )]
+    NoNodeNear {
+        /// Number of the mass, from 1.
+        number: usize,
+        /// Position given (m).
+        position: [f64; 3],
+        /// Position of the nearest node (m).
+        nearest: [f64; 3],
+        /// Distance between them (m).
+        distance: f64,
+        /// Distance allowed (m).
+        within: f64,
     },
     /// A bolt that pulls the bodies apart, or acts along the interface.
     #[error(

@@ -317,7 +317,7 @@ fn the_deck_of_the_beam_gives_the_same_structure() {
     let (faces, nodes) = groups(&structure.joint, bodies);
     let path = folder.join("structure.inp");
     std::fs::write(&path, deck::write(&bodies.assembly, &faces, &nodes).unwrap()).unwrap();
-    scene.structure = StructureSource::Deck(Box::new(export::deck(&structure.joint, bodies, &path)));
+    scene.structure = StructureSource::Deck(Box::new(export::deck(&structure.joint, bodies, &path))).into();
     (scene.model.refinement, scene.surface) = (
         RefinementLevel::Default,
         Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark)),

@@ -5,14 +5,16 @@ mod common;
 
 use common::{BENCHMARKS, beam};
 use cqsma_solver::{NewtonSettings, prestress};
-use joint_pipeline::analysis::prepare;
+use joint_pipeline::analysis::{Prepared, prepare};
 use joint_pipeline::interface::InterfaceForce;
+use joint_pipeline::joint::Bodies;
 use joint_pipeline::progress::{Progress, Silent, Stage};
 use joint_pipeline::results::summary::{Status, Summary};
 use joint_pipeline::scene::{BoltBehaviour, Commit, Gap, LawKind, RefinementLevel, Surface, SyntheticScan};
-use joint_pipeline::scene::{Force, Length};
+use joint_pipeline::scene::{Force, Length, Mass, PointMass};
 use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Options, Run, Scene, run};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
 use test_support::TemporaryFolder;
@@ -70,6 +72,71 @@ fn the_structure_is_the_benchmark() {
         run.model.facts.penalty_error
     );
     assert!(run.model.reduced.asymmetry < 1e-6);
+}
+
+#[test]
+fn accelerometers_lower_the_first_frequency_as_perturbation_theory_says() {
+    let mut scene = quick();
+    scene.cqsma.amplitudes = 1;
+    scene.cqsma.amplitude_from = Length::from_si(1e-9);
+    scene.cqsma.amplitude_to = Length::from_si(1e-9);
+    let bare = Structure::try_new(&scene, &Silent).unwrap();
+    let Bodies::Meshed(bodies) = &bare.joint.bodies else {
+        panic!("the benchmark is meshed");
+    };
+    let nodes = &bodies.assembly.mesh.nodes;
+    let along = |node: &u32| nodes[*node as usize][0];
+    let last = nodes.len() as u32 - 1;
+    let ends = [
+        (0..=last).min_by(|a, b| along(a).total_cmp(&along(b))).unwrap(),
+        (0..=last).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap(),
+    ];
+    // Mass-normalised mode shape at the ends along perpendicular directions, all of which the mode has a part in.
+    let directions = [[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]];
+    let (mut squares, mut frequency) = (0.0, 0.0);
+    for (node, direction) in ends
+        .into_iter()
+        .flat_map(|node| directions.map(|direction| (node, direction)))
+    {
+        let mut structure = bare.clone();
+        let Bodies::Meshed(bodies) = &mut structure.joint.bodies else {
+            panic!("the benchmark is meshed");
+        };
+        bodies.response_node = node;
+        bodies.response_direction = direction.map(|x| x / 3.0);
+        let prepared = Prepared::try_new(&scene, &structure, &Options::default(), &Silent).unwrap();
+        let run = prepared.solve(&Silent).unwrap();
+        let summary = Summary::new(&run, BTreeMap::new(), None);
+        let point = &summary.backbone[0];
+        let shape = point.response_displacement.unwrap() / point.modal_amplitude.unwrap();
+        squares += shape * shape;
+        frequency = run.frequencies[0];
+    }
+    scene.cqsma.amplitudes = 0;
+    // A millimetre beside the nodes.
+    scene.structure.point_masses = ends
+        .map(|node| PointMass {
+            at: Some(nodes[node as usize].map(|x| Length::from_si(x + 1e-3 / 3.0_f64.sqrt()))),
+            within: None,
+            node: None,
+            mass: Mass::from_si(8e-4),
+        })
+        .to_vec();
+    let heavy = run(&scene, &Options::default(), &Silent).unwrap();
+    let mass = |structure: &Structure| structure.describe(None, &Silent).unwrap().mass.unwrap();
+    let added = heavy.model.facts.mass.unwrap() - mass(&bare);
+    assert!((added / 1.6e-3 - 1.0).abs() < 1e-9, "{added}");
+    let shift = heavy.frequencies[0] / frequency - 1.0;
+    let expected = -0.5 * 8e-4 * squares;
+    assert!((shift / expected - 1.0).abs() < 1e-2, "{shift} {expected}");
+    // The published figure: about 0.04 % by each.
+    assert!((-9e-4..-7e-4).contains(&shift), "{shift}");
+
+    scene.structure.point_masses[1].at = Some([Length::from_si(1.0); 3]);
+    let far = Structure::try_new(&scene, &Silent).unwrap_err().to_string();
+    assert!(far.contains("number 2") && far.contains("the node nearest to"), "{far}");
+    scene.structure.point_masses[1].within = Some(Length::from_si(2.0));
+    Structure::try_new(&scene, &Silent).unwrap();
 }
 
 #[test]

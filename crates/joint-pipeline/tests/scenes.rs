@@ -118,10 +118,76 @@ fn a_structure_is_named_once_and_where_it_belongs() {
     let both = json!({ "benchmark": "brake-reuss-beam", "deck": on_deck()["structure"]["deck"] });
     let mut scene = on_deck();
     scene["structure"] = both;
-    assert!(read(&scene).is_err());
+    assert!(refused(&scene).contains("exactly one of `benchmark`, `deck` and `matrices`"));
+    scene["structure"] = json!({});
+    assert!(refused(&scene).contains("exactly one of `benchmark`, `deck` and `matrices`"));
+    scene["structure"] = json!({ "mesh": "a.msh" });
+    assert!(
+        refused(&scene).contains("structure")
+            && refused(&scene).contains("`mesh`, expected one of `benchmark`, `deck`")
+    );
     let mut scene = on_deck();
     scene["model"]["refinement"] = json!("quick");
     assert!(refused(&scene).contains("model.refinement belongs to meshes of a benchmark"));
+}
+
+#[test]
+fn masses_name_their_nodes_as_the_structure_has_them() {
+    let benchmark = |masses: Value| {
+        json!({ "units": { "length": "mm", "mass": "g", "time": "s" },
+            "structure": { "benchmark": "brake-reuss-beam", "point_masses": masses } })
+    };
+    let scene = read(&benchmark(
+        json!([{ "at": [360.0, 0.0, "1 cm"], "within": 3.0, "mass": 0.8 }]),
+    ))
+    .unwrap();
+    let [mass] = &scene.structure.point_masses[..] else {
+        panic!("one mass was given")
+    };
+    assert_eq!(mass.at.unwrap().map(Length::si), [0.36, 0.0, 0.01]);
+    assert!((mass.mass.si() / 8e-4 - 1.0).abs() < 1e-15);
+    let written = serde_json::to_value(&scene).unwrap();
+    assert_eq!(written["structure"]["benchmark"], "brake-reuss-beam");
+    assert_eq!(
+        written["structure"]["point_masses"][0]["mass"].as_f64(),
+        Some(mass.mass.si())
+    );
+    assert_eq!(read(&written).unwrap(), scene);
+
+    let mut deck = on_deck();
+    let masses = |deck: &mut Value, masses: Value| deck["structure"]["point_masses"] = masses;
+    masses(
+        &mut deck,
+        json!([{ "node": "TIP", "mass": "0.8 g" }, { "node": "4", "mass": 1e-3 }]),
+    );
+    assert_eq!(read(&deck).unwrap().structure.point_masses.len(), 2);
+    for (mass, reason) in [
+        (json!({ "at": [0.0, 0.0, 0.0], "mass": 1.0 }), "name the `node`"),
+        (json!({ "node": "TIP", "within": 1.0, "mass": 1.0 }), "name the `node`"),
+        (json!({ "node": "TIP" }), "missing field `mass`"),
+        (json!({ "node": "TIP", "mass": -1.0 }), "must be positive"),
+        (json!({ "node": "TIP", "mass": "1 mm" }), "not a mass"),
+        (
+            json!({ "node": "TIP", "mass": 1.0, "inertia": 1.0 }),
+            "unknown field `inertia`",
+        ),
+    ] {
+        masses(&mut deck, json!([mass]));
+        let message = refused(&deck);
+        assert!(message.contains(reason), "{message}");
+    }
+    let message = refused(&benchmark(json!([{ "node": "TIP", "mass": 1.0 }])));
+    assert!(message.contains("number 1") && message.contains("`at`"), "{message}");
+    let mut half = benchmark(json!([{ "at": [0.0, 0.0, 0.0], "mass": 1.0 }]));
+    half["model"] = json!({ "symmetry": "half" });
+    assert!(refused(&half).contains("structure.point_masses need not be symmetric"));
+    let mut matrices = on_deck();
+    matrices["structure"] = json!({
+        "matrices": { "path": "m.npz", "coordinates": "jump" },
+        "point_masses": [{ "node": "1", "mass": 1.0 }],
+    });
+    let message = refused(&matrices);
+    assert!(message.contains("matrices show no nodes"), "{message}");
 }
 
 #[test]
@@ -273,6 +339,8 @@ fn no_block_of_a_scene_may_be_a_list() {
         "youngs_modulus": 192.85e9, "poisson_ratio": 0.29, "density": 7857.8, "hardness": 3e9, "work_of_adhesion": 0.1,
     });
     deck["structure"]["deck"]["tie_tolerance"] = json!(1e-3);
+    deck["structure"]["deck"]["pair_tolerance"] = json!(1e-4);
+    deck["structure"]["point_masses"] = json!([{ "node": "TIP", "mass": 1e-3 }]);
     deck["output"] = json!({ "fields_at": [1] });
     deck["accuracy"] = json!({ "damping": 0.5 });
     deck["methods"] = json!(["qsma"]);
@@ -323,7 +391,9 @@ fn no_block_of_a_scene_may_be_a_list() {
         "/cqsma",
         "/output",
         "/accuracy",
+        "/structure",
         "/structure/deck",
+        "/structure/point_masses/0",
         "/structure/deck/units",
         "/structure/deck/bolts/0",
         "/structure/deck/response",

@@ -188,7 +188,7 @@ fn scenes_that_need_not_be_symmetric_are_refused() {
     }))
     .unwrap();
     let on_deck = |s: &mut Scene| {
-        s.structure = StructureSource::Deck(Box::new(deck.clone()));
+        s.structure = StructureSource::Deck(Box::new(deck.clone())).into();
         s.surface = Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark));
     };
     assert_eq!(refused(&on_deck), "a deck");

@@ -114,7 +114,8 @@ impl Checks {
         let density = density
             .context("summary.json: scene.model.material.density is missing")?
             .si();
-        let mass = model.mass.context("summary.json: model.mass is missing")?;
+        let added: f64 = scene.structure.point_masses.iter().map(|point| point.mass.si()).sum();
+        let mass = model.mass.context("summary.json: model.mass is missing")? - added;
         let nominal = bounds.mass * density / bounds.density;
         self.between("model.mass", mass, 0.995 * nominal, 1.005 * nominal);
         self.between(

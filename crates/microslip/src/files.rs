@@ -53,7 +53,7 @@ pub fn of_scene(command: &str, scene: &Scene) -> Identity {
         path.file_name()
             .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
     };
-    let structure = match &scene.structure {
+    let structure = match &scene.structure.source {
         StructureSource::Benchmark(benchmark) => benchmark.name().to_owned(),
         StructureSource::Deck(deck) => file(&deck.path),
         StructureSource::Matrices(matrices) => file(&matrices.path),

@@ -101,10 +101,25 @@ fn schemas_accept_what_the_program_reads_and_writes() {
         }
     }
     let base: Value = serde_json::from_str(BENCHMARKS[0].scenes()[0].1).unwrap();
+    let mut with_masses = base.clone();
+    with_masses["structure"]["point_masses"] = json!([{ "at": [0.36, 0.0, "1 mm"], "mass": "0.8 g" }]);
+    satisfies(&schema, &with_masses).unwrap();
+    let scene = read("masses", &with_masses.to_string()).unwrap();
+    satisfies(&schema, &serde_json::to_value(scene).unwrap()).unwrap();
     for (field, value) in [
         ("frobnicate", json!(1)),
         ("mu", json!("high")),
         ("structure", json!({ "mesh": "a.msh" })),
+        ("structure", json!({})),
+        ("structure", json!({ "point_masses": [] })),
+        (
+            "structure",
+            json!({ "benchmark": "brake-reuss-beam", "matrices": { "path": "m.npz", "coordinates": "jump" } }),
+        ),
+        (
+            "structure",
+            json!({ "benchmark": "brake-reuss-beam", "point_masses": [{ "at": [0.0, 0.0, 0.0] }] }),
+        ),
         ("cqsma", json!({ "amplitudes": -1 })),
     ] {
         let mut wrong = base.clone();

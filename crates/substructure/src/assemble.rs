@@ -20,7 +20,7 @@ pub struct System {
     pub dofs: DofMap,
     /// Position of each independent component's node (m).
     pub positions: Vec<[f64; 3]>,
-    /// Total mass of the elements (kg).
+    /// Total mass of the elements and of the point masses (kg).
     pub total_mass: f64,
 }
 
@@ -32,7 +32,7 @@ impl System {
     pub fn try_new(assembly: &Assembly) -> Result<Self, Error> {
         assembly.mesh.validate()?;
         let dofs = DofMap::try_new(assembly)?;
-        let (mut stiffness, mass) = element_matrices(&assembly.mesh, &dofs.coordinates)?;
+        let (mut stiffness, mut mass) = element_matrices(&assembly.mesh, &dofs.coordinates)?;
         for (index, spring) in assembly.springs.iter().enumerate() {
             let fail = |reason| Error::Spring { spring: index, reason };
             let row = 3 * spring.node as usize + usize::from(spring.component);
@@ -44,6 +44,20 @@ impl System {
             }
             match stiffness.get_mut(row, row) {
                 Some(entry) => *entry += spring.stiffness,
+                None => return Err(fail("no element holds its node")),
+            }
+        }
+        for (index, point) in assembly.masses.iter().enumerate() {
+            let fail = |reason| Error::PointMass { mass: index, reason };
+            if !(point.mass.is_finite() && point.mass > 0.0) {
+                return Err(fail("it must be positive and finite"));
+            }
+            let node = point.node as usize;
+            if node >= mass.rows() {
+                return Err(fail("its node does not exist"));
+            }
+            match mass.get_mut(node, node) {
+                Some(entry) => *entry += point.mass,
                 None => return Err(fail("no element holds its node")),
             }
         }

@@ -139,6 +139,14 @@ pub enum Error {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A mass at a node that cannot be one.
+    #[error("point mass {mass}: {reason}")]
+    PointMass {
+        /// Its number.
+        mass: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// A matrix that must be positive definite is not.
     #[error(
         "the {matrix} is not positive definite (pivot {pivot} of {size}); an unconnected part or a missing support \
@@ -302,7 +310,7 @@ pub enum DeckProblem {
         parameter: &'static str,
     },
     /// An element type that is not supported.
-    #[error("element type `{found}` is not supported; use one of {known} (SPRING1, DCOUP3D)")]
+    #[error("element type `{found}` is not supported; use one of {known} (MASS, SPRING1, DCOUP3D)")]
     ElementType {
         /// The type.
         found: String,

@@ -1,4 +1,4 @@
-//! Solid meshes and the assemblies made of them: materials, ties, couplings, equations, supports and point loads.
+//! Solid meshes and the assemblies made of them: materials, ties, couplings, equations, supports, point masses and point loads.
 
 use crate::Error;
 use crate::elements::Formulation;
@@ -134,6 +134,15 @@ pub struct GroundSpring {
     pub stiffness: f64,
 }
 
+/// A mass at a node, in all three directions and without inertia of rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMass {
+    /// Node.
+    pub node: u32,
+    /// Mass (kg).
+    pub mass: f64,
+}
+
 /// A named list of nodes or faces.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group<T> {
@@ -185,6 +194,8 @@ pub struct Assembly {
     pub supports: Vec<Dof>,
     /// Springs to the ground.
     pub springs: Vec<GroundSpring>,
+    /// Masses at nodes, beside those of the elements.
+    pub masses: Vec<PointMass>,
     /// Load patterns.
     pub loads: Vec<LoadPattern>,
 }
@@ -220,6 +231,9 @@ impl Assembly {
         }
         for spring in &mut self.springs {
             spring.stiffness *= mass;
+        }
+        for point in &mut self.masses {
+            point.mass *= mass;
         }
     }
 }

@@ -6,7 +6,7 @@ use substructure::elements::{Formulation, HEX8};
 use substructure::formats::abaqus::{self, Choices, Deck, DeckModel, Includes, Members};
 use substructure::mesh::{
     Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, GroundSpring, LoadPattern,
-    Material, Mesh, Tie,
+    Material, Mesh, PointMass, Tie,
 };
 use substructure::{DeckProblem, Error};
 
@@ -461,6 +461,40 @@ fn older_couplings_and_springs_are_read() {
         &text.replace("*SPRING, ELSET=S\n3\n1.5D3\n", ""),
         "901, 5",
         &["901", "*SPRING"],
+    );
+}
+
+#[test]
+fn masses_at_nodes_are_read() {
+    let text = format!(
+        "{CUBES}*ELEMENT, TYPE=MASS, ELSET=M\n901, 5\n902, 6\n*MASS, ELSET=M\n8.D-4\n\
+         *ELEMENT, TYPE=MASS\n903, 7\n*ELSET, ELSET=ONE\n903\n*MASS, ELSET=ONE\n0.625\n"
+    );
+    let mut assembly = model(&text).unwrap().assembly;
+    let masses: Vec<_> = assembly.masses.iter().map(|m| (m.node, m.mass)).collect();
+    assert_eq!(masses, [(4, 8e-4), (5, 8e-4), (6, 0.625)]);
+    // Grams and millimetres.
+    assembly.convert_units(1e-3, 1e-3);
+    assert_eq!(assembly.masses[2].mass, 6.25e-4);
+    let bare = model(CUBES).unwrap().assembly;
+    let mass = |assembly: &Assembly| System::try_new(assembly).unwrap().total_mass;
+    assembly = model(&text).unwrap().assembly;
+    assert!((mass(&assembly) - mass(&bare) - 0.6266).abs() < 1e-12 * mass(&bare));
+    assert_defect(
+        &text.replace("*MASS, ELSET=ONE\n0.625\n", ""),
+        "903, 7",
+        &["903", "*MASS"],
+    );
+    assert_defect(&text.replace("0.625", "-0.625"), "-0.625", &["mass", "positive"]);
+    assert_defect(
+        &text.replace("*MASS, ELSET=ONE", "*MASS, ELSET=m"),
+        "*MASS, ELSET=m",
+        &["property of element", "901"],
+    );
+    assert_defect(
+        &text.replace("903, 7", "903, 100"),
+        "*MASS, ELSET=ONE",
+        &["100", "no element"],
     );
 }
 
@@ -1119,6 +1153,7 @@ fn everything() -> Assembly {
             component: 1,
             stiffness: 30.0,
         }],
+        masses: vec![PointMass { node: 6, mass: 8e-4 }],
         loads: vec![
             LoadPattern {
                 name: "pull".into(),
@@ -1145,6 +1180,7 @@ fn what_is_written_is_read_back() {
         assert_eq!(found.density, expected.density);
     }
     assert_eq!(back.springs, assembly.springs);
+    assert_eq!(back.masses, assembly.masses);
     assert_eq!(back.supports.len(), assembly.supports.len());
     assert_eq!(back.equations[0].terms, assembly.equations[0].terms);
     assert_eq!(back.loads, assembly.loads);

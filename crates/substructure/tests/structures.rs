@@ -9,7 +9,7 @@ use substructure::elements::Formulation;
 use substructure::factor::SparseCholesky;
 use substructure::mesh::{
     Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, GroundSpring, LoadPattern,
-    Material, Mesh, Tie,
+    Material, Mesh, PointMass, Tie,
 };
 use substructure::sparse::multiply_vector;
 
@@ -566,6 +566,41 @@ fn a_clamped_bar_is_a_cantilever() {
         * (m.youngs_modulus * 0.012_f64.powi(2) / (12.0 * m.density)).sqrt();
     for f in &modes.frequencies()[..2] {
         assert!((f / euler - 1.0).abs() < 5e-3, "{f} {euler}");
+    }
+}
+
+#[test]
+fn masses_at_the_ends_lower_the_first_frequency_as_perturbation_theory_says() {
+    let mut assembly = bar([12, 2, 2], [0.12, 0.02, 0.01]);
+    let modes = |assembly: &Assembly| {
+        let system = System::try_new(assembly).unwrap();
+        let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 1, 1e-7).unwrap();
+        (system, modes)
+    };
+    let (system, bare) = modes(&assembly);
+    let ends = [0_u32, 12];
+    let mass = 1e-4 * system.total_mass;
+    assembly.masses = ends.map(|node| PointMass { node, mass }).to_vec();
+    let (heavy, found) = modes(&assembly);
+    assert!((heavy.total_mass - system.total_mass - 2.0 * mass).abs() < 1e-12);
+    // df / f = -1/2 sum m |phi|^2 with mass-normalised shapes.
+    let squares = ends
+        .iter()
+        .flat_map(|&node| (0..3).map(move |c| (node, c)))
+        .map(|(node, c)| {
+            let row = system.dofs.independent_index(node, c).unwrap();
+            bare.elastic()[(row, 0)].powi(2)
+        });
+    let expected = -0.5 * mass * squares.sum::<f64>();
+    let shift = found.frequencies()[0] / bare.frequencies()[0] - 1.0;
+    assert!((shift / expected - 1.0).abs() < 1e-2, "{shift} {expected}");
+
+    for (node, mass) in [(u32::MAX, 1.0), (0, 0.0), (0, -1.0), (0, f64::NAN)] {
+        assembly.masses = vec![PointMass { node, mass }];
+        assert!(matches!(
+            System::try_new(&assembly),
+            Err(Error::PointMass { mass: 0, .. })
+        ));
     }
 }
 

@@ -8,6 +8,7 @@ use super::prestress::{self, bolt_load, linearise, response};
 use super::validity::{self, Validity};
 use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
+use crate::joint::MovedPairs;
 use crate::progress::{Progress, Stage};
 use crate::scene::{Assembly, BoltBehaviour, Scene};
 use crate::store::Options;
@@ -40,6 +41,8 @@ pub struct Run {
     pub backbones: Vec<ModeBackbone>,
     /// Where and in which direction amplitudes are measured, in words.
     pub response: String,
+    /// Pairs of interface nodes that were moved.
+    pub moved_pairs: Option<MovedPairs>,
     /// Files in the cache that let the run resume. Whoever has put the results in a safe place, or does not want to keep them,
     /// calls [`Checkpoints::remove`].
     pub checkpoints: Checkpoints,
@@ -82,6 +85,7 @@ pub struct Prepared {
     options: Options,
     clearance: Option<f64>,
     response: String,
+    moved_pairs: Option<MovedPairs>,
     mesh: InterfaceMesh,
     model: StructuralModel,
     interface: SceneInterface,
@@ -160,6 +164,7 @@ impl Prepared {
             options: options.clone(),
             clearance: structure.joint.clearance,
             response: structure.joint.response.clone(),
+            moved_pairs: structure.joint.moved_pairs(),
             mesh: structure.interface().clone(),
             model,
             interface,
@@ -292,6 +297,7 @@ impl Prepared {
             mesh: self.mesh,
             model: self.model,
             response: self.response,
+            moved_pairs: self.moved_pairs,
             scene: self.scene,
             checkpoints,
         }

@@ -3,6 +3,7 @@
 pub mod benchmark;
 
 use reduction::RelativeSystem;
+use serde::{Deserialize, Serialize};
 use substructure::mesh::Assembly;
 use zte_assembly::InterfaceMesh;
 
@@ -44,6 +45,28 @@ pub struct MeshedBodies {
     pub response_node: u32,
     /// Direction there.
     pub response_direction: [f64; 3],
+    /// Pairs of interface nodes that were moved; none where all nodes coincide in pairs.
+    pub moved_pairs: Option<MovedPairs>,
+}
+
+/// Pairs of interface nodes that did not coincide and were moved to their midpoints in the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MovedPairs {
+    /// How many.
+    pub count: usize,
+    /// Largest distance in the plane before (m); each node was moved by half of it at most.
+    pub largest_distance: f64,
+}
+
+impl Joint {
+    /// Pairs of interface nodes that were moved.
+    pub fn moved_pairs(&self) -> Option<MovedPairs> {
+        match &self.bodies {
+            Bodies::Meshed(bodies) => bodies.moved_pairs,
+            Bodies::Imported(_) => None,
+        }
+    }
 }
 
 /// A structure over `[jump; rest]` in SI, with what the reduction needs besides.

@@ -171,7 +171,7 @@ impl Input {
 /// [`Error::Store`] for a file that cannot be read; of a deck whose includes cannot be found.
 pub fn inputs_of(scene: &Scene) -> Result<Vec<Input>, Error> {
     let mut files: Vec<(InputRole, PathBuf)> = Vec::new();
-    match &scene.structure {
+    match &scene.structure.source {
         StructureSource::Deck(deck) => {
             files.push((InputRole::Deck, deck.path.clone()));
             let all = abaqus::files(&deck.path, deck.includes)?;

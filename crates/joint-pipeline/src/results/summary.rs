@@ -7,6 +7,7 @@ use crate::analysis::methods::MethodPoint;
 use crate::analysis::validity::Validity;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
 use crate::interface::LawReport;
+use crate::joint::MovedPairs;
 use crate::scene::{BoltBehaviour, PRESETS, Preset, Scene, StructureSource, Symmetry};
 use cqsma_solver::Reason;
 use serde::de::Error as _;
@@ -142,6 +143,9 @@ pub struct ModelSummary {
     pub penalty_spectrum_error: f64,
     /// Difference between reduced matrices from condensation and from solves, relative to their largest entry.
     pub reduction_asymmetry: f64,
+    /// Pairs of interface nodes of a deck that were moved to their midpoints; left out where all nodes coincide in pairs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moved_pairs: Option<MovedPairs>,
 }
 
 /// The gap.
@@ -315,7 +319,7 @@ impl Summary {
         Self {
             schema_version: SCHEMA_VERSION,
             scene: serde_json::to_value(&run.scene).unwrap_or(serde_json::Value::Null),
-            title: match &run.scene.structure {
+            title: match &run.scene.structure.source {
                 StructureSource::Benchmark(benchmark) => benchmark.title().to_owned(),
                 StructureSource::Deck(deck) => deck.path.display().to_string(),
                 StructureSource::Matrices(matrices) => matrices.path.display().to_string(),
@@ -338,6 +342,7 @@ impl Summary {
                 penalty_frequencies_hz: facts.penalty_frequencies_hz.clone(),
                 penalty_spectrum_error: facts.penalty_error,
                 reduction_asymmetry: reduced.asymmetry,
+                moved_pairs: run.moved_pairs,
             },
             law: run.law.clone(),
             gap: GapSummary {

@@ -20,11 +20,11 @@ pub use law::{Bins, Friction, Law, LawKind, RadialRule, Yield};
 pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use structure::{
     Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model, PlaneMesh,
-    Sides, StructureSource, Untied,
+    PointMass, Sides, StructureBlock, StructureSource, Untied,
 };
 pub use surface::{Curves, Elastic, Fitted, Gap, ParameterSet, Parameters, Per, Surface, SyntheticScan};
 pub use units::{
-    ContactStiffness, Density, Dimension, Force, Length, Quantity, Stress, SurfaceEnergy, Unit, Units, dimension,
+    ContactStiffness, Density, Dimension, Force, Length, Mass, Quantity, Stress, SurfaceEnergy, Unit, Units, dimension,
 };
 
 pub use crate::joint::benchmark::{RefinementLevel, Symmetry};
@@ -50,8 +50,8 @@ pub struct Scene {
     /// How exact the result shall be: settings that the scene does not give are those of the cheapest set that is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
-    /// Where the structure comes from.
-    pub structure: StructureSource,
+    /// The structure.
+    pub structure: StructureBlock,
     /// How it is meshed and reduced.
     pub model: Model,
     /// What the traction law follows from.
@@ -241,7 +241,7 @@ impl Scene {
 
     /// All paths in the scene.
     fn paths(&mut self) -> impl Iterator<Item = &mut std::path::PathBuf> {
-        let structure = match &mut self.structure {
+        let structure = match &mut self.structure.source {
             StructureSource::Deck(deck) => Some(&mut deck.path),
             StructureSource::Matrices(matrices) => Some(&mut matrices.path),
             StructureSource::Benchmark(_) => None,

@@ -1,6 +1,6 @@
 //! The structure of a scene: where it comes from, and how it is meshed and reduced.
 
-use super::units::{Density, Length, Stress, SurfaceEnergy, Units};
+use super::units::{Density, Length, Mass, Stress, SurfaceEnergy, Units};
 use crate::joint::benchmark::{BenchmarkRef, RefinementLevel, Symmetry};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -21,28 +21,140 @@ pub enum StructureSource {
     Matrices(Box<Matrices>),
 }
 
-impl StructureSource {
+/// The structure of a scene: its source, and what is added to it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(try_from = "StructureFields")]
+pub struct StructureBlock {
+    /// Where it comes from.
+    #[serde(flatten)]
+    pub source: StructureSource,
+    /// Masses at nodes, beside those of the source. Matrices take none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub point_masses: Vec<PointMass>,
+}
+
+impl StructureBlock {
     /// The benchmark, if it is one.
     pub fn benchmark(&self) -> Option<BenchmarkRef> {
-        match self {
-            Self::Benchmark(benchmark) => Some(*benchmark),
-            Self::Deck(_) | Self::Matrices(_) => None,
+        match &self.source {
+            StructureSource::Benchmark(benchmark) => Some(*benchmark),
+            StructureSource::Deck(_) | StructureSource::Matrices(_) => None,
         }
     }
 
     /// The matrices, if it consists of them.
     pub fn matrices(&self) -> Option<&Matrices> {
-        match self {
-            Self::Matrices(matrices) => Some(matrices),
-            Self::Benchmark(_) | Self::Deck(_) => None,
+        match &self.source {
+            StructureSource::Matrices(matrices) => Some(matrices),
+            StructureSource::Benchmark(_) | StructureSource::Deck(_) => None,
         }
     }
 
     /// The deck, if it comes from one.
     pub fn deck(&self) -> Option<&Deck> {
-        match self {
-            Self::Deck(deck) => Some(deck),
-            Self::Benchmark(_) | Self::Matrices(_) => None,
+        match &self.source {
+            StructureSource::Deck(deck) => Some(deck),
+            StructureSource::Benchmark(_) | StructureSource::Matrices(_) => None,
+        }
+    }
+}
+
+impl From<StructureSource> for StructureBlock {
+    /// The source as it is.
+    fn from(source: StructureSource) -> Self {
+        Self {
+            source,
+            point_masses: Vec::new(),
+        }
+    }
+}
+
+/// The structure of a scene as files have it: one of the sources by its name, and what is added to it.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = one_source))]
+#[serde(deny_unknown_fields)]
+struct StructureFields {
+    /// A benchmark structure by its name.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "BenchmarkRef"))]
+    benchmark: Option<BenchmarkRef>,
+    /// An input deck of Abaqus or CalculiX.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "Deck"))]
+    deck: Option<Box<Deck>>,
+    /// Matrices of another program.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "Matrices"))]
+    matrices: Option<Box<Matrices>>,
+    /// Masses at nodes, beside those of the source. Matrices take none.
+    #[serde(default)]
+    point_masses: Vec<PointMass>,
+}
+
+/// Requires exactly one of the sources.
+#[cfg(feature = "schema")]
+fn one_source(schema: &mut schemars::Schema) {
+    let sources = ["benchmark", "deck", "matrices"].map(|source| serde_json::json!({ "required": [source] }));
+    schema.insert("oneOf".into(), sources.to_vec().into());
+}
+
+impl TryFrom<StructureFields> for StructureBlock {
+    type Error = String;
+
+    fn try_from(fields: StructureFields) -> Result<Self, String> {
+        let sources = [
+            fields.benchmark.map(StructureSource::Benchmark),
+            fields.deck.map(StructureSource::Deck),
+            fields.matrices.map(StructureSource::Matrices),
+        ];
+        let mut given = sources.into_iter().flatten();
+        let (Some(source), None) = (given.next(), given.next()) else {
+            return Err("exactly one of `benchmark`, `deck` and `matrices` must be given".into());
+        };
+        for (number, mass) in (1..).zip(&fields.point_masses) {
+            mass.suits(&source)
+                .map_err(|reason| format!("point_masses, number {number}: {reason}"))?;
+        }
+        Ok(Self {
+            source,
+            point_masses: fields.point_masses,
+        })
+    }
+}
+
+/// A mass at a node, in all three directions and without inertia of rotation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PointMass {
+    /// Of a benchmark: a position, for the node nearest to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[Length; 3]>,
+    /// How far that node may be from the position; by default a hundredth of the largest extent of the structure along an
+    /// axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<Length>,
+    /// Of a deck: node label, or a set of one node.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Mass.
+    pub mass: Mass,
+}
+
+impl PointMass {
+    /// Whether it names its node in the way of the source; if not, why.
+    fn suits(&self, source: &StructureSource) -> Result<(), &'static str> {
+        match (source, &self.at, &self.node, self.within) {
+            (StructureSource::Matrices(_), ..) => {
+                Err("matrices show no nodes that a mass could be at; add it to the mass matrix")
+            }
+            (StructureSource::Benchmark(_), Some(_), None, _) => Ok(()),
+            (StructureSource::Benchmark(_), ..) => {
+                Err("on a benchmark give the position of the mass, `at`, and no `node`")
+            }
+            (StructureSource::Deck(_), None, Some(_), None) => Ok(()),
+            (StructureSource::Deck(_), ..) => Err("in a deck name the `node` of the mass, without `at` and `within`"),
         }
     }
 }
@@ -122,6 +234,10 @@ pub struct Deck {
     pub top_surface: String,
     /// Surface of the other; both have the same nodes.
     pub bottom_surface: String,
+    /// How far the two nodes of a pair may be apart in the plane of the interface (length): such pairs are moved to their
+    /// midpoints. By default a thousandth of the shortest edge, and nothing is moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair_tolerance: Option<Length>,
     /// First direction in the interface.
     #[serde(default = "along_x")]
     pub along: [f64; 3],

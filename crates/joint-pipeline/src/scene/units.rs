@@ -124,6 +124,8 @@ macro_rules! dimensions {
 dimensions! {
     /// Length (m).
     Length, OfLength, "length", [1, 0, 0], LENGTHS;
+    /// Mass (kg).
+    Mass, OfMass, "mass", [0, 1, 0], MASSES;
     /// Force (N).
     Force, OfForce, "force", [1, 1, -2], FORCES;
     /// Stress, pressure or modulus (Pa).

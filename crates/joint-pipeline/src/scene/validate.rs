@@ -88,7 +88,7 @@ impl Scene {
         if let Some(work) = material.work_of_adhesion.map(SurfaceEnergy::si) {
             check.not_negative("model.material.work_of_adhesion", work, "J/m^2")?;
         }
-        let meshed_of_it = match &self.structure {
+        let meshed_of_it = match &self.structure.source {
             StructureSource::Benchmark(_) => true,
             StructureSource::Deck(deck) => deck.materials == MaterialSource::Scene,
             StructureSource::Matrices(_) => false,
@@ -112,8 +112,13 @@ impl Scene {
             "",
             "at least 1e-9 (the accuracy of the check) and below 1",
         )?;
-        if let StructureSource::Deck(deck) = &self.structure {
+        if let Some(deck) = self.structure.deck() {
             deck.validate(check)?;
+        }
+        for point in &self.structure.point_masses {
+            check.positive("structure.point_masses[].mass", point.mass.si(), "kg")?;
+            let within = point.within.map_or(0.0, Length::si);
+            check.not_negative("structure.point_masses[].within", within, "m")?;
         }
         if model.symmetry == Symmetry::Half {
             self.validate_half(check.place)?;
@@ -171,6 +176,7 @@ impl Scene {
         let asymmetric = [
             (self.structure.deck().is_some(), "a deck"),
             (self.structure.matrices().is_some(), "a structure of matrices"),
+            (!self.structure.point_masses.is_empty(), "structure.point_masses"),
             (of_parts, "the surface"),
             (self.gap != Gap::Flat, "the gap"),
         ];
@@ -242,6 +248,8 @@ impl Deck {
     fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
         let tolerance = self.tie_tolerance.map_or(0.0, Length::si);
         check.not_negative("structure.deck.tie_tolerance", tolerance, "m")?;
+        let tolerance = self.pair_tolerance.map_or(0.0, Length::si);
+        check.not_negative("structure.deck.pair_tolerance", tolerance, "m")?;
         let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
         check.positive("structure.deck.along", size(&self.along), "(length of the vector)")?;
         let direction = size(&self.response.direction);

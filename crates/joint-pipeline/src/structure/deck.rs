@@ -3,17 +3,18 @@
 use super::facing::Facing;
 use crate::Error;
 use crate::joint::{Bodies, Joint, MeshedBodies};
-use crate::scene::{Deck, Length, MaterialSource, Untied};
+use crate::scene::{Deck, Length, MaterialSource, PointMass, Untied};
 use substructure::elements::Formulation;
-use substructure::formats::abaqus::{self, Choices};
+use substructure::formats::abaqus::{self, Choices, DeckModel};
 use substructure::mesh::{BeyondTolerance, Dof, LoadPattern, Material};
 
-/// A structure from an input deck, in SI.
+/// A structure from an input deck, in SI, with `masses` at nodes that it names.
 ///
 /// # Errors
 /// Of the deck; [`Error::Facing`].
 pub(super) fn joint(
     source: &Deck,
+    masses: &[PointMass],
     material: &Material,
     formulation: Option<Formulation>,
     notes: &mut dyn FnMut(&str),
@@ -36,12 +37,19 @@ pub(super) fn joint(
         assembly.mesh.materials.fill(material.clone());
     }
     let facing = Facing::try_new(
-        &assembly.mesh.nodes,
+        &mut assembly.mesh.nodes,
         deck.surface_faces(&source.top_surface)?,
         deck.surface_faces(&source.bottom_surface)?,
         source.along,
+        source.pair_tolerance.map(Length::si),
         &|node| deck.node_name(node),
     )?;
+    if let Some(moved) = facing.moved {
+        notes(&format!(
+            "{} pairs of interface nodes do not coincide, by {:.2e} m at most, and were moved to their midpoints",
+            moved.count, moved.largest_distance
+        ));
+    }
     let normal = facing.frame[2];
     assembly.loads = source
         .bolts
@@ -57,16 +65,15 @@ pub(super) fn joint(
             })
         })
         .collect::<Result<_, Error>>()?;
-    let response_node = match deck.node_set(&source.response.node) {
-        Ok(&[node]) => node,
-        Ok(nodes) => {
-            return Err(Error::ResponseSet {
-                set: source.response.node.clone(),
-                count: nodes.len(),
-            });
-        }
-        Err(_) => deck.node(&source.response.node)?,
-    };
+    let response_node = named_node(&deck, "structure.deck.response.node", &source.response.node)?;
+    for point in masses {
+        // Decks name the nodes of all masses.
+        let name = point.node.as_deref().unwrap_or_default();
+        assembly.masses.push(substructure::mesh::PointMass {
+            node: named_node(&deck, "structure.point_masses[].node", name)?,
+            mass: point.mass.si(),
+        });
+    }
     Ok(Joint {
         bodies: Bodies::Meshed(MeshedBodies {
             assembly,
@@ -74,6 +81,7 @@ pub(super) fn joint(
             bottom_nodes: facing.bottom_nodes,
             response_node,
             response_direction: source.response.direction,
+            moved_pairs: facing.moved,
         }),
         interface: facing.interface,
         frame: facing.frame,
@@ -83,4 +91,17 @@ pub(super) fn joint(
             source.response.node, source.response.direction
         ),
     })
+}
+
+/// The node of a label or of a set of one node; `field` of the scene names it.
+fn named_node(deck: &DeckModel, field: &'static str, name: &str) -> Result<u32, Error> {
+    match deck.node_set(name) {
+        Ok(&[node]) => Ok(node),
+        Ok(nodes) => Err(Error::NodeSet {
+            field,
+            set: name.to_owned(),
+            count: nodes.len(),
+        }),
+        Err(_) => Ok(deck.node(name)?),
+    }
 }

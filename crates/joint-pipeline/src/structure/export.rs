@@ -114,6 +114,7 @@ pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path) -> scene::Deck {
         units: Units::SI,
         top_surface: SIDES[0].to_owned(),
         bottom_surface: SIDES[1].to_owned(),
+        pair_tolerance: None,
         along: joint.frame[0],
         bolts: bodies
             .assembly

@@ -1,6 +1,7 @@
 //! Two surfaces of a mesh that lie upon one another, as an interface.
 
 use crate::Error;
+use crate::joint::MovedPairs;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use substructure::mesh::Face;
@@ -20,19 +21,23 @@ pub(crate) struct Facing {
     pub(crate) top_nodes: Vec<u32>,
     pub(crate) bottom_nodes: Vec<u32>,
     pub(crate) frame: [[f64; 3]; 3],
+    /// Pairs whose nodes were moved.
+    pub(crate) moved: Option<MovedPairs>,
 }
 
 impl Facing {
-    /// Pairs the nodes of two surfaces; the first axis of the frame is `along` as far as it lies in the plane. `label` names
-    /// a node in messages.
+    /// Pairs the nodes of two surfaces; the first axis of the frame is `along` as far as it lies in the plane. Nodes that do
+    /// not coincide, but are within `tolerance` of one another in the plane (m), are moved to their midpoint there. `label`
+    /// names a node in messages.
     ///
     /// # Errors
     /// [`Error::Facing`] naming the node or face.
     pub(crate) fn try_new(
-        coordinates: &[[f64; 3]],
+        coordinates: &mut [[f64; 3]],
         top: &[Face],
         bottom: &[Face],
         along: [f64; 3],
+        tolerance: Option<f64>,
         label: &dyn Fn(u32) -> String,
     ) -> Result<Self, Error> {
         let fail = |reason: String| Err(Error::Facing { reason });
@@ -76,33 +81,33 @@ impl Facing {
             nodes.dedup();
             nodes
         };
-        let (top_nodes, mut others) = (unique(top), unique(bottom));
-        let position = |node: u32| at(node).dot(&first);
-        others.sort_by(|&a, &b| position(a).total_cmp(&position(b)));
-        let reach = COINCIDENCE * shortest;
-        let mut bottom_nodes = Vec::with_capacity(top_nodes.len());
-        for &node in &top_nodes {
-            let start = others.partition_point(|&other| position(other) < position(node) - reach);
-            let near = others[start..]
-                .iter()
-                .take_while(|&&other| position(other) <= position(node) + reach)
-                .find(|&&other| (at(other) - at(node)).norm() <= reach);
-            let Some(&near) = near else {
-                return fail(format!(
-                    "node {} of the top surface has no node of the bottom surface within {reach:.3e} m; both must have the \
-                     same mesh there",
-                    label(node)
-                ));
-            };
-            bottom_nodes.push(near);
-        }
-        if others.len() != top_nodes.len() {
+        let (top_nodes, bottom) = (unique(top), unique(bottom));
+        if bottom.len() != top_nodes.len() {
             return fail(format!(
                 "the surfaces have {} and {} nodes; both must have the same mesh",
                 top_nodes.len(),
-                others.len()
+                bottom.len()
             ));
         }
+        let pairs = Pairs {
+            coordinates,
+            first,
+            normal,
+            reach: COINCIDENCE * shortest,
+            tolerance,
+        };
+        let bottom_nodes = pairs.partners(&top_nodes, bottom, label)?;
+        let moves = pairs.moves(&top_nodes, &bottom_nodes);
+        let moved = moves.iter().map(|(_, way)| 2.0 * way.norm()).reduce(f64::max);
+        let moved = moved.map(|largest_distance| MovedPairs {
+            count: moves.len() / 2,
+            largest_distance,
+        });
+        for (node, way) in moves {
+            let place = &mut coordinates[node as usize];
+            *place = (Vector3::from(*place) + way).into();
+        }
+        let at = |node: u32| Vector3::from(coordinates[node as usize]);
         let number: BTreeMap<u32, u32> = top_nodes.iter().zip(0..).map(|(&node, i)| (node, i)).collect();
         let elements = top
             .iter()
@@ -114,13 +119,118 @@ impl Facing {
             .collect();
         Ok(Self {
             interface: InterfaceMesh {
-                nodes: top_nodes.iter().map(|&n| [position(n), at(n).dot(&second)]).collect(),
+                nodes: top_nodes
+                    .iter()
+                    .map(|&n| [at(n).dot(&first), at(n).dot(&second)])
+                    .collect(),
                 elements,
             },
             top_nodes,
             bottom_nodes,
             frame: [first.into(), second.into(), normal.into()],
+            moved,
         })
+    }
+}
+
+/// Which nodes of two surfaces face one another.
+struct Pairs<'a> {
+    coordinates: &'a [[f64; 3]],
+    /// A direction in the plane, along which nodes are sorted.
+    first: Vector3<f64>,
+    normal: Vector3<f64>,
+    /// Distance up to which nodes coincide (m).
+    reach: f64,
+    /// Distance in the plane up to which nodes that do not coincide are a pair (m).
+    tolerance: Option<f64>,
+}
+
+impl Pairs<'_> {
+    fn position(&self, node: u32) -> f64 {
+        Vector3::from(self.coordinates[node as usize]).dot(&self.first)
+    }
+
+    /// From one node to another: the part in the plane, and how far along the normal.
+    fn way(&self, from: u32, to: u32) -> (Vector3<f64>, f64) {
+        let way = Vector3::from(self.coordinates[to as usize]) - Vector3::from(self.coordinates[from as usize]);
+        let along = way.dot(&self.normal);
+        (way - self.normal * along, along)
+    }
+
+    fn coincide(&self, a: u32, b: u32) -> bool {
+        let (in_plane, along) = self.way(a, b);
+        in_plane.norm().hypot(along) <= self.reach
+    }
+
+    fn may_pair(&self, a: u32, b: u32) -> bool {
+        let (in_plane, along) = self.way(a, b);
+        let within = self.tolerance.is_some_and(|tolerance| in_plane.norm() <= tolerance);
+        self.coincide(a, b) || (within && along.abs() <= self.reach)
+    }
+
+    /// Of nodes in ascending order of [`Self::position`], the nearest that may pair with a node.
+    fn nearest(&self, node: u32, sorted: &[u32]) -> Option<u32> {
+        let reach = self.tolerance.unwrap_or(0.0).max(self.reach);
+        let at = self.position(node);
+        let start = sorted.partition_point(|&other| self.position(other) < at - reach);
+        let near = sorted[start..]
+            .iter()
+            .copied()
+            .take_while(|&other| self.position(other) <= at + reach);
+        let distance = |other: &u32| self.way(node, *other).0.norm();
+        near.filter(|&other| self.may_pair(node, other))
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// The node of the bottom for each of the top. The two of a pair are nearest to one another.
+    fn partners(&self, top: &[u32], mut bottom: Vec<u32>, label: &dyn Fn(u32) -> String) -> Result<Vec<u32>, Error> {
+        let fail = |reason: String| Err(Error::Facing { reason });
+        let by_position = |a: &u32, b: &u32| self.position(*a).total_cmp(&self.position(*b));
+        let mut sorted = top.to_vec();
+        sorted.sort_by(by_position);
+        bottom.sort_by(by_position);
+        let mut partners = Vec::with_capacity(top.len());
+        for &node in top {
+            let Some(partner) = self.nearest(node, &bottom) else {
+                let ways = bottom.iter().map(|&other| self.way(node, other));
+                let [in_plane, along] = ways
+                    .map(|(in_plane, along)| [in_plane.norm(), along.abs()])
+                    .min_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])))
+                    .unwrap_or([f64::INFINITY; 2]);
+                return fail(format!(
+                    "node {} of the top surface has no node of the bottom surface within {:.3e} m (the nearest is {in_plane:.3e} m \
+                     away in the plane and {along:.3e} m along the normal); both must have the same mesh there, or pairs be \
+                     allowed by structure.deck.pair_tolerance and lie within {:.3e} m along the normal",
+                    label(node),
+                    self.tolerance.unwrap_or(self.reach),
+                    self.reach
+                ));
+            };
+            match self.nearest(partner, &sorted) {
+                Some(nearest) if nearest != node => {
+                    return fail(format!(
+                        "node {} of the bottom surface is the nearest one to node {} of the top surface, but nearer to node {}; \
+                         correct the mesh, or give a smaller structure.deck.pair_tolerance",
+                        label(partner),
+                        label(node),
+                        label(nearest)
+                    ));
+                }
+                _ => partners.push(partner),
+            }
+        }
+        Ok(partners)
+    }
+
+    /// The nodes of pairs that do not coincide, top and bottom in turn, with the way to their midpoint in the plane (m).
+    fn moves(&self, top: &[u32], bottom: &[u32]) -> Vec<(u32, Vector3<f64>)> {
+        let apart = top.iter().zip(bottom).filter(|&(&a, &b)| !self.coincide(a, b));
+        apart
+            .flat_map(|(&a, &b)| {
+                let half = 0.5 * self.way(a, b).0;
+                [(a, half), (b, -half)]
+            })
+            .collect()
     }
 }
 

@@ -3,6 +3,7 @@
 mod deck;
 pub mod export;
 mod facing;
+mod masses;
 mod matrices;
 mod matrix_contents;
 mod reduce;
@@ -54,9 +55,10 @@ impl Structure {
             });
         }
         let notes = &mut |note: &str| progress.note(note);
-        let joint = match &scene.structure {
+        let masses = &scene.structure.point_masses;
+        let joint = match &scene.structure.source {
             StructureSource::Matrices(source) => matrices::joint(source, notes)?,
-            StructureSource::Deck(source) => deck::joint(source, &material(model), model.formulation, notes)?,
+            StructureSource::Deck(source) => deck::joint(source, masses, &material(model), model.formulation, notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {
                     notes("only the half y >= 0 is modelled, which leaves out all modes that are not symmetric");
@@ -68,10 +70,15 @@ impl Structure {
                     hexahedra: model.formulation.unwrap_or_default(),
                     material: material(model),
                 };
-                benchmark.joint(&settings).map_err(|source| Error::Benchmark {
+                let mut joint = benchmark.joint(&settings).map_err(|source| Error::Benchmark {
                     benchmark: benchmark.name(),
                     source,
-                })?
+                })?;
+                if let Bodies::Meshed(bodies) = &mut joint.bodies {
+                    let placed = masses::at_positions(&bodies.assembly.mesh.nodes, masses)?;
+                    bodies.assembly.masses.extend(placed);
+                }
+                joint
             }
         };
         Ok(Self::from_joint(model, scene.bolts.behaviour, joint))

@@ -184,7 +184,7 @@ impl Structure {
                 key.numbers(bodies.response_direction);
                 // Small parts, where a readable form costs nothing.
                 key.text(&format!(
-                    "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+                    "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
                     assembly.mesh.materials,
                     assembly.ties,
                     assembly.couplings,
@@ -192,6 +192,7 @@ impl Structure {
                     assembly.loads,
                     assembly.supports,
                     assembly.springs,
+                    assembly.masses,
                     bodies.response_node,
                 ));
             }

@@ -2,6 +2,7 @@
 
 use super::Structure;
 use crate::Error;
+use crate::joint::MovedPairs;
 use crate::progress::{Progress, Stage};
 use reduction::{RelativeSystem, checks};
 use serde::Serialize;
@@ -65,6 +66,8 @@ pub struct Description {
     pub n_untied_slaves: usize,
     /// Largest move of a slave onto its master face (m).
     pub largest_adjustment: f64,
+    /// Pairs of interface nodes that were moved; none where all nodes coincide in pairs.
+    pub moved_pairs: Option<MovedPairs>,
     /// Where asked for.
     pub spectrum: Option<Spectrum>,
 }
@@ -96,6 +99,7 @@ impl Structure {
             interface_area: self.symmetry.operators(&self.joint.interface, 2)?.area(),
             n_untied_slaves: assembled.n_untied_slaves,
             largest_adjustment: assembled.largest_adjustment,
+            moved_pairs: self.joint.moved_pairs(),
             spectrum: spectrum.transpose()?,
         })
     }

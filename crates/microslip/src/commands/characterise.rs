@@ -201,7 +201,7 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
         (_, named) => {
             let mut scene = scene.clone();
             if let Some(benchmark) = named {
-                scene.structure = StructureSource::Benchmark(BenchmarkRef(benchmark));
+                scene.structure = StructureSource::Benchmark(BenchmarkRef(benchmark)).into();
             }
             Ok(Structure::try_new(&scene, &Silent)?.interface().clone())
         }

@@ -125,7 +125,7 @@ fn mesh(scene: &Scene, structure: &Structure, format: Format) -> Result<Vec<Outp
         )],
         _ => {
             let mut on_deck = scene.clone();
-            on_deck.structure = StructureSource::Deck(Box::new(deck(joint, bodies, Path::new("structure.inp"))));
+            on_deck.structure = StructureSource::Deck(Box::new(deck(joint, bodies, Path::new("structure.inp")))).into();
             // The formulation is that of the deck's element types.
             on_deck.model.formulation = None;
             (on_deck.model.refinement, on_deck.model.arm_layers) = (RefinementLevel::default(), None);

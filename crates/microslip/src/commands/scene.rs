@@ -67,7 +67,7 @@ impl SceneArguments {
             (path, name) => read(path.as_deref(), name.as_deref(), defaults)?,
         };
         if let Some(path) = &self.deck {
-            let StructureSource::Deck(deck) = &mut given.scene.structure else {
+            let StructureSource::Deck(deck) = &mut given.scene.structure.source else {
                 bail!(
                     "the scene {} has no structure.deck to say which surfaces and bolts of {} to take",
                     given.scene.name,
@@ -76,7 +76,7 @@ impl SceneArguments {
             };
             deck.path = path.clone();
         }
-        if let (true, StructureSource::Deck(deck)) = (self.allow_includes_outside, &mut given.scene.structure) {
+        if let (true, StructureSource::Deck(deck)) = (self.allow_includes_outside, &mut given.scene.structure.source) {
             deck.includes = Includes::Anywhere;
         }
         Ok(given)

@@ -119,7 +119,8 @@ fn one_bolt_loose(bench: &Bench) -> Result<Findings> {
                 response: MatrixVector::Number(1),
                 zero_energy_modes: None,
                 bolt_hole_clearance: None,
-            }));
+            }))
+            .into();
             scene.model = model.clone();
             // Matrices have no measured surface of their own.
             scene.surface = Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark));

@@ -230,7 +230,7 @@ fn table_3(inputs: &Inputs) -> Result<Plan<'_>> {
             let offset = FIRST_FREQUENCY.measured - FIRST_FREQUENCY.topography_per_element;
             let judgement = format!(
                 "The ten modes differ from the published ones by at most {:.1} %, from an independent emulation of hard contact by at most {:.1} %: \
-                 mesh and elements are others. The cords shift the modes by at most {shift:.4} Hz, {}; they {} explain the paper's offset of {offset:.1} Hz \
+                 mesh, elements and perhaps the material are others. The cords shift the modes by at most {shift:.4} Hz, {}; they {} explain the paper's offset of {offset:.1} Hz \
                  from the experiment.",
                 100.0 * worst,
                 100.0 * against,

@@ -4,7 +4,7 @@ use super::deck::{AtComponents, Deck, Label, Line, Members};
 use super::model::DeckModel;
 use crate::elements::Formulation;
 use crate::error::{DeckProblem, Error};
-use crate::mesh::{Assembly, BeyondTolerance, Dof, Element, Equation, GroundSpring, LoadPattern, Material};
+use crate::mesh::{Assembly, BeyondTolerance, Dof, Element, Equation, GroundSpring, LoadPattern, Material, PointMass};
 use std::collections::{BTreeMap, HashMap};
 
 /// What may be chosen otherwise than the deck says.
@@ -78,6 +78,12 @@ impl Deck {
                 node,
                 component: spring.component,
                 stiffness: spring.stiffness,
+            });
+        }
+        for point in &self.masses {
+            assembly.masses.push(PointMass {
+                node: self.mesh_node(&roles, point.node, 0, point.line, "*MASS")?,
+                mass: point.mass,
             });
         }
         let mut rotations = 0;

@@ -163,6 +163,17 @@ pub struct DeckSpring {
     pub line: Line,
 }
 
+/// A mass at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeckMass {
+    /// Node: index into [`Deck::nodes`].
+    pub node: u32,
+    /// Mass (kg).
+    pub mass: f64,
+    /// Where it is given.
+    pub line: Line,
+}
+
 /// Values at nodes (indices into [`Deck::nodes`]) and components 0..6.
 pub type AtComponents<T> = BTreeMap<(u32, u8), T>;
 
@@ -223,6 +234,8 @@ pub struct Deck {
     pub materials: Vec<DeckMaterial>,
     /// Springs to the ground.
     pub springs: Vec<DeckSpring>,
+    /// Masses at nodes.
+    pub masses: Vec<DeckMass>,
     /// Ties.
     pub ties: Vec<DeckTie>,
     /// Couplings.

@@ -132,6 +132,7 @@ impl Reader<'_> {
     fn element_kind(&self, block: &Block<'_>) -> Result<Kind, Error> {
         let name = block.required(self.source, "TYPE")?.to_ascii_uppercase();
         match name.as_str() {
+            "MASS" => Ok(Kind::Point(Point::Mass)),
             "SPRING1" => Ok(Kind::Point(Point::Spring)),
             "DCOUP3D" => Ok(Kind::Point(Point::Coupling)),
             _ => elements::from_abaqus(&name)
@@ -377,7 +378,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The `SPRING1` or `DCOUP3D` element with this label.
+    /// The `MASS`, `SPRING1` or `DCOUP3D` element with this label.
     fn point(&self, instance: u32, line: &Data<'_>, text: &str) -> Option<Label> {
         let number = line.label(self.source, "element", text).ok()?;
         let label = Label { instance, number };

@@ -11,7 +11,7 @@ pub(super) enum Phase {
     Surfaces,
     /// Materials.
     Materials,
-    /// Sections and springs.
+    /// Sections, springs and point masses.
     Properties,
     /// Ties, couplings, equations.
     Constraints,
@@ -39,7 +39,7 @@ pub(super) fn fate(key: &str) -> Fate {
         "NSET" | "ELSET" => Read(Phase::Sets),
         "SURFACE" => Read(Phase::Surfaces),
         "MATERIAL" | "ELASTIC" | "DENSITY" => Read(Phase::Materials),
-        "SOLIDSECTION" | "SPRING" => Read(Phase::Properties),
+        "SOLIDSECTION" | "SPRING" | "MASS" => Read(Phase::Properties),
         "TIE" | "COUPLING" | "DISTRIBUTING" | "KINEMATIC" | "DISTRIBUTINGCOUPLING" | "KINEMATICCOUPLING"
         | "EQUATION" | "MPC" => Read(Phase::Constraints),
         "BOUNDARY" | "CLOAD" | "STEP" | "ENDSTEP" | "SUBSTRUCTURELOADCASE" | "LOADCASE" | "ENDLOADCASE" => {
@@ -61,8 +61,8 @@ pub(super) fn fate(key: &str) -> Fate {
         | "SURFACEBEHAVIOR" | "FRICTION" | "CONTACTDAMPING" | "CONTACTCONTROLS" | "CLEARANCE" | "GAP" => {
             Refused("remove contact from the deck and give the joint analysis the names of the two surfaces")
         }
-        "MASS" | "ROTARYINERTIA" | "POINTMASS" | "NONSTRUCTURALMASS" => {
-            Refused("model the mass by solid elements with a density")
+        "ROTARYINERTIA" | "POINTMASS" | "NONSTRUCTURALMASS" => {
+            Refused("model the mass by solid elements with a density, or by *MASS of elements of type MASS")
         }
         "TRANSFORM" => Refused("give supports, loads and equations in global axes"),
         "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" | "PARAMETER" => {

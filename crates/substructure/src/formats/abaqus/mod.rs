@@ -7,11 +7,12 @@
 //! | keyword | read as |
 //! |---|---|
 //! | `*NODE`, `*SYSTEM` | global coordinates; rectangular, cylindrical or spherical |
-//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I`, `C3D8R` (reduced), `C3D4`, `C3D10`, `C3D6`; `SPRING1`, `DCOUP3D` |
+//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I`, `C3D8R` (reduced), `C3D4`, `C3D10`, `C3D6`; `MASS`, `SPRING1`, `DCOUP3D` |
 //! | `*PART`, `*INSTANCE`, `*ASSEMBLY` | copies, moved, then turned; names become `INSTANCE.NAME` and `INSTANCE.12` |
 //! | `*NSET`, `*ELSET`, `*SURFACE` | sets (listed, generated, nested); element faces `S1`-`S6`, or nodes with weights |
 //! | `*MATERIAL`, `*ELASTIC`, `*DENSITY`, `*SOLID SECTION` | isotropic, at one temperature |
 //! | `*SPRING` | of `SPRING1`: to the ground |
+//! | `*MASS` | of `MASS`: at a node, in all three directions |
 //! | `*TIE` | slave nodes on master faces (node to surface, whatever `TYPE` says) |
 //! | `*COUPLING` with `*DISTRIBUTING` or `*KINEMATIC`; `*DISTRIBUTING COUPLING`, `*KINEMATIC COUPLING` | couplings |
 //! | `*EQUATION`, `*MPC` (`BEAM`, `LINK`, `PIN`, `TIE`) | equations, rigid links |
@@ -54,8 +55,8 @@ mod write;
 
 pub use assembly::Choices;
 pub use deck::{
-    AtComponents, Deck, DeckCoupling, DeckCouplingKind, DeckEquation, DeckMaterial, DeckSpring, DeckTie, Ignored,
-    Label, Line, Link, LinkKind, LoadCase, Members, Node, Solid, Step, Surface,
+    AtComponents, Deck, DeckCoupling, DeckCouplingKind, DeckEquation, DeckMass, DeckMaterial, DeckSpring, DeckTie,
+    Ignored, Label, Line, Link, LinkKind, LoadCase, Members, Node, Solid, Step, Surface,
 };
 pub use model::DeckModel;
 pub use text::Includes;

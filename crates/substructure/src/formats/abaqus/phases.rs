@@ -39,7 +39,7 @@ pub(super) fn run(source: &Source) -> Result<Deck, Error> {
         .filter(|(label, _)| !reader.used_points.contains(*label));
     if let Some((label, (.., line))) = idle.min_by_key(|(label, _)| **label) {
         let name = reader.deck.name(*label);
-        let what = "*SPRING or *DISTRIBUTING COUPLING of element";
+        let what = "*MASS, *SPRING or *DISTRIBUTING COUPLING of element";
         return Err(reader.undefined(*line, what, &name));
     }
     Ok(reader.deck)

@@ -1,6 +1,6 @@
-//! Materials, sections and springs.
+//! Materials, sections, springs and point masses.
 
-use super::deck::{DeckMaterial, DeckSpring};
+use super::deck::{DeckMass, DeckMaterial, DeckSpring, Label};
 use super::reader::{Point, Reader};
 use super::text::{Block, excerpt};
 use crate::error::{DeckProblem, Error};
@@ -9,6 +9,7 @@ impl Reader<'_> {
     pub(super) fn property(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
         match block.key.as_str() {
             "SPRING" => self.spring(instance, block),
+            "MASS" => self.mass(instance, block),
             _ => self.section(instance, block),
         }
     }
@@ -114,10 +115,6 @@ impl Reader<'_> {
     /// `*SPRING` of `SPRING1` elements: a component, then a stiffness.
     fn spring(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
         block.allow(self.source, &["ELSET"])?;
-        let set = self.full_name(instance, block.required(self.source, "ELSET")?);
-        let Some(labels) = self.point_sets.get(&set) else {
-            return Err(self.undefined(block.at, "set of SPRING1 elements", &set));
-        };
         let [first, second] = block.data[..] else {
             return Err(self.error(
                 block.at,
@@ -140,21 +137,74 @@ impl Reader<'_> {
         if !(stiffness > 0.0) {
             return Err(second.invalid(self.source, "stiffness", text, "positive (N/m)"));
         }
-        let mut springs = Vec::with_capacity(labels.len());
+        let nodes = self.take_up(
+            instance,
+            block,
+            Point::Spring,
+            ["set of SPRING1 elements", "SPRING1 element"],
+        )?;
+        self.deck.springs.extend(nodes.into_iter().map(|node| DeckSpring {
+            node,
+            component,
+            stiffness,
+            line: block.at,
+        }));
+        Ok(())
+    }
+
+    /// `*MASS` of `MASS` elements.
+    fn mass(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
+        block.allow(self.source, &["ELSET", "TYPE"])?;
+        block.choice(self.source, "TYPE", &["ISOTROPIC"])?;
+        let [line] = block.data[..] else {
+            return Err(self.error(
+                block.at,
+                DeckProblem::Count {
+                    what: "data lines of *MASS (the mass)".into(),
+                    found: block.data.len(),
+                    expected: 1,
+                },
+            ));
+        };
+        let [text] = line.columns::<1>(self.source)?;
+        let mass = line.number(self.source, "mass", text)?;
+        if !(mass > 0.0) {
+            return Err(line.invalid(self.source, "mass", text, "positive (kg)"));
+        }
+        let nodes = self.take_up(instance, block, Point::Mass, ["set of MASS elements", "MASS element"])?;
+        self.deck.masses.extend(nodes.into_iter().map(|node| DeckMass {
+            node,
+            mass,
+            line: block.at,
+        }));
+        Ok(())
+    }
+
+    /// Nodes of the elements in the set of a block, all of one kind, which are in use from now on. `names` are those of
+    /// the set and of an element in messages.
+    fn take_up(
+        &mut self,
+        instance: u32,
+        block: &Block<'_>,
+        kind: Point,
+        names: [&'static str; 2],
+    ) -> Result<Vec<u32>, Error> {
+        let set = self.full_name(instance, block.required(self.source, "ELSET")?);
+        let Some(labels) = self.point_sets.get(&set).cloned() else {
+            return Err(self.undefined(block.at, names[0], &set));
+        };
+        let node = |label: &Label| match self.points.get(label) {
+            Some((found, node, _)) if *found == kind => Ok(*node),
+            _ => Err(self.undefined(block.at, names[1], &self.deck.name(*label))),
+        };
+        let nodes = labels.iter().map(node).collect::<Result<Vec<_>, _>>()?;
+        self.spend(nodes.len(), block.at)?;
         for label in labels {
-            match self.points.get(label) {
-                Some((Point::Spring, node, _)) => springs.push(DeckSpring {
-                    node: *node,
-                    component,
-                    stiffness,
-                    line: block.at,
-                }),
-                _ => return Err(self.undefined(block.at, "SPRING1 element", &self.deck.name(*label))),
+            if !self.used_points.insert(label) {
+                let (name, first) = (self.deck.name(label), self.points[&label].2);
+                return Err(self.duplicate(block.at, "property of element", name, first));
             }
         }
-        self.spend(springs.len(), block.at)?;
-        self.used_points.extend(self.point_sets[&set].iter().copied());
-        self.deck.springs.extend(springs);
-        Ok(())
+        Ok(nodes)
     }
 }

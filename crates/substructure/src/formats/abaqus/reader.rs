@@ -19,9 +19,9 @@ pub(super) struct Reader<'a> {
     instances: HashMap<String, u32>,
     /// Where each instance stands, and is defined.
     pub(super) frames: Vec<(Isometry3<f64>, Line)>,
-    /// `SPRING1` and `DCOUP3D`: element label to node, and the line.
+    /// `MASS`, `SPRING1` and `DCOUP3D`: element label to node, and the line.
     pub(super) points: HashMap<Label, (Point, u32, Line)>,
-    /// Those that a `*SPRING` or a coupling has taken up.
+    /// Those that a `*MASS`, a `*SPRING` or a coupling has taken up.
     pub(super) used_points: HashSet<Label>,
     /// Sets of those.
     pub(super) point_sets: HashMap<String, Vec<Label>>,
@@ -39,6 +39,7 @@ pub(super) struct Reader<'a> {
 /// An element of one node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Point {
+    Mass,
     Spring,
     Coupling,
 }

@@ -29,6 +29,7 @@ pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u
     deck.elements()?;
     deck.groups(surfaces, node_sets)?;
     deck.springs()?;
+    deck.masses()?;
     deck.couplings()?;
     deck.ties()?;
     for equation in &assembly.equations {
@@ -194,6 +195,22 @@ impl Writer<'_> {
                 self.text,
                 "*ELEMENT, TYPE=SPRING1, ELSET=SPRING-{n}\n{}, {node}\n*SPRING, ELSET=SPRING-{n}\n{component}\n\
                  {stiffness:?}",
+                first + i,
+                n = i + 1,
+            );
+        }
+        Ok(())
+    }
+
+    fn masses(&mut self) -> Result<(), Error> {
+        let first = self.assembly.mesh.elements.len() + self.assembly.springs.len() + 1;
+        for (i, point) in self.assembly.masses.iter().enumerate() {
+            let place = format!("point mass {i}");
+            let [node, _] = self.dof(&place, Dof::Node(point.node, 0))?;
+            let mass = finite(&place, point.mass)?;
+            let _ = writeln!(
+                self.text,
+                "*ELEMENT, TYPE=MASS, ELSET=MASS-{n}\n{}, {node}\n*MASS, ELSET=MASS-{n}\n{mass:?}",
                 first + i,
                 n = i + 1,
             );
