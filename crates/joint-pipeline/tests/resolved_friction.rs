@@ -1,5 +1,5 @@
 //! Scenes with friction resolved over asperities, against published backbones and against themselves.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 use brake_reuss_beam::BrakeReussBenchmark;
 use brake_reuss_beam::published::{BACKBONE_FLAT, BACKBONE_TOPOGRAPHY, BACKBONE_VISCOUS_DAMPING, BackbonePoint};
 use joint_pipeline::joint::benchmark::Benchmark as _;
