@@ -133,7 +133,7 @@ pub enum AsperityFriction {
     /// It sticks or slips as a whole.
     StickSlip(HistoryRule),
     /// It slips from its rim inwards: 1 to [`MAX_SLIDERS`] annuli of its contact circle stick or slip, with the shares of stiffness and slip
-    /// limit that follow Mindlin's loading curve ([`mindlin_iwan`](super::mindlin_iwan), with its errors). An annulus remembers its
+    /// limit that follow Mindlin's loading curve ([`mindlin_iwan`], with its errors). An annulus remembers its
     /// force and keeps its place relative to the contact radius.
     Annuli(HistoryRule, usize),
     /// As published: an annulus remembers its traction at its radius, which is interpolated when the contact radius changes. The
