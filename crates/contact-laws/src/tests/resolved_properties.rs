@@ -408,7 +408,8 @@ fn potential_cycles_dissipate() {
         panic!("{error}");
     }
     println!("{} of 300 cycles dissipate", dissipating.get());
-    assert!(dissipating.get() > 150);
+    // About 170 do; the bound is eight standard deviations of that number below it.
+    assert!(dissipating.get() > 100);
 }
 
 /// At constant `u_n` no rule gives energy.
