@@ -13,26 +13,16 @@
 //! - `mindlin_iwan_asperity`: `E, nu, R, Et, Sys, mu, asp_num_quad_points` and the histories `constant_normal` and
 //!   `decreasing_normal` of `x_disp, normal_disp`. A commit at every step. Computed: `x_force, normal_force`.
 
+mod files;
+
 use contact_laws::*;
 use serde_json::{Value, json};
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
-#[allow(clippy::print_stderr)]
 fn main() -> ExitCode {
-    let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let [input, output] = arguments.as_slice() else {
-        eprintln!("usage: evaluate_asperities IN.json OUT.json");
-        return ExitCode::FAILURE;
-    };
-    match run(input, output) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    files::main("evaluate_asperities", run)
 }
 
 /// Reads, evaluates, writes.
@@ -41,14 +31,7 @@ pub(crate) fn run(input: &Path, output: &Path) -> Result<(), String> {
     let text = std::fs::read_to_string(input).map_err(|error| at(input, &error))?;
     let mut file: Value = serde_json::from_str(&text).map_err(|error| at(input, &error))?;
     evaluate(&mut file).map_err(|defect| at(input, &defect))?;
-    let part = output.with_extension(format!("{}.part", std::process::id()));
-    std::fs::write(&part, format!("{file:#}\n"))
-        .and_then(|()| std::fs::rename(&part, output))
-        .map_err(|error| {
-            // The error to report is the first one.
-            let _ = std::fs::remove_file(&part);
-            at(output, &error)
-        })
+    files::write_whole(output, &format!("{file:#}\n")).map_err(|error| at(output, &error))
 }
 
 /// What is wrong with a part of the file, and where.

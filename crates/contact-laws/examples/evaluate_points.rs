@@ -7,29 +7,19 @@
 //! y, n; Pa) and the tangent `J` (xx, xy, xn, yx, yy, yn, nn; Pa/m) of every point. It is written whole or not at
 //! all.
 
+mod files;
+
 use std::fmt;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use contact_laws::*;
 use serde_json::{Value, json};
 
-#[allow(clippy::print_stderr)]
 fn main() -> ExitCode {
-    let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let [input, output] = arguments.as_slice() else {
-        eprintln!("usage: evaluate_points IN.json OUT.json");
-        return ExitCode::FAILURE;
-    };
-    match run(input, output) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    files::main("evaluate_points", run)
 }
 
 /// Reads, evaluates, writes.
@@ -41,7 +31,7 @@ pub(crate) fn run(input: &Path, output: &Path) -> Result<(), Failure> {
     let text = fs::read_to_string(input).map_err(|error| failed(Defect::Io(error)))?;
     let value = serde_json::from_str(&text).map_err(|error| failed(Defect::Json(error)))?;
     let answer = Points::read(&value).and_then(Points::evaluate).map_err(failed)?;
-    write_whole(output, &answer).map_err(|error| Failure {
+    files::write_whole(output, &answer.to_string()).map_err(|error| Failure {
         file: output.into(),
         defect: Defect::Io(error),
     })
@@ -268,22 +258,4 @@ fn vectors<const M: usize>(file: &Value, name: &str, n: usize) -> Result<[Vec<f6
         }
     }
     Ok(found)
-}
-
-/// Writes beside the file and then takes its place, so that nobody ever finds a part of it.
-fn write_whole(path: &Path, value: &Value) -> io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let written = fs::File::create(&part)
-        .and_then(|mut file| {
-            file.write_all(value.to_string().as_bytes())?;
-            file.sync_all()
-        })
-        .and_then(|()| fs::rename(&part, path));
-    if written.is_err() {
-        // The error to report is the first one.
-        let _ = fs::remove_file(&part);
-    }
-    written
 }

@@ -31,11 +31,7 @@ fn scene(name: &str) -> Scene {
 }
 
 fn embedded(name: &str) -> Scene {
-    let (_, text) = BrakeReussBenchmark
-        .scenes()
-        .iter()
-        .find(|(own, _)| *own == name)
-        .unwrap();
+    let text = BrakeReussBenchmark.scene(name).unwrap();
     Scene::from_json(text, name, name, &[&BrakeReussBenchmark]).unwrap()
 }
 

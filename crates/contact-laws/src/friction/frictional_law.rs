@@ -6,7 +6,7 @@ use super::block_start::{Present, Start};
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::{HistoryRule, Needs};
 use super::return_map::{Block, Workspace};
-use super::{JUMP, MU, require_friction};
+use super::{JUMP, MU, has_friction, require_friction};
 use crate::curves::{CurveBlock, PointCurves};
 use crate::error::Error;
 use crate::law::{
@@ -177,12 +177,7 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
     }
 
     fn dissipates(&self) -> bool {
-        let different = if self.mu.is_uniform() {
-            self.mu.len().min(1)
-        } else {
-            self.mu.len()
-        };
-        (0..different).any(|point| *self.mu.at(point) != 0.0)
+        has_friction(&self.mu)
     }
 
     fn contact_area_ratio(&self, point: usize, u_n: f64) -> Option<f64> {

@@ -126,6 +126,11 @@ pub(crate) const JUMP: [Quantity; 3] = [
 /// Friction coefficient, as it appears in every law's parameters.
 pub(crate) const MU: Quantity = Quantity::new("mu", "1");
 
+/// Whether any point has friction.
+pub(crate) fn has_friction(mu: &PointParameters<f64>) -> bool {
+    !mu.is_empty() && mu.sets().iter().any(|mu| *mu != 0.0)
+}
+
 /// Refuses friction coefficients that are negative or not finite, or not one per point.
 pub(crate) fn require_friction(mu: &PointParameters<f64>, n_points: usize) -> Result<(), Error> {
     if mu.len() != n_points {

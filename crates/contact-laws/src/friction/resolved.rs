@@ -97,7 +97,7 @@ use super::mindlin_iwan::{self, MAX_SLIDERS};
 use super::radii::{Circle, MAX_RADII, Radii, Reaction};
 use super::return_map::{Block, OPEN, SLIP, STICK, Workspace};
 use super::rule::{Memory, StiffnessAt};
-use super::{JUMP, MU, require_friction};
+use super::{JUMP, MU, has_friction, require_friction};
 use crate::curves::CurveBlock;
 use crate::error::{Error, Place, require};
 use crate::law::{
@@ -424,6 +424,7 @@ impl ResolvedLaw {
             (true, false) => &UNCOUPLED,
             (true, true) => &[0, 1, 2, 3, 4, 5, 6, 7, 8],
         };
+        // A bin remembers its tangential force, then its dent if it can have one.
         let n_dent = if tables.yields { 2 } else { 0 };
         let n_memory = (self.info.n_state() - N_JUMP).checked_div(tables.n_bins).unwrap_or(0);
         let m = jump[0].len();
@@ -482,6 +483,7 @@ impl ResolvedLaw {
             tables.gather(&tables.gaps, j, sets, one_set, &mut gap.0[..m]);
             tables.gather(&tables.densities, j, sets, one_set, &mut density.0[..m]);
             let base = N_JUMP + j * n_memory;
+            let dent_base = base + n_memory - n_dent;
             let begin: [&[f64]; 5] = core::array::from_fn(|c| {
                 if c < N_JUMP {
                     rows.begin(c)
@@ -491,7 +493,7 @@ impl ResolvedLaw {
             });
             let dent = tables
                 .yields
-                .then(|| [n_dent, n_dent - 1].map(|c| rows.begin(base + n_memory - c)));
+                .then(|| [rows.begin(dent_base), rows.begin(dent_base + 1)]);
             run(Elastic {
                 u_n: jump[2],
                 u_n0: begin[2],
@@ -593,14 +595,13 @@ impl ResolvedLaw {
                     }
                 }
             } else {
-                for component in base..base + n_memory - n_dent {
+                for component in base..dent_base {
                     let [end] = rows.end::<1>(component);
                     end.copy_from_slice(&fill.0[..m]);
                 }
             }
-            if let Some([interference, force]) = dent {
-                let (w_0, f_0) = (interference, force);
-                let [end_w, end_f] = rows.end::<2>(base + n_memory - n_dent);
+            if let Some([w_0, f_0]) = dent {
+                let [end_w, end_f] = rows.end::<2>(dent_base);
                 for i in 0..m {
                     let further = (u_n.0[i] > 0.0) & (approach.interference.0[i] > w_0[i]);
                     end_w[i] = fill.0[i] + if further { approach.interference.0[i] } else { w_0[i] };
@@ -758,7 +759,7 @@ impl TractionLaw for ResolvedLaw {
     }
 
     fn dissipates(&self) -> bool {
-        self.tables.yields || self.mu.sets().iter().any(|mu| *mu != 0.0)
+        self.tables.yields || has_friction(&self.mu)
     }
 
     fn slips_in_parts(&self) -> bool {

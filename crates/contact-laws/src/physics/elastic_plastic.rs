@@ -43,11 +43,12 @@
 //!
 //!   For `nu = 0.3` it is 0.44 to 0.48 % for `S/E` from 0.0005 to 0.005 and `H/E` up to 0.015, and 0.09 % for `H/E = 0.5`.
 //! - At `w = d` the force is continuous, the contact radius is not: unloading begins with `sqrt(R d)`, which is less than what
-//!   first loading ends with. So the tangential stiffness depends on whether the load rises or falls.
+//!   first loading ends with: for `S/E = 0.0017` and `H/E = 0.003` by 3 % at 3, 11 % at 10 and 30 % at 100
+//!   times `delta_y`. So the tangential stiffness depends on whether the load rises or falls.
 //!
 //! Across a jump there need not be an equilibrium. With [`YieldCurves::Continuous`] the radius never jumps, and the force does not jump
 //! up: contact is elastic until the published plastic force falls below the elastic one. (Where it is below at `1.9 delta_y` already, for `nu`
-//! of 0.4 and more, the jump down stays.) And the radius of first loading is that with which unloading begins.
+//! of 0.4 and more, the jump down stays.) The radius of first loading is that with which unloading begins.
 //!
 //! Sources: loading H. Ghaednia et al., *Strain hardening from elastic-perfectly plastic to perfectly elastic
 //! indentation single asperity contact*, Front. Mech. Eng. 5 (2019) 60; unloading M. R. W. Brake, *An analytical

@@ -181,6 +181,21 @@ fn jump(formulas: &Formulas) -> [f64; 2] {
     ]
 }
 
+/// By how much the published radius falls where unloading begins, as the documentation says.
+#[test]
+fn jump_of_the_radius() {
+    let formulas = published()[1];
+    let asperity = formulas.asperity();
+    for (ratio, stated) in [(3.0, 0.03), (10.0, 0.115), (100.0, 0.298)] {
+        let w = ratio * formulas.delta_y().unwrap();
+        let (loading, dent) = asperity.contact(w, Dent::default());
+        let unloading = asperity.contact(w, dent).0;
+        let jump = loading.radius.value / unloading.radius.value - 1.0;
+        assert!((jump - stated).abs() < 1e-3, "{ratio}: {jump}");
+        assert!(relative(loading.force.value, unloading.force.value) < 1e-12);
+    }
+}
+
 /// Continuous curves: the force does not jump at the onset, beyond it the published force is below the elastic one, and the radius
 /// of first loading is that with which unloading begins.
 #[test]

@@ -2,6 +2,7 @@ mod adhesion;
 mod asperities;
 mod authors_points;
 mod batches;
+mod bins;
 mod closed_forms;
 mod dual;
 mod elastic_plastic;

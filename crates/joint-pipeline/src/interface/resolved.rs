@@ -20,6 +20,9 @@ const SHIFTS: usize = 16;
 /// Numbers of bins that are tried.
 const COUNTS: [usize; 12] = [4, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128];
 
+/// Bins that errors are measured against.
+const FINEST: usize = 1000;
+
 /// Populations at which errors are measured, if there are more.
 const MEASURED: usize = 8;
 
@@ -68,13 +71,10 @@ impl Source<'_> {
         })
     }
 
-    fn errors(&self, bins: Bins, count: usize) -> Result<[f64; 3], Error> {
+    /// Errors of bins against others of the same population.
+    fn errors(&self, bins: Bins, count: usize, reference: &AsperityBins) -> Result<[f64; 3], Error> {
         let places: Vec<usize> = (0..SHIFTS).collect();
         let found = self.bins(bins, count, &places)?;
-        let finest = AsperityBins::gauss(self.asperity, self.population, 1000, self.reach, &[0.0])?;
-        let [reference] = finest.as_slice() else {
-            return Ok([0.0; 3]);
-        };
         Ok(AsperityBins::errors(&found, reference, self.reach, SMALLEST_AMPLITUDE))
     }
 }
@@ -145,16 +145,21 @@ impl Asperities {
 /// Gauss bins per point, and the errors measured with them.
 fn count(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3]), Error> {
     let every = sources.len().div_ceil(MEASURED).max(1);
-    let measured: Vec<&Source<'_>> = sources.iter().step_by(every).collect();
+    let mut measured = Vec::with_capacity(MEASURED);
+    for source in sources.iter().step_by(every) {
+        let finest = AsperityBins::gauss(source.asperity, source.population, FINEST, source.reach, &[0.0])?;
+        measured.extend(finest.into_iter().map(|finest| (source, finest)));
+    }
     let errors = |count: usize| -> Result<[f64; 3], Error> {
-        let of_each = measured.par_iter().map(|source| source.errors(bins, count));
+        let of_each = measured
+            .par_iter()
+            .map(|(source, finest)| source.errors(bins, count, finest));
         let of_each = of_each.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
         let largest = |q: usize| of_each.iter().map(|errors| errors[q]).fold(0.0, f64::max);
         Ok([0, 1, 2].map(largest))
     };
     match bins {
-        Bins::Gauss(n) => Ok((n, errors(n)?)),
-        Bins::EquallySpaced(n) => Ok((n, errors(n)?)),
+        Bins::Gauss(n) | Bins::EquallySpaced(n) => Ok((n, errors(n)?)),
         Bins::Error(target) => {
             let mut best = f64::INFINITY;
             for count in COUNTS {

@@ -17,7 +17,7 @@ pub trait Benchmark: Sync {
     /// Name in scenes, such as `brake-reuss-beam`.
     fn name(&self) -> &'static str;
 
-    /// What it is called for short; its scenes begin with it.
+    /// What it is called for short: `SHORT-quick` is its scaled-down scene.
     fn short_name(&self) -> &'static str;
 
     /// Name in reports.
@@ -29,6 +29,12 @@ pub trait Benchmark: Sync {
 
     /// Scenes that come with the benchmark: names, and texts of scene files. The first is the one to begin with.
     fn scenes(&self) -> &'static [(&'static str, &'static str)];
+
+    /// Text of the scene of a name.
+    fn scene(&self, name: &str) -> Option<&'static str> {
+        let mut scenes = self.scenes().iter();
+        scenes.find_map(|(own, text)| (*own == name).then_some(*text))
+    }
 
     /// Meshes the benchmark; bolts are loaded by unit tension.
     ///

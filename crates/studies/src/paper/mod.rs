@@ -245,8 +245,7 @@ impl Inputs {
     /// # Errors
     /// Of a scene that is not there.
     pub(crate) fn benchmark(&self, name: &str) -> Result<Scene> {
-        let scenes = BrakeReussBenchmark.scenes().iter();
-        let text = scenes.filter(|(own, _)| *own == name).map(|(_, text)| *text).next();
+        let text = BrakeReussBenchmark.scene(name);
         let text = text.ok_or_else(|| anyhow!("the benchmark has no scene {name}"))?;
         let mut scene = Scene::from_json(text, name, name, &[&BrakeReussBenchmark])?;
         if self.quick {

@@ -1,0 +1,48 @@
+//! The errors of bins on a measured surface: the table of the documentation.
+
+use super::reference;
+use crate::*;
+
+/// Errors in the order of the table: normal traction, tangential stiffness, energy from 0.1 and from 0.01 of gross slip.
+fn errors(bins: &[AsperityBins], finest: &AsperityBins, reach: f64) -> [f64; 4] {
+    let [normal, tangential, energy] = AsperityBins::errors(bins, finest, reach, 0.1);
+    let [_, _, small] = AsperityBins::errors(bins, finest, reach, 0.01);
+    [normal, tangential, energy, small]
+}
+
+#[test]
+fn few_gauss_bins_do_what_many_equally_spaced_ones_do() {
+    let Some(data) = reference("brb_surface.json") else {
+        return;
+    };
+    let number = |name: &str| data[name].as_f64().unwrap();
+    let values = data["asperity_gap_quantiles"]["values"].as_array().unwrap();
+    let values: Vec<f64> = values.iter().map(|value| value.as_f64().unwrap()).collect();
+    let probabilities: Vec<f64> = (0..values.len())
+        .map(|i| i as f64 / (values.len() - 1) as f64)
+        .collect();
+    let gaps = GapDistribution::try_from_quantiles(&probabilities, &values).unwrap();
+    let radius = number("effective_radius");
+    let population = AsperityPopulation::try_new(gaps, number("asperities_per_area"), [radius; 2]).unwrap();
+    let asperity = Asperity::try_new(ElasticPair::new(192.31e9, 0.3), radius, None).unwrap();
+
+    let reach = 18e-6;
+    let gauss = |n, shifts: &[f64]| AsperityBins::gauss(asperity, &population, n, reach, shifts).unwrap();
+    let finest = &gauss(1000, &[0.0])[0];
+    let shifts: Vec<f64> = (0..16)
+        .map(|i| (0.5 + f64::from(i) * 0.618_033_988_749_895).fract())
+        .collect();
+    let spaced = AsperityBins::equally_spaced(asperity, &population, 101).unwrap();
+    for (name, bins, stated) in [
+        ("8", gauss(8, &shifts), [5.2e-5, 1.1e-5, 2.4e-3, 0.02]),
+        ("12", gauss(12, &shifts), [1.4e-5, 1.4e-5, 6.4e-4, 0.041]),
+        ("16", gauss(16, &shifts), [5.5e-6, 8.7e-5, 4.6e-4, 0.038]),
+        ("101 equally spaced", vec![spaced], [3.1e-4, 3.4e-5, 9.6e-4, 0.057]),
+    ] {
+        let found = errors(&bins, finest, reach);
+        println!("{name}: {}", found.map(|e| format!("{e:.1e}")).join(" "));
+        for (found, stated) in found.into_iter().zip(stated) {
+            assert!(found <= stated && found > 0.5 * stated, "{name}: {found:e} {stated:e}");
+        }
+    }
+}
