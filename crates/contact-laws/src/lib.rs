@@ -104,6 +104,7 @@ pub use physics::elastic_plastic::{Asperity, Contact, Dent, Unloading, Yield, Yi
 pub use physics::heights::HeightDistribution;
 pub use physics::hertz::ElasticPair;
 pub use physics::population::{AsperityPopulation, GapDistribution};
-pub use physics::{adhesion, elastic_plastic, hertz, mindlin};
+pub use physics::slip_limit::AsperityLimit;
+pub use physics::{adhesion, elastic_plastic, hertz, mindlin, slip_limit};
 pub use simd::elementary::Real;
 pub use simd::instruction_set;

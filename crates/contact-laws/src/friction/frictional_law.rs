@@ -132,6 +132,7 @@ impl<C: PointCurves> FrictionalLaw<C> {
                 jump,
                 begin,
                 mu,
+                mu_slope: mu,
                 u_n: &u_n,
                 present,
                 curves: &curves,

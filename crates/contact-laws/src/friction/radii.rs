@@ -110,8 +110,9 @@ impl Node {
 /// One asperity and its path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Circle {
-    /// Normal force (N) and contact radius (m) with their derivatives with respect to the interference.
-    pub(super) force: [f64; 2],
+    /// Normal force (N).
+    pub(super) force: f64,
+    /// Contact radius (m) with its derivative with respect to the interference.
     pub(super) radius: [f64; 2],
     /// `k_t/a` (Pa).
     pub(super) modulus: f64,
@@ -119,7 +120,8 @@ pub(super) struct Circle {
     pub(super) radius_before: f64,
     /// Change of the tangential jump (m).
     pub(super) du: [f64; 2],
-    pub(super) mu: f64,
+    /// Slip limit (N) with its derivative.
+    pub(super) limit: [f64; 2],
     pub(super) cone: Cone,
     pub(super) unlimited: bool,
 }
@@ -138,12 +140,12 @@ impl Radii {
     /// Tangential force of an asperity. `before` holds the tractions remembered at the radii, `after` takes the new ones.
     pub(super) fn react(&self, circle: &Circle, before: &[[f64; 2]], after: &mut [[f64; 2]]) -> Reaction {
         let Circle {
-            force: [force, force_slope],
+            force,
             radius: [a, a_slope],
             modulus,
             radius_before,
             du,
-            mu,
+            limit: [total, total_slope],
             cone,
             unlimited,
         } = *circle;
@@ -157,13 +159,13 @@ impl Radii {
             after.fill([0.0; 2]);
             return reaction;
         }
-        let (growth, load_growth) = (a_slope / a, force_slope / force);
+        let growth = a_slope / a;
         let stretch = if radius_before > 0.0 {
             a / radius_before
         } else {
             f64::INFINITY
         };
-        let mean_limit = within(mu * force, LARGEST) / area;
+        let [mean_limit, mean_slope] = [total, total_slope].map(|total| within(total, LARGEST) / area);
         let mean_stiffness = modulus / (PI * a);
         let mut cursor = 0;
         for (node, after) in self.nodes.iter().zip(after) {
@@ -182,7 +184,7 @@ impl Radii {
                 };
                 closing[q] = (moved - k * du[q]) * growth;
             }
-            let limit_slope = limit * (load_growth - 2.0 * growth);
+            let limit_slope = mean_slope * node.limit - 2.0 * limit * growth;
             let cut = if unlimited {
                 Cut::stuck(trial, k, closing)
             } else {

@@ -14,7 +14,8 @@
 //! unloading. How the tangential force `T_j` follows from the history is the [`HistoryRule`], with forces in the place of
 //! tractions and the interference beyond the residual depth in the place of `u_n`; its limit is a [`Cone`]. Or every
 //! asperity slips from its rim inwards ([`AsperityFriction::Annuli`], [`AsperityFriction::MindlinIwan`],
-//! [`radii`](super::radii)).
+//! [`radii`](super::radii)). In the place of `mu F_j` asperities that yield can have a [limit](crate::slip_limit) that follows
+//! from their strength.
 //!
 //! # Exponential gaps
 //! The number of asperities of an exponential tail of heights falls with the interference as `exp(-w/s)`. Where all have been
@@ -41,6 +42,8 @@
 //! | `Paper` | 72 % | 69 % | 69 % |
 //! | `Annuli` with `Incremental` | 1.7 % | 1.4 % | |
 //! | `MindlinIwan`, 7 radii, 600 paths | 2.8 % | | 3.2 % |
+//! | `Incremental`, limit `Ceb`, relative to `t_n \|du_t\|` | | 5.1 % | |
+//! | `Incremental`, limit `ShearStrength`, relative to `t_n \|du_t\|` | | 2.7 % | |
 //!
 //! # Parameters and state
 //! | quantity | unit |
@@ -48,7 +51,7 @@
 //! | Young's modulus, Poisson's ratio, radius of the asperities | Pa, 1, m |
 //! | yield strength, tangent modulus, if they yield | Pa |
 //! | gap and density of every bin | m, 1/m^2 |
-//! | friction coefficient `mu`, per point | 1 |
+//! | friction coefficient `mu`, per point, with Coulomb's limit | 1 |
 //! | state `u_x, u_y, u_n` of the point committed last | m |
 //! | state of every bin, or of every annulus: `f_x, f_y`, with `Potential` `e_x, e_y` | N, m |
 //! | with `MindlinIwan` instead the contact radius and `t_x, t_y` at every radius | m, Pa |
@@ -108,7 +111,8 @@ use crate::law::{
 use crate::math::Float as _;
 use crate::parameters::PointParameters;
 use crate::physics::bins::AsperityBins;
-use crate::physics::elastic_plastic::Asperity;
+use crate::physics::elastic_plastic::{Asperity, Dent};
+use crate::physics::slip_limit::AsperityLimit;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::elementary::{max, min};
 use crate::simd::{BLOCK, Lanes, Pass, SHORT_BLOCK, part, part_mut, run};
@@ -189,6 +193,7 @@ pub struct ResolvedLaw {
     mu: PointParameters<f64>,
     friction: AsperityFriction,
     cone: Cone,
+    limit: AsperityLimit,
     tables: Tables,
     /// Of slip limit and stiffness, of the annuli.
     shares: Vec<[f64; 2]>,
@@ -313,10 +318,36 @@ impl ResolvedLaw {
             mu,
             friction,
             cone,
+            limit: AsperityLimit::default(),
             tables,
             shares,
             info,
         })
+    }
+
+    /// The same law with another limit of the asperities' tangential forces. Of [`AsperityLimit::Ceb`] and
+    /// [`AsperityLimit::ShearStrength`] `mu` is no parameter.
+    ///
+    /// # Errors
+    /// [`Error::Combination`] for another limit than Coulomb's where some asperities do not yield.
+    pub fn with_limit(mut self, limit: AsperityLimit) -> Result<Self, Error> {
+        let coulomb = limit == AsperityLimit::Coulomb;
+        if !coulomb && !self.tables.onset.iter().all(|onset| onset.is_finite()) {
+            return Err(Error::Combination {
+                first: "elastic asperities",
+                second: "a slip limit that follows from the yield strength",
+                remedy: "give the yield strength, or take Coulomb's limit",
+            });
+        }
+        self.info.parameters.retain(|parameter| *parameter != MU);
+        self.info.parameters.extend(coulomb.then_some(MU));
+        self.limit = limit;
+        Ok(self)
+    }
+
+    /// What limits the asperities' tangential forces.
+    pub fn limit(&self) -> AsperityLimit {
+        self.limit
     }
 
     /// The bins of every point.
@@ -436,6 +467,7 @@ impl ResolvedLaw {
             mindlin,
             onset,
             mu,
+            ratio,
             fill,
             approach,
             u_n,
@@ -538,6 +570,13 @@ impl ResolvedLaw {
                 if let Some([interference, _]) = dent {
                     self.load(sets, interference, approach, onset, u_n, middle, stiffness, curves);
                 }
+                let [mu, mu_slope] = match (dent, sticking) {
+                    (Some(dent), Sticking::Coulomb | Sticking::Full) if self.limit != AsperityLimit::Coulomb => {
+                        self.limits(sets, dent, approach, u_n, curves, ratio);
+                        [&ratio[0], &ratio[1]]
+                    }
+                    _ => [&*mu, &*mu],
+                };
                 let mut stick_or_slip = |history: HistoryRule,
                                          curves: &CurveBlock<B>,
                                          memory: usize,
@@ -547,6 +586,7 @@ impl ResolvedLaw {
                         jump,
                         begin: [begin[0], begin[1], begin[2], rows.begin(memory), rows.begin(memory + 1)],
                         mu: &mu.0[..m],
+                        mu_slope: &mu_slope.0[..m],
                         u_n,
                         present,
                         curves,
@@ -583,7 +623,7 @@ impl ResolvedLaw {
                                 i,
                                 base,
                                 modulus,
-                                mu: mu.0[i],
+                                mu: [mu.0[i], mu_slope.0[i]],
                                 u_n: u_n.0[i],
                                 fill: fill.0[i],
                             };
@@ -639,12 +679,15 @@ impl ResolvedLaw {
         let (radius, reaction) = if u_n > 0.0 {
             let [k, slope] = [&curves.tangential, &curves.tangential_slope].map(|of| bounded(of[0].0[i]) / modulus);
             let circle = Circle {
-                force: [bounded(curves.normal.0[i]), bounded(curves.normal_slope.0[i])],
+                force: bounded(curves.normal.0[i]),
                 radius: [k, slope],
                 modulus,
                 radius_before: rows.begin(base)[i],
                 du: [0, 1].map(|q| bounded(jump[q][i] - begin[q][i])),
-                mu,
+                limit: [
+                    mu[0] * bounded(curves.normal.0[i]),
+                    mu[1] * bounded(curves.normal_slope.0[i]),
+                ],
                 cone: self.cone,
                 unlimited: sticking == Sticking::Full,
             };
@@ -689,6 +732,33 @@ impl ResolvedLaw {
             (false, _) => OPEN,
             (true, false) => STICK,
             (true, true) => SLIP,
+        }
+    }
+
+    /// Slip limits over normal forces, and the same of their derivatives, asperity by asperity.
+    fn limits<const B: usize>(
+        &self,
+        sets: &[u32],
+        [interference, force]: [&[f64]; 2],
+        approach: &Approach<B>,
+        u_n: &Lanes<f64, B>,
+        curves: &CurveBlock<B>,
+        ratio: &mut [Lanes<f64, B>; 2],
+    ) {
+        for (i, &set) in sets.iter().enumerate() {
+            let asperity = &self.tables.asperities[set as usize];
+            let dent = Dent {
+                interference: interference[i],
+                force: force[i],
+            };
+            let closed = u_n.0[i] > 0.0;
+            let limit = closed
+                .then(|| asperity.slip_limit(self.limit, approach.interference.0[i], dent))
+                .flatten()
+                .unwrap_or_default();
+            let over = |limit: f64, of: f64| if of > 0.0 { bounded(limit / of) } else { 0.0 };
+            ratio[0].0[i] = over(limit.value, curves.normal.0[i]);
+            ratio[1].0[i] = over(limit.slope, curves.normal_slope.0[i]);
         }
     }
 
@@ -797,7 +867,8 @@ struct Lane {
     /// First state component of the bin.
     base: usize,
     modulus: f64,
-    mu: f64,
+    /// Slip limit over the normal force, and the same of their derivatives.
+    mu: [f64; 2],
     /// Interference beyond the residual depth, zero where open, NaN where the input is no number (m).
     u_n: f64,
     fill: f64,
@@ -833,6 +904,8 @@ struct Room<const B: usize> {
     mindlin: Lanes<f64, B>,
     onset: Lanes<f64, B>,
     mu: Lanes<f64, B>,
+    /// Slip limits over normal forces, and the same of their derivatives.
+    ratio: [Lanes<f64, B>; 2],
     fill: Lanes<f64, B>,
     approach: Approach<B>,
     u_n: Lanes<f64, B>,
@@ -911,6 +984,7 @@ impl<const B: usize> Room<B> {
             mindlin: zero,
             onset: zero,
             mu: zero,
+            ratio: [zero; 2],
             fill: zero,
             approach: Approach {
                 interference: zero,

@@ -19,7 +19,10 @@ use crate::simd::{Lanes, Pass, run};
 pub(crate) struct Block<'a, const B: usize> {
     pub(crate) jump: [&'a [f64]; 3],
     pub(crate) begin: [&'a [f64]; 5],
+    /// Slip limit over the normal traction of the curves, not negative.
     pub(crate) mu: &'a [f64],
+    /// Its derivative over that of the normal traction: with Coulomb's limit the same.
+    pub(crate) mu_slope: &'a [f64],
     /// Interferences from [`Start`](super::block_start::Start).
     pub(crate) u_n: &'a Lanes<f64, B>,
     pub(crate) present: Present,
@@ -304,7 +307,6 @@ impl<R: FrictionRule, const B: usize> Pass for SlipLimits<'_, '_, R, B> {
             ..
         } = &mut *block.workspace;
         *sum = limits(
-            rule,
             unlimited,
             block.mu,
             block.u_n,
@@ -342,8 +344,7 @@ impl<R: FrictionRule, const B: usize> Pass for SlipLimits<'_, '_, R, B> {
 
 /// Regimes, and where points slip the direction and what is left of the trial, eq. (20).
 #[inline(always)]
-fn limits<R: FrictionRule, const B: usize>(
-    rule: R,
+fn limits<const B: usize>(
     unlimited: bool,
     mu: &[f64],
     u_n: &Lanes<f64, B>,
@@ -361,7 +362,7 @@ fn limits<R: FrictionRule, const B: usize>(
     let mut sum = 0;
     for i in 0..n {
         let (x, y, scale) = scaled(trial_x.0[i], trial_y.0[i]);
-        let limit = rule.slip_limit(mu[i], bounded(normal.0[i])).value;
+        let limit = mu[i] * bounded(normal.0[i]);
         let limit = if unlimited { f64::MAX } else { limit };
         let sticks = (x * x + y * y <= (limit * scale) * (limit * scale)) & (limit > 0.0);
         let code = if sticks { STICK } else { SLIP };
@@ -379,7 +380,7 @@ fn limits<R: FrictionRule, const B: usize>(
     }
     for i in 0..n {
         let (x, y, scale) = scaled(trial_x.0[i], trial_y.0[i]);
-        let limit = rule.slip_limit(mu[i], bounded(normal.0[i])).value;
+        let limit = mu[i] * bounded(normal.0[i]);
         // A limit of zero leaves nothing to differentiate and needs no direction.
         let directed = (regime.0[i] == SLIP) & (limit > 0.0);
         let length = (x * x + y * y).sqrt();
@@ -436,7 +437,7 @@ fn tractions<R: FrictionRule, const B: usize>(
     let [curvature_x, curvature_y] = &curves.tangential_curvature;
     for i in 0..n {
         let normal = bounded(curves.normal.0[i]);
-        let limit = rule.slip_limit(mu[i], normal).value;
+        let limit = mu[i] * normal;
         let limit = if unlimited { 0.0 } else { limit };
         let sticks = regime.0[i] == STICK;
         let t_x = if sticks { trial_x.0[i] } else { limit * direction_x.0[i] };
@@ -466,7 +467,7 @@ fn tractions<R: FrictionRule, const B: usize>(
 }
 
 /// Consistent tangent: with the direction of slip `d`, `t = limit d`, so
-/// `dt = (limit/|trial|) (I - d d) d(trial) + mu t_n' d du_n`.
+/// `dt = (limit/|trial|) (I - d d) d(trial) + limit' d du_n`.
 struct Tangents<'a, 'b, R, const B: usize>(&'a mut Block<'b, B>, R);
 
 impl<R: FrictionRule, const B: usize> Pass for Tangents<'_, '_, R, B> {
@@ -477,8 +478,7 @@ impl<R: FrictionRule, const B: usize> Pass for Tangents<'_, '_, R, B> {
             return;
         };
         tangential_rows(
-            rule,
-            block.mu,
+            block.mu_slope,
             block.u_n,
             block.curves,
             block.workspace,
@@ -489,24 +489,29 @@ impl<R: FrictionRule, const B: usize> Pass for Tangents<'_, '_, R, B> {
             yy,
             yn,
         );
-        normal_row(rule, block.mu, block.u_n, block.curves, block.workspace, nx, ny, nn);
+        normal_row(
+            rule,
+            block.mu_slope,
+            block.u_n,
+            block.curves,
+            block.workspace,
+            nx,
+            ny,
+            nn,
+        );
     }
 }
 
 /// Derivative of the slip limit with respect to the interference.
 #[inline(always)]
-fn limit_slope<R: FrictionRule>(rule: R, mu: f64, normal: f64, normal_slope: f64) -> f64 {
-    within(
-        rule.slip_limit(mu, bounded(normal)).slope * bounded(normal_slope),
-        TRACTION,
-    )
+fn limit_slope(mu_slope: f64, normal_slope: f64) -> f64 {
+    within(mu_slope * bounded(normal_slope), TRACTION)
 }
 
 /// Rows of the tangential tractions.
 #[inline(always)]
-fn tangential_rows<R: FrictionRule, const B: usize>(
-    rule: R,
-    mu: &[f64],
+fn tangential_rows<const B: usize>(
+    mu_slope: &[f64],
     u_n: &Lanes<f64, B>,
     curves: &CurveBlock<B>,
     workspace: &Workspace<B>,
@@ -517,8 +522,8 @@ fn tangential_rows<R: FrictionRule, const B: usize>(
     yy: &mut [f64],
     yn: &mut [f64],
 ) {
-    let n = mu.len().min(B);
-    let mu = &mu[..n];
+    let n = mu_slope.len().min(B);
+    let mu_slope = &mu_slope[..n];
     let (xx, xy, xn) = (&mut xx[..n], &mut xy[..n], &mut xn[..n]);
     let (yx, yy, yn) = (&mut yx[..n], &mut yy[..n], &mut yn[..n]);
     let ([along_x, along_y], [closing_x, closing_y]) = (&workspace.along, &workspace.closing);
@@ -530,7 +535,7 @@ fn tangential_rows<R: FrictionRule, const B: usize>(
         let across_x = if sticks { 1.0 } else { ratio * d_y * d_y };
         let across_y = if sticks { 1.0 } else { ratio * d_x * d_x };
         let mixed = -(ratio * d_x * d_y);
-        let slip_slope = limit_slope(rule, mu[i], curves.normal.0[i], curves.normal_slope.0[i]);
+        let slip_slope = limit_slope(mu_slope[i], curves.normal_slope.0[i]);
         let closed = u_n.0[i] > 0.0;
         let fill = 0.0 * u_n.0[i];
         let with_x_n = across_x * closing_x + mixed * closing_y + slip_slope * d_x;
@@ -548,7 +553,7 @@ fn tangential_rows<R: FrictionRule, const B: usize>(
 #[inline(always)]
 fn normal_row<R: FrictionRule, const B: usize>(
     rule: R,
-    mu: &[f64],
+    mu_slope: &[f64],
     u_n: &Lanes<f64, B>,
     curves: &CurveBlock<B>,
     workspace: &Workspace<B>,
@@ -556,8 +561,8 @@ fn normal_row<R: FrictionRule, const B: usize>(
     ny: &mut [f64],
     nn: &mut [f64],
 ) {
-    let n = mu.len().min(B);
-    let mu = &mu[..n];
+    let n = mu_slope.len().min(B);
+    let mu_slope = &mu_slope[..n];
     let (nx, ny, nn) = (&mut nx[..n], &mut ny[..n], &mut nn[..n]);
     let ([along_x, along_y], [closing_x, closing_y]) = (&workspace.along, &workspace.closing);
     let ([stretch_x, stretch_y], [direction_x, direction_y]) = (&workspace.stretch, &workspace.direction);
@@ -585,7 +590,7 @@ fn normal_row<R: FrictionRule, const B: usize>(
             let limit_slope = if workspace.regime.0[i] == STICK {
                 0.0
             } else {
-                limit_slope(rule, mu[i], curves.normal.0[i], curves.normal_slope.0[i])
+                limit_slope(mu_slope[i], curves.normal_slope.0[i])
             };
             let along_slip = ratio * (d_x * closing_x.0[i] + d_y * closing_y.0[i]);
             let stretching = ratio * (weight_x * stretch_slope_x.0[i] + weight_y * stretch_slope_y.0[i]);

@@ -3,7 +3,7 @@
 use crate::jet::Jet;
 use crate::law::Quantity;
 
-/// How the tangential traction of a point follows from its history, and what limits it.
+/// How the tangential traction of a point follows from its history.
 ///
 /// The functions are called in loops over the points of a block, compiled once per rule. To keep these loops in vector
 /// registers an implementation
@@ -25,16 +25,6 @@ pub(crate) trait FrictionRule: Copy {
     /// Traction that sticking would leave along one direction, from the path and the tangential stiffness
     /// (Pa/m, with derivatives with respect to the interference at which it is taken).
     fn trial(self, path: Path, k: Jet) -> Trial;
-
-    /// Largest tangential traction, from the friction coefficient and the normal traction of the curves (Pa). Coulomb's
-    /// unless the rule has another.
-    #[inline(always)]
-    fn slip_limit(self, mu: f64, normal: f64) -> SlipLimit {
-        SlipLimit {
-            value: mu * normal,
-            slope: mu,
-        }
-    }
 
     /// What the elastic stretch (m), after slip, adds to the normal traction of the curves, from the stretch and the
     /// tangential stiffnesses along x and y. Nothing unless the rule says so, and only asked of a rule that remembers
@@ -108,15 +98,6 @@ pub(crate) struct Trial {
     pub(crate) along: f64,
     /// Derivative along the normal (Pa/m).
     pub(crate) closing: f64,
-}
-
-/// Largest tangential traction.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SlipLimit {
-    /// Value, not negative (Pa).
-    pub(crate) value: f64,
-    /// Derivative with respect to the normal traction of the curves.
-    pub(crate) slope: f64,
 }
 
 /// Addition to the normal traction.

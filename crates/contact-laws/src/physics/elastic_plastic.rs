@@ -63,6 +63,7 @@ use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use crate::physics::hertz::ElasticPair;
+use crate::physics::slip_limit;
 use core::f64::consts::PI;
 
 /// What is made of the jumps in the published curves.
@@ -133,15 +134,19 @@ pub struct Asperity {
 
 /// Constants of loading beyond the onset of yield.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Plastic {
+pub(super) struct Plastic {
     /// Interference of the onset of yield (m).
     onset: f64,
     curves: YieldCurves,
     delta_y: f64,
+    /// `S` (Pa).
+    strength: f64,
     /// `C`.
     yield_factor: f64,
     /// `B`.
     exponent: f64,
+    /// Factor of the slip limit `Ceb`.
+    ceb_factor: f64,
     /// `F_c` (N).
     critical_force: f64,
     /// `H/E`.
@@ -200,6 +205,11 @@ impl Asperity {
     /// Interference of the onset of yield (m), of published curves `1.9 delta_y`; infinite for an elastic asperity.
     pub fn onset_of_yield(&self) -> f64 {
         self.plastic.map_or(f64::INFINITY, |plastic| plastic.onset)
+    }
+
+    /// How the material yields, if it does.
+    pub(super) fn yielding(&self) -> Option<&Plastic> {
+        self.plastic.as_ref()
     }
 
     /// Normal force of the elastic contact over the interference to the power 3/2 (N/m^(3/2)).
@@ -312,8 +322,10 @@ impl Plastic {
             onset: ONSET * delta_y,
             curves,
             delta_y,
+            strength,
             yield_factor,
             exponent: 0.14 * (11.5 * strength / composite).min(LARGEST_EXPONENT).exp(),
+            ceb_factor: slip_limit::ceb_factor(material.poisson_ratio),
             critical_force,
             hardening,
             blending: slenderness / ((4.0 - 3.0 * (slenderness * hardening).exp()) * (1.0 - hardening)),
@@ -340,7 +352,23 @@ impl Plastic {
         high
     }
 
-    fn loading(&self, asperity: &Asperity, w: f64) -> Contact {
+    /// `delta_y`.
+    pub(super) fn first_yield(&self) -> f64 {
+        self.delta_y
+    }
+
+    /// `P` at a contact radius (Pa).
+    pub(super) fn hardness(&self, radius: f64, contact_radius: Jet) -> Jet {
+        pressure(radius, contact_radius) * self.strength
+    }
+
+    /// Factor of [`AsperityLimit::Ceb`](crate::AsperityLimit::Ceb).
+    pub(super) fn ceb_factor(&self) -> f64 {
+        self.ceb_factor
+    }
+
+    /// Published curves of first loading.
+    pub(super) fn loading(&self, asperity: &Asperity, w: f64) -> Contact {
         let elastic = asperity.hertzian(w);
         let radius = asperity.radius;
         let w = Jet::variable(w.min(LARGEST_RATIO * self.delta_y));
@@ -356,8 +384,7 @@ impl Plastic {
             Jet::constant(1.0)
         };
         let contact_radius = elastic.radius + (plastic_radius - elastic.radius) * share;
-        let angle = (contact_radius * (0.5 * PI / radius)).at_most(PI);
-        let pressure = Jet::constant(2.84 - 0.92) + angle.cos() * 0.92;
+        let pressure = pressure(radius, contact_radius);
         let contained = (ratio.power(5.0 / 12.0) * -0.25).exp() * ratio.power(1.5);
         let full = Jet::constant(1.0) - (ratio.power(5.0 / 9.0) * (-1.0 / 25.0)).exp();
         let plastic = (contained + pressure * full * ratio * (4.0 / self.yield_factor)) * self.critical_force;
@@ -367,6 +394,12 @@ impl Plastic {
             radius: contact_radius,
         }
     }
+}
+
+/// `P/S` at a contact radius.
+fn pressure(radius: f64, contact_radius: Jet) -> Jet {
+    let angle = (contact_radius * (0.5 * PI / radius)).at_most(PI);
+    Jet::constant(2.84 - 0.92) + angle.cos() * 0.92
 }
 
 /// Exponents, and interferences over `delta_y`, beyond which the formulas leave the numbers: far outside their validity.

@@ -1,5 +1,5 @@
 //! Asperities and what happens at them beside friction: single contacts (Hertz, Mindlin), populations, distributions of
-//! heights, adhesion and yield.
+//! heights, adhesion, yield and what limits tangential forces.
 
 pub mod adhesion;
 pub(crate) mod bins;
@@ -8,3 +8,4 @@ pub(crate) mod heights;
 pub mod hertz;
 pub mod mindlin;
 pub(crate) mod population;
+pub mod slip_limit;

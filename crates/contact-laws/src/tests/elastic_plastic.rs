@@ -8,6 +8,7 @@ use proptest::test_runner::TestRunner;
 
 use super::dual::{Dual, Real, Rounded};
 use super::relative;
+use crate::slip_limit::ceb_factor;
 use crate::testing::log_uniform;
 use crate::*;
 
@@ -131,6 +132,57 @@ impl Formulas {
                 force,
                 radius: elastic.radius,
             },
+        }
+    }
+
+    /// Interferences, or their difference to the residual depth, up to which contact is elastic.
+    pub(super) fn elastic_range(&self, dent: Dent) -> f64 {
+        if self.onset().is_some_and(|onset| dent.interference > onset) {
+            dent.interference - self.residual_depth(dent)
+        } else {
+            dent.interference.max(self.delta_y().unwrap_or(f64::INFINITY))
+        }
+    }
+
+    /// Largest tangential force by the yield strength, from the force, the contact radius and the interference beyond the residual
+    /// depth `u`.
+    pub(super) fn slip_limit<T: Real>(&self, limit: AsperityLimit, at: At<T>, u: T, dent: Dent) -> T {
+        let (number, At { force, radius }) = (T::from, at);
+        match limit {
+            AsperityLimit::Coulomb => panic!("it does not follow from the strength"),
+            AsperityLimit::ShearStrength => {
+                let published = self.with_curves(YieldCurves::Published);
+                let yielded = self.onset().is_some_and(|onset| dent.interference > onset);
+                let w = u + number(self.residual_depth(dent));
+                let radius = if yielded && w.value() <= dent.interference {
+                    let loaded = published.loading(Rounded::from(dent.interference)).radius.value;
+                    number(loaded) * (u / number(self.elastic_range(dent))).pow(0.5)
+                } else if self.onset().is_some_and(|onset| w.value() > onset) {
+                    published.loading(w).radius
+                } else {
+                    radius
+                };
+                let angle = radius * number(PI / (2.0 * self.radius));
+                let angle = if angle.value() > PI { number(PI) } else { angle };
+                let strength = self.yielding.map_or(0.0, |of| of.strength);
+                let hardness = (number(2.84) - number(0.92) * (number(1.0) - angle.cos())) * number(strength);
+                let area = number(PI) * radius * radius;
+                let pressure = force / area;
+                let square = (hardness * hardness - pressure * pressure) / number(3.0);
+                if square.value() > 0.0 {
+                    area * square.pow(0.5)
+                } else {
+                    number(0.0)
+                }
+            }
+            AsperityLimit::Ceb => {
+                let left = number(self.elastic_range(dent)) / u - number(1.0);
+                if left.value() > 0.0 {
+                    number(ceb_factor(self.material.poisson_ratio)) * force * left.pow(0.5)
+                } else {
+                    number(0.0)
+                }
+            }
         }
     }
 

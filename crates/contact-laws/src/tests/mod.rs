@@ -20,6 +20,7 @@ mod radii;
 mod refusals;
 mod resolved;
 mod resolved_properties;
+mod slip_limit;
 mod tables;
 
 use crate::friction::rule::Memory;

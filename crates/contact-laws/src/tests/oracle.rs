@@ -22,6 +22,10 @@ pub(super) type Quantity3 = Dual<Rounded, 3>;
 pub(super) trait Curves {
     fn normal<T: Real>(&self, u: T) -> T;
     fn tangential<T: Real>(&self, q: usize, u: T) -> T;
+    /// Largest tangential traction.
+    fn limit<T: Real>(&self, mu: f64, u: T) -> T {
+        T::from(mu) * self.normal(u)
+    }
 }
 
 /// `f` and `f'` at `u`.
@@ -269,7 +273,7 @@ pub(super) fn expected(
         HistoryRule::Potential => curves.tangential(q, u[2]) * (number(begin[3 + q]) + share * moved[q]),
     });
 
-    let limit = number(mu) * normal;
+    let limit = curves.limit(mu, u[2]);
     let largest = trial[0].value().abs().max(trial[1].value().abs());
     let length = if largest > 0.0 {
         let [x, y] = trial.map(|t| t / number(largest));

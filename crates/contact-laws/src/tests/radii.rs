@@ -20,6 +20,7 @@ fn errors(friction: AsperityFriction) -> [f64; 4] {
         mu,
         friction,
         cone: Cone::Circle,
+        limit: AsperityLimit::Coulomb,
     };
     let law = case.law();
     let begin = {
@@ -93,6 +94,7 @@ fn ends_of_the_loading_curve() {
             mu,
             friction: AsperityFriction::Annuli(HistoryRule::EndPoint, n),
             cone: Cone::Circle,
+            limit: AsperityLimit::Coulomb,
         };
         let law = case.law();
         let begin = vec![0.0; law.info().n_state()];

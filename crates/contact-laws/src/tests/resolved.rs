@@ -23,6 +23,8 @@ pub(super) struct Case {
     pub(super) mu: f64,
     pub(super) friction: AsperityFriction,
     pub(super) cone: Cone,
+    /// Of asperities that yield.
+    pub(super) limit: AsperityLimit,
 }
 
 impl Case {
@@ -33,7 +35,8 @@ impl Case {
     pub(super) fn law(&self) -> ResolvedLaw {
         let (bins, mu) = (self.bins(), self.mu);
         let (bins, mu) = (PointParameters::uniform(bins, 1), PointParameters::uniform(mu, 1));
-        ResolvedLaw::try_new(bins, mu, self.friction.clone(), self.cone).unwrap()
+        let law = ResolvedLaw::try_new(bins, mu, self.friction.clone(), self.cone).unwrap();
+        law.with_limit(self.limit()).unwrap()
     }
 
     fn single(formulas: Formulas, mu: f64, friction: AsperityFriction, cone: Cone) -> Self {
@@ -44,11 +47,20 @@ impl Case {
             mu,
             friction,
             cone,
+            limit: AsperityLimit::Coulomb,
         }
     }
 
     pub(super) fn yields(&self) -> bool {
         self.formulas.yielding.is_some()
+    }
+
+    pub(super) fn limit(&self) -> AsperityLimit {
+        if self.yields() {
+            self.limit
+        } else {
+            AsperityLimit::Coulomb
+        }
     }
 
     /// State components of one bin.
@@ -67,6 +79,7 @@ struct Bin {
     formulas: Formulas,
     dent: Dent,
     depth: f64,
+    limit: AsperityLimit,
     /// Of the slip limit, and of the stiffness: 1 unless it is one of several annuli.
     shares: [f64; 2],
 }
@@ -89,6 +102,13 @@ impl Curves for Bin {
 
     fn tangential<T: Real>(&self, _q: usize, u: T) -> T {
         T::from(self.shares[1] * self.formulas.tangential_modulus()) * self.at(u).radius
+    }
+
+    fn limit<T: Real>(&self, mu: f64, u: T) -> T {
+        match self.limit {
+            AsperityLimit::Coulomb => T::from(mu) * self.normal(u),
+            limit => T::from(self.shares[0]) * self.formulas.slip_limit(limit, self.at(u), u, self.dent),
+        }
     }
 }
 
@@ -120,7 +140,7 @@ fn in_box(bin: &Bin, mu: f64, rule: HistoryRule, sticking: Sticking, jump: [f64;
         (of.value, of.derivatives[0])
     };
     let normal = bin.normal(u[2]);
-    let limit = number(mu) * normal;
+    let limit = bin.limit(mu, u[2]);
     let mut sum = [number(0.0), number(0.0), normal];
     let (mut regime, mut distance) = (Regime::Stick, f64::INFINITY);
     for q in 0..2 {
@@ -189,6 +209,7 @@ fn microslip(
     case: &Case,
     radii: &Radii,
     at: At<Quantity3>,
+    total: Quantity3,
     sticking: Sticking,
     jump: [f64; 3],
     begin: &[f64],
@@ -228,7 +249,7 @@ fn microslip(
     let (mut sticks, mut distance) = (false, f64::INFINITY);
     for &[rho, weight, stiffness] in &nodes {
         let k = whole / area * number(stiffness);
-        let limit = number(case.mu * 1.5 * (1.0 - rho * rho).sqrt()) * force / area;
+        let limit = number(1.5 * (1.0 - rho * rho).sqrt()) * total / area;
         let r = radius * number(rho);
         let trial: [Quantity3; 2] = std::array::from_fn(|q| {
             let u = Quantity3::variable(Rounded::from(jump[q]), q);
@@ -293,6 +314,7 @@ pub(super) fn sum(case: &Case, sticking: Sticking, jump: [f64; 3], begin: &[f64]
             formulas: case.formulas,
             dent,
             depth,
+            limit: case.limit(),
             shares: [1.0; 2],
         };
         let (w, w_before) = (jump[2] - gap, begin[2] - gap);
@@ -314,6 +336,11 @@ pub(super) fn sum(case: &Case, sticking: Sticking, jump: [f64; 3], begin: &[f64]
         total.kinds[0] += u32::from(w > onset.max(dent.interference));
         total.kinds[1] += u32::from(w < dent.interference && dent.interference > onset);
         total.kinds[2] += u32::from(u_before < 0.0 && dent.interference > 0.0);
+        if case.limit() == AsperityLimit::Ceb {
+            // The limit ends with an infinite slope.
+            let left = (case.formulas.elastic_range(dent) / u - 1.0).abs();
+            total.distance = total.distance.min(left * left);
+        }
         let jump = [jump[0], jump[1], u];
         let before = [begin[0], begin[1], u_before, memory[0], memory[1]];
         let middle = 0.5 * (u + u_before.max(0.0)) + depth;
@@ -351,8 +378,17 @@ pub(super) fn sum(case: &Case, sticking: Sticking, jump: [f64; 3], begin: &[f64]
                 all
             }
             AsperityFriction::MindlinIwan(radii) => {
-                let at = bin.at(Quantity3::variable(Rounded::from(u), 2));
-                microslip(case, radii, at, sticking, jump, &before, memory)
+                let u = Quantity3::variable(Rounded::from(u), 2);
+                microslip(
+                    case,
+                    radii,
+                    bin.at(u),
+                    bin.limit(case.mu, u),
+                    sticking,
+                    jump,
+                    &before,
+                    memory,
+                )
             }
         };
         for (sum, force) in total.traction.iter_mut().zip(force) {
@@ -388,6 +424,12 @@ pub(super) fn frictions(yields: bool) -> impl Strategy<Value = AsperityFriction>
 
 /// Cases of every kind.
 pub(super) fn cases() -> impl Strategy<Value = Case> {
+    let limits = [AsperityLimit::Coulomb, AsperityLimit::Ceb, AsperityLimit::ShearStrength];
+    (coulomb_cases(), prop::sample::select(limits.to_vec())).prop_map(|(case, limit)| Case { limit, ..case })
+}
+
+/// Cases of every kind with Coulomb's limit.
+pub(super) fn coulomb_cases() -> impl Strategy<Value = Case> {
     let hardening = prop_oneof![1 => Just(0.0), 4 => log_uniform(1e-3, 0.3)];
     let curves = prop::sample::select(vec![YieldCurves::Continuous, YieldCurves::Published]);
     let yielding = (log_uniform(2e-4, 5e-3), hardening);
@@ -411,6 +453,7 @@ pub(super) fn cases() -> impl Strategy<Value = Case> {
             mu,
             friction,
             cone,
+            limit: AsperityLimit::Coulomb,
         })
     })
 }
@@ -665,6 +708,7 @@ fn exponential_gaps() {
         mu,
         friction: AsperityFriction::StickSlip(HistoryRule::EndPoint),
         cone: Cone::Circle,
+        limit: AsperityLimit::Coulomb,
     };
     let law = case.law();
     let mut begin = vec![0.0; law.info().n_state()];
@@ -700,6 +744,7 @@ fn gross_slip_begins_with_the_first_asperity_to_touch() {
         mu: 0.2,
         friction: AsperityFriction::StickSlip(HistoryRule::Incremental),
         cone: Cone::Circle,
+        limit: AsperityLimit::Coulomb,
     };
     let law = case.law();
     let u_n = 2.5e-6;

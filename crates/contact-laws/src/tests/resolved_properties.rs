@@ -11,7 +11,7 @@ use super::elastic_plastic::{Formulas, published};
 use super::kinks::extreme;
 use super::oracle::closed_path;
 use super::relative;
-use super::resolved::{Case, cases, paths};
+use super::resolved::{Case, cases, coulomb_cases, paths};
 use crate::testing::{PointResponse, evaluate_batch, evaluate_point, log_uniform};
 use crate::*;
 
@@ -29,6 +29,36 @@ fn rule(case: &Case) -> Option<HistoryRule> {
         AsperityFriction::StickSlip(rule) | AsperityFriction::Annuli(rule, _) => Some(rule),
         AsperityFriction::MindlinIwan(_) => None,
     }
+}
+
+/// What tangential tractions are compared with, over the normal traction.
+fn share(case: &Case) -> f64 {
+    match case.limit() {
+        AsperityLimit::Coulomb => case.mu,
+        AsperityLimit::Ceb | AsperityLimit::ShearStrength => 1.0,
+    }
+}
+
+/// Largest tangential traction at a point.
+fn slip_limit(case: &Case, u_n: f64, begin: &[f64], t_n: f64) -> f64 {
+    let limit = case.limit();
+    if limit == AsperityLimit::Coulomb {
+        return case.mu * t_n;
+    }
+    let (asperity, n_memory) = (case.formulas.asperity(), case.n_memory());
+    let bins = case
+        .gaps
+        .iter()
+        .zip(&case.densities)
+        .zip(begin[3..].chunks_exact(n_memory));
+    bins.map(|((gap, density), memory)| {
+        let dent = Dent {
+            interference: memory[n_memory - 2],
+            force: memory[n_memory - 1],
+        };
+        density * asperity.slip_limit(limit, u_n - gap, dent).unwrap().value
+    })
+    .sum()
 }
 
 fn with_path() -> impl Strategy<Value = (Case, Vec<[f64; 3]>)> {
@@ -64,7 +94,7 @@ proptest! {
             prop_assert_eq!(&found.end[..3], &u);
             let [x, y, n] = found.traction;
             prop_assert!(n >= 0.0);
-            let limit = case.mu * n * (1.0 + 1e-13);
+            let limit = slip_limit(&case, u[2], &state, n) * (1.0 + 1e-13);
             match case.cone {
                 Cone::Circle => prop_assert!(x.hypot(y) <= limit, "{found:?}"),
                 Cone::Box => prop_assert!(x.abs() <= limit && y.abs() <= limit, "{found:?}"),
@@ -205,7 +235,13 @@ fn points() -> impl Strategy<Value = Points> {
             cone: first.cone,
             ..case
         };
-        let sets = sets.into_iter().map(like_first).collect();
+        let mut sets: Vec<Case> = sets.into_iter().map(like_first).collect();
+        let limit = if sets.iter().all(Case::yields) {
+            sets[0].limit
+        } else {
+            AsperityLimit::Coulomb
+        };
+        sets.iter_mut().for_each(|case| case.limit = limit);
         Points {
             sets,
             set,
@@ -240,7 +276,8 @@ fn batches_do_not_change_a_bit() {
             let pick = |of: &[u32]| order.iter().map(|&i| of[i]).collect::<Vec<u32>>();
             let bins = stored(&bins, &pick(&points.set), indexed);
             let mu = stored(&mu, &pick(&points.mu), !indexed);
-            ResolvedLaw::try_new(bins, mu, friction.clone(), cone).unwrap()
+            let law = ResolvedLaw::try_new(bins, mu, friction.clone(), cone).unwrap();
+            law.with_limit(points.sets[0].limit()).unwrap()
         };
         let straight: Vec<usize> = (0..n).collect();
         let law = law_of(&straight, false);
@@ -351,7 +388,7 @@ fn work(case: &Case, path: &[[f64; 3]]) -> [f64; 2] {
         let found = at(&law, step[1], &state);
         let after = traction(&found, step[1], &state);
         work += (0..3).map(|q| 0.5 * (before[q] + after[q]) * du[q]).sum::<f64>();
-        size += case.mu * found.traction[2] * du[0].hypot(du[1]);
+        size += share(&case) * found.traction[2] * du[0].hypot(du[1]);
         before = after;
         state = found.end;
     }
@@ -442,7 +479,7 @@ fn cycles_at_constant_interference_dissipate() {
             let found = at(&law, step[1], &state);
             let [x, y] = [0, 1].map(|q| step[1][q] - step[0][q]);
             work += 0.5 * ((before[0] + found.traction[0]) * x + (before[1] + found.traction[1]) * y);
-            size += case.mu * found.traction[2] * x.hypot(y);
+            size += share(&case) * found.traction[2] * x.hypot(y);
             before = found.traction;
             state = found.end;
         }
@@ -463,25 +500,41 @@ fn gains_without_a_potential() {
     let annuli = |rule| AsperityFriction::Annuli(rule, 4);
     let interpolated = || AsperityFriction::MindlinIwan(Radii::equally_spaced(7).unwrap());
     use HistoryRule::{EndPoint, Incremental, Paper};
-    for (name, yielding, friction, stated) in [
-        ("incremental", elastic, whole(Incremental), 4.4),
-        ("incremental, continuous yield", smooth, whole(Incremental), 3.6),
-        ("incremental, published yield", jumps, whole(Incremental), 13.5),
-        ("paper", elastic, whole(Paper), 72.0),
-        ("paper, continuous yield", smooth, whole(Paper), 69.0),
-        ("paper, published yield", jumps, whole(Paper), 69.0),
-        ("end-point", elastic, whole(EndPoint), 4.4),
-        ("end-point, continuous yield", smooth, whole(EndPoint), 3.6),
-        ("end-point, published yield", jumps, whole(EndPoint), 13.5),
-        ("annuli, incremental", elastic, annuli(Incremental), 1.7),
+    let coulomb = AsperityLimit::Coulomb;
+    for (name, yielding, friction, limit, stated) in [
+        ("incremental", elastic, whole(Incremental), coulomb, 4.4),
+        (
+            "incremental, continuous yield",
+            smooth,
+            whole(Incremental),
+            coulomb,
+            3.6,
+        ),
+        ("incremental, published yield", jumps, whole(Incremental), coulomb, 13.5),
+        ("paper", elastic, whole(Paper), coulomb, 72.0),
+        ("paper, continuous yield", smooth, whole(Paper), coulomb, 69.0),
+        ("paper, published yield", jumps, whole(Paper), coulomb, 69.0),
+        ("end-point", elastic, whole(EndPoint), coulomb, 4.4),
+        ("end-point, continuous yield", smooth, whole(EndPoint), coulomb, 3.6),
+        ("end-point, published yield", jumps, whole(EndPoint), coulomb, 13.5),
+        ("annuli, incremental", elastic, annuli(Incremental), coulomb, 1.7),
         (
             "annuli, incremental, continuous yield",
             smooth,
             annuli(Incremental),
+            coulomb,
             1.4,
         ),
-        ("mindlin-iwan", elastic, interpolated(), 2.8),
-        ("mindlin-iwan, published yield", jumps, interpolated(), 3.2),
+        ("mindlin-iwan", elastic, interpolated(), coulomb, 2.8),
+        ("mindlin-iwan, published yield", jumps, interpolated(), coulomb, 3.2),
+        ("ceb", smooth, whole(Incremental), AsperityLimit::Ceb, 5.1),
+        (
+            "shear strength",
+            smooth,
+            whole(Incremental),
+            AsperityLimit::ShearStrength,
+            2.7,
+        ),
     ] {
         let config = ProptestConfig {
             // The numbers of the documentation are those of 3000.
@@ -491,7 +544,7 @@ fn gains_without_a_potential() {
             ..ProptestConfig::default()
         };
         let gains = Cell::new([0.0_f64; 2]);
-        let outcome = TestRunner::new(config).run(&(cases(), shapes()), |(case, shape)| {
+        let outcome = TestRunner::new(config).run(&(coulomb_cases(), shapes()), |(case, shape)| {
             let [_, usual] = published();
             let formulas = match yielding {
                 Some(curves) => Formulas {
@@ -506,6 +559,7 @@ fn gains_without_a_potential() {
             };
             let case = Case {
                 friction: friction.clone(),
+                limit,
                 formulas,
                 mu: case.mu.max(0.01),
                 ..case
@@ -547,6 +601,7 @@ fn unloading_and_reloading_a_hundred_times() {
                 mu: 0.3,
                 friction,
                 cone: Cone::Circle,
+                limit: AsperityLimit::Coulomb,
             };
             let law = case.law();
             let mut state = vec![0.0; law.info().n_state()];
@@ -585,6 +640,7 @@ fn single_bins_and_empty_bins() {
         mu: 0.3,
         friction,
         cone: Cone::Circle,
+        limit: AsperityLimit::Coulomb,
     };
     let elastic = Formulas {
         yielding: None,
