@@ -325,6 +325,11 @@ pub trait TractionLaw: Send + Sync {
         true
     }
 
+    /// Coulomb's friction coefficient at a point. `None` where the slip limit is no constant share of the normal traction.
+    fn friction_coefficient(&self, _point: usize) -> Option<f64> {
+        None
+    }
+
     /// Whether a point can slip in parts, so that [`Regime::Stick`] does not say that nothing slips there.
     fn slips_in_parts(&self) -> bool {
         false

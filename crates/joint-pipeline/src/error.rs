@@ -118,6 +118,14 @@ pub enum Error {
         /// What is wrong, and where.
         reason: String,
     },
+    /// A zone of friction that does not fit the interface.
+    #[error("friction_zones, number {number}: {reason}")]
+    FrictionZone {
+        /// From 1 on.
+        number: usize,
+        /// What is wrong, and where.
+        reason: String,
+    },
     /// A set that cannot name one node.
     #[error("{field} is one node, but the set `{set}` has {count}; name a node or a set of one")]
     NodeSet {

@@ -60,7 +60,7 @@ fn where_pressure_stays_qsma_is_cqsma() {
         .unwrap()
         .unwrap();
     let u = &rest.displacement;
-    let (linear, at_rest) = interface.linearised(u, &rest.state, 0.3).unwrap();
+    let (linear, at_rest) = interface.linearised(u, &rest.state).unwrap();
     let coupled = loops(&interface, u, rest.state.clone(), &stiffness, &mass);
     let decoupled = loops(&linear, u, at_rest, &stiffness, &mass);
     let slipping: Vec<usize> = coupled.iter().map(|r| r.counts.slip).collect();

@@ -4,8 +4,8 @@ use crate::Error;
 use crate::kernels::Blocks;
 use crate::operators::Operators;
 use contact_laws::{
-    Components, ComponentsMut, LinearisedContact, PointParameters, Regime, RegimeCounts, StateView, StateViewMut,
-    Sticking, TangentMut, TractionLaw,
+    Components, ComponentsMut, LinearisedContact, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
+    TractionLaw,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -127,15 +127,15 @@ impl Interface {
     }
 
     /// The interface with every law linearised about a static state ([`contact_laws::friction::linearised`]), given by the nodal
-    /// jumps (m), the history committed there and the friction coefficient; and the history that is the static state
+    /// jumps (m) and the history committed there; and the history that is the static state
     /// for it.
     ///
     /// # Errors
-    /// [`Error::Law`] where the static state is not finite or `mu` is refused.
+    /// [`Error::Law`] where the static state is not finite or a law has no friction coefficient.
     ///
     /// # Panics
     /// As [`Interface::evaluate`].
-    pub fn linearised(&self, jump: &[f64], state: &State, mu: f64) -> Result<(Self, State), Error> {
+    pub fn linearised(&self, jump: &[f64], state: &State) -> Result<(Self, State), Error> {
         let mut workspace = self.workspace();
         let mut force = vec![0.0; self.n_dofs()];
         let mut end = state.clone();
@@ -152,9 +152,8 @@ impl Interface {
         let (mut block, mut size) = (0, 0);
         for (range, law) in &self.laws {
             let [x, y, n] = workspace.jump.each_ref().map(|u| &u[range.clone()]);
-            let mu = PointParameters::uniform(mu, range.len());
             let state = StateView::new(&state.values[block..], range.len(), 0);
-            let linear = LinearisedContact::about(law.as_ref(), &mu, Components { x, y, n }, state)?;
+            let linear = LinearisedContact::about(law.as_ref(), Components { x, y, n }, state)?;
             block += range.len() * law.info().n_state();
             size += range.len() * linear.info().n_state();
             laws.push((range.clone(), Arc::new(linear)));

@@ -177,6 +177,10 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
         }
     }
 
+    fn friction_coefficient(&self, point: usize) -> Option<f64> {
+        Some(*self.mu.at(point))
+    }
+
     fn dissipates(&self) -> bool {
         has_friction(&self.mu)
     }

@@ -70,14 +70,12 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::error::{Error, Place, require};
-use crate::friction::require_friction;
 use crate::law::{
     Components, ComponentsMut, LawInfo, PAPER_DOI, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
     TangentMut, TractionLaw, check_points,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::parameters::PointParameters;
 
 /// Number of state components.
 const N_STATE: usize = 4;
@@ -161,15 +159,10 @@ impl LinearisedContact {
     /// motion, and that part is left out; the limit is then slightly above the law's own.
     ///
     /// # Errors
-    /// [`Error::Length`] when a list does not fit the law, and as [`Self::try_new`] when the state is not finite.
-    pub fn about(
-        law: &dyn TractionLaw,
-        mu: &PointParameters<f64>,
-        jump: Components<'_>,
-        state: StateView<'_>,
-    ) -> Result<Self, Error> {
+    /// [`Error::Length`] when a list does not fit the law, [`Error::Combination`] for a law without
+    /// [friction coefficient](TractionLaw::friction_coefficient), and as [`Self::try_new`] when the state is not finite.
+    pub fn about(law: &dyn TractionLaw, jump: Components<'_>, state: StateView<'_>) -> Result<Self, Error> {
         let (n, n_state) = (law.len(), law.info().n_state());
-        require_friction(mu, n)?;
         let needed = state.offset + n_state.saturating_sub(1) * state.stride + n;
         for (list, expected, found) in [
             ("jump.x", n, jump.x.len()),
@@ -199,13 +192,21 @@ impl LinearisedContact {
                 Some(&mut regimes),
             );
         }
+        let mu = (0..n).map(|i| {
+            law.friction_coefficient(i).ok_or(Error::Combination {
+                first: "slip limits that are no constant share of the normal traction",
+                second: "linearised contact",
+                remedy: "take Coulomb's limit, or a method that does not linearise the contact",
+            })
+        });
+        let mu = mu.collect::<Result<Vec<f64>, Error>>()?;
         let points = (0..n).map(|i| {
             let closed = StaticPoint {
                 jump: [jump.x[i], jump.y[i], jump.n[i]],
                 traction: [x[i], y[i], normal[i]],
                 stiffness: [tangent[0][i], tangent[4][i], tangent[8][i]],
                 // A point that slips carries its limit to the last bit.
-                slip_limit: (mu.at(i) * normal[i]).max(x[i].hypot(y[i])),
+                slip_limit: (mu[i] * normal[i]).max(x[i].hypot(y[i])),
             };
             (regimes[i] != Regime::Open).then_some(closed)
         });

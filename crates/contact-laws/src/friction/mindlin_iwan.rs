@@ -302,6 +302,10 @@ impl<C: ContactCurves> TractionLaw for MindlinIwan<C> {
         run(self, points, sticking, jump, begin, end, traction, tangent, regimes)
     }
 
+    fn friction_coefficient(&self, point: usize) -> Option<f64> {
+        Some(*self.mu.at(point))
+    }
+
     fn slips_in_parts(&self) -> bool {
         true
     }

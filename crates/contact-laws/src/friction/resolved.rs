@@ -828,6 +828,10 @@ impl TractionLaw for ResolvedLaw {
         }
     }
 
+    fn friction_coefficient(&self, point: usize) -> Option<f64> {
+        (self.limit == AsperityLimit::Coulomb).then(|| *self.mu.at(point))
+    }
+
     fn dissipates(&self) -> bool {
         self.tables.yields || has_friction(&self.mu)
     }

@@ -10,10 +10,9 @@ fn coulomb(law: &dyn TractionLaw, u: [f64; 3], begin: &[f64]) -> PointResponse {
     evaluate_point(law, 0, Sticking::Coulomb, u, begin)
 }
 
-fn about(law: &dyn TractionLaw, mu: f64, u: [f64; 3], state: &[f64]) -> LinearisedContact {
+fn about(law: &dyn TractionLaw, u: [f64; 3], state: &[f64]) -> LinearisedContact {
     let [x, y, n] = u.each_ref().map(core::slice::from_ref);
-    let (mu, jump) = (PointParameters::uniform(mu, 1), Components::new(x, y, n));
-    LinearisedContact::about(law, &mu, jump, StateView::new(state, 1, 0)).unwrap()
+    LinearisedContact::about(law, Components::new(x, y, n), StateView::new(state, 1, 0)).unwrap()
 }
 
 fn linear_elastic(mu: f64) -> ElasticDryFriction {
@@ -55,7 +54,7 @@ fn the_static_state_and_its_stuck_stiffness_are_those_of_the_law() {
     for law in laws {
         for far in [1e-8, 1e-4] {
             let (u, state) = loaded(law, &[[0.0, 0.0, 4e-6], [far, -0.5 * far, 5e-6]]);
-            let linear = about(law, mu, u, &state);
+            let linear = about(law, u, &state);
             let (expected, found) = (coulomb(law, u, &state), coulomb(&linear, u, &[0.0; 4]));
             assert_eq!(found.traction, expected.traction, "{}", law.info().name);
             assert_eq!(found.end, [0.0; 4]);
@@ -75,7 +74,7 @@ fn the_static_state_and_its_stuck_stiffness_are_those_of_the_law() {
 fn at_constant_interference_constant_stiffnesses_are_left_unchanged() {
     let (law, u) = (linear_elastic(0.3), [2e-7, 0.0, 1e-6]);
     let (_, mut own) = loaded(&law, &[[0.0, 0.0, 1e-6], u]);
-    let linear = about(&law, 0.3, u, &own);
+    let linear = about(&law, u, &own);
     let mut state = vec![0.0; 4];
     for (i, (x, y)) in [
         (5e-7, 1e-7),
@@ -113,7 +112,7 @@ fn the_contact_is_bilateral_and_open_points_stay_open() {
         HistoryRule::Incremental,
     )
     .unwrap();
-    let open = about(&law, 0.3, [0.0, 0.0, -1e-6], &[0.0; 5]);
+    let open = about(&law, [0.0, 0.0, -1e-6], &[0.0; 5]);
     let pressed = coulomb(&open, [1e-6, 0.0, 1e-3], &[0.0; 4]);
     assert_eq!((pressed.traction, pressed.regime), ([0.0; 3], Regime::Open));
     assert_eq!(pressed.tangent, [[0.0; 3]; 3]);
@@ -167,21 +166,20 @@ fn defects_are_refused_by_name_and_place() {
         );
     }
     let (law, state) = (linear_elastic(0.3), [0.0; 5]);
-    let try_about = |n: usize, jump: &[f64], state: &[f64]| {
-        let (mu, jump) = (PointParameters::uniform(0.3, n), Components::new(jump, jump, jump));
-        LinearisedContact::about(&law, &mu, jump, StateView::new(state, 1, 0)).unwrap_err()
+    let try_about = |jump: &[f64], state: &[f64]| {
+        let jump = Components::new(jump, jump, jump);
+        LinearisedContact::about(&law, jump, StateView::new(state, 1, 0)).unwrap_err()
     };
     for (error, list) in [
-        (try_about(2, &[1e-6], &state), "mu"),
-        (try_about(1, &[], &state), "jump.x"),
-        (try_about(1, &[1e-6], &state[..3]), "state"),
+        (try_about(&[], &state), "jump.x"),
+        (try_about(&[1e-6], &state[..3]), "state"),
     ] {
         assert!(
             matches!(error, Error::Length { list: found, .. } if found == list),
             "{error}"
         );
     }
-    let error = try_about(1, &[f64::NAN], &state);
+    let error = try_about(&[f64::NAN], &state);
     assert!(matches!(error, Error::Parameter { parameter: "jump", .. }), "{error}");
 }
 

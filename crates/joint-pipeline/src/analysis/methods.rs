@@ -95,7 +95,7 @@ impl Request<'_> {
             displacement, state, ..
         } = self.prestress;
         let jump = &displacement[..self.interface.n_dofs()];
-        let (linear, state) = self.interface.linearised(jump, state, self.scene.mu)?;
+        let (linear, state) = self.interface.linearised(jump, state)?;
         self.loops(self.reduced.stiffness.as_ref(), &InterfaceForce::new(&linear), state)
     }
 

@@ -1,10 +1,15 @@
 //! Laws whose parameters a scene gives itself.
 
+use super::law::frictional;
 use crate::Error;
-use crate::scene::{ContactStiffness, Curves, Fitted, Length, ParameterSet, Parameters, Per, Scene, Stress};
+use crate::scene::{
+    ContactStiffness, Curves, Fitted, GreenwoodWilliamson, Heights, Length, ParameterSet, Parameters, Per, Scene,
+    Stress,
+};
 use contact_laws::{
-    ContactCurves, ElasticCurves, FittedCurves, FittedPoints, FrictionalLaw, NormalFit, PointParameters,
-    TangentialEnds, TangentialFit, TractionLaw,
+    ContactCurves, ElasticCurves, ElasticPair, FittedCurves, FittedPoints, GreenwoodWilliamsonCurves,
+    GreenwoodWilliamsonSurface, HeightDistribution, NormalFit, PointParameters, TangentialEnds, TangentialFit,
+    TractionLaw,
 };
 use std::sync::Arc;
 use surface_characterisation::ElementSurface;
@@ -25,7 +30,12 @@ impl GivenLaw {
     ///
     /// # Errors
     /// [`Error::Parameters`]; those of the law.
-    pub(crate) fn try_new(scene: &Scene, parameters: &Parameters, element_of: &[u32]) -> Result<Self, Error> {
+    pub(crate) fn try_new(
+        scene: &Scene,
+        parameters: &Parameters,
+        element_of: &[u32],
+        mu: &PointParameters<f64>,
+    ) -> Result<Self, Error> {
         let Parameters { per, sets } = parameters;
         let n_points = element_of.len();
         let (set_of, expected, what): (Vec<u32>, _, _) = match per {
@@ -43,47 +53,52 @@ impl GivenLaw {
             });
         };
         let per_point = |of: &dyn Fn(usize) -> f64| set_of.iter().map(|&set| of(set as usize)).collect::<Vec<f64>>();
-        let mu = PointParameters::per_point(per_point(&|set| sets[set].mu.unwrap_or(scene.mu)));
-        let gap = per_point(&|set| sets[set].gap.si());
-        let mixed = |set: usize| Error::Parameters {
-            reason: format!(
-                "set {} has other curves than the first; give all sets curves of one kind",
-                set + 1
-            ),
+        let of_sets = sets.iter().any(|set| set.mu.is_some());
+        if of_sets && !scene.friction_zones.is_empty() {
+            return Err(Error::Parameters {
+                reason: "sets have `mu`, and so have friction_zones; leave one of them out".into(),
+            });
+        }
+        let mu = if of_sets {
+            PointParameters::per_point(per_point(&|set| sets[set].mu.unwrap_or(scene.mu)))
+        } else {
+            mu.clone()
         };
-        let (history, cone) = (scene.law.history, scene.law.cone);
-        let (law, kind, curves): (Arc<dyn TractionLaw>, _, Vec<Box<dyn ContactCurves>>) = match first {
+        let gap = per_point(&|set| sets[set].gap.si());
+        let built = match first {
             Curves::Elastic(_) => {
-                let curves = sets
-                    .iter()
-                    .enumerate()
-                    .map(|(index, set)| match &set.curves {
-                        Curves::Elastic(e) => Ok(ElasticCurves::try_new(
-                            e.normal_stiffness.si(),
-                            e.tangential_stiffness.map(ContactStiffness::si),
-                        )?),
-                        Curves::Fitted(_) => Err(mixed(index)),
-                    })
-                    .collect::<Result<Vec<_>, Error>>()?;
+                let read = |curves: &Curves| match curves {
+                    Curves::Elastic(e) => Some(ElasticCurves::try_new(
+                        e.normal_stiffness.si(),
+                        e.tangential_stiffness.map(ContactStiffness::si),
+                    )),
+                    _ => None,
+                };
+                let curves = one_kind(sets, read)?;
                 let points = PointParameters::try_indexed(curves.clone(), set_of.clone())?;
-                let law = Arc::new(FrictionalLaw::try_new(points, mu, history)?.with_cone(cone));
-                (law, "elastic", curves.into_iter().map(|c| Box::new(c) as _).collect())
+                ("elastic", frictional(points, mu, scene)?, boxed(curves))
             }
             Curves::Fitted(_) => {
-                let curves = sets
-                    .iter()
-                    .enumerate()
-                    .map(|(index, set)| match &set.curves {
-                        Curves::Fitted(fitted) => fitted_curves(fitted),
-                        Curves::Elastic(_) => Err(mixed(index)),
-                    })
-                    .collect::<Result<Vec<_>, Error>>()?;
+                let read = |curves: &Curves| match curves {
+                    Curves::Fitted(fitted) => Some(fitted_curves(fitted)),
+                    _ => None,
+                };
+                let curves = one_kind(sets, read)?;
                 let points = PointParameters::try_indexed(curves.clone(), set_of.clone())?;
-                let law =
-                    Arc::new(FrictionalLaw::try_new(FittedPoints::<f64>::new(&points), mu, history)?.with_cone(cone));
-                (law, "fitted", curves.into_iter().map(|c| Box::new(c) as _).collect())
+                let points = FittedPoints::<f64>::new(&points);
+                ("fitted", frictional(points, mu, scene)?, boxed(curves))
+            }
+            Curves::GreenwoodWilliamson(_) => {
+                let read = |curves: &Curves| match curves {
+                    Curves::GreenwoodWilliamson(surface) => Some(greenwood_williamson(surface, scene)),
+                    _ => None,
+                };
+                let curves = one_kind(sets, read)?;
+                let points = PointParameters::try_indexed(curves.clone(), set_of.clone())?;
+                ("greenwood-williamson", frictional(points, mu, scene)?, boxed(curves))
             }
         };
+        let (kind, law, curves) = built;
         Ok(Self {
             law,
             kind,
@@ -126,7 +141,46 @@ impl From<&ElementSurface> for Curves {
     }
 }
 
-fn fitted_curves(fitted: &Fitted) -> Result<FittedCurves, Error> {
+/// The curves of all sets, which must be of one kind: `read` finds none in others.
+fn one_kind<C>(
+    sets: &[ParameterSet],
+    read: impl Fn(&Curves) -> Option<Result<C, contact_laws::Error>>,
+) -> Result<Vec<C>, Error> {
+    let curves = (1..).zip(sets).map(|(number, set)| match read(&set.curves) {
+        Some(curves) => Ok(curves?),
+        None => Err(Error::Parameters {
+            reason: format!("set {number} has other curves than the first; give all sets curves of one kind"),
+        }),
+    });
+    curves.collect()
+}
+
+fn boxed<C: ContactCurves + 'static>(curves: Vec<C>) -> Vec<Box<dyn ContactCurves>> {
+    curves.into_iter().map(|curves| Box::new(curves) as _).collect()
+}
+
+fn greenwood_williamson(
+    given: &GreenwoodWilliamson,
+    scene: &Scene,
+) -> Result<GreenwoodWilliamsonCurves, contact_laws::Error> {
+    let heights = match given.heights {
+        Heights::Exponential(scale) => HeightDistribution::Exponential { scale: scale.si() },
+        Heights::Gaussian(deviation) => HeightDistribution::Gaussian {
+            standard_deviation: deviation.si(),
+        },
+    };
+    let surface = GreenwoodWilliamsonSurface {
+        heights,
+        reference_height: given.reference_height.si(),
+        asperity_density: given.asperity_density.si(),
+        radii: given.radii.map(Length::si),
+    };
+    let material = &scene.model.material;
+    let material = ElasticPair::new(material.youngs_modulus.si(), material.poisson_ratio);
+    GreenwoodWilliamsonCurves::try_new(surface, material, given.tangential)
+}
+
+fn fitted_curves(fitted: &Fitted) -> Result<FittedCurves, contact_laws::Error> {
     let [a, b, c, d, e] = fitted.normal;
     let (u_ref, range) = (fitted.u_ref.si(), fitted.range.map(|range| range.map(Length::si)));
     let normal = NormalFit {
@@ -149,5 +203,5 @@ fn fitted_curves(fitted: &Fitted) -> Result<FittedCurves, Error> {
         range,
         ends: TangentialEnds::Mindlin,
     });
-    Ok(FittedCurves::try_new(normal, tangential)?)
+    FittedCurves::try_new(normal, tangential)
 }

@@ -119,6 +119,7 @@ impl Asperities {
         scene: &Scene,
         operators: &Operators,
         element_of: &[u32],
+        mu: &PointParameters<f64>,
         pressure: f64,
     ) -> Result<BuiltLaw, Error> {
         let sums = self.sums(scene.law.tangential)?;
@@ -131,7 +132,7 @@ impl Asperities {
             law,
             table_errors,
             resolved,
-        } = self.traction_law(scene, element_of, &sums, &fits, pressure)?;
+        } = self.traction_law(scene, element_of, mu, &sums, &fits, pressure)?;
         Ok(BuiltLaw {
             raw_gap: self.gap(scene, operators, element_of),
             asperities: self,
@@ -150,6 +151,7 @@ impl Asperities {
         &self,
         scene: &Scene,
         element_of: &[u32],
+        mu: &PointParameters<f64>,
         sums: &[AsperitySumCurves],
         fits: &[Fit],
         pressure: f64,
@@ -160,14 +162,14 @@ impl Asperities {
             Friction::MindlinIwan => Some("mindlin-iwan"),
         };
         if let Some(kind) = kind {
-            let (law, report) = self.resolved_law(scene, element_of, sums, pressure)?;
+            let (law, report) = self.resolved_law(scene, element_of, mu, sums, pressure)?;
             return Ok(NamedLaw {
                 resolved: Some(report),
                 ..NamedLaw::lumped(kind, Arc::new(law))
             });
         }
         let population_of: Vec<u32> = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
-        let mu = PointParameters::uniform(scene.mu, population_of.len());
+        let mu = mu.clone();
         Ok(match scene.law.kind {
             LawKind::AsperitySum => {
                 let curves = PointParameters::try_indexed(sums.to_vec(), population_of)?;
@@ -303,7 +305,8 @@ impl Fit {
     }
 }
 
-fn frictional<C: PointCurves + 'static>(
+/// The scene's friction on curves.
+pub(super) fn frictional<C: PointCurves + 'static>(
     curves: C,
     mu: PointParameters<f64>,
     scene: &Scene,

@@ -2,6 +2,7 @@
 
 mod asperities;
 mod force;
+mod friction;
 mod given;
 mod law;
 mod resolved;
@@ -66,9 +67,10 @@ impl SceneInterface {
             .enumerate()
             .flat_map(|(e, r)| vec![e as u32; r[1] - r[0]])
             .collect();
+        let mu = friction::coefficients(scene, &operators.positions)?;
         let law_of = |asperities: Asperities| -> Result<Source, Error> {
             let pressure = load / operators.area();
-            let built = asperities.law(scene, &operators, &element_of, pressure)?;
+            let built = asperities.law(scene, &operators, &element_of, &mu, pressure)?;
             Ok(Source::Asperities(Box::new(built)))
         };
         let from = match &scene.surface {
@@ -80,7 +82,7 @@ impl SceneInterface {
                 law_of(Asperities::measured(&measured, scene, mesh)?)?
             }
             Surface::SyntheticScan(_) | Surface::Scans(_) => law_of(Asperities::scanned(scene, mesh)?)?,
-            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(scene, parameters, &element_of)?),
+            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(scene, parameters, &element_of, &mu)?),
         };
         let (law, kind, gap, clipped_gaps) = match &from {
             Source::Given(given) => (given.law.clone(), given.kind, given.gap.clone(), 0),
@@ -167,7 +169,8 @@ impl SceneInterface {
             LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
         };
         let pressure = load / self.operators.area();
-        let NamedLaw { law, .. } = realisation.traction_law(scene, &self.element_of, &sums, &fits, pressure)?;
+        let mu = friction::coefficients(scene, &self.operators.positions)?;
+        let NamedLaw { law, .. } = realisation.traction_law(scene, &self.element_of, &mu, &sums, &fits, pressure)?;
         let mut gap: Vec<f64> = self.element_of.iter().map(|&e| drawn[e as usize].1).collect();
         for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
             *gap += own;

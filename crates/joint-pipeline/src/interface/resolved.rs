@@ -85,6 +85,7 @@ impl Asperities {
         &self,
         scene: &Scene,
         element_of: &[u32],
+        mu: &PointParameters<f64>,
         sums: &[AsperitySumCurves],
         pressure: f64,
     ) -> Result<(ResolvedLaw, ResolvedReport), Error> {
@@ -137,8 +138,8 @@ impl Asperities {
             onset_of_yield: yielding.map(|_| mean(&|source| source.asperity.onset_of_yield())),
         };
         let bins = PointParameters::try_indexed(sets, index)?;
-        let mu = PointParameters::uniform(scene.mu, bins.len());
-        Ok((ResolvedLaw::try_new(bins, mu, friction, law.cone)?, report))
+        let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
+        Ok((law, report))
     }
 }
 

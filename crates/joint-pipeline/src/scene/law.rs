@@ -1,7 +1,7 @@
 //! The traction law of a scene.
 
 use super::units::Stress;
-use contact_laws::{Cone, HistoryRule, TangentialReading, YieldCurves};
+use contact_laws::{AsperityLimit, Cone, HistoryRule, TangentialReading, YieldCurves};
 use serde::{Deserialize, Serialize};
 
 /// Traction law.
@@ -22,6 +22,9 @@ pub struct Law {
     pub yielding: Option<Yield>,
     /// Shape of the slip limit.
     pub cone: Cone,
+    /// What limits the tangential force of an asperity. Others than Coulomb's for asperities that yield; `mu` is then without
+    /// effect.
+    pub limit: AsperityLimit,
     /// Bins that stand for the asperities of a point. For resolved friction.
     pub bins: Bins,
     /// Radii at which an asperity slips. For `mindlin-iwan`.
@@ -37,6 +40,7 @@ impl Default for Law {
             friction: Friction::Lumped,
             yielding: None,
             cone: Cone::Circle,
+            limit: AsperityLimit::Coulomb,
             bins: Bins::Error(1e-3),
             radii: RadialRule::Annuli(8),
         }

@@ -22,9 +22,13 @@ pub use structure::{
     Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model, PlaneMesh,
     PointMass, Sides, StructureBlock, StructureSource, Untied,
 };
-pub use surface::{Curves, Elastic, Fitted, Gap, ParameterSet, Parameters, Per, Surface, SyntheticScan};
+pub use surface::{
+    Curves, Elastic, Fitted, FrictionZone, Gap, GreenwoodWilliamson, Heights, ParameterSet, Parameters, Per, Surface,
+    SyntheticScan,
+};
 pub use units::{
-    ContactStiffness, Density, Dimension, Force, Length, Mass, Quantity, Stress, SurfaceEnergy, Unit, Units, dimension,
+    ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, Quantity, Stress, SurfaceEnergy, Unit,
+    Units, dimension,
 };
 
 pub use crate::joint::benchmark::{RefinementLevel, Symmetry};
@@ -33,6 +37,7 @@ pub use substructure::elements::Formulation;
 
 use crate::Error;
 use crate::joint::benchmark::{self, Benchmark, BenchmarkRef, Benchmarks, MeasuredSurface};
+use contact_laws::AsperityLimit;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -64,6 +69,9 @@ pub struct Scene {
     pub law: Law,
     /// Friction coefficient (-).
     pub mu: f64,
+    /// Parts of the interface with another friction coefficient.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub friction_zones: Vec<FrictionZone>,
     /// Gauss points per direction of each interface element: 1, 2, 3, 4 or 5.
     #[serde(default = "two")]
     pub points_per_direction: usize,
@@ -181,6 +189,11 @@ impl Scene {
             let known = benchmark::find(name, benchmarks).map_err(syntax)?;
             fill(&mut filled, known.defaults());
         }
+        let limit = filled.pointer("/law/limit");
+        if limit.is_some_and(|limit| *limit != json!(AsperityLimit::Coulomb)) && given.get("mu").is_none() {
+            // Friction follows from the strength.
+            filled["mu"] = json!(0.0);
+        }
         require_physics(&filled).map_err(syntax)?;
         let read = |value: Value| {
             let read = || Self::understand(value);
@@ -297,6 +310,8 @@ impl Scene {
         let lumped = "law.friction = \"lumped\"; resolved friction sums over its bins, with Mindlin's stiffness";
         let of_asperities = "law.friction = \"resolved\" or \"mindlin-iwan\"";
         let law = Law::default();
+        let by_strength = self.law.limit != law.limit;
+        let coulomb = "law.limit = \"coulomb\"; with others friction follows from the strength";
         let published_radii = matches!(self.law.radii, RadialRule::EquallySpaced(_));
         // What makes a field idle, the field, what its default is, and what it belongs to.
         let idle = [
@@ -330,6 +345,14 @@ impl Scene {
             (resolved, "/law/tangential", json!(law.tangential), lumped),
             (!resolved, "/law/yield", Value::Null, of_asperities),
             (!resolved, "/law/bins", json!(law.bins), of_asperities),
+            (
+                self.law.yielding.is_none(),
+                "/law/limit",
+                json!(law.limit),
+                "law.yield; a limit that follows from the strength needs one",
+            ),
+            (by_strength, "/mu", json!(0.0), coulomb),
+            (by_strength, "/friction_zones", json!([]), coulomb),
             (
                 self.law.friction != Friction::MindlinIwan,
                 "/law/radii",

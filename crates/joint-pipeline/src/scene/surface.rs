@@ -1,8 +1,9 @@
 //! What the traction law of a scene follows from, and the gap between the faces.
 
 use super::scans::{Registration, Scans};
-use super::units::{ContactStiffness, Length, Stress};
+use super::units::{ArealDensity, ContactStiffness, Length, Stress};
 use crate::joint::benchmark::BenchmarkRef;
+use contact_laws::TangentialReading;
 use serde::{Deserialize, Serialize};
 
 /// What the traction law follows from.
@@ -86,6 +87,8 @@ pub enum Curves {
     Elastic(Elastic),
     /// Eqs. (28) and (29).
     Fitted(Fitted),
+    /// Rough contact after Greenwood and Williamson.
+    GreenwoodWilliamson(GreenwoodWilliamson),
 }
 
 /// Constant stiffnesses.
@@ -119,6 +122,54 @@ pub struct Fitted {
     /// Interferences between which the fits hold (length); everywhere by default.
     #[serde(default)]
     pub range: Option<[Length; 2]>,
+}
+
+/// Asperities of equal radius whose heights follow a distribution ([`contact_laws::GreenwoodWilliamsonCurves`]). Young's modulus and
+/// Poisson's ratio are those of `model.material`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct GreenwoodWilliamson {
+    /// Distribution of the heights.
+    pub heights: Heights,
+    /// Height over the zero of the heights that the opposite plane begins to touch (length).
+    pub reference_height: Length,
+    /// Asperities per area (1/length^2).
+    pub asperity_density: ArealDensity,
+    /// Effective radii along x and y (length).
+    pub radii: [Length; 2],
+    /// Tangential stiffness of an asperity.
+    #[serde(default = "mindlin")]
+    pub tangential: TangentialReading,
+}
+
+fn mindlin() -> TangentialReading {
+    TangentialReading::Mindlin
+}
+
+/// Distribution of the heights of asperities.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Heights {
+    /// Exponential from zero with this scale (length).
+    Exponential(Length),
+    /// Gaussian about zero with this standard deviation (length).
+    Gaussian(Length),
+}
+
+/// A part of the interface with a friction coefficient of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct FrictionZone {
+    /// Friction coefficient (-).
+    pub mu: f64,
+    /// Smallest and largest x of the quadrature points in it, in the plane of the interface, as fields of the interface have it
+    /// (length).
+    pub x: [Length; 2],
+    /// Smallest and largest y (length).
+    pub y: [Length; 2],
 }
 
 /// Two synthetic faces on the grid of a profilometer.

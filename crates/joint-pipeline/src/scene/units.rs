@@ -74,6 +74,11 @@ const STRESSES: [Unit; 7] = [
     unit("psi", POUND_FORCE / (INCH * INCH)),
     unit("ksi", 1e3 * POUND_FORCE / (INCH * INCH)),
 ];
+const AREAL_DENSITIES: [Unit; 3] = [
+    unit("1/m^2", 1.0),
+    unit("1/mm^2", 1e6),
+    unit("1/in^2", 1.0 / (INCH * INCH)),
+];
 const DENSITIES: [Unit; 5] = [
     unit("kg/m^3", 1.0),
     unit("g/cm^3", 1e3),
@@ -134,6 +139,8 @@ dimensions! {
     Density, OfDensity, "density", [-3, 1, 0], DENSITIES;
     /// Stiffness per area (Pa/m).
     ContactStiffness, OfContactStiffness, "stiffness per area", [-2, 1, -2], CONTACT_STIFFNESSES;
+    /// Number per area (1/m^2).
+    ArealDensity, OfArealDensity, "number per area", [-2, 0, 0], AREAL_DENSITIES;
     /// Energy per area (J/m^2).
     SurfaceEnergy, OfSurfaceEnergy, "energy per area", [0, 1, -2], SURFACE_ENERGIES;
 }

@@ -54,6 +54,14 @@ impl Scene {
     pub fn validate(&self, place: &str) -> Result<(), Error> {
         let check = Check { place };
         check.not_negative("mu", self.mu, "")?;
+        for zone in &self.friction_zones {
+            check.not_negative("friction_zones[].mu", zone.mu, "")?;
+            for (field, range) in [("friction_zones[].x", zone.x), ("friction_zones[].y", zone.y)] {
+                let [from, to] = range.map(Length::si);
+                check.that(from.is_finite(), field, from, "m", "finite")?;
+                check.that(to.is_finite() && to > from, field, to, "m", "above the first number")?;
+            }
+        }
         check.positive("bolts.load", self.bolts.load.si(), "N")?;
         let damping = self.background_damping;
         check.that(
@@ -179,6 +187,7 @@ impl Scene {
             (!self.structure.point_masses.is_empty(), "structure.point_masses"),
             (of_parts, "the surface"),
             (self.gap != Gap::Flat, "the gap"),
+            (!self.friction_zones.is_empty(), "friction_zones"),
         ];
         match asymmetric.into_iter().find(|(found, _)| *found) {
             Some((_, what)) => Err(Error::Symmetry {
