@@ -341,6 +341,11 @@ fn validity(backbone: &ModeBackbone, summary: &Summary) -> Vec<String> {
     let v = &summary.validity;
     let percent = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
     let unknown = || "not known for this law".to_owned();
+    let yields = summary
+        .law
+        .resolved
+        .as_ref()
+        .is_some_and(|law| law.onset_of_yield.is_some());
     let at = |number: usize| {
         let x = backbone
             .amplitudes
@@ -362,11 +367,27 @@ fn validity(backbone: &ModeBackbone, summary: &Summary) -> Vec<String> {
         ),
         format!(
             "An asperity begins to yield at an interference of {}; the share of the loaded asperities beyond it is \
-             {}. The law is elastic: where that share is large, its stiffness is an elastic prediction and no more.",
+             {}. {}",
             v.yield_onset_interference
                 .map_or_else(unknown, |omega| format!("{omega:.3e} m")),
             v.yielded_asperity_fraction.map_or_else(unknown, percent),
+            if yields {
+                "The law follows their yield."
+            } else {
+                "The law is elastic: where that share is large, its stiffness is an elastic prediction and no more."
+            },
         ),
+        match (v.contact_over_asperity_radius, v.beyond_contact_formulas()) {
+            (None, _) => "How large contact circles are is not known.".into(),
+            (Some(ratio), None) => format!(
+                "Contact circles have at most {} of the asperities' radius.",
+                percent(ratio)
+            ),
+            (Some(ratio), Some(_)) => format!(
+                "Contact circles have up to {} of the asperities' radius, where the contact formulas do not hold.",
+                percent(ratio)
+            ),
+        },
         format!(
             "The adhesive traction is at most {} of the elastic pressure under prestress; adhesion is not modelled.",
             v.adhesive_to_elastic_traction.map_or_else(unknown, percent),

@@ -242,6 +242,15 @@ impl Asperity {
         }
     }
 
+    /// Contact radius (m) at first loading to the interference `w` (m) by the published curves, whichever are in use.
+    pub fn published_contact_radius(&self, w: f64) -> f64 {
+        match &self.plastic {
+            _ if w <= 0.0 => 0.0,
+            Some(plastic) if w > ONSET * plastic.delta_y => plastic.loading(self, w).radius.value,
+            _ => (self.radius * w).sqrt(),
+        }
+    }
+
     fn hertzian(&self, w: f64) -> Contact {
         let w = Jet::variable(w);
         Contact {

@@ -388,7 +388,7 @@ fn work(case: &Case, path: &[[f64; 3]]) -> [f64; 2] {
         let found = at(&law, step[1], &state);
         let after = traction(&found, step[1], &state);
         work += (0..3).map(|q| 0.5 * (before[q] + after[q]) * du[q]).sum::<f64>();
-        size += share(&case) * found.traction[2] * du[0].hypot(du[1]);
+        size += share(case) * found.traction[2] * du[0].hypot(du[1]);
         before = after;
         state = found.end;
     }

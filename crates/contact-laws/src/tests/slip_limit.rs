@@ -74,7 +74,7 @@ fn limits_over_the_normal_force() {
                     w * asperity.onset_of_yield(),
                     Dent::default(),
                 );
-                assert!(left >= 0.0 && left < 1.0, "{left}");
+                assert!((0.0..1.0).contains(&left), "{left}");
             }
             assert_eq!(asperity.slip_limit(AsperityLimit::Coulomb, loaded, dent), None);
         }

@@ -278,6 +278,7 @@ impl Prepared {
                     .resolved
                     .as_ref()
                     .and_then(|law| law.onset_of_yield),
+                self.scene.law.yielding(),
                 &prestress.fields,
                 self.clearance,
                 found.separation,

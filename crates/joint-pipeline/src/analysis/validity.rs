@@ -3,13 +3,17 @@
 use super::outcome::{AmplitudeResult, Fields};
 use crate::interface::Asperities;
 use crate::scene::{Material, Stress, SurfaceEnergy};
-use contact_laws::AsperityPopulation;
 use contact_laws::adhesion::critical_interference;
+use contact_laws::{Asperity, AsperityPopulation, Yield};
 use serde::{Deserialize, Serialize};
 use zte_assembly::Interface;
 
 /// Shape deviation beyond which the secant and loop formulas, which assume a fixed mode shape, are doubtful.
 const LARGEST_SHAPE_DEVIATION: f64 = 0.1;
+
+/// Contact radius over the radius of an asperity up to which formulas of contacts hold: the largest of the computations that those of
+/// plastic contact describe (R. L. Jackson and I. Green, J. Tribol. 127 (2005) 343-354).
+const LARGEST_CONTACT: f64 = 0.41;
 
 /// Validity of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,6 +30,9 @@ pub struct Validity {
     pub yield_onset_interference: Option<f64>,
     /// Fraction of the loaded asperities beyond it under prestress (mean over the points in contact).
     pub yielded_asperity_fraction: Option<f64>,
+    /// Largest contact radius of an asperity over its effective radius under prestress.
+    #[serde(default)]
+    pub contact_over_asperity_radius: Option<f64>,
     /// Adhesive over elastic normal traction under prestress: pull-off `2 pi R w` of every loaded asperity, an upper
     /// bound (mean over the points in contact); needs the material's work of adhesion.
     pub adhesive_to_elastic_traction: Option<f64>,
@@ -46,12 +53,22 @@ pub struct Validity {
     pub separation_modal_force: Option<f64>,
 }
 
-/// Judges a run from its prestressed interface and its amplitudes; `own_onset` is the onset of yield of asperities that yield (m).
+impl Validity {
+    /// The largest contact radius over the radius of an asperity, if the formulas of contacts do not reach so far.
+    pub fn beyond_contact_formulas(&self) -> Option<f64> {
+        self.contact_over_asperity_radius
+            .filter(|ratio| *ratio > LARGEST_CONTACT)
+    }
+}
+
+/// Judges a run from its prestressed interface and its amplitudes; `own_onset` is the onset of yield of asperities that yield (m), and
+/// `yielding` how they do.
 pub(crate) fn assess(
     interface: &Interface,
     asperities: Option<&Asperities>,
     material: &Material,
     own_onset: Option<f64>,
+    yielding: Option<Yield>,
     prestressed: &Fields,
     clearance: Option<f64>,
     separation_modal_force: Option<f64>,
@@ -113,6 +130,16 @@ pub(crate) fn assess(
             },
             closed,
         ),
+        contact_over_asperity_radius: touching
+            .iter()
+            .map(|&p| {
+                let (asperities, population) = population(p)?;
+                let radius = population.effective_radius();
+                let asperity = Asperity::try_new(asperities.material, radius, yielding).ok()?;
+                let interference = u_n[p] - population.gaps().smallest();
+                Some(asperity.published_contact_radius(interference) / radius)
+            })
+            .try_fold(0.0_f64, |largest, of| Some(largest.max(of?))),
         adhesive_to_elastic_traction: law_mean(
             &|p| {
                 let (_, pair) = population(p)?;

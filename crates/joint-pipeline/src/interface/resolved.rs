@@ -2,10 +2,10 @@
 
 use super::asperities::Asperities;
 use crate::Error;
-use crate::scene::{Bins, Friction, RadialRule, Scene, Stress};
+use crate::scene::{Bins, Friction, RadialRule, Scene};
 use contact_laws::{
     Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, ContactCurves, PointParameters,
-    Radii, ResolvedLaw, Yield,
+    Radii, ResolvedLaw,
 };
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -90,11 +90,7 @@ impl Asperities {
         pressure: f64,
     ) -> Result<(ResolvedLaw, ResolvedReport), Error> {
         let law = &scene.law;
-        let yielding = law.yielding.map(|of| Yield {
-            strength: Stress::si(of.strength),
-            tangent_modulus: Stress::si(of.tangent_modulus),
-            curves: of.curves,
-        });
+        let yielding = law.yielding();
         let sources = self.populations.iter().zip(sums).map(|(population, sum)| {
             Ok(Source {
                 asperity: Asperity::try_new(self.material, population.effective_radius(), yielding)?,

@@ -31,6 +31,17 @@ pub struct Law {
     pub radii: RadialRule,
 }
 
+impl Law {
+    /// How asperities yield, in SI.
+    pub(crate) fn yielding(&self) -> Option<contact_laws::Yield> {
+        self.yielding.map(|of| contact_laws::Yield {
+            strength: of.strength.si(),
+            tangent_modulus: of.tangent_modulus.si(),
+            curves: of.curves,
+        })
+    }
+}
+
 impl Default for Law {
     fn default() -> Self {
         Self {

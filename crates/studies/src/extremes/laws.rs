@@ -5,12 +5,12 @@ use super::bench::Bench;
 use super::findings::{Findings, Refusal, worst};
 use anyhow::{Context, Result};
 use brake_reuss_beam::BrakeReussBenchmark;
-use contact_laws::ElasticPair;
+use contact_laws::{AsperityLimit, ElasticPair, YieldCurves};
 use joint_pipeline::analysis::Fields;
 use joint_pipeline::interface::{ScannedSurface, synthetic};
 use joint_pipeline::scene::{
-    ContactStiffness, Curves, Elastic, Fitted, Force, Gap, LawKind, Length, Method, ParameterSet, Parameters, Per,
-    ScanFile, Scans, Stress, Surface, SyntheticScan,
+    Assembly, Bins, ContactStiffness, Curves, Elastic, Fitted, Force, Friction, Gap, LawKind, Length, Method,
+    ParameterSet, Parameters, Per, ScanFile, Scans, Scene, Stress, Surface, SyntheticScan, Yield,
 };
 use joint_pipeline::{Benchmark, Error};
 use std::f64::consts::TAU;
@@ -85,12 +85,104 @@ pub(super) static CASES: &[Case] = &[
         run: few_asperities,
     },
     Case {
+        name: "yield-strength",
+        change: "friction of single asperities that yield at 1e-2, 1 and 1e3 times the usual strength, hardening hardly or nearly as the \
+                 elastic material",
+        expected: "at 1e3 the elastic asperities' results; at 1e-2 without hardening a warning that the contact formulas do not reach so far",
+        run: yield_strength,
+    },
+    Case {
+        name: "friction-by-strength",
+        change: "the shear strength that pressure leaves in the place of a friction coefficient; then first yield under both forces",
+        expected: "the linear frequency of Coulomb's limit in both; results with the first, with the second results or statuses",
+        run: friction_by_strength,
+    },
+    Case {
         name: "elements-without-scan",
         change: "scans from files whose data end before the interface does",
         expected: "a refusal that names the element and how many points it has",
         run: missing_data,
     },
 ];
+
+/// Friction of single asperities that yield.
+fn resolved(scene: &mut Scene, strength: f64, tangent_modulus: f64) {
+    scene.law.friction = Friction::Resolved;
+    scene.law.bins = Bins::Gauss(8);
+    scene.law.yielding = Some(Yield {
+        strength: Stress::from_si(strength),
+        tangent_modulus: Stress::from_si(tangent_modulus),
+        curves: YieldCurves::default(),
+    });
+}
+
+/// Of usual steel (Pa).
+const STRENGTH: f64 = 331.7e6;
+const TANGENT_MODULUS: f64 = 620e6;
+
+fn yield_strength(bench: &Bench) -> Result<Findings> {
+    let mut findings = Findings::default();
+    let elastic = bench.run(|scene| {
+        resolved(scene, STRENGTH, TANGENT_MODULUS);
+        scene.law.yielding = None;
+    })?;
+    findings.sound("elastic: ", &elastic)?;
+    let strong = bench.run(|scene| resolved(scene, 1e3 * STRENGTH, TANGENT_MODULUS))?;
+    findings.sound("1e3: ", &strong)?;
+    findings.alike("1e3: ", &strong, &elastic, [1.0; 2], 1e-9);
+    let mut frequencies = vec![elastic.frequencies[0]];
+    for (name, hardening) in [("no hardening: ", 0.0), ("nearly elastic: ", 0.99)] {
+        let run = bench.run(|scene| {
+            let modulus = scene.model.material.youngs_modulus.si();
+            resolved(scene, STRENGTH, hardening * modulus);
+        })?;
+        findings.sound(name, &run)?;
+        findings.that(
+            &format!("{name}contact formulas hold"),
+            run.validity().beyond_contact_formulas().is_none(),
+        );
+        frequencies.push(run.frequencies[0]);
+    }
+    let soft = bench.run(|scene| {
+        resolved(scene, 1e-2 * STRENGTH, 0.0);
+        scene.cqsma.amplitudes = 1;
+    })?;
+    findings.count(&soft);
+    findings.that("1e-2: warned", soft.validity().beyond_contact_formulas().is_some());
+    frequencies.push(soft.frequencies[0]);
+    findings.outcome = format!("f1 elastic, without hardening, nearly elastic, 1e-2: {frequencies:.3?} Hz");
+    Ok(findings)
+}
+
+fn friction_by_strength(bench: &Bench) -> Result<Findings> {
+    let mut findings = Findings::default();
+    let with = |limit: AsperityLimit| {
+        bench.run(|scene| {
+            resolved(scene, STRENGTH, TANGENT_MODULUS);
+            scene.law.limit = limit;
+            // Else the faces slip differently while bolts are tightened.
+            scene.bolts.assembly = Assembly::Frictionless;
+        })
+    };
+    let coulomb = with(AsperityLimit::Coulomb)?;
+    let shear = with(AsperityLimit::ShearStrength)?;
+    let ceb = with(AsperityLimit::Ceb)?;
+    findings.sound("coulomb: ", &coulomb)?;
+    findings.sound("shear strength: ", &shear)?;
+    findings.count(&ceb);
+    let [a, b, c] = [&coulomb, &shear, &ceb].map(|run| run.frequencies[0]);
+    findings.equal("frequency with the shear strength (Hz)", b, a, 1e-9);
+    findings.equal("frequency with CEB (Hz)", c, a, 1e-9);
+    let results = ceb
+        .amplitudes()
+        .iter()
+        .filter_map(|amplitude| amplitude.point.result.as_ref().ok());
+    let (n, all) = (results.clone().count(), ceb.amplitudes().len());
+    let sound = results.filter(|r| r.omega.is_finite() && r.zeta >= -r.zeta_floor);
+    findings.within("results with CEB that are none", (n - sound.count()) as f64, 0.0);
+    findings.outcome = format!("shear strength converged; {n} of {all} amplitudes with CEB");
+    Ok(findings)
+}
 
 fn frictionless(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();

@@ -3,7 +3,7 @@
 use crate::elements::{Representatives, given};
 use anyhow::Result;
 use brake_reuss_beam::published;
-use contact_laws::{Cone, HistoryRule, TangentialReading, YieldCurves};
+use contact_laws::{AsperityLimit, Cone, HistoryRule, TangentialReading, YieldCurves};
 use joint_pipeline::Scene;
 use joint_pipeline::interface::ScannedSurface;
 use joint_pipeline::progress::Silent;
@@ -274,6 +274,10 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
             share: Share::Choice,
             ..error("cone", "shape of the slip limit", cones(base))
         },
+        Parameter {
+            share: Share::Choice,
+            ..error("limit", "slip limit of asperities that yield", limits(base))
+        },
     ];
     let scan = {
         let mut scene = base.clone();
@@ -434,6 +438,18 @@ fn cones(base: &Scene) -> Vec<Setting> {
     named(base, &[("box", Cone::Box), ("circle", Cone::Circle)], |scene, cone| {
         scene.law.friction = Friction::Resolved;
         scene.law.cone = cone;
+    })
+}
+
+fn limits(base: &Scene) -> Vec<Setting> {
+    let limits = [
+        ("shear-strength", AsperityLimit::ShearStrength),
+        ("coulomb", AsperityLimit::Coulomb),
+    ];
+    named(base, &limits, |scene, limit| {
+        scene.law.friction = Friction::Resolved;
+        scene.law.yielding = Some(yielding());
+        scene.law.limit = limit;
     })
 }
 
