@@ -2,11 +2,11 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use substructure::assemble::System;
-use substructure::elements::{Formulation, HEX8};
+use substructure::elements::{Formulation, HEX8, HEX20, HEX27, TET10, WEDGE15};
 use substructure::formats::abaqus::{self, Choices, Deck, DeckModel, Includes, Members};
 use substructure::mesh::{
-    Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, GroundSpring, LoadPattern,
-    Material, Mesh, PointMass, Tie,
+    Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element, Equation, Face, GroundSpring, Group,
+    LoadPattern, Material, Mesh, PointMass, Tie,
 };
 use substructure::{DeckProblem, Error};
 
@@ -651,7 +651,7 @@ fn every_defect_names_its_line() {
             "1, 11, 12",
             &["element `1`", "cubes.inp:24"],
         ),
-        ("TYPE=C3D8I", "TYPE=C3D20R", "C3D20R", &["C3D20R", "C3D10"]),
+        ("TYPE=C3D8I", "TYPE=C3D27", "C3D27", &["C3D27", "C3D20R"]),
         ("TYPE=C3D8I, ", "", "*ELEMENT, ELSET=UPPER", &["TYPE"]),
         ("LOWER, UPPER", "LOWER, OTHER", "LOWER, OTHER", &["element set `OTHER`"]),
         (
@@ -1212,6 +1212,109 @@ fn what_is_written_is_read_back() {
         .unwrap(),
         abaqus::write(&back, &[], &[]).unwrap()
     );
+}
+
+/// One element of each quadratic type, beside one another, with curved edges.
+fn quadratic() -> Mesh {
+    let mut mesh = Mesh {
+        materials: vec![Material {
+            name: "steel".into(),
+            youngs_modulus: 2e11,
+            poisson_ratio: 0.3,
+            density: 7800.0,
+        }],
+        ..Mesh::default()
+    };
+    let elements = [
+        (&HEX20, Formulation::Full),
+        (&HEX20, Formulation::Reduced),
+        (&WEDGE15, Formulation::Full),
+        (&TET10, Formulation::Full),
+    ];
+    for ((row, formulation), shift) in elements.into_iter().zip([0.0, 3.0, 6.0, 9.0]) {
+        let first = mesh.nodes.len() as u32;
+        let bent = |x: &[f64; 3]| [x[0] + shift, x[1], x[2] + 0.1 * x[0] * x[0]];
+        mesh.nodes.extend(row.nodes.iter().map(bent));
+        let nodes: Vec<u32> = (first..).take(row.n_nodes()).collect();
+        let cell = Cell::try_new(row, formulation, &nodes).unwrap();
+        mesh.elements.push(Element { cell, material: 0 });
+    }
+    mesh
+}
+
+#[test]
+fn quadratic_elements_are_written_and_read_back() {
+    let assembly = Assembly {
+        mesh: quadratic(),
+        ..Assembly::default()
+    };
+    let faces: Vec<Face> = assembly.mesh.elements.iter().flat_map(|e| e.cell.faces()).collect();
+    let group = Group {
+        name: "SKIN".into(),
+        members: faces.clone(),
+    };
+    let text = abaqus::write(&assembly, &[group], &[]).unwrap();
+    for name in ["C3D20\n", "C3D20R\n", "C3D15\n", "C3D10\n"] {
+        assert!(text.contains(&format!("TYPE={name}")), "{text}");
+    }
+    // No line has more entries than Abaqus reads.
+    assert!(
+        text.lines()
+            .all(|line| line.trim_end_matches(',').split(',').count() <= 16),
+        "{text}"
+    );
+    let back = model(&text).unwrap();
+    assert_eq!(back.assembly.mesh.elements, assembly.mesh.elements);
+    assert_eq!(back.surface_faces("SKIN").unwrap(), faces);
+    // Choices of formulation apply to the hexahedra that have them.
+    let deck = abaqus::parse(&text, "quadratic.inp").unwrap();
+    let of = |formulation| {
+        let choices = Choices {
+            formulation,
+            ..Choices::default()
+        };
+        let elements = deck.assembly(&choices).unwrap().assembly.mesh.elements;
+        [0, 1].map(|e| elements[e].cell.formulation())
+    };
+    assert_eq!(of(Some(Formulation::Reduced)), [Formulation::Reduced; 2]);
+    assert_eq!(of(Some(Formulation::BBar)), [Formulation::Full, Formulation::Reduced]);
+
+    let mut lagrange = Assembly::default();
+    lagrange.mesh.materials = assembly.mesh.materials;
+    lagrange.mesh.nodes = HEX27.nodes.to_vec();
+    let cell = Cell::try_new(&HEX27, Formulation::Full, &(0..27).collect::<Vec<u32>>()).unwrap();
+    lagrange.mesh.elements.push(Element { cell, material: 0 });
+    let error = abaqus::write(&lagrange, &[], &[]).unwrap_err().to_string();
+    assert!(error.contains("element 0") && error.contains("20 nodes"), "{error}");
+}
+
+#[test]
+fn couplings_share_the_area_of_quadratic_quadrilaterals_among_the_middles_of_their_edges() {
+    let mesh = quadratic();
+    let assembly = Assembly {
+        mesh,
+        ..Assembly::default()
+    };
+    let face = assembly.mesh.elements[0].cell.face(0);
+    let group = Group {
+        name: "FACE".into(),
+        members: vec![face],
+    };
+    let mut text = abaqus::write(&assembly, &[group], &[]).unwrap();
+    text.push_str("*NODE, NSET=REF\n9001, 0., 0., -1.\n*COUPLING, CONSTRAINT NAME=C, REF NODE=9001, SURFACE=FACE\n*DISTRIBUTING\n");
+    let back = model(&text).unwrap();
+    let coupling = &back.assembly.couplings[0];
+    let CouplingKind::Distributing(weights) = &coupling.kind else {
+        panic!("{coupling:?}");
+    };
+    let mut nodes = coupling.nodes.clone();
+    nodes.sort_unstable();
+    assert_eq!(nodes, [8, 9, 10, 11]);
+    assert!(weights.iter().all(|w| *w > 0.0));
+    // The face is a strip of the parabola z = 0.1 x^2, two wide: 3 x 3 points come within 1e-5 of its area.
+    let total: f64 = weights.iter().sum();
+    let expected = 2.0 * (1.04_f64.sqrt() + 0.2_f64.asinh() / 0.2);
+    assert!((total / expected - 1.0).abs() < 1e-5, "{total} {expected}");
 }
 
 #[test]

@@ -2,11 +2,14 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use faer::Mat;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use substructure::Error;
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
-use substructure::elements::{CORNERS, ELEMENT_TYPES, ElementType, FACE_TYPES, FaceType, Formulation, matrices};
+use substructure::elements::{
+    CORNERS, ELEMENT_TYPES, ElementType, FACE_TYPES, FaceType, Formulation, HEX20, HEX27, TET4, TET10, WEDGE6, WEDGE15,
+    matrices,
+};
 use substructure::factor::SparseCholesky;
 use substructure::mesh::{Assembly, BeyondTolerance, Cell, Element, Material, Mesh, Tie};
 use substructure::sparse::multiply_vector;
@@ -29,19 +32,57 @@ fn material(poisson_ratio: f64) -> Material {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Hex(Formulation),
+    Hex20(Formulation),
+    Hex27,
     Wedge,
+    Wedge15,
     Tet4,
     Tet10,
 }
+
+/// Hexahedra and wedges with quadratic functions.
+const QUADRATIC: [Kind; 4] = [
+    Kind::Hex20(Formulation::Reduced),
+    Kind::Hex20(Formulation::Full),
+    Kind::Hex27,
+    Kind::Wedge15,
+];
 
 fn kinds() -> impl Iterator<Item = Kind> {
     HEXAHEDRA
         .map(Kind::Hex)
         .into_iter()
         .chain([Kind::Wedge, Kind::Tet4, Kind::Tet10])
+        .chain(QUADRATIC)
+}
+
+/// The element on the given corners. Its other nodes, in the middle between corners, are found in `middles` or added to
+/// `nodes`.
+fn on_corners(kind: Kind, corners: &[u32], nodes: &mut Vec<Point>, middles: &mut BTreeMap<Vec<u32>, u32>) -> Cell {
+    let (row, formulation) = match kind {
+        Kind::Hex(formulation) => return Cell::hex8(corners.try_into().unwrap(), formulation),
+        Kind::Hex20(formulation) => (&HEX20, formulation),
+        Kind::Hex27 => (&HEX27, Formulation::Full),
+        Kind::Wedge => (&WEDGE6, Formulation::Full),
+        Kind::Wedge15 => (&WEDGE15, Formulation::Full),
+        Kind::Tet4 => (&TET4, Formulation::Full),
+        Kind::Tet10 => (&TET10, Formulation::Full),
+    };
+    let mut all = corners.to_vec();
+    for between in row.middles {
+        let mut between: Vec<u32> = between.iter().map(|&local| corners[local]).collect();
+        between.sort_unstable();
+        all.push(*middles.entry(between).or_insert_with_key(|between| {
+            let mean = |c: usize| between.iter().map(|&n| nodes[n as usize][c]).sum::<f64>() / between.len() as f64;
+            let middle = [0, 1, 2].map(mean);
+            nodes.push(middle);
+            nodes.len() as u32 - 1
+        }));
+    }
+    Cell::try_new(row, formulation, &all).unwrap()
 }
 
 /// A number between -1 and 1 that belongs to `seed`.
@@ -78,7 +119,7 @@ fn cube(kind: Kind, n: usize, size: f64, distortion: f64, poisson_ratio: f64) ->
         }
     }
     let node = |i: usize, j: usize, k: usize| (i + (n + 1) * (j + (n + 1) * k)) as u32;
-    let mut middles = std::collections::BTreeMap::new();
+    let mut middles = BTreeMap::new();
     for k in 0..n {
         for j in 0..n {
             for i in 0..n {
@@ -86,40 +127,22 @@ fn cube(kind: Kind, n: usize, size: f64, distortion: f64, poisson_ratio: f64) ->
                     let up = x.map(|s| usize::from(s > 0.0));
                     node(i + up[0], j + up[1], k + up[2])
                 });
-                let mut add = |cell| mesh.elements.push(Element { cell, material: 0 });
                 // Around the diagonal from corner 0 to corner 6.
                 let around = [1, 2, 3, 7, 4, 5, 1];
-                match kind {
-                    Kind::Hex(formulation) => add(Cell::hex8(c, formulation)),
-                    Kind::Wedge => {
-                        add(Cell::wedge6([c[0], c[1], c[2], c[4], c[5], c[6]]));
-                        add(Cell::wedge6([c[0], c[2], c[3], c[4], c[6], c[7]]));
+                let parts: Vec<Vec<u32>> = match kind {
+                    Kind::Hex(_) | Kind::Hex20(_) | Kind::Hex27 => vec![c.to_vec()],
+                    Kind::Wedge | Kind::Wedge15 => vec![
+                        vec![c[0], c[1], c[2], c[4], c[5], c[6]],
+                        vec![c[0], c[2], c[3], c[4], c[6], c[7]],
+                    ],
+                    Kind::Tet4 | Kind::Tet10 => {
+                        let pairs = around.windows(2);
+                        pairs.map(|pair| vec![c[0], c[pair[0]], c[pair[1]], c[6]]).collect()
                     }
-                    Kind::Tet4 => {
-                        for pair in around.windows(2) {
-                            add(Cell::tet4([c[0], c[pair[0]], c[pair[1]], c[6]]));
-                        }
-                    }
-                    Kind::Tet10 => {
-                        for pair in around.windows(2) {
-                            let corners = [c[0], c[pair[0]], c[pair[1]], c[6]];
-                            let mut nodes = [0; 10];
-                            nodes[..4].copy_from_slice(&corners);
-                            for (e, [a, b]) in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]].into_iter().enumerate()
-                            {
-                                let ends = [corners[a].min(corners[b]), corners[a].max(corners[b])];
-                                nodes[4 + e] = *middles.entry(ends).or_insert_with(|| {
-                                    let [p, q] = ends.map(|n| mesh.nodes[n as usize]);
-                                    mesh.nodes.push([0, 1, 2].map(|c| 0.5 * (p[c] + q[c])));
-                                    mesh.nodes.len() as u32 - 1
-                                });
-                            }
-                            mesh.elements.push(Element {
-                                cell: Cell::tet10(nodes),
-                                material: 0,
-                            });
-                        }
-                    }
+                };
+                for corners in parts {
+                    let cell = on_corners(kind, &corners, &mut mesh.nodes, &mut middles);
+                    mesh.elements.push(Element { cell, material: 0 });
                 }
             }
         }
@@ -175,11 +198,16 @@ fn distorted(kind: Kind) -> (Cell, Vec<Point>) {
             .collect()
     };
     let tet = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let halved = |row: &ElementType| jitter(row.nodes.iter().map(|c| c.map(|v| 0.5 * v)).collect());
     match kind {
         Kind::Hex(f) => (
             Cell::hex8([0; 8], f),
             jitter(CORNERS.map(|c| c.map(|v| 0.5 * v)).to_vec()),
         ),
+        // All nodes are moved, so that edges and faces are curved.
+        Kind::Hex20(f) => (Cell::try_new(&HEX20, f, &[0; 20]).unwrap(), halved(&HEX20)),
+        Kind::Hex27 => (Cell::hex27([0; 27]), halved(&HEX27)),
+        Kind::Wedge15 => (Cell::wedge15([0; 15]), jitter(WEDGE15.nodes.to_vec())),
         Kind::Wedge => {
             let level = |z: f64| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
             (Cell::wedge6([0; 6]), jitter([level(0.0), level(1.0)].concat()))
@@ -204,10 +232,88 @@ fn rigid_motion_costs_no_energy_and_nothing_else_is_free() {
         let values = dense_algebra::symmetric_eigenvalues(k.as_ref()).unwrap();
         let largest = values[n - 1];
         let zero = values.iter().filter(|v| v.abs() < 1e-11 * largest).count();
-        assert_eq!(zero, 6, "{kind:?}: {values:?}");
+        // Eight points have 48 strains, for 60 components of displacement.
+        let expected = if matches!(kind, Kind::Hex20(Formulation::Reduced)) {
+            12
+        } else {
+            6
+        };
+        assert_eq!(zero, expected, "{kind:?}: {values:?}");
         assert!(values[0] > -1e-12 * largest, "{kind:?}");
-        assert!(values[6] > 1e-5 * largest, "{kind:?}: {values:?}");
+        assert!(values[expected] > 1e-5 * largest, "{kind:?}: {values:?}");
     }
+}
+
+/// Gauss points and weights on (-1, 1), exact for degree 7.
+fn line() -> [(f64, f64); 4] {
+    let root = (6.0_f64 / 5.0).sqrt();
+    [-1.0, 1.0]
+        .map(|sign| {
+            let x = (3.0 / 7.0 + sign * 2.0 / 7.0 * root).sqrt();
+            [
+                (-x, (18.0 - sign * 30.0_f64.sqrt()) / 36.0),
+                (x, (18.0 - sign * 30.0_f64.sqrt()) / 36.0),
+            ]
+        })
+        .concat()
+        .try_into()
+        .unwrap()
+}
+
+/// Points and weights on the square from -1 to 1, or on the triangle that it is collapsed onto.
+fn plane(triangle: bool) -> Vec<([f64; 2], f64)> {
+    let of = |(a, wa): (f64, f64), (b, wb): (f64, f64)| {
+        let (u, v) = (0.5 * (1.0 + a), 0.5 * (1.0 + b));
+        if triangle {
+            ([u, (1.0 - u) * v], 0.25 * wa * wb * (1.0 - u))
+        } else {
+            ([a, b], wa * wb)
+        }
+    };
+    line().iter().flat_map(|&a| line().map(|b| of(a, b))).collect()
+}
+
+/// Volume by the divergence theorem over the faces, which may be curved (m^3).
+fn enclosed_volume(row: &ElementType, x: &[Point]) -> f64 {
+    let mut volume = 0.0;
+    for (face_type, locals) in row.faces {
+        let corners: Vec<Point> = locals[..face_type.n_corners].iter().map(|&a| row.nodes[a]).collect();
+        let from_first = |k: usize| [0, 1, 2].map(|i| corners[k][i] - corners[0][i]);
+        // Corners of reference faces lie in a parallelogram: a point is reached from the first one along two edges.
+        let triangle = corners.len() == 3;
+        let edges = if triangle {
+            [from_first(1), from_first(2)]
+        } else {
+            [from_first(1), from_first(3)]
+        };
+        for ([p, q], weight) in plane(triangle) {
+            let (p, q, half) = if triangle {
+                (p, q, 1.0)
+            } else {
+                (0.5 * (1.0 + p), 0.5 * (1.0 + q), 0.5)
+            };
+            let at = [0, 1, 2].map(|i| corners[0][i] + p * edges[0][i] + q * edges[1][i]);
+            let (values, derivatives) = row.shape_functions(at);
+            let mut place = [0.0; 3];
+            let mut tangents = [[0.0; 3]; 2];
+            for ((value, d), x) in values.iter().zip(&derivatives).zip(x) {
+                for i in 0..3 {
+                    place[i] += value * x[i];
+                    for (tangent, edge) in tangents.iter_mut().zip(&edges) {
+                        tangent[i] += half * (0..3).map(|k| d[k] * edge[k]).sum::<f64>() * x[i];
+                    }
+                }
+            }
+            let [s, t] = tangents;
+            let normal = [
+                s[1] * t[2] - s[2] * t[1],
+                s[2] * t[0] - s[0] * t[2],
+                s[0] * t[1] - s[1] * t[0],
+            ];
+            volume += weight * (0..3).map(|i| place[i] * normal[i]).sum::<f64>() / 3.0;
+        }
+    }
+    volume
 }
 
 #[test]
@@ -217,35 +323,9 @@ fn mass_is_that_of_the_volume_and_centroid() {
         let found = matrices(0, &cell, &x, &material(0.29)).unwrap();
         let n = found.n_nodes;
         let total: f64 = found.mass.iter().sum();
-        // The volume by the divergence theorem over the faces, each cut into triangles about its middle.
-        let mut number = 0..;
-        let local = cell.map_nodes(|_| number.next().unwrap());
-        let mut volume = 0.0;
-        for face in local.faces() {
-            let corners: Vec<Point> = match face.nodes() {
-                six if six.len() == 6 => six[..3].iter().map(|&a| x[a as usize]).collect(),
-                all => all.iter().map(|&a| x[a as usize]).collect(),
-            };
-            let count = corners.len();
-            let middle = [0, 1, 2].map(|i| corners.iter().map(|c| c[i]).sum::<f64>() / count as f64);
-            for a in 0..count {
-                let (p, q) = (corners[a], corners[(a + 1) % count]);
-                let cross = [
-                    p[1] * q[2] - p[2] * q[1],
-                    p[2] * q[0] - p[0] * q[2],
-                    p[0] * q[1] - p[1] * q[0],
-                ];
-                volume += (0..3).map(|i| middle[i] * cross[i]).sum::<f64>() / 6.0;
-            }
-        }
-        // A bilinear face differs from its triangles about the middle by a higher order of its warp.
-        let tolerance = if matches!(kind, Kind::Tet4 | Kind::Tet10) {
-            1e-12
-        } else {
-            1e-2
-        };
+        let volume = enclosed_volume(cell.element_type(), &x);
         assert!(
-            (total / (7857.8 * volume) - 1.0).abs() < tolerance,
+            (total / (7857.8 * volume) - 1.0).abs() < 1e-12,
             "{kind:?}: {total} {volume}"
         );
         for a in 0..n {
@@ -323,7 +403,7 @@ fn error(kind: Kind, n: usize, poisson_ratio: f64, curl: bool) -> f64 {
 fn errors_fall_with_the_order_of_the_element() {
     for kind in kinds() {
         let (meshes, rate) = match kind {
-            Kind::Tet10 => ([4, 8], 2.8),
+            Kind::Tet10 | Kind::Hex20(_) | Kind::Hex27 | Kind::Wedge15 => ([4, 8], 2.8),
             Kind::Hex(_) | Kind::Wedge | Kind::Tet4 => ([8, 16], 1.8),
         };
         let [coarse, fine] = meshes.map(|n| error(kind, n, 0.29, false));
@@ -344,6 +424,296 @@ fn only_full_integration_locks_at_nearly_constant_volume() {
         let free = at(formulation);
         println!("{formulation:?} {free:.2e}, full {locked:.2e}");
         assert!(free < 0.2 * locked, "{formulation:?}: {free:e}, full {locked:e}");
+    }
+}
+
+#[test]
+fn of_the_quadratic_elements_reduced_integration_alone_does_not_lock() {
+    let at = |kind, n, poisson_ratio| error(kind, n, poisson_ratio, true);
+    let reduced = Kind::Hex20(Formulation::Reduced);
+    let [coarse, fine] = [3, 6].map(|n| at(reduced, n, 0.4999));
+    println!(
+        "{reduced:?}: {coarse:.2e} {fine:.2e}, rate {:.2}",
+        (coarse / fine).log2()
+    );
+    assert!((coarse / fine).log2() > 3.0 && fine < 3e-3, "{coarse:e} {fine:e}");
+    for kind in [Kind::Hex20(Formulation::Full), Kind::Hex27, Kind::Wedge15, Kind::Tet10] {
+        let ([coarse, fine], free) = ([3, 6].map(|n| at(kind, n, 0.4999)), at(kind, 6, 0.29));
+        let rate = (coarse / fine).log2();
+        println!("{kind:?}: {coarse:.2e} {fine:.2e}, rate {rate:.2}; {free:.2e} at 0.29");
+        assert!(fine > 30.0 * free && fine < 0.05, "{kind:?}: {fine:e} {free:e}");
+    }
+}
+
+/// Eigenvalues of the stiffness (N/m): the first that is not zero, the one in the middle, the two largest; the trace; least
+/// and largest eigenvalue and sum of the mass matrix (kg). The elements are those of [`distorted`].
+///
+/// Found by a program of its own in numpy: shape functions from the inverse of the Vandermonde matrix of the monomials,
+/// stiffness as `B^T D B` in Voigt's notation, Gauss points of `numpy.polynomial.legendre`.
+const REFERENCE: [(Kind, [f64; 5], [f64; 3]); 4] = [
+    (
+        Kind::Hex20(Formulation::Reduced),
+        [
+            2.9820816326133e+06,
+            8.3953909172396e+07,
+            1.4971229007799e+09,
+            2.9982521568329e+09,
+            1.5699002794805e+10,
+        ],
+        [1.0373627608899e-07, 2.8708449209801e-05, 5.4852968497759e-05],
+    ),
+    (
+        Kind::Hex20(Formulation::Full),
+        [
+            4.6986676607393e+06,
+            9.9821601956823e+07,
+            1.6775853287620e+09,
+            2.9776878643376e+09,
+            1.7109103997447e+10,
+        ],
+        [1.0373627608899e-07, 2.8708449209801e-05, 5.4852968497759e-05],
+    ),
+    (
+        Kind::Hex27,
+        [
+            3.6796139085864e+06,
+            9.2470643061634e+07,
+            1.7287613663759e+09,
+            3.9938821404852e+09,
+            2.1525710942729e+10,
+        ],
+        [2.4635161271706e-08, 8.6922589765409e-06, 5.0867364164990e-05],
+    ),
+    (
+        Kind::Wedge15,
+        [
+            1.4329203827756e+06,
+            1.0250826036300e+08,
+            2.9835990967389e+09,
+            4.5106775007764e+09,
+            1.9757251610629e+10,
+        ],
+        [1.6659244021959e-07, 2.6120664049016e-05, 5.9396255046030e-05],
+    ),
+];
+
+#[test]
+fn matrices_of_curved_elements_are_those_of_another_program() {
+    for (kind, stiffness, mass) in REFERENCE {
+        let (cell, x) = distorted(kind);
+        let found = matrices(0, &cell, &x, &material(0.29)).unwrap();
+        let eigenvalues = |n: usize, of: &[f64]| {
+            dense_algebra::symmetric_eigenvalues(Mat::from_fn(n, n, |i, j| of[i * n + j]).as_ref()).unwrap()
+        };
+        let n = 3 * found.n_nodes;
+        let values = eigenvalues(n, &found.stiffness);
+        let first = values.iter().position(|v| *v > 1e-11 * values[n - 1]).unwrap();
+        let chosen = [
+            values[first],
+            values[n / 2],
+            values[n - 2],
+            values[n - 1],
+            values.iter().sum(),
+        ];
+        for (found, expected) in chosen.iter().zip(&stiffness) {
+            let error = (found - expected).abs() / stiffness[3];
+            assert!(error < 1e-12, "{kind:?}: {found:e} {expected:e}");
+        }
+        let values = eigenvalues(found.n_nodes, &found.mass);
+        let chosen = [values[0], values[found.n_nodes - 1], found.mass.iter().sum()];
+        for (found, expected) in chosen.iter().zip(&mass) {
+            let error = (found - expected).abs() / mass[1];
+            assert!(error < 1e-12, "{kind:?}: {found:e} {expected:e}");
+        }
+    }
+}
+
+/// The first elements of a mesh, with their nodes alone.
+fn first_elements(mesh: &Mesh, count: usize) -> Mesh {
+    let mut numbers = BTreeMap::new();
+    let mut part = Mesh {
+        materials: mesh.materials.clone(),
+        ..Mesh::default()
+    };
+    for element in &mesh.elements[..count] {
+        let cell = element.cell.map_nodes(|node| {
+            *numbers.entry(node).or_insert_with(|| {
+                part.nodes.push(mesh.nodes[node as usize]);
+                part.nodes.len() as u32 - 1
+            })
+        });
+        part.elements.push(Element { cell, material: 0 });
+    }
+    part
+}
+
+#[test]
+fn meshes_of_reduced_integration_have_no_spurious_modes_but_a_row_of_boxes_does() {
+    let boxes = cube(Kind::Hex20(Formulation::Reduced), 2, 0.02, 0.0, 0.29);
+    let mut distorted = boxes.clone();
+    for (node, x) in distorted.nodes.iter_mut().enumerate() {
+        *x = [0, 1, 2].map(|i| x[i] + 5e-4 * noise((9 * node + i) as u64));
+    }
+    // One element, a row of two, two by two, and all eight; the counts of boxes are also those of another program.
+    for (mesh, counts) in [(boxes, [12, 9, 6, 6]), (distorted, [12, 6, 6, 6])] {
+        for (elements, expected) in [1, 2, 4, 8].into_iter().zip(counts) {
+            let mesh = first_elements(&mesh, elements);
+            let system = System::try_new(&Assembly {
+                mesh,
+                ..Assembly::default()
+            })
+            .unwrap();
+            let n = system.n_dofs();
+            let dense = Mat::from_fn(n, n, |i, j| system.stiffness.get(i, j).copied().unwrap_or(0.0));
+            let values = dense_algebra::symmetric_eigenvalues(dense.as_ref()).unwrap();
+            let zero = values.iter().filter(|v| v.abs() < 1e-11 * values[n - 1]).count();
+            assert_eq!(zero, expected, "{elements} elements: {:?}", &values[..14]);
+        }
+    }
+}
+
+/// The cube with every node inside moved by a smooth field, so that edges are curved and the cells tend to parallelepipeds
+/// when `n` grows.
+fn curved_cube(kind: Kind, n: usize, poisson_ratio: f64) -> Mesh {
+    use std::f64::consts::PI;
+    let mut mesh = cube(kind, n, 1.0, 0.0, poisson_ratio);
+    for x in &mut mesh.nodes {
+        let bump: f64 = x.iter().map(|v| (PI * v).sin()).product();
+        *x = [x[0] + 0.10 * bump, x[1] - 0.08 * bump, x[2] + 0.06 * bump * x[0]];
+    }
+    mesh
+}
+
+/// Error of the displacement in the mean square (m), and of the strain in energy (J), by quadrature.
+fn true_errors(mesh: &Mesh, poisson_ratio: f64) -> [f64; 2] {
+    use std::f64::consts::PI;
+    let material = material(poisson_ratio);
+    let (exact, force) = manufactured(&material, false);
+    let (_, u) = solve(mesh, 1.0, &exact, force);
+    let mu = 0.5 * material.youngs_modulus / (1.0 + poisson_ratio);
+    let lambda = 2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio);
+    let [mut square, mut energy] = [0.0; 2];
+    for element in &mesh.elements {
+        let row = element.cell.element_type();
+        let wedge = row == &WEDGE15;
+        for ([r, s], across) in plane(wedge) {
+            for (t, along) in line() {
+                let (values, derivatives) = row.shape_functions([r, s, t]);
+                let mut place = nalgebra::Vector3::zeros();
+                let mut shift = nalgebra::Vector3::zeros();
+                let mut jacobian = nalgebra::Matrix3::zeros();
+                let mut slope = nalgebra::Matrix3::zeros();
+                for ((&node, value), d) in element.cell.nodes().iter().zip(&values).zip(&derivatives) {
+                    let x = nalgebra::Vector3::from(mesh.nodes[node as usize]);
+                    let v = nalgebra::Vector3::from_column_slice(&u[3 * node as usize..][..3]);
+                    let d = nalgebra::RowVector3::from(*d);
+                    place += x * *value;
+                    shift += v * *value;
+                    jacobian += x * d;
+                    slope += v * d;
+                }
+                let weight = across * along * jacobian.determinant();
+                let gradient = slope * jacobian.try_inverse().unwrap();
+                let at = <[f64; 3]>::from(place);
+                let (s, c) = (at.map(|v| (PI * v).sin()), at.map(|v| (PI * v).cos()));
+                let mut expected = nalgebra::Matrix3::zeros();
+                for i in 0..3 {
+                    expected[(0, i)] = PI * c[i] * s[(i + 1) % 3] * s[(i + 2) % 3];
+                }
+                let difference = gradient - expected;
+                let strain = (difference + difference.transpose()) * 0.5;
+                energy += weight * (0.5 * lambda * strain.trace().powi(2) + mu * strain.norm_squared());
+                square += weight * (shift - nalgebra::Vector3::from(exact(at))).norm_squared();
+            }
+        }
+    }
+    [square.sqrt(), energy]
+}
+
+#[test]
+fn displacement_converges_with_order_three_and_energy_with_order_four() {
+    for kind in QUADRATIC {
+        for (name, meshes) in [
+            ("boxes", [4, 8].map(|n| cube(kind, n, 1.0, 0.0, 0.29))),
+            ("curved", [4, 8].map(|n| curved_cube(kind, n, 0.29))),
+            ("distorted", [4, 8].map(|n| cube(kind, n, 1.0, 0.1, 0.29))),
+        ] {
+            let [coarse, fine] = meshes.map(|mesh| true_errors(&mesh, 0.29));
+            let [displacement, energy] = [0, 1].map(|i| (coarse[i] / fine[i]).log2());
+            println!("{kind:?} {name}: {coarse:?} {fine:?}, orders {displacement:.2} {energy:.2}");
+            assert!(
+                displacement > 2.7 && energy > 3.6,
+                "{kind:?} {name}: {displacement} {energy}"
+            );
+        }
+    }
+}
+
+#[test]
+fn quadratic_elements_hold_quadratic_fields() {
+    let (mu, lambda) = {
+        let mu = 0.5 * 192.85e9 / 1.29;
+        (mu, 2.0 * mu * 0.29 / 0.42)
+    };
+    let field = |[x, y, z]: Point| [x * x - 2.0 * y * z, 0.5 * y * y + x * z, x * y - 1.5 * z * z];
+    // -(lambda + mu) grad div u - mu laplace u, with div u = 2 x + y - 3 z and laplace u = (2, 1, -3).
+    let force = [2.0, 1.0, -3.0].map(|v| -(lambda + 2.0 * mu) * v);
+    for kind in QUADRATIC {
+        // The serendipity elements hold them on parallelepipeds, the Lagrange element wherever edges are straight.
+        let distortion = if matches!(kind, Kind::Hex27) { 0.1 } else { 0.0 };
+        let mesh = cube(kind, 2, 1.0, distortion, 0.29);
+        let (_, u) = solve(&mesh, 1.0, field, |_| force);
+        for (node, &x) in mesh.nodes.iter().enumerate() {
+            for (i, exact) in field(x).into_iter().enumerate() {
+                assert!((u[3 * node + i] - exact).abs() < 1e-12, "{kind:?} {x:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn curved_patches_carry_constant_strain_where_the_points_suffice() {
+    let h = [[1e-3, 2e-4, -3e-4], [5e-4, -7e-4, 1e-4], [2e-4, 6e-4, 4e-4]];
+    let linear = |x: Point| h.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
+    for kind in QUADRATIC {
+        let mut mesh = cube(kind, 3, 0.02, 0.1, 0.29);
+        for (node, x) in mesh.nodes.iter_mut().enumerate() {
+            if x.iter().all(|v| *v > 1e-9 && *v < 0.02 - 1e-9) {
+                *x = [0, 1, 2].map(|i| x[i] + 2e-4 * noise((5 * node + i) as u64));
+            }
+        }
+        let (_, u) = solve(&mesh, 0.02, linear, |_| [0.0; 3]);
+        let mut worst = 0.0_f64;
+        for (node, &x) in mesh.nodes.iter().enumerate() {
+            for (i, exact) in linear(x).into_iter().enumerate() {
+                worst = worst.max((u[3 * node + i] - exact).abs());
+            }
+        }
+        println!("{kind:?}: {worst:.1e} m of 3e-5 m");
+        // Products of the cofactors of the Jacobian and a gradient are of degree 5: more than two points along a coordinate,
+        // or three in a triangle, integrate exactly.
+        let exact = matches!(kind, Kind::Hex20(Formulation::Full) | Kind::Hex27);
+        assert!(worst < if exact { 1e-15 } else { 1e-8 }, "{kind:?}: {worst:e}");
+    }
+}
+
+#[test]
+fn a_midside_node_beyond_its_quarter_points_is_refused_by_element_and_point() {
+    for kind in QUADRATIC {
+        let (cell, _) = distorted(kind);
+        let row = cell.element_type();
+        let middle = row.n_nodes() - row.middles.len();
+        // The middle of the edge from corner 0 to corner 1, moved towards the former.
+        for (part, refused) in [(0.4, false), (0.0, true), (-0.5, true)] {
+            let mut x = row.nodes.to_vec();
+            x[middle] = [0, 1, 2].map(|i| x[0][i] + part * (x[1][i] - x[0][i]));
+            let found = matrices(7, &cell, &x, &material(0.29));
+            let is_refused = matches!(
+                found,
+                Err(Error::InvertedElement { element: 7, determinant, .. }) if determinant < 0.0
+            );
+            assert_eq!(is_refused, refused, "{kind:?} {part}: {:?}", found.err());
+        }
     }
 }
 
@@ -410,6 +780,21 @@ fn faces_of_every_kind_can_be_tied_to() {
                 assert!((all[3 * node + i] - expected).abs() < 1e-16, "{kind:?} {x:?}");
             }
         }
+        if QUADRATIC.contains(&kind) {
+            // So does a quadratic one.
+            let field = |[x, y, z]: Point| [x * x - 2.0 * y * y, x * y + z, x * y - y * y];
+            let u: Vec<f64> = dofs
+                .independent
+                .iter()
+                .map(|d| field(dofs.coordinates[d / 3])[d % 3])
+                .collect();
+            let all = multiply_vector(&dofs.transform, &u);
+            for (node, &x) in dofs.coordinates.iter().enumerate() {
+                for (i, expected) in field(x).into_iter().enumerate() {
+                    assert!((all[3 * node + i] - expected).abs() < 1e-16, "{kind:?} {x:?}");
+                }
+            }
+        }
     }
 }
 
@@ -429,9 +814,10 @@ fn rows_of_the_table_agree_with_themselves() {
             }
         }
         let n_corners = n - row.middles.len();
-        for (&[a, b], middle) in row.middles.iter().zip(&row.nodes[n_corners..]) {
+        for (&between, middle) in row.middles.iter().zip(&row.nodes[n_corners..]) {
             for axis in 0..3 {
-                assert_eq!(0.5 * (row.nodes[a][axis] + row.nodes[b][axis]), middle[axis], "{row:?}");
+                let sum: f64 = between.iter().map(|&a| row.nodes[a][axis]).sum();
+                assert_eq!(sum / between.len() as f64, middle[axis], "{row:?}");
             }
         }
         for (face_type, locals) in row.faces {

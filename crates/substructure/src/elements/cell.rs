@@ -6,7 +6,7 @@ use crate::Error;
 use std::fmt;
 
 /// Most nodes that an element can have. A row of the table with more does not compile.
-pub(super) const MAX_NODES: usize = 10;
+pub(super) const MAX_NODES: usize = 27;
 
 /// How the strain of an element is formed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,11 +25,15 @@ pub enum Formulation {
     /// Full integration with the mean volumetric strain (`C3D8`; Hughes 1980, DOI 10.1002/nme.1620150914): does not lock
     /// at Poisson ratios near 0.5, but does in bending.
     BBar,
-    /// Full integration of the displacement field: the only formulation of wedges and tetrahedra. Hexahedra of eight
-    /// nodes lock with it both in bending and near incompressibility; it is kept for comparison.
+    /// Full integration of the displacement field: the only formulation of wedges, tetrahedra and hexahedra of 27 nodes, and
+    /// that of `C3D20`. Hexahedra of eight nodes lock with it both in bending and near incompressibility; it is kept for
+    /// comparison.
     Full,
-    /// The mean strain alone, lumped mass and an artificial stiffness of 0.005 shear moduli against the deformations that it
-    /// does not see (`C3D8R`; Flanagan and Belytschko 1981, DOI 10.1002/nme.1620170504): soft in bending.
+    /// Of eight nodes (`C3D8R`): the mean strain alone, lumped mass and an artificial stiffness of 0.005 shear moduli against
+    /// the deformations that it does not see (Flanagan and Belytschko 1981, DOI 10.1002/nme.1620170504): soft in bending.
+    ///
+    /// Of twenty nodes (`C3D20R`): 2 x 2 x 2 points for the stiffness, consistent mass. Six deformations of a single element
+    /// cost no energy, nor do three of two boxes in a row; in meshes that are two elements wide all but rigid motion does.
     Reduced,
 }
 
@@ -40,7 +44,7 @@ pub(crate) type Interpolation = fn([f64; 3], &mut [f64], &mut [[f64; 3]]);
 ///
 /// Nodes are in the order that Abaqus and CalculiX share: the corners of one face counter-clockwise seen from within
 /// the element, then those of the opposite one (or its apex), so that the Jacobian determinant is positive; after the
-/// corners the middles of the edges.
+/// corners the middles of the edges, then those of the faces and the centre.
 pub struct ElementType {
     /// Name: shape and number of nodes.
     pub name: &'static str,
@@ -48,8 +52,8 @@ pub struct ElementType {
     pub description: &'static str,
     /// Natural coordinates of the nodes.
     pub nodes: &'static [[f64; 3]],
-    /// For each node after the corners the two corners between which it lies.
-    pub middles: &'static [[usize; 2]],
+    /// For each node after the corners those between which it lies: two for an edge, all of a face, or all.
+    pub middles: &'static [&'static [usize]],
     /// Faces with the element's own numbers of their nodes, in the numbering of Abaqus and CalculiX (`S1` comes first).
     pub faces: &'static [(&'static FaceType, &'static [usize])],
     /// Formulations on offer, the default first, and what Abaqus and CalculiX call each, if they have it.

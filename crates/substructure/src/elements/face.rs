@@ -1,10 +1,11 @@
 //! Faces of elements: a table of their types, and the nodes of one face.
 
+use super::lagrange::lagrange;
 use nalgebra::Vector2;
 use std::fmt;
 
 /// Most nodes that a face can have. A row of the table with more does not compile.
-const MAX_NODES: usize = 6;
+const MAX_NODES: usize = 9;
 
 /// Reference shape of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +49,7 @@ pub(crate) type FaceShape = (Vec<f64>, Vec<Vector2<f64>>);
 /// Local numbers of nodes, and their shares of a face's area (m^2).
 pub(crate) type NodeAreas = Vec<(usize, f64)>;
 
-/// One row of the table of faces. Nodes are the corners, then the middles of the edges between them.
+/// One row of the table of faces. Nodes are the corners, then the middles of the edges between them, then the centre.
 pub struct FaceType {
     /// Name: shape and number of nodes.
     pub name: &'static str,
@@ -63,7 +64,8 @@ pub struct FaceType {
     /// Cell type in VTK; nodes are in the same order.
     pub vtk: u8,
     pub(crate) interpolation: fn(Vector2<f64>) -> FaceShape,
-    /// Integrals of the shape functions over a face whose nodes are at the given positions (m), by local number (m^2).
+    /// Shares of the area of a face whose nodes are at the given positions (m), by local number (m^2), none negative:
+    /// the integrals of the shape functions, but for the row's own exceptions. Nodes without a share are left out.
     pub(crate) node_areas: fn(&[nalgebra::Vector3<f64>]) -> NodeAreas,
 }
 
@@ -91,7 +93,7 @@ pub static QUAD4: FaceType = FaceType {
     gmsh: 3,
     vtk: 9,
     interpolation: quad4,
-    node_areas: quad4_areas,
+    node_areas: |x| integrals(x, quad4, &square_4()).into_iter().enumerate().collect(),
 };
 
 /// Quadratic triangle; nodes 3-5 lie between corners 01, 12, 20.
@@ -111,8 +113,38 @@ pub static TRI6: FaceType = FaceType {
     },
 };
 
+/// Serendipity quadrilateral; nodes 4-7 lie between corners 01, 12, 23, 30.
+pub static QUAD8: FaceType = FaceType {
+    name: "Quad8",
+    domain: Domain::Square,
+    n_nodes: 8,
+    n_corners: 4,
+    gmsh: 16,
+    vtk: 23,
+    interpolation: quad8,
+    node_areas: |x| {
+        // The integrals are negative at the corners, a twelfth of the area on a parallelogram. Half of each goes to
+        // the two middles beside it, so that every share is positive and the shares of a parallelogram keep its centroid.
+        let integrals = integrals(x, quad8, &square_9());
+        let share = |edge: usize| integrals[4 + edge] + 0.5 * (integrals[edge] + integrals[(edge + 1) % 4]);
+        (0..4).map(|edge| (4 + edge, share(edge))).collect()
+    },
+};
+
+/// Biquadratic quadrilateral; nodes 4-7 lie between corners 01, 12, 23, 30, node 8 in the centre.
+pub static QUAD9: FaceType = FaceType {
+    name: "Quad9",
+    domain: Domain::Square,
+    n_nodes: 9,
+    n_corners: 4,
+    gmsh: 10,
+    vtk: 28,
+    interpolation: quad9,
+    node_areas: |x| integrals(x, quad9, &square_9()).into_iter().enumerate().collect(),
+};
+
 /// All face types.
-pub static FACE_TYPES: [&FaceType; 3] = [&TRI3, &QUAD4, &TRI6];
+pub static FACE_TYPES: [&FaceType; 5] = [&TRI3, &QUAD4, &TRI6, &QUAD8, &QUAD9];
 
 const _: () = {
     let mut row = 0;
@@ -147,22 +179,86 @@ fn quad4(s: Vector2<f64>) -> FaceShape {
     (values.to_vec(), slopes.to_vec())
 }
 
-fn quad4_areas(x: &[nalgebra::Vector3<f64>]) -> NodeAreas {
-    let gauss = 1.0 / 3.0_f64.sqrt();
-    let mut areas = [0, 1, 2, 3].map(|node| (node, 0.0));
-    for sign in SIGNS {
-        let (values, slopes) = quad4(Vector2::from(sign) * gauss);
+/// The functions of [`super::hex20`] with one coordinate less.
+fn quad8(s: Vector2<f64>) -> FaceShape {
+    let (a, b) = (s.x, s.y);
+    let mut values: Vec<f64> = Vec::with_capacity(8);
+    let mut slopes: Vec<Vector2<f64>> = Vec::with_capacity(8);
+    for [p, q] in SIGNS {
+        let (f, g) = (1.0 + p * a, 1.0 + q * b);
+        values.push(0.25 * f * g * (p * a + q * b - 1.0));
+        slopes.push(Vector2::new(
+            0.25 * p * g * (2.0 * p * a + q * b),
+            0.25 * q * f * (p * a + 2.0 * q * b),
+        ));
+    }
+    for (edge, sign) in [-1.0, 1.0, 1.0, -1.0].into_iter().enumerate() {
+        let (along, across) = if edge % 2 == 0 { (a, b) } else { (b, a) };
+        let (bubble, linear) = (1.0 - along * along, 0.5 * (1.0 + sign * across));
+        let slope = [-2.0 * along * linear, 0.5 * sign * bubble];
+        values.push(bubble * linear);
+        slopes.push(match edge % 2 {
+            0 => Vector2::new(slope[0], slope[1]),
+            _ => Vector2::new(slope[1], slope[0]),
+        });
+    }
+    (values, slopes)
+}
+
+/// Natural coordinates of the nodes of a biquadratic quadrilateral.
+const NINE: [[f64; 2]; 9] = [
+    SIGNS[0],
+    SIGNS[1],
+    SIGNS[2],
+    SIGNS[3],
+    [0.0, -1.0],
+    [1.0, 0.0],
+    [0.0, 1.0],
+    [-1.0, 0.0],
+    [0.0, 0.0],
+];
+
+fn quad9(s: Vector2<f64>) -> FaceShape {
+    let lines = NINE.map(|[p, q]| [lagrange(p, s.x), lagrange(q, s.y)]);
+    (
+        lines.map(|[f, g]| f[0] * g[0]).to_vec(),
+        lines.map(|[f, g]| Vector2::new(f[1] * g[0], f[0] * g[1])).to_vec(),
+    )
+}
+
+/// A point of the reference square and its weight.
+type SquarePoint = (Vector2<f64>, f64);
+
+fn square_4() -> [SquarePoint; 4] {
+    SIGNS.map(|sign| (Vector2::from(sign) * (1.0 / 3.0_f64.sqrt()), 1.0))
+}
+
+fn square_9() -> [SquarePoint; 9] {
+    let along = |sign: f64| sign * 0.6_f64.sqrt();
+    let weight = |sign: f64| if sign == 0.0 { 8.0 / 9.0 } else { 5.0 / 9.0 };
+    NINE.map(|[p, q]| (Vector2::new(along(p), along(q)), weight(p) * weight(q)))
+}
+
+/// Integrals of the shape functions over a quadrilateral in space (m^2).
+fn integrals(
+    x: &[nalgebra::Vector3<f64>],
+    interpolation: fn(Vector2<f64>) -> FaceShape,
+    points: &[SquarePoint],
+) -> Vec<f64> {
+    let mut sums = vec![0.0; x.len()];
+    for (at, weight) in points {
+        let (values, slopes) = interpolation(*at);
         let [mut ds, mut dt] = [nalgebra::Vector3::zeros(); 2];
         for (slope, x) in slopes.iter().zip(x) {
             ds += x * slope.x;
             dt += x * slope.y;
         }
-        let area = ds.cross(&dt).norm();
-        for (value, (_, sum)) in values.iter().zip(&mut areas) {
+        let area = weight * ds.cross(&dt).norm();
+        for (value, sum) in values.iter().zip(&mut sums) {
             *sum += value * area;
         }
     }
-    areas.to_vec()
+    sums
 }
 
 fn tri6(s: Vector2<f64>) -> FaceShape {
@@ -215,6 +311,16 @@ impl Face {
     /// A bilinear quadrilateral.
     pub fn quad4(nodes: [u32; 4]) -> Self {
         Self::from_row(&QUAD4, nodes.into_iter())
+    }
+
+    /// A serendipity quadrilateral.
+    pub fn quad8(nodes: [u32; 8]) -> Self {
+        Self::from_row(&QUAD8, nodes.into_iter())
+    }
+
+    /// A biquadratic quadrilateral.
+    pub fn quad9(nodes: [u32; 9]) -> Self {
+        Self::from_row(&QUAD9, nodes.into_iter())
     }
 
     /// A quadratic triangle.

@@ -7,7 +7,10 @@
 //! | element | stiffness | mass |
 //! |---|---|---|
 //! | hexahedron of 8 nodes, [`Formulation`] | 2 x 2 x 2 Gauss points, or one | consistent; lumped by row sums if reduced |
+//! | hexahedron of 20, [`Formulation`] | 3 x 3 x 3 Gauss points, or 2 x 2 x 2 | 4 x 4 x 4 points: exact where edges are straight |
+//! | hexahedron of 27 | 3 x 3 x 3 Gauss points | 4 x 4 x 4 points: exact where edges are straight |
 //! | wedge of 6 | 3 points in the triangle x 2 along it | the same points |
+//! | wedge of 15 | 3 points in the triangle x 3 along it | 64 points: exact where edges are straight |
 //! | tetrahedron of 4 | constant strain | exact |
 //! | tetrahedron of 10 | 4 points | 64 points: exact where faces are plane |
 //!
@@ -16,24 +19,31 @@
 
 mod cell;
 mod face;
+mod hex20;
+mod hex27;
 mod hex8;
 mod isoparametric;
+mod lagrange;
 mod matrices;
 mod quadrature;
 mod table;
 mod tet10;
 mod tet4;
+mod wedge15;
 mod wedge6;
 
 pub use cell::{Alternative, Cell, ElementType, ForeignType, Formulation};
-pub use face::{Domain, FACE_TYPES, Face, FaceType, QUAD4, TRI3, TRI6};
+pub use face::{Domain, FACE_TYPES, Face, FaceType, QUAD4, QUAD8, QUAD9, TRI3, TRI6};
 pub use hex8::{CORNERS, HEX8};
+pub use hex20::HEX20;
+pub use hex27::HEX27;
 pub use matrices::Matrices;
 pub use table::ELEMENT_TYPES;
 pub(crate) use table::{abaqus_names, descriptions, from_abaqus, to_abaqus};
 pub use tet4::TET4;
 pub use tet10::TET10;
 pub use wedge6::WEDGE6;
+pub use wedge15::WEDGE15;
 
 use crate::Error;
 use crate::material::Material;

@@ -1,4 +1,4 @@
-//! Quadrature on the reference tetrahedron and wedge.
+//! Quadrature on the reference tetrahedron, wedge and cube.
 
 /// A point of a quadrature rule.
 pub(super) struct Point {
@@ -55,17 +55,85 @@ pub(super) fn tetrahedron_64() -> Vec<Point> {
     points
 }
 
+/// Gauss points and weights on (-1, 1), exact for degree 3.
+fn line_2() -> [(f64, f64); 2] {
+    let g = 1.0 / 3.0_f64.sqrt();
+    [(-g, 1.0), (g, 1.0)]
+}
+
+/// Gauss points and weights on (-1, 1), exact for degree 5.
+fn line_3() -> [(f64, f64); 3] {
+    let g = 0.6_f64.sqrt();
+    [(-g, 5.0 / 9.0), (0.0, 8.0 / 9.0), (g, 5.0 / 9.0)]
+}
+
+/// Gauss points and weights on (-1, 1), exact for degree 7.
+fn line_4() -> [(f64, f64); 4] {
+    gauss_4().map(|(x, w)| (2.0 * x - 1.0, 2.0 * w))
+}
+
 /// Exact for degree 2 in the triangle and 3 along the wedge.
 pub(super) fn wedge_6() -> Vec<Point> {
-    let g = 1.0 / 3.0_f64.sqrt();
-    let triangle = [[1.0 / 6.0, 1.0 / 6.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
-    [-g, g]
-        .into_iter()
-        .flat_map(|t| {
-            triangle.map(|[r, s]| Point {
-                at: [r, s, t],
-                weight: 1.0 / 6.0,
-            })
+    wedge(&TRIANGLE_3, &line_2())
+}
+
+/// Exact for degree 2 in the triangle and 5 along the wedge.
+pub(super) fn wedge_9() -> Vec<Point> {
+    wedge(&TRIANGLE_3, &line_3())
+}
+
+/// Exact for degree 6 in the triangle, the square collapsed onto it, and 7 along the wedge.
+pub(super) fn wedge_64() -> Vec<Point> {
+    let line = gauss_4();
+    let mut triangle = Vec::with_capacity(16);
+    for (u, wu) in line {
+        triangle.extend(line.map(|(v, wv)| ([u, (1.0 - u) * v], wu * wv * (1.0 - u))));
+    }
+    wedge(&triangle, &line_4())
+}
+
+/// Exact for degree 2.
+const TRIANGLE_3: [([f64; 2], f64); 3] = [
+    ([1.0 / 6.0, 1.0 / 6.0], 1.0 / 6.0),
+    ([2.0 / 3.0, 1.0 / 6.0], 1.0 / 6.0),
+    ([1.0 / 6.0, 2.0 / 3.0], 1.0 / 6.0),
+];
+
+/// The points of the triangle at each point of the line.
+fn wedge(triangle: &[([f64; 2], f64)], line: &[(f64, f64)]) -> Vec<Point> {
+    let level = |&(t, along): &(f64, f64)| {
+        triangle.iter().map(move |&([r, s], weight)| Point {
+            at: [r, s, t],
+            weight: weight * along,
         })
-        .collect()
+    };
+    line.iter().flat_map(level).collect()
+}
+
+/// Exact for degree 3 along each coordinate of the cube; points as those of 27.
+pub(super) fn hexahedron_8() -> Vec<Point> {
+    hexahedron(&line_2())
+}
+
+/// Exact for degree 5 along each coordinate of the cube; the first coordinate runs fastest.
+pub(super) fn hexahedron_27() -> Vec<Point> {
+    hexahedron(&line_3())
+}
+
+/// Exact for degree 7 along each coordinate of the cube; points as those of 27.
+pub(super) fn hexahedron_64() -> Vec<Point> {
+    hexahedron(&line_4())
+}
+
+fn hexahedron(line: &[(f64, f64)]) -> Vec<Point> {
+    let mut points = Vec::with_capacity(line.len().pow(3));
+    for &(t, wt) in line {
+        for &(s, ws) in line {
+            points.extend(line.iter().map(|&(r, wr)| Point {
+                at: [r, s, t],
+                weight: wr * ws * wt,
+            }));
+        }
+    }
+    points
 }

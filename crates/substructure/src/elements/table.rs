@@ -2,12 +2,15 @@
 
 use super::cell::{ElementType, Formulation, MAX_NODES};
 use super::hex8::HEX8;
+use super::hex20::HEX20;
+use super::hex27::HEX27;
 use super::tet4::TET4;
 use super::tet10::TET10;
 use super::wedge6::WEDGE6;
+use super::wedge15::WEDGE15;
 
 /// All element types, in the order in which messages list them.
-pub static ELEMENT_TYPES: [&ElementType; 4] = [&HEX8, &TET4, &TET10, &WEDGE6];
+pub static ELEMENT_TYPES: [&ElementType; 7] = [&HEX8, &HEX20, &HEX27, &TET4, &TET10, &WEDGE6, &WEDGE15];
 
 const _: () = {
     let mut row = 0;

@@ -24,7 +24,7 @@ pub static TET10: ElementType = ElementType {
         [0.5, 0.0, 0.5],
         [0.0, 0.5, 0.5],
     ],
-    middles: &EDGES,
+    middles: &[&EDGES[0], &EDGES[1], &EDGES[2], &EDGES[3], &EDGES[4], &EDGES[5]],
     faces: &[
         (&TRI6, &[0, 2, 1, 6, 5, 4]),
         (&TRI6, &[0, 1, 3, 4, 8, 7]),

@@ -65,8 +65,8 @@ fn interpolation([r, s, t]: [f64; 3], values: &mut [f64], derivatives: &mut [[f6
     }
 }
 
-/// Six times the volume, cut into tetrahedra (m^3): positive in this crate's order.
-fn signed_volume(x: &[[f64; 3]]) -> f64 {
+/// Six times the volume between the six corners, cut into tetrahedra (m^3): positive in this crate's order.
+pub(super) fn signed_volume(x: &[[f64; 3]]) -> f64 {
     let at = |i: usize| Vector3::from(x[i]);
     let tetrahedron = |a, b, c| (at(a) - at(0)).dot(&(at(b) - at(0)).cross(&(at(c) - at(0))));
     tetrahedron(1, 2, 5) + tetrahedron(1, 5, 4) + tetrahedron(3, 4, 5)

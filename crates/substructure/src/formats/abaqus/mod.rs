@@ -7,7 +7,7 @@
 //! | keyword | read as |
 //! |---|---|
 //! | `*NODE`, `*SYSTEM` | global coordinates; rectangular, cylindrical or spherical |
-//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I`, `C3D8R` (reduced), `C3D4`, `C3D10`, `C3D6`; `MASS`, `SPRING1`, `DCOUP3D` |
+//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I`, `C3D8R`, `C3D20`, `C3D20R`, `C3D4`, `C3D10`, `C3D6`, `C3D15`; `MASS`, `SPRING1`, `DCOUP3D` |
 //! | `*PART`, `*INSTANCE`, `*ASSEMBLY` | copies, moved, then turned; names become `INSTANCE.NAME` and `INSTANCE.12` |
 //! | `*NSET`, `*ELSET`, `*SURFACE` | sets (listed, generated, nested); element faces `S1`-`S6`, or nodes with weights |
 //! | `*MATERIAL`, `*ELASTIC`, `*DENSITY`, `*SOLID SECTION` | isotropic, at one temperature |
@@ -29,7 +29,8 @@
 //!
 //! **Weights of distributing couplings.** On element surfaces a node's weight is its tributary area, as in both codes
 //! (the integral of its shape function; on quadratic triangles the area is shared by the middles of the edges, which is
-//! that integral on a flat face). On node surfaces it is the second entry of the data line, or one. With
+//! that integral on a flat face). On quadrilaterals of eight nodes the integrals are negative at the corners; half of each goes
+//! to the two middles beside it. On node surfaces it is the second entry of the data line, or one. With
 //! `COUPLING=STRUCTURAL` Abaqus also averages nodal rotations; solids have none, so that it makes no difference here.
 //!
 //! **Tolerance of ties.** Without `POSITION TOLERANCE`, slaves are tied within 5 % of the typical element size in the

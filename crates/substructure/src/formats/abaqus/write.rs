@@ -9,6 +9,9 @@ use std::fmt::Write;
 /// Labels on a line.
 const PER_LINE: usize = 12;
 
+/// Entries on a line of an element, its label included: the most that Abaqus reads.
+const ENTRIES: usize = 16;
+
 /// Writes an assembly as a deck for Abaqus or CalculiX, which [`super::parse`] reads back with the same coordinates.
 ///
 /// Nodes and elements are numbered from one in the order of the mesh, reference points of couplings after the nodes.
@@ -16,7 +19,7 @@ const PER_LINE: usize = 12;
 /// [`crate::mesh::BeyondTolerance`] has no keyword: both codes leave such slaves free.
 ///
 /// # Errors
-/// [`Error::NotWritable`] for hexahedra with [`crate::elements::Formulation::Full`], faces that are no element's, components and nodes
+/// [`Error::NotWritable`] for elements without a name in decks ([`crate::elements::ElementType::formulations`]), faces that are no element's, components and nodes
 /// that do not exist; [`Error::NotFinite`]; errors of [`crate::mesh::Mesh::validate`].
 pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u32>]) -> Result<String, Error> {
     let mut deck = Writer {
@@ -152,7 +155,8 @@ impl Writer<'_> {
             let Some(kind) = elements::to_abaqus(element.cell.element_type(), element.cell.formulation()) else {
                 return refuse(
                     format!("element {i}"),
-                    "no element type is fully integrated without further measures; choose another formulation",
+                    "decks have no element type with its nodes and its formulation; choose another formulation, or write \
+                     hexahedra of 20 nodes in place of those of 27",
                 );
             };
             if kind != previous {
@@ -160,8 +164,9 @@ impl Writer<'_> {
                 previous = kind;
             }
             let _ = write!(self.text, "{}", i + 1);
-            for node in element.cell.nodes() {
-                let _ = write!(self.text, ", {}", node + 1);
+            for (entry, node) in (1..).zip(element.cell.nodes()) {
+                let separator = if entry % ENTRIES == 0 { ",\n" } else { ", " };
+                let _ = write!(self.text, "{separator}{}", node + 1);
             }
             self.text.push('\n');
             of_material[usize::from(element.material)].push(i + 1);

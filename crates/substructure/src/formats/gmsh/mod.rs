@@ -3,9 +3,12 @@
 //! | Gmsh | here |
 //! |---|---|
 //! | elements of type 4, 5, 6, 11 (tetrahedron, hexahedron, prism, 10-node tetrahedron) | elements of the mesh |
+//! | elements of type 17, 12, 18 (20-node and 27-node hexahedron, 15-node prism) | elements of the mesh |
 //! | physical group of dimension 3 | material, by name |
-//! | elements of type 2, 3, 9 (triangle, quadrangle, 6-node triangle) in a group of dimension 2 | list of faces |
+//! | elements of type 2, 3, 9, 16, 10 (triangle, quadrangle, 6-node triangle, 8-node and 9-node quadrangle) in a group of dimension 2 | list of faces |
 //! | points and lines in a group of dimension 0 or 1 | list of nodes |
+//!
+//! Gmsh writes quadratic elements without nodes in faces and inside (types 17, 18) if `Mesh.SecondOrderIncomplete` is 1.
 //!
 //! Node orders (Gmsh reference manual, section "Node ordering") stand in the table of [`crate::elements`]. Faces keep the
 //! order of the file, whose normals are those of the geometry and not necessarily outward; the sign of a physical tag is

@@ -1,7 +1,7 @@
 //! VTK unstructured grids (`.vtu`): solids with a material number per cell, and fields of points and cells.
 //!
-//! Cell types are 10, 12, 13 and 24 (tetrahedron, hexahedron, wedge, quadratic tetrahedron); the cell array
-//! [`MATERIAL`] is the index into the materials. Node orders (VTK file formats, "Cell types") stand in the table of
+//! Cell types are 10, 12, 13 and 24 (tetrahedron, hexahedron, wedge, quadratic tetrahedron), 25, 29 and 26 (quadratic and
+//! triquadratic hexahedron, quadratic wedge); the cell array [`MATERIAL`] is the index into the materials. Node orders (VTK file formats, "Cell types") stand in the table of
 //! [`crate::elements`]; they are this crate's, except that versions of VTK differ in the first triangle of a wedge: both
 //! orders are read. VTK knows no units: lengths are taken as metres.
 //!
