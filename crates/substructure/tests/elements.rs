@@ -799,6 +799,46 @@ fn faces_of_every_kind_can_be_tied_to() {
 }
 
 #[test]
+fn curved_quadratic_faces_hold_their_slaves() {
+    // Both bodies are bent to the same parabola, which quadratic faces follow exactly.
+    let bend = |x: &mut Point| x[2] += 8.0 * (x[0] - 0.015).powi(2) + 4.0 * x[0] * x[1];
+    for kind in QUADRATIC.into_iter().chain([Kind::Tet10]) {
+        for adjust in [true, false] {
+            let mut mesh = cube(kind, 3, 0.03, 0.0, 0.29);
+            let (count, below) = (mesh.nodes.len() as u32, mesh.elements.len());
+            // Middles of edges are slaves too.
+            let top = cube(Kind::Hex20(Formulation::Full), 2, 0.02, 0.0, 0.29);
+            mesh.nodes
+                .extend(top.nodes.iter().map(|x| [x[0] + 0.004, x[1] + 0.003, x[2] + 0.03]));
+            mesh.elements.extend(top.elements.iter().map(|element| Element {
+                cell: element.cell.map_nodes(|node| node + count),
+                material: 0,
+            }));
+            let flat = |nodes: &[u32]| nodes.iter().all(|&n| (mesh.nodes[n as usize][2] - 0.03).abs() < 1e-12);
+            let faces = mesh.elements[..below].iter().flat_map(|element| element.cell.faces());
+            let tie = Tie {
+                name: "glue".into(),
+                slave_nodes: (count..mesh.nodes.len() as u32).filter(|&n| flat(&[n])).collect(),
+                master_faces: faces.filter(|face| flat(face.nodes())).collect(),
+                position_tolerance: 1e-12,
+                beyond: BeyondTolerance::Refuse,
+                adjust,
+            };
+            assert_eq!(tie.slave_nodes.len(), 21);
+            mesh.nodes.iter_mut().for_each(bend);
+            let assembly = Assembly {
+                mesh,
+                ties: vec![tie],
+                ..Assembly::default()
+            };
+            let system = System::try_new(&assembly).unwrap();
+            let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, 3, 1e-6).unwrap();
+            assert_eq!(modes.n_zero, 6, "{kind:?}");
+        }
+    }
+}
+
+#[test]
 fn rows_of_the_table_agree_with_themselves() {
     for row in ELEMENT_TYPES {
         let n = row.n_nodes();

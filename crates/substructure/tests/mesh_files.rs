@@ -769,6 +769,28 @@ fn write_small() {
 }
 
 #[test]
+fn surfaces_of_quadratic_faces_are_written_as_cells_of_vtk() {
+    let nodes: Vec<[f64; 3]> = (0..15).map(|i| [f64::from(i), f64::from(i * i), 0.0]).collect();
+    let faces = [
+        Face::quad8([0, 1, 2, 3, 4, 5, 6, 7]),
+        Face::quad9([0, 1, 2, 3, 4, 5, 6, 7, 8]),
+        Face::tri6([9, 10, 11, 12, 13, 14]),
+    ];
+    let text = vtu::write_surface(&nodes, &faces, &[], &[], Encoding::Ascii).unwrap();
+    let array = |name: &str| -> Vec<u32> {
+        let (_, rest) = text.split_once(&format!("Name=\"{name}\"")).unwrap();
+        let body = rest.split_once('>').unwrap().1.split('<').next().unwrap();
+        body.split_whitespace().map(|word| word.parse().unwrap()).collect()
+    };
+    assert_eq!(array("types"), [23, 28, 22]);
+    assert_eq!(array("offsets"), [8, 17, 23]);
+    assert_eq!(
+        array("connectivity"),
+        (0..8).chain(0..9).chain(9..15).collect::<Vec<u32>>()
+    );
+}
+
+#[test]
 fn a_surface_is_written_with_its_fields() {
     let nodes = [
         [0.0, 0.0, 0.0],
