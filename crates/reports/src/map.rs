@@ -57,9 +57,9 @@ pub fn svg(mesh: &InterfaceMesh, values: &[f64], quantity: &str, unit: &str) -> 
     );
     for (element, &value) in mesh.elements.iter().zip(values) {
         let corners: Vec<String> = element
-            .nodes()
-            .iter()
-            .map(|&n| nodes[n as usize])
+            .outline()
+            .into_iter()
+            .map(|n| nodes[n as usize])
             .map(|[x, y]| format!("{:.2},{:.2}", MARGIN + scale * (x - left), MARGIN + scale * (top - y)))
             .collect();
         // The stroke closes the hairline gaps that antialiasing leaves between neighbours.
@@ -144,7 +144,7 @@ pub fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> String {
             let class = (((value - low) / range * CLASSES as f64) as usize).min(CLASSES - 1);
             // Whole quarters of a pixel, all corners but the first as steps: the shortest text for a polygon.
             let mut before: Option<[i32; 2]> = None;
-            for &node in element.nodes() {
+            for node in element.outline() {
                 let [x, y] = mesh.nodes[node as usize];
                 let at = [x - left, top - y].map(|length| (4.0 * scale * length).round() as i32);
                 let _ = match before {
@@ -198,7 +198,58 @@ pub fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::colour;
+    use super::{Map, colour, several, svg};
+    use zte_assembly::{Element, InterfaceMesh};
+
+    /// Twice the area within a closed line.
+    fn shoelace(points: &[[f64; 2]]) -> f64 {
+        let next = points.iter().cycle().skip(1);
+        points
+            .iter()
+            .zip(next)
+            .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
+            .sum::<f64>()
+            .abs()
+    }
+
+    #[test]
+    fn quadratic_elements_are_drawn_around_their_middles() {
+        let nodes = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
+        let mesh = InterfaceMesh {
+            nodes: nodes.map(|x| x.map(f64::from)).to_vec(),
+            elements: vec![Element::quad9([0, 1, 2, 3, 4, 5, 6, 7, 8])],
+        };
+        let one = svg(&mesh, &[1.0], "pressure", "Pa");
+        let (_, points) = one.split_once("<polygon points=\"").unwrap();
+        let numbers = |text: &str| text.split(',').map(|n| n.parse().unwrap()).collect::<Vec<f64>>();
+        let points = points.split('"').next().unwrap().split(' ').map(numbers);
+        let points: Vec<[f64; 2]> = points.map(|p| p.try_into().unwrap()).collect();
+        let width = points.iter().map(|p| p[0]).fold(0.0, f64::max) - points[0][0];
+        assert_eq!(points.len(), 8);
+        assert!((shoelace(&points) / (2.0 * width * width) - 1.0).abs() < 1e-3);
+        let map = Map {
+            label: "pressure".into(),
+            values: vec![1.0],
+        };
+        let many = several(&mesh, &[map], 1);
+        let (_, path) = many.split_once(" d=\"M").unwrap();
+        let (start, steps) = path
+            .split('"')
+            .next()
+            .unwrap()
+            .trim_end_matches('z')
+            .split_once('l')
+            .unwrap();
+        let pair = |text: &str| -> Vec<f64> { text.split_whitespace().map(|n| n.parse().unwrap()).collect() };
+        let mut at: [f64; 2] = pair(start).try_into().unwrap();
+        let mut points = vec![at];
+        for step in pair(steps).chunks(2) {
+            at = [at[0] + step[0], at[1] + step[1]];
+            points.push(at);
+        }
+        let width = points.iter().map(|p| p[0]).fold(0.0, f64::max);
+        assert!((shoelace(&points) / (2.0 * width * width) - 1.0).abs() < 1e-3);
+    }
 
     #[test]
     fn colours_run_from_dark_to_light_and_stay_in_range() {

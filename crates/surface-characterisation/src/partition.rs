@@ -11,7 +11,8 @@ pub(crate) const OUTSIDE: u32 = u32::MAX;
 /// Grids and meshes often share their outline; this only absorbs the rounding of `origin + i dx`.
 const EDGE_TOLERANCE: f64 = 1e-9;
 
-/// The outlines of the interface elements: simple triangles and quadrilaterals, convex or not.
+/// The outlines of the interface elements: simple polygons of three to eight corners, convex or not. A curved edge stands here
+/// as the two lines over its middle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElementOutlines {
     nodes: Vec<[f64; 2]>,
@@ -23,7 +24,7 @@ impl ElementOutlines {
     /// Builds the outlines from `nodes` (m) and the node numbers around each element, in either sense.
     ///
     /// # Errors
-    /// No elements, coordinates that are not finite, node numbers out of range or repeated, other than 3 or 4 nodes,
+    /// No elements, coordinates that are not finite, node numbers out of range or repeated, other than 3 to 8 nodes,
     /// no area, or edges that cross.
     pub fn try_new(nodes: Vec<[f64; 2]>, elements: Vec<Vec<u32>>) -> Result<Self, SurfaceError> {
         for (index, node) in nodes.iter().enumerate() {
@@ -50,8 +51,8 @@ impl ElementOutlines {
         let mut areas = Vec::with_capacity(elements.len());
         for (element, corners) in elements.iter().enumerate() {
             let invalid = |problem| SurfaceError::InvalidElement { element, problem };
-            if !(3..=4).contains(&corners.len()) {
-                return Err(invalid("it does not have 3 or 4 nodes"));
+            if !(3..=8).contains(&corners.len()) {
+                return Err(invalid("it does not have 3 to 8 nodes"));
             }
             if corners.iter().any(|&n| n as usize >= nodes.len()) {
                 return Err(invalid("it names a node that does not exist"));
@@ -60,9 +61,8 @@ impl ElementOutlines {
                 return Err(invalid("it names a node twice"));
             }
             let p: Vec<[f64; 2]> = corners.iter().map(|&n| nodes[n as usize]).collect();
-            if p.len() == 4
-                && (cross_each_other([p[0], p[1]], [p[2], p[3]]) || cross_each_other([p[1], p[2]], [p[3], p[0]]))
-            {
+            let edge = |k: usize| [p[k], p[(k + 1) % p.len()]];
+            if (0..p.len()).any(|k| (0..k).any(|other| cross_each_other(edge(k), edge(other)))) {
                 return Err(invalid("its edges cross"));
             }
             let area = polygon_area(&p);
@@ -356,6 +356,23 @@ mod tests {
                 SurfaceError::InvalidElement { element: 1, .. }
             ));
         }
+        // Eight corners are taken, in an order that crosses itself they are not.
+        let around = [
+            [0.0, 0.0],
+            [0.5, -0.1],
+            [1.0, 0.0],
+            [1.1, 0.5],
+            [1.0, 1.0],
+            [0.5, 1.1],
+            [0.0, 1.0],
+            [-0.1, 0.5],
+        ];
+        let octagon = |order: Vec<u32>| ElementOutlines::try_new(around.to_vec(), vec![order]);
+        assert!((octagon((0..8).collect()).unwrap().area(0) - 1.2).abs() < 1e-12);
+        assert!(matches!(
+            octagon(vec![0, 1, 2, 3, 6, 5, 4, 7]).unwrap_err(),
+            SurfaceError::InvalidElement { element: 0, .. }
+        ));
         assert!(matches!(problem(vec![]), SurfaceError::LengthMismatch { .. }));
         let bad = ElementOutlines::try_new(vec![[f64::NAN, 0.0]; 3], vec![vec![0, 1, 2]]);
         assert!(matches!(bad, Err(SurfaceError::InvalidSample { field: "nodes", .. })));

@@ -18,7 +18,7 @@ pub enum Error {
         count: usize,
     },
     /// An element has a number of nodes that no shape has.
-    #[error("interface element {element} has {found} nodes; triangles have 3 and quadrilaterals 4")]
+    #[error("interface element {element} has {found} nodes; triangles have 3 or 6 and quadrilaterals 4, 8 or 9")]
     NodeCount {
         /// Element.
         element: usize,

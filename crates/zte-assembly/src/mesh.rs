@@ -2,11 +2,12 @@
 
 use crate::Error;
 use crate::overlap::{self, Overlap};
-use crate::shape::{MAX_NODES, QUAD4, Shape, TRI3};
+use crate::shape::{MAX_NODES, QUAD4, QUAD8, QUAD9, Shape, TRI3, TRI6};
 use std::collections::HashMap;
 use std::fmt;
 
-/// An interface element: its shape and node numbers in cyclic (counter-clockwise) order.
+/// An interface element: its shape and node numbers, the corners in cyclic (counter-clockwise) order, then the middles of the
+/// edges, then the centre.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Element {
     shape: &'static Shape,
@@ -28,6 +29,21 @@ impl Element {
     /// Four-node quadrilateral.
     pub fn quad4(nodes: [u32; 4]) -> Self {
         Self::from_row(&QUAD4, &nodes)
+    }
+
+    /// Six-node triangle.
+    pub fn tri6(nodes: [u32; 6]) -> Self {
+        Self::from_row(&TRI6, &nodes)
+    }
+
+    /// Eight-node quadrilateral.
+    pub fn quad8(nodes: [u32; 8]) -> Self {
+        Self::from_row(&QUAD8, &nodes)
+    }
+
+    /// Nine-node quadrilateral.
+    pub fn quad9(nodes: [u32; 9]) -> Self {
+        Self::from_row(&QUAD9, &nodes)
     }
 
     /// `nodes` are as many as the shape has.
@@ -71,6 +87,21 @@ impl Element {
     pub fn corners(&self) -> &[u32] {
         &self.nodes[..self.shape.n_corners]
     }
+
+    /// The nodes in the middle of its edges, the first between the first two corners; none where edges are straight.
+    fn middles(&self) -> &[u32] {
+        let n = self.shape.n_corners;
+        self.nodes().get(n..2 * n).unwrap_or_default()
+    }
+
+    /// The nodes on its boundary, counter-clockwise: corners, and the middles between them where edges have one.
+    pub fn outline(&self) -> Vec<u32> {
+        let middles = self.middles();
+        let corners = self.corners().iter().enumerate();
+        corners
+            .flat_map(|(i, &corner)| std::iter::once(corner).chain(middles.get(i).copied()))
+            .collect()
+    }
 }
 
 impl fmt::Debug for Element {
@@ -110,7 +141,8 @@ impl InterfaceMesh {
     }
 
     /// Checks coordinates and references, that no element has a node twice or the nodes of another, and that no two
-    /// elements share more than 1e-4 of the smaller one's area; shapes are checked where quadrature points are known.
+    /// elements share more than 1e-4 of the smaller one's area, edges taken as the lines between corners; shapes are checked
+    /// where quadrature points are known.
     ///
     /// # Errors
     /// The first defect found.
@@ -165,16 +197,23 @@ impl InterfaceMesh {
         }
     }
 
-    /// Area of each element (m^2) (exact for straight edges).
+    /// Area of each element (m^2), exact also for curved edges.
     pub fn areas(&self) -> Vec<f64> {
         self.elements
             .iter()
             .map(|element| {
-                let corners = element.corners();
+                let (corners, middles) = (element.corners(), element.middles());
                 let at = |i: usize| self.nodes[corners[i % corners.len()] as usize];
-                0.5 * (0..corners.len())
-                    .map(|i| at(i)[0] * at(i + 1)[1] - at(i + 1)[0] * at(i)[1])
-                    .sum::<f64>()
+                let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - b[0] * a[1];
+                let edge = |i: usize| match middles.get(i) {
+                    None => cross(at(i), at(i + 1)),
+                    // The integral of x dy - y dx along the parabola through the three nodes.
+                    Some(&middle) => {
+                        let middle = self.nodes[middle as usize];
+                        (4.0 * (cross(at(i), middle) + cross(middle, at(i + 1))) - cross(at(i), at(i + 1))) / 3.0
+                    }
+                };
+                0.5 * (0..corners.len()).map(edge).sum::<f64>()
             })
             .collect()
     }

@@ -37,6 +37,9 @@ pub struct Operators {
 impl Operators {
     /// Points run element by element.
     ///
+    /// With two points per direction the quadratic shapes have fewer points than nodes: an element by itself then has jumps
+    /// that meet no traction. Three are as many as nodes or more.
+    ///
     /// # Errors
     /// Invalid meshes, inverted elements, unsupported quadratures.
     pub fn try_new(mesh: &InterfaceMesh, points_per_direction: usize) -> Result<Self, Error> {

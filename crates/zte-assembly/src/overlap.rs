@@ -22,6 +22,8 @@ pub(crate) struct Overlap {
 
 /// The first element that shares more than [`TOLERANCE`] of its area, or of the other's, with an earlier one.
 ///
+/// Edges count as the lines between their corners: elements that share a curved edge share that line too.
+///
 /// Elements that are not convex or not counter-clockwise are left out: they are refused where their area density is
 /// known. A tree of bounding boxes makes this `n log n` also for meshes that are graded or lie along one line.
 pub(crate) fn find(mesh: &InterfaceMesh) -> Option<Overlap> {

@@ -11,7 +11,7 @@ use surface_characterisation::{
     LinePeak, Options, Registration, Summary, SyntheticFace, Waviness, align, characterise, line_peaks,
     registration_study,
 };
-use zte_assembly::InterfaceMesh;
+use zte_assembly::{Element, InterfaceMesh};
 
 /// Reference interference of the fits (m).
 pub(crate) const U_REF: f64 = 1e-6;
@@ -70,10 +70,8 @@ impl ScannedSurface {
     /// # Errors
     /// [`Error::NoSamples`] for surfaces that are not scanned; of the readers, the alignment, the characterisation.
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
-        let outlines = ElementOutlines::try_new(
-            mesh.nodes.clone(),
-            mesh.elements.iter().map(|e| e.nodes().to_vec()).collect(),
-        )?;
+        let outlines =
+            ElementOutlines::try_new(mesh.nodes.clone(), mesh.elements.iter().map(Element::outline).collect())?;
         let mut options = Options::new(material(scene));
         options.tangential = scene.law.tangential;
         options.u_ref = U_REF;

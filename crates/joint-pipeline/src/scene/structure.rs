@@ -353,7 +353,8 @@ pub struct Sides {
 pub struct PlaneMesh {
     /// Coordinates x, y (length).
     pub nodes: Vec<[f64; 2]>,
-    /// Quadrilaterals and triangles, node numbers from 1, counter-clockwise.
+    /// Quadrilaterals of 4, 8 or 9 nodes and triangles of 3 or 6: node numbers from 1, the corners counter-clockwise, then the
+    /// middles of the edges from each corner to the next, then the centre.
     pub elements: Vec<Vec<u32>>,
 }
 

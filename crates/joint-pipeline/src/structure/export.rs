@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use substructure::formats::abaqus::Includes;
 use substructure::mesh::{Dof as Component, Face, Group};
+use zte_assembly::shape::QUAD4;
 
 /// What the arrays are; goes with them where the format has room for text.
 pub const ABOUT: &str = "\
@@ -19,8 +20,8 @@ R: response = R x, a row per response.
 dofs: a row per coordinate. Label k > 0, component 1, 2, 3: displacement of the top body less that of the bottom one at
 interface node k along the rows of `frame`, the third being the normal from the top body into the bottom one, so that
 a positive value closes the interface. Label -m: coordinate m of the modes with the interface stuck.
-interface_nodes: coordinates in the plane. interface_elements: node numbers from 1, counter-clockwise; 0 in the fourth place of
-a triangle.
+interface_nodes: coordinates in the plane. interface_elements: node numbers from 1, the corners counter-clockwise, then the
+middles of the edges from each corner to the next, then the centre; 0 in places that an element does not have.
 ";
 
 /// The arrays `M`, `K`, `Fv`, `R`, `dofs`, `frame`, `interface_nodes`, `interface_elements` and `about`.
@@ -38,10 +39,12 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
         .collect();
     let loads = reduced.loads.concat();
     let plane = &joint.interface;
-    let corners: Vec<i64> = plane
+    let places = plane.elements.iter().map(|element| element.nodes().len());
+    let places = places.max().unwrap_or(0).max(QUAD4.n_nodes);
+    let nodes: Vec<i64> = plane
         .elements
         .iter()
-        .flat_map(|element| [0, 1, 2, 3].map(|i| element.nodes().get(i).map_or(0, |n| i64::from(*n) + 1)))
+        .flat_map(|element| (0..places).map(|i| element.nodes().get(i).map_or(0, |n| i64::from(*n) + 1)))
         .collect();
     Ok([
         ("M", dense(reduced.mass.as_ref())?),
@@ -56,7 +59,7 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
         ),
         (
             "interface_elements",
-            Array::Integers(Dense::try_from_rows(plane.elements.len(), 4, corners)?),
+            Array::Integers(Dense::try_from_rows(plane.elements.len(), places, nodes)?),
         ),
         ("about", Array::Text(ABOUT.into())),
     ]

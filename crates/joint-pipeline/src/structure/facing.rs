@@ -3,9 +3,8 @@
 use crate::Error;
 use crate::joint::MovedPairs;
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use substructure::mesh::Face;
-use zte_assembly::shape::Shape;
 use zte_assembly::{Element, InterfaceMesh};
 
 /// How far nodes that face one another may be apart, relative to the shortest edge of the interface.
@@ -46,15 +45,18 @@ impl Facing {
         let mut shortest = f64::INFINITY;
         for face in top {
             let nodes = face.nodes();
-            if Shape::with_nodes(nodes.len()).is_none() {
+            let Some(element) = Element::from_nodes(nodes) else {
                 return fail(format!(
-                    "the face at node {} is quadratic; interfaces take triangles with three nodes and quadrilaterals with four",
-                    label(nodes[0])
+                    "the face at node {} has {} nodes; interfaces take triangles with three or six and quadrilaterals with four, \
+                     eight or nine",
+                    label(nodes[0]),
+                    nodes.len()
                 ));
-            }
+            };
             normal += area_vector(face, coordinates);
-            for (i, &node) in nodes.iter().enumerate() {
-                shortest = shortest.min((at(nodes[(i + 1) % nodes.len()]) - at(node)).norm());
+            let outline = element.outline();
+            for (i, &node) in outline.iter().enumerate() {
+                shortest = shortest.min((at(outline[(i + 1) % outline.len()]) - at(node)).norm());
             }
         }
         let Some(normal) = normal.try_normalize(0.0) else {
@@ -66,6 +68,12 @@ impl Facing {
         }) {
             return fail(format!(
                 "the face of the top surface at node {} is not in one plane with the others",
+                label(face.nodes()[0])
+            ));
+        }
+        if let Some(face) = top.iter().find(|face| leaves_the_plane(face, &normal, coordinates)) {
+            return fail(format!(
+                "the face of the top surface at node {} is curved out of the plane of the others; interfaces are flat",
                 label(face.nodes()[0])
             ));
         }
@@ -81,12 +89,12 @@ impl Facing {
             nodes.dedup();
             nodes
         };
-        let (top_nodes, bottom) = (unique(top), unique(bottom));
-        if bottom.len() != top_nodes.len() {
+        let (top_nodes, of_bottom) = (unique(top), unique(bottom));
+        if of_bottom.len() != top_nodes.len() {
             return fail(format!(
                 "the surfaces have {} and {} nodes; both must have the same mesh",
                 top_nodes.len(),
-                bottom.len()
+                of_bottom.len()
             ));
         }
         let pairs = Pairs {
@@ -96,7 +104,8 @@ impl Facing {
             reach: COINCIDENCE * shortest,
             tolerance,
         };
-        let bottom_nodes = pairs.partners(&top_nodes, bottom, label)?;
+        let bottom_nodes = pairs.partners(&top_nodes, of_bottom, label)?;
+        refuse_other_faces(top, bottom, &top_nodes, &bottom_nodes, label)?;
         let moves = pairs.moves(&top_nodes, &bottom_nodes);
         let moved = moves.iter().map(|(_, way)| 2.0 * way.norm()).reduce(f64::max);
         let moved = moved.map(|largest_distance| MovedPairs {
@@ -231,6 +240,58 @@ impl Pairs<'_> {
                 [(a, half), (b, -half)]
             })
             .collect()
+    }
+}
+
+/// Whether a middle lies so far out of the plane that the way to a corner turns as much as [`FLATNESS`] allows faces to.
+fn leaves_the_plane(face: &Face, normal: &Vector3<f64>, coordinates: &[[f64; 3]]) -> bool {
+    let at = |node: u32| Vector3::from(coordinates[node as usize]);
+    let (corners, middles) = face.nodes().split_at(face.corners().len());
+    let sine = (1.0 - FLATNESS * FLATNESS).sqrt();
+    middles.iter().any(|&middle| {
+        corners.iter().any(|&corner| {
+            let way = at(middle) - at(corner);
+            way.dot(normal).abs() > sine * way.norm()
+        })
+    })
+}
+
+/// Refuses quadratic faces whose partners on the other side are not faces of the same nodes: the jump between them would not be
+/// that of either. Linear faces may differ, such as in the diagonals of their triangles.
+fn refuse_other_faces(
+    top: &[Face],
+    bottom: &[Face],
+    top_nodes: &[u32],
+    bottom_nodes: &[u32],
+    label: &dyn Fn(u32) -> String,
+) -> Result<(), Error> {
+    let is_quadratic = |face: &&Face| face.nodes().len() > face.corners().len();
+    let partner: BTreeMap<u32, u32> = bottom_nodes.iter().zip(top_nodes).map(|(&b, &t)| (b, t)).collect();
+    let corners_and_others = |face: &Face, of: &dyn Fn(u32) -> u32| {
+        let (corners, others) = face.nodes().split_at(face.corners().len());
+        [corners, others].map(|nodes| nodes.iter().map(|&node| of(node)).collect::<BTreeSet<u32>>())
+    };
+    let quadratic_top = top
+        .iter()
+        .filter(is_quadratic)
+        .map(|face| (corners_and_others(face, &|n| n), face));
+    let quadratic_bottom = bottom.iter().filter(is_quadratic);
+    let quadratic_bottom = quadratic_bottom.map(|face| (corners_and_others(face, &|n| partner[&n]), face));
+    let (of_top, of_bottom): (BTreeMap<_, _>, BTreeMap<_, _>) = (quadratic_top.collect(), quadratic_bottom.collect());
+    let alone = |of: &BTreeMap<[BTreeSet<u32>; 2], &Face>, others: &BTreeMap<[BTreeSet<u32>; 2], &Face>| {
+        let alone = of.iter().find(|(nodes, _)| !others.contains_key(*nodes));
+        alone.map(|(_, face)| face.nodes()[0])
+    };
+    let found = alone(&of_top, &of_bottom).map(|node| ("top", "bottom", node));
+    match found.or_else(|| alone(&of_bottom, &of_top).map(|node| ("bottom", "top", node))) {
+        None => Ok(()),
+        Some((side, other, node)) => Err(Error::Facing {
+            reason: format!(
+                "the quadratic face of the {side} surface at node {} has no face of the {other} surface with the same corners and \
+                 middles; both must have the same mesh",
+                label(node)
+            ),
+        }),
     }
 }
 

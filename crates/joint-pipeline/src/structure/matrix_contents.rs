@@ -215,8 +215,8 @@ impl File<'_> {
             return Err(self.fail("`interface_nodes` is not a full matrix of real numbers"));
         };
         let elements = self.integers("interface_elements", elements)?;
-        if nodes.columns() != 2 || !(3..=4).contains(&elements.columns()) {
-            return Err(self.fail("`interface_nodes` needs two columns, `interface_elements` three or four"));
+        if nodes.columns() != 2 || !(3..=9).contains(&elements.columns()) {
+            return Err(self.fail("`interface_nodes` needs two columns, `interface_elements` three to nine"));
         }
         let corner = |i: usize, j: usize| u32::try_from(elements[(i, j)]).unwrap_or(u32::MAX);
         Ok(PlaneMesh {
