@@ -23,8 +23,8 @@ pub struct Trade {
     /// The scene whose settings are varied; without it the built-in scene brb-flat.
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Dials to measure [default: all].
-    #[arg(long, value_name = "DIAL", num_args = 1..)]
+    /// Settings to measure, such as mesh [default: all].
+    #[arg(long, value_name = "NAME", num_args = 1..)]
     pub only: Vec<String>,
     /// A coarse mesh and only what takes seconds on it, for a look.
     #[arg(long)]

@@ -183,6 +183,82 @@ fn an_accuracy_chooses_settings_and_an_error_is_estimated() {
     );
 }
 
+#[test]
+fn two_formulations_of_the_elements_estimate_the_limit_of_the_mesh() {
+    /// The flat beam's first frequency in the limit of the mesh, as measured on finer meshes (Hz).
+    const LIMIT: f64 = 166.28;
+    let folder = folder("mesh-estimate");
+    let mut scene = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "model": { "refinement": "coarse", "symmetry": "half" },
+        "cqsma": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 },
+    });
+    std::fs::write(folder.join("coarse.json"), scene.to_string()).unwrap();
+    let text = succeeds(
+        &folder,
+        &["brb", "coarse.json", "--out", "run", "--estimate-error", "mesh"],
+    );
+    let summary = read_json(&folder.join("run/summary.json"));
+    let number = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64).unwrap();
+    assert_eq!(
+        (
+            &summary["mesh_estimate"]["formulation"],
+            &summary["mesh_estimate"]["other"]
+        ),
+        (&json!("incompatible-modes"), &json!("reduced"))
+    );
+    assert!(summary.get("error_estimate").is_none());
+    let of = |place: &str, field: &str| number(&format!("/mesh_estimate/modes/0/{place}/{field}"));
+    assert_eq!(number("/modes/0/frequency_hz"), of("linear_frequency", "own_hz"));
+    for place in [
+        "linear_frequency",
+        "amplitudes/0/frequency",
+        "amplitudes/1/frequency",
+        "amplitudes/2/frequency",
+    ] {
+        let [stiff, soft, limit] = ["own_hz", "other_hz", "limit_hz"].map(|field| of(place, field));
+        assert!(soft < limit && limit < stiff, "{place}: {soft} {limit} {stiff}");
+        assert!((of(place, "relative_difference") - (stiff / soft - 1.0)).abs() < 1e-12);
+        assert!(of(place, "uncertainty_hz") < 0.5 * (stiff - soft));
+    }
+    let (limit, uncertainty) = (
+        of("linear_frequency", "limit_hz"),
+        of("linear_frequency", "uncertainty_hz"),
+    );
+    assert!((limit - LIMIT).abs() < uncertainty, "{limit} +- {uncertainty}");
+    // The error bar of the table covers the distance as well.
+    let bar = number("/model/error_bar/frequency_relative");
+    assert!(of("linear_frequency", "own_hz") / LIMIT - 1.0 < bar, "{bar}");
+    let damping = of("amplitudes/1", "damping_ratio") / of("amplitudes/1", "other_damping_ratio");
+    assert!((of("amplitudes/1", "damping_ln_difference") - damping.ln()).abs() < 1e-12);
+    assert!(
+        text.contains("error of the mesh:") && text.contains("reduced integration (C3D8R)"),
+        "{text}"
+    );
+    let report = std::fs::read_to_string(folder.join("run/report.html")).unwrap();
+    for part in [
+        "Error of the mesh",
+        "Limit of the mesh",
+        "Two formulations on the same mesh",
+    ] {
+        assert!(report.contains(part), "{part}");
+    }
+    assert!(succeeds(&folder, &["verify", "run", "--rerun"]).contains("the same when they are computed again"));
+
+    // The weight is not known of full integration: the two frequencies alone.
+    scene["model"] = json!({ "refinement": "quick", "symmetry": "half", "formulation": "full" });
+    std::fs::write(folder.join("full.json"), scene.to_string()).unwrap();
+    let text = succeeds(
+        &folder,
+        &["brb", "full.json", "--out", "full", "--estimate-error", "mesh"],
+    );
+    let summary = read_json(&folder.join("full/summary.json"));
+    assert!(summary["model"]["error_bar"]["frequency_relative"].is_null());
+    assert!(summary["mesh_estimate"]["weight"].is_null());
+    assert!(summary["mesh_estimate"]["modes"][0]["linear_frequency"]["limit_hz"].is_null());
+    assert!(text.contains("not calibrated"), "{text}");
+}
+
 /// Cargo, as the program calls it for tasks of other programs: it gets the same arguments, its exit code is returned.
 #[cfg(unix)]
 #[test]

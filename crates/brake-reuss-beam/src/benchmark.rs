@@ -2,9 +2,10 @@
 
 use crate::geometry::Geometry;
 use crate::mesh::{Refinement, build};
+use crate::mesh_accuracy::MESH_ACCURACY;
 use crate::published;
 use joint_pipeline::joint::benchmark::{
-    Benchmark, BenchmarkError, Bounds, MeasuredSurface, MeshSettings, RefinementLevel, Symmetry,
+    Benchmark, BenchmarkError, Bounds, MeasuredSurface, MeshAccuracy, MeshSettings, RefinementLevel, Symmetry,
 };
 use joint_pipeline::joint::{Bodies, Joint, MeshedBodies};
 use joint_pipeline::scene::{Density, Force, Stress, SurfaceEnergy};
@@ -111,6 +112,10 @@ impl Benchmark for BrakeReussBenchmark {
             interface_area: geometry.lap_length * geometry.width - holes * hole,
             zero_energy_modes: [6, 7],
         }
+    }
+
+    fn mesh_accuracy(&self) -> Option<MeshAccuracy> {
+        Some(MESH_ACCURACY)
     }
 }
 

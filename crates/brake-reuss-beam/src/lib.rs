@@ -13,6 +13,7 @@ mod error;
 pub mod geometry;
 pub mod identification;
 pub mod mesh;
+mod mesh_accuracy;
 pub mod published;
 pub mod quality;
 

@@ -4,6 +4,7 @@ use brake_reuss_beam::geometry::{Geometry, equal_area_radius};
 use brake_reuss_beam::mesh::{BrakeReussBeam, Refinement, build, half_beam, uniform_bar};
 use brake_reuss_beam::{Error, published, quality};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::f64::consts::SQRT_2;
 use substructure::assemble::System;
 use substructure::mesh::{CouplingKind, Dof, Mesh};
 
@@ -98,6 +99,35 @@ fn every_preset_has_the_expected_interface_and_no_inverted_element() {
     let quick = beam(&Refinement::quick());
     assert!((3000..6000).contains(&quick.assembly.mesh.nodes.len()));
     assert_eq!(Refinement::default().scaled(2.0).unwrap(), Refinement::finest());
+}
+
+#[test]
+fn refinements_are_a_family() {
+    // From `default` to `fine` and from there to `finest` all counts grow by the root of two as nearly as whole numbers can; a count
+    // of one can only stay or double.
+    let default = Refinement::default();
+    for (refinement, factor) in [(Refinement::fine(), SQRT_2), (Refinement::finest(), 2.0)] {
+        for ((name, count), (_, of_default)) in refinement.counts().into_iter().zip(default.counts()) {
+            let wanted = factor * of_default as f64;
+            let found = (count as f64 / wanted).ln().abs();
+            let allowed = if of_default == 1 {
+                0.5 * 2.0_f64.ln()
+            } else {
+                1.1_f64.ln()
+            };
+            assert!(found <= allowed + 1e-12, "{name}: {count} for {wanted:.2}");
+            assert!(count > of_default, "{name} does not grow");
+        }
+    }
+    // Multiples of one mesh need no rounding.
+    let unit = Refinement::unit();
+    for multiple in [2, 3, 4] {
+        let scaled = unit.scaled(multiple as f64).unwrap();
+        for ((name, count), (_, of_unit)) in scaled.counts().into_iter().zip(unit.counts()) {
+            assert_eq!(count, multiple * of_unit, "{name}");
+        }
+        beam(&scaled).interface.validate().unwrap();
+    }
 }
 
 #[test]

@@ -63,6 +63,17 @@ pub enum Error {
          modes or fewer vertices"
     )]
     NothingFiner,
+    /// A structure whose mesh cannot be judged by a second formulation of its elements.
+    #[error(
+        "{place}: the error of the mesh cannot be estimated from two formulations: {what}; --estimate-error settings \
+         compares with finer settings instead"
+    )]
+    OneFormulation {
+        /// Name of the scene.
+        place: String,
+        /// What stands in the way, and what can be done about it.
+        what: &'static str,
+    },
     /// Half of a scene that need not be symmetric.
     #[error(
         "{place}: {what} need not be symmetric about y = 0, so that the half cannot stand for the whole; leave out \

@@ -7,6 +7,7 @@
 mod common;
 
 use common::{BENCHMARKS, fixture};
+use joint_pipeline::analysis::mesh_error::Partner;
 use joint_pipeline::joint::{Bodies, MovedPairs};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{ContactStiffness, Force, Length, StructureSource};
@@ -15,6 +16,7 @@ use joint_pipeline::structure::{Description, LinearInterface, Spectrum, Structur
 use joint_pipeline::{Error, Options, Scene, run};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use substructure::elements::Formulation;
 use substructure::formats::abaqus;
 use substructure::mesh::GroundSpring;
 use test_support::TemporaryFolder;
@@ -421,6 +423,53 @@ fn nodes_apart_along_the_normal_or_nearer_to_others_are_no_pairs() {
     });
     let message = refused(&path, json!(0.016));
     assert!(message.contains("nearer to node"), "{message}");
+}
+
+#[test]
+fn two_formulations_need_hexahedra_that_have_them() {
+    let refused = |scene: &Scene| {
+        let error = Partner::try_new(scene).unwrap_err();
+        assert!(matches!(error, Error::OneFormulation { .. }), "{error}");
+        error.to_string()
+    };
+    // C3D8 above, C3D8I below.
+    let mut mixed = on_bricks(&fixture("bricks.inp"), Value::Null, json!([]));
+    let message = refused(&mixed);
+    assert!(
+        message.contains("several formulations") && message.contains("model.formulation"),
+        "{message}"
+    );
+    for (own, other) in [
+        (Formulation::IncompatibleModes, Formulation::Reduced),
+        (Formulation::Full, Formulation::Reduced),
+        (Formulation::Reduced, Formulation::IncompatibleModes),
+    ] {
+        mixed.model.formulation = Some(own);
+        let partner = Partner::try_new(&mixed).unwrap().scene;
+        assert_eq!(partner.model.formulation, Some(other));
+    }
+
+    // Every hexahedron as two wedges.
+    let folder = TemporaryFolder::new("wedges");
+    let deck = std::fs::read_to_string(fixture("bricks.inp")).unwrap();
+    let lines = deck.lines().map(|line| {
+        let numbers: Vec<u32> = line.split(',').map_while(|text| text.trim().parse().ok()).collect();
+        match numbers[..] {
+            [label, a, b, c, d, e, f, g, h] => format!(
+                "{label}, {a}, {b}, {c}, {e}, {f}, {g}\n{}, {a}, {c}, {d}, {e}, {g}, {h}",
+                label + 1000
+            ),
+            _ if line.starts_with("*ELEMENT") => line.replace("C3D8I", "C3D6").replace("C3D8", "C3D6"),
+            _ => line.to_owned(),
+        }
+    });
+    let path = folder.join("wedges.inp");
+    std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
+    let message = refused(&on_bricks(&path, Value::Null, json!([])));
+    assert!(
+        message.contains("bricks:") && message.contains("only hexahedra of eight nodes"),
+        "{message}"
+    );
 }
 
 #[test]

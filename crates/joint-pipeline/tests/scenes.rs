@@ -4,9 +4,11 @@
 mod common;
 
 use common::{BENCHMARKS, beam};
+use joint_pipeline::analysis::mesh_error::{ErrorBar, Partner};
 use joint_pipeline::scene::{Accuracy, Length, PRESETS, RefinementLevel, Surface, Target, refined};
 use joint_pipeline::{Error, Scene};
 use serde_json::{Value, json};
+use substructure::elements::Formulation;
 
 fn read(scene: &Value) -> Result<Scene, Error> {
     Scene::from_json(&scene.to_string(), "scene.json", "scene", &BENCHMARKS)
@@ -552,4 +554,64 @@ fn finer_settings_are_finer_in_something_and_coarser_in_nothing() {
     assert_eq!(refined(&vertices).unwrap().0.name, "coarse");
     vertices.cqsma.vertices_per_quarter = 4096;
     assert!(matches!(refined(&vertices), Err(Error::NothingFiner)));
+}
+
+#[test]
+fn the_error_of_a_mesh_is_known_where_it_was_measured() {
+    let known = |scene: &Scene| {
+        let bar = ErrorBar::of(scene);
+        assert!(!bar.source.is_empty());
+        assert_eq!(bar.frequency_relative.is_some(), bar.damping_ln.is_some());
+        bar.frequency_relative
+    };
+    for hexahedra in [None, Some(Formulation::Reduced)] {
+        let mut last = f64::INFINITY;
+        for refinement in [
+            RefinementLevel::Quick,
+            RefinementLevel::Coarse,
+            RefinementLevel::Default,
+            RefinementLevel::Fine,
+            RefinementLevel::Finest,
+        ] {
+            let mut scene = beam("family");
+            (scene.model.refinement, scene.model.formulation) = (refinement, hexahedra);
+            let error = known(&scene).unwrap();
+            assert!(error > 0.0 && error < last, "{refinement:?}: {error} after {last}");
+            last = error;
+        }
+    }
+    // What was not measured has no figure, but a reason.
+    let changed = |change: fn(&mut Scene)| {
+        let mut scene = beam("changed");
+        change(&mut scene);
+        assert_eq!(known(&scene), None);
+        ErrorBar::of(&scene).source
+    };
+    assert!(changed(|scene| scene.model.arm_layers = Some(10)).contains("arm_layers"));
+    assert!(changed(|scene| scene.model.formulation = Some(Formulation::Full)).contains("formulation"));
+    assert!(changed(|scene| scene.cqsma.mode = 3).contains("first mode"));
+    assert!(changed(|scene| scene.cqsma.modes_of_interest = vec![1, 3]).contains("first mode"));
+    let deck = read(&on_deck()).unwrap();
+    assert!(known(&deck).is_none() && ErrorBar::of(&deck).source.contains("deck"));
+    let matrices = read(&json!({
+        "units": units(),
+        "structure": { "matrices": {
+            "path": "joint.npz",
+            "coordinates": "jump",
+            "interface": { "nodes": [[0, 0], [1, 0], [0, 1]], "elements": [[1, 2, 3]] },
+            "bolts": [{ "number": 1 }],
+            "response": { "number": 1 },
+        } },
+        "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } },
+        "surface": { "benchmark": "brake-reuss-beam" },
+        "bolts": { "load": "10 kN" },
+        "mu": 0.3,
+    }))
+    .unwrap();
+    assert!(known(&matrices).is_none() && ErrorBar::of(&matrices).source.contains("matrices"));
+    let error = Partner::try_new(&matrices).unwrap_err();
+    assert!(
+        matches!(error, Error::OneFormulation { .. }) && error.to_string().contains("matrices"),
+        "{error}"
+    );
 }

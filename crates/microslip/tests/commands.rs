@@ -60,8 +60,9 @@ fn the_summary_keeps_its_contract() {
             "/model",
             "n_nodes n_elements n_dofs mass interface_area n_interface_elements n_interface_points n_relative_dofs n_modes \
              zem_unstressed zem_stuck stuck_frequencies_hz unstressed_frequencies_hz penalty_frequencies_hz \
-             penalty_spectrum_error reduction_asymmetry",
+             penalty_spectrum_error reduction_asymmetry error_bar",
         ),
+        ("/model/error_bar", "frequency_relative damping_ln source"),
         (
             "/law",
             "kind tangential history fit_rms_normal fit_rms_tangential table_error_normal table_error_tangential \

@@ -6,6 +6,7 @@ use crate::{Error, fields, map, plot};
 use askama::Template;
 use joint_pipeline::Run;
 use joint_pipeline::analysis::ModeBackbone;
+use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, ModeEstimate};
 use joint_pipeline::interface::AsperityReport;
 use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
 use serde::Serialize;
@@ -22,6 +23,8 @@ struct Page<'a> {
     modes: Vec<Mode<'a>>,
     pressure: Picture<'a>,
     key_numbers: Facts,
+    accuracy: Facts,
+    mesh_estimates: Vec<(String, Table)>,
     asperities: Option<Facts>,
     skipped: Vec<&'a str>,
     effort: Facts,
@@ -65,6 +68,8 @@ pub fn document(run: &Run, summary: &Summary, pictures: &[String]) -> Result<Str
             .collect(),
         pressure: pressure(run),
         key_numbers: key_numbers(summary),
+        accuracy: accuracy(summary),
+        mesh_estimates: mesh_estimates(summary),
         asperities: summary.law.asperities.as_ref().map(asperity_numbers),
         skipped: summary.skipped.values().map(String::as_str).collect(),
         effort: effort(summary),
@@ -219,6 +224,102 @@ fn key_numbers(summary: &Summary) -> Facts {
             ),
         ),
     ])
+}
+
+/// What is known of the errors of the results.
+fn accuracy(summary: &Summary) -> Facts {
+    let mut facts = facts([("Error of the mesh", summary.model.error_bar.sentence())]);
+    let mut add = |name: &str, value: String| facts.push((name.into(), value));
+    if let Some(preset) = summary.accuracy {
+        add(
+            "Settings",
+            format!(
+                "{}; measured errors on the flat beam: {} of frequency, {} of the logarithm of damping",
+                preset.name, preset.frequency_error, preset.damping_error
+            ),
+        );
+    }
+    if let Some(estimate) = &summary.error_estimate {
+        let largest = |value: Option<f64>| value.map_or_else(|| MISSING.into(), |v| format!("{v:.1e}"));
+        add(
+            &format!("Against the settings {}", estimate.finer),
+            format!(
+                "first frequency {:+.2e}, frequencies within {}, logarithm of damping within {}",
+                estimate.linear_frequency,
+                largest(estimate.frequency),
+                largest(estimate.damping)
+            ),
+        );
+    }
+    if let Some(estimate) = &summary.mesh_estimate {
+        add(
+            "Limit of the mesh",
+            match (estimate.weight, estimate.weight_spread) {
+                (Some(weight), Some(spread)) => {
+                    format!("f_I - w (f_I - f_R) with w = {weight} ± {spread}; {}", estimate.source)
+                }
+                _ => estimate.source.clone(),
+            },
+        );
+        add(
+            "Elements with both formulations",
+            format!("{:.1} %", 100.0 * estimate.share_of_elements),
+        );
+    }
+    facts
+}
+
+/// One table per mode followed of what two formulations of the elements say.
+fn mesh_estimates(summary: &Summary) -> Vec<(String, Table)> {
+    let Some(estimate) = &summary.mesh_estimate else {
+        return Vec::new();
+    };
+    let [own, other] = estimate.formulations();
+    let headings = [
+        "displacement [m]".to_owned(),
+        format!("frequency, {own} [Hz]"),
+        format!("frequency, {other} [Hz]"),
+        "difference [%]".to_owned(),
+        "limit of the mesh [Hz]".to_owned(),
+        format!("damping ratio, {own} [-]"),
+        format!("damping ratio, {other} [-]"),
+        "difference [ln]".to_owned(),
+    ];
+    let table = |mode: &ModeEstimate| {
+        let cell = |value: Option<String>| value.unwrap_or_else(|| MISSING.into());
+        let row = |amplitude: Option<f64>, frequency: &FrequencyEstimate, damping: [Option<f64>; 3]| {
+            let limit = frequency.limit_hz.zip(frequency.uncertainty_hz);
+            let [own, other, difference] = damping;
+            vec![
+                amplitude.map_or_else(|| "linearised".into(), |a| format!("{a:.4e}")),
+                format!("{:.4}", frequency.own_hz),
+                format!("{:.4}", frequency.other_hz),
+                format!("{:+.3}", 100.0 * frequency.relative_difference),
+                cell(limit.map(|(limit, uncertainty)| format!("{limit:.3} ± {uncertainty:.3}"))),
+                cell(own.map(|v| format!("{v:.4e}"))),
+                cell(other.map(|v| format!("{v:.4e}"))),
+                cell(difference.map(|v| format!("{v:+.3}"))),
+            ]
+        };
+        let linear = row(None, &mode.linear_frequency, [None; 3]);
+        let amplitudes = mode.amplitudes.iter().map(|a| {
+            let damping = [a.damping_ratio, a.other_damping_ratio, a.damping_ln_difference];
+            row(Some(a.response_displacement), &a.frequency, damping)
+        });
+        Table {
+            headings: headings.to_vec(),
+            rows: std::iter::once(linear).chain(amplitudes).collect(),
+        }
+    };
+    let modes = estimate.modes.iter();
+    modes
+        .map(|mode| {
+            (
+                format!("Two formulations on the same mesh: mode {}", mode.mode),
+                table(mode),
+            )
+        })
+        .collect()
 }
 
 fn asperity_numbers(law: &AsperityReport) -> Facts {

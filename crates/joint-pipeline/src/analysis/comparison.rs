@@ -131,11 +131,17 @@ impl Backbone {
 
     /// Frequency (Hz) and damping ratio at an amplitude within the range.
     pub fn at(&self, amplitude: f64) -> Option<(f64, Option<f64>)> {
+        self.at_or_beyond(amplitude, 1.0)
+    }
+
+    /// The same, and by the line through the outermost two points also beyond the range, by this factor at most.
+    pub(crate) fn at_or_beyond(&self, amplitude: f64, factor: f64) -> Option<(f64, Option<f64>)> {
         let [first, last] = self.range();
-        if !(first..=last).contains(&amplitude) {
+        if !(first / factor..=last * factor).contains(&amplitude) {
             return None;
         }
-        let above = self.points.partition_point(|p| p.amplitude < amplitude).max(1);
+        let above = self.points.partition_point(|p| p.amplitude < amplitude);
+        let above = above.clamp(1, self.points.len() - 1);
         let (a, b) = (self.points[above - 1], self.points[above]);
         let part = (amplitude / a.amplitude).ln() / (b.amplitude / a.amplitude).ln();
         let between = |x: f64, y: f64| x + part * (y - x);

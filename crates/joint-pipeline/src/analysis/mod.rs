@@ -4,6 +4,7 @@ mod backbone;
 pub mod comparison;
 pub mod ensemble;
 pub mod error_estimate;
+pub mod mesh_error;
 pub mod methods;
 mod observer;
 mod outcome;

@@ -50,6 +50,9 @@ pub trait Benchmark: Sync {
 
     /// What every sound run of the benchmark satisfies.
     fn bounds(&self) -> Bounds;
+
+    /// The measured errors of its meshes, if they were measured.
+    fn mesh_accuracy(&self) -> Option<MeshAccuracy>;
 }
 
 /// Why a benchmark could not be meshed.
@@ -129,6 +132,46 @@ impl Symmetry {
             Self::Half => Operators::try_new_mirrored(mesh, points_per_direction)?,
         })
     }
+}
+
+/// Errors of the meshes of a benchmark, measured on a family of refinements.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshAccuracy {
+    /// Mode that it holds for, counted from 1.
+    pub mode: usize,
+    /// One row per mesh that was measured.
+    pub errors: &'static [MeshError],
+    /// How frequencies of two formulations lead to the limit of the mesh: one row per refinement on which that was calibrated.
+    pub limits: &'static [LimitWeight],
+    /// What was measured, in words: scenes, family, reference.
+    pub source: &'static str,
+}
+
+/// Largest differences of the results on one mesh to the limit of the mesh, the uncertainty of the limit included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshError {
+    /// How fine the mesh is.
+    pub refinement: RefinementLevel,
+    /// Formulation of its hexahedra.
+    pub hexahedra: Formulation,
+    /// Relative, of frequencies.
+    pub frequency: f64,
+    /// Of the logarithm of damping ratios.
+    pub damping: f64,
+}
+
+/// The limit of a frequency from the same mesh in two formulations: `f_I - weight (f_I - f_R)`, where `f_I` belongs to
+/// incompatible modes and `f_R` to reduced integration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitWeight {
+    /// How fine the mesh is.
+    pub refinement: RefinementLevel,
+    /// Weight (-).
+    pub weight: f64,
+    /// Largest deviation from it among the scenes and amplitudes that it was calibrated on.
+    pub spread: f64,
+    /// Relative uncertainty of the limit that it was calibrated against.
+    pub limit_uncertainty: f64,
 }
 
 /// Bounds that hold for every sound run of a benchmark.

@@ -3,6 +3,7 @@
 use super::provenance::Provenance;
 use crate::analysis::ensemble::Ensemble;
 use crate::analysis::error_estimate::ErrorEstimate;
+use crate::analysis::mesh_error::{ErrorBar, MeshEstimate};
 use crate::analysis::methods::MethodPoint;
 use crate::analysis::validity::Validity;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
@@ -63,6 +64,9 @@ pub struct Summary {
     /// Differences to a run with finer settings; left out unless asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_estimate: Option<ErrorEstimate>,
+    /// The limit of the mesh, estimated by a run with the other formulation of the elements; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_estimate: Option<MeshEstimate>,
     /// Limits of the model.
     pub validity: Validity,
     /// What the scene does not require and was left out, and why; empty if nothing was.
@@ -146,6 +150,9 @@ pub struct ModelSummary {
     /// Pairs of interface nodes of a deck that were moved to their midpoints; left out where all nodes coincide in pairs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moved_pairs: Option<MovedPairs>,
+    /// How far results on this mesh are from the limit of the mesh.
+    #[serde(default)]
+    pub error_bar: ErrorBar,
 }
 
 /// The gap.
@@ -343,6 +350,7 @@ impl Summary {
                 penalty_spectrum_error: facts.penalty_error,
                 reduction_asymmetry: reduced.asymmetry,
                 moved_pairs: run.moved_pairs,
+                error_bar: ErrorBar::of(&run.scene),
             },
             law: run.law.clone(),
             gap: GapSummary {
@@ -374,6 +382,7 @@ impl Summary {
             ensemble: None,
             accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.preset().ok()),
             error_estimate: None,
+            mesh_estimate: None,
             validity: run.validity().clone(),
             skipped: skipped(run),
             provenance: None,
@@ -400,6 +409,7 @@ impl Summary {
             backbones: Vec::new(),
             ensemble: None,
             error_estimate: None,
+            mesh_estimate: None,
             ..self.clone()
         }
     }

@@ -32,8 +32,8 @@ pub struct Preset {
     pub cost: f64,
 }
 
-/// From the cheapest to the finest. Errors are against the finest mesh (2352 interface elements), which is not the limit of
-/// the mesh either, and rounded up.
+/// From the cheapest to the finest. Errors are against the finest mesh (2352 interface elements) and rounded up; how far that is
+/// from the limit of the mesh, [`ErrorBar`](crate::analysis::mesh_error::ErrorBar) says.
 pub static PRESETS: [Preset; 4] = [
     Preset {
         name: "draft",
@@ -75,8 +75,8 @@ pub static PRESETS: [Preset; 4] = [
         modes: 20,
         vertices_per_quarter: 32,
         tolerance: 1e-9,
-        frequency_error: 3.5e-3,
-        damping_error: 0.01,
+        frequency_error: 2.5e-3,
+        damping_error: 0.016,
         cost: 5.0,
     },
 ];

@@ -6,6 +6,7 @@ use crate::progress::{Monitor, peak_memory};
 use crate::provenance;
 use anyhow::{Context, Result};
 use joint_pipeline::analysis::error_estimate::ErrorEstimate;
+use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, MeshEstimate, Partner};
 use joint_pipeline::analysis::registration::{self, Moved};
 use joint_pipeline::progress::Progress;
 use joint_pipeline::results::summary::Summary;
@@ -36,9 +37,10 @@ pub struct Arguments {
     /// scene must be scanned.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=10_000))]
     ensemble: Option<u16>,
-    /// Also run the scene with finer settings, and report the differences as an estimate of its errors.
-    #[arg(long, conflicts_with = "registration_study")]
-    estimate_error: bool,
+    /// Also run the scene with finer settings (settings), or with another formulation of its elements (mesh), and report the
+    /// differences as an estimate of its errors; on the Brake-Reuss beam `mesh` also estimates the limit of the mesh.
+    #[arg(long, value_name = "OF", num_args = 0..=1, default_missing_value = "settings", conflicts_with = "registration_study")]
+    estimate_error: Option<ErrorOf>,
     /// Instead, the backbone with the bottom face of a scanned surface moved: by SHIFT (m) and tilted by TILT to either side
     /// along x and y; written to registration.csv [default folder: results/NAME-registration].
     #[arg(long, value_name = "SHIFT,TILT", num_args = 0..=1, default_missing_value = "6e-4,1e-4", value_parser = shift_and_tilt,
@@ -54,13 +56,22 @@ fn shift_and_tilt(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
+/// What an error is estimated of.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum ErrorOf {
+    /// All settings, by finer ones.
+    Settings,
+    /// The mesh, by another formulation of its elements.
+    Mesh,
+}
+
 /// What is asked of a run beside its scene.
 #[derive(Clone, Copy)]
 pub(super) struct Request {
     /// Bootstrap realisations.
     pub(super) ensemble: Option<usize>,
-    /// Whether finer settings are run too.
-    pub(super) estimate_error: bool,
+    /// What else is run, to estimate errors.
+    pub(super) estimate_error: Option<ErrorOf>,
 }
 
 /// Runs a scene and writes its results.
@@ -134,8 +145,10 @@ impl Request {
         if self.ensemble.is_some() && !scene.surface.is_scanned() {
             return Err(joint_pipeline::Error::NoSamples.into());
         }
-        if self.estimate_error {
-            scene::refined(scene)?;
+        match self.estimate_error {
+            Some(ErrorOf::Settings) => drop(scene::refined(scene)?),
+            Some(ErrorOf::Mesh) => drop(Partner::try_new(scene)?),
+            None => {}
         }
         Ok(())
     }
@@ -152,18 +165,32 @@ impl Request {
         let (mut run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
         let mut summary = Summary::new(&run, timings, peak_memory());
         summary.ensemble = ensemble;
-        if self.estimate_error {
-            let (preset, finer) = scene::refined(scene)?;
-            let monitor = Monitor::new()?;
-            monitor.note(&format!("again, with the settings `{}`", preset.name));
-            let fine = joint_pipeline::run(&finer, options, &monitor);
-            monitor.finish();
-            let fine = fine.with_context(|| format!("running the scene {} with finer settings", scene.name))?;
-            summary.error_estimate = Some(ErrorEstimate::new(&run, preset, &fine));
-            run.checkpoints.extend(fine.checkpoints);
+        match self.estimate_error {
+            Some(ErrorOf::Settings) => {
+                let (preset, finer) = scene::refined(scene)?;
+                let fine = again(&finer, &format!("the settings `{}`", preset.name), options)?;
+                summary.error_estimate = Some(ErrorEstimate::new(&run, preset, &fine));
+                run.checkpoints.extend(fine.checkpoints);
+            }
+            Some(ErrorOf::Mesh) => {
+                let partner = Partner::try_new(scene)?;
+                let other = again(&partner.scene, "the other formulation of the elements", options)?;
+                summary.mesh_estimate = Some(MeshEstimate::new(&run, &partner, &other));
+                run.checkpoints.extend(other.checkpoints);
+            }
+            None => {}
         }
         Ok((run, summary))
     }
+}
+
+/// Runs a variant of a scene that was run before.
+fn again(scene: &Scene, with: &str, options: &Options) -> Result<Run> {
+    let monitor = Monitor::new()?;
+    monitor.note(&format!("again, with {with}"));
+    let result = joint_pipeline::run(scene, options, &monitor);
+    monitor.finish();
+    result.with_context(|| format!("running the scene {} with {with}", scene.name))
 }
 
 /// What is printed at the end of a registration study.
@@ -233,6 +260,55 @@ fn table(out: &mut String, summary: &Summary) {
     }
 }
 
+/// The two formulations beside each other.
+fn mesh_estimate(estimate: &MeshEstimate) -> String {
+    let mut out = String::new();
+    let [own, other] = estimate.formulations();
+    let limit = |frequency: &FrequencyEstimate| match (frequency.limit_hz, frequency.uncertainty_hz) {
+        (Some(limit), Some(uncertainty)) => format!("{limit:.3} +- {uncertainty:.3}"),
+        _ => "-".into(),
+    };
+    for mode in &estimate.modes {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "\nmode {} with two formulations, {own} and {other}\n{:>14} {:>15} {:>15} {:>12} {:>20} {:>14}",
+            mode.mode, "amplitude [m]", "frequency [Hz]", "other [Hz]", "difference", "limit [Hz]", "ln(damping)"
+        );
+        let first = (None, &mode.linear_frequency, None);
+        let amplitudes = mode.amplitudes.iter();
+        let rows = amplitudes.map(|a| (Some(a.response_displacement), &a.frequency, a.damping_ln_difference));
+        for (amplitude, frequency, damping) in std::iter::once(first).chain(rows) {
+            let _ = writeln!(
+                out,
+                "{:>14} {:>15.4} {:>15.4} {:>+11.3}% {:>20} {:>14}",
+                amplitude.map_or_else(|| "linearised".into(), |a| format!("{a:.4e}")),
+                frequency.own_hz,
+                frequency.other_hz,
+                100.0 * frequency.relative_difference,
+                limit(frequency),
+                damping.map_or_else(|| "-".into(), |d: f64| format!("{d:+.3}"))
+            );
+        }
+    }
+    let _ = match (estimate.weight, estimate.weight_spread) {
+        (Some(weight), Some(spread)) => writeln!(
+            out,
+            "limit: f_I - w (f_I - f_R) with w = {weight} +- {spread}; {}",
+            estimate.source
+        ),
+        _ => writeln!(out, "limit: {}", estimate.source),
+    };
+    if estimate.share_of_elements < 1.0 {
+        let share = 100.0 * estimate.share_of_elements;
+        let _ = writeln!(
+            out,
+            "only {share:.1} % of the elements have both formulations; the error of the others is not in it"
+        );
+    }
+    out
+}
+
 /// What is printed at the end.
 fn account(summary: &Summary, name: &str, directory: &Path) -> String {
     let mut out = String::new();
@@ -276,6 +352,10 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
             cell(estimate.frequency, &|v| format!("{v:.1e}")),
             cell(estimate.damping, &|v| format!("{v:.1e}"))
         );
+    }
+    let _ = writeln!(out, "error of the mesh: {}", summary.model.error_bar.sentence());
+    if let Some(estimate) = &summary.mesh_estimate {
+        out.push_str(&mesh_estimate(estimate));
     }
     let total = summary.timings.get("total").copied().unwrap_or_default();
     let _ = writeln!(

@@ -1,7 +1,7 @@
 //! `verify`: whether results are as they were written, sound, and what the program computes again.
 
 use super::print;
-use super::run::Request;
+use super::run::{ErrorOf, Request};
 use crate::check::{self, Demand};
 use crate::files::is_of_amplitudes_or_modes;
 use crate::provenance;
@@ -123,7 +123,11 @@ fn rerun(directory: &Path) -> Result<()> {
     }
     let request = Request {
         ensemble: before.ensemble.as_ref().map(|ensemble| ensemble.realisations),
-        estimate_error: before.error_estimate.is_some(),
+        estimate_error: match (&before.error_estimate, &before.mesh_estimate) {
+            (Some(_), _) => Some(ErrorOf::Settings),
+            (None, Some(_)) => Some(ErrorOf::Mesh),
+            (None, None) => None,
+        },
     };
     // Nothing is read that an earlier run has stored.
     let (run, after) = request.compute(&scene, &Options::default())?;
@@ -178,6 +182,10 @@ fn results(summary: &Summary) -> Result<Value> {
     let mut value = serde_json::to_value(summary).context("encoding the summary")?;
     if let Some(fields) = value.as_object_mut() {
         fields.retain(|name, _| !NOT_RESULTS.contains(&name.as_str()));
+    }
+    // What is known of the mesh was not computed by the run.
+    if let Some(model) = value.pointer_mut("/model").and_then(Value::as_object_mut) {
+        model.remove("error_bar");
     }
     Ok(value)
 }
