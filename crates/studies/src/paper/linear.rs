@@ -1,6 +1,6 @@
 //! Entries that frequencies and static states are enough for.
 
-use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, per_element};
+use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, mesh_error, per_element};
 use crate::elements::{Representatives, given};
 use anyhow::{Context, Result, bail};
 use brake_reuss_beam::geometry::Geometry;
@@ -47,13 +47,14 @@ fn table_1(inputs: &Inputs) -> Result<Plan<'_>> {
         .map(|gap| per_element(inputs.prestress("prestress, per element", gap)))
         .into();
     scenes.extend(cases.map(|gap| inputs.prestress("prestress, measured statistics", gap)));
+    let error = mesh_error(&scenes[2]);
     scenes.push(uniform(inputs, "prestress, element drawn", drawn));
     scenes.push(uniform(inputs, "prestress, median element", median));
     scenes.push(uniform(inputs, "prestress, soft element", soft));
     scenes.push(uniform(inputs, "prestress, stiff element", stiff));
     Ok(Plan {
         scenes,
-        evaluate: Box::new(|results| {
+        evaluate: Box::new(move |results| {
             let found: Vec<f64> = results.all()?.iter().map(|run| run.first()).collect();
             let [
                 topography,
@@ -124,7 +125,7 @@ fn table_1(inputs: &Inputs) -> Result<Plan<'_>> {
             let judgement = format!(
                 "Topography changes the frequency by {:+.1} Hz with scans and {:+.1} Hz with measured statistics, {} as the paper's {published:+.1} Hz; \
                  uniform roughness gives {least:.1} to {most:.1} Hz by four elements of very different stiffness, so the paper's {by_chance:+.1} Hz for one drawn {}; \
-                 with measured statistics and gap the experiment is met to {:+.2} % (the paper: {:+.2} %).",
+                 with measured statistics and gap the experiment is met to {:+.2} % (the paper: {:+.2} %), and the error of the mesh is {error}.",
                 rises[0],
                 rises[1],
                 if rises.iter().all(|rise| *rise * published > 0.0) {

@@ -12,6 +12,7 @@ use crate::Display;
 use anyhow::{Context, Result, anyhow, bail};
 use brake_reuss_beam::BrakeReussBenchmark;
 use joint_pipeline::Scene;
+use joint_pipeline::analysis::mesh_error::ErrorBar;
 use joint_pipeline::interface::ScannedSurface;
 use joint_pipeline::joint::benchmark::Benchmark as _;
 use joint_pipeline::progress::Silent;
@@ -310,6 +311,14 @@ pub(crate) fn per_element(mut scene: Scene) -> Scene {
     scene.surface = Surface::SyntheticScan(synthetic());
     scene.law.kind = LawKind::Fitted;
     scene
+}
+
+/// How far frequencies of a scene may be from the limit of its mesh, in words.
+pub(crate) fn mesh_error(scene: &Scene) -> String {
+    match ErrorBar::of(scene).frequency_relative {
+        Some(error) => format!("up to {:.1} %", 100.0 * error),
+        None => "not known".into(),
+    }
 }
 
 /// A published claim, and whether it is seen here.

@@ -9,6 +9,7 @@ mod parameters;
 use anyhow::{Context, Result, anyhow, bail};
 use joint_pipeline::Scene;
 use joint_pipeline::analysis::comparison::{Backbone, Point};
+use joint_pipeline::analysis::mesh_error::ErrorBar;
 use joint_pipeline::results::summary::Summary;
 use joint_pipeline::results::trends::{Extrapolation, extrapolate};
 use joint_pipeline::scene::PRESETS;
@@ -124,7 +125,7 @@ pub(crate) struct Measured {
     /// Of everything else that its backbone needs (s).
     interface_seconds: f64,
     peak_memory: Option<u64>,
-    n_elements: f64,
+    error_bar: ErrorBar,
     not_converged: usize,
 }
 
@@ -340,7 +341,7 @@ impl<'a> Bench<'a> {
             structure_seconds: structure,
             interface_seconds: seconds(summary, &["characterise", "prestress", "modes", own]),
             peak_memory: summary.peak_memory.max(memory),
-            n_elements: summary.model.n_interface_elements as f64,
+            error_bar: summary.model.error_bar.clone(),
             not_converged,
         })
     }
@@ -455,16 +456,7 @@ fn errors(setting: &Measured, reference: &Measured) -> Errors {
 
 /// Limits of what a refinement converges to.
 fn limits(parameter: &Parameter, measured: &[Result<Measured, String>]) -> Vec<Limit> {
-    let sizes: Vec<Option<f64>> = parameter
-        .settings
-        .iter()
-        .zip(measured)
-        .map(|(setting, measured)| match (parameter.name, measured) {
-            // All lengths of the mesh go with the root of the area of an element.
-            ("mesh", Ok(measured)) => Some(measured.n_elements.powf(-0.5)),
-            _ => setting.size,
-        })
-        .collect();
+    let sizes: Vec<Option<f64>> = parameter.settings.iter().map(|setting| setting.size).collect();
     let [.., Some(a), Some(b), Some(c)] = sizes[..] else {
         return Vec::new();
     };
@@ -634,6 +626,16 @@ pub(crate) fn budget(ladders: &[Ladder], own: &Measured) -> Vec<Part> {
                 let is_own = |m: &Measured| m.linear == own.linear && m.backbone == own.backbone;
                 let mut outcomes = ladder.outcomes.iter();
                 let found = outcomes.find(|outcome| outcome.measured.as_ref().is_ok_and(is_own))?;
+                let bar = (own.error_bar.frequency_relative).zip(own.error_bar.damping_ln);
+                if let ("mesh", Some((frequency, damping_ln))) = (ladder.parameter.name, bar) {
+                    // Against the limit of the mesh, which the refinements of scenes are too uneven to extrapolate to.
+                    return Some(Part {
+                        parameter: ladder.parameter.name,
+                        kind: ladder.parameter.share,
+                        frequency,
+                        damping_ln,
+                    });
+                }
                 let [frequency, damping] = found.errors.as_ref().map(size)?;
                 // What the reference itself is away from the limit counts as well.
                 let rest = |index: usize| {
