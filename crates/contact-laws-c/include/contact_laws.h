@@ -52,6 +52,21 @@
 #define CL_CONE_BOX 1
 
 /*
+ Slip limit of an asperity: the friction coefficient times its normal force.
+ */
+#define CL_LIMIT_COULOMB 0
+
+/*
+ Slip limit of an asperity that yields: first yield under both forces.
+ */
+#define CL_LIMIT_CEB 1
+
+/*
+ Slip limit of an asperity that yields: the shear strength that its pressure leaves.
+ */
+#define CL_LIMIT_SHEAR_STRENGTH 2
+
+/*
  Yield: without the jumps of the published curves.
  */
 #define CL_YIELD_CONTINUOUS 0
@@ -271,6 +286,8 @@ struct cl_law *cl_asperity_table_law(size_t n_points,
  - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL (elastic asperities only) or
    CL_HISTORY_END_POINT.
  - cone: CL_CONE_CIRCLE or CL_CONE_BOX.
+ - limit: CL_LIMIT_COULOMB, or for asperities that yield CL_LIMIT_CEB or CL_LIMIT_SHEAR_STRENGTH, with which mu is without
+   effect.
  - n_annuli: 0: an asperity sticks or slips as a whole. 1 to 256: it slips from its rim inwards, in so many annuli.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
    One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
@@ -296,6 +313,7 @@ struct cl_law *cl_resolved_law(size_t n_points,
                                size_t n_mu,
                                int32_t history,
                                int32_t cone,
+                               int32_t limit,
                                size_t n_annuli,
                                char *message,
                                size_t message_capacity);

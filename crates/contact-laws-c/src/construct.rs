@@ -3,17 +3,17 @@
 use core::ffi::c_char;
 
 use contact_laws::{
-    Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, Cone, ElasticCurves,
-    ElasticDryFriction, ElasticPair, FittedCurves, FittedPoints, GapDistribution, HistoryRule, NormalFit,
-    PointParameters, ResolvedLaw, RoughLaw, TableLaw, TableOptions, Tabulated, TangentialEnds, TangentialFit,
-    TangentialReading, Yield, YieldCurves,
+    Asperity, AsperityBins, AsperityFriction, AsperityLimit, AsperityPopulation, AsperitySumCurves, Cone,
+    ElasticCurves, ElasticDryFriction, ElasticPair, FittedCurves, FittedPoints, GapDistribution, HistoryRule,
+    NormalFit, PointParameters, ResolvedLaw, RoughLaw, TableLaw, TableOptions, Tabulated, TangentialEnds,
+    TangentialFit, TangentialReading, Yield, YieldCurves,
 };
 
 use crate::boundary::{Error, Message, array, guarded, rows};
 use crate::{
     CL_CONE_BOX, CL_CONE_CIRCLE, CL_ENDS_CONSTANT, CL_ENDS_MINDLIN, CL_HISTORY_END_POINT, CL_HISTORY_INCREMENTAL,
-    CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL, CL_READING_MINDLIN, CL_READING_PAPER, CL_YIELD_CONTINUOUS,
-    CL_YIELD_PUBLISHED, Law,
+    CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL, CL_LIMIT_CEB, CL_LIMIT_COULOMB, CL_LIMIT_SHEAR_STRENGTH,
+    CL_READING_MINDLIN, CL_READING_PAPER, CL_YIELD_CONTINUOUS, CL_YIELD_PUBLISHED, Law,
 };
 
 /// Rough contact by fitted curves (eqs. 28 and 29 of Balaji, Chen and Brake 2020) with friction. With
@@ -248,6 +248,8 @@ pub unsafe extern "C" fn cl_asperity_table_law(
 /// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL (elastic asperities only) or
 ///   CL_HISTORY_END_POINT.
 /// - cone: CL_CONE_CIRCLE or CL_CONE_BOX.
+/// - limit: CL_LIMIT_COULOMB, or for asperities that yield CL_LIMIT_CEB or CL_LIMIT_SHEAR_STRENGTH, with which mu is without
+///   effect.
 /// - n_annuli: 0: an asperity sticks or slips as a whole. 1 to 256: it slips from its rim inwards, in so many annuli.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
@@ -274,6 +276,7 @@ pub unsafe extern "C" fn cl_resolved_law(
     n_mu: usize,
     history: i32,
     cone: i32,
+    limit: i32,
     n_annuli: usize,
     message: *mut c_char,
     message_capacity: usize,
@@ -335,7 +338,19 @@ pub unsafe extern "C" fn cl_resolved_law(
             CL_CONE_BOX => Cone::Box,
             code => return Err(unknown("cone", code, "CL_CONE_CIRCLE or CL_CONE_BOX")),
         };
-        Law::try_new(ResolvedLaw::try_new(bins, mu, friction, cone)?)
+        let limit = match limit {
+            CL_LIMIT_COULOMB => AsperityLimit::Coulomb,
+            CL_LIMIT_CEB => AsperityLimit::Ceb,
+            CL_LIMIT_SHEAR_STRENGTH => AsperityLimit::ShearStrength,
+            code => {
+                return Err(unknown(
+                    "limit",
+                    code,
+                    "CL_LIMIT_COULOMB, CL_LIMIT_CEB or CL_LIMIT_SHEAR_STRENGTH",
+                ));
+            }
+        };
+        Law::try_new(ResolvedLaw::try_new(bins, mu, friction, cone)?.with_limit(limit)?)
     };
     // SAFETY: the caller vouches for the message buffer.
     hand_over(unsafe { guarded(message, make) })

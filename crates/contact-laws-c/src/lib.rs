@@ -93,6 +93,13 @@ pub const CL_CONE_CIRCLE: i32 = 0;
 /// Slip limit of an asperity: for x and y apart.
 pub const CL_CONE_BOX: i32 = 1;
 
+/// Slip limit of an asperity: the friction coefficient times its normal force.
+pub const CL_LIMIT_COULOMB: i32 = 0;
+/// Slip limit of an asperity that yields: first yield under both forces.
+pub const CL_LIMIT_CEB: i32 = 1;
+/// Slip limit of an asperity that yields: the shear strength that its pressure leaves.
+pub const CL_LIMIT_SHEAR_STRENGTH: i32 = 2;
+
 /// Yield: without the jumps of the published curves.
 pub const CL_YIELD_CONTINUOUS: i32 = 0;
 /// Yield: the published curves, with their jumps.

@@ -294,7 +294,12 @@ fn resolved_laws_give_what_the_law_gives() {
         curves: YieldCurves::Continuous,
     };
     let input = input();
-    for (strength, n_radii, cone) in [(0.0, 0, Cone::Box), (330e6, 0, Cone::Circle), (330e6, 4, Cone::Circle)] {
+    for (strength, n_radii, cone, limit) in [
+        (0.0, 0, Cone::Box, AsperityLimit::Coulomb),
+        (330e6, 0, Cone::Circle, AsperityLimit::ShearStrength),
+        (330e6, 4, Cone::Circle, AsperityLimit::Coulomb),
+        (330e6, 4, Cone::Box, AsperityLimit::Ceb),
+    ] {
         let asperity = Asperity::try_new(
             ElasticPair::new(192e9, 0.3),
             1.4e-3,
@@ -312,6 +317,7 @@ fn resolved_laws_give_what_the_law_gives() {
         };
         let bins = PointParameters::try_indexed((0..n_sets).map(of).collect(), sets.clone()).unwrap();
         let by_rust = ResolvedLaw::try_new(bins, PointParameters::uniform(MU, N), friction, cone).unwrap();
+        let by_rust = by_rust.with_limit(limit).unwrap();
         let mut message = [0_u8; 200];
         // SAFETY: all arrays have the documented lengths.
         let law = Handle(unsafe {
@@ -332,6 +338,11 @@ fn resolved_laws_give_what_the_law_gives() {
                 1,
                 CL_HISTORY_END_POINT,
                 if cone == Cone::Box { CL_CONE_BOX } else { CL_CONE_CIRCLE },
+                match limit {
+                    AsperityLimit::Coulomb => CL_LIMIT_COULOMB,
+                    AsperityLimit::Ceb => CL_LIMIT_CEB,
+                    AsperityLimit::ShearStrength => CL_LIMIT_SHEAR_STRENGTH,
+                },
                 n_radii,
                 message.as_mut_ptr().cast(),
                 message.len(),

@@ -12,7 +12,7 @@ int main(void) {
     char message[200];
     cl_law *law = cl_resolved_law(1, gaps, densities, N_BINS, 1, NULL, radius, youngs_modulus, poisson_ratio,
                                   yield_strength, tangent_modulus, CL_YIELD_PUBLISHED, &mu, 1, CL_HISTORY_END_POINT,
-                                  CL_CONE_BOX, 0, message, sizeof message);
+                                  CL_CONE_BOX, CL_LIMIT_COULOMB, 0, message, sizeof message);
     if (law == NULL) {
         printf("%s\n", message);
         return 1;

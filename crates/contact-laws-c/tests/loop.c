@@ -239,29 +239,31 @@ static void refused_laws(void) {
     /* Two bins in two sets, of which the last point uses the second. */
     const double gaps[4] = {0, 0, 1e-6, 2e-6}, densities[4] = {1e5, 1e5, 1e5, 1e5}, negative[4] = {1e5, 1e5, 1e5, -1};
     const uint32_t sets[2] = {0, 1}, missing[2] = {0, 2};
-#define RESOLVED(gaps, densities, n_bins, n_sets, sets, strength, tangent, history, cone, n_radii)                     \
+#define RESOLVED(gaps, densities, n_bins, n_sets, sets, strength, tangent, history, cone, limit, n_radii)                     \
     cl_resolved_law(2, gaps, densities, n_bins, n_sets, sets, 1e-3, 2e11, 0.3, strength, tangent, 0, mu, 1, history,   \
-                    cone, n_radii, message, sizeof message)
-    REFUSED(RESOLVED(gaps, densities, 2, 3, NULL, 0, 0, 3, 0, 0), "n_sets = 3: must be 1 or the number of points, 2");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, missing, 0, 0, 3, 0, 0), "set_of_point[1] = 2: must be below n_sets = 2");
-    REFUSED(RESOLVED(gaps, densities, 2, 0, sets, 0, 0, 3, 0, 0), "set_of_point[0] = 0: must be below n_sets = 0");
-    REFUSED(RESOLVED(NULL, densities, 2, 2, sets, 0, 0, 3, 0, 0), "gaps is NULL");
-    REFUSED(RESOLVED(gaps, NULL, 2, 2, sets, 0, 0, 3, 0, 0), "densities is NULL");
-    REFUSED(RESOLVED(gaps, densities, 0, 2, sets, 0, 0, 3, 0, 0), "set 0 (counted from 0): bins = 0e0");
-    REFUSED(RESOLVED(gaps, densities, SIZE_MAX, 2, sets, 0, 0, 3, 0, 0), "gaps would reach beyond the memory");
-    REFUSED(RESOLVED(gaps, negative, 2, 2, sets, 0, 0, 3, 0, 0), "set 1 (counted from 0): bin_density = -1e0");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, -1, 0, 3, 0, 0), "yield_strength = -1e0");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 2e11, 3, 0, 0), "tangent_modulus = 2e11");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 0, CL_HISTORY_POTENTIAL, 0, 0), "asperities that yield");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 4, 0, 0), "history = 4");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 2, 0), "cone = 2");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 0, 257), "annuli = 2.57e2");
-    REFUSED(cl_resolved_law(2, gaps, densities, 2, 2, sets, 1e-3, 2e11, 0.3, 3e8, 0, 2, mu, 1, 3, 0, 0, message,
+                    cone, limit, n_radii, message, sizeof message)
+    REFUSED(RESOLVED(gaps, densities, 2, 3, NULL, 0, 0, 3, 0, 0, 0), "n_sets = 3: must be 1 or the number of points, 2");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, missing, 0, 0, 3, 0, 0, 0), "set_of_point[1] = 2: must be below n_sets = 2");
+    REFUSED(RESOLVED(gaps, densities, 2, 0, sets, 0, 0, 3, 0, 0, 0), "set_of_point[0] = 0: must be below n_sets = 0");
+    REFUSED(RESOLVED(NULL, densities, 2, 2, sets, 0, 0, 3, 0, 0, 0), "gaps is NULL");
+    REFUSED(RESOLVED(gaps, NULL, 2, 2, sets, 0, 0, 3, 0, 0, 0), "densities is NULL");
+    REFUSED(RESOLVED(gaps, densities, 0, 2, sets, 0, 0, 3, 0, 0, 0), "set 0 (counted from 0): bins = 0e0");
+    REFUSED(RESOLVED(gaps, densities, SIZE_MAX, 2, sets, 0, 0, 3, 0, 0, 0), "gaps would reach beyond the memory");
+    REFUSED(RESOLVED(gaps, negative, 2, 2, sets, 0, 0, 3, 0, 0, 0), "set 1 (counted from 0): bin_density = -1e0");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, -1, 0, 3, 0, 0, 0), "yield_strength = -1e0");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 2e11, 3, 0, 0, 0), "tangent_modulus = 2e11");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 0, CL_HISTORY_POTENTIAL, 0, 0, 0), "asperities that yield");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 4, 0, 0, 0), "history = 4");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 2, 0, 0), "cone = 2");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 0, 3, 0, 3, 0), "limit = 3");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 0, CL_LIMIT_CEB, 0), "elastic asperities");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 0, 0, 257), "annuli = 2.57e2");
+    REFUSED(cl_resolved_law(2, gaps, densities, 2, 2, sets, 1e-3, 2e11, 0.3, 3e8, 0, 2, mu, 1, 3, 0, 0, 0, message,
                             sizeof message),
             "yield_curves = 2");
     double many[128] = {0};
-    REFUSED(RESOLVED(many, many, 64, 2, sets, 0, 0, 3, 0, 16), "2051 state components per point");
-    cl_law *resolved = RESOLVED(gaps, densities, 2, 2, sets, 3e8, 1e9, CL_HISTORY_END_POINT, CL_CONE_BOX, 4);
+    REFUSED(RESOLVED(many, many, 64, 2, sets, 0, 0, 3, 0, 0, 16), "2051 state components per point");
+    cl_law *resolved = RESOLVED(gaps, densities, 2, 2, sets, 3e8, 1e9, CL_HISTORY_END_POINT, CL_CONE_BOX, 0, 4);
     EXPECT(resolved != NULL && cl_law_n_state(resolved) == 3 + 2 * (2 * 4 + 2));
     EXPECT(strcmp(cl_law_state_name(resolved, 3), "f_x_1_1") == 0 && strcmp(cl_law_state_unit(resolved, 12), "N") == 0);
     cl_law_free(resolved);
