@@ -450,6 +450,9 @@ fn limits(base: &Scene) -> Vec<Setting> {
         scene.law.friction = Friction::Resolved;
         scene.law.yielding = Some(yielding());
         scene.law.limit = limit;
+        if limit != AsperityLimit::Coulomb {
+            scene.mu = 0.0;
+        }
     })
 }
 
