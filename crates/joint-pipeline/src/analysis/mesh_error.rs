@@ -3,7 +3,7 @@
 //!
 //! On the same mesh hexahedra with incompatible modes are too stiff and those with reduced integration are too soft, so that the
 //! limit of a frequency lies between the two. Where in between is known of benchmarks whose meshes were refined, see
-//! [`LimitWeight`](crate::joint::benchmark::LimitWeight). Damping has no such order: both formulations may lie on one side.
+//! [`LimitWeight`]. Damping has no such order: both formulations may lie on one side.
 
 use super::comparison::{Backbone, Point};
 use super::run::{ModeBackbone, Run};
