@@ -1,46 +1,113 @@
-//! The limit of the mesh: the first frequency of the flat beam on multiples of one mesh, all counts multiplied by the same number,
-//! with two formulations of the elements. `mesh_limit 4` goes to the fourth multiple (default: the third, in minutes).
+//! The limit of the mesh: the first frequency of the beam (half of it where it is flat), by levels and orders of the elements.
+//!
+//! `mesh_limit family [GREATEST]` prints multiples of one mesh, all counts multiplied by the same number, with two formulations of linear
+//! elements, to the third multiple (in minutes) or another one. `mesh_limit LEVEL FORMULATION [GAP]` prints one row: level `quick`,
+//! `coarse`, `default`, `fine` or `finest`, formulation `C3D8I`, `C3D8R` or `C3D20R`, gap `flat` or `measured`.
 #![expect(clippy::print_stdout, reason = "an example prints")]
 use brake_reuss_beam::mesh::Refinement;
 use brake_reuss_beam::{BrakeReussBenchmark, benchmark, published};
 use joint_pipeline::analysis::Prepared;
-use joint_pipeline::joint::benchmark::{MeshSettings, Symmetry};
+use joint_pipeline::joint::benchmark::{ElementOrder, MeshSettings, Symmetry};
 use joint_pipeline::progress::Silent;
+use joint_pipeline::scene::Gap;
 use joint_pipeline::structure::Structure;
 use joint_pipeline::{Options, Scene};
 use std::error::Error;
+use std::time::Instant;
 use substructure::elements::Formulation;
 
+type Elements = (&'static str, ElementOrder, Formulation);
+
+const ELEMENTS: [Elements; 3] = [
+    ("C3D8I", ElementOrder::Linear, Formulation::IncompatibleModes),
+    ("C3D8R", ElementOrder::Linear, Formulation::Reduced),
+    ("C3D20R", ElementOrder::Quadratic, Formulation::Reduced),
+];
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let multiples = std::env::args().nth(1).map_or(Ok(3_u8), |text| text.parse())?;
-    let mut scene = Scene::of(&BrakeReussBenchmark, "mesh limit")?;
-    scene.model.symmetry = Symmetry::Half;
-    scene.cqsma.amplitudes = 0;
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments.as_slice() {
+        [] | ["family"] => family(3),
+        ["family", greatest] => family(greatest.parse()?),
+        [level, elements] => row(level, elements, "flat"),
+        [level, elements, gap] => row(level, elements, gap),
+        _ => Err("give `family [GREATEST]`, or a level, a formulation and a gap".into()),
+    }
+}
+
+fn family(greatest: u8) -> Result<(), Box<dyn Error>> {
     println!("multiple  interface elements  C3D8I [Hz]  C3D8R [Hz]");
-    for multiple in 1..=multiples {
+    for multiple in 1..=greatest {
         let refinement = Refinement::unit().scaled(f64::from(multiple))?;
-        let mut frequencies = [0.0; 2];
-        for (frequency, hexahedra) in frequencies
-            .iter_mut()
-            .zip([Formulation::IncompatibleModes, Formulation::Reduced])
-        {
-            let settings = MeshSettings {
-                refinement: scene.model.refinement,
-                arm_layers: None,
-                symmetry: Symmetry::Half,
-                hexahedra,
-                material: published::steel(),
-            };
-            let joint = benchmark::joint(&refinement, &settings)?;
-            let structure = Structure::from_joint(&scene.model, scene.bolts.behaviour, joint);
-            let run = Prepared::try_new(&scene, &structure, &Options::default(), &Silent)?.solve(&Silent)?;
-            *frequency = run.frequencies[0];
-        }
-        let [stiff, soft] = frequencies;
+        let [stiff, soft] = [ELEMENTS[0], ELEMENTS[1]].map(|elements| first(&refinement, elements, Gap::Flat));
         println!(
-            "{multiple:>8} {:>19} {stiff:>11.4} {soft:>11.4}",
-            refinement.interface_elements()
+            "{multiple:>8} {:>19} {:>11.4} {:>11.4}",
+            refinement.interface_elements(),
+            stiff?.frequency,
+            soft?.frequency
         );
     }
     Ok(())
+}
+
+fn row(level: &str, elements: &str, gap: &str) -> Result<(), Box<dyn Error>> {
+    let presets = Refinement::presets();
+    let preset = presets.iter().find(|(name, _)| *name == level);
+    let (_, refinement) = preset.ok_or("no such level")?;
+    let elements = ELEMENTS.into_iter().find(|(name, ..)| *name == elements);
+    let gap = match gap {
+        "flat" => Gap::Flat,
+        "measured" => Gap::Measured,
+        _ => return Err("the gap is flat or measured".into()),
+    };
+    let began = Instant::now();
+    let found = first(refinement, elements.ok_or("no such formulation")?, gap)?;
+    println!(
+        "{} unknowns, {} pairs of nodes, f1 {:.4} Hz, {:.1} s",
+        found.unknowns,
+        found.pairs,
+        found.frequency,
+        began.elapsed().as_secs_f64()
+    );
+    Ok(())
+}
+
+struct First {
+    /// Of the structure before its reduction.
+    unknowns: usize,
+    /// Nodes of the interface.
+    pairs: usize,
+    /// Linearised (Hz).
+    frequency: f64,
+}
+
+fn first(refinement: &Refinement, (_, element_order, hexahedra): Elements, gap: Gap) -> Result<First, Box<dyn Error>> {
+    let mut scene = Scene::of(&BrakeReussBenchmark, "mesh limit")?;
+    // The measured gap is not symmetric.
+    scene.model.symmetry = match gap {
+        Gap::Flat => Symmetry::Half,
+        _ => Symmetry::None,
+    };
+    scene.model.element_order = element_order;
+    scene.model.formulation = Some(hexahedra);
+    scene.cqsma.amplitudes = 0;
+    scene.gap = gap;
+    let settings = MeshSettings {
+        refinement: scene.model.refinement,
+        arm_layers: None,
+        symmetry: scene.model.symmetry,
+        element_order,
+        hexahedra,
+        material: published::steel(),
+    };
+    let joint = benchmark::joint(refinement, &settings)?;
+    let structure = Structure::from_joint(&scene.model, scene.bolts.behaviour, joint);
+    let prepared = Prepared::try_new(&scene, &structure, &Options::default(), &Silent)?;
+    let run = prepared.solve(&Silent)?;
+    Ok(First {
+        unknowns: run.model.facts.n_dofs,
+        pairs: run.mesh.nodes.len(),
+        frequency: run.frequencies[0],
+    })
 }

@@ -1,12 +1,19 @@
 //! Meshes the beam at every preset and prints what came out.
 #![expect(clippy::print_stdout, reason = "an example prints")]
 use brake_reuss_beam::{geometry::Geometry, mesh, published, quality};
+use joint_pipeline::joint::benchmark::ElementOrder;
 
 fn main() -> brake_reuss_beam::Result<()> {
     let (geometry, steel) = (Geometry::default(), published::steel());
     println!("preset    interface    nodes elements  mass [kg]  area [mm2]  least scaled Jacobian");
     for (name, refinement) in mesh::Refinement::presets() {
-        let beam = mesh::build(&geometry, &refinement, &steel, published::BOLT_LOAD)?;
+        let beam = mesh::build(
+            &geometry,
+            &refinement,
+            ElementOrder::Linear,
+            &steel,
+            published::BOLT_LOAD,
+        )?;
         let solid = &beam.assembly.mesh;
         let jacobian = solid
             .elements

@@ -125,7 +125,7 @@ impl Benchmark for BrakeReussBenchmark {
 /// Those of the mesher.
 pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Joint> {
     let geometry = Geometry::default();
-    let mut beam = build(&geometry, refinement, &mesh.material, 1.0)?;
+    let mut beam = build(&geometry, refinement, mesh.element_order, &mesh.material, 1.0)?;
     if mesh.symmetry == Symmetry::Half {
         beam = beam.half()?;
     }

@@ -18,7 +18,7 @@ pub enum Error {
         /// What would be accepted.
         requirement: &'static str,
     },
-    /// The material is refused by the finite elements.
+    /// The material or the mesh is refused by the finite elements.
     #[error(transparent)]
     Material(#[from] substructure::Error),
     /// Two lengths do not fit together.

@@ -1,5 +1,6 @@
 //! Dimensions of the beam, its bolts, washers and nuts.
 use crate::{Error, Result};
+use joint_pipeline::joint::benchmark::ElementOrder;
 
 const INCH: f64 = 0.0254;
 
@@ -218,12 +219,22 @@ impl Geometry {
     }
 }
 
-/// Radius of the regular polygon of `corners` corners (its circumscribed circle) with the area of a circle of
-/// `radius`:
-/// `radius sqrt(pi / (n/2 sin(2 pi/n)))`. With it, areas and masses are exact at any refinement.
-pub fn equal_area_radius(radius: f64, corners: usize) -> f64 {
-    let n = corners as f64;
-    radius * (std::f64::consts::PI / (0.5 * n * (2.0 * std::f64::consts::PI / n).sin())).sqrt()
+/// Radius on which the nodes of `edges` equal edges lie, so that these enclose the area of a circle of `radius`. With it, areas and
+/// masses are exact at any refinement.
+///
+/// Linear edges form a polygon: `radius sqrt(pi / (n/2 sin(2 pi/n)))`. Quadratic ones are parabolas through three points of the circle,
+/// with `h = pi/n`: `radius sqrt(3 h / (sin h (4 - cos h)))`, which is `1 + h^4/60` times `radius` to leading order.
+pub fn equal_area_radius(radius: f64, edges: usize, order: ElementOrder) -> f64 {
+    let n = edges as f64;
+    match order {
+        ElementOrder::Linear => {
+            radius * (std::f64::consts::PI / (0.5 * n * (2.0 * std::f64::consts::PI / n).sin())).sqrt()
+        }
+        ElementOrder::Quadratic => {
+            let (sin, cos) = (std::f64::consts::PI / n).sin_cos();
+            radius * (3.0 * std::f64::consts::PI / n / (sin * (4.0 - cos))).sqrt()
+        }
+    }
 }
 
 fn disc_area(diameter: f64) -> f64 {

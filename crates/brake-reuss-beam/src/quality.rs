@@ -4,20 +4,15 @@ use substructure::mesh::{Element, Mesh};
 
 /// Determinant of the map from the reference cube (edge 2) at the local coordinates `xi`.
 fn jacobian_determinant(mesh: &Mesh, element: &Element, xi: [f64; 3]) -> f64 {
-    let nodes = element.cell.nodes();
-    assert_eq!(nodes.len(), CORNERS.len(), "not a hexahedron");
+    let row = element.cell.element_type();
+    assert!(row.nodes.starts_with(&CORNERS), "not a hexahedron");
+    let (_, derivatives) = row.shape_functions(xi);
     let mut jacobian = [[0.0; 3]; 3];
-    for (corner, &node) in CORNERS.iter().zip(nodes) {
-        let factor = [0, 1, 2].map(|a| 1.0 + corner[a] * xi[a]);
-        let gradient = [
-            corner[0] * factor[1] * factor[2] / 8.0,
-            factor[0] * corner[1] * factor[2] / 8.0,
-            factor[0] * factor[1] * corner[2] / 8.0,
-        ];
+    for (derivative, &node) in derivatives.iter().zip(element.cell.nodes()) {
         let point = mesh.nodes[node as usize];
         for a in 0..3 {
             for b in 0..3 {
-                jacobian[a][b] += gradient[a] * point[b];
+                jacobian[a][b] += derivative[a] * point[b];
             }
         }
     }
@@ -25,17 +20,29 @@ fn jacobian_determinant(mesh: &Mesh, element: &Element, xi: [f64; 3]) -> f64 {
     r[0] * (s[1] * t[2] - s[2] * t[1]) - r[1] * (s[0] * t[2] - s[2] * t[0]) + r[2] * (s[0] * t[1] - s[1] * t[0])
 }
 
-fn gauss_points() -> impl Iterator<Item = [f64; 3]> {
-    let g = 1.0 / 3.0_f64.sqrt();
-    CORNERS.iter().map(move |corner| corner.map(|c| c * g))
+/// Gauss points with their weights: two per direction for linear elements, three for quadratic ones.
+fn gauss_points(element: &Element) -> impl Iterator<Item = ([f64; 3], f64)> {
+    let line: &'static [(f64, f64)] = match element.cell.element_type().middles {
+        [] => &[(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)],
+        _ => &[
+            (-0.774_596_669_241_483_4, 5.0 / 9.0),
+            (0.0, 8.0 / 9.0),
+            (0.774_596_669_241_483_4, 5.0 / 9.0),
+        ],
+    };
+    let pairs = line.iter().flat_map(move |a| line.iter().map(move |b| (a, b)));
+    pairs.flat_map(move |(a, b)| line.iter().map(move |c| ([a.0, b.0, c.0], a.1 * b.1 * c.1)))
 }
 
-/// Volume of one element (m^3); 2 x 2 x 2 Gauss points integrate the trilinear map exactly.
+/// Volume of one element (m^3). The points integrate the map exactly: the determinant is of degree 2 along each coordinate in linear
+/// elements, of degree 5 in quadratic ones.
 ///
 /// # Panics
 /// If the element is no hexahedron or refers to nodes that the mesh does not have.
 pub fn element_volume(mesh: &Mesh, element: &Element) -> f64 {
-    gauss_points().map(|xi| jacobian_determinant(mesh, element, xi)).sum()
+    gauss_points(element)
+        .map(|(xi, weight)| weight * jacobian_determinant(mesh, element, xi))
+        .sum()
 }
 
 /// Volume of a set of elements of the mesh (m^3).
@@ -58,16 +65,15 @@ pub fn mass(mesh: &Mesh) -> f64 {
         .sum()
 }
 
-/// Least Jacobian determinant of an element over its corners and its 2 x 2 x 2 Gauss points (m^3), for a reference
-/// cube of edge 2.
+/// Least Jacobian determinant of an element over its nodes and its Gauss points (2 x 2 x 2, or 3 x 3 x 3 of quadratic elements) (m^3),
+/// for a reference cube of edge 2.
 ///
 /// # Panics
 /// If the element is no hexahedron or refers to nodes that the mesh does not have.
 pub fn least_jacobian_determinant(mesh: &Mesh, element: &Element) -> f64 {
-    CORNERS
-        .iter()
-        .copied()
-        .chain(gauss_points())
+    let nodes = element.cell.element_type().nodes.iter().copied();
+    nodes
+        .chain(gauss_points(element).map(|(xi, _)| xi))
         .map(|xi| jacobian_determinant(mesh, element, xi))
         // Unlike `f64::min`, this keeps NaN.
         .fold(f64::INFINITY, |least, value| {

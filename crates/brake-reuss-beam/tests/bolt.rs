@@ -3,6 +3,7 @@
 use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::mesh::{Refinement, build};
 use brake_reuss_beam::published;
+use joint_pipeline::joint::benchmark::ElementOrder;
 use substructure::assemble::System;
 use substructure::factor::SparseCholesky;
 use substructure::mesh::Dof;
@@ -10,7 +11,7 @@ use substructure::mesh::Dof;
 /// Force per axial strain in the middle of a shank (N).
 fn force_per_strain(geometry: &Geometry) -> f64 {
     let steel = published::steel();
-    let mut beam = build(geometry, &Refinement::quick(), &steel, 1.0).unwrap();
+    let mut beam = build(geometry, &Refinement::quick(), ElementOrder::Linear, &steel, 1.0).unwrap();
     // The interface is held, so that the bolt's load runs through washers and half-beams alone.
     let held = beam.top_nodes.iter().chain(&beam.bottom_nodes);
     beam.assembly.supports = held.flat_map(|&node| (0..3).map(move |c| Dof::Node(node, c))).collect();

@@ -3,15 +3,24 @@
 use brake_reuss_beam::geometry::{Geometry, equal_area_radius};
 use brake_reuss_beam::mesh::{BrakeReussBeam, Refinement, build, half_beam, uniform_bar};
 use brake_reuss_beam::{Error, published, quality};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::f64::consts::SQRT_2;
+use joint_pipeline::joint::benchmark::ElementOrder;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::f64::consts::{PI, SQRT_2};
 use substructure::assemble::System;
+use substructure::eigen::lowest_modes;
 use substructure::mesh::{CouplingKind, Dof, Mesh};
 
 const LOAD: f64 = published::BOLT_LOAD;
 
 fn beam(refinement: &Refinement) -> BrakeReussBeam {
-    build(&Geometry::default(), refinement, &published::steel(), LOAD).unwrap()
+    build(
+        &Geometry::default(),
+        refinement,
+        ElementOrder::Linear,
+        &published::steel(),
+        LOAD,
+    )
+    .unwrap()
 }
 
 fn close(value: f64, expected: f64, relative: f64) {
@@ -72,7 +81,7 @@ fn default_interface_has_588_quadrilaterals_and_692_nodes() {
     assert_eq!(refinement.interface_elements(), 588);
     beam.interface.validate().unwrap();
     close(least_corner_sine(&beam), 0.489, 2e-3);
-    close(equal_area_radius(4.25e-3, 32), 4.2637e-3, 1e-5);
+    close(equal_area_radius(4.25e-3, 32, ElementOrder::Linear), 4.2637e-3, 1e-5);
 }
 
 #[test]
@@ -417,7 +426,7 @@ fn couplings_hold_the_bore_and_the_shank_facing_it() {
     let beam = beam(&Refinement::default());
     let nodes = &beam.assembly.mesh.nodes;
     assert_eq!(beam.assembly.couplings.len(), 6);
-    let radius = equal_area_radius(0.5 * geometry.shank_diameter, 24);
+    let radius = equal_area_radius(0.5 * geometry.shank_diameter, 24, ElementOrder::Linear);
     let (low, high) = (-19.446_875e-3, -14.2875e-3);
     for (index, coupling) in beam.assembly.couplings.iter().enumerate() {
         let x = geometry.hole_positions()[index / 2];
@@ -569,7 +578,14 @@ fn smaller_holes_of_the_paper_are_a_parameter() {
         hole_diameter: 21.0 / 64.0 * 0.0254,
         ..Geometry::default()
     };
-    let beam = build(&geometry, &Refinement::default(), &published::steel(), LOAD).unwrap();
+    let beam = build(
+        &geometry,
+        &Refinement::default(),
+        ElementOrder::Linear,
+        &published::steel(),
+        LOAD,
+    )
+    .unwrap();
     close(beam.interface.areas().iter().sum(), geometry.interface_area(), 1e-12);
     assert!(geometry.interface_area() > Geometry::default().interface_area());
 }
@@ -577,7 +593,8 @@ fn smaller_holes_of_the_paper_are_a_parameter() {
 #[test]
 fn inadmissible_input_is_refused_by_name() {
     let steel = published::steel();
-    let with = |geometry: &Geometry, refinement: &Refinement| build(geometry, refinement, &steel, LOAD);
+    let with =
+        |geometry: &Geometry, refinement: &Refinement| build(geometry, refinement, ElementOrder::Linear, &steel, LOAD);
     let good = Geometry::default();
     let message = |geometry: Geometry| with(&geometry, &Refinement::quick()).unwrap_err().to_string();
 
@@ -668,13 +685,16 @@ fn inadmissible_input_is_refused_by_name() {
     let quick = Refinement::quick();
     for load in [f64::NAN, -1.0, f64::INFINITY] {
         assert!(matches!(
-            build(&good, &quick, &steel, load),
+            build(&good, &quick, ElementOrder::Linear, &steel, load),
             Err(Error::Value { field: "bolt_load", .. })
         ));
     }
     let mut liquid = steel.clone();
     liquid.poisson_ratio = 0.5;
-    assert!(matches!(build(&good, &quick, &liquid, LOAD), Err(Error::Material(_))));
+    assert!(matches!(
+        build(&good, &quick, ElementOrder::Linear, &liquid, LOAD),
+        Err(Error::Material(_))
+    ));
     assert!(matches!(
         uniform_bar(0.1, 0.0, 0.1, 1, 1, 1, &steel),
         Err(Error::Value { field: "width", .. })
@@ -718,5 +738,141 @@ fn the_half_has_the_mass_and_the_loads_of_the_whole() {
                 assert_eq!(across, usize::from(y > 0.0), "{name}");
             }
         }
+    }
+}
+
+fn quadratic(refinement: &Refinement) -> BrakeReussBeam {
+    let order = ElementOrder::Quadratic;
+    build(&Geometry::default(), refinement, order, &published::steel(), LOAD).unwrap()
+}
+
+#[test]
+fn parabolas_on_the_equal_area_radius_enclose_the_circle() {
+    for edges in [12, 24, 32] {
+        let h = PI / edges as f64;
+        let radius = equal_area_radius(1.0, edges, ElementOrder::Quadratic);
+        let area = |radius: f64| {
+            // Triangle below the chord, and two thirds of chord times height between chord and parabola.
+            let (sin, cos) = h.sin_cos();
+            edges as f64 * radius * radius * (sin * cos + 4.0 / 3.0 * sin * (1.0 - cos))
+        };
+        close(area(radius), PI, 1e-14);
+        // On the circle itself the area would be h^4/30 too small: 1.6e-4 at 12 edges, 9.8e-6 at 24.
+        close(1.0 - area(1.0) / PI, h.powi(4) / 30.0, 2e-2);
+        close(radius - 1.0, h.powi(4) / 60.0, 2e-2);
+    }
+}
+
+#[test]
+fn quadratic_meshes_have_round_holes_and_exact_volumes() {
+    let geometry = Geometry::default();
+    for (name, refinement) in [("quick", Refinement::quick()), ("coarse", Refinement::coarse())] {
+        let (linear, beam) = (beam(&refinement), quadratic(&refinement));
+        let mesh = &beam.assembly.mesh;
+        assert_eq!(mesh.elements.len(), linear.assembly.mesh.elements.len());
+        assert!(mesh.elements.iter().all(|element| element.cell.nodes().len() == 20));
+        let used: BTreeSet<u32> = mesh.elements.iter().flat_map(|e| e.cell.nodes()).copied().collect();
+        assert_eq!(used.len(), mesh.nodes.len());
+        for (element, of_linear) in mesh.elements.iter().zip(&linear.assembly.mesh.elements) {
+            assert!(quality::least_jacobian_determinant(mesh, element) > 0.0, "{name}");
+            assert_eq!(element.cell.nodes()[..8], *of_linear.cell.nodes());
+        }
+        close(quality::volume(mesh, &mesh.elements), geometry.volume(), 1e-12);
+        close(beam.interface.areas().iter().sum(), geometry.interface_area(), 1e-12);
+        beam.interface.validate().unwrap();
+
+        // All nodes on the edges of holes, middles too, lie on one radius.
+        let radius = equal_area_radius(
+            0.5 * geometry.hole_diameter,
+            refinement.hole_ring(),
+            ElementOrder::Quadratic,
+        );
+        for hole in geometry.hole_positions() {
+            let from_hole = |p: &&[f64; 2]| (p[0] - hole).hypot(p[1]) < radius * (1.0 + 1e-3);
+            let on_edge: Vec<_> = beam.interface.nodes.iter().filter(from_hole).collect();
+            assert_eq!(on_edge.len(), 2 * refinement.hole_ring());
+            on_edge
+                .iter()
+                .for_each(|p| close((p[0] - hole).hypot(p[1]), radius, 1e-12));
+        }
+
+        // Pairs face one another, elements of the interface are faces of both half-beams.
+        assert_eq!(beam.interface.elements.len(), refinement.interface_elements());
+        let place = |node: u32| mesh.nodes[node as usize];
+        for (pair, &[x, y]) in beam.interface.nodes.iter().enumerate() {
+            assert_eq!(
+                (place(beam.top_nodes[pair]), place(beam.bottom_nodes[pair])),
+                ([x, y, 0.0], [x, y, 0.0])
+            );
+        }
+        let faces: HashSet<Vec<u32>> = (mesh.elements.iter().flat_map(|element| element.cell.faces()))
+            .map(|face| {
+                let mut nodes = face.nodes().to_vec();
+                nodes.sort_unstable();
+                nodes
+            })
+            .collect();
+        for element in &beam.interface.elements {
+            for side in [&beam.top_nodes, &beam.bottom_nodes] {
+                let mut nodes: Vec<u32> = element.nodes().iter().map(|&node| side[node as usize]).collect();
+                nodes.sort_unstable();
+                assert!(nodes.len() == 8 && faces.contains(&nodes), "{name}");
+            }
+        }
+
+        // Couplings hold on to the middles of the cylinders they face; the reference point is the centroid.
+        for coupling in &beam.assembly.couplings {
+            let CouplingKind::Distributing(weights) = &coupling.kind else {
+                panic!("distributing");
+            };
+            let total: f64 = weights.iter().sum();
+            close(total, (refinement.sectors * refinement.head_layers) as f64, 1e-9);
+            for c in 0..3 {
+                let mean = coupling
+                    .nodes
+                    .iter()
+                    .zip(weights)
+                    .map(|(&n, w)| place(n)[c] * w)
+                    .sum::<f64>()
+                    / total;
+                assert!(
+                    (mean - coupling.reference[c]).abs() < 1e-12,
+                    "{}: {mean}",
+                    coupling.name
+                );
+            }
+        }
+        let system = System::try_new(&beam.assembly).unwrap();
+        close(system.total_mass, quality::mass(mesh), 1e-9);
+        assert!(system.dofs.largest_adjustment < 1e-12);
+    }
+}
+
+#[test]
+fn half_of_a_quadratic_beam_has_the_loads_and_mass_of_the_whole() {
+    let whole = quadratic(&Refinement::quick());
+    let half = whole.half().unwrap();
+    half.interface.validate().unwrap();
+    assert!(half.interface.elements.iter().all(|element| element.nodes().len() == 8));
+    close(
+        2.0 * half.interface.areas().iter().sum::<f64>(),
+        whole.interface.areas().iter().sum(),
+        1e-12,
+    );
+    let [of_half, of_whole] = [&half, &whole].map(|beam| System::try_new(&beam.assembly).unwrap());
+    close(of_half.total_mass, of_whole.total_mass, 1e-12);
+    assert!(of_half.n_dofs() < of_whole.n_dofs() * 55 / 100);
+    let modes = |system: &System, n| {
+        let modes = lowest_modes(&system.stiffness, &system.mass, &system.positions, n, 1e-8).unwrap();
+        (modes.n_zero, modes.frequencies())
+    };
+    let ((zero_half, half), (zero_whole, whole)) = (modes(&of_half, 2), modes(&of_whole, 10));
+    assert!(zero_half < zero_whole);
+    for frequency in half {
+        let nearest = whole
+            .iter()
+            .map(|f| (f / frequency - 1.0).abs())
+            .fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-7, "{frequency} {whole:?}");
     }
 }

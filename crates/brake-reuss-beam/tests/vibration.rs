@@ -4,6 +4,7 @@ use brake_reuss_beam::geometry::Geometry;
 use brake_reuss_beam::identification::material_of_half_beam;
 use brake_reuss_beam::mesh::{Refinement, build, half_beam, uniform_bar};
 use brake_reuss_beam::published;
+use joint_pipeline::joint::benchmark::ElementOrder;
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
 use substructure::mesh::{Assembly, Dof, Equation};
@@ -65,6 +66,7 @@ fn stuck_beam_has_the_independent_frequencies() {
     let mut beam = build(
         &Geometry::default(),
         &Refinement::default(),
+        ElementOrder::Linear,
         &published::steel(),
         published::BOLT_LOAD,
     )
@@ -89,6 +91,7 @@ fn unstressed_assembly_has_seven_zero_energy_modes() {
         let beam = build(
             &Geometry::default(),
             &refinement,
+            ElementOrder::Linear,
             &published::steel(),
             published::BOLT_LOAD,
         )

@@ -74,6 +74,21 @@ pub enum Error {
         /// What stands in the way, and what can be done about it.
         what: &'static str,
     },
+    /// A formulation that the hexahedra of an order do not have.
+    #[error(
+        "{place}: model.formulation = {formulation} is none of hexahedra with model.element_order = {order}; choose one of {offered}, \
+         or leave it out"
+    )]
+    NoSuchFormulation {
+        /// File name of the scene.
+        place: String,
+        /// Order of the elements.
+        order: String,
+        /// Formulation asked for.
+        formulation: String,
+        /// Formulations on offer.
+        offered: String,
+    },
     /// Half of a scene that need not be symmetric.
     #[error(
         "{place}: {what} need not be symmetric about y = 0, so that the half cannot stand for the whole; leave out \

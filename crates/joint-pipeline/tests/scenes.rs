@@ -5,7 +5,7 @@ mod common;
 
 use common::{BENCHMARKS, beam};
 use joint_pipeline::analysis::mesh_error::{ErrorBar, Partner};
-use joint_pipeline::scene::{Accuracy, Length, PRESETS, RefinementLevel, Surface, Target, refined};
+use joint_pipeline::scene::{Accuracy, ElementOrder, Length, PRESETS, RefinementLevel, Surface, Target, refined};
 use joint_pipeline::{Error, Scene};
 use serde_json::{Value, json};
 use substructure::elements::Formulation;
@@ -557,6 +557,42 @@ fn finer_settings_are_finer_in_something_and_coarser_in_nothing() {
 }
 
 #[test]
+fn elements_of_a_benchmark_may_be_quadratic() {
+    let on_beam = |model: Value| {
+        let text = json!({ "structure": { "benchmark": "brake-reuss-beam" }, "model": model });
+        Scene::from_json(&text.to_string(), "a test", "a test", &BENCHMARKS).map_err(|error| error.to_string())
+    };
+    assert_eq!(
+        on_beam(json!({})).unwrap().model.hexahedra(),
+        Formulation::IncompatibleModes
+    );
+    let scene = on_beam(json!({ "element_order": "quadratic" })).unwrap();
+    assert_eq!(scene.model.hexahedra(), Formulation::Reduced);
+    let full = on_beam(json!({ "element_order": "quadratic", "formulation": "full" })).unwrap();
+    assert_eq!(full.model.hexahedra(), Formulation::Full);
+    for formulation in ["incompatible-modes", "b-bar"] {
+        let message = on_beam(json!({ "element_order": "quadratic", "formulation": formulation })).unwrap_err();
+        assert!(
+            message.contains(formulation) && message.contains("choose one of reduced, full"),
+            "{message}"
+        );
+    }
+    let mut deck = on_deck();
+    deck["model"]["element_order"] = json!("quadratic");
+    assert!(
+        refused(&deck).contains("model.element_order belongs to"),
+        "{}",
+        refused(&deck)
+    );
+
+    // The limit of the mesh is estimated from two formulations of linear elements alone.
+    let mut quick = scene;
+    quick.model.refinement = RefinementLevel::Quick;
+    let error = Partner::try_new(&quick).unwrap_err();
+    assert!(matches!(error, Error::OneFormulation { .. }), "{error}");
+}
+
+#[test]
 fn the_error_of_a_mesh_is_known_where_it_was_measured() {
     let known = |scene: &Scene| {
         let bar = ErrorBar::of(scene);
@@ -589,6 +625,7 @@ fn the_error_of_a_mesh_is_known_where_it_was_measured() {
     };
     assert!(changed(|scene| scene.model.arm_layers = Some(10)).contains("arm_layers"));
     assert!(changed(|scene| scene.model.formulation = Some(Formulation::Full)).contains("formulation"));
+    assert!(changed(|scene| scene.model.element_order = ElementOrder::Quadratic).contains("linear elements"));
     assert!(changed(|scene| scene.cqsma.mode = 3).contains("first mode"));
     assert!(changed(|scene| scene.cqsma.modes_of_interest = vec![1, 3]).contains("first mode"));
     let deck = read(&on_deck()).unwrap();

@@ -264,7 +264,7 @@ fn expand(assembly: &Assembly, coordinates: &[[f64; 3]], place: &str, dof: Dof) 
 }
 
 /// Checks references and weights.
-fn check_cloud(coupling: &Coupling, coordinates: &[[f64; 3]]) -> Result<(), Error> {
+pub(crate) fn check_cloud(coupling: &Coupling, coordinates: &[[f64; 3]]) -> Result<(), Error> {
     let fail = |reason| Error::Coupling {
         coupling: coupling.name.clone(),
         reason,

@@ -131,6 +131,22 @@ pub enum Error {
         /// What is wrong.
         reason: &'static str,
     },
+    /// An element that cannot become quadratic.
+    #[error("element {element} is a {element_type}; only linear elements (Hex8, Wedge6, Tet4) can be made quadratic")]
+    NotLinear {
+        /// Its number.
+        element: usize,
+        /// Its type.
+        element_type: &'static str,
+    },
+    /// Part of an assembly whose meaning on quadratic elements is not known.
+    #[error("{place} cannot be carried over to quadratic elements: {reason}")]
+    NotRaisable {
+        /// Which part.
+        place: String,
+        /// Why, and what to do.
+        reason: &'static str,
+    },
     /// A spring to the ground that cannot be one.
     #[error("ground spring {spring}: {reason}")]
     Spring {

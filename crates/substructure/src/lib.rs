@@ -2,7 +2,8 @@
 //!
 //! An [`mesh::Assembly`] (mesh, ties, couplings, equations, loads) becomes a [`assemble::System`] (sparse `M`, `K`, loads
 //! over the independent displacement components). [`factor::SparseCholesky`] factors its shifted stiffness, and
-//! [`eigen::lowest_modes`] finds its lowest modes. [`elements`] holds one table with a row per element type. [`formats`]
+//! [`eigen::lowest_modes`] finds its lowest modes. [`elements`] holds one table with a row per element type. [`Quadratic`] turns
+//! an assembly of linear elements into quadratic ones. [`formats`]
 //! reads and writes files: input decks of Abaqus and CalculiX, meshes of Gmsh and VTK. Lengths are metres, forces
 //! newtons, masses kilograms.
 pub mod assemble;
@@ -15,6 +16,8 @@ pub mod formats;
 mod material;
 pub mod mesh;
 pub mod ordering;
+mod quadratic;
 pub mod sparse;
 
 pub use error::{DeckProblem, Error, Position};
+pub use quadratic::Quadratic;

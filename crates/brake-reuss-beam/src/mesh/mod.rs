@@ -2,6 +2,8 @@
 //!
 //! Plane sections are extruded into layers; blocks share their nodes by construction, never by a search for
 //! coinciding points.
+//! - Elements are linear or quadratic. Edges on circles of holes and hardware are straight or parabolas accordingly; nodes lie on the
+//!   radius for which the area is that of the circle.
 //! - Half-beams: the interface mesh extruded through half the height, and a brick-meshed arm on one side. The arm's
 //!   end face beside the other half-beam's lap stays free.
 //! - Bolt: head and shank are one body with the washer under the head; nut and its washer are another. The shank runs
@@ -16,9 +18,12 @@ pub use refinement::Refinement;
 
 use crate::geometry::{Geometry, positive};
 use crate::{Error, Result, quality};
+use joint_pipeline::joint::benchmark::ElementOrder;
 use refinement::require_count;
-use section::{Hardware, Lap, Section, centred};
+use section::{Hardware, Lap, Section, centred, sorted};
+use std::collections::HashMap;
 use std::ops::Range;
+use substructure::Quadratic;
 use substructure::elements::Formulation;
 use substructure::mesh::{
     Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element as Solid, Equation, Face, LoadPattern,
@@ -72,6 +77,31 @@ impl BrakeReussBeam {
         }
     }
 
+    /// Gives all elements a node in the middle of each edge; those of some edges are given (m).
+    fn raise(&mut self, lap: &Section, middles: &HashMap<[u32; 2], [f64; 3]>) -> Result<()> {
+        let raised = Quadratic::try_new(&self.assembly, |edge| middles.get(&edge).copied())?;
+        let mut number = HashMap::new();
+        for edge in lap.edges() {
+            let facing = |nodes: &[u32]| raised.middle(edge.map(|node| nodes[node as usize]));
+            // Each edge of the interface is one of both half-beams.
+            let (Some(top), Some(bottom)) = (facing(&self.top_nodes), facing(&self.bottom_nodes)) else {
+                continue;
+            };
+            number.insert(edge, self.interface.nodes.len() as u32);
+            let [x, y, _] = raised.assembly.mesh.nodes[top as usize];
+            self.interface.nodes.push([x, y]);
+            self.top_nodes.push(top);
+            self.bottom_nodes.push(bottom);
+        }
+        let elements = lap.quads.iter().map(|&[a, b, c, d]| {
+            let [e, f, g, h] = [[a, b], [b, c], [c, d], [d, a]].map(|edge| number[&sorted(edge)]);
+            Element::quad8([a, b, c, d, e, f, g, h])
+        });
+        self.interface.elements = elements.collect();
+        self.assembly = raised.assembly;
+        Ok(())
+    }
+
     /// The part of this name.
     pub fn part(&self, name: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.name == name)
@@ -88,7 +118,8 @@ pub struct Part {
     pub elements: Range<usize>,
 }
 
-/// Meshes the beam. `bolt_load` is the tension of each bolt (N).
+/// Meshes the beam. `bolt_load` is the tension of each bolt (N). Hexahedra have incompatible modes; quadratic ones have reduced
+/// integration.
 ///
 /// # Errors
 /// [`Error`] if a dimension, a count, a material constant or the load is not admissible, or if an element comes out
@@ -96,6 +127,7 @@ pub struct Part {
 pub fn build(
     geometry: &Geometry,
     refinement: &Refinement,
+    order: ElementOrder,
     material: &Material,
     bolt_load: f64,
 ) -> Result<BrakeReussBeam> {
@@ -111,11 +143,11 @@ pub fn build(
         });
     }
     let mut builder = Builder::try_new(material)?;
-    let lap = section::lap(geometry, refinement)?;
+    let lap = section::lap(geometry, refinement, order)?;
     let top = builder.half_beam(geometry, refinement, &lap, Side::Top)?;
     let bottom = builder.half_beam(geometry, refinement, &lap, Side::Bottom)?;
 
-    let hardware = section::hardware(geometry, refinement)?;
+    let hardware = section::hardware(geometry, refinement, order)?;
     let mut assembly = Assembly::default();
     for (index, x) in geometry.hole_positions().into_iter().enumerate() {
         let fastener = builder.fastener(geometry, refinement, &hardware, x, index + 1);
@@ -126,10 +158,8 @@ pub fn build(
             &mut assembly,
         );
     }
-    builder.check()?;
     assembly.mesh = builder.mesh;
-
-    Ok(BrakeReussBeam {
+    let mut beam = BrakeReussBeam {
         assembly,
         interface: InterfaceMesh {
             nodes: lap.section.nodes.clone(),
@@ -141,7 +171,12 @@ pub fn build(
         response_node: top.end_edge_middle,
         response_direction: [0.0, 0.0, 1.0],
         parts: builder.parts,
-    })
+    };
+    if order == ElementOrder::Quadratic {
+        beam.raise(&lap.section, &builder.middles)?;
+    }
+    check(&beam.assembly.mesh, &beam.parts)?;
+    Ok(beam)
 }
 
 /// Meshes the top half-beam alone.
@@ -152,8 +187,13 @@ pub fn half_beam(geometry: &Geometry, refinement: &Refinement, material: &Materi
     geometry.validate()?;
     refinement.validate()?;
     let mut builder = Builder::try_new(material)?;
-    builder.half_beam(geometry, refinement, &section::lap(geometry, refinement)?, Side::Top)?;
-    builder.check()?;
+    builder.half_beam(
+        geometry,
+        refinement,
+        &section::lap(geometry, refinement, ElementOrder::Linear)?,
+        Side::Top,
+    )?;
+    check(&builder.mesh, &builder.parts)?;
     Ok(builder.mesh)
 }
 
@@ -184,7 +224,7 @@ pub fn uniform_bar(
     builder.part("bar", |builder| {
         builder.extrude(&section, &levels, along_x, |_, _| None)
     });
-    builder.check()?;
+    check(&builder.mesh, &builder.parts)?;
     Ok(builder.mesh)
 }
 
@@ -218,6 +258,8 @@ struct Fastener {
 struct Builder {
     mesh: Mesh,
     parts: Vec<Part>,
+    /// Middles of edges that may be curved, by the ends in increasing order (m).
+    middles: HashMap<[u32; 2], [f64; 3]>,
 }
 
 impl Builder {
@@ -230,6 +272,7 @@ impl Builder {
         Ok(Self {
             mesh,
             parts: Vec::new(),
+            middles: HashMap::new(),
         })
     }
 
@@ -264,6 +307,12 @@ impl Builder {
                 })
             });
             nodes.push(layer.collect());
+        }
+        for (layer, &height) in nodes.iter().zip(levels) {
+            let middles = section.middles();
+            let in_space =
+                |(edge, at): ([u32; 2], _)| (sorted(edge.map(|node| layer[node as usize])), place(at, height));
+            self.middles.extend(middles.map(in_space));
         }
         for pair in nodes.windows(2) {
             for &[a, b, c, d] in &section.quads {
@@ -401,23 +450,23 @@ impl Builder {
             nut_bore: nut.iter().map(|layer| layer[..sectors].to_vec()).collect(),
         }
     }
+}
 
-    /// Refuses elements that are inverted or degenerate anywhere that a quadrature or a nodal average may look.
-    fn check(&self) -> Result<()> {
-        for part in &self.parts {
-            for element in part.elements.clone() {
-                let determinant = quality::least_jacobian_determinant(&self.mesh, &self.mesh.elements[element]);
-                if determinant <= 0.0 || determinant.is_nan() {
-                    return Err(Error::InvertedElement {
-                        part: part.name.clone(),
-                        element,
-                        determinant,
-                    });
-                }
+/// Refuses elements that are inverted or degenerate anywhere that a quadrature or a nodal average may look.
+fn check(mesh: &Mesh, parts: &[Part]) -> Result<()> {
+    for part in parts {
+        for element in part.elements.clone() {
+            let determinant = quality::least_jacobian_determinant(mesh, &mesh.elements[element]);
+            if determinant <= 0.0 || determinant.is_nan() {
+                return Err(Error::InvertedElement {
+                    part: part.name.clone(),
+                    element,
+                    determinant,
+                });
             }
         }
-        Ok(())
     }
+    Ok(())
 }
 
 impl Fastener {

@@ -2,6 +2,8 @@
 use super::refinement::Refinement;
 use crate::Result;
 use crate::geometry::{Geometry, equal_area_radius, require_less};
+use joint_pipeline::joint::benchmark::ElementOrder;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 /// A plane mesh; quadrilaterals run counter-clockwise.
@@ -9,6 +11,42 @@ use std::f64::consts::PI;
 pub(crate) struct Section {
     pub(crate) nodes: Vec<[f64; 2]>,
     pub(crate) quads: Vec<[u32; 4]>,
+    /// Middles of edges along rings, by the two ends; all other edges are straight.
+    middles: BTreeMap<[u32; 2], [f64; 2]>,
+}
+
+/// A closed line of edges: where they meet, and the middle between each of these points and the next.
+struct Ring {
+    points: Vec<[f64; 2]>,
+    middles: Vec<[f64; 2]>,
+}
+
+impl Ring {
+    fn straight(points: Vec<[f64; 2]>) -> Self {
+        let n = points.len();
+        let middles = (0..n).map(|k| mean(points[k], points[(k + 1) % n])).collect();
+        Self { points, middles }
+    }
+
+    /// `at` maps node numbers to points of a circle; halves stand for middles.
+    fn round(count: usize, order: ElementOrder, at: impl Fn(f64) -> [f64; 2]) -> Self {
+        let points: Vec<_> = (0..count).map(|k| at(k as f64)).collect();
+        match order {
+            ElementOrder::Linear => Self::straight(points),
+            ElementOrder::Quadratic => Self {
+                points,
+                middles: (0..count).map(|k| at(k as f64 + 0.5)).collect(),
+            },
+        }
+    }
+
+    /// The ring between two others.
+    fn between(inner: &Self, outer: &Self, t: f64) -> Self {
+        Self {
+            points: blend(&inner.points, &outer.points, t).collect(),
+            middles: blend(&inner.middles, &outer.middles, t).collect(),
+        }
+    }
 }
 
 impl Section {
@@ -17,6 +55,41 @@ impl Section {
         let first = self.nodes.len();
         self.nodes.extend(points);
         (first..self.nodes.len()).map(|node| node as u32).collect()
+    }
+
+    fn add_ring(&mut self, ring: Ring) -> Vec<u32> {
+        let nodes = self.add(ring.points);
+        let edges = (0..nodes.len()).map(|k| sorted([nodes[k], nodes[(k + 1) % nodes.len()]]));
+        self.middles.extend(edges.zip(ring.middles));
+        nodes
+    }
+
+    /// The ring that was added as `nodes`.
+    fn ring(&self, nodes: &[u32]) -> Ring {
+        let n = nodes.len();
+        Ring {
+            points: self.points(nodes),
+            middles: (0..n).map(|k| self.middle([nodes[k], nodes[(k + 1) % n]])).collect(),
+        }
+    }
+
+    fn middle(&self, edge: [u32; 2]) -> [f64; 2] {
+        let [a, b] = edge.map(|node| self.nodes[node as usize]);
+        self.middles.get(&sorted(edge)).copied().unwrap_or_else(|| mean(a, b))
+    }
+
+    /// Edges whose middles are not the means of their ends by construction, with their middles.
+    pub(crate) fn middles(&self) -> impl Iterator<Item = ([u32; 2], [f64; 2])> {
+        self.middles.iter().map(|(edge, at)| (*edge, *at))
+    }
+
+    /// All edges, each once, by their ends in increasing order.
+    pub(crate) fn edges(&self) -> BTreeSet<[u32; 2]> {
+        let edges = |quad: &[u32; 4]| {
+            let quad = *quad;
+            (0..4).map(move |k| sorted([quad[k], quad[(k + 1) % 4]]))
+        };
+        self.quads.iter().flat_map(edges).collect()
     }
 
     fn points(&self, nodes: &[u32]) -> Vec<[f64; 2]> {
@@ -35,11 +108,11 @@ impl Section {
     }
 
     /// Surrounds the closed ring `inner` with `count` rings of elements that end in `outer`; returns the last ring.
-    fn surround(&mut self, inner: &[u32], outer: &[[f64; 2]], count: usize) -> Vec<u32> {
-        let from = self.points(inner);
+    fn surround(&mut self, inner: &[u32], outer: &Ring, count: usize) -> Vec<u32> {
+        let from = self.ring(inner);
         let mut rings = vec![inner.to_vec()];
         for step in 1..=count {
-            rings.push(self.add(blend(&from, outer, step as f64 / count as f64)));
+            rings.push(self.add_ring(Ring::between(&from, outer, step as f64 / count as f64)));
         }
         self.fill(&rings, true);
         rings.swap_remove(count)
@@ -56,6 +129,15 @@ impl Section {
         self.fill(&lines, false);
         lines.swap_remove(count)
     }
+}
+
+fn mean(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|c| 0.5 * (a[c] + b[c]))
+}
+
+/// The ends of an edge in increasing order.
+pub(crate) fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
 }
 
 /// Points between two polylines; the weights make both ends exact.
@@ -91,9 +173,9 @@ pub(crate) struct Lap {
 }
 
 /// Blocks along the lap: end, hole, between, hole, between, hole, end.
-pub(crate) fn lap(geometry: &Geometry, refinement: &Refinement) -> Result<Lap> {
+pub(crate) fn lap(geometry: &Geometry, refinement: &Refinement, order: ElementOrder) -> Result<Lap> {
     let half_block = 0.25 * geometry.hole_pitch;
-    let hole_radius = equal_area_radius(0.5 * geometry.hole_diameter, refinement.hole_ring());
+    let hole_radius = equal_area_radius(0.5 * geometry.hole_diameter, refinement.hole_ring(), order);
     require_less(
         "interface mesh",
         ("hole polygon radius", hole_radius),
@@ -116,7 +198,12 @@ pub(crate) fn lap(geometry: &Geometry, refinement: &Refinement) -> Result<Lap> {
             refinement.per_block
         };
         line = section.advance(&line, centre - half_block, columns);
-        line = hole_block(&mut section, &line, centre, half_block, hole_radius, refinement);
+        let hole = Ring::round(refinement.hole_ring(), order, |k| {
+            // The middle of the right edge faces the angle 0.
+            let (sin, cos) = (PI * (2.0 * k - refinement.across as f64) / refinement.hole_ring() as f64).sin_cos();
+            [centre + hole_radius * cos, hole_radius * sin]
+        });
+        line = hole_block(&mut section, &line, centre, half_block, &hole, refinement);
     }
     let right = section.advance(&line, edge, refinement.end);
     Ok(Lap { section, left, right })
@@ -128,7 +215,7 @@ fn hole_block(
     left: &[u32],
     centre: f64,
     half_block: f64,
-    hole_radius: f64,
+    hole: &Ring,
     refinement: &Refinement,
 ) -> Vec<u32> {
     let (across, along) = (refinement.across, refinement.per_block);
@@ -150,18 +237,10 @@ fn hole_block(
         .chain(&bottom)
         .copied()
         .collect();
-    let n = perimeter.len();
-    // The middle of the right edge faces the angle 0.
-    let hole: Vec<_> = (0..n)
-        .map(|k| {
-            let (sin, cos) = (PI * (2.0 * k as f64 - across as f64) / n as f64).sin_cos();
-            [centre + hole_radius * cos, hole_radius * sin]
-        })
-        .collect();
-    let outer = section.points(&perimeter);
+    let outer = section.ring(&perimeter);
     let mut rings = Vec::new();
     for ring in 0..refinement.hole_rings {
-        rings.push(section.add(blend(&hole, &outer, ring as f64 / refinement.hole_rings as f64)));
+        rings.push(section.add_ring(Ring::between(hole, &outer, ring as f64 / refinement.hole_rings as f64)));
     }
     rings.push(perimeter);
     section.fill(&rings, true);
@@ -183,18 +262,16 @@ pub(crate) struct Hardware {
     pub(crate) seat: usize,
 }
 
-pub(crate) fn hardware(geometry: &Geometry, refinement: &Refinement) -> Result<Hardware> {
+pub(crate) fn hardware(geometry: &Geometry, refinement: &Refinement, order: ElementOrder) -> Result<Hardware> {
     let n = refinement.sectors;
-    let angle = |k: usize| 2.0 * PI * k as f64 / n as f64;
-    let circle = |diameter: f64| -> Vec<[f64; 2]> {
-        let radius = equal_area_radius(0.5 * diameter, n);
-        (0..n)
-            .map(|k| [radius * angle(k).cos(), radius * angle(k).sin()])
-            .collect()
+    let angle = |k: f64| 2.0 * PI * k / n as f64;
+    let circle = |diameter: f64| {
+        let radius = equal_area_radius(0.5 * diameter, n, order);
+        Ring::round(n, order, |k| [radius * angle(k).cos(), radius * angle(k).sin()])
     };
     let bore = circle(geometry.washer_inner_diameter);
-    let bore_radius = equal_area_radius(0.5 * geometry.washer_inner_diameter, n);
-    let hole_radius = equal_area_radius(0.5 * geometry.hole_diameter, refinement.hole_ring());
+    let bore_radius = equal_area_radius(0.5 * geometry.washer_inner_diameter, n, order);
+    let hole_radius = equal_area_radius(0.5 * geometry.hole_diameter, refinement.hole_ring(), order);
     // A washer's nodes must lie on the beam's face, and its seat must stay under the hexagon.
     require_less(
         "hardware mesh",
@@ -207,13 +284,12 @@ pub(crate) fn hardware(geometry: &Geometry, refinement: &Refinement) -> Result<H
         ("half across_flats", 0.5 * geometry.across_flats),
     )?;
     // Corners at 30, 90, ... degrees, which are multiples of 360/12.
-    let hexagon: Vec<_> = (0..n)
-        .map(|k| {
-            let from_flat = angle((k + n / 12) % (n / 6)) - PI / 6.0;
-            let radius = 0.5 * geometry.across_flats / from_flat.cos();
-            [radius * angle(k).cos(), radius * angle(k).sin()]
-        })
-        .collect();
+    let hexagon = (0..n).map(|k| {
+        let from_flat = angle(((k + n / 12) % (n / 6)) as f64) - PI / 6.0;
+        let radius = 0.5 * geometry.across_flats / from_flat.cos();
+        [radius * angle(k as f64).cos(), radius * angle(k as f64).sin()]
+    });
+    let hexagon = Ring::straight(hexagon.collect());
 
     let (shank, surface) = disc(&circle(geometry.shank_diameter), refinement.shank_rings);
     let mut head = shank.clone();
@@ -221,12 +297,12 @@ pub(crate) fn hardware(geometry: &Geometry, refinement: &Refinement) -> Result<H
     head.surround(&ring, &hexagon, refinement.seat_rings);
 
     let mut washer = Section::default();
-    let ring = washer.add(bore.iter().copied());
+    let ring = washer.add_ring(circle(geometry.washer_inner_diameter));
     let ring = washer.surround(&ring, &hexagon, refinement.seat_rings);
     washer.surround(&ring, &circle(geometry.washer_outer_diameter), refinement.rim_rings);
 
     let mut nut = Section::default();
-    let ring = nut.add(circle(geometry.nut_bore_diameter));
+    let ring = nut.add_ring(circle(geometry.nut_bore_diameter));
     let ring = nut.surround(&ring, &bore, 1);
     nut.surround(&ring, &hexagon, refinement.seat_rings);
 
@@ -240,26 +316,32 @@ pub(crate) fn hardware(geometry: &Geometry, refinement: &Refinement) -> Result<H
 }
 
 /// Butterfly mesh of a disc: a rounded square core inside of rings; returns the outermost ring too.
-fn disc(surface: &[[f64; 2]], rings: usize) -> (Section, Vec<u32>) {
+fn disc(surface: &Ring, rings: usize) -> (Section, Vec<u32>) {
     // Size and roundness of the core (least scaled Jacobian 0.82 or more at every preset; 0.62 at a roundness of 0.6).
     const CORE: f64 = 0.62;
     const ROUNDNESS: f64 = 0.4;
-    let n = surface.len();
+    let n = surface.points.len();
     let side = n / 4;
     // Corners lie on the axes, where every multiple of 12 sectors has nodes.
-    let boundary: Vec<[f64; 2]> = (0..n)
-        .map(|k| {
-            let (from, to) = (surface[k / side * side], surface[(k / side + 1) % 4 * side]);
-            let t = (k % side) as f64 / side as f64;
-            [0, 1].map(|i| {
-                let chord = (1.0 - t) * from[i] + t * to[i];
-                CORE * (ROUNDNESS * surface[k][i] + (1.0 - ROUNDNESS) * chord)
-            })
+    let towards_chord = |k: usize, within: f64, at: [f64; 2]| {
+        let (from, to) = (
+            surface.points[k / side * side],
+            surface.points[(k / side + 1) % 4 * side],
+        );
+        let t = ((k % side) as f64 + within) / side as f64;
+        [0, 1].map(|i| {
+            let chord = (1.0 - t) * from[i] + t * to[i];
+            CORE * (ROUNDNESS * at[i] + (1.0 - ROUNDNESS) * chord)
         })
-        .collect();
+    };
+    let boundary: Vec<[f64; 2]> = (0..n).map(|k| towards_chord(k, 0.0, surface.points[k])).collect();
+    let middles = (0..n).map(|k| towards_chord(k, 0.5, surface.middles[k])).collect();
 
     let mut section = Section::default();
-    let ring = section.add(boundary.iter().copied());
+    let ring = section.add_ring(Ring {
+        points: boundary.clone(),
+        middles,
+    });
     // The ring's four sides, as seen from the core's local coordinates u (first index) and v (second).
     let v_least = |i: usize| i;
     let u_greatest = |j: usize| side + j;

@@ -9,7 +9,7 @@ use super::comparison::{Backbone, Point};
 use super::run::{ModeBackbone, Run};
 use crate::Error;
 use crate::joint::Bodies;
-use crate::joint::benchmark::{LimitWeight, MeshAccuracy};
+use crate::joint::benchmark::{ElementOrder, LimitWeight, MeshAccuracy};
 use crate::progress::Silent;
 use crate::scene::{Scene, StructureSource};
 use crate::structure::Structure;
@@ -49,11 +49,10 @@ impl ErrorBar {
             Err(reason) => return Self::unknown(reason),
         };
         let model = &scene.model;
-        let hexahedra = model.formulation.unwrap_or_default();
         let row = accuracy
             .errors
             .iter()
-            .find(|row| row.refinement == model.refinement && row.hexahedra == hexahedra);
+            .find(|row| row.refinement == model.refinement && row.hexahedra == model.hexahedra());
         match row {
             None => Self::unknown("this refinement was not measured with this formulation of the elements"),
             Some(row) => Self {
@@ -98,6 +97,9 @@ fn accuracy(scene: &Scene) -> Result<MeshAccuracy, &'static str> {
         StructureSource::Matrices(_) => return Err("matrices do not show their mesh"),
     };
     let accuracy = accuracy.ok_or("no refinements of this benchmark were measured")?;
+    if scene.model.element_order == ElementOrder::Quadratic {
+        return Err("refinements were measured with linear elements, and the scene's are quadratic");
+    }
     if scene.model.arm_layers.is_some() {
         return Err("model.arm_layers replaces what the refinement had when it was measured");
     }

@@ -8,7 +8,7 @@ use crate::scoped;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::cell::RefCell;
 use std::fmt;
-use substructure::elements::Formulation;
+use substructure::elements::{Formulation, HEX8, HEX20};
 use substructure::mesh::Material;
 use zte_assembly::{InterfaceMesh, Operators};
 
@@ -83,6 +83,8 @@ pub struct MeshSettings {
     pub arm_layers: Option<usize>,
     /// Which part of it.
     pub symmetry: Symmetry,
+    /// Order of all elements.
+    pub element_order: ElementOrder,
     /// Formulation of all hexahedra.
     pub hexahedra: Formulation,
     /// Material of all parts.
@@ -105,6 +107,30 @@ pub enum RefinementLevel {
     Fine,
     /// About 2400.
     Finest,
+}
+
+/// Order of the shape functions of solids and interface elements.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum ElementOrder {
+    /// Hexahedra of 8 nodes, quadrilaterals of 4.
+    #[default]
+    Linear,
+    /// Serendipity hexahedra of 20 nodes (`C3D20R` with reduced, `C3D20` with full integration), quadrilaterals of 8. Edges on
+    /// circles are curved.
+    Quadratic,
+}
+
+impl ElementOrder {
+    /// Formulations of its hexahedra, the default first.
+    pub fn formulations(self) -> impl Iterator<Item = Formulation> {
+        let row = match self {
+            Self::Linear => &HEX8,
+            Self::Quadratic => &HEX20,
+        };
+        row.formulations.iter().map(|(formulation, _)| *formulation)
+    }
 }
 
 /// Which part of the structure is modelled.

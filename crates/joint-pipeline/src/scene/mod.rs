@@ -31,7 +31,7 @@ pub use units::{
     Units, dimension,
 };
 
-pub use crate::joint::benchmark::{RefinementLevel, Symmetry};
+pub use crate::joint::benchmark::{ElementOrder, RefinementLevel, Symmetry};
 pub use cqsma_solver::cqsma::Commit;
 pub use substructure::elements::Formulation;
 
@@ -318,6 +318,7 @@ impl Scene {
             (other, "/model/refinement", json!("default"), meshes),
             (other, "/model/arm_layers", Value::Null, meshes),
             (other, "/model/symmetry", json!("none"), meshes),
+            (other, "/model/element_order", json!("linear"), meshes),
             (
                 matrices.is_some(),
                 "/model/formulation",

@@ -1,7 +1,7 @@
 //! The structure of a scene: where it comes from, and how it is meshed and reduced.
 
 use super::units::{Density, Length, Mass, Stress, SurfaceEnergy, Units};
-use crate::joint::benchmark::{BenchmarkRef, RefinementLevel, Symmetry};
+use crate::joint::benchmark::{BenchmarkRef, ElementOrder, RefinementLevel, Symmetry};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use substructure::elements::Formulation;
@@ -173,7 +173,11 @@ pub struct Model {
     /// Which part of a benchmark is modelled.
     #[serde(default)]
     pub symmetry: Symmetry,
-    /// Formulation of all hexahedra; by default incompatible modes, in a deck that of their element type.
+    /// Order of the elements of a benchmark.
+    #[serde(default, skip_serializing_if = "is_linear")]
+    pub element_order: ElementOrder,
+    /// Formulation of all hexahedra; by default incompatible modes, of quadratic elements reduced integration, in a deck that of
+    /// their element type.
     #[serde(default)]
     pub formulation: Option<Formulation>,
     /// Material of all parts, unless a deck has its own, and of the asperities.
@@ -189,6 +193,12 @@ pub struct Model {
 }
 
 impl Model {
+    /// Formulation of the hexahedra of a benchmark.
+    pub fn hexahedra(&self) -> Formulation {
+        let default = self.element_order.formulations().next();
+        self.formulation.or(default).unwrap_or_default()
+    }
+
     /// Modes computed for the reduction.
     pub fn n_modes(&self) -> usize {
         self.modes
@@ -407,6 +417,10 @@ pub enum MaterialSource {
     Deck,
     /// The scene's, in all parts.
     Scene,
+}
+
+fn is_linear(order: &ElementOrder) -> bool {
+    *order == ElementOrder::Linear
 }
 
 fn along_x() -> [f64; 3] {

@@ -42,6 +42,12 @@ impl Check<'_> {
     }
 }
 
+/// What scenes call it.
+fn word(value: impl serde::Serialize) -> String {
+    let value = serde_json::json!(value);
+    value.as_str().unwrap_or_default().to_owned()
+}
+
 fn is_positive(value: f64) -> bool {
     value.is_finite() && value > 0.0
 }
@@ -50,7 +56,7 @@ impl Scene {
     /// Checks what the crates below do not check themselves.
     ///
     /// # Errors
-    /// [`Error::Value`], [`Error::Symmetry`], [`Error::NoMeasuredSurface`].
+    /// [`Error::Value`], [`Error::Symmetry`], [`Error::NoMeasuredSurface`], [`Error::NoSuchFormulation`].
     pub fn validate(&self, place: &str) -> Result<(), Error> {
         let check = Check { place };
         check.not_negative("mu", self.mu, "")?;
@@ -127,6 +133,16 @@ impl Scene {
             check.positive("structure.point_masses[].mass", point.mass.si(), "kg")?;
             let within = point.within.map_or(0.0, Length::si);
             check.not_negative("structure.point_masses[].within", within, "m")?;
+        }
+        let mut offered = model.element_order.formulations();
+        if self.structure.benchmark().is_some() && !offered.any(|known| known == model.hexahedra()) {
+            let offered: Vec<String> = model.element_order.formulations().map(word).collect();
+            return Err(Error::NoSuchFormulation {
+                place: check.place.into(),
+                order: word(model.element_order),
+                formulation: word(model.hexahedra()),
+                offered: offered.join(", "),
+            });
         }
         if model.symmetry == Symmetry::Half {
             self.validate_half(check.place)?;

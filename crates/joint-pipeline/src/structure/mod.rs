@@ -67,7 +67,8 @@ impl Structure {
                     refinement: model.refinement,
                     arm_layers: model.arm_layers,
                     symmetry: model.symmetry,
-                    hexahedra: model.formulation.unwrap_or_default(),
+                    element_order: model.element_order,
+                    hexahedra: model.hexahedra(),
                     material: material(model),
                 };
                 let mut joint = benchmark.joint(&settings).map_err(|source| Error::Benchmark {

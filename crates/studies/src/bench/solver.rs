@@ -184,7 +184,8 @@ pub(super) fn scaling(cache: PathBuf, instruments: &Instruments<'_>) -> Result<S
             refinement: scene.model.refinement,
             arm_layers: scene.model.arm_layers,
             symmetry: scene.model.symmetry,
-            hexahedra: scene.model.formulation.unwrap_or_default(),
+            element_order: scene.model.element_order,
+            hexahedra: scene.model.hexahedra(),
             material: published::steel(),
         };
         let joint = benchmark::joint(refinement, &settings)?;

@@ -181,6 +181,11 @@ impl Cell {
         fits.then(|| Self::from_row(element_type, formulation, nodes))
     }
 
+    /// An element in the default formulation of its type; `nodes` are as many as the type has.
+    pub(crate) fn of_type(element_type: &'static ElementType, nodes: &[u32]) -> Self {
+        Self::from_row(element_type, element_type.default_formulation(), nodes)
+    }
+
     /// For constructors of the types' own files, which know the number of nodes and the formulations.
     pub(super) fn from_row(element_type: &'static ElementType, formulation: Formulation, nodes: &[u32]) -> Self {
         let mut cell = Self {
