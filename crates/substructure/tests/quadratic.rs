@@ -1,5 +1,5 @@
 //! Assemblies whose order is raised: patch test, rigid motions, volumes of curved walls, and what is carried over.
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
