@@ -344,6 +344,7 @@ fn quadratic_faces_that_do_not_fit_or_are_not_flat_are_refused() {
 fn a_benchmark_in_quadratic_elements_runs_from_scene_to_backbone() {
     let on_beam = |order: &str| {
         let text = json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
             "structure": { "benchmark": "brake-reuss-beam" },
             "model": { "refinement": "quick", "symmetry": "half", "element_order": order },
             "cqsma": { "amplitudes": 2, "amplitude_from": "0.2 mm", "amplitude_to": "0.6 mm", "vertices_per_quarter": 4 },
@@ -354,15 +355,16 @@ fn a_benchmark_in_quadratic_elements_runs_from_scene_to_backbone() {
         println!("{order}: {frequencies:.3?} {backbone:.5?}");
         (run, frequencies[0], backbone)
     };
-    // Limits of the mesh of the first frequency, linearised and at 0.2 and 0.6 mm, and of ln(damping) there (docs/accuracy.md).
-    let (limit, frequencies, damping) = (166.28, [162.69, 154.39], [-4.477, -3.468]);
+    // Limit of the mesh of the first frequency (docs/accuracy.md).
+    let limit = 166.28;
     let [(_, linear, of_linear), (run, quadratic, of_quadratic)] = ["linear", "quadratic"].map(on_beam);
     assert!(run.mesh.elements.iter().all(|element| element.shape() == &QUAD8));
     assert!((quadratic / limit - 1.0).abs() < 0.5 * (linear / limit - 1.0_f64).abs());
-    for at in 0..2 {
-        let error = |of: &[[f64; 2]]| of[at][0] / frequencies[at] - 1.0;
-        assert!(error(&of_quadratic).abs() < 0.6 * error(&of_linear).abs());
-        assert!((of_quadratic[at][1].ln() - damping[at]).abs() < 0.1, "{of_quadratic:?}");
+    // Slip lowers the frequency of both alike; damping differs by what the meshes' error bars allow.
+    for (a, b) in of_linear.iter().zip(&of_quadratic) {
+        let [fall, of_other] = [a[0] / linear, b[0] / quadratic];
+        assert!(fall < 0.98 && (fall / of_other - 1.0).abs() < 2e-3, "{fall} {of_other}");
+        assert!((a[1] / b[1]).ln().abs() < 0.06, "{a:?} {b:?}");
     }
     let bar = ErrorBar::of(&run.scene);
     assert_eq!((bar.frequency_relative, bar.damping_ln), (None, None));

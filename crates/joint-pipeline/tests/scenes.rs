@@ -559,7 +559,7 @@ fn finer_settings_are_finer_in_something_and_coarser_in_nothing() {
 #[test]
 fn elements_of_a_benchmark_may_be_quadratic() {
     let on_beam = |model: Value| {
-        let text = json!({ "structure": { "benchmark": "brake-reuss-beam" }, "model": model });
+        let text = json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" }, "model": model });
         Scene::from_json(&text.to_string(), "a test", "a test", &BENCHMARKS).map_err(|error| error.to_string())
     };
     assert_eq!(
