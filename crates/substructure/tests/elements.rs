@@ -730,32 +730,34 @@ fn inverted_elements_are_refused() {
     }
 }
 
+/// A smaller body glued onto the upper face of a cube of 0.03 m. Every node in the plane between them is a slave, middles of edges
+/// included.
+fn glued(mut mesh: Mesh, top: &Mesh, position_tolerance: f64, adjust: bool) -> (Mesh, Tie) {
+    let (count, below) = (mesh.nodes.len() as u32, mesh.elements.len());
+    mesh.nodes
+        .extend(top.nodes.iter().map(|x| [x[0] + 0.004, x[1] + 0.003, x[2] + 0.03]));
+    mesh.elements.extend(top.elements.iter().map(|element| Element {
+        cell: element.cell.map_nodes(|node| node + count),
+        material: 0,
+    }));
+    let flat = |nodes: &[u32]| nodes.iter().all(|&n| (mesh.nodes[n as usize][2] - 0.03).abs() < 1e-12);
+    let faces = mesh.elements[..below].iter().flat_map(|element| element.cell.faces());
+    let tie = Tie {
+        name: "glue".into(),
+        slave_nodes: (count..mesh.nodes.len() as u32).filter(|&n| flat(&[n])).collect(),
+        master_faces: faces.filter(|face| flat(face.nodes())).collect(),
+        position_tolerance,
+        beyond: BeyondTolerance::Refuse,
+        adjust,
+    };
+    (mesh, tie)
+}
+
 #[test]
 fn faces_of_every_kind_can_be_tied_to() {
     for kind in kinds() {
-        let mut mesh = cube(kind, 3, 0.03, 0.1, 0.29);
-        let count = mesh.nodes.len() as u32;
-        let below = mesh.elements.len();
         let top = cube(Kind::Hex(Formulation::IncompatibleModes), 4, 0.02, 0.1, 0.29);
-        mesh.nodes
-            .extend(top.nodes.iter().map(|x| [x[0] + 0.004, x[1] + 0.003, x[2] + 0.03]));
-        mesh.elements.extend(top.elements.iter().map(|element| {
-            let nodes: Vec<u32> = element.cell.nodes().iter().map(|n| n + count).collect();
-            Element {
-                cell: Cell::hex8(nodes.try_into().unwrap(), Formulation::IncompatibleModes),
-                material: 0,
-            }
-        }));
-        let flat = |nodes: &[u32]| nodes.iter().all(|&n| (mesh.nodes[n as usize][2] - 0.03).abs() < 1e-12);
-        let faces = mesh.elements[..below].iter().flat_map(|element| element.cell.faces());
-        let tie = Tie {
-            name: "glue".into(),
-            slave_nodes: (count..mesh.nodes.len() as u32).filter(|&n| flat(&[n])).collect(),
-            master_faces: faces.filter(|face| flat(face.nodes())).collect(),
-            position_tolerance: 1e-6,
-            beyond: BeyondTolerance::Refuse,
-            adjust: true,
-        };
+        let (mesh, tie) = glued(cube(kind, 3, 0.03, 0.1, 0.29), &top, 1e-6, true);
         assert_eq!(tie.slave_nodes.len(), 25);
         let assembly = Assembly {
             mesh,
@@ -804,26 +806,8 @@ fn curved_quadratic_faces_hold_their_slaves() {
     let bend = |x: &mut Point| x[2] += 8.0 * (x[0] - 0.015).powi(2) + 4.0 * x[0] * x[1];
     for kind in QUADRATIC.into_iter().chain([Kind::Tet10]) {
         for adjust in [true, false] {
-            let mut mesh = cube(kind, 3, 0.03, 0.0, 0.29);
-            let (count, below) = (mesh.nodes.len() as u32, mesh.elements.len());
-            // Middles of edges are slaves too.
             let top = cube(Kind::Hex20(Formulation::Full), 2, 0.02, 0.0, 0.29);
-            mesh.nodes
-                .extend(top.nodes.iter().map(|x| [x[0] + 0.004, x[1] + 0.003, x[2] + 0.03]));
-            mesh.elements.extend(top.elements.iter().map(|element| Element {
-                cell: element.cell.map_nodes(|node| node + count),
-                material: 0,
-            }));
-            let flat = |nodes: &[u32]| nodes.iter().all(|&n| (mesh.nodes[n as usize][2] - 0.03).abs() < 1e-12);
-            let faces = mesh.elements[..below].iter().flat_map(|element| element.cell.faces());
-            let tie = Tie {
-                name: "glue".into(),
-                slave_nodes: (count..mesh.nodes.len() as u32).filter(|&n| flat(&[n])).collect(),
-                master_faces: faces.filter(|face| flat(face.nodes())).collect(),
-                position_tolerance: 1e-12,
-                beyond: BeyondTolerance::Refuse,
-                adjust,
-            };
+            let (mut mesh, tie) = glued(cube(kind, 3, 0.03, 0.0, 0.29), &top, 1e-12, adjust);
             assert_eq!(tie.slave_nodes.len(), 21);
             mesh.nodes.iter_mut().for_each(bend);
             let assembly = Assembly {

@@ -88,6 +88,14 @@ pub(crate) fn assess(
         .sum();
     let element_of = |p: usize| operators.first_point.partition_point(|&first| first <= p) - 1;
     let population = |p: usize| asperities.map(|a| (a, &a.populations[a.of_element[element_of(p)] as usize]));
+    // Interference of the asperity that touches first, where it is largest, of each population.
+    let mut deepest = vec![0.0_f64; asperities.map_or(0, |a| a.populations.len())];
+    for &p in &touching {
+        if let Some(asperities) = asperities {
+            let of = asperities.of_element[element_of(p)] as usize;
+            deepest[of] = deepest[of].max(u_n[p] - asperities.populations[of].gaps().smallest());
+        }
+    }
     let onset_of = |asperities: &Asperities, population: &AsperityPopulation| {
         if own_onset.is_some() {
             return own_onset;
@@ -130,16 +138,7 @@ pub(crate) fn assess(
             },
             closed,
         ),
-        contact_over_asperity_radius: touching
-            .iter()
-            .map(|&p| {
-                let (asperities, population) = population(p)?;
-                let radius = population.effective_radius();
-                let asperity = Asperity::try_new(asperities.material, radius, yielding).ok()?;
-                let interference = u_n[p] - population.gaps().smallest();
-                Some(asperity.published_contact_radius(interference) / radius)
-            })
-            .try_fold(0.0_f64, |largest, of| Some(largest.max(of?))),
+        contact_over_asperity_radius: asperities.and_then(|a| contact_over_radius(a, yielding, &deepest)),
         adhesive_to_elastic_traction: law_mean(
             &|p| {
                 let (_, pair) = population(p)?;
@@ -163,4 +162,20 @@ pub(crate) fn assess(
         first_not_converged: first(&|a| a.point.result.is_err()),
         separation_modal_force,
     }
+}
+
+/// Largest contact radius over the effective radius, from the deepest interference of each population (m).
+fn contact_over_radius(asperities: &Asperities, yielding: Option<Yield>, deepest: &[f64]) -> Option<f64> {
+    let ratios = asperities
+        .populations
+        .iter()
+        .zip(deepest)
+        .map(|(population, &interference)| {
+            let radius = population.effective_radius();
+            let asperity = Asperity::try_new(asperities.material, radius, yielding).ok()?;
+            Some(asperity.published_contact_radius(interference) / radius)
+        });
+    ratios
+        .into_iter()
+        .try_fold(0.0_f64, |largest, ratio| Some(largest.max(ratio?)))
 }

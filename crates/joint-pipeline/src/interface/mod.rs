@@ -20,7 +20,8 @@ use crate::Error;
 use crate::scene::{LawKind, Scene, Surface};
 use asperities::population;
 use contact_laws::{
-    Components, ComponentsMut, ContactCurves, StateView, StateViewMut, Sticking, TangentMut, TractionLaw,
+    Components, ComponentsMut, ContactCurves, PointParameters, StateView, StateViewMut, Sticking, TangentMut,
+    TractionLaw,
 };
 use given::GivenLaw;
 use law::{BuiltLaw, NamedLaw, fits_of};
@@ -42,6 +43,8 @@ pub struct SceneInterface {
     pub(crate) asperities: Option<Asperities>,
     operators: Arc<Operators>,
     element_of: Vec<u32>,
+    /// Friction coefficients of the points.
+    mu: PointParameters<f64>,
 }
 
 impl std::fmt::Debug for SceneInterface {
@@ -136,6 +139,7 @@ impl SceneInterface {
             },
             operators,
             element_of,
+            mu,
         })
     }
 
@@ -169,8 +173,8 @@ impl SceneInterface {
             LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
         };
         let pressure = load / self.operators.area();
-        let mu = friction::coefficients(scene, &self.operators.positions)?;
-        let NamedLaw { law, .. } = realisation.traction_law(scene, &self.element_of, &mu, &sums, &fits, pressure)?;
+        let NamedLaw { law, .. } =
+            realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressure)?;
         let mut gap: Vec<f64> = self.element_of.iter().map(|&e| drawn[e as usize].1).collect();
         for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
             *gap += own;

@@ -1,6 +1,6 @@
 //! The traction law of a scene.
 
-use super::units::Stress;
+use super::units::{Length, Stress};
 use contact_laws::{AsperityLimit, Cone, HistoryRule, TangentialReading, YieldCurves};
 use serde::{Deserialize, Serialize};
 
@@ -124,4 +124,18 @@ pub enum RadialRule {
     /// So many equally spaced radii, between which the history is interpolated, as published
     /// ([`contact_laws::AsperityFriction::MindlinIwan`]).
     EquallySpaced(usize),
+}
+
+/// A part of the interface with a friction coefficient of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct FrictionZone {
+    /// Friction coefficient (-).
+    pub mu: f64,
+    /// Smallest and largest x of the quadrature points in it, in the plane of the interface, as fields of the interface have it
+    /// (length).
+    pub x: [Length; 2],
+    /// Smallest and largest y (length).
+    pub y: [Length; 2],
 }

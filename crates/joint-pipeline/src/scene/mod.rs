@@ -16,15 +16,14 @@ mod validate;
 
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, Method, Output};
-pub use law::{Bins, Friction, Law, LawKind, RadialRule, Yield};
+pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use structure::{
     Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model, PlaneMesh,
     PointMass, Sides, StructureBlock, StructureSource, Untied,
 };
 pub use surface::{
-    Curves, Elastic, Fitted, FrictionZone, Gap, GreenwoodWilliamson, Heights, ParameterSet, Parameters, Per, Surface,
-    SyntheticScan,
+    Curves, Elastic, Fitted, Gap, GreenwoodWilliamson, Heights, ParameterSet, Parameters, Per, Surface, SyntheticScan,
 };
 pub use units::{
     ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, Quantity, Stress, SurfaceEnergy, Unit,

@@ -158,20 +158,6 @@ pub enum Heights {
     Gaussian(Length),
 }
 
-/// A part of the interface with a friction coefficient of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct FrictionZone {
-    /// Friction coefficient (-).
-    pub mu: f64,
-    /// Smallest and largest x of the quadrature points in it, in the plane of the interface, as fields of the interface have it
-    /// (length).
-    pub x: [Length; 2],
-    /// Smallest and largest y (length).
-    pub y: [Length; 2],
-}
-
 /// Two synthetic faces on the grid of a profilometer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
