@@ -32,20 +32,10 @@ impl Supported {
     ) -> Result<(Self, Condensed), Error> {
         let nd = system.n_relative;
         let held = components_to_hold(modes);
-        let mut fixed = vec![false; system.stiffness.rows()];
-        for &component in &held {
-            fixed[nd + component] = true;
-        }
-        let mut stiffness = system.stiffness.clone();
-        for (row, mut entries) in stiffness.outer_iterator_mut().enumerate() {
-            for (column, value) in entries.iter_mut() {
-                if row != column && (fixed[row] || fixed[column]) {
-                    *value = 0.0;
-                }
-            }
-        }
+        let fixed: Vec<usize> = held.iter().map(|component| nd + component).collect();
         let name = "stuck stiffness without its zero-energy modes";
-        let (factor, condensed) = SparseCholesky::condense(&stiffness, &system.mass, &system.positions, nd, name)?;
+        let (factor, condensed) =
+            SparseCholesky::condense(&system.stiffness, &system.mass, &system.positions, nd, &fixed, name)?;
         let mut mass_modes = Mat::zeros(modes.nrows(), modes.ncols());
         multiply_into(mass, modes, mass_modes.as_mut());
         let supported = Self {

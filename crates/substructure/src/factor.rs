@@ -7,7 +7,6 @@
 
 use crate::Error;
 use crate::ordering::{Dissection, nested_dissection};
-use crate::sparse::{numbering, submatrix};
 use dense_algebra::{add_product, add_product_lower, cholesky, product_into, solve_lower, solve_lower_transposed};
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut};
@@ -59,11 +58,12 @@ impl SparseCholesky {
     /// # Errors
     /// [`Error::NotPositiveDefinite`] with the row at which the factorisation stopped.
     pub fn try_new(matrix: &CsMat<f64>, positions: &[[f64; 3]], name: &'static str) -> Result<Self, Error> {
-        let (factor, _) = Elimination::new(&[matrix], positions, 0).run(name)?;
+        let (factor, _) = Elimination::new(&[matrix], positions, 0, &[]).run(name)?;
         Ok(factor)
     }
 
-    /// Factors all rows of `stiffness` but the first `n_kept`, and condenses it and `mass` onto those.
+    /// Factors all rows of `stiffness` but the first `n_kept`, and condenses it and `mass` onto those. The rows `held` of the
+    /// stiffness, none of them kept, are coupled to no others.
     ///
     /// Right-hand sides and solutions of the factor are over the other rows, in their order.
     ///
@@ -74,9 +74,10 @@ impl SparseCholesky {
         mass: &CsMat<f64>,
         positions: &[[f64; 3]],
         n_kept: usize,
+        held: &[usize],
         name: &'static str,
     ) -> Result<(Self, Condensed), Error> {
-        let elimination = Elimination::new(&[stiffness, mass], positions, n_kept);
+        let elimination = Elimination::new(&[stiffness, mass], positions, n_kept, held);
         let (factor, left) = elimination.run(name)?;
         let kept = factor.order.len()..positions.len();
         let [stiffness, mass] = [0, 1].map(|which| {
@@ -153,12 +154,15 @@ impl SparseCholesky {
 /// A stiffness, and perhaps a mass, in the order of their elimination, kept rows last.
 struct Elimination {
     dissection: Dissection,
+    /// Lower triangles, by columns.
     matrices: Vec<CsMat<f64>>,
+    /// For each part the later positions that it touches by itself or through its children.
+    beyond: Vec<Vec<usize>>,
 }
 
 /// What eliminated parts leave on later rows: lower triangles over the positions `beyond`, one per matrix.
-struct Update {
-    beyond: Vec<usize>,
+struct Update<'a> {
+    beyond: &'a [usize],
     matrices: Vec<Mat<f64>>,
 }
 
@@ -170,20 +174,32 @@ struct Blocks {
 }
 
 impl Elimination {
-    fn new(matrices: &[&CsMat<f64>], positions: &[[f64; 3]], n_kept: usize) -> Self {
+    fn new(matrices: &[&CsMat<f64>], positions: &[[f64; 3]], n_kept: usize, held: &[usize]) -> Self {
         let n = positions.len();
         let dissection = nested_dissection(matrices[0], positions, n_kept);
         let order: Vec<usize> = dissection.order.iter().copied().chain(0..n_kept).collect();
-        let position = numbering(&order, n);
-        let matrices = matrices
+        let mut position = vec![0; n];
+        for (at, &row) in order.iter().enumerate() {
+            position[row] = at;
+        }
+        let mut is_held = vec![false; n];
+        held.iter().for_each(|&row| is_held[row] = true);
+        let none_is_held = vec![false; n];
+        let matrices: Vec<_> = matrices
             .iter()
-            .map(|matrix| submatrix(matrix, &order, &position, n))
+            .zip([&is_held, &none_is_held])
+            .map(|(matrix, alone)| lower_columns(matrix, &order, &position, alone))
             .collect();
-        Self { dissection, matrices }
+        let beyond = positions_beyond(&dissection, &matrices);
+        Self {
+            dissection,
+            matrices,
+            beyond,
+        }
     }
 
     /// The factor, and what is left on the kept rows.
-    fn run(&self, name: &'static str) -> Result<(SparseCholesky, Option<Update>), Error> {
+    fn run(&self, name: &'static str) -> Result<(SparseCholesky, Option<Update<'_>>), Error> {
         let n_kept = self.matrices[0].rows() - self.dissection.order.len();
         let order = self.dissection.order.iter().map(|row| row - n_kept).collect();
         let (fronts, left) = match self.dissection.parts.len() {
@@ -197,8 +213,8 @@ impl Elimination {
     }
 
     /// Eliminates a part after its children; fronts come in the order of the dissection.
-    fn eliminate(&self, part: usize, name: &'static str) -> Result<(Vec<Front>, Update), Error> {
-        let part = &self.dissection.parts[part];
+    fn eliminate(&self, number: usize, name: &'static str) -> Result<(Vec<Front>, Update<'_>), Error> {
+        let part = &self.dissection.parts[number];
         let rows = part.rows.clone();
         let done: Vec<_> = part
             .children
@@ -211,13 +227,15 @@ impl Elimination {
             fronts.extend(before);
             children.push(update);
         }
-        let beyond = self.beyond(&rows, &children);
+        let beyond = &self.beyond[number];
         let n = self.dissection.order.len();
         let Blocks {
             own,
             mut below,
             mut update,
-        } = self.assemble(0, &rows, &beyond, &children);
+        } = self.assemble(0, &rows, beyond, &children);
+        let mass = (self.matrices.len() > 1).then(|| self.assemble(1, &rows, beyond, &children));
+        drop(children);
         let lower = cholesky(own.as_ref()).map_err(|error| match error {
             dense_algebra::Error::NotPositiveDefinite { pivot, .. } => Error::NotPositiveDefinite {
                 matrix: name,
@@ -229,8 +247,7 @@ impl Elimination {
         solve_lower(lower.as_ref(), below.transpose_mut());
         add_product_lower(update.as_mut(), below.as_ref(), below.transpose(), -1.0);
         let mut matrices = vec![update];
-        if self.matrices.len() > 1 {
-            let mut mass = self.assemble(1, &rows, &beyond, &children);
+        if let Some(mut mass) = mass {
             mirror(&mut mass.own);
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
             let mut follow = below.clone();
@@ -246,29 +263,16 @@ impl Elimination {
             first: rows.start,
             lower,
             beyond: beyond[..n_beyond].to_vec(),
-            below: below.subrows(0, n_beyond).to_owned(),
+            below: match n_beyond == below.nrows() {
+                true => below,
+                false => below.subrows(0, n_beyond).to_owned(),
+            },
         });
         Ok((fronts, Update { beyond, matrices }))
     }
 
-    /// The later positions that a part touches by itself or through its children.
-    fn beyond(&self, rows: &Range<usize>, children: &[Update]) -> Vec<usize> {
-        let entries = self.matrices.iter().flat_map(|matrix| {
-            let touched = |row| &matrix.indices()[matrix.indptr().outer_inds_sz(row)];
-            rows.clone().flat_map(touched)
-        });
-        let mut beyond: Vec<usize> = entries
-            .chain(children.iter().flat_map(|child| &child.beyond))
-            .copied()
-            .filter(|&position| position >= rows.end)
-            .collect();
-        beyond.sort_unstable();
-        beyond.dedup();
-        beyond
-    }
-
     /// A matrix over a part and the positions beyond it, with what the part's children left there.
-    fn assemble(&self, which: usize, rows: &Range<usize>, beyond: &[usize], children: &[Update]) -> Blocks {
+    fn assemble(&self, which: usize, rows: &Range<usize>, beyond: &[usize], children: &[Update<'_>]) -> Blocks {
         let (n_own, n_beyond) = (rows.len(), beyond.len());
         let mut own = Mat::zeros(n_own, n_own);
         let mut below = Mat::zeros(n_beyond, n_own);
@@ -281,11 +285,9 @@ impl Elimination {
             let matrix = &self.matrices[which];
             let range = matrix.indptr().outer_inds_sz(row);
             for (&position, &value) in matrix.indices()[range.clone()].iter().zip(&matrix.data()[range]) {
-                if position >= row {
-                    match local(position) {
-                        i if i < n_own => own[(i, column)] = value,
-                        i => below[(i - n_own, column)] = value,
-                    }
+                match local(position) {
+                    i if i < n_own => own[(i, column)] = value,
+                    i => below[(i - n_own, column)] = value,
                 }
             }
         }
@@ -320,4 +322,57 @@ fn mirror(matrix: &mut Mat<f64>) {
             matrix[(i, j)] = matrix[(j, i)];
         }
     }
+}
+
+/// The lower triangle of a symmetric matrix in the given order, by columns: column `k` holds the entries of the row `order[k]`
+/// at its own and later positions. What couples a row
+/// that is `alone` is zero.
+fn lower_columns(matrix: &CsMat<f64>, order: &[usize], position: &[usize], alone: &[bool]) -> CsMat<f64> {
+    let later = |(at, &row): (usize, &usize)| {
+        let range = matrix.indptr().outer_inds_sz(row);
+        let entries = matrix.indices()[range.clone()].iter().zip(&matrix.data()[range]);
+        entries.filter_map(move |(&column, &value)| {
+            let is_coupling = row != column && (alone[row] || alone[column]);
+            let value = if is_coupling { 0.0 } else { value };
+            (position[column] >= at).then_some((position[column], value))
+        })
+    };
+    let mut indptr = Vec::with_capacity(order.len() + 1);
+    indptr.push(0);
+    for column in order.iter().enumerate() {
+        indptr.push(indptr[indptr.len() - 1] + later(column).count());
+    }
+    let count = indptr[order.len()];
+    let (mut indices, mut data) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    let mut line: Vec<(usize, f64)> = Vec::new();
+    for column in order.iter().enumerate() {
+        line.clear();
+        line.extend(later(column));
+        line.sort_unstable_by_key(|(row, _)| *row);
+        indices.extend(line.iter().map(|(row, _)| *row));
+        data.extend(line.iter().map(|(_, value)| *value));
+    }
+    CsMat::new_csc((order.len(), order.len()), indptr, indices, data)
+}
+
+/// For each part the positions after it that it touches by itself or through its children, ascending.
+fn positions_beyond(dissection: &Dissection, matrices: &[CsMat<f64>]) -> Vec<Vec<usize>> {
+    let mut beyond: Vec<Vec<usize>> = Vec::with_capacity(dissection.parts.len());
+    let mut seen = vec![usize::MAX; matrices[0].rows()];
+    for (number, part) in dissection.parts.iter().enumerate() {
+        let own = matrices.iter().flat_map(|matrix| {
+            let touched = |column| &matrix.indices()[matrix.indptr().outer_inds_sz(column)];
+            part.rows.clone().flat_map(touched)
+        });
+        let mut found = Vec::new();
+        for &position in own.chain(part.children.iter().flat_map(|&child| &beyond[child])) {
+            if position >= part.rows.end && seen[position] != number {
+                seen[position] = number;
+                found.push(position);
+            }
+        }
+        found.sort_unstable();
+        beyond.push(found);
+    }
+    beyond
 }

@@ -7,6 +7,9 @@ use sprs::CsMat;
 /// Columns handled together, so that each matrix entry is loaded once for all of them.
 const LANES: usize = 8;
 
+/// Rows computed together.
+const GROUP: usize = 2048;
+
 /// `y = a * x` for a compressed-row matrix and dense columns, in parallel over groups of columns.
 ///
 /// The order of every sum is fixed, so the result does not depend on the number of threads.
@@ -51,38 +54,201 @@ pub fn multiply_vector(a: &CsMat<f64>, x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The congruence `t^T a t` of a symmetric compressed-row matrix, exactly symmetric.
+/// The congruence `t^T a t` of a symmetric compressed-row matrix, exactly symmetric, in parallel over groups of rows.
+///
+/// The order of every sum is fixed, so the result does not depend on the number of threads.
+///
+/// # Panics
+/// If the shapes do not fit.
 pub fn congruence(t: &CsMat<f64>, a: &CsMat<f64>) -> CsMat<f64> {
-    let at = a * t;
-    let result: CsMat<f64> = &t.transpose_view().to_csr() * &at;
-    symmetric_part(result)
+    assert!(t.is_csr() && a.is_csr() && a.rows() == a.cols() && a.cols() == t.rows());
+    let n = t.cols();
+    let products = RowProducts {
+        columns: &t.transpose_view().to_csr(),
+        a,
+        t,
+    };
+    // The size of the result is found first: lists that grow would hold it twice.
+    let mut indptr = vec![0; n + 1];
+    indptr[1..].par_chunks_mut(GROUP).enumerate().for_each_init(
+        || Accumulator::new(n),
+        |row, (group, lengths)| {
+            for (i, length) in lengths.iter_mut().enumerate() {
+                products.pattern(group * GROUP + i, row);
+                *length = row.pattern.len();
+            }
+        },
+    );
+    for i in 0..n {
+        indptr[i + 1] += indptr[i];
+    }
+    let (mut indices, mut data) = (vec![0; indptr[n]], vec![0.0; indptr[n]]);
+    let (mut rest, mut groups) = ((indices.as_mut_slice(), data.as_mut_slice()), Vec::new());
+    for first in (0..n).step_by(GROUP) {
+        let count = indptr[n.min(first + GROUP)] - indptr[first];
+        let (indices, data) = (rest.0.split_at_mut(count), rest.1.split_at_mut(count));
+        groups.push((first, indices.0, data.0));
+        rest = (indices.1, data.1);
+    }
+    groups.into_par_iter().for_each_init(
+        || (Accumulator::new(n), Accumulator::new(n)),
+        |(row, part), (first, indices, data)| {
+            let mut at = 0;
+            for i in first..n.min(first + GROUP) {
+                products.row(i, row, part);
+                for &column in &row.pattern {
+                    indices[at] = column;
+                    data[at] = row.values[column];
+                    at += 1;
+                }
+            }
+        },
+    );
+    symmetric_part(CsMat::new((n, n), indptr, indices, data))
 }
 
-/// `(a + a^T) / 2` of a matrix with a symmetric pattern, in sorted compressed rows.
+/// Rows of `t^T a t`.
+struct RowProducts<'a> {
+    /// `t^T`.
+    columns: &'a CsMat<f64>,
+    a: &'a CsMat<f64>,
+    t: &'a CsMat<f64>,
+}
+
+/// One sparse row under way.
+struct Accumulator {
+    /// Columns that are not zero; ascending once the row is complete.
+    pattern: Vec<usize>,
+    /// The number of the row that a column was last in.
+    stamps: Vec<usize>,
+    stamp: usize,
+    values: Vec<f64>,
+}
+
+impl Accumulator {
+    fn new(n: usize) -> Self {
+        Self {
+            pattern: Vec::new(),
+            stamps: vec![0; n],
+            stamp: 0,
+            values: vec![0.0; n],
+        }
+    }
+
+    fn clear(&mut self) {
+        self.pattern.clear();
+        self.stamp += 1;
+    }
+
+    fn touch(&mut self, column: usize) {
+        if self.stamps[column] != self.stamp {
+            self.stamps[column] = self.stamp;
+            self.values[column] = 0.0;
+            self.pattern.push(column);
+        }
+    }
+
+    fn add(&mut self, column: usize, value: f64) {
+        self.touch(column);
+        self.values[column] += value;
+    }
+}
+
+impl RowProducts<'_> {
+    /// The columns of row `i`, in any order.
+    fn pattern(&self, i: usize, row: &mut Accumulator) {
+        row.clear();
+        for (k, _) in entries(self.columns, i) {
+            for (j, _) in entries(self.a, k) {
+                entries(self.t, j).for_each(|(column, _)| row.touch(column));
+            }
+        }
+    }
+
+    /// Row `i`; `part` is memory for a row of `a t`.
+    fn row(&self, i: usize, row: &mut Accumulator, part: &mut Accumulator) {
+        row.clear();
+        for (k, factor) in entries(self.columns, i) {
+            part.clear();
+            for (j, value) in entries(self.a, k) {
+                entries(self.t, j).for_each(|(column, coefficient)| part.add(column, value * coefficient));
+            }
+            for &column in &part.pattern {
+                row.add(column, factor * part.values[column]);
+            }
+        }
+        row.pattern.sort_unstable();
+    }
+}
+
+fn entries(a: &CsMat<f64>, row: usize) -> impl Iterator<Item = (usize, f64)> {
+    let range = a.indptr().outer_inds_sz(row);
+    a.indices()[range.clone()]
+        .iter()
+        .copied()
+        .zip(a.data()[range].iter().copied())
+}
+
+/// `(a + a^T) / 2` of a square matrix in compressed rows.
+///
+/// # Panics
+/// If the matrix is not of that kind.
 pub fn symmetric_part(a: CsMat<f64>) -> CsMat<f64> {
+    assert!(a.is_csr() && a.rows() == a.cols());
+    let shape = a.shape();
+    let (indptr, indices, mut data) = a.into_raw_storage();
+    let is_done = average_mirrored(&indptr, &indices, &mut data);
+    let a = CsMat::new(shape, indptr, indices, data);
+    if is_done {
+        return a;
+    }
     let transposed: CsMat<f64> = a.transpose_view().to_csr();
     (&a + &transposed).map(|value| 0.5 * value)
 }
 
+/// Replaces mirrored entries of sorted compressed rows by their mean; false, with some of them replaced, if an entry has no
+/// mirror image.
+fn average_mirrored(indptr: &[usize], indices: &[usize], data: &mut [f64]) -> bool {
+    let n = indptr.len() - 1;
+    // The first entry of each row whose mirror image was not met yet.
+    let mut next = indptr[..n].to_vec();
+    for row in 0..n {
+        let end = indptr[row + 1];
+        // Rows before this one have met all entries before the diagonal.
+        if next[row] < end && indices[next[row]] < row {
+            return false;
+        }
+        for at in next[row]..end {
+            let column = indices[at];
+            let mirrored = next[column];
+            if mirrored == indptr[column + 1] || indices[mirrored] != row {
+                return false;
+            }
+            let mean = 0.5 * (data[at] + data[mirrored]);
+            (data[at], data[mirrored]) = (mean, mean);
+            next[column] += 1;
+        }
+    }
+    true
+}
+
 /// The block of `a` with the given rows and columns, where `column_of[j]` is the new number of column `j`, if kept.
 pub fn submatrix(a: &CsMat<f64>, rows: &[usize], column_of: &[Option<usize>], n_columns: usize) -> CsMat<f64> {
+    let kept = |row: usize| entries(a, row).filter_map(|(j, v)| Some((column_of[j]?, v)));
     let mut indptr = Vec::with_capacity(rows.len() + 1);
-    let (mut indices, mut data) = (Vec::new(), Vec::new());
     indptr.push(0);
+    for &row in rows {
+        indptr.push(indptr[indptr.len() - 1] + kept(row).count());
+    }
+    let count = indptr[rows.len()];
+    let (mut indices, mut data) = (Vec::with_capacity(count), Vec::with_capacity(count));
     let mut line: Vec<(usize, f64)> = Vec::new();
     for &row in rows {
-        let range = a.indptr().outer_inds_sz(row);
         line.clear();
-        line.extend(
-            a.indices()[range.clone()]
-                .iter()
-                .zip(&a.data()[range])
-                .filter_map(|(&j, &v)| Some((column_of[j]?, v))),
-        );
+        line.extend(kept(row));
         line.sort_unstable_by_key(|(column, _)| *column);
         indices.extend(line.iter().map(|(column, _)| *column));
         data.extend(line.iter().map(|(_, value)| *value));
-        indptr.push(indices.len());
     }
     CsMat::new((rows.len(), n_columns), indptr, indices, data)
 }

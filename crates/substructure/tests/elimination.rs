@@ -159,7 +159,8 @@ fn condensation_is_the_dense_one() {
     {
         let n = stiffness.rows();
         for n_kept in [0, 1, 50, n] {
-            let (factor, condensed) = SparseCholesky::condense(&stiffness, &mass, &positions, n_kept, "test").unwrap();
+            let (factor, condensed) =
+                SparseCholesky::condense(&stiffness, &mass, &positions, n_kept, &[], "test").unwrap();
             let (k, m) = (dense(&stiffness), dense(&mass));
             let n_rest = n - n_kept;
             let lower = cholesky(k.submatrix(n_kept, n_kept, n_rest, n_rest)).unwrap();
@@ -195,7 +196,7 @@ fn the_number_of_threads_changes_no_bit() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (factor, condensed) = SparseCholesky::condense(&stiffness, &mass, &positions, 60, "test").unwrap();
+            let (factor, condensed) = SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test").unwrap();
             let mut x = Mat::from_fn(positions.len() - 60, 3 * BLOCK, |i, j| ((i + 3 * j) % 13) as f64);
             factor.solve_in_place(x.as_mut());
             (condensed.stiffness, condensed.mass, x)
