@@ -6,6 +6,7 @@ use crate::relative::RelativeSystem;
 use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
 use substructure::eigen::{count_zero, lowest_modes};
+use substructure::sparse::sum;
 
 /// Frequencies of the full system with a linear interface, a stiffness over the jump coordinates (N/m), or without any
 /// contact (Hz).
@@ -21,15 +22,14 @@ pub fn full_frequencies(
     tolerance: f64,
 ) -> Result<(usize, Vec<f64>), Error> {
     let size = system.stiffness.rows();
-    let sum = interface.map(|interface| {
+    let with_springs = interface.map(|interface| {
         let mut spring = TriMat::with_capacity((size, size), interface.nnz());
         for (&value, (i, j)) in interface {
             spring.add_triplet(i, j, value);
         }
-        let spring: CsMat<f64> = spring.to_csr();
-        &system.stiffness + &spring
+        sum(&system.stiffness, 1.0, &spring.to_csr())
     });
-    let stiffness = sum.as_ref().unwrap_or(&system.stiffness);
+    let stiffness = with_springs.as_ref().unwrap_or(&system.stiffness);
     let modes = lowest_modes(stiffness, &system.mass, &system.positions, n, tolerance)?;
     Ok((modes.n_zero, modes.frequencies()))
 }

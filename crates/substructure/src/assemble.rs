@@ -5,7 +5,11 @@ use crate::constraints::DofMap;
 use crate::elements;
 use crate::mesh::{Assembly, Mesh};
 use crate::sparse::congruence;
+use rayon::prelude::*;
 use sprs::CsMat;
+
+/// Elements whose matrices are formed in parallel before they are added: few enough to stay in cache.
+const GROUP: usize = 128;
 
 /// Mass, stiffness and loads over the independent displacement components of an assembly.
 #[derive(Clone, Debug)]
@@ -121,24 +125,34 @@ fn element_matrices(mesh: &Mesh, coordinates: &[[f64; 3]]) -> Result<(CsMat<f64>
     let blocks = start[n];
     let mut stiffness = vec![0.0; 9 * blocks];
     let mut mass = vec![0.0; blocks];
-    for (index, element) in mesh.elements.iter().enumerate() {
-        let nodes = element.cell.nodes();
-        let x: Vec<_> = nodes.iter().map(|&node| coordinates[node as usize]).collect();
-        let of_element = elements::matrices(index, &element.cell, &x, &mesh.materials[element.material as usize])?;
-        let count = nodes.len();
-        for (a, &row) in nodes.iter().enumerate() {
-            let row = row as usize;
-            let list = &neighbours[row];
-            for (b, column) in nodes.iter().enumerate() {
-                let Ok(place) = list.binary_search(column) else {
-                    continue;
-                };
-                mass[start[row] + place] += of_element.mass[a * count + b];
-                for i in 0..3 {
-                    // Row 3 row + i starts at 9 start + 3 i len.
-                    let at = 9 * start[row] + 3 * (i * list.len() + place);
-                    for j in 0..3 {
-                        stiffness[at + j] += of_element.stiffness[(3 * a + i) * 3 * count + 3 * b + j];
+    for (group, members) in mesh.elements.chunks(GROUP).enumerate() {
+        let found: Vec<_> = members
+            .par_iter()
+            .enumerate()
+            .map(|(at, element)| {
+                let nodes = element.cell.nodes().iter();
+                let x: Vec<_> = nodes.map(|&node| coordinates[node as usize]).collect();
+                let material = &mesh.materials[element.material as usize];
+                elements::matrices(group * GROUP + at, &element.cell, &x, material)
+            })
+            .collect();
+        for (element, of_element) in members.iter().zip(found) {
+            let (nodes, of_element) = (element.cell.nodes(), of_element?);
+            let count = nodes.len();
+            for (a, &row) in nodes.iter().enumerate() {
+                let row = row as usize;
+                let list = &neighbours[row];
+                for (b, column) in nodes.iter().enumerate() {
+                    let Ok(place) = list.binary_search(column) else {
+                        continue;
+                    };
+                    mass[start[row] + place] += of_element.mass[a * count + b];
+                    for i in 0..3 {
+                        // Row 3 row + i starts at 9 start + 3 i len.
+                        let at = 9 * start[row] + 3 * (i * list.len() + place);
+                        for j in 0..3 {
+                            stiffness[at + j] += of_element.stiffness[(3 * a + i) * 3 * count + 3 * b + j];
+                        }
                     }
                 }
             }

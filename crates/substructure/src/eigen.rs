@@ -6,7 +6,7 @@
 
 use crate::Error;
 use crate::factor::SparseCholesky;
-use crate::sparse::{diagonal, multiply_into};
+use crate::sparse::{diagonal, multiply_into, sum};
 use dense_algebra::{add_product, product_into};
 use faer::{Mat, MatRef, unzip, zip};
 use sprs::CsMat;
@@ -87,8 +87,7 @@ pub fn lowest_modes(
         return all_modes(stiffness, mass, n_elastic);
     }
     let sigma = shift(stiffness, mass);
-    let shifted = stiffness + &mass.map(|v| sigma * v);
-    let factor = SparseCholesky::try_new(&shifted, positions, "shifted stiffness")?;
+    let factor = SparseCholesky::try_new(&sum(stiffness, sigma, mass), positions, "shifted stiffness")?;
     // Room for the usual six rigid motions and a few mechanisms; more, if more turn up.
     let mut wanted = (n_elastic + 8).min(n);
     let (eigenvalues, shapes, n_zero, vectors) = loop {

@@ -7,6 +7,7 @@
 
 use crate::Error;
 use crate::ordering::{Dissection, nested_dissection};
+use crate::sparse::{entries, from_unsorted_rows};
 use dense_algebra::{add_product, add_product_lower, cholesky, product_into, solve_lower, solve_lower_transposed};
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut};
@@ -154,7 +155,7 @@ impl SparseCholesky {
 /// A stiffness, and perhaps a mass, in the order of their elimination, kept rows last.
 struct Elimination {
     dissection: Dissection,
-    /// Lower triangles, by columns.
+    /// Their upper triangles: row `k` is column `k` of the lower ones.
     matrices: Vec<CsMat<f64>>,
     /// For each part the later positions that it touches by itself or through its children.
     beyond: Vec<Vec<usize>>,
@@ -188,7 +189,7 @@ impl Elimination {
         let matrices: Vec<_> = matrices
             .iter()
             .zip([&is_held, &none_is_held])
-            .map(|(matrix, alone)| lower_columns(matrix, &order, &position, alone))
+            .map(|(matrix, alone)| upper_triangle(matrix, &order, &position, alone))
             .collect();
         let beyond = positions_beyond(&dissection, &matrices);
         Self {
@@ -324,35 +325,17 @@ fn mirror(matrix: &mut Mat<f64>) {
     }
 }
 
-/// The lower triangle of a symmetric matrix in the given order, by columns: column `k` holds the entries of the row `order[k]`
-/// at its own and later positions. What couples a row
-/// that is `alone` is zero.
-fn lower_columns(matrix: &CsMat<f64>, order: &[usize], position: &[usize], alone: &[bool]) -> CsMat<f64> {
-    let later = |(at, &row): (usize, &usize)| {
-        let range = matrix.indptr().outer_inds_sz(row);
-        let entries = matrix.indices()[range.clone()].iter().zip(&matrix.data()[range]);
-        entries.filter_map(move |(&column, &value)| {
+/// The upper triangle of a symmetric matrix in the given order: row `k` holds the entries of the row `order[k]` at its own and
+/// later positions. What couples a row that is `alone` is zero.
+fn upper_triangle(matrix: &CsMat<f64>, order: &[usize], position: &[usize], alone: &[bool]) -> CsMat<f64> {
+    from_unsorted_rows(matrix.shape(), |at| {
+        let row = order[at];
+        entries(matrix, row).filter_map(move |(column, value)| {
             let is_coupling = row != column && (alone[row] || alone[column]);
             let value = if is_coupling { 0.0 } else { value };
             (position[column] >= at).then_some((position[column], value))
         })
-    };
-    let mut indptr = Vec::with_capacity(order.len() + 1);
-    indptr.push(0);
-    for column in order.iter().enumerate() {
-        indptr.push(indptr[indptr.len() - 1] + later(column).count());
-    }
-    let count = indptr[order.len()];
-    let (mut indices, mut data) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    let mut line: Vec<(usize, f64)> = Vec::new();
-    for column in order.iter().enumerate() {
-        line.clear();
-        line.extend(later(column));
-        line.sort_unstable_by_key(|(row, _)| *row);
-        indices.extend(line.iter().map(|(row, _)| *row));
-        data.extend(line.iter().map(|(_, value)| *value));
-    }
-    CsMat::new_csc((order.len(), order.len()), indptr, indices, data)
+    })
 }
 
 /// For each part the positions after it that it touches by itself or through its children, ascending.
@@ -361,7 +344,7 @@ fn positions_beyond(dissection: &Dissection, matrices: &[CsMat<f64>]) -> Vec<Vec
     let mut seen = vec![usize::MAX; matrices[0].rows()];
     for (number, part) in dissection.parts.iter().enumerate() {
         let own = matrices.iter().flat_map(|matrix| {
-            let touched = |column| &matrix.indices()[matrix.indptr().outer_inds_sz(column)];
+            let touched = |row| &matrix.indices()[matrix.indptr().outer_inds_sz(row)];
             part.rows.clone().flat_map(touched)
         });
         let mut found = Vec::new();

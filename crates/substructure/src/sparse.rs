@@ -10,7 +10,7 @@ const LANES: usize = 8;
 /// Rows computed together.
 const GROUP: usize = 2048;
 
-/// `y = a * x` for a compressed-row matrix and dense columns, in parallel over groups of columns.
+/// `y = a * x` for a compressed-row matrix and dense columns, in parallel over groups of columns and rows.
 ///
 /// The order of every sum is fixed, so the result does not depend on the number of threads.
 ///
@@ -19,7 +19,7 @@ const GROUP: usize = 2048;
 pub fn multiply_into(a: &CsMat<f64>, x: MatRef<'_, f64>, y: MatMut<'_, f64>) {
     assert!(a.is_csr() && a.cols() == x.nrows() && a.rows() == y.nrows() && x.ncols() == y.ncols());
     let groups: Vec<_> = y.par_col_chunks_mut(LANES).collect::<Vec<_>>();
-    groups.into_par_iter().enumerate().for_each(|(group, mut out)| {
+    groups.into_par_iter().enumerate().for_each(|(group, out)| {
         let width = out.ncols();
         let columns = x.subcols(group * LANES, width);
         let mut packed = vec![[0.0; LANES]; a.cols()];
@@ -28,18 +28,21 @@ pub fn multiply_into(a: &CsMat<f64>, x: MatRef<'_, f64>, y: MatMut<'_, f64>) {
                 slot[lane] = *value;
             }
         }
-        for (row, entries) in a.outer_iterator().enumerate() {
-            let mut sum = [0.0; LANES];
-            for (column, value) in entries.iter() {
-                let lanes = &packed[column];
-                for lane in 0..LANES {
-                    sum[lane] += value * lanes[lane];
+        let parts = out.par_row_chunks_mut(GROUP).enumerate();
+        parts.for_each(|(part, mut out)| {
+            for i in 0..out.nrows() {
+                let mut sum = [0.0; LANES];
+                for (column, value) in entries(a, part * GROUP + i) {
+                    let lanes = &packed[column];
+                    for lane in 0..LANES {
+                        sum[lane] += value * lanes[lane];
+                    }
+                }
+                for lane in 0..width {
+                    out[(i, lane)] = sum[lane];
                 }
             }
-            for lane in 0..width {
-                out[(row, lane)] = sum[lane];
-            }
-        }
+        });
     });
 }
 
@@ -68,17 +71,38 @@ pub fn congruence(t: &CsMat<f64>, a: &CsMat<f64>) -> CsMat<f64> {
         a,
         t,
     };
-    // The size of the result is found first: lists that grow would hold it twice.
+    let memory = || (Accumulator::new(n), Accumulator::new(n));
+    let length = |i: usize, (row, _): &mut (Accumulator, Accumulator)| {
+        products.pattern(i, row);
+        row.pattern.len()
+    };
+    let whole = from_rows((n, n), memory, length, |i, (row, part), indices, data| {
+        products.row(i, row, part);
+        for ((index, value), &column) in indices.iter_mut().zip(data).zip(&row.pattern) {
+            (*index, *value) = (column, row.values[column]);
+        }
+    });
+    symmetric_part(whole)
+}
+
+/// The matrix whose row `i` has `length(i)` entries, which `fill` writes with ascending columns, in parallel over groups of
+/// rows; each thread has a `memory` of its own.
+///
+/// The size of the result is found first: lists that grow would hold it twice.
+pub(crate) fn from_rows<Memory>(
+    shape: (usize, usize),
+    memory: impl Fn() -> Memory + Sync + Send,
+    length: impl Fn(usize, &mut Memory) -> usize + Sync + Send,
+    fill: impl Fn(usize, &mut Memory, &mut [usize], &mut [f64]) + Sync + Send,
+) -> CsMat<f64> {
+    let n = shape.0;
     let mut indptr = vec![0; n + 1];
-    indptr[1..].par_chunks_mut(GROUP).enumerate().for_each_init(
-        || Accumulator::new(n),
-        |row, (group, lengths)| {
-            for (i, length) in lengths.iter_mut().enumerate() {
-                products.pattern(group * GROUP + i, row);
-                *length = row.pattern.len();
-            }
-        },
-    );
+    let lengths = indptr[1..].par_chunks_mut(GROUP).enumerate();
+    lengths.for_each_init(&memory, |memory, (group, lengths)| {
+        for (i, count) in lengths.iter_mut().enumerate() {
+            *count = length(group * GROUP + i, memory);
+        }
+    });
     for i in 0..n {
         indptr[i + 1] += indptr[i];
     }
@@ -90,21 +114,62 @@ pub fn congruence(t: &CsMat<f64>, a: &CsMat<f64>) -> CsMat<f64> {
         groups.push((first, indices.0, data.0));
         rest = (indices.1, data.1);
     }
-    groups.into_par_iter().for_each_init(
-        || (Accumulator::new(n), Accumulator::new(n)),
-        |(row, part), (first, indices, data)| {
-            let mut at = 0;
-            for i in first..n.min(first + GROUP) {
-                products.row(i, row, part);
-                for &column in &row.pattern {
-                    indices[at] = column;
-                    data[at] = row.values[column];
-                    at += 1;
-                }
+    let groups = groups.into_par_iter();
+    groups.for_each_init(&memory, |memory, (first, indices, data)| {
+        for i in first..n.min(first + GROUP) {
+            let own = indptr[i] - indptr[first]..indptr[i + 1] - indptr[first];
+            fill(i, memory, &mut indices[own.clone()], &mut data[own]);
+        }
+    });
+    CsMat::new(shape, indptr, indices, data)
+}
+
+/// As [`from_rows`] from the entries of each row in any order.
+pub(crate) fn from_unsorted_rows<I: Iterator<Item = (usize, f64)>>(
+    shape: (usize, usize),
+    row: impl Fn(usize) -> I + Sync + Send,
+) -> CsMat<f64> {
+    let length = |i: usize, _: &mut Vec<(usize, f64)>| row(i).count();
+    from_rows(shape, Vec::new, length, |i, line, indices, data| {
+        line.clear();
+        line.extend(row(i));
+        line.sort_unstable_by_key(|(column, _)| *column);
+        for ((index, value), entry) in indices.iter_mut().zip(data).zip(line) {
+            (*index, *value) = *entry;
+        }
+    })
+}
+
+/// `a + factor b` of matrices in compressed rows.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn sum(a: &CsMat<f64>, factor: f64, b: &CsMat<f64>) -> CsMat<f64> {
+    assert!(a.is_csr() && b.is_csr() && a.shape() == b.shape());
+    let merged = |i: usize| {
+        let (mut left, mut right) = (entries(a, i).peekable(), entries(b, i).peekable());
+        std::iter::from_fn(move || match (left.peek().copied(), right.peek().copied()) {
+            (Some((j, value)), Some((k, other))) if j == k => {
+                left.next();
+                right.next();
+                Some((j, value + factor * other))
+            }
+            (Some((j, _)), Some((k, other))) if k < j => right.next().map(|_| (k, factor * other)),
+            (None, Some((k, other))) => right.next().map(|_| (k, factor * other)),
+            _ => left.next(),
+        })
+    };
+    let length = |i: usize, _: &mut ()| merged(i).count();
+    from_rows(
+        a.shape(),
+        || (),
+        length,
+        |i, _, indices, data| {
+            for ((index, value), entry) in indices.iter_mut().zip(data).zip(merged(i)) {
+                (*index, *value) = entry;
             }
         },
-    );
-    symmetric_part(CsMat::new((n, n), indptr, indices, data))
+    )
 }
 
 /// Rows of `t^T a t`.
@@ -181,7 +246,8 @@ impl RowProducts<'_> {
     }
 }
 
-fn entries(a: &CsMat<f64>, row: usize) -> impl Iterator<Item = (usize, f64)> {
+/// Columns and values of a row.
+pub(crate) fn entries(a: &CsMat<f64>, row: usize) -> impl Iterator<Item = (usize, f64)> {
     let range = a.indptr().outer_inds_sz(row);
     a.indices()[range.clone()]
         .iter()
@@ -234,23 +300,9 @@ fn average_mirrored(indptr: &[usize], indices: &[usize], data: &mut [f64]) -> bo
 
 /// The block of `a` with the given rows and columns, where `column_of[j]` is the new number of column `j`, if kept.
 pub fn submatrix(a: &CsMat<f64>, rows: &[usize], column_of: &[Option<usize>], n_columns: usize) -> CsMat<f64> {
-    let kept = |row: usize| entries(a, row).filter_map(|(j, v)| Some((column_of[j]?, v)));
-    let mut indptr = Vec::with_capacity(rows.len() + 1);
-    indptr.push(0);
-    for &row in rows {
-        indptr.push(indptr[indptr.len() - 1] + kept(row).count());
-    }
-    let count = indptr[rows.len()];
-    let (mut indices, mut data) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    let mut line: Vec<(usize, f64)> = Vec::new();
-    for &row in rows {
-        line.clear();
-        line.extend(kept(row));
-        line.sort_unstable_by_key(|(column, _)| *column);
-        indices.extend(line.iter().map(|(column, _)| *column));
-        data.extend(line.iter().map(|(_, value)| *value));
-    }
-    CsMat::new((rows.len(), n_columns), indptr, indices, data)
+    from_unsorted_rows((rows.len(), n_columns), |i| {
+        entries(a, rows[i]).filter_map(|(j, v)| Some((column_of[j]?, v)))
+    })
 }
 
 /// Numbers a selection of indices: `Some(position)` for the selected, `None` for the rest.

@@ -8,7 +8,8 @@ use crate::progress::{Progress, Stage};
 use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
-use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Step, checks, reduce};
+use reduction::checks::{self, ReducedSpectrum};
+use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Step, reduce};
 use std::borrow::Cow;
 use substructure::assemble::System;
 use substructure::mesh::{Cell, Dof};
@@ -96,26 +97,34 @@ impl Structure {
     ) -> Result<Facts, Error> {
         let tolerance = FREQUENCY_TOLERANCE;
         let relative: &RelativeSystem = &assembled.relative;
-        let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
-        progress.fraction(Stage::Reduce, 0.85);
         let springs = self.springs(self.check_interface(), |_| true)?;
         // The check is of the model that vibrates.
         let is_locked = self.settings.attachment_modes;
-        let full = match is_locked {
-            true => checks::full_frequencies(&relative.locked()?, Some(&springs), N_CHECKED, tolerance)?.1,
-            false => checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance)?.1,
+        let (unstressed, full) = rayon::join(
+            || checks::unstressed_spectrum(reduced, N_CHECKED),
+            || match is_locked {
+                true => checks::full_frequencies(&relative.locked()?, Some(&springs), N_CHECKED, tolerance),
+                false => checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance),
+            },
+        );
+        let ((zem_unstressed, unstressed), (_, full)) = (unstressed?, full?);
+        progress.fraction(Stage::Reduce, 0.95);
+        let vibrating = |reduced: &ReducedModel| match is_locked {
+            true => checks::reduced_spectrum(&reduced.locked()?, &springs, N_CHECKED),
+            false => checks::reduced_spectrum(reduced, &springs, N_CHECKED),
         };
-        let error_of = |reduced: &ReducedModel| -> Result<f64, Error> {
-            let small = match is_locked {
-                true => checks::reduced_spectrum(&reduced.locked()?, &springs, N_CHECKED)?,
-                false => checks::reduced_spectrum(reduced, &springs, N_CHECKED)?,
-            };
+        let error_of = |small: &ReducedSpectrum| {
             let errors = full.iter().zip(&small.frequencies).map(|(a, b)| (b / a - 1.0).abs());
-            Ok(errors.fold(0.0, f64::max))
+            errors.fold(0.0, f64::max)
         };
-        let mut error = error_of(reduced)?;
+        let small = vibrating(reduced)?;
+        let mut error = error_of(&small);
         if let Some(target) = self.reduction_error {
-            let without = checks::reduced_spectrum(reduced, &springs, N_CHECKED)?.without_mode;
+            // Modes are left out of the model before it is locked.
+            let without = match is_locked {
+                true => checks::reduced_spectrum(reduced, &springs, N_CHECKED)?.without_mode,
+                false => small.without_mode,
+            };
             // From the highest mode down, as long as what is left out stays within the target.
             let mut left_out = error;
             let dispensable = without.iter().rev().take_while(|rise| {
@@ -130,8 +139,10 @@ impl Structure {
                     modes: without.len(),
                 });
             }
-            reduced.truncate(n_modes);
-            error = error_of(reduced)?;
+            if n_modes < without.len() {
+                reduced.truncate(n_modes);
+                error = error_of(&vibrating(reduced)?);
+            }
         }
         Ok(Facts {
             n_nodes: assembled.n_nodes,
