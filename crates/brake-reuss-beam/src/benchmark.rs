@@ -138,6 +138,7 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
             response_node: beam.response_node,
             response_direction: beam.response_direction,
             moved_pairs: None,
+            raised: None,
         }),
         interface: beam.interface,
         frame: beam.frame,

@@ -89,6 +89,17 @@ pub enum Error {
         /// Formulations on offer.
         offered: String,
     },
+    /// A deck whose elements cannot be made quadratic.
+    #[error(
+        "{}: its elements cannot be made quadratic: {source}; leave out model.element_order to take the elements as the deck has \
+         them", deck.display()
+    )]
+    NotRaisable {
+        /// The deck.
+        deck: PathBuf,
+        /// What stands in the way, and where.
+        source: substructure::Error,
+    },
     /// Half of a scene that need not be symmetric.
     #[error(
         "{place}: {what} need not be symmetric about y = 0, so that the half cannot stand for the whole; leave out \

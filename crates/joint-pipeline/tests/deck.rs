@@ -10,7 +10,7 @@ use common::{BENCHMARKS, fixture};
 use joint_pipeline::analysis::mesh_error::Partner;
 use joint_pipeline::joint::{Bodies, MovedPairs};
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{ContactStiffness, Force, Length, StructureSource};
+use joint_pipeline::scene::{ContactStiffness, Force, Length, MaterialSource, StructureSource};
 use joint_pipeline::scene::{Curves, Elastic, ParameterSet, Parameters, Per, Surface};
 use joint_pipeline::structure::{Description, LinearInterface, Spectrum, Structure, export};
 use joint_pipeline::{Error, Options, Scene, run};
@@ -532,7 +532,8 @@ fn a_public_deck_whose_nodes_do_not_coincide_has_nearly_the_same_modes() {
     let folder = TemporaryFolder::new("public-deck");
     let path = folder.join("apart.inp");
     std::fs::write(&path, abaqus::write(&bodies.assembly, &faces, &nodes).unwrap()).unwrap();
-    scene.structure = StructureSource::Deck(Box::new(export::deck(&joint, &bodies, &path))).into();
+    scene.structure =
+        StructureSource::Deck(Box::new(export::deck(&joint, &bodies, &path, MaterialSource::Scene))).into();
     let apart = Structure::try_new(&scene, &Silent).unwrap_err().to_string();
     assert!(apart.contains("pair_tolerance"), "{apart}");
     let StructureSource::Deck(deck) = &mut scene.structure.source else {

@@ -11,7 +11,7 @@ use joint_pipeline::joint::benchmark::BenchmarkRef;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::results::provenance::{InputRole, inputs_of};
 use joint_pipeline::scene::Length;
-use joint_pipeline::scene::{Coordinates, RefinementLevel, Sides, StructureSource, Surface};
+use joint_pipeline::scene::{Coordinates, MaterialSource, RefinementLevel, Sides, StructureSource, Surface};
 use joint_pipeline::structure::export::{self, arrays, groups};
 use joint_pipeline::structure::{StructuralModel, Structure};
 use joint_pipeline::{Error, Options, Run, Scene, run};
@@ -317,7 +317,13 @@ fn the_deck_of_the_beam_gives_the_same_structure() {
     let (faces, nodes) = groups(&structure.joint, bodies);
     let path = folder.join("structure.inp");
     std::fs::write(&path, deck::write(&bodies.assembly, &faces, &nodes).unwrap()).unwrap();
-    scene.structure = StructureSource::Deck(Box::new(export::deck(&structure.joint, bodies, &path))).into();
+    scene.structure = StructureSource::Deck(Box::new(export::deck(
+        &structure.joint,
+        bodies,
+        &path,
+        MaterialSource::Scene,
+    )))
+    .into();
     (scene.model.refinement, scene.surface) = (
         RefinementLevel::Default,
         Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark)),

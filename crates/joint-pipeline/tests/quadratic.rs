@@ -7,9 +7,10 @@ mod common;
 use common::{BENCHMARKS, material};
 use joint_pipeline::analysis::mesh_error::ErrorBar;
 use joint_pipeline::interface::ScannedSurface;
+use joint_pipeline::joint::{Bodies, MeshedBodies};
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Length, Surface, SyntheticScan};
-use joint_pipeline::structure::export::arrays;
+use joint_pipeline::scene::{ElementOrder, Length, MaterialSource, Surface, SyntheticScan};
+use joint_pipeline::structure::export::{arrays, deck, groups};
 use joint_pipeline::structure::{LinearInterface, Structure};
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use matrix_files::npz;
@@ -18,7 +19,9 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use substructure::elements::{CORNERS, ElementType, HEX8, HEX20, WEDGE15};
+use substructure::assemble::System;
+use substructure::elements::{CORNERS, ElementType, Formulation, HEX8, HEX20, WEDGE6, WEDGE15};
+use substructure::formats::abaqus;
 use test_support::TemporaryFolder;
 use zte_assembly::shape::{QUAD8, TRI6};
 use zte_assembly::{Element, InterfaceMesh};
@@ -34,6 +37,8 @@ fn bars(kinds: [&str; 2], cells: [usize; 3], bend: &dyn Fn(&mut [f64; 3])) -> St
     for (bar, kind) in kinds.into_iter().enumerate() {
         let (row, parts): (&ElementType, &[&[usize]]) = match kind {
             "C3D8I" => (&HEX8, &[&[0, 1, 2, 3, 4, 5, 6, 7]]),
+            "C3D6" => (&WEDGE6, &[&[0, 1, 2, 4, 5, 6], &[0, 2, 3, 4, 6, 7]]),
+            "C3D6X" => (&WEDGE6, &[&[0, 1, 3, 4, 5, 7], &[1, 2, 3, 5, 6, 7]]),
             "C3D15" => (&WEDGE15, &[&[0, 1, 2, 4, 5, 6], &[0, 2, 3, 4, 6, 7]]),
             "C3D15X" => (&WEDGE15, &[&[0, 1, 3, 4, 5, 7], &[1, 2, 3, 5, 6, 7]]),
             _ => (&HEX20, &[&[0, 1, 2, 3, 4, 5, 6, 7]]),
@@ -368,4 +373,170 @@ fn a_benchmark_in_quadratic_elements_runs_from_scene_to_backbone() {
     }
     let bar = ErrorBar::of(&run.scene);
     assert_eq!((bar.frequency_relative, bar.damping_ln), (None, None));
+}
+
+/// A scene on a deck of linear elements that are made quadratic.
+fn raised(path: &Path, points: usize) -> Scene {
+    let mut scene = on_deck(path, points);
+    scene.model.element_order = ElementOrder::Quadratic;
+    scene
+}
+
+fn bodies(structure: &Structure) -> &MeshedBodies {
+    let Bodies::Meshed(bodies) = &structure.joint.bodies else {
+        panic!("meshed bodies");
+    };
+    bodies
+}
+
+#[test]
+fn decks_of_linear_elements_are_made_quadratic_ones() {
+    let folder = TemporaryFolder::new("raised-bars");
+    let deck = |kind: &str| written(&folder, &format!("{kind}.inp"), &bars([kind; 2], [6, 2, 2], &|_| {}));
+    for (linear, quadratic, formulation, shape) in [
+        ("C3D8I", "C3D20R", None, &QUAD8),
+        ("C3D8I", "C3D20", Some(Formulation::Full), &QUAD8),
+        ("C3D6", "C3D15", None, &TRI6),
+    ] {
+        let mut scene = raised(&deck(linear), 3);
+        scene.model.formulation = formulation;
+        let structure = Structure::try_new(&scene, &Silent).unwrap();
+        let elements = &structure.interface().elements;
+        assert!(elements.iter().all(|element| element.shape() == shape));
+        let own = Structure::try_new(&on_deck(&deck(quadratic), 3), &Silent).unwrap();
+        assert_eq!(own.joint.raised(), None);
+        let [found, expected] = [&structure, &own].map(|structure| &bodies(structure).assembly.mesh);
+        assert_eq!(found.nodes.len(), expected.nodes.len());
+        for (a, b) in found.elements.iter().zip(&expected.elements) {
+            assert_eq!(a.cell.element_type(), b.cell.element_type());
+            assert_eq!(a.cell.formulation(), b.cell.formulation());
+        }
+        let added = structure.joint.raised().unwrap();
+        assert_eq!(added.elements, found.elements.len());
+        let n_linear = bodies(&Structure::try_new(&on_deck(&deck(linear), 3), &Silent).unwrap())
+            .assembly
+            .mesh
+            .nodes
+            .len();
+        assert_eq!(added.added_nodes, found.nodes.len() - n_linear);
+
+        // The same mesh but for the numbers of its nodes: the same results to round-off.
+        let [found, expected] =
+            [&scene, &on_deck(&deck(quadratic), 3)].map(|scene| run(scene, &Options::default(), &Silent).unwrap());
+        assert_eq!(found.raised, Some(added));
+        let (found, expected) = (results(&found), results(&expected));
+        println!("{linear}: {:?}", found.0);
+        for (a, b) in found.0.iter().zip(&expected.0) {
+            assert!((a / b - 1.0).abs() < 1e-8, "{linear}: {a} {b}");
+        }
+        for (a, b) in found.1.iter().zip(&expected.1) {
+            assert!(
+                (a[0] / b[0] - 1.0).abs() < 1e-7 && (a[1] / b[1] - 1.0).abs() < 1e-4,
+                "{linear}: {a:?} {b:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn orders_do_not_share_a_reduced_model() {
+    let folder = TemporaryFolder::new("cached-orders");
+    let path = written(&folder, "bars.inp", &bars(["C3D8I"; 2], [4, 2, 1], &|_| {}));
+    let options = Options {
+        cache: Some(folder.join("cache")),
+        ..Options::default()
+    };
+    let unknowns = |scene: &Scene| {
+        let structure = Structure::try_new(scene, &Silent).unwrap();
+        structure.reduce(&options, &Silent).unwrap().facts.n_dofs
+    };
+    let mut full = raised(&path, 3);
+    full.model.formulation = Some(Formulation::Full);
+    let scenes = [on_deck(&path, 3), raised(&path, 3), full];
+    let [linear, quadratic, _] = [0, 1, 2].map(|index| unknowns(&scenes[index]));
+    assert!(2 * quadratic > 5 * linear, "{linear} {quadratic}");
+    let files = || std::fs::read_dir(folder.join("cache")).unwrap().count();
+    assert_eq!(files(), 3);
+    // Each is found again.
+    assert_eq!([0, 1].map(|index| unknowns(&scenes[index])), [linear, quadratic]);
+    assert_eq!(files(), 3);
+}
+
+#[test]
+fn decks_that_cannot_be_made_quadratic_are_refused() {
+    let folder = TemporaryFolder::new("not-raised");
+    let refused = |name: &str, text: &str| {
+        let path = written(&folder, name, text);
+        let Err(error) = Structure::try_new(&raised(&path, 3), &Silent) else {
+            panic!("{name} was accepted");
+        };
+        error
+    };
+    // Elements that are quadratic already, all of them or those of one body.
+    let line = |text: &str| 1 + text.lines().position(|line| line.contains("TYPE=C3D20R")).unwrap() + 1;
+    for kinds in [["C3D20R"; 2], ["C3D8I", "C3D20R"]] {
+        let text = bars(kinds, [4, 2, 1], &|_| {});
+        let error = refused("quadratic.inp", &text);
+        assert!(matches!(error, Error::NotRaisable { .. }), "{error}");
+        let message = error.to_string();
+        let element = if kinds[0] == "C3D20R" { 1 } else { 9 };
+        for part in [
+            format!("quadratic.inp:{}", line(&text)),
+            format!("element {element} is a C3D20R"),
+            "leave out model.element_order".into(),
+        ] {
+            assert!(message.contains(&part), "{message} has no {part}");
+        }
+    }
+    // What an equation says of corners it does not say of the middles between them.
+    let mut linked = bars(["C3D8I"; 2], [4, 2, 1], &|_| {});
+    linked += "*EQUATION\n2\n1, 1, 1.0, 2, 1, -1.0\n";
+    let place = format!("linked.inp:{}", linked.lines().count() - 1);
+    let error = refused("linked.inp", &linked);
+    assert!(matches!(error, Error::NotRaisable { .. }), "{error}");
+    assert!(error.to_string().contains(&place), "{error} has no {place}");
+    // Linear triangles may be cut along the other diagonal, quadratic ones may not.
+    let crossed = bars(["C3D6", "C3D6X"], [4, 2, 1], &|_| {});
+    let path = written(&folder, "crossed.inp", &crossed);
+    Structure::try_new(&on_deck(&path, 3), &Silent).unwrap();
+    let error = refused("crossed.inp", &crossed);
+    assert!(matches!(error, Error::Facing { .. }), "{error}");
+    assert!(error.to_string().contains("same corners and middles"), "{error}");
+}
+
+#[test]
+fn decks_of_raised_elements_are_read_back_as_the_same_matrices() {
+    let folder = TemporaryFolder::new("written-bars");
+    for (kind, name) in [("C3D8I", "C3D20R"), ("C3D6", "C3D15")] {
+        let path = written(&folder, "bars.inp", &bars([kind; 2], [4, 2, 1], &|_| {}));
+        let scene = raised(&path, 3);
+        let structure = Structure::try_new(&scene, &Silent).unwrap();
+        let before = bodies(&structure);
+        let (faces, sets) = groups(&structure.joint, before);
+        let text = abaqus::write(&before.assembly, &faces, &sets).unwrap();
+        assert!(text.contains(&format!("*ELEMENT, TYPE={name}\n")));
+        let again = written(&folder, "again.inp", &text);
+        let mut on_again = scene.clone();
+        on_again.structure = joint_pipeline::scene::StructureSource::Deck(Box::new(deck(
+            &structure.joint,
+            before,
+            &again,
+            MaterialSource::Deck,
+        )))
+        .into();
+        on_again.model.element_order = ElementOrder::Linear;
+        let read = Structure::try_new(&on_again, &Silent).unwrap();
+        let [a, b] = [before, bodies(&read)].map(|bodies| System::try_new(&bodies.assembly).unwrap());
+        assert!(a.stiffness == b.stiffness && a.mass == b.mass, "{kind}");
+        assert_eq!(structure.interface().elements.len(), read.interface().elements.len());
+        let linear = LinearInterface {
+            normal_stiffness: 1e13,
+            tangential_stiffness: 7e12,
+            points_per_direction: 3,
+        };
+        let [a, b] = [&structure, &read].map(|structure| structure.frequencies(linear, |_| true, 6).unwrap());
+        for (a, b) in a.frequencies_hz.iter().zip(&b.frequencies_hz) {
+            assert!((a / b - 1.0).abs() < 1e-9, "{kind}: {a} {b}");
+        }
+    }
 }

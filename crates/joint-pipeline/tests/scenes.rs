@@ -557,7 +557,7 @@ fn finer_settings_are_finer_in_something_and_coarser_in_nothing() {
 }
 
 #[test]
-fn elements_of_a_benchmark_may_be_quadratic() {
+fn elements_of_benchmarks_and_decks_may_be_quadratic() {
     let on_beam = |model: Value| {
         let text = json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" }, "model": model });
         Scene::from_json(&text.to_string(), "a test", "a test", &BENCHMARKS).map_err(|error| error.to_string())
@@ -577,12 +577,31 @@ fn elements_of_a_benchmark_may_be_quadratic() {
             "{message}"
         );
     }
+
+    // Those of a deck too; its linear ones have any formulation, and keep theirs where they do not.
     let mut deck = on_deck();
+    deck["model"]["formulation"] = json!("b-bar");
+    assert_eq!(read(&deck).unwrap().model.element_order, ElementOrder::Linear);
     deck["model"]["element_order"] = json!("quadratic");
     assert!(
-        refused(&deck).contains("model.element_order belongs to"),
+        refused(&deck).contains("choose one of reduced, full"),
         "{}",
         refused(&deck)
+    );
+    deck["model"]["formulation"] = Value::Null;
+    assert_eq!(read(&deck).unwrap().model.hexahedra(), Formulation::Reduced);
+    let matrices = json!({
+        "units": units(),
+        "structure": { "matrices": { "path": "joint.npz", "coordinates": "jump" } },
+        "model": { "material": deck["model"]["material"], "element_order": "quadratic" },
+        "surface": { "benchmark": "brake-reuss-beam" },
+        "bolts": { "load": 1.2e4 },
+        "mu": 0.2,
+    });
+    assert!(
+        refused(&matrices).contains("model.element_order belongs to"),
+        "{}",
+        refused(&matrices)
     );
 
     // The limit of the mesh is estimated from two formulations of linear elements alone.

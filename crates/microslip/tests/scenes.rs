@@ -181,3 +181,151 @@ fn several_modes_have_a_backbone_each() {
     assert!(!folder.join("both/mode-3-backbone.csv").exists());
     assert!(!folder.join("both/interface-mode-3-amplitude-01.vtu").exists());
 }
+
+/// Terminal text and spectrum of `model SCENE --spectrum`.
+fn spectrum(folder: &Path, scene: &str) -> (String, Value) {
+    let text = succeeds(
+        folder,
+        &[
+            "model",
+            scene,
+            "--spectrum",
+            "--count",
+            "6",
+            "--out",
+            "model",
+            "--overwrite",
+        ],
+    );
+    (text, read_json(&folder.join("model/summary.json"))["model"].take())
+}
+
+/// The frequencies of one kind, and how many motions have no energy.
+fn frequencies(model: &Value, kind: &str) -> (u64, Vec<f64>) {
+    let found = &model["spectrum"][kind];
+    let list = found["frequencies_hz"].as_array().unwrap();
+    (
+        found["zero_energy_modes"].as_u64().unwrap(),
+        list.iter().map(|f| f.as_f64().unwrap()).collect(),
+    )
+}
+
+#[test]
+fn spectra_are_printed_for_any_order_of_elements() {
+    let folder = folder("orders");
+    let write = |name: &str, scene: &Value| std::fs::write(folder.join(name), scene.to_string()).unwrap();
+    let beam = |order: &str, symmetry: &str| {
+        json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "model": { "refinement": "quick", "element_order": order, "symmetry": symmetry },
+        })
+    };
+    let printed = |text: &str, model: &Value| {
+        for kind in ["unstressed", "stuck", "with_linear"] {
+            let (_, list) = frequencies(model, kind);
+            assert_eq!(list.len(), 6);
+            for f in list {
+                assert!(text.contains(&format!("{f:.2}")), "{text} has no {f:.2}");
+            }
+        }
+    };
+    let mut of_beam = Vec::new();
+    for order in ["linear", "quadratic"] {
+        let [whole, half] = ["none", "half"].map(|symmetry| {
+            write("scene.json", &beam(order, symmetry));
+            let (text, model) = spectrum(&folder, "scene.json");
+            printed(&text, &model);
+            assert!(
+                model["raised"].is_null() && !text.contains("were made quadratic"),
+                "{text}"
+            );
+            model
+        });
+        // The half has the symmetric modes of the whole.
+        for (kind, zero) in [("unstressed", [7, 4]), ("stuck", [6, 3]), ("with_linear", [6, 3])] {
+            let [whole, half] = [&whole, &half].map(|model| frequencies(model, kind));
+            assert_eq!([whole.0, half.0], zero, "{order}, {kind}");
+            assert!(
+                half.1
+                    .iter()
+                    .any(|f| whole.1.iter().any(|w| (f / w - 1.0).abs() < 1e-6))
+            );
+            for f in half.1.iter().filter(|f| **f < whole.1[5] * (1.0 - 1e-6)) {
+                assert!(
+                    whole.1.iter().any(|w| (f / w - 1.0).abs() < 1e-6),
+                    "{order}, {kind}: {f}"
+                );
+            }
+        }
+        of_beam.push(whole);
+    }
+    let [linear, quadratic] = [&of_beam[0], &of_beam[1]].map(|model| frequencies(model, "stuck").1);
+    assert!(linear.iter().zip(&quadratic).all(|(a, b)| b < a && *b > 0.9 * a));
+
+    // The block mesh as a deck: linear as it is, and made quadratic, where holes stay polygons.
+    write("scene.json", &beam("linear", "none"));
+    succeeds(&folder, &["export", "scene.json", "--format", "inp", "--out", "deck"]);
+    let mut scene = read_json(&folder.join("deck/structure.json"));
+    let (text, model) = spectrum(&folder, "deck/structure.json");
+    printed(&text, &model);
+    assert!(model["raised"].is_null());
+    for (a, b) in linear.iter().zip(frequencies(&model, "stuck").1) {
+        assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+    }
+    scene["model"]["element_order"] = json!("quadratic");
+    write("deck/quadratic.json", &scene);
+    let (text, model) = spectrum(&folder, "deck/quadratic.json");
+    printed(&text, &model);
+    let stuck = frequencies(&model, "stuck").1;
+    for (straight, curved) in stuck.iter().zip(&quadratic) {
+        assert!((straight / curved - 1.0).abs() < 2e-3, "{straight} {curved}");
+    }
+    let count = |field: &str| model["raised"][field].as_u64().unwrap();
+    assert_eq!(count("elements"), model["n_elements"].as_u64().unwrap());
+    let said = format!(
+        "{} linear elements of the deck were made quadratic, which added {} nodes",
+        count("elements"),
+        count("added_nodes")
+    );
+    assert!(text.contains(&said), "{text}");
+
+    // Written as a deck of quadratic elements, with a scene that takes them, and their materials, as they are.
+    let mut own = scene.clone();
+    own["structure"]["deck"]["materials"] = json!("deck");
+    own["model"]["material"].as_object_mut().unwrap().remove("density");
+    write("deck/own.json", &own);
+    succeeds(
+        &folder,
+        &["export", "deck/own.json", "--format", "inp", "--out", "again"],
+    );
+    let written = std::fs::read_to_string(folder.join("again/structure.inp")).unwrap();
+    assert!(written.contains("TYPE=C3D20R") && !written.contains("TYPE=C3D8"));
+    let (_, again) = spectrum(&folder, "again/structure.json");
+    assert!(again["raised"].is_null());
+    assert_eq!(again["n_nodes"], model["n_nodes"]);
+    for (a, b) in stuck.iter().zip(frequencies(&again, "stuck").1) {
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    // So is the quadratic mesh of the benchmark.
+    write("scene.json", &beam("quadratic", "none"));
+    succeeds(&folder, &["export", "scene.json", "--format", "inp", "--out", "curved"]);
+    let (_, curved) = spectrum(&folder, "curved/structure.json");
+    for (a, b) in quadratic.iter().zip(frequencies(&curved, "stuck").1) {
+        assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+    }
+
+    // Summary and report of a run say it too.
+    scene["cqsma"]["amplitudes"] = json!(0);
+    scene["points_per_direction"] = json!(2);
+    write("deck/quadratic.json", &scene);
+    succeeds(&folder, &["run", "deck/quadratic.json", "--out", "run"]);
+    let summary = read_json(&folder.join("run/summary.json"));
+    assert_eq!(
+        summary["model"]["raised"]["added_nodes"],
+        model["raised"]["added_nodes"]
+    );
+    let report = std::fs::read_to_string(folder.join("run/report.html")).unwrap();
+    assert!(report.contains("were made quadratic"));
+    satisfies(&succeeds(&folder, &["schema", "summary"]), &summary).unwrap();
+}

@@ -147,10 +147,16 @@ fn frequencies<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
 fn key_numbers(summary: &Summary) -> Facts {
     let (model, law, gap, prestress) = (&summary.model, &summary.law, &summary.gap, &summary.prestress);
     let linearised: Vec<f64> = summary.modes.iter().map(|m| m.frequency_hz).collect();
-    let structure = match (model.n_nodes, model.n_elements) {
+    let mut structure = match (model.n_nodes, model.n_elements) {
         (Some(nodes), Some(elements)) => format!("{nodes} nodes, {elements} elements, {} unknowns", model.n_dofs),
         _ => format!("matrices over {} coordinates", model.n_dofs),
     };
+    if let Some(raised) = model.raised {
+        structure += &format!(
+            "; the elements of the deck are linear and were made quadratic, which added {} nodes",
+            raised.added_nodes
+        );
+    }
     let mass = model
         .mass
         .map_or_else(|| "not known".into(), |mass| format!("{mass:.4} kg"));

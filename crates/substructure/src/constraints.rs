@@ -74,15 +74,12 @@ impl DofMap {
     /// Dangling references, slaves out of tolerance, components made dependent twice, redundant or circular
     /// constraints, couplings that do not define a rigid motion.
     pub fn try_new(assembly: &Assembly) -> Result<Self, Error> {
-        let mut coordinates = assembly.mesh.nodes.clone();
-        let mut dependent: BTreeMap<usize, Combination> = BTreeMap::new();
-        let mut largest_adjustment = 0.0_f64;
-        let mut untied = Vec::new();
-        for (index, tie) in assembly.ties.iter().enumerate() {
-            let (moved, free) = insert_tie(tie, &mut coordinates, &mut dependent)?;
-            largest_adjustment = largest_adjustment.max(moved);
-            untied.extend(free.into_iter().map(|(node, distance)| (index, node, distance)));
-        }
+        let Tied {
+            coordinates,
+            mut dependent,
+            largest_adjustment,
+            untied,
+        } = Tied::try_new(assembly)?;
         for (index, coupling) in assembly.couplings.iter().enumerate() {
             check_cloud(coupling, &coordinates)?;
             if let CouplingKind::Kinematic(components) = &coupling.kind {
@@ -383,6 +380,33 @@ fn mean_motion(
         combination.extend((0..3).map(|i| (3 * node + i, row[i])));
     }
     Ok(combination)
+}
+
+/// An assembly whose slaves were moved onto the faces they are tied to.
+pub(crate) struct Tied {
+    /// Of all nodes after the moves (m).
+    pub(crate) coordinates: Vec<[f64; 3]>,
+    dependent: BTreeMap<usize, Combination>,
+    largest_adjustment: f64,
+    untied: Vec<(usize, u32, f64)>,
+}
+
+impl Tied {
+    pub(crate) fn try_new(assembly: &Assembly) -> Result<Self, Error> {
+        let mut tied = Self {
+            coordinates: assembly.mesh.nodes.clone(),
+            dependent: BTreeMap::new(),
+            largest_adjustment: 0.0,
+            untied: Vec::new(),
+        };
+        for (index, tie) in assembly.ties.iter().enumerate() {
+            let (moved, free) = insert_tie(tie, &mut tied.coordinates, &mut tied.dependent)?;
+            tied.largest_adjustment = tied.largest_adjustment.max(moved);
+            tied.untied
+                .extend(free.into_iter().map(|(node, distance)| (index, node, distance)));
+        }
+        Ok(tied)
+    }
 }
 
 /// Makes the slaves of a tie dependent and moves them onto their faces; returns the largest move and the slaves left

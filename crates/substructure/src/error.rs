@@ -399,6 +399,16 @@ pub enum DeckProblem {
         /// The later one.
         second: String,
     },
+    /// An element that cannot become quadratic.
+    #[error(
+        "element {element} is a {element_type}; only linear elements can be made quadratic: mesh all bodies with linear elements, or all with quadratic ones"
+    )]
+    NotLinear {
+        /// The element.
+        element: String,
+        /// What decks call its type.
+        element_type: &'static str,
+    },
     /// An element belongs to no section.
     #[error("element {element} has no *SOLID SECTION; give its element set one")]
     NoSection {

@@ -1,7 +1,7 @@
 //! Assemblies of linear elements turned into quadratic ones.
 
 use crate::Error;
-use crate::constraints::check_cloud;
+use crate::constraints::{Tied, check_cloud};
 use crate::elements::{Cell, ElementType, Face};
 use crate::mesh::{Assembly, Coupling, CouplingKind, Dof, Element, Equation, Tie};
 use nalgebra::Vector3;
@@ -27,14 +27,16 @@ pub struct Quadratic {
 
 impl Quadratic {
     /// Raises the order of all elements. `position` is asked once for each edge, by the numbers of its two ends in increasing
-    /// order, where its middle lies (m); `None` stands for the mean of the ends.
+    /// order, where its middle lies (m); `None` stands for the mean of the ends, after slaves were moved onto the faces
+    /// they are tied to: what follows a slave by half keeps its edges straight.
     ///
     /// # Errors
-    /// [`Error::NotLinear`], [`Error::NotRaisable`]; those of [`Mesh::validate`](crate::mesh::Mesh::validate), and couplings whose
-    /// nodes or weights [`DofMap::try_new`](crate::constraints::DofMap::try_new) refuses.
+    /// [`Error::NotLinear`], [`Error::NotRaisable`]; those of [`Mesh::validate`](crate::mesh::Mesh::validate), and ties and couplings whose
+    /// nodes, distances or weights [`DofMap::try_new`](crate::constraints::DofMap::try_new) refuses.
     pub fn try_new(assembly: &Assembly, mut position: impl FnMut([u32; 2]) -> Option<[f64; 3]>) -> Result<Self, Error> {
         let mesh = &assembly.mesh;
         mesh.validate()?;
+        let at = Tied::try_new(assembly)?.coordinates;
         let mut middles = Middles::default();
         let mut raised = assembly.clone();
         for (index, element) in mesh.elements.iter().enumerate() {
@@ -44,7 +46,7 @@ impl Quadratic {
                 element_type: row.name,
             })?;
             let cell = middles.cell(&element.cell, quadratic, |edge| {
-                let ends = edge.map(|node| mesh.nodes[node as usize]);
+                let ends = edge.map(|node| at[node as usize]);
                 let mean = [0, 1, 2].map(|c| 0.5 * (ends[0][c] + ends[1][c]));
                 raised.mesh.nodes.push(position(edge).unwrap_or(mean));
                 raised.mesh.nodes.len() as u32 - 1

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
 use substructure::assemble::System;
+use substructure::constraints::DofMap;
 use substructure::eigen::lowest_modes;
 use substructure::elements::{
     CORNERS, Cell, Face, Formulation, HEX8, HEX20, HEX27, TET4, TET10, WEDGE6, WEDGE15, matrices,
@@ -248,6 +249,45 @@ fn connections_are_those_of_the_quadratic_faces() {
     };
     let found: BTreeMap<u32, f64> = found.nodes.iter().copied().zip(weights.iter().copied()).collect();
     assert_eq!(found, alone.into_iter().zip([1.0, 2.0, 3.0]).collect());
+}
+
+#[test]
+fn edges_stay_straight_where_slaves_are_moved() {
+    // The upper cube begins a third of its elements above the lower one.
+    let mut apart = stack();
+    let tie = &mut apart.ties[0];
+    tie.position_tolerance = 0.2;
+    for &slave in &tie.slave_nodes {
+        apart.mesh.nodes[slave as usize][2] += 0.11;
+    }
+    for adjust in [true, false] {
+        apart.ties[0].adjust = adjust;
+        let quadratic = raised(&apart);
+        let dofs = DofMap::try_new(&quadratic.assembly).unwrap();
+        assert!((dofs.largest_adjustment - if adjust { 0.11 } else { 0.0 }).abs() < 1e-12);
+        let at = |node: u32| dofs.coordinates[node as usize];
+        let mut edges = 0;
+        for [a, b] in all_pairs(&apart.mesh) {
+            if let Some(middle) = quadratic.middle([a, b]) {
+                edges += 1;
+                let distance = (0..3).map(|c| (at(middle)[c] - 0.5 * (at(a)[c] + at(b)[c])).abs());
+                let largest = distance.fold(0.0, f64::max);
+                assert!(largest < 1e-12, "{:?} to {:?}: {largest}", at(a), at(b));
+            }
+        }
+        // 54 edges of the lower cube, 144 of the upper one.
+        assert_eq!(edges, 54 + 144);
+    }
+}
+
+/// Pairs of nodes of one element, each once.
+fn all_pairs(mesh: &Mesh) -> BTreeSet<[u32; 2]> {
+    let of_element = |element: &Element| {
+        let nodes = element.cell.nodes().to_vec();
+        let pairs = nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| [a, b]));
+        pairs.filter(|[a, b]| a < b).collect::<Vec<_>>()
+    };
+    mesh.elements.iter().flat_map(of_element).collect()
 }
 
 #[test]

@@ -19,11 +19,11 @@ pub use refinement::Refinement;
 use crate::geometry::{Geometry, positive};
 use crate::{Error, Result, quality};
 use joint_pipeline::joint::benchmark::ElementOrder;
+use joint_pipeline::joint::quadratic;
 use refinement::require_count;
 use section::{Hardware, Lap, Section, centred, sorted};
 use std::collections::HashMap;
 use std::ops::Range;
-use substructure::Quadratic;
 use substructure::elements::Formulation;
 use substructure::mesh::{
     Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element as Solid, Equation, Face, LoadPattern,
@@ -78,27 +78,10 @@ impl BrakeReussBeam {
     }
 
     /// Gives all elements a node in the middle of each edge; those of some edges are given (m).
-    fn raise(&mut self, lap: &Section, middles: &HashMap<[u32; 2], [f64; 3]>) -> Result<()> {
-        let raised = Quadratic::try_new(&self.assembly, |edge| middles.get(&edge).copied())?;
-        let mut number = HashMap::new();
-        for edge in lap.edges() {
-            let facing = |nodes: &[u32]| raised.middle(edge.map(|node| nodes[node as usize]));
-            // Each edge of the interface is one of both half-beams.
-            let (Some(top), Some(bottom)) = (facing(&self.top_nodes), facing(&self.bottom_nodes)) else {
-                continue;
-            };
-            number.insert(edge, self.interface.nodes.len() as u32);
-            let [x, y, _] = raised.assembly.mesh.nodes[top as usize];
-            self.interface.nodes.push([x, y]);
-            self.top_nodes.push(top);
-            self.bottom_nodes.push(bottom);
-        }
-        let elements = lap.quads.iter().map(|&[a, b, c, d]| {
-            let [e, f, g, h] = [[a, b], [b, c], [c, d], [d, a]].map(|edge| number[&sorted(edge)]);
-            Element::quad8([a, b, c, d, e, f, g, h])
-        });
-        self.interface.elements = elements.collect();
-        self.assembly = raised.assembly;
+    fn raise(&mut self, middles: &HashMap<[u32; 2], [f64; 3]>) -> Result<()> {
+        let sides = [&mut self.top_nodes, &mut self.bottom_nodes];
+        let middle = |edge| middles.get(&edge).copied();
+        quadratic::raise(&mut self.assembly, &mut self.interface, sides, self.frame, middle)?;
         Ok(())
     }
 
@@ -173,7 +156,7 @@ pub fn build(
         parts: builder.parts,
     };
     if order == ElementOrder::Quadratic {
-        beam.raise(&lap.section, &builder.middles)?;
+        beam.raise(&builder.middles)?;
     }
     check(&beam.assembly.mesh, &beam.parts)?;
     Ok(beam)

@@ -3,7 +3,7 @@ use super::refinement::Refinement;
 use crate::Result;
 use crate::geometry::{Geometry, equal_area_radius, require_less};
 use joint_pipeline::joint::benchmark::ElementOrder;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// A plane mesh; quadrilaterals run counter-clockwise.
@@ -81,15 +81,6 @@ impl Section {
     /// Edges whose middles are not the means of their ends by construction, with their middles.
     pub(crate) fn middles(&self) -> impl Iterator<Item = ([u32; 2], [f64; 2])> {
         self.middles.iter().map(|(edge, at)| (*edge, *at))
-    }
-
-    /// All edges, each once, by their ends in increasing order.
-    pub(crate) fn edges(&self) -> BTreeSet<[u32; 2]> {
-        let edges = |quad: &[u32; 4]| {
-            let quad = *quad;
-            (0..4).map(move |k| sorted([quad[k], quad[(k + 1) % 4]]))
-        };
-        self.quads.iter().flat_map(edges).collect()
     }
 
     fn points(&self, nodes: &[u32]) -> Vec<[f64; 2]> {

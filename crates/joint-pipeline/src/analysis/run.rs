@@ -9,6 +9,7 @@ use super::validity::{self, Validity};
 use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, SceneInterface};
 use crate::joint::MovedPairs;
+use crate::joint::quadratic::RaisedElements;
 use crate::progress::{Progress, Stage};
 use crate::scene::{Assembly, BoltBehaviour, Scene};
 use crate::store::Options;
@@ -43,6 +44,8 @@ pub struct Run {
     pub response: String,
     /// Pairs of interface nodes that were moved.
     pub moved_pairs: Option<MovedPairs>,
+    /// Linear elements that were made quadratic.
+    pub raised: Option<RaisedElements>,
     /// Files in the cache that let the run resume. Whoever has put the results in a safe place, or does not want to keep them,
     /// calls [`Checkpoints::remove`].
     pub checkpoints: Checkpoints,
@@ -86,6 +89,7 @@ pub struct Prepared {
     clearance: Option<f64>,
     response: String,
     moved_pairs: Option<MovedPairs>,
+    raised: Option<RaisedElements>,
     mesh: InterfaceMesh,
     model: StructuralModel,
     interface: SceneInterface,
@@ -165,6 +169,7 @@ impl Prepared {
             clearance: structure.joint.clearance,
             response: structure.joint.response.clone(),
             moved_pairs: structure.joint.moved_pairs(),
+            raised: structure.joint.raised(),
             mesh: structure.interface().clone(),
             model,
             interface,
@@ -299,6 +304,7 @@ impl Prepared {
             model: self.model,
             response: self.response,
             moved_pairs: self.moved_pairs,
+            raised: self.raised,
             scene: self.scene,
             checkpoints,
         }

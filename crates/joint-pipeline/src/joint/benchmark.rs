@@ -117,8 +117,8 @@ pub enum ElementOrder {
     /// Hexahedra of 8 nodes, quadrilaterals of 4.
     #[default]
     Linear,
-    /// Serendipity hexahedra of 20 nodes (`C3D20R` with reduced, `C3D20` with full integration), quadrilaterals of 8. Edges on
-    /// circles are curved.
+    /// Serendipity hexahedra of 20 nodes (`C3D20R` with reduced, `C3D20` with full integration), quadrilaterals of 8. Edges of a
+    /// benchmark on circles are curved, those of a deck whose order is raised are straight.
     Quadratic,
 }
 

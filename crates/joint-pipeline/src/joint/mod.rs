@@ -1,7 +1,9 @@
 //! What is reduced: two bodies, the interface between them, bolts and a response point.
 
 pub mod benchmark;
+pub mod quadratic;
 
+use quadratic::RaisedElements;
 use reduction::RelativeSystem;
 use serde::{Deserialize, Serialize};
 use substructure::mesh::Assembly;
@@ -47,6 +49,8 @@ pub struct MeshedBodies {
     pub response_direction: [f64; 3],
     /// Pairs of interface nodes that were moved; none where all nodes coincide in pairs.
     pub moved_pairs: Option<MovedPairs>,
+    /// Linear elements that were made quadratic; none where the elements have the order that they were meshed in.
+    pub raised: Option<RaisedElements>,
 }
 
 /// Pairs of interface nodes that did not coincide and were moved to their midpoints in the plane.
@@ -64,6 +68,14 @@ impl Joint {
     pub fn moved_pairs(&self) -> Option<MovedPairs> {
         match &self.bodies {
             Bodies::Meshed(bodies) => bodies.moved_pairs,
+            Bodies::Imported(_) => None,
+        }
+    }
+
+    /// Linear elements that were made quadratic.
+    pub fn raised(&self) -> Option<RaisedElements> {
+        match &self.bodies {
+            Bodies::Meshed(bodies) => bodies.raised,
             Bodies::Imported(_) => None,
         }
     }

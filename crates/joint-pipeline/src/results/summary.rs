@@ -9,6 +9,7 @@ use crate::analysis::validity::Validity;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
 use crate::interface::LawReport;
 use crate::joint::MovedPairs;
+use crate::joint::quadratic::RaisedElements;
 use crate::scene::{BoltBehaviour, PRESETS, Preset, Scene, StructureSource, Symmetry};
 use cqsma_solver::Reason;
 use serde::de::Error as _;
@@ -150,6 +151,9 @@ pub struct ModelSummary {
     /// Pairs of interface nodes of a deck that were moved to their midpoints; left out where all nodes coincide in pairs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moved_pairs: Option<MovedPairs>,
+    /// Linear elements of a deck that were made quadratic; left out where the elements have the order that they were meshed in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub raised: Option<RaisedElements>,
     /// How far results on this mesh are from the limit of the mesh.
     #[serde(default)]
     pub error_bar: ErrorBar,
@@ -350,6 +354,7 @@ impl Summary {
                 penalty_spectrum_error: facts.penalty_error,
                 reduction_asymmetry: reduced.asymmetry,
                 moved_pairs: run.moved_pairs,
+                raised: run.raised,
                 error_bar: ErrorBar::of(&run.scene),
             },
             law: run.law.clone(),

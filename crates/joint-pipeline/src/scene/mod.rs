@@ -317,7 +317,12 @@ impl Scene {
             (other, "/model/refinement", json!("default"), meshes),
             (other, "/model/arm_layers", Value::Null, meshes),
             (other, "/model/symmetry", json!("none"), meshes),
-            (other, "/model/element_order", json!("linear"), meshes),
+            (
+                matrices.is_some(),
+                "/model/element_order",
+                json!("linear"),
+                "meshes, and structure.matrices has none",
+            ),
             (
                 matrices.is_some(),
                 "/model/formulation",

@@ -173,11 +173,12 @@ pub struct Model {
     /// Which part of a benchmark is modelled.
     #[serde(default)]
     pub symmetry: Symmetry,
-    /// Order of the elements of a benchmark.
+    /// Order of the elements of a benchmark or a deck. Linear elements of a deck are made quadratic; those of a deck that has quadratic
+    /// ones keep their order with `linear`, and are refused with `quadratic`.
     #[serde(default, skip_serializing_if = "is_linear")]
     pub element_order: ElementOrder,
-    /// Formulation of all hexahedra; by default incompatible modes, of quadratic elements reduced integration, in a deck that of
-    /// their element type.
+    /// Formulation of all hexahedra; by default incompatible modes, in a deck that of their element type, and with an `element_order` of
+    /// `quadratic` reduced integration.
     #[serde(default)]
     pub formulation: Option<Formulation>,
     /// Material of all parts, unless a deck has its own, and of the asperities.
@@ -193,7 +194,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Formulation of the hexahedra of a benchmark.
+    /// Formulation of the hexahedra of a benchmark, and of those of a deck that are made quadratic.
     pub fn hexahedra(&self) -> Formulation {
         let default = self.element_order.formulations().next();
         self.formulation.or(default).unwrap_or_default()

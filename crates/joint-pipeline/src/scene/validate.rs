@@ -1,8 +1,8 @@
 //! What must hold of a scene before anything is computed, as far as the crates below do not check it themselves.
 
 use super::{
-    Bins, Cqsma, Deck, Gap, Length, MaterialSource, ParameterSet, Parameters, Per, RadialRule, Scene, Stress,
-    StructureSource, Surface, SurfaceEnergy, Symmetry,
+    Bins, Cqsma, Deck, ElementOrder, Gap, Length, MaterialSource, ParameterSet, Parameters, Per, RadialRule, Scene,
+    Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
 };
 use crate::Error;
 
@@ -135,7 +135,9 @@ impl Scene {
             check.not_negative("structure.point_masses[].within", within, "m")?;
         }
         let mut offered = model.element_order.formulations();
-        if self.structure.benchmark().is_some() && !offered.any(|known| known == model.hexahedra()) {
+        // Linear elements of a deck that do not have the formulation keep theirs.
+        let is_uniform = self.structure.benchmark().is_some() || model.element_order == ElementOrder::Quadratic;
+        if is_uniform && !offered.any(|known| known == model.hexahedra()) {
             let offered: Vec<String> = model.element_order.formulations().map(word).collect();
             return Err(Error::NoSuchFormulation {
                 place: check.place.into(),

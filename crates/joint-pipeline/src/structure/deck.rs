@@ -2,26 +2,25 @@
 
 use super::facing::Facing;
 use crate::Error;
+use crate::joint::quadratic;
 use crate::joint::{Bodies, Joint, MeshedBodies};
-use crate::scene::{Deck, Length, MaterialSource, PointMass, Untied};
-use substructure::elements::Formulation;
+use crate::scene::{Deck, ElementOrder, Length, MaterialSource, Model, PointMass, Untied};
 use substructure::formats::abaqus::{self, Choices, DeckModel};
-use substructure::mesh::{BeyondTolerance, Dof, LoadPattern, Material};
+use substructure::mesh::{BeyondTolerance, Dof, LoadPattern};
 
-/// A structure from an input deck, in SI, with `masses` at nodes that it names.
+/// A structure from an input deck, in SI, with `masses` at nodes that it names, in elements of the order of `model`.
 ///
 /// # Errors
-/// Of the deck; [`Error::Facing`].
+/// Of the deck; [`Error::Facing`], [`Error::NotRaisable`].
 pub(super) fn joint(
     source: &Deck,
     masses: &[PointMass],
-    material: &Material,
-    formulation: Option<Formulation>,
+    model: &Model,
     notes: &mut dyn FnMut(&str),
 ) -> Result<Joint, Error> {
     let (length, mass) = (source.units.length_in_si(), source.units.mass_in_si());
     let choices = Choices {
-        formulation,
+        formulation: model.formulation,
         tie_tolerance: source.tie_tolerance.map(|tolerance| tolerance.si() / length),
         beyond: match source.untied {
             Untied::Refuse => BeyondTolerance::Refuse,
@@ -29,19 +28,28 @@ pub(super) fn joint(
         },
         ..Choices::default()
     };
-    let deck = abaqus::read(&source.path, source.includes)?.assembly(&choices)?;
+    let not_raisable = |error| Error::NotRaisable {
+        deck: source.path.clone(),
+        source: error,
+    };
+    let read = abaqus::read(&source.path, source.includes)?;
+    if model.element_order == ElementOrder::Quadratic {
+        read.require_linear().map_err(not_raisable)?;
+    }
+    let deck = read.assembly(&choices)?;
     deck.notes.iter().for_each(|note| notes(note));
     let mut assembly = deck.assembly.clone();
     assembly.convert_units(length, mass);
     if source.materials == MaterialSource::Scene {
-        assembly.mesh.materials.fill(material.clone());
+        assembly.mesh.materials.fill(super::material(model));
     }
-    let facing = Facing::try_new(
+    let mut facing = Facing::try_new(
         &mut assembly.mesh.nodes,
         deck.surface_faces(&source.top_surface)?,
         deck.surface_faces(&source.bottom_surface)?,
         source.along,
         source.pair_tolerance.map(Length::si),
+        model.element_order,
         &|node| deck.node_name(node),
     )?;
     if let Some(moved) = facing.moved {
@@ -74,6 +82,21 @@ pub(super) fn joint(
             mass: point.mass.si(),
         });
     }
+    // Last, so that edges stay straight where nodes of the interface were moved.
+    let raised = match model.element_order {
+        ElementOrder::Linear => None,
+        ElementOrder::Quadratic => {
+            let sides = [&mut facing.top_nodes, &mut facing.bottom_nodes];
+            let raised = quadratic::raise(&mut assembly, &mut facing.interface, sides, facing.frame, |_| None)
+                .map_err(not_raisable)?;
+            assembly.mesh.set_formulation(model.hexahedra());
+            notes(&format!(
+                "the {} elements of the deck were made quadratic, with {} nodes in the middles of their straight edges",
+                raised.elements, raised.added_nodes
+            ));
+            Some(raised)
+        }
+    };
     Ok(Joint {
         bodies: Bodies::Meshed(MeshedBodies {
             assembly,
@@ -82,6 +105,7 @@ pub(super) fn joint(
             response_node,
             response_direction: source.response.direction,
             moved_pairs: facing.moved,
+            raised,
         }),
         interface: facing.interface,
         frame: facing.frame,

@@ -96,8 +96,8 @@ pub fn groups(joint: &Joint, bodies: &MeshedBodies) -> ([Group<Face>; 2], [Group
 }
 
 /// What a scene says of the input deck at `path` that [`substructure::formats::abaqus::write`] makes of the bodies and their
-/// [`groups`]: the structure is the same, with the scene's material.
-pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path) -> scene::Deck {
+/// [`groups`]: the structure is the same. Its `materials` are those that the bodies have, which the deck holds, or the scene's.
+pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path, materials: scene::MaterialSource) -> scene::Deck {
     let normal = joint.frame[2];
     let n_nodes = bodies.assembly.mesh.nodes.len() as u64;
     // References are numbered after the nodes. The end that tension pulls along the normal is that of the top body.
@@ -134,7 +134,7 @@ pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path) -> scene::Deck {
         },
         tie_tolerance: None,
         untied: scene::Untied::Refuse,
-        materials: scene::MaterialSource::Scene,
+        materials,
         bolt_hole_clearance: joint.clearance.map(Length::from_si),
     }
 }

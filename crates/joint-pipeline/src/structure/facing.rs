@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::joint::MovedPairs;
+use crate::joint::benchmark::ElementOrder;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use substructure::mesh::Face;
@@ -26,8 +27,8 @@ pub(crate) struct Facing {
 
 impl Facing {
     /// Pairs the nodes of two surfaces; the first axis of the frame is `along` as far as it lies in the plane. Nodes that do
-    /// not coincide, but are within `tolerance` of one another in the plane (m), are moved to their midpoint there. `label`
-    /// names a node in messages.
+    /// not coincide, but are within `tolerance` of one another in the plane (m), are moved to their midpoint there. `order` is
+    /// the one that the faces have or will have. `label` names a node in messages.
     ///
     /// # Errors
     /// [`Error::Facing`] naming the node or face.
@@ -37,6 +38,7 @@ impl Facing {
         bottom: &[Face],
         along: [f64; 3],
         tolerance: Option<f64>,
+        order: ElementOrder,
         label: &dyn Fn(u32) -> String,
     ) -> Result<Self, Error> {
         let fail = |reason: String| Err(Error::Facing { reason });
@@ -105,7 +107,7 @@ impl Facing {
             tolerance,
         };
         let bottom_nodes = pairs.partners(&top_nodes, of_bottom, label)?;
-        refuse_other_faces(top, bottom, &top_nodes, &bottom_nodes, label)?;
+        refuse_other_faces([top, bottom], [&top_nodes, &bottom_nodes], order, label)?;
         let moves = pairs.moves(&top_nodes, &bottom_nodes);
         let moved = moves.iter().map(|(_, way)| 2.0 * way.norm()).reduce(f64::max);
         let moved = moved.map(|largest_distance| MovedPairs {
@@ -257,15 +259,14 @@ fn leaves_the_plane(face: &Face, normal: &Vector3<f64>, coordinates: &[[f64; 3]]
 }
 
 /// Refuses quadratic faces whose partners on the other side are not faces of the same nodes: the jump between them would not be
-/// that of either. Linear faces may differ, such as in the diagonals of their triangles.
+/// that of either. Linear faces that stay linear may differ, such as in the diagonals of their triangles.
 fn refuse_other_faces(
-    top: &[Face],
-    bottom: &[Face],
-    top_nodes: &[u32],
-    bottom_nodes: &[u32],
+    [top, bottom]: [&[Face]; 2],
+    [top_nodes, bottom_nodes]: [&[u32]; 2],
+    order: ElementOrder,
     label: &dyn Fn(u32) -> String,
 ) -> Result<(), Error> {
-    let is_quadratic = |face: &&Face| face.nodes().len() > face.corners().len();
+    let is_quadratic = |face: &&Face| order == ElementOrder::Quadratic || face.nodes().len() > face.corners().len();
     let partner: BTreeMap<u32, u32> = bottom_nodes.iter().zip(top_nodes).map(|(&b, &t)| (b, t)).collect();
     let corners_and_others = |face: &Face, of: &dyn Fn(u32) -> u32| {
         let (corners, others) = face.nodes().split_at(face.corners().len());
@@ -288,7 +289,7 @@ fn refuse_other_faces(
         Some((side, other, node)) => Err(Error::Facing {
             reason: format!(
                 "the quadratic face of the {side} surface at node {} has no face of the {other} surface with the same corners and \
-                 middles; both must have the same mesh",
+                 middles; both must have the same mesh, also where model.element_order makes faces quadratic",
                 label(node)
             ),
         }),

@@ -58,7 +58,7 @@ impl Structure {
         let masses = &scene.structure.point_masses;
         let joint = match &scene.structure.source {
             StructureSource::Matrices(source) => matrices::joint(source, notes)?,
-            StructureSource::Deck(source) => deck::joint(source, masses, &material(model), model.formulation, notes)?,
+            StructureSource::Deck(source) => deck::joint(source, masses, model, notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {
                     notes("only the half y >= 0 is modelled, which leaves out all modes that are not symmetric");

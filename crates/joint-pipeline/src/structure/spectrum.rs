@@ -3,6 +3,7 @@
 use super::Structure;
 use crate::Error;
 use crate::joint::MovedPairs;
+use crate::joint::quadratic::RaisedElements;
 use crate::progress::{Progress, Stage};
 use reduction::{RelativeSystem, checks};
 use serde::Serialize;
@@ -68,6 +69,8 @@ pub struct Description {
     pub largest_adjustment: f64,
     /// Pairs of interface nodes that were moved; none where all nodes coincide in pairs.
     pub moved_pairs: Option<MovedPairs>,
+    /// Linear elements of a deck that were made quadratic; none where the elements have the order that they were meshed in.
+    pub raised: Option<RaisedElements>,
     /// Where asked for.
     pub spectrum: Option<Spectrum>,
 }
@@ -100,6 +103,7 @@ impl Structure {
             n_untied_slaves: assembled.n_untied_slaves,
             largest_adjustment: assembled.largest_adjustment,
             moved_pairs: self.joint.moved_pairs(),
+            raised: self.joint.raised(),
             spectrum: spectrum.transpose()?,
         })
     }

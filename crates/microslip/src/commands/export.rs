@@ -6,7 +6,7 @@ use crate::progress::Monitor;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::Scene;
 use joint_pipeline::joint::Bodies;
-use joint_pipeline::scene::{Gap, RefinementLevel, StructureSource, Surface, Symmetry};
+use joint_pipeline::scene::{ElementOrder, Gap, MaterialSource, RefinementLevel, StructureSource, Surface, Symmetry};
 use joint_pipeline::structure::Structure;
 use joint_pipeline::structure::export::{ABOUT, arrays, deck, groups};
 use matrix_files::value::Array;
@@ -125,9 +125,15 @@ fn mesh(scene: &Scene, structure: &Structure, format: Format) -> Result<Vec<Outp
         )],
         _ => {
             let mut on_deck = scene.clone();
-            on_deck.structure = StructureSource::Deck(Box::new(deck(joint, bodies, Path::new("structure.inp")))).into();
-            // The formulation is that of the deck's element types.
-            on_deck.model.formulation = None;
+            // The scene knows no density of bodies whose materials are a deck's.
+            let materials = match scene.structure.deck() {
+                Some(deck) => deck.materials,
+                None => MaterialSource::Scene,
+            };
+            let deck = deck(joint, bodies, Path::new("structure.inp"), materials);
+            on_deck.structure = StructureSource::Deck(Box::new(deck)).into();
+            // Formulation and order are those of the deck's element types.
+            (on_deck.model.formulation, on_deck.model.element_order) = (None, ElementOrder::default());
             (on_deck.model.refinement, on_deck.model.arm_layers) = (RefinementLevel::default(), None);
             // What the structure's own measured faces were is not known of a deck.
             if let Some(benchmark) = scene.structure.benchmark() {

@@ -76,6 +76,13 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         found.n_untied_slaves,
         found.largest_adjustment,
     );
+    if let Some(raised) = found.raised {
+        writeln!(
+            text,
+            "{} linear elements of the deck were made quadratic, which added {} nodes",
+            raised.elements, raised.added_nodes
+        )?;
+    }
     if let Some(spectrum) = &found.spectrum {
         let mut row = |name: &str, f: &Frequencies| {
             let list: Vec<String> = f.frequencies_hz.iter().map(|f| format!("{f:.2}")).collect();

@@ -1,6 +1,7 @@
 //! What a deck says, with all names resolved.
 
 use crate::Error;
+use crate::elements;
 use crate::error::DeckProblem;
 use crate::mesh::Cell;
 use std::collections::BTreeMap;
@@ -258,6 +259,25 @@ impl Deck {
     /// `12`, or `INSTANCE.12`.
     pub fn name(&self, label: Label) -> String {
         qualified(&self.instances[label.instance as usize], &label.number.to_string())
+    }
+
+    /// Checks that [`Quadratic`](crate::Quadratic) takes all elements.
+    ///
+    /// # Errors
+    /// [`Error::Deck`] with [`DeckProblem::NotLinear`], of the first that is not linear.
+    pub fn require_linear(&self) -> Result<(), Error> {
+        let is_linear = |element: &&Solid| element.cell.element_type().quadratic().is_some();
+        self.elements
+            .iter()
+            .find(|element| !is_linear(element))
+            .map_or(Ok(()), |element| {
+                let row = element.cell.element_type();
+                let problem = DeckProblem::NotLinear {
+                    element: self.name(element.label),
+                    element_type: elements::to_abaqus(row, element.cell.formulation()).unwrap_or(row.name),
+                };
+                Err(self.error(element.line, problem))
+            })
     }
 
     /// `file:line`.
