@@ -98,7 +98,7 @@ pub enum Error {
         /// The deck.
         deck: PathBuf,
         /// What stands in the way, and where.
-        source: substructure::Error,
+        source: Box<substructure::Error>,
     },
     /// Half of a scene that need not be symmetric.
     #[error(

@@ -30,7 +30,7 @@ pub(super) fn joint(
     };
     let not_raisable = |error| Error::NotRaisable {
         deck: source.path.clone(),
-        source: error,
+        source: Box::new(error),
     };
     let read = abaqus::read(&source.path, source.includes)?;
     if model.element_order == ElementOrder::Quadratic {
