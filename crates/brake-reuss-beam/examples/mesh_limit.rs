@@ -52,17 +52,18 @@ fn family(greatest: u8) -> Result<(), Box<dyn Error>> {
 }
 
 fn row(level: &str, elements: &str, gap: &str) -> Result<(), Box<dyn Error>> {
-    let presets = Refinement::presets();
+    let elements = ELEMENTS.into_iter().find(|(name, ..)| *name == elements);
+    let elements = elements.ok_or("no such formulation")?;
+    let presets = Refinement::presets(elements.1);
     let preset = presets.iter().find(|(name, _)| *name == level);
     let (_, refinement) = preset.ok_or("no such level")?;
-    let elements = ELEMENTS.into_iter().find(|(name, ..)| *name == elements);
     let gap = match gap {
         "flat" => Gap::Flat,
         "measured" => Gap::Measured,
         _ => return Err("the gap is flat or measured".into()),
     };
     let began = Instant::now();
-    let found = first(refinement, elements.ok_or("no such formulation")?, gap)?;
+    let found = first(refinement, elements, gap)?;
     println!(
         "{} unknowns, {} pairs of nodes, f1 {:.4} Hz, {:.1} s",
         found.unknowns,

@@ -6,7 +6,7 @@ use joint_pipeline::joint::benchmark::ElementOrder;
 fn main() -> brake_reuss_beam::Result<()> {
     let (geometry, steel) = (Geometry::default(), published::steel());
     println!("preset    interface    nodes elements  mass [kg]  area [mm2]  least scaled Jacobian");
-    for (name, refinement) in mesh::Refinement::presets() {
+    for (name, refinement) in mesh::Refinement::presets(ElementOrder::Linear) {
         let beam = mesh::build(
             &geometry,
             &refinement,

@@ -5,7 +5,7 @@ use crate::mesh::{Refinement, build};
 use crate::mesh_accuracy::MESH_ACCURACY;
 use crate::published;
 use joint_pipeline::joint::benchmark::{
-    Benchmark, BenchmarkError, Bounds, MeasuredSurface, MeshAccuracy, MeshSettings, RefinementLevel, Symmetry,
+    Benchmark, BenchmarkError, Bounds, MeasuredSurface, MeshAccuracy, MeshSettings, Symmetry,
 };
 use joint_pipeline::joint::{Bodies, Joint, MeshedBodies};
 use joint_pipeline::scene::{Density, Force, Stress, SurfaceEnergy};
@@ -71,13 +71,7 @@ impl Benchmark for BrakeReussBenchmark {
     }
 
     fn joint(&self, mesh: &MeshSettings) -> Result<Joint, BenchmarkError> {
-        let mut refinement = match mesh.refinement {
-            RefinementLevel::Quick => Refinement::quick(),
-            RefinementLevel::Coarse => Refinement::coarse(),
-            RefinementLevel::Default => Refinement::default(),
-            RefinementLevel::Fine => Refinement::fine(),
-            RefinementLevel::Finest => Refinement::finest(),
-        };
+        let mut refinement = Refinement::level(mesh.refinement, mesh.element_order);
         if let Some(layers) = mesh.arm_layers {
             refinement.arm_layers = layers;
         }

@@ -87,7 +87,7 @@ fn default_interface_has_588_quadrilaterals_and_692_nodes() {
 #[test]
 fn every_preset_has_the_expected_interface_and_no_inverted_element() {
     let expected = [148, 300, 588, 1196, 2352];
-    for ((name, refinement), elements) in Refinement::presets().into_iter().zip(expected) {
+    for ((name, refinement), elements) in Refinement::presets(ElementOrder::Linear).into_iter().zip(expected) {
         let beam = beam(&refinement);
         let mesh = &beam.assembly.mesh;
         assert_eq!(beam.interface.elements.len(), elements, "{name}");
@@ -108,6 +108,117 @@ fn every_preset_has_the_expected_interface_and_no_inverted_element() {
     let quick = beam(&Refinement::quick());
     assert!((3000..6000).contains(&quick.assembly.mesh.nodes.len()));
     assert_eq!(Refinement::default().scaled(2.0).unwrap(), Refinement::finest());
+}
+
+#[test]
+fn levels_of_quadratic_elements_have_the_washers_rings_and_grow_away_from_the_edges() {
+    let geometry = Geometry::default();
+    for ((name, refinement), elements) in Refinement::presets(ElementOrder::Quadratic)
+        .into_iter()
+        .zip([132, 184, 272, 828])
+    {
+        assert_eq!(refinement.interface_elements(), elements, "{name}");
+        let beam = quadratic(&refinement);
+        let mesh = &beam.assembly.mesh;
+        assert_eq!(beam.interface.elements.len(), elements, "{name}");
+        close(quality::volume(mesh, &mesh.elements), geometry.volume(), 1e-12);
+        for element in &mesh.elements {
+            assert!(quality::scaled_jacobian(mesh, element) > 0.43, "{name}");
+        }
+
+        // Washers are tied to nodes of the lap, but for those on the bore, which is wider than the hole, and the middles of edges
+        // that begin there.
+        let bore = 0.5 * geometry.washer_inner_diameter;
+        let first_ring = bore + 0.51 / refinement.seat_rings as f64 * (geometry.across_flats / 3.0_f64.sqrt() - bore);
+        for tie in &beam.assembly.ties {
+            let place = |&node: &u32| mesh.nodes[node as usize];
+            let masters: Vec<_> = tie
+                .master_faces
+                .iter()
+                .flat_map(|face| face.nodes())
+                .map(place)
+                .collect();
+            let (mut coincident, mut in_first_ring) = (0, 0);
+            for at in tie.slave_nodes.iter().map(place) {
+                let distance = |of: &[f64; 3]| (0..3).map(|c| (of[c] - at[c]).powi(2)).sum::<f64>().sqrt();
+                let nearest = masters.iter().map(distance).fold(f64::INFINITY, f64::min);
+                let from_hole = geometry.hole_positions().map(|hole| (at[0] - hole).hypot(at[1]));
+                if from_hole.iter().any(|radius| *radius < first_ring) {
+                    in_first_ring += 1;
+                } else {
+                    assert!(nearest < 1e-14, "{name}: {nearest}");
+                    coincident += 1;
+                }
+            }
+            assert_eq!(in_first_ring, 3 * refinement.sectors, "{name}");
+            let rings = refinement.seat_rings + refinement.rim_rings;
+            assert_eq!(coincident, (3 * rings - 1) * refinement.sectors, "{name}");
+        }
+
+        // Corners of elements on the line through the arm, the lap's end and its first column, at the edge of the interface.
+        let corners = element_edges_at(mesh, |[_, y, z]| z == 0.0 && (y - 0.5 * geometry.width).abs() < 1e-12);
+        let columns: Vec<f64> = (corners.iter().copied())
+            .filter(|x| (-0.5 * geometry.lap_length..=-1.5 * geometry.hole_pitch + 1e-12).contains(x))
+            .collect();
+        assert_eq!(columns.len(), refinement.end + 1, "{name}");
+        for three in columns.windows(3) {
+            close(
+                (three[2] - three[1]) / (three[1] - three[0]),
+                refinement.end_growth,
+                1e-9,
+            );
+        }
+        let edge = corners.iter().position(|x| *x == columns[0]).unwrap();
+        close(corners[edge] - corners[edge - 1], columns[1] - columns[0], 1e-9);
+        let mut heights: Vec<f64> = (mesh.elements.iter())
+            .flat_map(|element| &element.cell.nodes()[..8])
+            .map(|&node| mesh.nodes[node as usize])
+            .filter(|[x, _, z]| *x == -0.5 * geometry.length && *z >= 0.0)
+            .map(|[.., z]| z)
+            .collect();
+        heights.sort_by(f64::total_cmp);
+        heights.dedup();
+        assert_eq!(heights.len(), refinement.layers + 1, "{name}");
+        for three in heights.windows(3) {
+            close(
+                (three[2] - three[1]) / (three[1] - three[0]),
+                refinement.layer_growth,
+                1e-9,
+            );
+        }
+    }
+}
+
+/// Positions along `x` of the elements' corners of which `wanted` is true, in order.
+fn element_edges_at(mesh: &Mesh, wanted: impl Fn([f64; 3]) -> bool) -> Vec<f64> {
+    let corners = mesh.elements.iter().flat_map(|element| &element.cell.nodes()[..8]);
+    let places = corners.map(|&node| mesh.nodes[node as usize]).filter(|at| wanted(*at));
+    let mut along: Vec<f64> = places.map(|[x, ..]| x).collect();
+    along.sort_by(f64::total_cmp);
+    along.dedup();
+    along
+}
+
+#[test]
+fn multiples_of_a_graded_mesh_divide_its_elements() {
+    let unit = Refinement::graded_unit();
+    let edges = |refinement: &Refinement| {
+        let beam = quadratic(refinement);
+        let mesh = &beam.assembly.mesh;
+        let half_width = 0.5 * Geometry::default().width;
+        element_edges_at(mesh, |[x, y, z]| {
+            z == 0.0 && (y - half_width).abs() < 1e-12 && x.abs() < 0.06 + 1e-12
+        })
+    };
+    let coarse = edges(&unit);
+    for multiple in [2, 3] {
+        let fine = edges(&unit.scaled(multiple as f64).unwrap());
+
+        assert_eq!(fine.len() - 1, multiple * (coarse.len() - 1));
+        for (k, x) in coarse.iter().enumerate() {
+            assert!((fine[multiple * k] - x).abs() < 1e-15, "{x}");
+        }
+    }
 }
 
 #[test]
@@ -383,7 +494,7 @@ fn half_beams_touch_at_the_interface_only() {
 
 #[test]
 fn six_washers_are_tied_to_the_faces_they_lie_on() {
-    for (name, refinement) in Refinement::presets().into_iter().take(4) {
+    for (name, refinement) in Refinement::presets(ElementOrder::Linear).into_iter().take(4) {
         let beam = beam(&refinement);
         let nodes = &beam.assembly.mesh.nodes;
         assert_eq!(beam.assembly.ties.len(), 6, "{name}");
@@ -660,12 +771,40 @@ fn inadmissible_input_is_refused_by_name() {
             layers: 1000,
             ..Refinement::default()
         },
+        // A hole has 12 elements round it.
+        Refinement {
+            sectors: 24,
+            ..Refinement::graded_unit()
+        },
     ] {
         assert!(
             matches!(with(&good, &refinement), Err(Error::Count { .. })),
             "{refinement:?}"
         );
     }
+    for growth in [0.5, 4.1, f64::NAN] {
+        let refinement = Refinement {
+            end_growth: growth,
+            ..Refinement::graded_unit()
+        };
+        assert!(matches!(
+            with(&good, &refinement),
+            Err(Error::Value {
+                field: "end_growth",
+                ..
+            })
+        ));
+    }
+    // Washers that fit on the beam, but whose polygons are as wide as it is.
+    let wide = Geometry {
+        washer_outer_diameter: 0.02535,
+        ..good.clone()
+    };
+    let text = with(&wide, &Refinement::graded_unit()).unwrap_err().to_string();
+    assert!(
+        text.contains("washer rim polygon radius") && text.contains("half width"),
+        "{text}"
+    );
     let refinement = Refinement {
         arm_layers: 5,
         ..Refinement::default()
@@ -717,7 +856,7 @@ fn scaling_keeps_refinements_meshable() {
 
 #[test]
 fn the_half_has_the_mass_and_the_loads_of_the_whole() {
-    for (name, refinement) in Refinement::presets().into_iter().take(3) {
+    for (name, refinement) in Refinement::presets(ElementOrder::Linear).into_iter().take(3) {
         let whole = beam(&refinement);
         let half = whole.half().unwrap();
         let [of_whole, of_half] = [&whole, &half].map(|beam| System::try_new(&beam.assembly).unwrap());
@@ -766,7 +905,9 @@ fn parabolas_on_the_equal_area_radius_enclose_the_circle() {
 #[test]
 fn quadratic_meshes_have_round_holes_and_exact_volumes() {
     let geometry = Geometry::default();
-    for (name, refinement) in [("quick", Refinement::quick()), ("coarse", Refinement::coarse())] {
+    let on_linear_meshes = [("quick", Refinement::quick()), ("coarse", Refinement::coarse())];
+    let levels = Refinement::presets(ElementOrder::Quadratic).into_iter().take(3);
+    for (name, refinement) in levels.chain(on_linear_meshes) {
         let (linear, beam) = (beam(&refinement), quadratic(&refinement));
         let mesh = &beam.assembly.mesh;
         assert_eq!(mesh.elements.len(), linear.assembly.mesh.elements.len());

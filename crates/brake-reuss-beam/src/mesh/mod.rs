@@ -14,7 +14,7 @@ mod half;
 mod refinement;
 mod section;
 
-pub use refinement::Refinement;
+pub use refinement::{Refinement, Washers};
 
 use crate::geometry::{Geometry, positive};
 use crate::{Error, Result, quality};
@@ -203,7 +203,7 @@ pub fn uniform_bar(
     }
     let mut builder = Builder::try_new(material)?;
     let levels: Vec<_> = centred(length, nx).map(|x| x + 0.5 * length).collect();
-    let section = section::rectangle([width, height], [ny, nz]);
+    let section = section::rectangle(centred(width, ny), centred(height, nz));
     builder.part("bar", |builder| {
         builder.extrude(&section, &levels, along_x, |_, _| None)
     });
@@ -313,15 +313,9 @@ impl Builder {
 
     fn half_beam(&mut self, geometry: &Geometry, refinement: &Refinement, lap: &Lap, side: Side) -> Result<HalfBeam> {
         let (across, layers) = (refinement.across, refinement.layers);
-        let heights: Vec<_> = centred(geometry.height, 2 * layers).collect();
-        let arm = section::rectangle([geometry.width, geometry.height], [across, 2 * layers]);
-        let end_length = 0.5 * geometry.lap_length - 1.25 * geometry.hole_pitch;
-        let distances = graded(
-            "arm",
-            end_length / refinement.end as f64,
-            geometry.arm_length(),
-            refinement.arm_layers,
-        )?;
+        let heights = section::symmetric(geometry.height, layers, refinement.layer_growth);
+        let arm = section::rectangle(centred(geometry.width, across), heights.iter().copied());
+        let distances = graded("arm", lap.edge_column, geometry.arm_length(), refinement.arm_layers)?;
 
         let half_lap = 0.5 * geometry.lap_length;
         // The lap's layers in the arm's numbering, and the arm's stations by increasing x with the joint among them.

@@ -1,5 +1,6 @@
 //! How finely the beam is meshed.
 use crate::{Error, Result};
+use joint_pipeline::joint::benchmark::{ElementOrder, RefinementLevel};
 
 /// Element counts of the block mesh. The default gives the interface of 588 quadrilaterals and 692 nodes.
 ///
@@ -9,18 +10,28 @@ use crate::{Error, Result};
 /// [`Refinement::default`], [`Refinement::fine`] and [`Refinement::finest`] are a family: all counts grow by about the root of two
 /// from one to the next, so that an order of convergence can be read off. Counts of one can only double; they do so in `fine`.
 /// [`Refinement::coarse`] and [`Refinement::quick`] are too coarse to follow in every count.
-#[derive(Clone, Debug, PartialEq, Eq)]
+///
+/// Those are for linear elements, and equally spaced. The error of quadratic elements sits at the singular edges instead, so that
+/// [`Refinement::level`] has graded meshes for them.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Refinement {
+    /// How the lap's mesh meets the washers.
+    pub washers: Washers,
     /// Elements across the beam; even, so that nodes lie on the symmetry plane `y = 0`.
     pub across: usize,
-    /// Elements along each half pitch: the hole's block and the block between two holes.
+    /// Elements along each block of the lap: half a pitch, of which one has the hole and the next one is between two holes, or a
+    /// whole pitch where the lap [follows](Washers::Followed) the washers.
     pub per_block: usize,
-    /// Rings of elements round each hole.
+    /// Rings of elements round each hole, or round each washer where the lap follows the washers.
     pub hole_rings: usize,
     /// Elements along each end of the lap, from the last hole's block to the lap's edge.
     pub end: usize,
+    /// Length of each of these elements over that of its neighbour towards the lap's edge.
+    pub end_growth: f64,
     /// Layers of elements in each half of the lap's height.
     pub layers: usize,
+    /// Height of each of these layers over that of its neighbour towards the interface.
+    pub layer_growth: f64,
     /// Layers of elements along each arm. They start with the element length at the lap's end and grow by a constant
     /// ratio that fills the arm exactly.
     pub arm_layers: usize,
@@ -42,14 +53,29 @@ pub struct Refinement {
     pub tip_layers: usize,
 }
 
+/// How the lap's mesh meets the washers that are tied to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Washers {
+    /// The lap's mesh knows nothing of them; their nodes are anywhere on its faces.
+    Independent,
+    /// The lap has the washers' rings of nodes, all but the one on the bore. There are as many elements round a hole as sectors.
+    Followed,
+}
+
+/// Neighbouring elements of a graded line differ by this factor at most.
+const GREATEST_GROWTH: f64 = 4.0;
+
 impl Default for Refinement {
     fn default() -> Self {
         Self {
+            washers: Washers::Independent,
             across: 10,
             per_block: 6,
             hole_rings: 3,
             end: 9,
+            end_growth: 1.0,
             layers: 5,
+            layer_growth: 1.0,
             arm_layers: 50,
             sectors: 24,
             shank_rings: 1,
@@ -81,6 +107,7 @@ impl Refinement {
             head_layers: 2,
             grip_layers: 4,
             tip_layers: 1,
+            ..Self::default()
         }
     }
 
@@ -116,6 +143,7 @@ impl Refinement {
             head_layers: 4,
             grip_layers: 12,
             tip_layers: 3,
+            ..Self::default()
         }
     }
 
@@ -136,6 +164,7 @@ impl Refinement {
             head_layers: 6,
             grip_layers: 16,
             tip_layers: 4,
+            ..Self::default()
         }
     }
 
@@ -157,21 +186,128 @@ impl Refinement {
             head_layers: 1,
             grip_layers: 4,
             tip_layers: 1,
+            ..Self::default()
         }
     }
 
-    /// The presets from the coarsest to the finest, with their names.
-    pub fn presets() -> [(&'static str, Self); 5] {
-        [
-            ("quick", Self::quick()),
-            ("coarse", Self::coarse()),
-            ("default", Self::default()),
-            ("fine", Self::fine()),
-            ("finest", Self::finest()),
-        ]
+    /// The smallest counts of a family of meshes for quadratic elements, graded towards the lap's ends and the interface, where the
+    /// stress is singular. `graded_unit().scaled(k)` divides every element of it into `k` parts in each direction, by the same
+    /// smooth grading.
+    pub fn graded_unit() -> Self {
+        Self {
+            washers: Washers::Followed,
+            across: 4,
+            per_block: 2,
+            hole_rings: 1,
+            end: 3,
+            end_growth: 4.0,
+            layers: 2,
+            layer_growth: 3.0,
+            arm_layers: 16,
+            sectors: 12,
+            shank_rings: 1,
+            seat_rings: 1,
+            rim_rings: 1,
+            washer_layers: 1,
+            head_layers: 1,
+            grip_layers: 2,
+            tip_layers: 1,
+        }
     }
 
-    /// All counts multiplied by `factor` and rounded: `across` to an even number, `sectors` to a multiple of 12.
+    /// Meshes for quadratic elements by level; graded towards the lap's ends and the interface, with rings of nodes under the washers'.
+    /// Counts were chosen by their effect on the first frequency.
+    fn graded(level: RefinementLevel) -> Self {
+        let default = Self {
+            hole_rings: 3,
+            end: 7,
+            end_growth: 2.1,
+            layers: 3,
+            layer_growth: 2.0,
+            arm_layers: 24,
+            seat_rings: 2,
+            ..Self::graded_unit()
+        };
+        match level {
+            RefinementLevel::Quick => Self::graded_unit(),
+            RefinementLevel::Coarse => Self {
+                hole_rings: 2,
+                end: 5,
+                end_growth: 2.5,
+                layers: 3,
+                layer_growth: 2.0,
+                arm_layers: 18,
+                ..Self::graded_unit()
+            },
+            RefinementLevel::Default => default,
+            RefinementLevel::Fine => Self {
+                across: 6,
+                per_block: 6,
+                sectors: 24,
+                hole_rings: 4,
+                end: 9,
+                end_growth: 1.7,
+                layers: 6,
+                layer_growth: 1.45,
+                arm_layers: 33,
+                seat_rings: 3,
+                rim_rings: 3,
+                washer_layers: 3,
+                head_layers: 3,
+                grip_layers: 3,
+                ..default
+            },
+            RefinementLevel::Finest => Self {
+                across: 8,
+                per_block: 4,
+                sectors: 24,
+                hole_rings: 6,
+                end: 12,
+                end_growth: 1.48,
+                layers: 8,
+                layer_growth: 1.32,
+                arm_layers: 44,
+                shank_rings: 2,
+                seat_rings: 4,
+                rim_rings: 4,
+                washer_layers: 4,
+                head_layers: 4,
+                grip_layers: 4,
+                tip_layers: 2,
+                ..default
+            },
+        }
+    }
+
+    /// The mesh of a level for elements of an order: [`Refinement::quick`] to [`Refinement::finest`] for linear elements, graded
+    /// ones for quadratic elements.
+    pub fn level(level: RefinementLevel, order: ElementOrder) -> Self {
+        if order == ElementOrder::Quadratic {
+            return Self::graded(level);
+        }
+        match level {
+            RefinementLevel::Quick => Self::quick(),
+            RefinementLevel::Coarse => Self::coarse(),
+            RefinementLevel::Default => Self::default(),
+            RefinementLevel::Fine => Self::fine(),
+            RefinementLevel::Finest => Self::finest(),
+        }
+    }
+
+    /// The presets for elements of an order from the coarsest to the finest, with their names.
+    pub fn presets(order: ElementOrder) -> [(&'static str, Self); 5] {
+        [
+            ("quick", RefinementLevel::Quick),
+            ("coarse", RefinementLevel::Coarse),
+            ("default", RefinementLevel::Default),
+            ("fine", RefinementLevel::Fine),
+            ("finest", RefinementLevel::Finest),
+        ]
+        .map(|(name, level)| (name, Self::level(level, order)))
+    }
+
+    /// All counts multiplied by `factor` and rounded: `across` to an even number, `sectors` to a multiple of 12. Growths become
+    /// their `factor`-th roots.
     ///
     /// # Errors
     /// [`Error::Value`] if the factor is not finite and positive, [`Error::Count`] if a scaled count is too large.
@@ -184,6 +320,9 @@ impl Refinement {
         };
         let scaled = |count| to_multiple(count, 1);
         let refinement = Self {
+            washers: self.washers,
+            end_growth: self.end_growth.powf(factor.recip()),
+            layer_growth: self.layer_growth.powf(factor.recip()),
             across: to_multiple(self.across, 2),
             per_block: scaled(self.per_block),
             hole_rings: scaled(self.hole_rings),
@@ -230,13 +369,18 @@ impl Refinement {
 
     /// Number of interface elements.
     pub fn interface_elements(&self) -> usize {
-        3 * self.hole_rings * self.hole_ring() + 2 * self.across * (self.per_block + self.end)
+        let (rings, columns) = match self.washers {
+            Washers::Independent => (self.hole_rings, self.per_block + self.end),
+            Washers::Followed => (self.seat_rings + self.rim_rings + self.hole_rings, self.end),
+        };
+        3 * rings * self.hole_ring() + 2 * self.across * columns
     }
 
-    /// Checks that every count lies between 1 and 256, that `across` is even and `sectors` a multiple of 12.
+    /// Checks that every count lies between 1 and 256, that `across` is even, `sectors` a multiple of 12 and, where the lap follows
+    /// the washers, the number of elements round a hole; and that growths lie between 1 and 4.
     ///
     /// # Errors
-    /// [`Error::Count`], naming the count.
+    /// [`Error::Count`], naming the count; [`Error::Value`], naming the growth.
     pub fn validate(&self) -> Result<()> {
         for (field, value) in self.counts() {
             require_count(field, value)?;
@@ -254,6 +398,24 @@ impl Refinement {
                 value: self.sectors,
                 requirement: "a multiple of 12",
             });
+        }
+        if self.washers == Washers::Followed && self.hole_ring() != self.sectors {
+            return Err(Error::Count {
+                field: "sectors",
+                value: self.sectors,
+                requirement: "2 (across + per_block) where the lap follows the washers",
+            });
+        }
+        for (field, value) in [("end_growth", self.end_growth), ("layer_growth", self.layer_growth)] {
+            if !(1.0..=GREATEST_GROWTH).contains(&value) {
+                return Err(Error::Value {
+                    place: "refinement",
+                    field,
+                    value,
+                    unit: "",
+                    requirement: "from 1 to 4",
+                });
+            }
         }
         Ok(())
     }

@@ -1,5 +1,5 @@
 //! Plane quadrilateral meshes: the sections that are extruded into hexahedra.
-use super::refinement::Refinement;
+use super::refinement::{Refinement, Washers};
 use crate::Result;
 use crate::geometry::{Geometry, equal_area_radius, require_less};
 use joint_pipeline::joint::benchmark::ElementOrder;
@@ -16,6 +16,7 @@ pub(crate) struct Section {
 }
 
 /// A closed line of edges: where they meet, and the middle between each of these points and the next.
+#[derive(Clone)]
 struct Ring {
     points: Vec<[f64; 2]>,
     middles: Vec<[f64; 2]>,
@@ -37,6 +38,19 @@ impl Ring {
                 points,
                 middles: (0..count).map(|k| at(k as f64 + 0.5)).collect(),
             },
+        }
+    }
+
+    /// The ring about the axis through `[centre, 0]`, beginning `nodes` nodes further back.
+    fn placed(&self, centre: f64, nodes: usize) -> Self {
+        let placed = |points: &[[f64; 2]]| {
+            let mut points: Vec<_> = points.iter().map(|p| [centre + p[0], p[1]]).collect();
+            points.rotate_right(nodes);
+            points
+        };
+        Self {
+            points: placed(&self.points),
+            middles: placed(&self.middles),
         }
     }
 
@@ -109,16 +123,16 @@ impl Section {
         rings.swap_remove(count)
     }
 
-    /// Continues a mesh from the line `start` along `x` by `count` columns up to `end`; returns the last line.
-    fn advance(&mut self, start: &[u32], end: f64, count: usize) -> Vec<u32> {
+    /// Continues a mesh from the line `start` along `x` up to `end` by columns of the given relative widths; returns the last line.
+    fn advance(&mut self, start: &[u32], end: f64, widths: impl IntoIterator<Item = f64>) -> Vec<u32> {
         let from = self.points(start);
         let to: Vec<_> = from.iter().map(|p| [end, p[1]]).collect();
         let mut lines = vec![start.to_vec()];
-        for step in 1..=count {
-            lines.push(self.add(blend(&from, &to, step as f64 / count as f64)));
+        for at in &fractions(widths)[1..] {
+            lines.push(self.add(blend(&from, &to, *at)));
         }
         self.fill(&lines, false);
-        lines.swap_remove(count)
+        lines.swap_remove(lines.len() - 1)
     }
 }
 
@@ -144,12 +158,47 @@ pub(crate) fn centred(extent: f64, count: usize) -> impl Iterator<Item = f64> + 
     (0..=count).map(move |i| extent * ((2.0 * i as f64 - n) / (2.0 * n)))
 }
 
-/// Rectangular section about the origin; node `(i, j)` has number `i (n_second + 1) + j`.
-pub(crate) fn rectangle(extent: [f64; 2], count: [usize; 2]) -> Section {
-    let mut section = Section::default();
-    let lines: Vec<_> = centred(extent[0], count[0])
-        .map(|first| section.add(centred(extent[1], count[1]).map(|second| [first, second])))
+/// `count` relative lengths, each `growth` times the one before; the first is 1.
+pub(crate) fn growing(count: usize, growth: f64) -> impl DoubleEndedIterator<Item = f64> {
+    // Powers one by one: `powi` need not be exact where the growth is 1.
+    let lengths = std::iter::successors(Some(1.0), move |length| Some(length * growth));
+    lengths.take(count).collect::<Vec<_>>().into_iter()
+}
+
+/// Where pieces of these relative lengths meet on a line from 0 to 1, both ends included.
+pub(crate) fn fractions(lengths: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut ends = vec![0.0];
+    ends.extend(lengths.into_iter().scan(0.0, |sum, length| {
+        *sum += length;
+        Some(*sum)
+    }));
+    let total = ends[ends.len() - 1];
+    ends.into_iter().map(|end| end / total).collect()
+}
+
+/// Heights from `-extent / 2` to `extent / 2`, symmetric about zero, with `count` layers in each half that grow away from zero.
+pub(crate) fn symmetric(extent: f64, count: usize, growth: f64) -> Vec<f64> {
+    let above: Vec<_> = fractions(growing(count, growth))
+        .into_iter()
+        .map(|at| 0.5 * extent * at)
         .collect();
+    above
+        .iter()
+        .skip(1)
+        .rev()
+        .map(|height| -height)
+        .chain(above.iter().copied())
+        .collect()
+}
+
+/// Rectangular section of these coordinates; node `(i, j)` has number `i n_second + j`.
+pub(crate) fn rectangle(
+    first: impl IntoIterator<Item = f64>,
+    second: impl IntoIterator<Item = f64> + Clone,
+) -> Section {
+    let mut section = Section::default();
+    let line = |at: f64| section.add(second.clone().into_iter().map(|other| [at, other]));
+    let lines: Vec<_> = first.into_iter().map(line).collect();
     section.fill(&lines, false);
     section
 }
@@ -161,65 +210,83 @@ pub(crate) struct Lap {
     pub(crate) left: Vec<u32>,
     /// Nodes along the edge at the greatest `x`, by increasing `y`.
     pub(crate) right: Vec<u32>,
+    /// Width of the columns along both edges (m).
+    pub(crate) edge_column: f64,
 }
 
-/// Blocks along the lap: end, hole, between, hole, between, hole, end.
+/// Blocks along the lap: end, hole, between, hole, between, hole, end. Where the mesh follows the washers, the blocks of the holes
+/// meet.
 pub(crate) fn lap(geometry: &Geometry, refinement: &Refinement, order: ElementOrder) -> Result<Lap> {
-    let half_block = 0.25 * geometry.hole_pitch;
+    let half_block = match refinement.washers {
+        Washers::Independent => 0.25 * geometry.hole_pitch,
+        Washers::Followed => 0.5 * geometry.hole_pitch,
+    };
     let hole_radius = equal_area_radius(0.5 * geometry.hole_diameter, refinement.hole_ring(), order);
-    require_less(
-        "interface mesh",
-        ("hole polygon radius", hole_radius),
-        ("half block length", half_block),
-    )?;
-    require_less(
-        "interface mesh",
-        ("hole polygon radius", hole_radius),
-        ("half width", 0.5 * geometry.width),
-    )?;
+    let (place, radius) = match refinement.washers {
+        Washers::Independent => ("hole polygon radius", hole_radius),
+        Washers::Followed => (
+            "washer rim polygon radius",
+            equal_area_radius(0.5 * geometry.washer_outer_diameter, refinement.sectors, order),
+        ),
+    };
+    require_less("interface mesh", (place, radius), ("half block length", half_block))?;
+    require_less("interface mesh", (place, radius), ("half width", 0.5 * geometry.width))?;
+    let washer = match refinement.washers {
+        Washers::Independent => Vec::new(),
+        // The bore is a little wider than the hole: a ring between the two would be of slivers.
+        Washers::Followed => Seat::new(geometry, refinement, order).washer(refinement).split_off(1),
+    };
 
     let mut section = Section::default();
     let edge = 0.5 * geometry.lap_length;
     let left = section.add(centred(geometry.width, refinement.across).map(|y| [-edge, y]));
-    let mut line = left.clone();
+    let end = || growing(refinement.end, refinement.end_growth);
+    let first_block = geometry.hole_positions()[0] - half_block;
+    let mut line = section.advance(&left, first_block, end());
     for (hole, centre) in geometry.hole_positions().into_iter().enumerate() {
-        let columns = if hole == 0 {
-            refinement.end
-        } else {
-            refinement.per_block
-        };
-        line = section.advance(&line, centre - half_block, columns);
+        if hole > 0 && refinement.washers == Washers::Independent {
+            line = section.advance(&line, centre - half_block, growing(refinement.per_block, 1.0));
+        }
         let hole = Ring::round(refinement.hole_ring(), order, |k| {
             // The middle of the right edge faces the angle 0.
             let (sin, cos) = (PI * (2.0 * k - refinement.across as f64) / refinement.hole_ring() as f64).sin_cos();
             [centre + hole_radius * cos, hole_radius * sin]
         });
-        line = hole_block(&mut section, &line, centre, half_block, &hole, refinement);
+        let mut rings = vec![hole];
+        rings.extend(washer.iter().map(|ring| ring.placed(centre, refinement.across / 2)));
+        line = hole_block(&mut section, &line, centre, half_block, rings, refinement);
     }
-    let right = section.advance(&line, edge, refinement.end);
-    Ok(Lap { section, left, right })
+    let right = section.advance(&line, edge, end().rev());
+    let edge_column = (first_block + edge) / end().sum::<f64>();
+    Ok(Lap {
+        section,
+        left,
+        right,
+        edge_column,
+    })
 }
 
-/// O-grid round one hole, from the line `left` on; returns the block's right line.
+/// O-grid round one hole, from the line `left` on; returns the block's right line. `inner` are rings from the hole outwards that
+/// the grid has, beside those between the last of them and the block's perimeter.
 fn hole_block(
     section: &mut Section,
     left: &[u32],
     centre: f64,
     half_block: f64,
-    hole: &Ring,
+    mut inner: Vec<Ring>,
     refinement: &Refinement,
 ) -> Vec<u32> {
     let (across, along) = (refinement.across, refinement.per_block);
     let lines = section.points(left);
     let right = section.add(lines.iter().map(|p| [centre + half_block, p[1]]));
-    let inner = |y: f64| {
+    let between_ends = |y: f64| {
         centred(2.0 * half_block, along)
             .skip(1)
             .take(along - 1)
             .map(move |x| [centre + x, y])
     };
-    let bottom = section.add(inner(lines[0][1]));
-    let top = section.add(inner(lines[across][1]));
+    let bottom = section.add(between_ends(lines[0][1]));
+    let top = section.add(between_ends(lines[across][1]));
 
     // Counter-clockwise from the bottom right corner, once round.
     let perimeter: Vec<u32> = (right.iter())
@@ -229,13 +296,64 @@ fn hole_block(
         .copied()
         .collect();
     let outer = section.ring(&perimeter);
-    let mut rings = Vec::new();
-    for ring in 0..refinement.hole_rings {
-        rings.push(section.add_ring(Ring::between(hole, &outer, ring as f64 / refinement.hole_rings as f64)));
+    if let Some(last) = inner.pop() {
+        let between = |ring| Ring::between(&last, &outer, ring as f64 / refinement.hole_rings as f64);
+        inner.extend((0..refinement.hole_rings).map(between).collect::<Vec<_>>());
     }
+    let mut rings: Vec<_> = inner.into_iter().map(|ring| section.add_ring(ring)).collect();
     rings.push(perimeter);
     section.fill(&rings, true);
     right
+}
+
+/// The circles and the hexagon of which washers, head and nut are made, about their axis, with equally many nodes.
+struct Seat {
+    bore: Ring,
+    hexagon: Ring,
+    rim: Ring,
+}
+
+impl Seat {
+    fn new(geometry: &Geometry, refinement: &Refinement, order: ElementOrder) -> Self {
+        let n = refinement.sectors;
+        // Corners at 30, 90, ... degrees, which are multiples of 360/12.
+        let hexagon = (0..n).map(|k| {
+            let from_flat = sector_angle(((k + n / 12) % (n / 6)) as f64, n) - PI / 6.0;
+            let radius = 0.5 * geometry.across_flats / from_flat.cos();
+            let angle = sector_angle(k as f64, n);
+            [radius * angle.cos(), radius * angle.sin()]
+        });
+        Self {
+            bore: circle(geometry.washer_inner_diameter, n, order),
+            hexagon: Ring::straight(hexagon.collect()),
+            rim: circle(geometry.washer_outer_diameter, n, order),
+        }
+    }
+
+    /// The rings of a washer from its bore to its rim.
+    fn washer(&self, refinement: &Refinement) -> Vec<Ring> {
+        let between = |from: &Ring, to: &Ring, count: usize| -> Vec<Ring> {
+            let at = |step| Ring::between(from, to, step as f64 / count as f64);
+            (1..=count).map(at).collect()
+        };
+        let mut rings = vec![self.bore.clone()];
+        rings.extend(between(&self.bore, &self.hexagon, refinement.seat_rings));
+        rings.extend(between(&self.hexagon, &self.rim, refinement.rim_rings));
+        rings
+    }
+}
+
+fn sector_angle(k: f64, n: usize) -> f64 {
+    2.0 * PI * k / n as f64
+}
+
+/// Circle about the origin with its first node at the angle 0.
+fn circle(diameter: f64, n: usize, order: ElementOrder) -> Ring {
+    let radius = equal_area_radius(0.5 * diameter, n, order);
+    Ring::round(n, order, |k| {
+        let angle = sector_angle(k, n);
+        [radius * angle.cos(), radius * angle.sin()]
+    })
 }
 
 /// Sections of the fastening hardware about its axis, with rings of `sectors` nodes in common: the seat, from the
@@ -255,12 +373,7 @@ pub(crate) struct Hardware {
 
 pub(crate) fn hardware(geometry: &Geometry, refinement: &Refinement, order: ElementOrder) -> Result<Hardware> {
     let n = refinement.sectors;
-    let angle = |k: f64| 2.0 * PI * k / n as f64;
-    let circle = |diameter: f64| {
-        let radius = equal_area_radius(0.5 * diameter, n, order);
-        Ring::round(n, order, |k| [radius * angle(k).cos(), radius * angle(k).sin()])
-    };
-    let bore = circle(geometry.washer_inner_diameter);
+    let seat = Seat::new(geometry, refinement, order);
     let bore_radius = equal_area_radius(0.5 * geometry.washer_inner_diameter, n, order);
     let hole_radius = equal_area_radius(0.5 * geometry.hole_diameter, refinement.hole_ring(), order);
     // A washer's nodes must lie on the beam's face, and its seat must stay under the hexagon.
@@ -274,28 +387,23 @@ pub(crate) fn hardware(geometry: &Geometry, refinement: &Refinement, order: Elem
         ("washer bore polygon radius", bore_radius),
         ("half across_flats", 0.5 * geometry.across_flats),
     )?;
-    // Corners at 30, 90, ... degrees, which are multiples of 360/12.
-    let hexagon = (0..n).map(|k| {
-        let from_flat = angle(((k + n / 12) % (n / 6)) as f64) - PI / 6.0;
-        let radius = 0.5 * geometry.across_flats / from_flat.cos();
-        [radius * angle(k as f64).cos(), radius * angle(k as f64).sin()]
-    });
-    let hexagon = Ring::straight(hexagon.collect());
-
-    let (shank, surface) = disc(&circle(geometry.shank_diameter), refinement.shank_rings);
+    let (shank, surface) = disc(&circle(geometry.shank_diameter, n, order), refinement.shank_rings);
     let mut head = shank.clone();
-    let ring = head.surround(&surface, &bore, 1);
-    head.surround(&ring, &hexagon, refinement.seat_rings);
+    let ring = head.surround(&surface, &seat.bore, 1);
+    head.surround(&ring, &seat.hexagon, refinement.seat_rings);
 
     let mut washer = Section::default();
-    let ring = washer.add_ring(circle(geometry.washer_inner_diameter));
-    let ring = washer.surround(&ring, &hexagon, refinement.seat_rings);
-    washer.surround(&ring, &circle(geometry.washer_outer_diameter), refinement.rim_rings);
+    let rings: Vec<_> = seat
+        .washer(refinement)
+        .into_iter()
+        .map(|ring| washer.add_ring(ring))
+        .collect();
+    washer.fill(&rings, true);
 
     let mut nut = Section::default();
-    let ring = nut.add_ring(circle(geometry.nut_bore_diameter));
-    let ring = nut.surround(&ring, &bore, 1);
-    nut.surround(&ring, &hexagon, refinement.seat_rings);
+    let ring = nut.add_ring(circle(geometry.nut_bore_diameter, n, order));
+    let ring = nut.surround(&ring, &seat.bore, 1);
+    nut.surround(&ring, &seat.hexagon, refinement.seat_rings);
 
     Ok(Hardware {
         shank,
