@@ -521,12 +521,21 @@ fn scenes_get_the_settings_that_they_do_not_give() {
     assert_eq!(own.points_per_direction, 3);
     assert_eq!(own.cqsma.vertices_per_quarter, draft.vertices_per_quarter);
     assert_eq!(own.cqsma.amplitude_to, Length::from_si(1e-3));
-    // The standard is what scenes get that ask for nothing.
+    // Order, refinement and formulation make a mesh together: a scene that gives one of them keeps its own.
+    let mesh = |scene: &Scene| (scene.model.element_order, scene.model.refinement);
     let standard = read(json!({ "accuracy": "standard" })).unwrap();
-    let mut nothing = read(json!({ "mu": 0.2 })).unwrap();
-    nothing.accuracy = standard.accuracy;
-    nothing.model.modes = standard.model.modes;
-    assert_eq!((nothing.model.n_modes(), &nothing), (20, &standard));
+    assert_eq!(mesh(&standard), (ElementOrder::Quadratic, RefinementLevel::Coarse));
+    let nothing = read(json!({})).unwrap();
+    assert_eq!(mesh(&nothing), (ElementOrder::Linear, RefinementLevel::Default));
+    for own in [
+        json!({ "refinement": "default" }),
+        json!({ "element_order": "linear" }),
+        json!({ "formulation": "incompatible-modes" }),
+    ] {
+        let kept = read(json!({ "accuracy": "standard", "model": own })).unwrap();
+        assert_eq!(mesh(&kept), mesh(&nothing), "{own}");
+        assert_eq!(kept.points_per_direction, standard.points_per_direction, "{own}");
+    }
     let text = serde_json::to_string(&own).unwrap();
     let again = Scene::from_json(&text, "test", "test", &BENCHMARKS).unwrap();
     assert_eq!(again, own, "a scene with its settings filled in stays as it is");
@@ -544,11 +553,20 @@ fn scenes_get_the_settings_that_they_do_not_give() {
 
 #[test]
 fn finer_settings_are_finer_in_something_and_coarser_in_nothing() {
-    let standard = beam("standard");
-    let (preset, fine) = refined(&standard).unwrap();
+    let mut linear = beam("linear");
+    linear.model.formulation = Some(Formulation::IncompatibleModes);
+    let (preset, fine) = refined(&linear).unwrap();
+    assert_eq!(preset.name, "standard");
+    // A coarse quadratic mesh is finer than any linear one, and incompatible modes are none of its formulations.
+    assert_eq!(fine.model.element_order, ElementOrder::Quadratic);
+    assert_eq!(
+        (fine.model.formulation, fine.model.hexahedra()),
+        (None, Formulation::Reduced)
+    );
+    let (preset, finer) = refined(&fine).unwrap();
     assert_eq!(preset.name, "reference");
-    assert!(fine.model.refinement as usize > standard.model.refinement as usize);
-    let mut vertices = standard.clone();
+    assert!(finer.model.refinement as usize > fine.model.refinement as usize);
+    let mut vertices = beam("vertices");
     vertices.model.refinement = RefinementLevel::Quick;
     vertices.model.modes = Some(10);
     assert_eq!(refined(&vertices).unwrap().0.name, "coarse");
@@ -604,11 +622,16 @@ fn elements_of_benchmarks_and_decks_may_be_quadratic() {
         refused(&matrices)
     );
 
-    // The limit of the mesh is estimated from two formulations of linear elements alone.
-    let mut quick = scene;
-    quick.model.refinement = RefinementLevel::Quick;
-    let error = Partner::try_new(&quick).unwrap_err();
-    assert!(matches!(error, Error::OneFormulation { .. }), "{error}");
+    // The partner of reduced integration is full integration, and the other way round.
+    for (own, other) in [
+        (None, Formulation::Full),
+        (Some(Formulation::Full), Formulation::Reduced),
+    ] {
+        let mut quick = scene.clone();
+        (quick.model.refinement, quick.model.formulation) = (RefinementLevel::Quick, own);
+        let partner = Partner::try_new(&quick).unwrap();
+        assert_eq!(partner.scene.model.hexahedra(), other);
+    }
 }
 
 #[test]
@@ -619,16 +642,23 @@ fn the_error_of_a_mesh_is_known_where_it_was_measured() {
         assert_eq!(bar.frequency_relative.is_some(), bar.damping_ln.is_some());
         bar.frequency_relative
     };
-    for hexahedra in [None, Some(Formulation::Reduced)] {
+    let levels = [
+        RefinementLevel::Quick,
+        RefinementLevel::Coarse,
+        RefinementLevel::Default,
+        RefinementLevel::Fine,
+        RefinementLevel::Finest,
+    ];
+    for (element_order, hexahedra, measured) in [
+        (ElementOrder::Linear, None, 5),
+        (ElementOrder::Linear, Some(Formulation::Reduced), 5),
+        (ElementOrder::Quadratic, None, 4),
+        (ElementOrder::Quadratic, Some(Formulation::Full), 3),
+    ] {
         let mut last = f64::INFINITY;
-        for refinement in [
-            RefinementLevel::Quick,
-            RefinementLevel::Coarse,
-            RefinementLevel::Default,
-            RefinementLevel::Fine,
-            RefinementLevel::Finest,
-        ] {
+        for refinement in levels.into_iter().take(measured) {
             let mut scene = beam("family");
+            scene.model.element_order = element_order;
             (scene.model.refinement, scene.model.formulation) = (refinement, hexahedra);
             let error = known(&scene).unwrap();
             assert!(error > 0.0 && error < last, "{refinement:?}: {error} after {last}");
@@ -644,7 +674,10 @@ fn the_error_of_a_mesh_is_known_where_it_was_measured() {
     };
     assert!(changed(|scene| scene.model.arm_layers = Some(10)).contains("arm_layers"));
     assert!(changed(|scene| scene.model.formulation = Some(Formulation::Full)).contains("formulation"));
-    assert!(changed(|scene| scene.model.element_order = ElementOrder::Quadratic).contains("linear elements"));
+    let finest = |scene: &mut Scene| {
+        (scene.model.element_order, scene.model.refinement) = (ElementOrder::Quadratic, RefinementLevel::Finest);
+    };
+    assert!(changed(finest).contains("refinement"));
     assert!(changed(|scene| scene.cqsma.mode = 3).contains("first mode"));
     assert!(changed(|scene| scene.cqsma.modes_of_interest = vec![1, 3]).contains("first mode"));
     let deck = read(&on_deck()).unwrap();

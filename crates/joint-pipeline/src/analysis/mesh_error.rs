@@ -1,15 +1,16 @@
 //! How far the mesh of a scene is from its limit: measured in advance on a benchmark, or estimated from a second formulation of the
 //! elements.
 //!
-//! On the same mesh hexahedra with incompatible modes are too stiff and those with reduced integration are too soft, so that the
-//! limit of a frequency lies between the two. Where in between is known of benchmarks whose meshes were refined, see
-//! [`LimitWeight`]. Damping has no such order: both formulations may lie on one side.
+//! On the same mesh hexahedra of eight nodes with incompatible modes are too stiff and those with reduced integration are too soft, so
+//! that the limit of a frequency lies between the two. Hexahedra of twenty nodes with full integration are too stiff; with reduced
+//! integration they are less so, and the limit may lie below both. Where it lies is known of benchmarks whose meshes were refined,
+//! see [`LimitWeight`]. Damping has no such order: both formulations may lie on one side.
 
 use super::comparison::{Backbone, Point};
 use super::run::{ModeBackbone, Run};
 use crate::Error;
 use crate::joint::Bodies;
-use crate::joint::benchmark::{ElementOrder, LimitWeight, MeshAccuracy};
+use crate::joint::benchmark::{LimitWeight, MeshAccuracy};
 use crate::progress::Silent;
 use crate::scene::{Scene, StructureSource};
 use crate::structure::Structure;
@@ -49,10 +50,10 @@ impl ErrorBar {
             Err(reason) => return Self::unknown(reason),
         };
         let model = &scene.model;
-        let row = accuracy
-            .errors
-            .iter()
-            .find(|row| row.refinement == model.refinement && row.hexahedra == model.hexahedra());
+        let row = accuracy.errors.iter().find(|row| {
+            (row.element_order, row.refinement, row.hexahedra)
+                == (model.element_order, model.refinement, model.hexahedra())
+        });
         match row {
             None => Self::unknown("this refinement was not measured with this formulation of the elements"),
             Some(row) => Self {
@@ -97,9 +98,6 @@ fn accuracy(scene: &Scene) -> Result<MeshAccuracy, &'static str> {
         StructureSource::Matrices(_) => return Err("matrices do not show their mesh"),
     };
     let accuracy = accuracy.ok_or("no refinements of this benchmark were measured")?;
-    if scene.model.element_order == ElementOrder::Quadratic {
-        return Err("refinements were measured with linear elements, and the scene's are quadratic");
-    }
     if scene.model.arm_layers.is_some() {
         return Err("model.arm_layers replaces what the refinement had when it was measured");
     }
@@ -119,8 +117,8 @@ pub struct MeshEstimate {
     pub other: Formulation,
     /// Share of the elements that have both formulations; the others are the same in both runs.
     pub share_of_elements: f64,
-    /// `w` in the estimate `f_I - w (f_I - f_R)` of the limit of a frequency; `null` where it is not calibrated, and the two
-    /// frequencies are a bracket alone.
+    /// `w` in the estimate `f_S - w (f_S - f_R)` of the limit of a frequency from the stiffer and the softer formulation; `null` where
+    /// it is not calibrated.
     pub weight: Option<f64>,
     /// Largest deviation from the weight where it was calibrated.
     pub weight_spread: Option<f64>,
@@ -186,7 +184,8 @@ pub struct Partner {
 }
 
 impl Partner {
-    /// The partner of a scene: reduced integration, or incompatible modes for a scene that has reduced integration.
+    /// The partner of a scene: reduced integration, or for a scene that has reduced integration incompatible modes, with quadratic
+    /// elements full integration.
     ///
     /// # Errors
     /// [`Error::OneFormulation`] where the structure has no hexahedra that could have another formulation, or several
@@ -206,26 +205,30 @@ impl Partner {
             return Err(refuse("the structure has no mesh"));
         };
         let elements = &bodies.assembly.mesh.elements;
-        let both = |cell: &Cell| {
-            [Formulation::IncompatibleModes, Formulation::Reduced]
-                .iter()
-                .all(|formulation| cell.element_type().offers(*formulation))
+        let stiffer = |cell: &Cell| {
+            let row = cell.element_type();
+            [Formulation::IncompatibleModes, Formulation::Full]
+                .into_iter()
+                .find(|formulation| row.offers(*formulation) && row.offers(Formulation::Reduced))
         };
-        let mut formulations = elements.iter().filter(|e| both(&e.cell)).map(|e| e.cell.formulation());
-        let own = formulations
-            .next()
-            .ok_or_else(|| refuse("none of its elements has two formulations; only hexahedra of eight nodes have"))?;
+        let mut formulations = elements
+            .iter()
+            .filter_map(|e| Some((e.cell.formulation(), stiffer(&e.cell)?)));
+        let (own, stiffer) = formulations.next().ok_or_else(|| {
+            refuse("none of its elements has two formulations; only hexahedra of eight or twenty nodes have")
+        })?;
         let mut count = 1_usize;
-        for formulation in formulations {
+        for next in formulations {
             count += 1;
-            if formulation != own {
+            if next != (own, stiffer) {
                 return Err(refuse(
-                    "its hexahedra have several formulations; give all of them one with model.formulation",
+                    "its hexahedra have several formulations or numbers of nodes; model.formulation gives all of them one \
+                     formulation",
                 ));
             }
         }
         let other = match own {
-            Formulation::Reduced => Formulation::IncompatibleModes,
+            Formulation::Reduced => stiffer,
             _ => Formulation::Reduced,
         };
         let mut partner = scene.clone();
@@ -233,12 +236,14 @@ impl Partner {
         let pair = [own, other];
         let limit = match accuracy(scene) {
             Err(reason) => Err(reason),
-            Ok(_) if !pair.contains(&Formulation::IncompatibleModes) => {
-                Err("the weight was measured between incompatible modes and reduced integration")
-            }
+            Ok(_) if !pair.contains(&stiffer) => Err(
+                "the weight was measured between reduced integration and incompatible modes, with quadratic elements full integration",
+            ),
             Ok(accuracy) => {
                 let mut rows = accuracy.limits.iter();
-                let row = rows.find(|row| row.refinement == scene.model.refinement);
+                let model = &scene.model;
+                let row =
+                    rows.find(|row| (row.element_order, row.refinement) == (model.element_order, model.refinement));
                 row.map(|row| (*row, accuracy.source))
                     .ok_or("the weight was not measured on this refinement")
             }
@@ -257,10 +262,10 @@ impl MeshEstimate {
     /// The two formulations for readers, that of the run first.
     pub fn formulations(&self) -> [&'static str; 2] {
         [self.formulation, self.other].map(|formulation| match formulation {
-            Formulation::IncompatibleModes => "incompatible modes (C3D8I)",
-            Formulation::BBar => "B-bar (C3D8)",
+            Formulation::IncompatibleModes => "incompatible modes",
+            Formulation::BBar => "B-bar",
             Formulation::Full => "full integration",
-            Formulation::Reduced => "reduced integration (C3D8R)",
+            Formulation::Reduced => "reduced integration",
         })
     }
 
@@ -312,7 +317,7 @@ impl MeshEstimate {
             weight_spread: weight.map(|w| w.spread),
             source: match partner.limit {
                 Ok((_, source)) => source.to_owned(),
-                Err(reason) => format!("not calibrated: {reason}; the two frequencies are a bracket"),
+                Err(reason) => format!("not calibrated: {reason}"),
             },
             modes: modes.collect(),
         }

@@ -176,6 +176,8 @@ pub struct MeshAccuracy {
 /// Largest differences of the results on one mesh to the limit of the mesh, the uncertainty of the limit included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshError {
+    /// Order of its elements.
+    pub element_order: ElementOrder,
     /// How fine the mesh is.
     pub refinement: RefinementLevel,
     /// Formulation of its hexahedra.
@@ -186,10 +188,12 @@ pub struct MeshError {
     pub damping: f64,
 }
 
-/// The limit of a frequency from the same mesh in two formulations: `f_I - weight (f_I - f_R)`, where `f_I` belongs to
-/// incompatible modes and `f_R` to reduced integration.
+/// The limit of a frequency from the same mesh in two formulations: `f_S - weight (f_S - f_R)`, where `f_R` belongs to reduced
+/// integration and `f_S` to the stiffer formulation: incompatible modes of linear elements, full integration of quadratic ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitWeight {
+    /// Order of its elements.
+    pub element_order: ElementOrder,
     /// How fine the mesh is.
     pub refinement: RefinementLevel,
     /// Weight (-).

@@ -1,10 +1,10 @@
 //! How exact a scene asks to be: settings chosen by their measured errors.
 //!
-//! [`PRESETS`] are whole sets of numerical settings, each with the sum of the errors that `cargo xtask trade` measured for its
-//! mesh, points and vertices on the flat beam against finer computations of the same model. A scene that asks for an accuracy gets the settings of
+//! [`PRESETS`] are whole sets of numerical settings, each with the sum of the errors that were measured for its mesh, points and
+//! vertices on the Brake-Reuss beam (`docs/accuracy.md`). A scene that asks for an accuracy gets the settings of
 //! a preset wherever it does not give its own.
 
-use super::{RefinementLevel, Scene};
+use super::{ElementOrder, RefinementLevel, Scene};
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -14,7 +14,10 @@ use serde_json::{Value, json};
 pub struct Preset {
     /// Name.
     pub name: &'static str,
-    /// Block mesh; without effect where a deck or matrices replace it.
+    /// Order of the elements and refinement of a benchmark's mesh; without effect where a deck or matrices replace it, and on scenes
+    /// that give a mesh of their own: an order, a refinement or a formulation.
+    pub element_order: ElementOrder,
+    /// See there.
     pub refinement: RefinementLevel,
     /// Quadrature points per direction of an interface element.
     pub points_per_direction: usize,
@@ -32,51 +35,55 @@ pub struct Preset {
     pub cost: f64,
 }
 
-/// From the cheapest to the finest. Errors are against the finest mesh (2352 interface elements) and rounded up; how far that is
-/// from the limit of the mesh, [`ErrorBar`](crate::analysis::mesh_error::ErrorBar) says.
+/// From the cheapest to the finest. Errors are against the limit of the mesh and rounded up: those of
+/// [`ErrorBar`](crate::analysis::mesh_error::ErrorBar) with those of the vertices.
 pub static PRESETS: [Preset; 4] = [
     Preset {
         name: "draft",
+        element_order: ElementOrder::Linear,
         refinement: RefinementLevel::Quick,
         points_per_direction: 2,
         modes: 10,
         vertices_per_quarter: 4,
         tolerance: 1e-5,
-        frequency_error: 1.8e-2,
+        frequency_error: 2.6e-2,
         damping_error: 0.1,
         cost: 0.1,
     },
     Preset {
         name: "coarse",
-        refinement: RefinementLevel::Coarse,
-        points_per_direction: 2,
+        element_order: ElementOrder::Quadratic,
+        refinement: RefinementLevel::Quick,
+        points_per_direction: 3,
         modes: 10,
         vertices_per_quarter: 8,
         tolerance: 1e-7,
-        frequency_error: 1.2e-2,
-        damping_error: 0.065,
-        cost: 0.3,
+        frequency_error: 5e-3,
+        damping_error: 0.025,
+        cost: 0.6,
     },
     Preset {
         name: "standard",
-        refinement: RefinementLevel::Default,
-        points_per_direction: 2,
+        element_order: ElementOrder::Quadratic,
+        refinement: RefinementLevel::Coarse,
+        points_per_direction: 3,
         modes: 20,
         vertices_per_quarter: 8,
         tolerance: 1e-9,
-        frequency_error: 8e-3,
-        damping_error: 0.025,
+        frequency_error: 3e-3,
+        damping_error: 0.018,
         cost: 1.0,
     },
     Preset {
         name: "reference",
-        refinement: RefinementLevel::Fine,
+        element_order: ElementOrder::Quadratic,
+        refinement: RefinementLevel::Default,
         points_per_direction: 3,
         modes: 20,
         vertices_per_quarter: 32,
         tolerance: 1e-9,
-        frequency_error: 2.5e-3,
-        damping_error: 0.016,
+        frequency_error: 1.5e-3,
+        damping_error: 0.012,
         cost: 5.0,
     },
 ];
@@ -102,7 +109,7 @@ pub enum Accuracy {
 pub enum Level {
     /// The cheapest.
     Draft,
-    /// What scenes get that ask for nothing.
+    /// What is advised.
     Standard,
     /// The finest.
     Reference,
@@ -164,8 +171,9 @@ impl Accuracy {
 
 impl Preset {
     /// Where a scene file has the settings, and their values.
-    fn settings(&self) -> [([&'static str; 2], Value); 5] {
+    fn settings(&self) -> [([&'static str; 2], Value); 6] {
         [
+            (["model", "element_order"], json!(self.element_order)),
             (["model", "refinement"], json!(self.refinement)),
             (["", "points_per_direction"], json!(self.points_per_direction)),
             (["model", "modes"], json!(self.modes)),
@@ -177,11 +185,21 @@ impl Preset {
     /// Writes the settings into a scene file where it has none of its own.
     pub(crate) fn fill(&self, scene: &mut Value) {
         let given = |path: &str| scene.pointer(path).is_some_and(|value| !value.is_null());
-        let imported = given("/structure/deck") || given("/structure/matrices");
+        // Order, refinement and formulation make a mesh together.
+        let own_mesh = [
+            "structure/deck",
+            "structure/matrices",
+            "model/element_order",
+            "model/refinement",
+            "model/formulation",
+        ]
+        .iter()
+        .any(|path| given(&format!("/{path}")));
         // A reduction to an error finds its number of modes, and matrices over the jump have theirs.
         let own_modes = given("/structure/matrices") || given("/model/reduction_error");
         for ([group, name], value) in self.settings() {
-            if (name == "refinement" && imported) || (name == "modes" && own_modes) {
+            let of_mesh = ["element_order", "refinement"].contains(&name);
+            if (of_mesh && own_mesh) || (name == "modes" && own_modes) {
                 continue;
             }
             let Some(mut object) = scene.as_object_mut() else {
@@ -205,8 +223,14 @@ impl Preset {
     fn refines(&self, scene: &Scene) -> bool {
         let meshed = scene.structure.benchmark().is_some();
         let reduced = scene.structure.matrices().is_none();
+        // The coarsest quadratic mesh is nearer to the limit than the finest linear one.
+        let mesh = |order: ElementOrder, refinement: RefinementLevel| 100 * order as usize + refinement as usize;
         let pairs = [
-            (self.refinement as usize, scene.model.refinement as usize, meshed),
+            (
+                mesh(self.element_order, self.refinement),
+                mesh(scene.model.element_order, scene.model.refinement),
+                meshed,
+            ),
             (self.points_per_direction, scene.points_per_direction, true),
             (self.modes, scene.model.n_modes(), reduced),
             (self.vertices_per_quarter, scene.cqsma.vertices_per_quarter, true),
@@ -219,7 +243,11 @@ impl Preset {
     fn refine(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         if scene.structure.benchmark().is_some() {
-            scene.model.refinement = self.refinement;
+            if scene.model.element_order != self.element_order {
+                // The other order need not have the scene's formulation.
+                scene.model.formulation = None;
+            }
+            (scene.model.element_order, scene.model.refinement) = (self.element_order, self.refinement);
         }
         if scene.structure.matrices().is_none() && scene.model.reduction_error.is_none() {
             scene.model.modes = Some(self.modes);

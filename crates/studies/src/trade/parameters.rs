@@ -8,8 +8,8 @@ use joint_pipeline::Scene;
 use joint_pipeline::interface::ScannedSurface;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{
-    Bins, Commit, Curves, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RadialRule,
-    RefinementLevel, Stress, Surface, Symmetry, SyntheticScan, Yield,
+    Bins, Commit, Curves, ElementOrder, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset,
+    RadialRule, RefinementLevel, Stress, Surface, Symmetry, SyntheticScan, Yield,
 };
 use joint_pipeline::structure::Structure;
 
@@ -146,7 +146,21 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
     ];
     meshes.truncate(if quick { 3 } else { 5 });
     let finest = meshes[meshes.len() - 1];
-    let mesh = named(base, &meshes, |scene, refinement| scene.model.refinement = refinement);
+    let mut mesh = named(base, &meshes, |scene, refinement| scene.model.refinement = refinement);
+    // The finest of these is nearest to the limit of all.
+    let quadratic = [
+        ("quadratic quick", RefinementLevel::Quick),
+        ("quadratic coarse", RefinementLevel::Coarse),
+        ("quadratic default", RefinementLevel::Default),
+        ("quadratic fine", RefinementLevel::Fine),
+    ];
+    mesh.extend(named(
+        base,
+        &quadratic[..if quick { 2 } else { 4 }],
+        |scene, refinement| {
+            (scene.model.element_order, scene.model.refinement) = (ElementOrder::Quadratic, refinement);
+        },
+    ));
     let mut formulations = named(
         base,
         &[
@@ -163,7 +177,11 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         ..setting
     }));
     let mut parameters = vec![
-        error("mesh", "block mesh: interface elements, bodies with them", mesh),
+        error(
+            "mesh",
+            "block mesh: order of the elements and refinement, interface and bodies",
+            mesh,
+        ),
         Parameter {
             share: Share::None,
             ..error(
@@ -490,11 +508,11 @@ fn bootstrap(scan: &Scene) -> Vec<Setting> {
     ]
 }
 
-/// The sets that scenes can ask for, against the finest mesh with the other settings of the finest set.
+/// The sets that scenes can ask for, against the mesh after that of the finest set with its other settings.
 fn sets(base: &Scene) -> Vec<Setting> {
     let scene = |preset: &Preset, refinement| {
         let mut scene = base.clone();
-        scene.model.refinement = refinement;
+        (scene.model.element_order, scene.model.refinement) = (preset.element_order, refinement);
         scene.model.modes = Some(preset.modes);
         scene.points_per_direction = preset.points_per_direction;
         scene.cqsma.vertices_per_quarter = preset.vertices_per_quarter;
@@ -505,6 +523,6 @@ fn sets(base: &Scene) -> Vec<Setting> {
         .iter()
         .map(|preset| Setting::new(preset.name, scene(preset, preset.refinement)));
     let [.., finest] = &PRESETS;
-    let beyond = Setting::new("reference, finest mesh", scene(finest, RefinementLevel::Finest));
+    let beyond = Setting::new("reference, fine mesh", scene(finest, RefinementLevel::Fine));
     sets.chain([beyond]).collect()
 }
