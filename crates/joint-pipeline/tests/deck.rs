@@ -467,7 +467,7 @@ fn two_formulations_need_hexahedra_that_have_them() {
     std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
     let message = refused(&on_bricks(&path, Value::Null, json!([])));
     assert!(
-        message.contains("bricks:") && message.contains("only hexahedra of eight nodes"),
+        message.contains("bricks:") && message.contains("only hexahedra of eight or twenty nodes"),
         "{message}"
     );
 }

@@ -258,15 +258,7 @@ fn accuracy(summary: &Summary) -> Facts {
         );
     }
     if let Some(estimate) = &summary.mesh_estimate {
-        add(
-            "Limit of the mesh",
-            match (estimate.weight, estimate.weight_spread) {
-                (Some(weight), Some(spread)) => {
-                    format!("f_I - w (f_I - f_R) with w = {weight} ± {spread}; {}", estimate.source)
-                }
-                _ => estimate.source.clone(),
-            },
-        );
+        add("Limit of the mesh", estimate.rule());
         add(
             "Elements with both formulations",
             format!("{:.1} %", 100.0 * estimate.share_of_elements),

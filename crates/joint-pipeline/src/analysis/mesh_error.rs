@@ -269,6 +269,17 @@ impl MeshEstimate {
         })
     }
 
+    /// How the limit follows from the two frequencies, or why there is none, for readers.
+    pub fn rule(&self) -> String {
+        match (self.weight, self.weight_spread) {
+            (Some(weight), Some(spread)) => format!(
+                "f_S - w (f_S - f_R) with w = {weight} +- {spread}, f_R of reduced integration and f_S of the other formulation; {}",
+                self.source
+            ),
+            _ => self.source.clone(),
+        }
+    }
+
     /// Compares the run of a scene with that of its partner.
     pub fn new(run: &Run, partner: &Partner, other: &Run) -> Self {
         let weight = partner.limit.as_ref().ok().map(|(weight, _)| *weight);

@@ -291,14 +291,7 @@ fn mesh_estimate(estimate: &MeshEstimate) -> String {
             );
         }
     }
-    let _ = match (estimate.weight, estimate.weight_spread) {
-        (Some(weight), Some(spread)) => writeln!(
-            out,
-            "limit: f_I - w (f_I - f_R) with w = {weight} +- {spread}; {}",
-            estimate.source
-        ),
-        _ => writeln!(out, "limit: {}", estimate.source),
-    };
+    let _ = writeln!(out, "limit: {}", estimate.rule());
     if estimate.share_of_elements < 1.0 {
         let share = 100.0 * estimate.share_of_elements;
         let _ = writeln!(
