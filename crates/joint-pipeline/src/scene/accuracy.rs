@@ -60,7 +60,7 @@ pub static PRESETS: [Preset; 4] = [
         tolerance: 1e-7,
         frequency_error: 5e-3,
         damping_error: 0.036,
-        cost: 0.6,
+        cost: 0.5,
     },
     Preset {
         name: "standard",
@@ -84,7 +84,7 @@ pub static PRESETS: [Preset; 4] = [
         tolerance: 1e-9,
         frequency_error: 1.5e-3,
         damping_error: 0.022,
-        cost: 5.0,
+        cost: 3.4,
     },
 ];
 
