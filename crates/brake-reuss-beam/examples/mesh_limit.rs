@@ -1,8 +1,10 @@
 //! The limit of the mesh: the first frequency of the beam (half of it where it is flat), by levels and orders of the elements.
 //!
 //! `mesh_limit family [GREATEST]` prints multiples of one mesh, all counts multiplied by the same number, with two formulations of linear
-//! elements, to the third multiple (in minutes) or another one. `mesh_limit LEVEL FORMULATION [GAP]` prints one row: level `quick`,
-//! `coarse`, `default`, `fine` or `finest`, formulation `C3D8I`, `C3D8R` or `C3D20R`, gap `flat` or `measured`.
+//! elements, to the third multiple (in minutes) or another one; `mesh_limit graded [GREATEST]` those of the graded mesh in quadratic
+//! elements, to the second multiple. `mesh_limit LEVEL FORMULATION [GAP]` prints one row: level `quick`, `coarse`, `default`, `fine` or
+//! `finest`, formulation `C3D8I`, `C3D8R`, `C3D20` or `C3D20R`, gap `flat` or `measured`. Interface elements have two points per
+//! direction, quadratic ones three.
 #![expect(clippy::print_stdout, reason = "an example prints")]
 use brake_reuss_beam::mesh::Refinement;
 use brake_reuss_beam::{BrakeReussBenchmark, benchmark, published};
@@ -18,9 +20,10 @@ use substructure::elements::Formulation;
 
 type Elements = (&'static str, ElementOrder, Formulation);
 
-const ELEMENTS: [Elements; 3] = [
+const ELEMENTS: [Elements; 4] = [
     ("C3D8I", ElementOrder::Linear, Formulation::IncompatibleModes),
     ("C3D8R", ElementOrder::Linear, Formulation::Reduced),
+    ("C3D20", ElementOrder::Quadratic, Formulation::Full),
     ("C3D20R", ElementOrder::Quadratic, Formulation::Reduced),
 ];
 
@@ -28,19 +31,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments.as_slice() {
-        [] | ["family"] => family(3),
-        ["family", greatest] => family(greatest.parse()?),
+        [] | ["family"] => family(&Refinement::unit(), [0, 1], 3),
+        ["family", greatest] => family(&Refinement::unit(), [0, 1], greatest.parse()?),
+        ["graded"] => family(&Refinement::graded_unit(), [2, 3], 2),
+        ["graded", greatest] => family(&Refinement::graded_unit(), [2, 3], greatest.parse()?),
         [level, elements] => row(level, elements, "flat"),
         [level, elements, gap] => row(level, elements, gap),
-        _ => Err("give `family [GREATEST]`, or a level, a formulation and a gap".into()),
+        _ => Err("give `family [GREATEST]`, `graded [GREATEST]`, or a level, a formulation and a gap".into()),
     }
 }
 
-fn family(greatest: u8) -> Result<(), Box<dyn Error>> {
-    println!("multiple  interface elements  C3D8I [Hz]  C3D8R [Hz]");
+fn family(unit: &Refinement, elements: [usize; 2], greatest: u8) -> Result<(), Box<dyn Error>> {
+    let elements = elements.map(|row| ELEMENTS[row]);
+    println!(
+        "multiple  interface elements  {:>6} [Hz] {:>6} [Hz]",
+        elements[0].0, elements[1].0
+    );
     for multiple in 1..=greatest {
-        let refinement = Refinement::unit().scaled(f64::from(multiple))?;
-        let [stiff, soft] = [ELEMENTS[0], ELEMENTS[1]].map(|elements| first(&refinement, elements, Gap::Flat));
+        let refinement = unit.scaled(f64::from(multiple))?;
+        let [stiff, soft] = elements.map(|elements| first(&refinement, elements, Gap::Flat));
         println!(
             "{multiple:>8} {:>19} {:>11.4} {:>11.4}",
             refinement.interface_elements(),
@@ -91,6 +100,9 @@ fn first(refinement: &Refinement, (_, element_order, hexahedra): Elements, gap: 
         _ => Symmetry::None,
     };
     scene.model.element_order = element_order;
+    if element_order == ElementOrder::Quadratic {
+        scene.points_per_direction = 3;
+    }
     scene.model.formulation = Some(hexahedra);
     scene.cqsma.amplitudes = 0;
     scene.gap = gap;

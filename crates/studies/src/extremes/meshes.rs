@@ -4,9 +4,11 @@ use super::Case;
 use super::bench::{Bench, meshed};
 use super::findings::{Findings, Refusal};
 use anyhow::{Context, Result};
-use joint_pipeline::scene::Formulation;
+use joint_pipeline::analysis::Prepared;
+use joint_pipeline::progress::Silent;
+use joint_pipeline::scene::{ElementOrder, Formulation, RefinementLevel, Symmetry};
 use joint_pipeline::structure::Structure;
-use joint_pipeline::{Error, Run};
+use joint_pipeline::{Error, Options, Run};
 use substructure::mesh::{Cell, Element as Solid};
 
 pub(super) static CASES: &[Case] = &[
@@ -41,6 +43,12 @@ pub(super) static CASES: &[Case] = &[
         run: inverted_hexahedron,
     },
     Case {
+        name: "quadratic-elements",
+        change: "quadratic elements; a column of them a thousand times as long as wide, then one whose middle lies in its corner",
+        expected: "converges; the first frequency of the sound mesh within its discretisation; then a refusal that names element and point",
+        run: quadratic,
+    },
+    Case {
         name: "duplicate-nodes",
         change: "an interface pair twice; a solid node that no element has",
         expected: "refusals that name the nodes",
@@ -69,28 +77,36 @@ enum Pinch {
     Line(f64),
 }
 
+/// Positions of the first columns of nodes along the lap.
+fn columns<const N: usize>(structure: &Structure) -> [f64; N] {
+    let mut last = f64::NEG_INFINITY;
+    [0; N].map(|_| {
+        let places = structure.joint.interface.nodes.iter().map(|n| n[0]);
+        last = places.filter(|x| *x > last + 1e-9).fold(f64::INFINITY, f64::min);
+        last
+    })
+}
+
 /// Moves nodes of the third column of the lap's end towards the second, in the interface and in the bodies.
 fn pinch(structure: &mut Structure, how: Pinch) -> Result<()> {
-    let interface = &mut structure.joint.interface;
-    let least = |above: f64| {
-        let places = interface.nodes.iter().map(|n| n[0]).filter(|x| *x > above + 1e-9);
-        places.fold(f64::INFINITY, f64::min)
-    };
-    let first = least(f64::NEG_INFINITY);
-    let second = least(first);
-    let third = least(second);
+    let [_, second, third] = columns(structure);
     let (part, middle) = match how {
         Pinch::Column(part) => (part, None),
         Pinch::Line(part) => (part, Some(0.0)),
     };
-    let is_moved = |x: f64, y: f64| (x - third).abs() < 1e-9 && middle.is_none_or(|m: f64| (y - m).abs() < 1e-9);
+    move_column(structure, third, second + part * (third - second), middle)
+}
+
+/// Moves nodes of a column of the lap, in the interface and in the bodies: all, or those at one place across.
+fn move_column(structure: &mut Structure, from: f64, to: f64, across: Option<f64>) -> Result<()> {
+    let interface = &mut structure.joint.interface;
+    let is_moved = |x: f64, y: f64| (x - from).abs() < 1e-9 && across.is_none_or(|at: f64| (y - at).abs() < 1e-9);
     let places: Vec<[f64; 2]> = interface
         .nodes
         .iter()
         .copied()
         .filter(|n| is_moved(n[0], n[1]))
         .collect();
-    let to = second + part * (third - second);
     for node in interface.nodes.iter_mut().filter(|n| is_moved(n[0], n[1])) {
         node[0] = to;
     }
@@ -183,6 +199,46 @@ fn inverted_hexahedron(bench: &Bench) -> Result<Findings> {
         remedy: "check the node order",
     };
     findings.refused("", outcome, &refusal);
+    Ok(findings)
+}
+
+fn quadratic(bench: &Bench) -> Result<Findings> {
+    let scene = bench.changed(|scene| {
+        (scene.model.element_order, scene.model.refinement) = (ElementOrder::Quadratic, RefinementLevel::Quick);
+        scene.model.symmetry = Symmetry::Half;
+        scene.points_per_direction = 3;
+    });
+    let sound = bench.run_scene(&scene)?;
+    let run = |structure: &Structure| {
+        let prepared = Prepared::try_new(&scene, structure, &Options::default(), &Silent);
+        prepared.and_then(|prepared| prepared.solve(&Silent))
+    };
+    let mut findings = Findings::default();
+
+    // Middles of edges keep the middle.
+    let mut needles = Structure::try_new(&scene, &Silent)?;
+    let [edge, middle, corner, next_middle, beyond] = columns(&needles);
+    let narrow = edge + 1e-3 * (corner - edge);
+    move_column(&mut needles, middle, 0.5 * (edge + narrow), None)?;
+    move_column(&mut needles, corner, narrow, None)?;
+    move_column(&mut needles, next_middle, 0.5 * (narrow + beyond), None)?;
+    let found = run(&needles)?;
+    findings.sound("", &found)?;
+    let name = "first frequency (Hz)";
+    findings.equal(name, found.frequencies[0], sound.frequencies[0], 2e-3);
+
+    let mut folded = Structure::try_new(&scene, &Silent)?;
+    move_column(&mut folded, middle, corner, None)?;
+    let refusal = Refusal {
+        place: "element ",
+        value: "m^3 at integration point",
+        remedy: "check the node order",
+    };
+    findings.refused("middle in a corner: ", run(&folded), &refusal);
+    findings.outcome = format!(
+        "converged, {:.4} Hz instead of {:.4} Hz; refused",
+        found.frequencies[0], sound.frequencies[0]
+    );
     Ok(findings)
 }
 
