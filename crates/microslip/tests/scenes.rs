@@ -278,9 +278,15 @@ fn spectra_are_printed_for_any_order_of_elements() {
     let (text, model) = spectrum(&folder, "deck/quadratic.json");
     printed(&text, &model);
     let stuck = frequencies(&model, "stuck").1;
-    for (straight, curved) in stuck.iter().zip(&quadratic) {
-        assert!((straight / curved - 1.0).abs() < 2e-3, "{straight} {curved}");
+    // Softer than the same mesh of linear elements, and near the benchmark's quadratic mesh, which is graded.
+    for ((linear, raised), graded) in linear.iter().zip(&stuck).zip(&quadratic) {
+        assert!(
+            raised < linear && (raised / graded - 1.0).abs() < 2e-2,
+            "{linear} {raised} {graded}"
+        );
     }
+    // The equally spaced block mesh in C3D20R with curved edges instead of polygons (Hz).
+    assert!((stuck[0] / 200.6213 - 1.0).abs() < 1e-4, "{}", stuck[0]);
     let count = |field: &str| model["raised"][field].as_u64().unwrap();
     assert_eq!(count("elements"), model["n_elements"].as_u64().unwrap());
     let said = format!(
