@@ -407,6 +407,22 @@ impl TractionLaw for Panicking {
     ) -> RegimeCounts {
         panic!("index 7 out of bounds")
     }
+
+    fn derivative(
+        &self,
+        _: Range<usize>,
+        _: Sticking,
+        _: Components<'_>,
+        _: StateView<'_>,
+        _: Components<'_>,
+        _: StateView<'_>,
+        _: StateViewMut<'_>,
+        _: StateViewMut<'_>,
+        _: ComponentsMut<'_>,
+        _: ComponentsMut<'_>,
+    ) -> RegimeCounts {
+        panic!("index 7 out of bounds")
+    }
 }
 
 #[test]

@@ -273,6 +273,14 @@ impl LawInfo {
     }
 }
 
+/// A direction of [`TractionLaw::derivative`], and where the derivatives go.
+pub(crate) struct Along<'a> {
+    pub(crate) d_jump: Components<'a>,
+    pub(crate) d_begin: StateView<'a>,
+    pub(crate) d_end: StateViewMut<'a>,
+    pub(crate) d_traction: ComponentsMut<'a>,
+}
+
 /// Panics when `points` exceeds the law, as [`TractionLaw::evaluate`] promises.
 pub(crate) fn check_points(points: &Range<usize>, law: &impl TractionLaw) {
     let count = law.len();
@@ -317,6 +325,35 @@ pub trait TractionLaw: Send + Sync {
         traction: ComponentsMut<'_>,
         tangent: Option<TangentMut<'_>>,
         regimes: Option<&mut [Regime]>,
+    ) -> RegimeCounts;
+
+    /// What [`Self::evaluate`] gives, and its derivative along a direction: `d_traction` and `d_end` are the changes of
+    /// tractions and of the end state per unit of a change `d_jump` of the jump and `d_begin` of the begin state.
+    ///
+    /// - One-sided at kinks: the derivative of the branch taken.
+    /// - Units: those of traction and state over the unit of the direction's parameter. With `d_begin` of zeros,
+    ///   `d_traction` is the tangent times `d_jump`.
+    /// - Chained over the steps of a path, with `d_end` as the next `d_begin`, it gives the derivative of the path.
+    /// - All slices, and the parts of the states in view, have the length of `points`.
+    ///
+    /// Never fails and never allocates. Finite input gives finite output. Tractions and end state have the bits that
+    /// [`Self::evaluate`] gives. Where the jump or the begin state of a point is not finite, the derivatives are NaN as
+    /// well; where its direction is not finite, the derivatives alone are NaN.
+    ///
+    /// # Panics
+    /// When `points` exceeds the law or a slice is shorter than `points`.
+    fn derivative(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        d_jump: Components<'_>,
+        d_begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
     ) -> RegimeCounts;
 
     /// Whether friction can take energy. If not, tractions under Coulomb's law depend on the jump alone: a path back gives what

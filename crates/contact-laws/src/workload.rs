@@ -210,6 +210,40 @@ impl<const N: usize> TractionLaw for LoadStoreFloor<N> {
         });
         RegimeCounts::default()
     }
+
+    fn derivative(
+        &self,
+        points: Range<usize>,
+        _sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        d_jump: Components<'_>,
+        d_begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
+    ) -> RegimeCounts {
+        let n = points.len();
+        let columns = core::array::from_fn(|c| &self.columns[c][points.clone()]);
+        run(Touch::<N> {
+            jump: [jump.x, jump.y, jump.n],
+            begin: begin.components::<5>(n),
+            columns,
+            end: end.components::<5>(n),
+            traction: [traction.x, traction.y, traction.n],
+            tangent: None,
+        });
+        run(Touch::<0> {
+            jump: [d_jump.x, d_jump.y, d_jump.n],
+            begin: d_begin.components::<5>(n),
+            columns: [],
+            end: d_end.components::<5>(n),
+            traction: [d_traction.x, d_traction.y, d_traction.n],
+            tangent: None,
+        });
+        RegimeCounts::default()
+    }
 }
 
 /// Block by block, the inputs are added up and the sum, a little changed for each, is written to all outputs.

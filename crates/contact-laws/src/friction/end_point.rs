@@ -21,7 +21,7 @@
 //! jointed structures*, Mech. Syst. Signal Process. 192 (2023) 110210, where it holds for every asperity.
 #![doc = include_str!("../../katex.html")]
 
-use super::rule::{FrictionRule, Memory, Path, StiffnessAt, Trial};
+use super::rule::{FrictionRule, Memory, Path, PathChange, StiffnessAt, StiffnessChange, Trial};
 use crate::jet::Jet;
 
 #[derive(Debug, Clone, Copy)]
@@ -39,5 +39,10 @@ impl FrictionRule for EndPoint {
             along: k.value,
             closing: k.slope * path.du,
         }
+    }
+
+    #[inline(always)]
+    fn trial_change(self, path: Path, k: Jet, change: PathChange, k_change: StiffnessChange) -> f64 {
+        change.traction + k_change.value * path.du + k.value * change.du
     }
 }

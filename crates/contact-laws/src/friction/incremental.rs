@@ -24,7 +24,7 @@
 //! Syst. Signal Process. 139, 2020, 106615; the midpoint in the place of (18) is this crate's.
 #![doc = include_str!("../../katex.html")]
 
-use super::rule::{FrictionRule, Memory, Path, StiffnessAt, Trial};
+use super::rule::{FrictionRule, Memory, Path, PathChange, StiffnessAt, StiffnessChange, Trial};
 use crate::jet::Jet;
 use crate::simd::bounds::bounded;
 
@@ -43,5 +43,11 @@ impl FrictionRule for Incremental {
             along: path.share * k.value,
             closing: (bounded(k.value * path.share_slope) + 0.5 * path.share * k.slope) * path.du,
         }
+    }
+
+    #[inline(always)]
+    fn trial_change(self, path: Path, k: Jet, change: PathChange, k_change: StiffnessChange) -> f64 {
+        let stiffness = bounded(change.share * k.value) + path.share * k_change.value;
+        change.traction + stiffness * path.du + path.share * k.value * change.du
     }
 }

@@ -219,12 +219,14 @@ impl LinearisedContact {
     }
 }
 
-/// What a point answers: tractions and tangent along x, y, n, and state reached.
+/// What a point answers: tractions along x, y, n, their derivatives, and state reached.
 struct Response {
     regime: Regime,
     traction: [f64; 3],
-    /// `xx, xy, yx, yy, nn`; the other entries are zero.
-    tangent: [f64; 5],
+    /// Derivatives of the tangential traction with respect to its trial: `xx, xy, yy`.
+    passed: [f64; 3],
+    /// Stiffness along x, y, n (Pa/m): derivative of the trial and of the normal traction.
+    stiffness: [f64; 3],
     end: [f64; N_STATE],
 }
 
@@ -233,9 +235,41 @@ impl Response {
         Self {
             regime,
             traction: [value; 3],
-            tangent: [value; 5],
+            passed: [value; 3],
+            stiffness: [value; 3],
             end: [value; N_STATE],
         }
+    }
+
+    /// Of an open, closed or invalid point.
+    fn new(point: Option<&StaticPoint>, sticking: Sticking, u: [f64; 3], begin: [f64; N_STATE]) -> Self {
+        let finite = u.iter().chain(&begin).all(|v| v.is_finite());
+        match point {
+            _ if !finite => Self::uniform(f64::NAN, Regime::Invalid),
+            None => Self::uniform(0.0, Regime::Open),
+            Some(point) => point.respond(sticking, u, begin),
+        }
+    }
+
+    /// `xx, xy, yx, yy, nn` of the tangent; the other entries are zero.
+    fn tangent(&self) -> [f64; 5] {
+        let ([xx, xy, yy], [k_x, k_y, k_n]) = (self.passed, self.stiffness);
+        [xx * k_x, xy * k_y, xy * k_x, yy * k_y, k_n]
+    }
+
+    /// Derivatives of the tractions and of the state reached along a direction.
+    fn change(&self, d: [f64; 3], d_begin: [f64; N_STATE]) -> ([f64; 3], [f64; N_STATE]) {
+        let finite = d.iter().chain(&d_begin).all(|v| v.is_finite());
+        match self.regime {
+            Regime::Invalid => return ([f64::NAN; 3], [f64::NAN; N_STATE]),
+            _ if !finite => return ([f64::NAN; 3], [f64::NAN; N_STATE]),
+            Regime::Open => return ([0.0; 3], [0.0; N_STATE]),
+            Regime::Stick | Regime::Slip => {}
+        }
+        let ([xx, xy, yy], k) = (self.passed, self.stiffness);
+        let trial: [f64; 2] = core::array::from_fn(|q| d_begin[2 + q] + k[q] * (d[q] - d_begin[q]));
+        let [x, y] = [xx * trial[0] + xy * trial[1], xy * trial[0] + yy * trial[1]];
+        ([x, y, k[2] * d[2]], [d[0], d[1], x, y])
     }
 }
 
@@ -256,7 +290,8 @@ impl StaticPoint {
             return Response {
                 regime: Regime::Stick,
                 traction: [trial[0], trial[1], t_n],
-                tangent: [k[0], 0.0, 0.0, k[1], k[2]],
+                passed: [1.0, 0.0, 1.0],
+                stiffness: k,
                 end: [d[0], d[1], beyond[0], beyond[1]],
             };
         }
@@ -267,11 +302,11 @@ impl StaticPoint {
         };
         let t = s.map(|s| slip_limit * s);
         let across = share * s[0] * s[1];
-        let [xx, yy] = [share * s[1] * s[1], share * s[0] * s[0]];
         Response {
             regime: Regime::Slip,
             traction: [t[0], t[1], t_n],
-            tangent: [xx * k[0], -across * k[1], -across * k[0], yy * k[1], k[2]],
+            passed: [share * s[1] * s[1], -across, share * s[0] * s[0]],
+            stiffness: k,
             end: [d[0], d[1], t[0] - self.traction[0], t[1] - self.traction[1]],
         }
     }
@@ -305,25 +340,57 @@ impl TractionLaw for LinearisedContact {
         for (i, point) in self.points[points].iter().enumerate() {
             let u = [jump.x[i], jump.y[i], jump.n[i]];
             let begin = begin.map(|component| component[i]);
-            let finite = u.iter().chain(&begin).all(|v| v.is_finite());
-            let response = match point {
-                _ if !finite => Response::uniform(f64::NAN, Regime::Invalid),
-                None => Response::uniform(0.0, Regime::Open),
-                Some(point) => point.respond(sticking, u, begin),
-            };
+            let response = Response::new(point.as_ref(), sticking, u, begin);
             [traction.x[i], traction.y[i], traction.n[i]] = response.traction;
             for (component, value) in end.iter_mut().zip(response.end) {
                 component[i] = value;
             }
             if let Some(out) = tangent.as_mut() {
-                [out.xx[i], out.xy[i], out.yx[i], out.yy[i], out.nn[i]] = response.tangent;
-                let nothing = if finite { 0.0 } else { f64::NAN };
+                [out.xx[i], out.xy[i], out.yx[i], out.yy[i], out.nn[i]] = response.tangent();
+                let nothing = if response.regime == Regime::Invalid {
+                    f64::NAN
+                } else {
+                    0.0
+                };
                 for entry in [&mut out.xn, &mut out.yn, &mut out.nx, &mut out.ny] {
                     entry[i] = nothing;
                 }
             }
             if let Some(out) = regimes.as_mut() {
                 out[i] = response.regime;
+            }
+            counts.count(response.regime);
+        }
+        counts
+    }
+
+    fn derivative(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        d_jump: Components<'_>,
+        d_begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
+    ) -> RegimeCounts {
+        check_points(&points, self);
+        let n = points.len();
+        let [begin, d_begin] = [begin, d_begin].map(|state| state.components::<N_STATE>(n));
+        let [end, d_end] = [end, d_end].map(|state| state.components::<N_STATE>(n));
+        let mut counts = RegimeCounts::default();
+        for (i, point) in self.points[points].iter().enumerate() {
+            let [u, d] = [jump, d_jump].map(|jump| [jump.x[i], jump.y[i], jump.n[i]]);
+            let [begin, d_begin] = [begin, d_begin].map(|state| state.map(|component| component[i]));
+            let response = Response::new(point.as_ref(), sticking, u, begin);
+            let (change, end_change) = response.change(d, d_begin);
+            [traction.x[i], traction.y[i], traction.n[i]] = response.traction;
+            [d_traction.x[i], d_traction.y[i], d_traction.n[i]] = change;
+            for c in 0..N_STATE {
+                (end[c][i], d_end[c][i]) = (response.end[c], end_change[c]);
             }
             counts.count(response.regime);
         }

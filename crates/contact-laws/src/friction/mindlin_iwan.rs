@@ -122,8 +122,8 @@ use crate::curves::ContactCurves;
 use crate::error::{Error, Place, require};
 use crate::friction::{JUMP, MU, require_friction};
 use crate::law::{
-    Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw, check_points,
+    Along, Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
+    TangentMut, TractionLaw, check_points,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -274,6 +274,59 @@ impl<C: ContactCurves> MindlinIwan<C> {
     }
 }
 
+impl<C: ContactCurves> MindlinIwan<C> {
+    /// Derivatives along a direction, without what [`Self::run`] gives.
+    fn change(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        along: Along<'_>,
+    ) {
+        let Along {
+            d_jump,
+            d_begin,
+            d_end,
+            d_traction,
+        } = along;
+        let n_state = self.info.n_state();
+        for (i, point) in points.enumerate() {
+            let [u, d] = [jump, d_jump].map(|jump| [jump.x[i], jump.y[i], jump.n[i]]);
+            let begin_at = |c: usize| begin.data[c * begin.stride + begin.offset + i];
+            let d_begin_at = |c: usize| d_begin.data[c * d_begin.stride + d_begin.offset + i];
+            let end_index = |c: usize| c * d_end.stride + d_end.offset + i;
+
+            let finite = u.iter().chain(&d).all(|v| v.is_finite())
+                && (0..n_state).all(|c| begin_at(c).is_finite() && d_begin_at(c).is_finite());
+            let change = if !finite {
+                (0..n_state).for_each(|c| d_end.data[end_index(c)] = f64::NAN);
+                [f64::NAN; 3]
+            } else {
+                (0..N_JUMP).for_each(|c| d_end.data[end_index(c)] = d[c]);
+                if u[2] <= 0.0 {
+                    (N_JUMP..n_state).for_each(|c| d_end.data[end_index(c)] = 0.0);
+                    [0.0; 3]
+                } else {
+                    let [u_begin, change_begin] = [
+                        [begin_at(0), begin_at(1), begin_at(2)],
+                        [d_begin_at(0), d_begin_at(1), d_begin_at(2)],
+                    ];
+                    let sum = Sum::new(self.curves.at(point), *self.mu.at(point), sticking, u, u_begin);
+                    let mut change = Change::new(&sum, u, u_begin, d, change_begin);
+                    for (slider, c) in self.sliders.iter().zip((N_JUMP..).step_by(2)) {
+                        let [begin, d_begin] = [[begin_at(c), begin_at(c + 1)], [d_begin_at(c), d_begin_at(c + 1)]];
+                        let stretch = change.add(&sum, slider, begin, d_begin);
+                        (d_end.data[end_index(c)], d_end.data[end_index(c + 1)]) = (stretch[0], stretch[1]);
+                    }
+                    [change.traction[0], change.traction[1], change.normal]
+                }
+            };
+            [d_traction.x[i], d_traction.y[i], d_traction.n[i]] = change;
+        }
+    }
+}
+
 impl<C: ContactCurves> TractionLaw for MindlinIwan<C> {
     fn info(&self) -> &LawInfo {
         &self.info
@@ -300,6 +353,30 @@ impl<C: ContactCurves> TractionLaw for MindlinIwan<C> {
             true => Self::run::<true>,
         };
         run(self, points, sticking, jump, begin, end, traction, tangent, regimes)
+    }
+
+    fn derivative(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        d_jump: Components<'_>,
+        d_begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
+    ) -> RegimeCounts {
+        let counts = self.evaluate(points.clone(), sticking, jump, begin, end, traction, None, None);
+        let along = Along {
+            d_jump,
+            d_begin,
+            d_end,
+            d_traction,
+        };
+        self.change(points, sticking, jump, begin, along);
+        counts
     }
 
     fn friction_coefficient(&self, point: usize) -> Option<f64> {
@@ -443,17 +520,31 @@ impl Sum {
         }
     }
 
+    /// What sticking would make of a slider that had the stretch `begin`.
+    #[inline(always)]
+    fn trial(&self, slider: &Slider, begin: [f64; 2]) -> Trial {
+        let stretch = [bounded(begin[0] + self.step[0]), bounded(begin[1] + self.step[1])];
+        let trial = [bounded(self.k[0] * stretch[0]), bounded(self.k[1] * stretch[1])];
+        Trial {
+            stretch,
+            trial,
+            limit: slider.limit_per_stiffness * self.limit,
+            length: length(trial),
+        }
+    }
+
     /// Adds a slider that had the stretch `begin`, and returns the stretch it reaches.
     #[inline(always)]
     fn add<const TANGENT: bool>(&mut self, slider: &Slider, begin: [f64; 2]) -> [f64; 2] {
         let w = slider.stiffness;
-        let stretch = [bounded(begin[0] + self.step[0]), bounded(begin[1] + self.step[1])];
-        // Traction and limit of the slider per w.
-        let trial = [bounded(self.k[0] * stretch[0]), bounded(self.k[1] * stretch[1])];
-        let limit = slider.limit_per_stiffness * self.limit;
+        let Trial {
+            stretch,
+            trial,
+            limit,
+            length,
+        } = self.trial(slider, begin);
         let closing = |q: usize| bounded(bounded(self.k_slope[q] * stretch[q]) + self.k_d_step[q]);
 
-        let length = length(trial);
         if length <= limit && self.limit > 0.0 {
             self.stuck[0] += w * trial[0];
             self.stuck[1] += w * trial[1];
@@ -504,6 +595,81 @@ impl Sum {
             ],
             regime: if self.n_stuck > 0 { Regime::Stick } else { Regime::Slip },
         }
+    }
+}
+
+/// A slider that sticks.
+struct Trial {
+    stretch: [f64; 2],
+    /// Traction per share of the stiffness, its limit and its length.
+    trial: [f64; 2],
+    limit: f64,
+    length: f64,
+}
+
+/// Derivative of a [`Sum`] along a direction.
+struct Change {
+    normal: f64,
+    /// `mu t_n`.
+    grip: f64,
+    /// `k_q(u_n)`.
+    k: [f64; 2],
+    /// Stretch added since the begin state.
+    step: [f64; 2],
+    /// Tangential traction of the sliders so far.
+    traction: [f64; 2],
+}
+
+impl Change {
+    #[inline(always)]
+    fn new(sum: &Sum, u: [f64; 3], u_begin: [f64; 3], d: [f64; 3], d_begin: [f64; 3]) -> Self {
+        let d_n = bounded(d[2]);
+        let closed = if u_begin[2] < 0.0 {
+            let path = u[2] - u_begin[2];
+            bounded((1.0 - sum.closed) / path * d_n + sum.closed / path * d_begin[2])
+        } else {
+            0.0
+        };
+        Self {
+            normal: bounded(sum.normal[1] * d_n),
+            grip: bounded(sum.grip[1] * d_n),
+            k: sum.k_slope.map(|slope| bounded(slope * d_n)),
+            step: core::array::from_fn(|q| {
+                bounded(bounded(closed * bounded(u[q] - u_begin[q])) + bounded(sum.closed * (d[q] - d_begin[q])))
+            }),
+            traction: [0.0; 2],
+        }
+    }
+
+    /// Adds a slider that had the stretch `begin`, and returns the change of the stretch it reaches.
+    #[inline(always)]
+    fn add(&mut self, sum: &Sum, slider: &Slider, begin: [f64; 2], d_begin: [f64; 2]) -> [f64; 2] {
+        let w = slider.stiffness;
+        let Trial {
+            stretch,
+            trial,
+            limit,
+            length,
+        } = sum.trial(slider, begin);
+        let moved: [f64; 2] = core::array::from_fn(|q| bounded(d_begin[q] + self.step[q]));
+        let d: [f64; 2] =
+            core::array::from_fn(|q| bounded(bounded(self.k[q] * stretch[q]) + bounded(sum.k[q] * moved[q])));
+        if length <= limit && sum.limit > 0.0 {
+            self.traction[0] += w * d[0];
+            self.traction[1] += w * d[1];
+            return moved;
+        }
+        if !(sum.limit > 0.0) {
+            return [0.0; 2];
+        }
+        let n = [trial[0] / length, trial[1] / length];
+        let ratio = limit / length;
+        let across = ratio * (n[0] * d[1] - n[1] * d[0]);
+        let grip = slider.limit_per_stiffness * self.grip;
+        self.traction[0] += w * (grip * n[0] - across * n[1]);
+        self.traction[1] += w * (grip * n[1] + across * n[0]);
+        let turn = bounded((grip - ratio * (n[0] * d[0] + n[1] * d[1])) / length);
+        core::array::from_fn(|q| bounded(bounded(turn * stretch[q]) + ratio * moved[q]))
     }
 }
 

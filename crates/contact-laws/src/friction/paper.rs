@@ -22,7 +22,7 @@
 //! 2020, 106615, eqs. (15)-(20).
 #![doc = include_str!("../../katex.html")]
 
-use super::rule::{FrictionRule, Memory, Path, StiffnessAt, Trial};
+use super::rule::{FrictionRule, Memory, Path, PathChange, StiffnessAt, StiffnessChange, Trial};
 use crate::jet::Jet;
 use crate::simd::bounds::bounded;
 
@@ -42,5 +42,13 @@ impl FrictionRule for Paper {
             along: k.value + change,
             closing: k.slope * path.du + (k.slope + bounded(k.curvature * path.du_n)) * path.u,
         }
+    }
+
+    #[inline(always)]
+    fn trial_change(self, path: Path, k: Jet, change: PathChange, k_change: StiffnessChange) -> f64 {
+        let closing = bounded(k.slope * path.du_n);
+        let closing_change = bounded(k_change.slope * path.du_n + k.slope * change.du_n);
+        let moved = k_change.value * path.du + k.value * change.du;
+        change.traction + moved + closing_change * path.u + closing * change.u
     }
 }

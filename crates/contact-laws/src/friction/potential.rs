@@ -33,7 +33,7 @@
 //! guaranteed, since a point may reverse on its own.
 #![doc = include_str!("../../katex.html")]
 
-use super::rule::{FrictionRule, Memory, NormalAddition, Path, StiffnessAt, Trial};
+use super::rule::{FrictionRule, Memory, NormalAddition, Path, PathChange, StiffnessAt, StiffnessChange, Trial};
 use crate::jet::Jet;
 
 #[derive(Debug, Clone, Copy)]
@@ -51,6 +51,11 @@ impl FrictionRule for Potential {
             along: path.share * k.value,
             closing: k.slope * path.stretch + k.value * path.stretch_slope,
         }
+    }
+
+    #[inline(always)]
+    fn trial_change(self, path: Path, k: Jet, change: PathChange, k_change: StiffnessChange) -> f64 {
+        k_change.value * path.stretch + k.value * change.stretch
     }
 
     #[inline(always)]

@@ -596,6 +596,7 @@ impl ResolvedLaw {
                         traction: bin.traction.each_mut().map(|lanes| &mut lanes.0[..m]),
                         tangent: with_tangent.then(|| bin.tangent.each_mut().map(|lanes| &mut lanes.0[..m])),
                         regimes: None,
+                        derivative: None,
                     };
                     respond(history, in_box, block);
                 };
@@ -826,6 +827,29 @@ impl TractionLaw for ResolvedLaw {
         } else {
             self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes)
         }
+    }
+
+    fn derivative(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        _d_jump: Components<'_>,
+        _d_begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
+    ) -> RegimeCounts {
+        let n = points.len();
+        for c in 0..self.info.n_state() {
+            d_end.data[c * d_end.stride + d_end.offset..][..n].fill(f64::NAN);
+        }
+        for component in [d_traction.x, d_traction.y, d_traction.n] {
+            component[..n].fill(f64::NAN);
+        }
+        self.evaluate(points, sticking, jump, begin, end, traction, None, None)
     }
 
     fn friction_coefficient(&self, point: usize) -> Option<f64> {

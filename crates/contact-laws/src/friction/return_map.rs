@@ -5,7 +5,7 @@
 //! few factors that meet here can overflow, so finite input gives finite output.
 
 use super::block_start::Present;
-use super::rule::{FrictionRule, Memory, Path};
+use super::rule::{FrictionRule, Memory, Path, PathChange, StiffnessChange};
 use crate::curves::CurveBlock;
 use crate::jet::Jet;
 use crate::law::{Regime, RegimeCounts, Sticking};
@@ -35,6 +35,44 @@ pub(crate) struct Block<'a, const B: usize> {
     /// Row by row.
     pub(crate) tangent: Option<[&'a mut [f64]; 9]>,
     pub(crate) regimes: Option<&'a mut [Regime]>,
+    pub(crate) derivative: Option<Derivative<'a, B>>,
+}
+
+/// A direction of the input of a block, and where the derivatives along it go. Every slice has the block's length.
+pub(crate) struct Derivative<'a, const B: usize> {
+    /// Changes of what [`Block`] has of the same name.
+    pub(crate) jump: [&'a [f64]; 3],
+    pub(crate) begin: [&'a [f64]; 5],
+    pub(crate) curves: &'a CurveChange<B>,
+    pub(crate) memory: [&'a mut [f64]; 2],
+    pub(crate) traction: [&'a mut [f64]; 3],
+}
+
+/// Changes of contact curves at the points of a block along a direction. Numbers are finite at closed points.
+#[derive(Debug)]
+pub(crate) struct CurveChange<const B: usize> {
+    /// Normal traction.
+    pub(crate) normal: Lanes<f64, B>,
+    /// Slip limit.
+    pub(crate) limit: Lanes<f64, B>,
+    /// Tangential stiffnesses and their slopes, along x and y.
+    pub(crate) tangential: [Lanes<f64, B>; 2],
+    pub(crate) tangential_slope: [Lanes<f64, B>; 2],
+    /// Zero, or NaN where the direction is not finite.
+    pub(crate) fill: Lanes<f64, B>,
+}
+
+impl<const B: usize> CurveChange<B> {
+    pub(crate) fn new() -> Self {
+        let zero = Lanes([0.0; B]);
+        Self {
+            normal: zero,
+            limit: zero,
+            tangential: [zero; 2],
+            tangential_slope: [zero; 2],
+            fill: zero,
+        }
+    }
 }
 
 /// Numbers between the passes over a block.
@@ -87,6 +125,9 @@ impl<const B: usize> Block<'_, B> {
         run(SlipLimits(&mut self, rule));
         if self.tangent.is_some() {
             run(Tangents(&mut self, rule));
+        }
+        if let Some(mut derivative) = self.derivative.take() {
+            run(Changes(&self, &mut derivative, rule));
         }
         self.workspace.report(n, self.regimes)
     }
@@ -609,10 +650,255 @@ fn normal_row<R: FrictionRule, const B: usize>(
     }
 }
 
+/// Changes along a direction: with the notation of [`Tangents`], `dt = d(trial)` where a point sticks and
+/// `dt = (limit/|trial|) (I - d d) d(trial) + d(limit) d` where it slips.
+struct Changes<'a, 'b, 'c, R, const B: usize>(&'a Block<'b, B>, &'a mut Derivative<'c, B>, R);
+
+impl<R: FrictionRule, const B: usize> Pass for Changes<'_, '_, '_, R, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self(block, derivative, rule) = self;
+        let mut trial = [Lanes([0.0; B]); 2];
+        let mut stretch = [Lanes([0.0; B]); 2];
+        if block.present.reclosed {
+            both_trial_changes::<R, true, B>(rule, block, derivative, &mut trial, &mut stretch);
+        } else {
+            both_trial_changes::<R, false, B>(rule, block, derivative, &mut trial, &mut stretch);
+        }
+        let Derivative {
+            jump: [_, _, change_n],
+            curves,
+            memory: [end_1, end_2],
+            traction: [traction_x, traction_y, traction_n],
+            ..
+        } = derivative;
+        let ([trial_x, trial_y], [stretch_x, stretch_y]) = (&trial, &stretch);
+        changes(
+            rule,
+            change_n,
+            block.u_n,
+            block.curves,
+            curves,
+            block.workspace,
+            trial_x,
+            trial_y,
+            stretch_x,
+            stretch_y,
+            traction_x,
+            traction_y,
+            traction_n,
+            end_1,
+            end_2,
+        );
+    }
+}
+
+/// Changes of the stuck trials along x and y, and of the stretches that sticking would leave.
+#[inline(always)]
+fn both_trial_changes<R: FrictionRule, const REOPENS: bool, const B: usize>(
+    rule: R,
+    block: &Block<'_, B>,
+    derivative: &Derivative<'_, B>,
+    trial: &mut [Lanes<f64, B>; 2],
+    stretch: &mut [Lanes<f64, B>; 2],
+) {
+    let [u_x, u_y, u_n] = block.jump;
+    let [u_x0, u_y0, u_n0, memory_x, memory_y] = block.begin;
+    let [change_x, change_y, change_n] = derivative.jump;
+    let [change_x0, change_y0, change_n0, change_1, change_2] = derivative.begin;
+    let ([trial_x, trial_y], [stretch_x, stretch_y]) = (trial, stretch);
+    let CurveBlock {
+        tangential: [k_x, k_y],
+        tangential_slope: [slope_x, slope_y],
+        ..
+    } = block.curves;
+    let CurveChange {
+        tangential: [k_change_x, k_change_y],
+        tangential_slope: [slope_change_x, slope_change_y],
+        ..
+    } = derivative.curves;
+    trial_changes::<R, REOPENS, B>(
+        rule,
+        u_x,
+        u_x0,
+        u_n,
+        u_n0,
+        memory_x,
+        change_x,
+        change_x0,
+        change_n,
+        change_n0,
+        change_1,
+        k_x,
+        slope_x,
+        k_change_x,
+        slope_change_x,
+        trial_x,
+        stretch_x,
+    );
+    trial_changes::<R, REOPENS, B>(
+        rule,
+        u_y,
+        u_y0,
+        u_n,
+        u_n0,
+        memory_y,
+        change_y,
+        change_y0,
+        change_n,
+        change_n0,
+        change_2,
+        k_y,
+        slope_y,
+        k_change_y,
+        slope_change_y,
+        trial_y,
+        stretch_y,
+    );
+}
+
+/// Changes of the stuck trials along one direction of the surface.
+#[inline(always)]
+fn trial_changes<R: FrictionRule, const REOPENS: bool, const B: usize>(
+    rule: R,
+    u: &[f64],
+    u_0: &[f64],
+    u_n: &[f64],
+    u_n0: &[f64],
+    memory: &[f64],
+    change: &[f64],
+    change_0: &[f64],
+    change_n: &[f64],
+    change_n0: &[f64],
+    change_memory: &[f64],
+    k: &Lanes<f64, B>,
+    k_slope: &Lanes<f64, B>,
+    k_change: &Lanes<f64, B>,
+    slope_change: &Lanes<f64, B>,
+    trial: &mut Lanes<f64, B>,
+    stretch: &mut Lanes<f64, B>,
+) {
+    let n = u.len().min(B);
+    let (u, u_0, u_n, u_n0, memory) = (&u[..n], &u_0[..n], &u_n[..n], &u_n0[..n], &memory[..n]);
+    let (change, change_0, change_memory) = (&change[..n], &change_0[..n], &change_memory[..n]);
+    let (change_n, change_n0) = (&change_n[..n], &change_n0[..n]);
+    for i in 0..n {
+        let du = bounded(u[i] - u_0[i]);
+        let du_change = bounded(change[i] - change_0[i]);
+        let (share, share_change) = if REOPENS {
+            let (length, reopened) = (u_n[i] - u_n0[i], u_n0[i] < 0.0);
+            let closed = u_n[i] / length;
+            let per_length = (1.0 - closed) / length * change_n[i] + closed / length * change_n0[i];
+            (
+                if reopened { closed } else { 1.0 },
+                if reopened { bounded(per_length) } else { 0.0 },
+            )
+        } else {
+            (1.0, 0.0)
+        };
+        let path = Path {
+            u: bounded(u[i]),
+            du,
+            du_n: bounded(u_n[i] - u_n0[i]),
+            share,
+            share_slope: 0.0,
+            traction: within(memory[i], TRACTION),
+            stretch: within(memory[i] + share * du, STRETCH),
+            stretch_slope: 0.0,
+        };
+        let path_change = PathChange {
+            u: bounded(change[i]),
+            du: du_change,
+            du_n: bounded(change_n[i] - change_n0[i]),
+            share: share_change,
+            traction: within(change_memory[i], TRACTION),
+            stretch: within(change_memory[i] + share_change * du + share * du_change, STRETCH),
+        };
+        let k_change = StiffnessChange {
+            value: bounded(k_change.0[i]),
+            slope: bounded(slope_change.0[i]),
+        };
+        let changed = rule.trial_change(path, jet(k.0[i], k_slope.0[i], 0.0), path_change, k_change);
+        trial.0[i] = within(changed, TRACTION);
+        if stretches::<R>() {
+            stretch.0[i] = path_change.stretch;
+        }
+    }
+}
+
+/// Changes of the tractions and of what the end state remembers of them.
+#[inline(always)]
+fn changes<R: FrictionRule, const B: usize>(
+    rule: R,
+    change_n: &[f64],
+    u_n: &Lanes<f64, B>,
+    curves: &CurveBlock<B>,
+    curve_change: &CurveChange<B>,
+    workspace: &Workspace<B>,
+    trial_x: &Lanes<f64, B>,
+    trial_y: &Lanes<f64, B>,
+    stretch_x: &Lanes<f64, B>,
+    stretch_y: &Lanes<f64, B>,
+    traction_x: &mut [f64],
+    traction_y: &mut [f64],
+    traction_n: &mut [f64],
+    end_1: &mut [f64],
+    end_2: &mut [f64],
+) {
+    let n = change_n.len().min(B);
+    let change_n = &change_n[..n];
+    let (traction_x, traction_y, traction_n) = (&mut traction_x[..n], &mut traction_y[..n], &mut traction_n[..n]);
+    let (end_1, end_2) = (&mut end_1[..n], &mut end_2[..n]);
+    let ([held_x, held_y], [direction_x, direction_y]) = (&workspace.stretch, &workspace.direction);
+    let [k_x, k_y] = &curves.tangential;
+    let [slope_x, slope_y] = &curves.tangential_slope;
+    let [curvature_x, curvature_y] = &curves.tangential_curvature;
+    for i in 0..n {
+        let (trial_x, trial_y) = (trial_x.0[i], trial_y.0[i]);
+        let (d_x, d_y, ratio) = (direction_x.0[i], direction_y.0[i], workspace.ratio.0[i]);
+        let sticks = workspace.regime.0[i] == STICK;
+        let across_x = if sticks { 1.0 } else { ratio * d_y * d_y };
+        let across_y = if sticks { 1.0 } else { ratio * d_x * d_x };
+        let mixed = -(ratio * d_x * d_y);
+        let limit = within(curve_change.limit.0[i], TRACTION);
+        let t_x = across_x * trial_x + mixed * trial_y + limit * d_x;
+        let t_y = mixed * trial_x + across_y * trial_y + limit * d_y;
+        let (mut t_n, mut memory_1, mut memory_2) = (within(curve_change.normal.0[i], TRACTION), t_x, t_y);
+        if stretches::<R>() {
+            let beyond = limit - ratio * (d_x * trial_x + d_y * trial_y);
+            let turn = bounded(if sticks { 0.0 } else { beyond } * workspace.per_trial.0[i]);
+            memory_1 = ratio * stretch_x.0[i] + turn * held_x.0[i];
+            memory_2 = ratio * stretch_y.0[i] + turn * held_y.0[i];
+            let addition = rule.normal_addition(
+                [ratio * held_x.0[i], ratio * held_y.0[i]],
+                [
+                    jet(k_x.0[i], slope_x.0[i], curvature_x.0[i]),
+                    jet(k_y.0[i], slope_y.0[i], curvature_y.0[i]),
+                ],
+            );
+            let [along_x, along_y] = addition.along;
+            let stretching = bounded(along_x) * bounded(memory_1) + bounded(along_y) * bounded(memory_2);
+            t_n = within(
+                t_n + stretching + bounded(addition.closing) * bounded(change_n[i]),
+                TRACTION,
+            );
+        }
+        let closed = u_n.0[i] > 0.0;
+        // Zero, or NaN where the input is no number.
+        let fill = 0.0 * u_n.0[i];
+        let spoilt = curve_change.fill.0[i];
+        traction_x[i] = spoilt + if closed { t_x } else { fill };
+        traction_y[i] = spoilt + if closed { t_y } else { fill };
+        traction_n[i] = spoilt + if closed { t_n } else { fill };
+        end_1[i] = spoilt + if closed { memory_1 } else { fill };
+        end_2[i] = spoilt + if closed { memory_2 } else { fill };
+    }
+}
+
 /// 2^-600 and 2^600.
 const DOWN: f64 = f64::from_bits((1023 - 600) << 52);
 const UP: f64 = f64::from_bits((1023 + 600) << 52);
 
 /// Bounds of tractions (Pa) and of stretches (m).
-const TRACTION: f64 = 1e300;
+pub(super) const TRACTION: f64 = 1e300;
 const STRETCH: f64 = 1e75;

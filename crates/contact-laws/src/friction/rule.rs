@@ -26,6 +26,9 @@ pub(crate) trait FrictionRule: Copy {
     /// (Pa/m, with derivatives with respect to the interference at which it is taken).
     fn trial(self, path: Path, k: Jet) -> Trial;
 
+    /// Change of the trial's traction along a direction, from the changes of the path and of the tangential stiffness.
+    fn trial_change(self, path: Path, k: Jet, path_change: PathChange, k_change: StiffnessChange) -> f64;
+
     /// What the elastic stretch (m), after slip, adds to the normal traction of the curves, from the stretch and the
     /// tangential stiffnesses along x and y. Nothing unless the rule says so, and only asked of a rule that remembers
     /// the stretch.
@@ -87,6 +90,24 @@ pub(crate) struct Path {
     pub(crate) stretch: f64,
     /// Derivative of the stretch with respect to the interference reached.
     pub(crate) stretch_slope: f64,
+}
+
+/// Change of a [`Path`] along a direction of jump and begin state, in the units of the path per unit of the direction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PathChange {
+    pub(crate) u: f64,
+    pub(crate) du: f64,
+    pub(crate) du_n: f64,
+    pub(crate) share: f64,
+    pub(crate) traction: f64,
+    pub(crate) stretch: f64,
+}
+
+/// Change of a tangential stiffness and of its slope along a direction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StiffnessChange {
+    pub(crate) value: f64,
+    pub(crate) slope: f64,
 }
 
 /// Traction that sticking would leave along one direction, with its derivatives with respect to the jump.

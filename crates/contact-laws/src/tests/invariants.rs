@@ -386,6 +386,23 @@ fn wrong_tangents_are_found() {
             self.1(&mut tangent);
             counts
         }
+        fn derivative(
+            &self,
+            points: std::ops::Range<usize>,
+            sticking: Sticking,
+            jump: Components<'_>,
+            begin: StateView<'_>,
+            d_jump: Components<'_>,
+            d_begin: StateView<'_>,
+            end: StateViewMut<'_>,
+            d_end: StateViewMut<'_>,
+            traction: ComponentsMut<'_>,
+            d_traction: ComponentsMut<'_>,
+        ) -> RegimeCounts {
+            self.0.derivative(
+                points, sticking, jump, begin, d_jump, d_begin, end, d_end, traction, d_traction,
+            )
+        }
     }
     let begin = [1e-7, 0.0, 8e-7, 1e4, -2e4];
     // Stuck and slipping.
