@@ -13,7 +13,7 @@ pub struct PatternView<'a> {
 
 impl PatternView<'_> {
     /// `y += matrix * x` over the leading coordinates.
-    pub(crate) fn add_product(self, values: &[f64], x: &[f64], y: &mut [f64]) {
+    pub fn add_product(self, values: &[f64], x: &[f64], y: &mut [f64]) {
         for (row, y) in y.iter_mut().enumerate().take(self.indptr.len() - 1) {
             let range = self.indptr[row]..self.indptr[row + 1];
             *y += self.indices[range.clone()]

@@ -31,6 +31,34 @@ impl<S> Linearisation<'_, S> {
         &self.displacement
     }
 
+    /// History of the static state.
+    pub fn state(&self) -> &S {
+        &self.state
+    }
+
+    /// Stiffness without contact.
+    pub fn stiffness(&self) -> MatRef<'_, f64> {
+        self.stiffness
+    }
+
+    /// Mass.
+    pub fn mass(&self) -> MatRef<'_, f64> {
+        self.mass
+    }
+
+    /// Symmetrised tangent of the stuck contact over the pattern of the force (N/m).
+    pub fn stuck_tangent(&self) -> &[f64] {
+        self.stuck.tangent()
+    }
+
+    /// `v`, the displacements of the stuck structure under the force `p`, which both have as many numbers as there are coordinates.
+    ///
+    /// # Panics
+    /// On other lengths.
+    pub fn stuck_solve_into(&self, p: &[f64], v: &mut [f64]) {
+        self.stuck.solve_into(p, v);
+    }
+
     /// Displacements of the structure with everything in contact stuck under the force `force` (N).
     ///
     /// # Errors

@@ -353,6 +353,9 @@ pub enum Error {
     /// Solver.
     #[error(transparent)]
     Solver(#[from] cqsma_solver::Error),
+    /// Harmonic balance.
+    #[error(transparent)]
+    Periodic(#[from] periodic_motion::Error),
 }
 
 impl From<surface_characterisation::FileError> for Error {

@@ -21,6 +21,10 @@ pub enum Stage {
     Backbone,
     /// Methods beside CQSMA (skipped when none is asked for).
     Methods,
+    /// Free periodic motions (skipped when none is asked for).
+    Epmc,
+    /// Forced responses (skipped when none is asked for).
+    Forced,
     /// Realisations of an ensemble (skipped when none is asked for).
     Ensemble,
     /// A motion followed in time (none in a run of a scene alone).
@@ -40,6 +44,8 @@ impl Stage {
             Stage::Modes => "modes",
             Stage::Backbone => "backbone",
             Stage::Methods => "methods",
+            Stage::Epmc => "epmc",
+            Stage::Forced => "forced",
             Stage::Ensemble => "ensemble",
             Stage::Transient => "transient",
         }

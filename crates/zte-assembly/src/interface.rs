@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// One block `[component][point]` per law, one after the other.
-    values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
 }
 
 /// Quantities at the quadrature points, filled by [`Interface::evaluate`]; one value per point.
@@ -42,14 +42,14 @@ pub struct Pattern {
 /// An interface with its laws and its gap. Immutable: histories are passed in and out.
 #[derive(Clone)]
 pub struct Interface {
-    operators: Arc<Operators>,
-    laws: Vec<(Range<usize>, Arc<dyn TractionLaw>)>,
+    pub(crate) operators: Arc<Operators>,
+    pub(crate) laws: Vec<(Range<usize>, Arc<dyn TractionLaw>)>,
     gap: Vec<f64>,
     pattern: Arc<Pattern>,
     /// First value of the block of each ordered pair of an element's nodes, node by node, element by element.
     block_starts: Arc<Vec<usize>>,
     /// Whether a node's jump along y is held at zero; empty if none is.
-    is_held: Arc<Vec<bool>>,
+    pub(crate) is_held: Arc<Vec<bool>>,
     /// Values of the pattern in the rows and columns of held coordinates.
     held_values: Arc<Vec<usize>>,
 }
@@ -271,7 +271,7 @@ impl Interface {
             );
             block += range.len() * law.info().n_state();
         }
-        self.assemble_force(workspace, force);
+        self.integrate(workspace.traction.each_ref().map(Vec::as_slice), force);
         if let Some(values) = tangent {
             self.assemble_tangent(workspace, values);
         }
@@ -280,25 +280,9 @@ impl Interface {
 
     /// `Q u - gap`.
     fn interpolate_jump(&self, jump: &[f64], workspace: &mut Workspace) {
-        let [x, y, n] = &mut workspace.jump;
-        for (nodes, points, shape) in self.operators.elements() {
-            let fields = [&mut x[points.clone()], &mut y[points.clone()], &mut n[points]];
-            (shape.shape.kernels.interpolate)(&shape.values, nodes, jump, &self.is_held, fields);
-        }
-        n.iter_mut().zip(&self.gap).for_each(|(n, gap)| *n -= gap);
-    }
-
-    /// `T t`.
-    fn assemble_force(&self, workspace: &Workspace, force: &mut [f64]) {
-        force.fill(0.0);
-        for (nodes, points, shape) in self.operators.elements() {
-            let weights = &self.operators.weights[points.clone()];
-            let fields = workspace.traction.each_ref().map(|field| &field[points.clone()]);
-            (shape.shape.kernels.integrate)(&shape.values, weights, fields, nodes, force);
-        }
-        for &coordinate in self.operators.held() {
-            force[coordinate] = 0.0;
-        }
+        self.interpolate(jump, workspace.jump.each_mut().map(Vec::as_mut_slice));
+        let normal = &mut workspace.jump[2];
+        normal.iter_mut().zip(&self.gap).for_each(|(n, gap)| *n -= gap);
     }
 
     /// `T D Q` over the pattern.

@@ -13,6 +13,7 @@ mod kernels;
 pub mod mesh;
 pub mod operators;
 mod overlap;
+mod points;
 pub mod quadrature;
 pub mod shape;
 
@@ -20,3 +21,4 @@ pub use error::Error;
 pub use interface::{Interface, State, Workspace};
 pub use mesh::{Element, InterfaceMesh};
 pub use operators::Operators;
+pub use points::Batches;

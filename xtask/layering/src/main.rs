@@ -33,6 +33,8 @@ const ALLOWED: [(&str, &[&str]); 21] = [
     ("modal-identification", &["input-files", "matrix-files"]),
     // Forces with memory speak of sticking and count regimes in the words of the laws, which have no dependency themselves.
     ("cqsma-solver", &["contact-laws", "dense-algebra"]),
+    // It linearises nothing itself: static state, stuck structure and modes are those of the quasi-static solver.
+    ("periodic-motion", &["contact-laws", "cqsma-solver", "dense-algebra"]),
     // It is a benchmark that the pipeline runs without knowing it.
     ("brake-reuss-beam", &["joint-pipeline", "substructure", "zte-assembly"]),
     (
@@ -44,6 +46,7 @@ const ALLOWED: [(&str, &[&str]); 21] = [
             "substructure",
             "reduction",
             "cqsma-solver",
+            "periodic-motion",
             "input-files",
             "matrix-files",
             // Computed motions are identified like measured ones.

@@ -1,12 +1,12 @@
 //! The backbone of one mode: hysteresis loops over amplitudes, and the methods beside CQSMA.
 
-use super::methods;
 use super::observer::Watcher;
 use super::outcome::{AmplitudeResult, LoopFields, ModeAnalysis, PrestressResult};
+use super::{methods, periodic};
 use crate::Error;
 use crate::interface::InterfaceForce;
 use crate::progress::{Progress, Stage};
-use crate::scene::{Length, Scene};
+use crate::scene::{Length, Method, Scene};
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use cqsma_solver::cqsma::{self, Cycles, Settings};
@@ -75,6 +75,7 @@ impl Request<'_> {
             .map(|x| omega2 * x / phi)
             .collect();
         let settings = self.settings();
+        let epmc_key = key.clone();
         let finished = match key {
             Some((directory, key)) => self.finished(directory, key, &shape, &forces, progress),
             None => Finished::default(),
@@ -101,7 +102,25 @@ impl Request<'_> {
             modal_forces: &forces,
             settings: &settings,
         };
+        let mut checkpoints = checkpoints;
+        let epmc = match self.scene.methods.contains(&Method::Epmc) {
+            false => None,
+            true => {
+                let request = periodic::Request {
+                    scene: self.scene,
+                    force: self.force,
+                    vibrating: self.vibrating,
+                    line: self.line,
+                };
+                let settings = self.scene.epmc.clone().unwrap_or_default();
+                let amplitudes = forces.iter().map(|alpha| alpha / omega2).collect();
+                let (found, resume) = request.epmc(&settings, self.mode, amplitudes, epmc_key, progress)?;
+                checkpoints.extend(resume);
+                Some(found)
+            }
+        };
         let analysis = ModeAnalysis {
+            epmc,
             mode: self.mode + 1,
             separation: self.separation(&shape),
             amplitudes: done.into_iter().map(amplitude).collect(),

@@ -70,6 +70,7 @@ impl Request<'_> {
     /// Runs what the scene asks for.
     pub(super) fn run(&self, progress: &dyn Progress) -> Result<Vec<MethodResult>, Error> {
         let methods = &self.scene.methods;
+        let methods: Vec<Method> = methods.iter().copied().filter(|m| *m != Method::Epmc).collect();
         if methods.is_empty() {
             return Ok(Vec::new());
         }
@@ -78,6 +79,8 @@ impl Request<'_> {
             .par_iter()
             .map(|&method| {
                 let points = match method {
+                    // Has settings and results of its own.
+                    Method::Epmc => Vec::new(),
                     Method::Qsma => self.qsma()?,
                     Method::QsmaTwice => self.qsma_twice()?,
                     Method::Masing => self.masing()?,

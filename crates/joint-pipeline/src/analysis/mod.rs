@@ -8,6 +8,7 @@ pub mod mesh_error;
 pub mod methods;
 mod observer;
 mod outcome;
+pub mod periodic;
 mod prestress;
 pub mod registration;
 mod run;

@@ -1,6 +1,7 @@
 //! What the analyses find.
 
 use super::methods::MethodResult;
+use super::periodic::{EpmcBackbone, ForcedResponse};
 use crate::store::checkpoint::Checkpoints;
 use contact_laws::Regime;
 use cqsma_solver::BackbonePoint;
@@ -72,6 +73,7 @@ pub(crate) struct ModeAnalysis {
     pub(crate) separation: Option<f64>,
     pub(crate) amplitudes: Vec<AmplitudeResult>,
     pub(crate) methods: Vec<MethodResult>,
+    pub(crate) epmc: Option<EpmcBackbone>,
 }
 
 /// What the nonlinear solves made of an interface.
@@ -81,6 +83,8 @@ pub(crate) struct Analysis {
     pub(crate) frequencies: Vec<f64>,
     /// The modes followed, in the scene's order.
     pub(crate) modes: Vec<ModeAnalysis>,
+    /// Forced responses, level by level.
+    pub(crate) forced: Vec<ForcedResponse>,
     /// What lets the run resume until its results are safe.
     pub(crate) checkpoints: Checkpoints,
 }

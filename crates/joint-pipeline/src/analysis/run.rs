@@ -4,6 +4,7 @@ use super::backbone::{self, uniform};
 use super::ensemble::{self, Ensemble};
 use super::methods::MethodResult;
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
+use super::periodic::{self, EpmcBackbone, ForcedResponse};
 use super::prestress::{self, bolt_load, linearise, response};
 use super::validity::{self, Validity};
 use crate::Error;
@@ -40,6 +41,8 @@ pub struct Run {
     pub frequencies: Vec<f64>,
     /// Backbones of the modes followed, in the scene's order; never empty.
     pub backbones: Vec<ModeBackbone>,
+    /// Forced responses, level by level.
+    pub forced: Vec<ForcedResponse>,
     /// Where and in which direction amplitudes are measured, in words.
     pub response: String,
     /// Pairs of interface nodes that were moved.
@@ -60,6 +63,8 @@ pub struct ModeBackbone {
     pub amplitudes: Vec<AmplitudeResult>,
     /// Results of the methods beside CQSMA, in the scene's order.
     pub methods: Vec<MethodResult>,
+    /// Free periodic motions, if the scene asks for them.
+    pub epmc: Option<EpmcBackbone>,
     /// Limits of the model.
     pub validity: Validity,
 }
@@ -240,6 +245,8 @@ impl Prepared {
         scene.cqsma.mode = scene.cqsma.followed()[0];
         scene.cqsma.modes_of_interest.clear();
         scene.methods.clear();
+        scene.epmc = None;
+        scene.forced = None;
         scene.output.fields_at = Some(Vec::new());
         let load = bolt_load(&scene, &self.model);
         let checkpoint = match &self.options.cache {
@@ -271,6 +278,7 @@ impl Prepared {
             prestress,
             frequencies,
             modes,
+            forced,
             checkpoints,
         } = analysis;
         let judge = |found: ModeAnalysis| ModeBackbone {
@@ -292,10 +300,12 @@ impl Prepared {
             mode: found.mode,
             amplitudes: found.amplitudes,
             methods: found.methods,
+            epmc: found.epmc,
         };
         Run {
             backbones: modes.into_iter().map(judge).collect(),
             frequencies,
+            forced,
             prestress,
             law: self.interface.report,
             clipped_gaps: self.interface.clipped_gaps,
@@ -376,12 +386,28 @@ impl Prepared {
         }
         progress.end(Stage::Backbone);
 
+        let request = periodic::Request {
+            scene,
+            force: &force,
+            vibrating,
+            line: &line,
+        };
+        let free: Vec<_> = modes
+            .iter()
+            .filter_map(|mode: &ModeAnalysis| mode.epmc.as_ref())
+            .collect();
+        let forced = match &scene.forced {
+            Some(settings) => request.forced(settings, &free, progress)?,
+            None => Vec::new(),
+        };
+
         let frequencies = line.frequencies();
         drop(line);
         Ok(Analysis {
             prestress,
             frequencies,
             modes,
+            forced,
             checkpoints,
         })
     }

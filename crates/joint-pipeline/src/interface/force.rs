@@ -1,13 +1,16 @@
 //! The adapter through which the solver sees an interface.
 
-use contact_laws::{RegimeCounts, Sticking};
+use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking};
 use cqsma_solver::{HystereticForce, PatternView};
-use zte_assembly::{Interface, State, Workspace};
+use periodic_motion::PointwiseForce;
+use std::ops::Range;
+use zte_assembly::{Batches, Interface, State, Workspace};
 
 /// The interface as the solver sees it.
 pub struct InterfaceForce<'a> {
     interface: &'a Interface,
     friction: Sticking,
+    batches: Batches,
 }
 
 impl<'a> InterfaceForce<'a> {
@@ -16,6 +19,7 @@ impl<'a> InterfaceForce<'a> {
         Self {
             interface,
             friction: Sticking::Coulomb,
+            batches: interface.batches(),
         }
     }
 
@@ -23,8 +27,8 @@ impl<'a> InterfaceForce<'a> {
     #[must_use]
     pub fn frictionless(interface: &'a Interface) -> Self {
         Self {
-            interface,
             friction: Sticking::Frictionless,
+            ..Self::new(interface)
         }
     }
 
@@ -82,5 +86,79 @@ impl HystereticForce for InterfaceForce<'_> {
         };
         self.interface
             .evaluate(u, sticking, begin, end, workspace, force, tangent)
+    }
+}
+
+impl PointwiseForce for InterfaceForce<'_> {
+    fn n_points(&self) -> usize {
+        self.interface.operators().n_points()
+    }
+
+    fn batches(&self) -> &[Range<usize>] {
+        self.batches.points()
+    }
+
+    fn n_state(&self, batch: usize) -> usize {
+        self.interface.batch_states(&self.batches, batch)
+    }
+
+    fn state_of(&self, batch: usize, state: &State, into: &mut [f64]) {
+        self.interface.copy_state(&self.batches, batch, state, into);
+    }
+
+    fn jumps(&self, u: &[f64], jump: [&mut [f64]; 3]) {
+        self.interface.interpolate(u, jump);
+    }
+
+    fn subtract_gap(&self, jump_n: &mut [f64]) {
+        let gap = self.interface.gap().unwrap_or_default();
+        jump_n.iter_mut().zip(gap).for_each(|(n, gap)| *n -= gap);
+    }
+
+    fn forces(&self, traction: [&[f64]; 3], force: &mut [f64]) {
+        self.interface.integrate(traction, force);
+    }
+
+    fn weights(&self) -> &[f64] {
+        &self.interface.operators().weights
+    }
+
+    fn evaluate_batch(
+        &self,
+        batch: usize,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+    ) {
+        self.interface
+            .evaluate_batch(&self.batches, batch, self.friction, jump, begin, end, traction);
+    }
+
+    fn derivative_batch(
+        &self,
+        batch: usize,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        d_jump: Components<'_>,
+        d_begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
+    ) {
+        self.interface.derivative_batch(
+            &self.batches,
+            batch,
+            self.friction,
+            jump,
+            begin,
+            d_jump,
+            d_begin,
+            end,
+            d_end,
+            traction,
+            d_traction,
+        );
     }
 }

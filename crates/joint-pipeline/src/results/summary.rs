@@ -5,13 +5,15 @@ use crate::analysis::ensemble::Ensemble;
 use crate::analysis::error_estimate::ErrorEstimate;
 use crate::analysis::mesh_error::{ErrorBar, MeshEstimate};
 use crate::analysis::methods::MethodPoint;
+use crate::analysis::periodic::{ForcedPoint, ForcedResponse};
 use crate::analysis::validity::Validity;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
 use crate::interface::LawReport;
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
-use crate::scene::{BoltBehaviour, PRESETS, Preset, Scene, StructureSource, Symmetry};
+use crate::scene::{BoltBehaviour, Method, PRESETS, Preset, Scene, StructureSource, Symmetry};
 use cqsma_solver::Reason;
+use periodic_motion::backbone::Point;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -68,6 +70,9 @@ pub struct Summary {
     /// The limit of the mesh, estimated by a run with the other formulation of the elements; left out unless asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh_estimate: Option<MeshEstimate>,
+    /// Forced responses, level by level; empty unless asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub forced: Vec<ForcedSummary>,
     /// Limits of the model.
     pub validity: Validity,
     /// What the scene does not require and was left out, and why; empty if nothing was.
@@ -313,9 +318,94 @@ pub struct MethodSummary {
     pub modal_amplitude: Option<f64>,
     /// Residual relative to the load (energy norm).
     pub residual: Option<f64>,
+    /// Highest harmonic; of `epmc` alone, as all that follows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub harmonics: Option<usize>,
+    /// Samples per period.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub samples: Option<usize>,
+    /// Amplitudes of the harmonics from the first on over that of the first, in the norm of the mass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share_of_harmonics: Option<Vec<f64>>,
+    /// Energy that the contact takes per period (J).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<f64>,
+    /// What is missing in the balance of energies, as a damping ratio.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_error: Option<f64>,
+    /// Periods that the history was followed for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub periods: Option<usize>,
+    /// Change of the tractions from the last period to the one before, relative to their range: what creeps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<f64>,
+    /// Relative change of the frequency by one harmonic more and by twice the samples, where an accuracy is asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequency_errors: Option<[f64; 2]>,
+    /// Change of the damping ratio by the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping_errors: Option<[f64; 2]>,
+    /// Newton iterations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub iterations: Option<usize>,
+    /// Residuals evaluated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub evaluations: Option<usize>,
+    /// Preconditioned Krylov steps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub krylov_steps: Option<usize>,
     /// Whether it converged.
     pub converged: bool,
     /// If not: why.
+    pub failure: Option<String>,
+}
+
+/// The response to a harmonic force of one amplitude; lists run along the curve.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ForcedSummary {
+    /// Amplitude of the force (N).
+    pub level: f64,
+    /// Frequencies of the force (Hz).
+    pub frequency: Vec<f64>,
+    /// Amplitudes of the first harmonic of the displacement at the response point (m).
+    pub amplitude: Vec<f64>,
+    /// How far it lags behind the force (degrees).
+    pub phase: Vec<f64>,
+    /// Amplitudes of all harmonics of the displacement from the first on (m).
+    pub harmonics: Vec<Vec<f64>>,
+    /// Residuals relative to the elastic forces (energy norm).
+    pub residual: Vec<f64>,
+    /// Indices of the points at which the frequency turns back.
+    pub turning_points: Vec<usize>,
+    /// Where the response is a quarter period behind the force.
+    pub resonances: Vec<ResonanceSummary>,
+    /// The largest first harmonic of the curve: frequency (Hz) and amplitude (m).
+    pub peak: Option<[f64; 2]>,
+    /// The same by the response of the nonlinear mode alone, where an EPMC backbone is there.
+    pub single_mode_peak: Option<[f64; 2]>,
+    /// Differences of the two, relative to the first.
+    pub single_mode_error: Option<[f64; 2]>,
+    /// Whether it is known that the motions are stable: never with friction, whose histories have no monodromy matrix; between
+    /// turning points they usually are not.
+    pub stability: String,
+    /// Krylov steps of the whole curve.
+    pub krylov_steps: usize,
+    /// Why the curve ends early, if it does.
+    pub failure: Option<String>,
+}
+
+/// A resonance of a forced response.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ResonanceSummary {
+    /// Frequency (Hz); `null` where it was not found.
+    pub frequency_hz: Option<f64>,
+    /// Amplitude of the first harmonic (m).
+    pub amplitude: Option<f64>,
+    /// Residual relative to the elastic forces (energy norm).
+    pub residual: Option<f64>,
+    /// Why there is none.
     pub failure: Option<String>,
 }
 
@@ -388,6 +478,7 @@ impl Summary {
             accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.preset().ok()),
             error_estimate: None,
             mesh_estimate: None,
+            forced: run.forced.iter().map(forced).collect(),
             validity: run.validity().clone(),
             skipped: skipped(run),
             provenance: None,
@@ -415,6 +506,7 @@ impl Summary {
             ensemble: None,
             error_estimate: None,
             mesh_estimate: None,
+            forced: Vec::new(),
             ..self.clone()
         }
     }
@@ -509,6 +601,7 @@ fn method(point: &MethodPoint, scene: &Scene) -> MethodSummary {
             residual: Some(values.residual),
             converged: true,
             failure: None,
+            ..MethodSummary::default()
         },
         Err(failure) => MethodSummary {
             failure: Some(failure.reason.to_string()),
@@ -530,9 +623,92 @@ fn mode_backbone(of: &ModeBackbone, run: &Run) -> ModeBackboneSummary {
 fn methods(of: &ModeBackbone, scene: &Scene) -> BTreeMap<String, Vec<MethodSummary>> {
     let points = |points: &[MethodPoint]| points.iter().map(|p| method(p, scene)).collect();
     let methods = of.methods.iter();
+    let periodic = of.epmc.iter().map(|found| {
+        let points = found.points.iter().zip(&found.response_displacement);
+        let points = points.map(|(point, displacement)| periodic(point, *displacement, scene));
+        (Method::Epmc.name().to_owned(), points.collect())
+    });
     methods
         .map(|m| (m.method.name().to_owned(), points(&m.points)))
+        .chain(periodic)
         .collect()
+}
+
+fn periodic(point: &Point, response_displacement: Option<f64>, scene: &Scene) -> MethodSummary {
+    let effort = point.effort;
+    let work = MethodSummary {
+        iterations: Some(effort.iterations),
+        evaluations: Some(effort.evaluations),
+        krylov_steps: Some(effort.krylov_steps),
+        ..MethodSummary::default()
+    };
+    match &point.result {
+        Ok(motion) => MethodSummary {
+            response_displacement,
+            frequency_hz: Some(hertz(motion.omega)),
+            frequency_first_harmonic_hz: Some(hertz(motion.omega)),
+            damping_ratio: motion.zeta.map(|zeta| zeta + scene.background_damping),
+            damping_floor: Some(motion.energy_error.max(motion.residual)),
+            modal_force: Some(motion.omega * motion.omega * motion.modal_amplitude),
+            modal_amplitude: Some(motion.modal_amplitude),
+            residual: Some(motion.residual),
+            harmonics: Some(motion.sampling.harmonics),
+            samples: Some(motion.sampling.samples),
+            periods: Some(motion.sampling.periods),
+            drift: Some(motion.drift),
+            share_of_harmonics: Some(motion.share_of_harmonics.clone()),
+            dissipation: Some(motion.dissipation),
+            energy_error: Some(motion.energy_error),
+            frequency_errors: motion.errors.map(|errors| errors.frequency),
+            damping_errors: motion.errors.map(|errors| errors.damping),
+            converged: true,
+            ..work
+        },
+        Err(failure) => MethodSummary {
+            modal_amplitude: Some(point.modal_amplitude),
+            failure: Some(failure.reason.to_string()),
+            ..work
+        },
+    }
+}
+
+fn forced(of: &ForcedResponse) -> ForcedSummary {
+    let each = |value: &dyn Fn(&ForcedPoint) -> f64| of.points.iter().map(value).collect::<Vec<f64>>();
+    let peak = of.peak().map(|p| [p.frequency_hz, p.harmonics[0]]);
+    let alone = of
+        .synthesis
+        .iter()
+        .max_by(|a, b| a.displacement.total_cmp(&b.displacement));
+    let alone = alone.map(|p| [hertz(p.omega), p.displacement]);
+    let resonance = |found: &Result<ForcedPoint, _>| {
+        let point = found.as_ref().ok();
+        ResonanceSummary {
+            frequency_hz: point.map(|p: &ForcedPoint| p.frequency_hz),
+            amplitude: point.map(|p| p.harmonics[0]),
+            residual: point.map(|p| p.residual),
+            failure: found
+                .as_ref()
+                .err()
+                .map(|f: &periodic_motion::Failure| f.reason.to_string()),
+        }
+    };
+    ForcedSummary {
+        level: of.level,
+        frequency: each(&|p| p.frequency_hz),
+        amplitude: each(&|p| p.harmonics[0]),
+        phase: each(&|p| p.phase.to_degrees()),
+        harmonics: of.points.iter().map(|p| p.harmonics.clone()).collect(),
+        residual: each(&|p| p.residual),
+        turning_points: (0..of.points.len()).filter(|i| of.points[*i].turns).collect(),
+        resonances: of.resonances.iter().map(resonance).collect(),
+        single_mode_error: peak.zip(alone).map(|(p, a)| [a[0] / p[0] - 1.0, a[1] / p[1] - 1.0]),
+        peak,
+        single_mode_peak: alone,
+        stability: "not judged: the history of friction has no monodromy matrix; motions between two turning points are usually unstable"
+            .to_owned(),
+        krylov_steps: of.effort.krylov_steps,
+        failure: of.failure.as_ref().map(|f| f.reason.to_string()),
+    }
 }
 
 fn backbone(of: &ModeBackbone, scene: &Scene) -> Vec<BackboneSummary> {

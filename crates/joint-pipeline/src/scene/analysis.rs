@@ -18,6 +18,8 @@ pub enum Method {
     Masing,
     /// Rayleigh-quotient nonlinear modal analysis, with Masing's rule.
     Rqnma,
+    /// Free periodic motions by the extended periodic motion concept, in harmonic balance.
+    Epmc,
 }
 
 impl Method {
@@ -28,6 +30,7 @@ impl Method {
             Method::QsmaTwice => "qsma-twice",
             Method::Masing => "masing",
             Method::Rqnma => "rqnma",
+            Method::Epmc => "epmc",
         }
     }
 }

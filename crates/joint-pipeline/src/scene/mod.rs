@@ -8,6 +8,7 @@ mod accuracy;
 mod analysis;
 mod json;
 mod law;
+mod periodic;
 mod scans;
 mod structure;
 mod surface;
@@ -17,6 +18,7 @@ mod validate;
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, Method, Output};
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
+pub use periodic::{AmplitudeRange, Amplitudes, Epmc, Forced, SamplingAccuracy};
 pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use structure::{
     Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model, PlaneMesh,
@@ -26,8 +28,8 @@ pub use surface::{
     Curves, Elastic, Fitted, Gap, GreenwoodWilliamson, Heights, ParameterSet, Parameters, Per, Surface, SyntheticScan,
 };
 pub use units::{
-    ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, Quantity, Stress, SurfaceEnergy, Unit,
-    Units, dimension,
+    ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,
+    SurfaceEnergy, Unit, Units, dimension,
 };
 
 pub use crate::joint::benchmark::{ElementOrder, RefinementLevel, Symmetry};
@@ -85,6 +87,12 @@ pub struct Scene {
     /// Methods beside CQSMA, at the same amplitudes.
     #[serde(default)]
     pub methods: Vec<Method>,
+    /// Settings of the method `epmc`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub epmc: Option<Epmc>,
+    /// Responses to harmonic forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forced: Option<Forced>,
     /// Which results are stored as fields.
     #[serde(default)]
     pub output: Output,
@@ -375,6 +383,12 @@ impl Scene {
                 "/gap",
                 json!("flat"),
                 "surfaces; surface.parameters has a gap in each of its sets",
+            ),
+            (
+                !self.methods.contains(&Method::Epmc),
+                "/epmc",
+                Value::Null,
+                "the method \"epmc\", which methods does not name",
             ),
             (
                 !self.cqsma.modes_of_interest.is_empty(),

@@ -95,6 +95,7 @@ const CONTACT_STIFFNESSES: [Unit; 6] = [
     unit("psi/in", POUND_FORCE / (INCH * INCH * INCH)),
 ];
 
+const MODAL_AMPLITUDES: [Unit; 2] = [unit("sqrt(kg) m", 1.0), unit("sqrt(t) mm", 0.031_622_776_601_683_79)];
 const SURFACE_ENERGIES: [Unit; 3] = [unit("J/m^2", 1.0), unit("mJ/m^2", 1e-3), unit("N/m", 1.0)];
 
 /// What a quantity measures.
@@ -103,13 +104,15 @@ pub trait Dimension {
     const NAME: &'static str;
     /// Powers of length, mass and time.
     const POWERS: [i32; 3];
+    /// Whether the square root of the mass is a further factor.
+    const ROOT_OF_MASS: bool = false;
     /// Units that a text may name, the SI unit first.
     const UNITS: &'static [Unit];
 }
 
 /// Defines dimensions, each with the name of its quantity.
 macro_rules! dimensions {
-    ($($(#[$doc:meta])* $quantity:ident, $dimension:ident, $name:literal, $powers:expr, $units:expr;)*) => {
+    ($($(#[$doc:meta])* $quantity:ident, $dimension:ident, $name:literal, $powers:expr, $units:expr $(, $item:ident = $value:expr)?;)*) => {
         /// The dimensions themselves, as parameters of [`Quantity`](super::Quantity).
         pub mod dimension {
             $($(#[$doc])* #[derive(Clone, Copy, Debug, PartialEq)] pub enum $dimension {})*
@@ -119,6 +122,7 @@ macro_rules! dimensions {
                 const NAME: &'static str = $name;
                 const POWERS: [i32; 3] = $powers;
                 const UNITS: &'static [Unit] = &$units;
+                $(const $item: bool = $value;)?
             }
             $(#[$doc])*
             pub type $quantity = Quantity<dimension::$dimension>;
@@ -143,6 +147,8 @@ dimensions! {
     ArealDensity, OfArealDensity, "number per area", [-2, 0, 0], AREAL_DENSITIES;
     /// Energy per area (J/m^2).
     SurfaceEnergy, OfSurfaceEnergy, "energy per area", [0, 1, -2], SURFACE_ENERGIES;
+    /// Amplitude of a mass-normalised mode (sqrt(kg) m).
+    ModalAmplitude, OfModalAmplitude, "modal amplitude", [1, 0, 0], MODAL_AMPLITUDES, ROOT_OF_MASS = true;
 }
 
 /// A quantity of a scene, in SI.
@@ -163,7 +169,13 @@ impl<D> Quantity<D> {
 impl<D: Dimension> Quantity<D> {
     /// From a number in the units of the file that is being read.
     pub(crate) fn in_units(number: f64) -> Self {
-        Self::from_si(number * Units::in_use().size(D::POWERS))
+        let units = Units::in_use();
+        let root = if D::ROOT_OF_MASS {
+            units.mass_in_si().sqrt()
+        } else {
+            1.0
+        };
+        Self::from_si(number * units.size(D::POWERS) * root)
     }
 
     /// The text that scenes in any units read as this quantity, bit by bit.

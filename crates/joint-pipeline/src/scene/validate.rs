@@ -1,8 +1,8 @@
 //! What must hold of a scene before anything is computed, as far as the crates below do not check it themselves.
 
 use super::{
-    Bins, Cqsma, Deck, ElementOrder, Gap, Length, MaterialSource, ParameterSet, Parameters, Per, RadialRule, Scene,
-    Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
+    Amplitudes, Bins, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, MaterialSource, ParameterSet, Parameters,
+    Per, RadialRule, Scene, Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
 };
 use crate::Error;
 
@@ -39,6 +39,106 @@ impl Check<'_> {
     fn not_negative(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
         let holds = value.is_finite() && value >= 0.0;
         self.that(holds, field, value, unit, "finite and not negative")
+    }
+}
+
+/// Harmonics and samples of harmonic balance.
+fn sampling(check: &Check<'_>, fields: [&'static str; 2], harmonics: usize, samples: usize) -> Result<(), Error> {
+    let range = (1..=100).contains(&harmonics);
+    check.that(range, fields[0], harmonics as f64, "", "from 1 to 100")?;
+    let enough = samples > 2 * harmonics && (8..=65_536).contains(&samples);
+    check.that(
+        enough,
+        fields[1],
+        samples as f64,
+        "",
+        "from 8 to 65536, and more than twice the number of harmonics",
+    )
+}
+
+impl Epmc {
+    fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        sampling(check, ["epmc.harmonics", "epmc.samples"], self.harmonics, self.samples)?;
+        check.that(
+            self.tolerance >= 1e-13 && self.tolerance <= 1e-3,
+            "epmc.tolerance",
+            self.tolerance,
+            "",
+            "between 1e-13 and 1e-3",
+        )?;
+        if let Some(target) = self.accuracy {
+            check.positive("epmc.accuracy.frequency", target.frequency, "")?;
+            check.positive("epmc.accuracy.damping", target.damping, "")?;
+        }
+        let Some(amplitudes) = &self.modal_amplitudes else {
+            return Ok(());
+        };
+        if let Amplitudes::Range(range) = amplitudes {
+            check.that(
+                (1..=10_000).contains(&range.number),
+                "epmc.modal_amplitudes.number",
+                range.number as f64,
+                "",
+                "from 1 to 10000",
+            )?;
+        }
+        let mut last = 0.0;
+        for value in amplitudes.values() {
+            check.positive("epmc.modal_amplitudes", value, "sqrt(kg) m")?;
+            let rises = value > last;
+            check.that(
+                rises,
+                "epmc.modal_amplitudes",
+                value,
+                "sqrt(kg) m",
+                "above the one before it",
+            )?;
+            last = value;
+        }
+        Ok(())
+    }
+}
+
+impl Forced {
+    fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        sampling(
+            check,
+            ["forced.harmonics", "forced.samples"],
+            self.harmonics,
+            self.samples,
+        )?;
+        check.that(
+            !self.levels.is_empty(),
+            "forced.levels",
+            0.0,
+            "(levels)",
+            "at least one",
+        )?;
+        for level in &self.levels {
+            check.positive("forced.levels", level.si(), "N")?;
+        }
+        check.positive("forced.from_hz", self.from_hz, "Hz")?;
+        check.positive("forced.to_hz", self.to_hz, "Hz")?;
+        check.that(
+            self.from_hz != self.to_hz,
+            "forced.to_hz",
+            self.to_hz,
+            "Hz",
+            "another frequency than forced.from_hz",
+        )?;
+        for (field, step) in [
+            ("forced.amplitude_step", self.amplitude_step),
+            ("forced.frequency_step", self.frequency_step),
+        ] {
+            check.that(step > 0.0 && step <= 1.0, field, step, "", "above 0 and at most 1")?;
+        }
+        check.that(
+            self.tolerance >= 1e-13 && self.tolerance <= 1e-3,
+            "forced.tolerance",
+            self.tolerance,
+            "",
+            "between 1e-13 and 1e-3",
+        )
     }
 }
 
@@ -257,6 +357,12 @@ impl Scene {
                 "(number in the list)",
                 "different from the methods before it",
             )?;
+        }
+        if let Some(epmc) = &self.epmc {
+            epmc.validate(check)?;
+        }
+        if let Some(forced) = &self.forced {
+            forced.validate(check)?;
         }
         for number in self.fields_at() {
             check.that(

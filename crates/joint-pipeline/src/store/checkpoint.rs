@@ -107,6 +107,14 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         self.finished.len()
     }
 
+    /// The parts from number 0 on without a gap.
+    pub(crate) fn leading(&self) -> Vec<T>
+    where
+        T: Clone,
+    {
+        (0..).map_while(|index| self.finished.get(&index).cloned()).collect()
+    }
+
     pub(crate) fn holds(&self, index: usize) -> bool {
         self.finished.contains_key(&index)
     }

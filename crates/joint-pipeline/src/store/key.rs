@@ -11,6 +11,7 @@ const VERSION: u32 = 3;
 pub(crate) struct Key(pub(super) String);
 
 /// Collects inputs into a [`Key`].
+#[derive(Clone)]
 pub(crate) struct KeyBuilder(Sha256);
 
 impl KeyBuilder {

@@ -1,0 +1,264 @@
+//! Periodic motions about the static state of a scene: EPMC backbones, forced responses and their resonances.
+
+use super::prestress::response;
+use crate::Error;
+use crate::interface::InterfaceForce;
+use crate::progress::{Progress, Stage};
+use crate::scene::{Epmc, Forced, Scene};
+use crate::store::checkpoint::{Checkpoint, Checkpoints};
+use crate::store::key::KeyBuilder;
+use cqsma_solver::Linearisation;
+use periodic_motion::backbone::{self, Accuracy, Kind, Motion, Point};
+use periodic_motion::{Failure, NewtonSettings, Sampling, forced, synthesis};
+use reduction::ReducedModel;
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use std::path::Path;
+use zte_assembly::State;
+
+/// Periods that histories are followed for at first; more where they do not repeat.
+const PERIODS: usize = 2;
+
+/// Damping ratio below which errors of sampling do not matter.
+const DAMPING_FLOOR: f64 = 1e-5;
+
+/// Most harmonics and samples that an accuracy leads to.
+const MOST: (usize, usize) = (31, 4096);
+
+/// Intervals between two amplitudes of a backbone in the response of one mode.
+const BETWEEN: usize = 16;
+
+/// An EPMC backbone.
+#[derive(Clone, Debug)]
+pub struct EpmcBackbone {
+    /// Amplitudes in ascending order.
+    pub points: Vec<Point>,
+    /// Displacement amplitude of the first harmonic at the response point (m), where there is a motion.
+    pub response_displacement: Vec<Option<f64>>,
+}
+
+/// What periodic motions of a scene start from.
+pub(super) struct Request<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) force: &'a InterfaceForce<'a>,
+    pub(super) vibrating: &'a ReducedModel,
+    pub(super) line: &'a Linearisation<'a, State>,
+}
+
+impl Request<'_> {
+    /// The backbone of free motions that begins as mode `mode` (from 0), at the amplitudes of the scene or else at `otherwise`.
+    pub(super) fn epmc(
+        &self,
+        settings: &Epmc,
+        mode: usize,
+        otherwise: Vec<f64>,
+        key: Option<(&Path, KeyBuilder)>,
+        progress: &dyn Progress,
+    ) -> Result<(EpmcBackbone, Checkpoints), Error> {
+        progress.begin(Stage::Epmc);
+        let amplitudes = settings.modal_amplitudes.as_ref().map_or(otherwise, |a| a.values());
+        let checkpoint: Checkpoint<Point> = match key {
+            None => Checkpoint::default(),
+            Some((directory, mut key)) => {
+                key.numbers(self.line.displacement().iter().copied());
+                key.numbers(self.line.shapes.col(mode).iter().copied());
+                key.numbers(amplitudes.iter().copied());
+                Checkpoint::open(directory, "epmc", &key.finish())
+            }
+        };
+        let known = checkpoint.leading();
+        if !known.is_empty() {
+            let (found, all) = (known.len(), amplitudes.len());
+            progress.note(&format!(
+                "{found} of {all} periodic motions were taken from an interrupted run"
+            ));
+        }
+        let mut done = known.len();
+        let points = backbone::follow(
+            self.line,
+            self.force,
+            Kind::Free,
+            &amplitudes,
+            &backbone::Settings {
+                mode,
+                sampling: Sampling {
+                    harmonics: settings.harmonics,
+                    samples: settings.samples,
+                    periods: settings.periods,
+                },
+                accuracy: settings.accuracy.map(|target| Accuracy {
+                    frequency: target.frequency,
+                    damping: target.damping,
+                    damping_floor: DAMPING_FLOOR * target.damping,
+                    max_harmonics: MOST.0,
+                    max_samples: MOST.1,
+                }),
+                newton: newton(settings.tolerance),
+            },
+            known,
+            &mut |point| {
+                checkpoint.add(done, point);
+                done += 1;
+                progress.fraction(Stage::Epmc, done as f64 / amplitudes.len() as f64);
+                flow(progress)
+            },
+        )?;
+        let row = response(self.vibrating);
+        let first = |motion: &Motion| {
+            let along = motion.displacement.along(&row);
+            along[1].hypot(along[2])
+        };
+        let response_displacement = points.iter().map(|p| p.result.as_ref().ok().map(first)).collect();
+        progress.end(Stage::Epmc);
+        let (_, checkpoints) = checkpoint.complete();
+        Ok((
+            EpmcBackbone {
+                points,
+                response_displacement,
+            },
+            checkpoints,
+        ))
+    }
+
+    /// Forced responses at all levels; `free` are EPMC backbones, from which those of one mode follow.
+    pub(super) fn forced(
+        &self,
+        settings: &Forced,
+        free: &[&EpmcBackbone],
+        progress: &dyn Progress,
+    ) -> Result<Vec<ForcedResponse>, Error> {
+        progress.begin(Stage::Forced);
+        let row = response(self.vibrating);
+        let range = [TAU * settings.from_hz, TAU * settings.to_hz];
+        let background = self.scene.background_damping;
+        let solver = forced::Settings {
+            range,
+            sampling: Sampling {
+                harmonics: settings.harmonics,
+                samples: settings.samples,
+                periods: PERIODS,
+            },
+            background,
+            amplitude_step: settings.amplitude_step,
+            frequency_step: settings.frequency_step,
+            newton: newton(settings.tolerance),
+            ..forced::Settings::default()
+        };
+        let motions: Vec<&Motion> = free
+            .iter()
+            .flat_map(|backbone| backbone.points.iter().filter_map(|p| p.result.as_ref().ok()))
+            .collect();
+        let mut responses = Vec::with_capacity(settings.levels.len());
+        for (index, level) in settings.levels.iter().enumerate() {
+            let level = level.si();
+            let curve = forced::follow(self.line, self.force, &row, level, &solver, &mut |point| {
+                let way = (point.omega - range[0]) / (range[1] - range[0]);
+                let done = (index as f64 + way.clamp(0.0, 1.0)) / settings.levels.len() as f64;
+                progress.fraction(Stage::Forced, done);
+                flow(progress)
+            })?;
+            let resonances = forced::resonances(self.line, self.force, &row, &curve, &solver)?;
+            let synthesis = synthesis::response(&motions, &row, level, background, BETWEEN)
+                .into_iter()
+                .filter(|p| (p.omega - range[0]) * (p.omega - range[1]) <= 0.0)
+                .collect();
+            responses.push(ForcedResponse::new(&row, curve, &resonances, synthesis));
+        }
+        progress.end(Stage::Forced);
+        Ok(responses)
+    }
+}
+
+fn newton(tolerance: f64) -> NewtonSettings {
+    NewtonSettings {
+        tolerance,
+        ..NewtonSettings::default()
+    }
+}
+
+fn flow(progress: &dyn Progress) -> ControlFlow<()> {
+    if progress.interrupted() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
+}
+
+/// The response to a force of one amplitude.
+#[derive(Clone, Debug)]
+pub struct ForcedResponse {
+    /// Amplitude of the force (N).
+    pub level: f64,
+    /// Points in the order in which they follow one another on the curve.
+    pub points: Vec<ForcedPoint>,
+    /// Where the response is a quarter period behind the force.
+    pub resonances: Vec<Result<ForcedPoint, Failure>>,
+    /// The response of the nonlinear mode alone, where there is an EPMC backbone.
+    pub synthesis: Vec<synthesis::Point>,
+    /// Why the curve ends early, if it does.
+    pub failure: Option<Failure>,
+    /// Work done.
+    pub effort: periodic_motion::Effort,
+}
+
+/// The motion of the response point under a force.
+#[derive(Clone, Debug)]
+pub struct ForcedPoint {
+    /// Frequency of the force (Hz).
+    pub frequency_hz: f64,
+    /// Amplitudes of the displacement's harmonics from the first on (m).
+    pub harmonics: Vec<f64>,
+    /// How far the first lags behind the force (rad), from 0 to 2 pi.
+    pub phase: f64,
+    /// Mean displacement from the static state (m).
+    pub mean: f64,
+    /// Residual relative to the elastic forces (energy norm).
+    pub residual: f64,
+    /// Whether the frequency turns back here.
+    pub turns: bool,
+}
+
+impl ForcedPoint {
+    fn new(row: &[f64], omega: f64, displacement: &periodic_motion::Harmonics, residual: f64, turns: bool) -> Self {
+        let along = displacement.along(row);
+        let amplitude = |h: usize| along[2 * h - 1].hypot(along[2 * h]);
+        Self {
+            frequency_hz: omega / TAU,
+            harmonics: (1..=displacement.count()).map(amplitude).collect(),
+            phase: along[2].atan2(along[1]).rem_euclid(TAU),
+            mean: along[0],
+            residual,
+            turns,
+        }
+    }
+}
+
+impl ForcedResponse {
+    fn new(
+        row: &[f64],
+        curve: forced::Curve,
+        resonances: &[Result<forced::Resonance, Failure>],
+        synthesis: Vec<synthesis::Point>,
+    ) -> Self {
+        let point = |p: &forced::Point| ForcedPoint::new(row, p.omega, &p.displacement, p.residual, p.turns);
+        let resonance = |r: &forced::Resonance| ForcedPoint::new(row, r.omega, &r.displacement, r.residual, false);
+        Self {
+            level: curve.force,
+            points: curve.points.iter().map(point).collect(),
+            resonances: resonances
+                .iter()
+                .map(|r| r.as_ref().map(resonance).map_err(Clone::clone))
+                .collect(),
+            synthesis,
+            failure: curve.failure,
+            effort: curve.effort,
+        }
+    }
+
+    /// The point of the largest first harmonic.
+    pub fn peak(&self) -> Option<&ForcedPoint> {
+        self.points
+            .iter()
+            .max_by(|a, b| a.harmonics[0].total_cmp(&b.harmonics[0]))
+    }
+}

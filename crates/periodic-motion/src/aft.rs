@@ -1,0 +1,344 @@
+//! Alternating frequency and time: the harmonics of the contact forces along a periodic motion, and their derivative.
+//!
+//! A motion given by its harmonics is sampled `N` times per period at every point. The law is evaluated from sample to sample, each
+//! with the history that the one before left, for a number of periods; the harmonics of the tractions over the last period are the
+//! answer. The first period leads from the static state onto the motion; with laws that repeat after that, the second is periodic.
+//!
+//! The derivative along a change of the motion goes along the same samples, with the derivative of the law's update, so that it is that
+//! of the sampled problem to rounding: Newton's method converges as it would with the whole Jacobian, which is never formed.
+
+use crate::force::PointwiseForce;
+use crate::harmonics::Harmonics;
+use contact_laws::{Components, ComponentsMut, StateView, StateViewMut};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// How motions are sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Sampling {
+    /// The highest harmonic.
+    pub harmonics: usize,
+    /// Samples per period.
+    pub samples: usize,
+    /// Periods that the history is followed for; the last one is measured.
+    pub periods: usize,
+}
+
+/// The contact along periodic motions about the static state.
+pub(crate) struct Contact<'a, F: PointwiseForce> {
+    force: &'a F,
+    state: &'a F::State,
+    sampling: Sampling,
+    /// Value of each column's function at each sample, `[sample][column]`.
+    basis: Vec<f64>,
+    /// Jump (m) and traction (Pa) at the static state.
+    jump: [Vec<f64>; 3],
+    traction: [Vec<f64>; 3],
+}
+
+/// What a batch of points answers.
+struct Answer {
+    /// Harmonics of the tractions, `[component][column][point]`.
+    coefficients: Vec<f64>,
+    /// Change of the tractions from the begin of the last period to its end, and their range in it: sums of magnitudes times areas (N).
+    drift: [f64; 2],
+}
+
+/// Memory of one batch.
+struct Batch {
+    jump: [Vec<f64>; 3],
+    traction: [Vec<f64>; 3],
+    begin: Vec<f64>,
+    end: Vec<f64>,
+}
+
+impl Batch {
+    fn new(n: usize, n_state: usize) -> Self {
+        let zeros = || std::array::from_fn(|_| vec![0.0; n]);
+        Self {
+            jump: zeros(),
+            traction: zeros(),
+            begin: vec![0.0; n * n_state],
+            end: vec![0.0; n * n_state],
+        }
+    }
+}
+
+fn components_mut(fields: &mut [Vec<f64>; 3]) -> ComponentsMut<'_> {
+    let [x, y, n] = fields;
+    ComponentsMut { x, y, n }
+}
+
+/// Harmonics of the contact forces.
+pub(crate) struct Forces {
+    /// Contact force less that of the static state (N), over the leading coordinates and zero on the others.
+    pub(crate) force: Harmonics,
+    /// Change of the tractions over the last period relative to their range: zero where the history repeats.
+    pub(crate) drift: f64,
+}
+
+impl<'a, F: PointwiseForce> Contact<'a, F> {
+    /// About the static state with the displacements `displacement` (m) and the history `state`.
+    pub(crate) fn new(force: &'a F, displacement: &[f64], state: &'a F::State, sampling: Sampling) -> Self {
+        let n = force.n_points();
+        let mut jump: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; n]);
+        force.jumps(&displacement[..force.n_dofs()], jump.each_mut().map(Vec::as_mut_slice));
+        force.subtract_gap(&mut jump[2]);
+        let columns = 2 * sampling.harmonics + 1;
+        let mut basis = vec![1.0; sampling.samples * columns];
+        for (sample, row) in basis.chunks_exact_mut(columns).enumerate() {
+            for h in 1..=sampling.harmonics {
+                // The product is reduced before it is divided, so that equal phases give equal bits.
+                let phase = TAU * ((sample * h) % sampling.samples) as f64 / sampling.samples as f64;
+                (row[2 * h], row[2 * h - 1]) = phase.sin_cos();
+            }
+        }
+        let mut contact = Self {
+            force,
+            state,
+            sampling,
+            basis,
+            jump,
+            traction: std::array::from_fn(|_| vec![0.0; n]),
+        };
+        contact.traction = contact.static_traction();
+        contact
+    }
+
+    fn static_traction(&self) -> [Vec<f64>; 3] {
+        let mut all: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
+        for (index, range) in self.force.batches().iter().enumerate() {
+            let n_state = self.force.n_state(index);
+            let mut batch = Batch::new(range.len(), n_state);
+            self.force.state_of(index, self.state, &mut batch.begin);
+            for q in 0..3 {
+                batch.jump[q].copy_from_slice(&self.jump[q][range.clone()]);
+            }
+            self.advance(index, &mut batch);
+            for q in 0..3 {
+                all[q][range.clone()].copy_from_slice(&batch.traction[q]);
+            }
+        }
+        all
+    }
+
+    /// Evaluates a batch, whose end state becomes the begin state.
+    fn advance(&self, index: usize, batch: &mut Batch) {
+        let n = batch.jump[0].len();
+        let [x, y, normal] = &batch.jump;
+        self.force.evaluate_batch(
+            index,
+            Components { x, y, n: normal },
+            StateView::new(&batch.begin, n, 0),
+            StateViewMut::new(&mut batch.end, n, 0),
+            components_mut(&mut batch.traction),
+        );
+        std::mem::swap(&mut batch.begin, &mut batch.end);
+    }
+
+    /// Coefficients of the jumps that belong to a motion, `[component][column][point]`, batch by batch.
+    fn jumps(&self, motion: &Harmonics) -> Vec<Vec<f64>> {
+        let (n, nd, columns) = (self.force.n_points(), self.force.n_dofs(), motion.n_columns());
+        let fields: Vec<[Vec<f64>; 3]> = (0..columns)
+            .into_par_iter()
+            .map(|column| {
+                let mut jump: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; n]);
+                self.force
+                    .jumps(&motion.column(column)[..nd], jump.each_mut().map(Vec::as_mut_slice));
+                jump
+            })
+            .collect();
+        let of_batch = |range: &std::ops::Range<usize>| {
+            let mut coefficients = Vec::with_capacity(3 * columns * range.len());
+            for q in 0..3 {
+                for field in &fields {
+                    coefficients.extend_from_slice(&field[q][range.clone()]);
+                }
+            }
+            coefficients
+        };
+        self.force.batches().iter().map(of_batch).collect()
+    }
+
+    /// Values of a batch at a sample, from the coefficients.
+    fn synthesise(&self, coefficients: &[f64], sample: usize, fields: &mut [Vec<f64>; 3]) {
+        let columns = 2 * self.sampling.harmonics + 1;
+        let basis = &self.basis[sample * columns..][..columns];
+        let n = fields[0].len();
+        for (field, coefficients) in fields.iter_mut().zip(coefficients.chunks_exact(columns * n)) {
+            field.fill(0.0);
+            for (factor, column) in basis.iter().zip(coefficients.chunks_exact(n)) {
+                for (value, c) in field.iter_mut().zip(column) {
+                    *value += factor * c;
+                }
+            }
+        }
+    }
+
+    /// Adds what the fields at a sample bring to the coefficients of a Fourier series.
+    fn analyse(&self, fields: &[Vec<f64>; 3], sample: usize, coefficients: &mut [f64]) {
+        let columns = 2 * self.sampling.harmonics + 1;
+        let basis = &self.basis[sample * columns..][..columns];
+        let per_sample = 1.0 / self.sampling.samples as f64;
+        let n = fields[0].len();
+        for (field, coefficients) in fields.iter().zip(coefficients.chunks_exact_mut(columns * n)) {
+            for (index, (value, column)) in basis.iter().zip(coefficients.chunks_exact_mut(n)).enumerate() {
+                let factor = if index == 0 {
+                    per_sample
+                } else {
+                    2.0 * per_sample * value
+                };
+                for (c, value) in column.iter_mut().zip(field) {
+                    *c += factor * value;
+                }
+            }
+        }
+    }
+
+    /// Harmonics of the forces of tractions given batch by batch, on `size` coordinates.
+    fn collect(&self, of_batches: &[Answer], size: usize) -> Harmonics {
+        let columns = 2 * self.sampling.harmonics + 1;
+        let n_points = self.force.n_points();
+        let nd = self.force.n_dofs();
+        let mut force = Harmonics::zeros(size, self.sampling.harmonics);
+        force.each_column(|column, values| {
+            let mut traction: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; n_points]);
+            for (range, answer) in self.force.batches().iter().zip(of_batches) {
+                let n = range.len();
+                for (q, field) in traction.iter_mut().enumerate() {
+                    let from = &answer.coefficients[(q * columns + column) * n..][..n];
+                    field[range.clone()].copy_from_slice(from);
+                }
+            }
+            self.force
+                .forces(traction.each_ref().map(Vec::as_slice), &mut values[..nd]);
+        });
+        force
+    }
+
+    /// Contact forces along the motion.
+    pub(crate) fn forces(&self, motion: &Harmonics) -> Forces {
+        let jumps = self.jumps(motion);
+        let answers: Vec<Answer> = self
+            .force
+            .batches()
+            .par_iter()
+            .zip(&jumps)
+            .enumerate()
+            .map(|(index, (range, jumps))| self.follow(index, range, jumps))
+            .collect();
+        let [drift, extent] = answers.iter().fold([0.0; 2], |sum, answer| {
+            [sum[0] + answer.drift[0], sum[1] + answer.drift[1]]
+        });
+        Forces {
+            force: self.collect(&answers, motion.size()),
+            drift: if extent > 0.0 { drift / extent } else { 0.0 },
+        }
+    }
+
+    /// One batch along all periods.
+    fn follow(&self, index: usize, range: &std::ops::Range<usize>, jumps: &[f64]) -> Answer {
+        let n = range.len();
+        let mut batch = Batch::new(n, self.force.n_state(index));
+        self.force.state_of(index, self.state, &mut batch.begin);
+        let mut coefficients = vec![0.0; jumps.len()];
+        let zeros = || -> [Vec<f64>; 3] { std::array::from_fn(|_| vec![0.0; n]) };
+        let (mut before, mut least, mut most) = (zeros(), zeros(), zeros());
+        for period in 1..=self.sampling.periods {
+            let is_last = period == self.sampling.periods;
+            if is_last {
+                before.clone_from(&batch.traction);
+                least.iter_mut().for_each(|field| field.fill(f64::INFINITY));
+                most.iter_mut().for_each(|field| field.fill(f64::NEG_INFINITY));
+            }
+            for sample in 0..self.sampling.samples {
+                self.synthesise(jumps, sample, &mut batch.jump);
+                for (jump, at_rest) in batch.jump.iter_mut().zip(&self.jump) {
+                    for (jump, at_rest) in jump.iter_mut().zip(&at_rest[range.clone()]) {
+                        *jump += at_rest;
+                    }
+                }
+                self.advance(index, &mut batch);
+                for (traction, at_rest) in batch.traction.iter_mut().zip(&self.traction) {
+                    for (traction, at_rest) in traction.iter_mut().zip(&at_rest[range.clone()]) {
+                        *traction -= at_rest;
+                    }
+                }
+                if is_last {
+                    self.analyse(&batch.traction, sample, &mut coefficients);
+                    for q in 0..3 {
+                        for i in 0..n {
+                            least[q][i] = least[q][i].min(batch.traction[q][i]);
+                            most[q][i] = most[q][i].max(batch.traction[q][i]);
+                        }
+                    }
+                }
+            }
+        }
+        let mut drift = [0.0; 2];
+        let weights = &self.force.weights()[range.clone()];
+        for q in 0..3 {
+            for (i, weight) in weights.iter().enumerate() {
+                drift[0] += weight * (batch.traction[q][i] - before[q][i]).abs();
+                drift[1] += weight * (most[q][i] - least[q][i]);
+            }
+        }
+        Answer { coefficients, drift }
+    }
+
+    /// Derivative of the contact forces at `motion` along `change`.
+    pub(crate) fn derivative(&self, motion: &Harmonics, change: &Harmonics) -> Harmonics {
+        let (jumps, changes) = (self.jumps(motion), self.jumps(change));
+        let answers: Vec<Answer> = self
+            .force
+            .batches()
+            .par_iter()
+            .zip(jumps.par_iter().zip(&changes))
+            .enumerate()
+            .map(|(index, (range, (jumps, changes)))| self.follow_change(index, range, jumps, changes))
+            .collect();
+        self.collect(&answers, motion.size())
+    }
+
+    /// Derivative of one batch along all periods. The static state does not change.
+    fn follow_change(&self, index: usize, range: &std::ops::Range<usize>, jumps: &[f64], changes: &[f64]) -> Answer {
+        let (n, n_state) = (range.len(), self.force.n_state(index));
+        let mut batch = Batch::new(n, n_state);
+        let mut change = Batch::new(n, n_state);
+        self.force.state_of(index, self.state, &mut batch.begin);
+        let mut coefficients = vec![0.0; jumps.len()];
+        for period in 1..=self.sampling.periods {
+            for sample in 0..self.sampling.samples {
+                self.synthesise(jumps, sample, &mut batch.jump);
+                for (jump, at_rest) in batch.jump.iter_mut().zip(&self.jump) {
+                    for (jump, at_rest) in jump.iter_mut().zip(&at_rest[range.clone()]) {
+                        *jump += at_rest;
+                    }
+                }
+                self.synthesise(changes, sample, &mut change.jump);
+                let ([x, y, normal], [d_x, d_y, d_n]) = (&batch.jump, &change.jump);
+                self.force.derivative_batch(
+                    index,
+                    Components { x, y, n: normal },
+                    StateView::new(&batch.begin, n, 0),
+                    Components { x: d_x, y: d_y, n: d_n },
+                    StateView::new(&change.begin, n, 0),
+                    StateViewMut::new(&mut batch.end, n, 0),
+                    StateViewMut::new(&mut change.end, n, 0),
+                    components_mut(&mut batch.traction),
+                    components_mut(&mut change.traction),
+                );
+                std::mem::swap(&mut batch.begin, &mut batch.end);
+                std::mem::swap(&mut change.begin, &mut change.end);
+                if period == self.sampling.periods {
+                    self.analyse(&change.traction, sample, &mut coefficients);
+                }
+            }
+        }
+        Answer {
+            coefficients,
+            drift: [0.0; 2],
+        }
+    }
+}

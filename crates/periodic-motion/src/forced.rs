@@ -1,0 +1,512 @@
+//! Responses to a harmonic force of given amplitude against the frequency.
+//!
+//! `M u'' + C u' + K u + F(u) = f + e P cos(Omega t)`. The curve is followed by its arc length, in which a relative change of the motion
+//! (energy norm) and one of the frequency count as many steps as their largest allowed sizes, so that it goes around turning points and
+//! every resonance is resolved, however sharp.
+
+use crate::Error;
+use crate::aft::Sampling;
+use crate::backbone::{LARGEST_DRIFT, check_sampling};
+use crate::error::require;
+use crate::force::PointwiseForce;
+use crate::harmonics::Harmonics;
+use crate::solve::{Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, solve};
+use crate::system::{Parameter, System, Unknown};
+use cqsma_solver::Linearisation;
+use std::ops::ControlFlow;
+
+/// Settings of a forced response.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// First and last angular frequency (rad/s); the curve is followed from the one to the other.
+    pub range: [f64; 2],
+    /// Harmonics, samples and periods.
+    pub sampling: Sampling,
+    /// Viscous damping ratio of the linear modes beside friction.
+    pub background: f64,
+    /// Largest relative change of the motion from point to point.
+    pub amplitude_step: f64,
+    /// Largest relative change of the frequency.
+    pub frequency_step: f64,
+    /// Most points of a curve.
+    pub max_points: usize,
+    /// Newton's method.
+    pub newton: NewtonSettings,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            range: [0.0; 2],
+            sampling: Sampling {
+                harmonics: 3,
+                samples: 128,
+                periods: 2,
+            },
+            background: 0.0,
+            amplitude_step: 0.2,
+            frequency_step: 0.02,
+            max_points: 2000,
+            newton: NewtonSettings::default(),
+        }
+    }
+}
+
+/// A point of a response curve.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Point {
+    /// Angular frequency of the force (rad/s).
+    pub omega: f64,
+    /// Harmonics of the displacements from the static state (m).
+    pub displacement: Harmonics,
+    /// Residual relative to the elastic forces (energy norm).
+    pub residual: f64,
+    /// Change of the tractions from the last period to the one before relative to their range.
+    pub drift: f64,
+    /// Whether the frequency turns back here.
+    pub turns: bool,
+}
+
+/// A response curve.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Amplitude of the force (N).
+    pub force: f64,
+    /// Points in the order in which they follow one another on the curve.
+    pub points: Vec<Point>,
+    /// Why the curve ends before the last frequency, if it does.
+    pub failure: Option<Failure>,
+    /// Work done.
+    pub effort: Effort,
+}
+
+/// A resonance: the point of the force moves a quarter period behind it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resonance {
+    /// Angular frequency (rad/s).
+    pub omega: f64,
+    /// Harmonics of the displacements from the static state (m).
+    pub displacement: Harmonics,
+    /// Residual relative to the elastic forces (energy norm), evaluated anew from the stiffness.
+    pub residual: f64,
+}
+
+/// Follows the response to a force of amplitude `force` (N) along `row`; `observe` hears of every point and may stop the run.
+///
+/// # Errors
+/// Settings or sizes that do not fit, and [`Error::Interrupted`]. A curve that ends early says why.
+pub fn follow<F: PointwiseForce>(
+    line: &Linearisation<'_, F::State>,
+    law: &F,
+    row: &[f64],
+    force: f64,
+    settings: &Settings,
+    observe: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+) -> Result<Curve, Error> {
+    check(line.shapes.nrows(), row, force, settings)?;
+    let system = System::new(line, law, row, settings.background, settings.sampling);
+    let mut tracer = Tracer {
+        system,
+        settings,
+        force,
+        effort: Effort::default(),
+    };
+    let mut points = Vec::new();
+    let failure = match tracer.trace(&mut points, observe) {
+        Ok(()) => None,
+        Err(Stop::Failure(failure)) => Some(failure),
+        Err(Stop::Interrupted) => return Err(Error::Interrupted),
+    };
+    Ok(Curve {
+        force,
+        points,
+        failure,
+        effort: tracer.effort,
+    })
+}
+
+/// The resonances of a curve that [`follow`] found: one for each place where the phase of the force's point crosses a quarter period
+/// downwards in its displacement's cosine.
+///
+/// # Errors
+/// Sizes that do not fit.
+pub fn resonances<F: PointwiseForce>(
+    line: &Linearisation<'_, F::State>,
+    law: &F,
+    row: &[f64],
+    curve: &Curve,
+    settings: &Settings,
+) -> Result<Vec<Result<Resonance, Failure>>, Error> {
+    check(line.shapes.nrows(), row, curve.force, settings)?;
+    let system = System::new(line, law, row, settings.background, settings.sampling);
+    let cosine = |point: &Point| -> f64 { point.displacement.along(row)[1] };
+    let mut found = Vec::new();
+    for pair in curve.points.windows(2) {
+        let [before, after] = [cosine(&pair[0]), cosine(&pair[1])];
+        if !(before > 0.0 && after <= 0.0) {
+            continue;
+        }
+        let weight = before / (before - after);
+        let mut v = pair[0].displacement.clone();
+        v.scale(1.0 - weight);
+        v.add(weight, &pair[1].displacement);
+        let omega = (1.0 - weight) * pair[0].omega + weight * pair[1].omega;
+        let mut unknown = Unknown {
+            p: v.clone(),
+            v,
+            parameters: [omega * omega, 0.0, curve.force],
+        };
+        system.restore(&mut unknown);
+        let conditions = |unknown: &Unknown, _: &Harmonics| {
+            let [c, s] = unknown.v.pair(1);
+            let dot = |a: &[f64]| -> f64 { a.iter().zip(row).map(|(a, b)| a * b).sum() };
+            let reference = dot(s).hypot(dot(c));
+            let mut gradient = Harmonics::zeros(unknown.v.size(), unknown.v.count());
+            gradient
+                .column_mut(1)
+                .iter_mut()
+                .zip(row)
+                .for_each(|(to, r)| *to = r / reference);
+            vec![Condition {
+                value: dot(c) / reference,
+                gradient,
+                along: vec![0.0],
+            }]
+        };
+        let closure = Closure {
+            free: &[Parameter::Square],
+            conditions: &conditions,
+        };
+        let solved = solve(
+            &system,
+            &mut unknown,
+            &closure,
+            &settings.newton,
+            &mut Effort::default(),
+        );
+        found.push(solved.map(|converged| Resonance {
+            omega: unknown.at(Parameter::Square).sqrt(),
+            residual: converged.residual.max(system.imbalance(&unknown)),
+            displacement: unknown.v,
+        }));
+    }
+    Ok(found)
+}
+
+fn check(n: usize, row: &[f64], force: f64, settings: &Settings) -> Result<(), Error> {
+    if row.len() != n {
+        return Err(Error::Size {
+            what: "the direction of the force",
+            found: row.len(),
+            expected: n,
+        });
+    }
+    check_sampling(settings.sampling)?;
+    require(force > 0.0 && force.is_finite(), "force", force, "positive and finite")?;
+    for omega in settings.range {
+        require(
+            omega > 0.0 && omega.is_finite(),
+            "frequency",
+            omega,
+            "positive and finite",
+        )?;
+    }
+    let [from, to] = settings.range;
+    require(
+        from != to,
+        "frequency",
+        to,
+        "another one than that which the curve begins with",
+    )?;
+    for (field, step) in [
+        ("amplitude_step", settings.amplitude_step),
+        ("frequency_step", settings.frequency_step),
+    ] {
+        require(step > 0.0 && step <= 1.0, field, step, "above 0 and at most 1")?;
+    }
+    Ok(())
+}
+
+/// Why tracing ends early.
+enum Stop {
+    Failure(Failure),
+    Interrupted,
+}
+
+impl From<Failure> for Stop {
+    fn from(failure: Failure) -> Self {
+        Self::Failure(failure)
+    }
+}
+
+/// Steps are not made shorter than this.
+const SHORTEST: f64 = 1e-5;
+
+/// Iterations beyond which steps are not made longer.
+const EASY: usize = 5;
+
+/// Most times that the force is halved to reach the first point.
+const MAX_RAMP: i32 = 8;
+
+struct Tracer<'a, 's, F: PointwiseForce> {
+    system: System<'a, F>,
+    settings: &'s Settings,
+    force: f64,
+    effort: Effort,
+}
+
+/// Direction of the curve at a point, of unit length.
+struct Tangent {
+    v: Harmonics,
+    p: Harmonics,
+    /// Of the logarithm of the frequency.
+    log_omega: f64,
+}
+
+impl<F: PointwiseForce> Tracer<'_, '_, F> {
+    fn trace(
+        &mut self,
+        points: &mut Vec<Point>,
+        observe: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+    ) -> Result<(), Stop> {
+        let [from, to] = self.settings.range;
+        let direction = (to - from).signum();
+        let (mut here, found) = self.first(from)?;
+        let mut report = |unknown: &Unknown, found: &Converged, points: &mut Vec<Point>| {
+            let point = Point {
+                omega: unknown.at(Parameter::Square).sqrt(),
+                displacement: unknown.v.clone(),
+                residual: found.residual,
+                drift: found.drift,
+                turns: false,
+            };
+            let flow = observe(&point);
+            points.push(point);
+            if flow.is_break() {
+                Err(Stop::Interrupted)
+            } else {
+                Ok(())
+            }
+        };
+        report(&here, &found, points)?;
+        // The first step is one of the frequency alone.
+        let mut step: f64 = 0.1;
+        let mut tangent: Option<Tangent> = None;
+        while points.len() < self.settings.max_points {
+            let mut next = here.clone();
+            let predicted = match &tangent {
+                None => {
+                    let square = next.at(Parameter::Square);
+                    *next.at_mut(Parameter::Square) =
+                        square * (2.0 * direction * step * self.settings.frequency_step).exp();
+                    None
+                }
+                Some(tangent) => {
+                    next.v.add(step, &tangent.v);
+                    next.p.add(step, &tangent.p);
+                    *next.at_mut(Parameter::Square) *= (2.0 * step * tangent.log_omega).exp();
+                    Some((next.clone(), tangent))
+                }
+            };
+            let iterations = self.effort.iterations;
+            let corrected = self.correct(&mut next, predicted.as_ref().map(|(at, tangent)| (at, *tangent)));
+            let length = self.length(&here, &next);
+            let outcome = match corrected {
+                Ok(found) if length <= 3.0 * step.max(SHORTEST) || tangent.is_none() => Ok(found),
+                Ok(_) => Err(Failure {
+                    reason: Reason::StepTooSmall,
+                    history: Vec::new(),
+                }),
+                Err(failure) => Err(failure),
+            };
+            match outcome {
+                Err(failure) => {
+                    step *= 0.5;
+                    if step < SHORTEST {
+                        return Err(Failure {
+                            reason: Reason::StepTooSmall,
+                            history: failure.history,
+                        }
+                        .into());
+                    }
+                    continue;
+                }
+                Ok(found) => {
+                    let omega = next.at(Parameter::Square).sqrt();
+                    if direction * (omega - to) >= 0.0 {
+                        // The last point lies at the last frequency.
+                        let mut last = next.clone();
+                        *last.at_mut(Parameter::Square) = to * to;
+                        if let Ok(found) = self.correct(&mut last, None) {
+                            report(&last, &found, points)?;
+                        } else {
+                            report(&next, &found, points)?;
+                        }
+                        return Ok(());
+                    }
+                    report(&next, &found, points)?;
+                    mark_turns(points);
+                    if direction * (omega - from) < -1e-9 * from {
+                        return Err(Failure {
+                            reason: Reason::StepTooSmall,
+                            history: vec![found.residual],
+                        }
+                        .into());
+                    }
+                    let easy = self.effort.iterations - iterations <= EASY;
+                    tangent = Some(self.secant(&here, &next, length));
+                    here = next;
+                    if easy {
+                        step = (1.5 * step).min(1.0);
+                    } else {
+                        step = (0.8 * length).clamp(SHORTEST, 1.0);
+                    }
+                }
+            }
+        }
+        Err(Failure {
+            reason: Reason::IterationLimit,
+            history: Vec::new(),
+        }
+        .into())
+    }
+
+    /// The point at the first frequency, under a force that grows where the whole one at once is too much.
+    fn first(&mut self, omega: f64) -> Result<(Unknown, Converged), Failure> {
+        let n = self.system.size();
+        let count = self.system.sampling().harmonics;
+        let mut halvings = 0;
+        let mut unknown = Unknown {
+            v: Harmonics::zeros(n, count),
+            p: Harmonics::zeros(n, count),
+            parameters: [omega * omega, 0.0, 0.0],
+        };
+        let mut reached = 0.0;
+        let mut share = 1.0;
+        loop {
+            let mut trial = unknown.clone();
+            let level = reached + share * (self.force - reached);
+            if reached > 0.0 {
+                trial.v.scale(level / reached);
+                trial.p.scale(level / reached);
+            } else {
+                self.stuck_response(&mut trial, level);
+            }
+            *trial.at_mut(Parameter::Force) = level;
+            match self.correct(&mut trial, None) {
+                Ok(found) if share >= 1.0 => return Ok((trial, found)),
+                Ok(_) => {
+                    (unknown, reached) = (trial, level);
+                    share = (2.0 * share).min(1.0);
+                }
+                Err(failure) => {
+                    halvings += 1;
+                    if halvings > MAX_RAMP {
+                        return Err(failure);
+                    }
+                    share *= 0.5;
+                }
+            }
+        }
+    }
+
+    /// What the stuck structure does under the force, by the preconditioner: modes near resonance and static rest.
+    fn stuck_response(&self, unknown: &mut Unknown, force: f64) {
+        let mut load = Harmonics::zeros(self.system.size(), unknown.v.count());
+        let row = self.system.row;
+        load.column_mut(1)
+            .iter_mut()
+            .zip(row)
+            .for_each(|(to, e)| *to = force * e);
+        let response = self.system.solve_stuck(&load);
+        [unknown.v, unknown.p] = self.system.precondition(unknown, &load, &response);
+    }
+
+    /// Solves at the frequency of the guess, or on the plane across the tangent through the prediction.
+    fn correct(
+        &mut self,
+        unknown: &mut Unknown,
+        predicted: Option<(&Unknown, &Tangent)>,
+    ) -> Result<Converged, Failure> {
+        let newton = &self.settings.newton;
+        let Some((at, tangent)) = predicted else {
+            let closure = Closure {
+                free: &[],
+                conditions: &|_, _| Vec::new(),
+            };
+            let found = solve(&self.system, unknown, &closure, newton, &mut self.effort)?;
+            return periodic(found);
+        };
+        let scale = self.metric(at);
+        let settings = self.settings;
+        let conditions = |unknown: &Unknown, _: &Harmonics| {
+            let mut change = unknown.v.clone();
+            change.add(-1.0, &at.v);
+            let a = unknown.at(Parameter::Square);
+            let log = 0.5 * (a / at.at(Parameter::Square)).ln();
+            let weight = tangent.log_omega / settings.frequency_step.powi(2);
+            let mut gradient = tangent.p.clone();
+            gradient.scale(scale);
+            vec![Condition {
+                value: gradient.dot(&change) + weight * log,
+                along: vec![0.5 * weight / a],
+                gradient,
+            }]
+        };
+        let closure = Closure {
+            free: &[Parameter::Square],
+            conditions: &conditions,
+        };
+        let found = solve(&self.system, unknown, &closure, newton, &mut self.effort)?;
+        periodic(found)
+    }
+
+    /// What a unit of the energy norm squared counts.
+    fn metric(&self, at: &Unknown) -> f64 {
+        1.0 / (self.settings.amplitude_step * self.system.scale(at)).powi(2)
+    }
+
+    /// Distance of two points in steps.
+    fn length(&self, from: &Unknown, to: &Unknown) -> f64 {
+        let (mut v, mut p) = (to.v.clone(), to.p.clone());
+        v.add(-1.0, &from.v);
+        p.add(-1.0, &from.p);
+        let log = 0.5 * (to.at(Parameter::Square) / from.at(Parameter::Square)).ln();
+        (self.metric(from) * v.dot(&p).max(0.0) + (log / self.settings.frequency_step).powi(2)).sqrt()
+    }
+
+    fn secant(&self, from: &Unknown, to: &Unknown, length: f64) -> Tangent {
+        let (mut v, mut p) = (to.v.clone(), to.p.clone());
+        v.add(-1.0, &from.v);
+        p.add(-1.0, &from.p);
+        v.scale(1.0 / length);
+        p.scale(1.0 / length);
+        Tangent {
+            v,
+            p,
+            log_omega: 0.5 * (to.at(Parameter::Square) / from.at(Parameter::Square)).ln() / length,
+        }
+    }
+}
+
+/// A solution whose history repeats.
+fn periodic(found: Converged) -> Result<Converged, Failure> {
+    if found.drift <= LARGEST_DRIFT {
+        Ok(found)
+    } else {
+        Err(Failure {
+            reason: Reason::NotPeriodic,
+            history: vec![found.drift],
+        })
+    }
+}
+
+/// Marks the last but one point if the frequency turned there.
+fn mark_turns(points: &mut [Point]) {
+    let n = points.len();
+    if n >= 3 {
+        let [a, b, c] = [points[n - 3].omega, points[n - 2].omega, points[n - 1].omega];
+        points[n - 2].turns = (b - a) * (c - b) < 0.0;
+    }
+}

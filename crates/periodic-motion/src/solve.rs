@@ -1,0 +1,402 @@
+//! Newton's method with a bordered Krylov solve.
+
+use crate::force::PointwiseForce;
+use crate::harmonics::Harmonics;
+use crate::system::{Evaluation, Parameter, Step, System, Unknown};
+
+/// Most steps of the iteration for one linear solve.
+const MAX_KRYLOV: usize = 120;
+
+/// Settings of Newton's method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonSettings {
+    /// Residual relative to the elastic forces of the first harmonic, both in the energy norm.
+    pub tolerance: f64,
+    /// Most iterations per point.
+    pub max_iterations: usize,
+    /// Most halvings of one step.
+    pub max_halvings: usize,
+}
+
+impl Default for NewtonSettings {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            max_iterations: 30,
+            max_halvings: 6,
+        }
+    }
+}
+
+/// Why a point has no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Reason {
+    /// The residual stopped falling.
+    #[error(
+        "the residual stopped falling, however often the step was halved; take more samples per period, or smaller steps"
+    )]
+    Stalled,
+    /// Too many iterations.
+    #[error("more iterations were needed than allowed")]
+    IterationLimit,
+    /// The linear solve did not converge.
+    #[error("the linear solve did not converge: the motion is far from all that the stuck structure does")]
+    LinearSolve,
+    /// A number that is not finite.
+    #[error("a residual was not finite")]
+    NotFinite,
+    /// Smaller steps of the continuation do not help.
+    #[error("no further point was found on the curve, however short the step")]
+    StepTooSmall,
+    /// The history does not repeat.
+    #[error("the history still changes from period to period; follow more periods")]
+    NotPeriodic,
+    /// The frequency fell to zero or below.
+    #[error("no positive frequency balances the forces")]
+    NoFrequency,
+}
+
+/// Why a solve gave up.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Failure {
+    /// What happened.
+    pub reason: Reason,
+    /// Relative residual at each iteration.
+    pub history: Vec<f64>,
+}
+
+/// Work done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Effort {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Residuals evaluated.
+    pub evaluations: usize,
+    /// Steps of the Krylov iteration.
+    pub krylov_steps: usize,
+}
+
+impl std::ops::AddAssign for Effort {
+    fn add_assign(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.evaluations += other.evaluations;
+        self.krylov_steps += other.krylov_steps;
+    }
+}
+
+/// A condition that makes up for a free parameter: a function of the motion and of the parameters.
+pub(crate) struct Condition {
+    /// Its value, without unit; zero where it holds.
+    pub(crate) value: f64,
+    /// Its derivative with respect to the motion.
+    pub(crate) gradient: Harmonics,
+    /// That with respect to the free parameters.
+    pub(crate) along: Vec<f64>,
+}
+
+/// What is solved for beside the motion.
+pub(crate) struct Closure<'c> {
+    /// Free parameters.
+    pub(crate) free: &'c [Parameter],
+    /// As many conditions as free parameters, from motion and `M v`.
+    pub(crate) conditions: &'c dyn Fn(&Unknown, &Harmonics) -> Vec<Condition>,
+}
+
+/// A converged point.
+pub(crate) struct Converged {
+    pub(crate) residual: f64,
+    pub(crate) drift: f64,
+    pub(crate) evaluation: Evaluation,
+}
+
+/// The bordered Jacobian at a motion.
+struct Bordered<'s, 'a, F: PointwiseForce> {
+    system: &'s System<'a, F>,
+    unknown: &'s Unknown,
+    /// Derivatives of the residual with respect to the free parameters, their preconditioned answers as displacement and force.
+    columns: Vec<Harmonics>,
+    answers: Vec<[Harmonics; 2]>,
+    conditions: Vec<Condition>,
+    /// Rows and columns of the conditions' block after elimination of the motion, inverted.
+    inverse: Vec<Vec<f64>>,
+    /// What a condition counts in the energy norm.
+    scale: f64,
+}
+
+/// A vector of the Krylov space: a force with its stuck response, and a value per condition.
+struct Direction {
+    force: Harmonics,
+    response: Harmonics,
+    conditions: Vec<f64>,
+}
+
+impl Direction {
+    fn dot(&self, other: &Self) -> f64 {
+        let conditions: f64 = self.conditions.iter().zip(&other.conditions).map(|(a, b)| a * b).sum();
+        self.force.dot(&other.response) + conditions
+    }
+
+    fn add(&mut self, factor: f64, other: &Self) {
+        self.force.add(factor, &other.force);
+        self.response.add(factor, &other.response);
+        for (a, b) in self.conditions.iter_mut().zip(&other.conditions) {
+            *a += factor * b;
+        }
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.force.scale(factor);
+        self.response.scale(factor);
+        self.conditions.iter_mut().for_each(|c| *c *= factor);
+    }
+}
+
+impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
+    fn try_new(
+        system: &'s System<'a, F>,
+        unknown: &'s Unknown,
+        evaluation: &Evaluation,
+        closure: &Closure<'_>,
+        conditions: Vec<Condition>,
+        scale: f64,
+    ) -> Option<Self> {
+        let columns: Vec<Harmonics> = closure
+            .free
+            .iter()
+            .map(|parameter| system.column(unknown, &evaluation.inertia, *parameter))
+            .collect();
+        let answer = |column: &Harmonics| system.precondition(unknown, column, &system.solve_stuck(column));
+        let answers: Vec<[Harmonics; 2]> = columns.iter().map(answer).collect();
+        let entry = |i: usize, j: usize| conditions[i].along[j] - conditions[i].gradient.dot(&answers[j][0]);
+        let m = columns.len();
+        let block: Vec<Vec<f64>> = (0..m).map(|i| (0..m).map(|j| entry(i, j)).collect()).collect();
+        Some(Self {
+            system,
+            unknown,
+            inverse: inverse(&block)?,
+            columns,
+            answers,
+            conditions,
+            scale,
+        })
+    }
+
+    /// The preconditioner's answer.
+    fn precondition(&self, direction: &Direction) -> Step {
+        let [mut v, mut p] = self
+            .system
+            .precondition(self.unknown, &direction.force, &direction.response);
+        let missing: Vec<f64> = self
+            .conditions
+            .iter()
+            .zip(&direction.conditions)
+            .map(|(condition, value)| value / self.scale - condition.gradient.dot(&v))
+            .collect();
+        let parameters: Vec<f64> = self
+            .inverse
+            .iter()
+            .map(|row| row.iter().zip(&missing).map(|(a, b)| a * b).sum())
+            .collect();
+        for (change, [answer_v, answer_p]) in parameters.iter().zip(&self.answers) {
+            v.add(-change, answer_v);
+            p.add(-change, answer_p);
+        }
+        Step { v, p, parameters }
+    }
+
+    /// The Jacobian times a step whose values of the conditions are `conditions`.
+    fn product(&self, step: &Step, conditions: &[f64]) -> Direction {
+        let mut force = self.system.product(self.unknown, &step.v, &step.p);
+        for (change, column) in step.parameters.iter().zip(&self.columns) {
+            force.add(*change, column);
+        }
+        let response = self.system.solve_stuck(&force);
+        Direction {
+            force,
+            response,
+            conditions: conditions.to_vec(),
+        }
+    }
+
+    /// Solves for the step that takes `start` away: GMRES in the energy norm, preconditioned from the right, so that its residual is
+    /// that of the equations. `None` if `tolerance` (relative) is not reached.
+    fn solve(&self, start: Direction, tolerance: f64) -> Option<(Step, usize)> {
+        let norm = start.dot(&start).max(0.0).sqrt();
+        let mut first = start;
+        first.scale(1.0 / norm);
+        let mut basis = vec![first];
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut rotations: Vec<(f64, f64)> = Vec::new();
+        let mut rhs = vec![norm];
+        for index in 0..MAX_KRYLOV {
+            let step = self.precondition(&basis[index]);
+            let mut image = self.product(&step, &basis[index].conditions);
+            let mut h = Vec::with_capacity(index + 2);
+            for known in &basis {
+                let c = image.dot(known);
+                image.add(-c, known);
+                h.push(c);
+            }
+            let length = image.dot(&image).max(0.0).sqrt();
+            for (i, &(c, s)) in rotations.iter().enumerate() {
+                (h[i], h[i + 1]) = (c * h[i] + s * h[i + 1], c * h[i + 1] - s * h[i]);
+            }
+            let radius = h[index].hypot(length);
+            if !(radius > 0.0 && radius.is_finite()) {
+                return None;
+            }
+            let (c, s) = (h[index] / radius, length / radius);
+            h[index] = radius;
+            rotations.push((c, s));
+            columns.push(h);
+            let last = rhs[index];
+            rhs[index] = c * last;
+            rhs.push(-s * last);
+            if rhs[index + 1].abs() <= tolerance * norm || length == 0.0 {
+                return Some((self.combine(&basis, &columns, &rhs), index + 1));
+            }
+            image.scale(1.0 / length);
+            basis.push(image);
+        }
+        None
+    }
+
+    /// The step from the triangular system.
+    fn combine(&self, basis: &[Direction], columns: &[Vec<f64>], rhs: &[f64]) -> Step {
+        let n = columns.len();
+        let mut y = vec![0.0; n];
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|j| columns[j][i] * y[j]).sum();
+            y[i] = (rhs[i] - known) / columns[i][i];
+        }
+        let size = &basis[0].force;
+        let mut sum = Direction {
+            force: Harmonics::zeros(size.size(), size.count()),
+            response: Harmonics::zeros(size.size(), size.count()),
+            conditions: vec![0.0; self.conditions.len()],
+        };
+        for (y, direction) in y.iter().zip(basis) {
+            sum.add(*y, direction);
+        }
+        self.precondition(&sum)
+    }
+}
+
+/// Inverse of a matrix of one or two rows; `None` if it is singular.
+fn inverse(block: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let found = match block {
+        [] => Vec::new(),
+        [row] => vec![vec![1.0 / row[0]]],
+        _ => {
+            let [a, b, c, d] = [block[0][0], block[0][1], block[1][0], block[1][1]];
+            let determinant = a * d - b * c;
+            vec![
+                vec![d / determinant, -b / determinant],
+                vec![-c / determinant, a / determinant],
+            ]
+        }
+    };
+    found.iter().flatten().all(|v| v.is_finite()).then_some(found)
+}
+
+/// Solves for motion and free parameters from the guess in `unknown`, which is left at the solution or where the search ended.
+pub(crate) fn solve<F: PointwiseForce>(
+    system: &System<'_, F>,
+    unknown: &mut Unknown,
+    closure: &Closure<'_>,
+    settings: &NewtonSettings,
+    effort: &mut Effort,
+) -> Result<Converged, Failure> {
+    let mut history = Vec::new();
+    let fail = |reason, history| Err(Failure { reason, history });
+    let merit = |evaluation: &Evaluation, conditions: &[Condition], scale: f64| {
+        let conditions: f64 = conditions.iter().map(|c| (c.value * scale).powi(2)).sum();
+        (evaluation.norm().powi(2) + conditions).sqrt()
+    };
+    let mut evaluation = system.evaluate(unknown);
+    effort.evaluations += 1;
+    let mut stalled = 0;
+    loop {
+        if unknown.at(Parameter::Square) <= 0.0 {
+            return fail(Reason::NoFrequency, history);
+        }
+        let conditions = (closure.conditions)(unknown, &evaluation.inertia);
+        let scale = system.scale(unknown);
+        let size = merit(&evaluation, &conditions, scale);
+        history.push(size / scale);
+        if !(size / scale).is_finite() {
+            return fail(Reason::NotFinite, history);
+        }
+        if size <= settings.tolerance * scale {
+            return Ok(Converged {
+                residual: size / scale,
+                drift: evaluation.drift,
+                evaluation,
+            });
+        }
+        if history.len() > settings.max_iterations {
+            return fail(Reason::IterationLimit, history);
+        }
+        if stalled > 2 {
+            return fail(Reason::Stalled, history);
+        }
+        effort.iterations += 1;
+        let mut start = Direction {
+            force: evaluation.residual.clone(),
+            response: evaluation.response.clone(),
+            conditions: conditions.iter().map(|c| c.value * scale).collect(),
+        };
+        start.scale(-1.0);
+        let forcing = (0.1 * size / scale)
+            .sqrt()
+            .min(0.1)
+            .max(0.1 * settings.tolerance * scale / size)
+            .min(0.3);
+        let Some(bordered) = Bordered::try_new(system, unknown, &evaluation, closure, conditions, scale) else {
+            return fail(Reason::LinearSolve, history);
+        };
+        let Some((step, krylov)) = bordered.solve(start, forcing) else {
+            effort.krylov_steps += MAX_KRYLOV;
+            return fail(Reason::LinearSolve, history);
+        };
+        effort.krylov_steps += krylov;
+        let mut length = 1.0;
+        let mut best: Option<(f64, Unknown, Evaluation)> = None;
+        for _ in 0..=settings.max_halvings {
+            let mut trial = unknown.clone();
+            trial.add(length, &step, closure.free);
+            if trial.at(Parameter::Square) > 0.0 {
+                let next = system.evaluate(&trial);
+                effort.evaluations += 1;
+                let conditions = (closure.conditions)(&trial, &next.inertia);
+                let found = merit(&next, &conditions, scale);
+                let is_better = best.as_ref().is_none_or(|(least, ..)| found < *least);
+                if found.is_finite() && is_better {
+                    best = Some((found, trial, next));
+                }
+                if found <= (1.0 - 1e-4 * length) * size {
+                    break;
+                }
+            }
+            length *= 0.5;
+        }
+        let Some((found, next, next_evaluation)) = best else {
+            return fail(Reason::NotFinite, history);
+        };
+        // A kink: the best point seen may show another side of it, unless it is far worse.
+        if found > 0.999 * size {
+            stalled += 1;
+        } else {
+            stalled = 0;
+        }
+        if found > 2.0 * size {
+            return fail(Reason::Stalled, history);
+        }
+        *unknown = next;
+        evaluation = next_evaluation;
+    }
+}

@@ -1,0 +1,375 @@
+//! The equations of harmonic balance: residual, product with the Jacobian, preconditioner.
+//!
+//! With the harmonics `V_h = C_h - i S_h` of the motion `v(t) = u(t) - u*` about the static state, those `G_h` of the contact force
+//! from that state, and the stuck structure `P = K + T`, the residual of harmonic `h` is
+//!
+//! `R_h = P V_h + (G_h - T V_h) - (h^2 a + i h b) M V_h + i h sqrt(a) C V_h - E_h`, `a = omega^2`.
+//!
+//! `b = 2 zeta omega^2` is the negative damping that sustains a free periodic motion (Krack 2015, DOI
+//! 10.1016/j.compstruc.2015.03.008), `C = sum_k 2 beta omega_k M phi_k phi_k^T M` the viscous background of a forced one, and
+//! `E_1` its force.
+//!
+//! # Linear solves
+//! `P^-1` is at hand as a matrix. Of the dynamic stiffness of the stuck structure, `P - (h^2 a + i h b) M`, it misses the inertia, which
+//! matters in the lowest modes alone; there it is put in,
+//!
+//! `N_h^-1 = P^-1 + sum_k phi_k (1 / d_kh - 1 / lambda_k) phi_k^T`, `d_kh = lambda_k - h^2 a - i h b`,
+//!
+//! so that a step of the iteration costs products with `P^-1` and `M` for each harmonic, and one derivative of the contact forces.
+//! Residuals are measured in the energy norm `sqrt(sum_h R_h^T P^-1 R_h)`.
+
+use crate::aft::{Contact, Forces, Sampling};
+use crate::force::PointwiseForce;
+use crate::harmonics::{Harmonics, add_rotated};
+use cqsma_solver::Linearisation;
+use dense_algebra::Symmetric;
+use faer::Mat;
+
+/// Denominators of modes closer to resonance than this, relative to their eigenvalue, are kept away from zero.
+const CLOSEST: f64 = 1e-3;
+
+/// A periodic motion with what it was found with.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Unknown {
+    /// Displacements from the static state.
+    pub(crate) v: Harmonics,
+    /// `P v`.
+    pub(crate) p: Harmonics,
+    /// Values of the [`Parameter`]s.
+    pub(crate) parameters: [f64; 3],
+}
+
+/// What may be unknown beside the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Parameter {
+    /// Square of the angular frequency, `a` (rad^2/s^2).
+    Square = 0,
+    /// `b = 2 zeta omega^2` (rad^2/s^2).
+    Damping = 1,
+    /// Amplitude of the exciting force (N).
+    Force = 2,
+}
+
+impl Unknown {
+    pub(crate) fn at(&self, parameter: Parameter) -> f64 {
+        self.parameters[parameter as usize]
+    }
+
+    pub(crate) fn at_mut(&mut self, parameter: Parameter) -> &mut f64 {
+        &mut self.parameters[parameter as usize]
+    }
+
+    /// `self += factor * step`, with the changes of the free parameters.
+    pub(crate) fn add(&mut self, factor: f64, step: &Step, free: &[Parameter]) {
+        self.v.add(factor, &step.v);
+        self.p.add(factor, &step.p);
+        for (parameter, change) in free.iter().zip(&step.parameters) {
+            *self.at_mut(*parameter) += factor * change;
+        }
+    }
+}
+
+/// A change of an [`Unknown`].
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    pub(crate) v: Harmonics,
+    pub(crate) p: Harmonics,
+    /// Of the free parameters.
+    pub(crate) parameters: Vec<f64>,
+}
+
+/// The structure, its contact, and what excites it.
+pub(crate) struct System<'a, F: PointwiseForce> {
+    line: &'a Linearisation<'a, F::State>,
+    force: &'a F,
+    contact: Contact<'a, F>,
+    mass: Symmetric,
+    /// `M phi_k`, `n x n_modes`.
+    momenta: Mat<f64>,
+    /// `2 beta omega_k` of the background damping.
+    background: Vec<f64>,
+    /// Direction of the exciting force.
+    pub(crate) row: &'a [f64],
+    sampling: Sampling,
+}
+
+/// What an evaluation leaves.
+pub(crate) struct Evaluation {
+    /// Residual forces.
+    pub(crate) residual: Harmonics,
+    /// `P^-1` times the residual.
+    pub(crate) response: Harmonics,
+    /// `M V_h`, zero for the mean.
+    pub(crate) inertia: Harmonics,
+    /// Change of the tractions over the measured period relative to their range.
+    pub(crate) drift: f64,
+    /// Harmonics of the contact force from the static state.
+    pub(crate) contact: Harmonics,
+}
+
+impl<'a, F: PointwiseForce> System<'a, F> {
+    pub(crate) fn new(
+        line: &'a Linearisation<'a, F::State>,
+        force: &'a F,
+        row: &'a [f64],
+        background: f64,
+        sampling: Sampling,
+    ) -> Self {
+        let n = line.shapes.nrows();
+        let mass = Symmetric::from_lower(line.mass());
+        let mut momenta = Mat::zeros(n, line.shapes.ncols());
+        for mode in 0..line.shapes.ncols() {
+            let shape: Vec<f64> = line.shapes.col(mode).iter().copied().collect();
+            let mut product = vec![0.0; n];
+            mass.product_into(&shape, &mut product);
+            momenta
+                .col_mut(mode)
+                .iter_mut()
+                .zip(product)
+                .for_each(|(to, v)| *to = v);
+        }
+        let omega = line.eigenvalues.iter().map(|lambda| lambda.max(0.0).sqrt());
+        Self {
+            contact: Contact::new(force, line.displacement(), line.state(), sampling),
+            background: omega.map(|omega| 2.0 * background * omega).collect(),
+            line,
+            force,
+            mass,
+            momenta,
+            row,
+            sampling,
+        }
+    }
+
+    /// Takes other harmonics, samples or periods.
+    pub(crate) fn resample(&mut self, sampling: Sampling) {
+        if self.sampling != sampling {
+            self.contact = Contact::new(self.force, self.line.displacement(), self.line.state(), sampling);
+            self.sampling = sampling;
+        }
+    }
+
+    pub(crate) fn sampling(&self) -> Sampling {
+        self.sampling
+    }
+
+    pub(crate) fn line(&self) -> &'a Linearisation<'a, F::State> {
+        self.line
+    }
+
+    pub(crate) fn size(&self) -> usize {
+        self.line.shapes.nrows()
+    }
+
+    /// `M phi` of a mode.
+    pub(crate) fn momentum(&self, mode: usize) -> Vec<f64> {
+        self.momenta.col(mode).iter().copied().collect()
+    }
+
+    /// `P^-1 x`, column by column.
+    pub(crate) fn solve_stuck(&self, x: &Harmonics) -> Harmonics {
+        let mut out = Harmonics::zeros(x.size(), x.count());
+        out.each_column(|column, y| self.line.stuck_solve_into(x.column(column), y));
+        out
+    }
+
+    /// `M x`, but for the mean, which has no inertia.
+    fn inertia(&self, x: &Harmonics) -> Harmonics {
+        let mut out = Harmonics::zeros(x.size(), x.count());
+        out.each_column(|column, y| {
+            if column > 0 {
+                self.mass.product_into(x.column(column), y);
+            }
+        });
+        out
+    }
+
+    /// `T x`, column by column, taken off `from`.
+    fn subtract_stuck(&self, x: &Harmonics, from: &mut Harmonics) {
+        let nd = self.force.n_dofs();
+        from.each_column(|column, y| {
+            let mut product = vec![0.0; nd];
+            self.force
+                .pattern()
+                .add_product(self.line.stuck_tangent(), x.column(column), &mut product);
+            for (y, product) in y.iter_mut().zip(product) {
+                *y -= product;
+            }
+        });
+    }
+
+    /// Coordinates of the lowest modes, `[column][mode]`, `weights` being shapes or momenta.
+    fn modal(&self, x: &Harmonics, weights: &Mat<f64>) -> Vec<Vec<f64>> {
+        (0..x.n_columns())
+            .map(|column| {
+                let x = x.column(column);
+                let along = |mode: usize| weights.col(mode).iter().zip(x).map(|(w, x)| w * x).sum();
+                (0..weights.ncols()).map(along).collect()
+            })
+            .collect()
+    }
+
+    /// Adds the combination of vectors with the coefficients `[column][mode]`.
+    fn add_modes(&self, coefficients: &[Vec<f64>], vectors: &Mat<f64>, to: &mut Harmonics) {
+        to.each_column(|column, to| {
+            for (mode, &c) in coefficients[column].iter().enumerate() {
+                if c != 0.0 {
+                    to.iter_mut()
+                        .zip(vectors.col(mode).iter())
+                        .for_each(|(to, v)| *to += c * v);
+                }
+            }
+        });
+    }
+
+    /// Adds `i h factor C x` of every harmonic.
+    fn add_background(&self, x: &Harmonics, factor: f64, to: &mut Harmonics) {
+        if self.background.iter().all(|c| *c == 0.0) {
+            return;
+        }
+        let mut modal = self.modal(x, &self.momenta);
+        modal[0].fill(0.0);
+        for h in 1..=x.count() {
+            let (cosines, sines) = modal.split_at_mut(2 * h);
+            for ((c, s), damping) in cosines[2 * h - 1].iter_mut().zip(&mut sines[0]).zip(&self.background) {
+                let rate = h as f64 * factor * damping;
+                (*c, *s) = (rate * *s, -rate * *c);
+            }
+        }
+        self.add_modes(&modal, &self.momenta, to);
+    }
+
+    /// Adds `-(h^2 a + i h b)` times `inertia` of every harmonic.
+    fn add_inertia(&self, inertia: &Harmonics, a: f64, b: f64, to: &mut Harmonics) {
+        for h in 1..=inertia.count() {
+            let order = h as f64;
+            add_rotated(to.pair_mut(h), inertia.pair(h), -order * order * a, -order * b);
+        }
+    }
+
+    /// The residual at a motion.
+    pub(crate) fn evaluate(&self, unknown: &Unknown) -> Evaluation {
+        let [a, b, excitation] = unknown.parameters;
+        let Forces { force: contact, drift } = self.contact.forces(&unknown.v);
+        let inertia = self.inertia(&unknown.v);
+        let mut residual = contact.clone();
+        self.subtract_stuck(&unknown.v, &mut residual);
+        residual.add(1.0, &unknown.p);
+        self.add_inertia(&inertia, a, b, &mut residual);
+        self.add_background(&unknown.v, a.max(0.0).sqrt(), &mut residual);
+        let first = residual.column_mut(1);
+        first.iter_mut().zip(self.row).for_each(|(r, e)| *r -= excitation * e);
+        let response = self.solve_stuck(&residual);
+        Evaluation {
+            residual,
+            response,
+            inertia,
+            drift,
+            contact,
+        }
+    }
+
+    /// Computes `p` from `v` and the stiffness.
+    pub(crate) fn restore(&self, unknown: &mut Unknown) {
+        let (stiffness, Unknown { v, p, .. }) = (self.line.stiffness(), unknown);
+        p.each_column(|column, p| {
+            p.fill(0.0);
+            let v = v.column(column);
+            for (j, &v) in v.iter().enumerate() {
+                p.iter_mut().zip(stiffness.col(j).iter()).for_each(|(p, k)| *p += k * v);
+            }
+            self.force.pattern().add_product(self.line.stuck_tangent(), v, p);
+        });
+    }
+
+    /// Work of the background damping over a period (J).
+    pub(crate) fn background_work(&self, unknown: &Unknown) -> f64 {
+        let mut force = Harmonics::zeros(unknown.v.size(), unknown.v.count());
+        self.add_background(&unknown.v, unknown.at(Parameter::Square).max(0.0).sqrt(), &mut force);
+        force.work(&unknown.v)
+    }
+
+    /// The residual's energy norm with the stiffness itself in the place of what was carried along, relative to that of the first
+    /// harmonic's elastic forces: an independent check of the balance.
+    pub(crate) fn imbalance(&self, unknown: &Unknown) -> f64 {
+        let mut fresh = unknown.clone();
+        self.restore(&mut fresh);
+        self.evaluate(&fresh).norm() / self.scale(&fresh)
+    }
+
+    /// Energy norm of the elastic forces of the motion's harmonics.
+    pub(crate) fn scale(&self, unknown: &Unknown) -> f64 {
+        let [c, s] = unknown.v.pair(1);
+        let [pc, ps] = unknown.p.pair(1);
+        let energy: f64 = c.iter().zip(pc).chain(s.iter().zip(ps)).map(|(v, p)| v * p).sum();
+        energy.max(0.0).sqrt()
+    }
+
+    /// Derivative of the residual with respect to a parameter.
+    pub(crate) fn column(&self, unknown: &Unknown, inertia: &Harmonics, parameter: Parameter) -> Harmonics {
+        let mut out = Harmonics::zeros(unknown.v.size(), unknown.v.count());
+        match parameter {
+            Parameter::Square => {
+                self.add_inertia(inertia, 1.0, 0.0, &mut out);
+                let omega = unknown.at(Parameter::Square).max(f64::MIN_POSITIVE).sqrt();
+                self.add_background(&unknown.v, 0.5 / omega, &mut out);
+            }
+            Parameter::Damping => self.add_inertia(inertia, 0.0, 1.0, &mut out),
+            Parameter::Force => {
+                let first = out.column_mut(1);
+                first.iter_mut().zip(self.row).for_each(|(to, e)| *to = -e);
+            }
+        }
+        out
+    }
+
+    /// Product of the Jacobian with a change of the motion, given with `p = P v`.
+    pub(crate) fn product(&self, unknown: &Unknown, v: &Harmonics, p: &Harmonics) -> Harmonics {
+        let [a, b, _] = unknown.parameters;
+        let mut out = self.contact.derivative(&unknown.v, v);
+        self.subtract_stuck(v, &mut out);
+        out.add(1.0, p);
+        self.add_inertia(&self.inertia(v), a, b, &mut out);
+        self.add_background(v, a.max(0.0).sqrt(), &mut out);
+        out
+    }
+
+    /// The preconditioner's answer to a force `r`, of which `z = P^-1 r`, as displacement `v` and force `P v`.
+    pub(crate) fn precondition(&self, unknown: &Unknown, r: &Harmonics, z: &Harmonics) -> [Harmonics; 2] {
+        let [a, b, _] = unknown.parameters;
+        let omega = a.max(0.0).sqrt();
+        let mut along = self.modal(r, &self.line.shapes);
+        along[0].fill(0.0);
+        let mut elastic = along.clone();
+        for h in 1..=r.count() {
+            let order = h as f64;
+            for (mode, &lambda) in self.line.eigenvalues.iter().enumerate() {
+                let mut real = lambda - order * order * a;
+                let mut imaginary = order * (omega * self.background[mode] - b);
+                let closest = CLOSEST * lambda.abs();
+                if real.hypot(imaginary) < closest {
+                    (real, imaginary) = (closest, 0.0);
+                }
+                let square = real * real + imaginary * imaginary;
+                // The factor 1/d - 1/lambda, and lambda times it.
+                let (x, y) = (real / square - 1.0 / lambda, -imaginary / square);
+                let (c, s) = (along[2 * h - 1][mode], along[2 * h][mode]);
+                (along[2 * h - 1][mode], along[2 * h][mode]) = (x * c + y * s, x * s - y * c);
+                elastic[2 * h - 1][mode] = lambda * along[2 * h - 1][mode];
+                elastic[2 * h][mode] = lambda * along[2 * h][mode];
+            }
+        }
+        let (mut v, mut p) = (z.clone(), r.clone());
+        self.add_modes(&along, &self.line.shapes, &mut v);
+        self.add_modes(&elastic, &self.momenta, &mut p);
+        [v, p]
+    }
+}
+
+impl Evaluation {
+    /// Energy norm of the residual; NaN if it is not finite.
+    pub(crate) fn norm(&self) -> f64 {
+        let square = self.residual.dot(&self.response);
+        if square >= 0.0 { square.sqrt() } else { f64::NAN }
+    }
+}
