@@ -1,4 +1,4 @@
-//! Time per batch: kind of law, with and without tangent, mix of regimes, number of points.
+//! Time per batch: kind of law, with and without tangent and along a direction, mix of regimes, number of points.
 
 use std::hint::black_box;
 
@@ -91,6 +91,9 @@ fn kinds(criterion: &mut Criterion) {
                     b.iter(|| black_box(batch.evaluate(&**law, tangent)));
                 });
             }
+            group.bench_function(BenchmarkId::new(format!("{name}/derivative"), mix), |b| {
+                b.iter(|| black_box(batch.derivative(&**law)));
+            });
         }
     }
     group.finish();

@@ -38,6 +38,15 @@ impl Jet {
         }
     }
 
+    /// A value that changes along a direction; the curvature of what is made of it means nothing.
+    pub(crate) fn along(value: f64, change: f64) -> Self {
+        Self {
+            value,
+            slope: change,
+            curvature: 0.0,
+        }
+    }
+
     pub(crate) fn constant(value: f64) -> Self {
         Self {
             value,

@@ -141,6 +141,112 @@ pub fn evaluate_batch<L: TractionLaw + ?Sized>(
     (0..n).map(point).collect()
 }
 
+/// What a law answers at one point, with derivatives along a direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointDerivative {
+    /// Traction along x, y, n (Pa).
+    pub traction: [f64; 3],
+    /// Derivative of the traction.
+    pub d_traction: [f64; 3],
+    /// State reached.
+    pub end: Vec<f64>,
+    /// Derivative of the state reached.
+    pub d_end: Vec<f64>,
+}
+
+impl PointDerivative {
+    /// Whether both have the same bits, up to the payload of what is not a number.
+    pub fn is_identical(&self, other: &Self) -> bool {
+        let numbers = |found: &Self| -> Vec<u64> {
+            let tractions = found.traction.iter().chain(&found.d_traction);
+            let all = tractions.chain(&found.end).chain(&found.d_end);
+            all.map(|v| if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() })
+                .collect()
+        };
+        numbers(self) == numbers(other)
+    }
+}
+
+/// [`TractionLaw::derivative`] at all points of a law, one call per chunk. Per point: jump (m) and begin state, and the
+/// direction as a change of both.
+///
+/// # Panics
+/// When the counts of a chunk do not add up to its points.
+pub fn derivative_batch<L: TractionLaw + ?Sized>(
+    law: &L,
+    sticking: Sticking,
+    chunks: impl IntoIterator<Item = Range<usize>>,
+    at: &[([f64; 3], Vec<f64>)],
+    along: &[([f64; 3], Vec<f64>)],
+) -> Vec<PointDerivative> {
+    let (n, n_state) = (at.len(), law.info().n_state());
+    let jumps = |of: &[([f64; 3], Vec<f64>)]| -> [Vec<f64>; 3] {
+        core::array::from_fn(|q| of.iter().map(|(u, _)| u[q]).collect())
+    };
+    let states = |of: &[([f64; 3], Vec<f64>)]| -> Vec<f64> {
+        let component = |c: usize| of.iter().map(move |(_, state)| state[c]);
+        (0..n_state).flat_map(component).collect()
+    };
+    let ([jump, d_jump], [begin, d_begin]) = ([at, along].map(jumps), [at, along].map(states));
+    let [mut end, mut d_end] = [(); 2].map(|()| vec![0.0; n_state * n]);
+    let mut out = vec![vec![0.0; n]; 6];
+    for c in chunks {
+        let mut parts = out.iter_mut().map(|values| &mut values[c.clone()]);
+        let [x, y, z, d_x, d_y, d_z] = core::array::from_fn(|_| parts.next().expect("6 outputs"));
+        let counts = law.derivative(
+            c.clone(),
+            sticking,
+            Components::new(&jump[0][c.clone()], &jump[1][c.clone()], &jump[2][c.clone()]),
+            StateView::new(&begin, n, c.start),
+            Components::new(&d_jump[0][c.clone()], &d_jump[1][c.clone()], &d_jump[2][c.clone()]),
+            StateView::new(&d_begin, n, c.start),
+            StateViewMut::new(&mut end, n, c.start),
+            StateViewMut::new(&mut d_end, n, c.start),
+            ComponentsMut::new(x, y, z),
+            ComponentsMut::new(d_x, d_y, d_z),
+        );
+        assert_eq!(counts.total(), c.len(), "regimes of the points {c:?}");
+    }
+    let point = |i: usize| PointDerivative {
+        traction: core::array::from_fn(|q| out[q][i]),
+        d_traction: core::array::from_fn(|q| out[3 + q][i]),
+        end: (0..n_state).map(|c| end[c * n + i]).collect(),
+        d_end: (0..n_state).map(|c| d_end[c * n + i]).collect(),
+    };
+    (0..n).map(point).collect()
+}
+
+/// [`TractionLaw::derivative`] at one point of a law: jump (m) and begin state, and the direction as a change of both.
+pub fn derivative_at_point<L: TractionLaw + ?Sized>(
+    law: &L,
+    point: usize,
+    sticking: Sticking,
+    (jump, begin): ([f64; 3], &[f64]),
+    (d_jump, d_begin): ([f64; 3], &[f64]),
+) -> PointDerivative {
+    let n_state = law.info().n_state();
+    let [mut end, mut d_end] = [(); 2].map(|()| vec![0.0; n_state]);
+    let [mut x, mut y, mut n, mut d_x, mut d_y, mut d_n] = [[0.0]; 6];
+    law.derivative(
+        point..point + 1,
+        sticking,
+        Components::new(&jump[..1], &jump[1..2], &jump[2..]),
+        StateView::new(begin, 1, 0),
+        Components::new(&d_jump[..1], &d_jump[1..2], &d_jump[2..]),
+        StateView::new(d_begin, 1, 0),
+        StateViewMut::new(&mut end, 1, 0),
+        StateViewMut::new(&mut d_end, 1, 0),
+        ComponentsMut::new(&mut x, &mut y, &mut n),
+        ComponentsMut::new(&mut d_x, &mut d_y, &mut d_n),
+    );
+    PointDerivative {
+        traction: [x[0], y[0], n[0]],
+        d_traction: [d_x[0], d_y[0], d_n[0]],
+        end,
+        d_end,
+    }
+}
+
 /// Work per area (J/m^2) along a path of jumps (m) from the state `begin` at its first point, with a commit at every
 /// step, and the state at its end. By the trapezoidal rule; `respond` answers to a jump from a begin state.
 pub fn work_along(
@@ -211,11 +317,12 @@ pub fn tangent_error<L: TractionLaw + ?Sized>(
                 .all(|response| response.regime == here.regime);
             // Divided by the step as it was rounded.
             same.then(|| {
-                core::array::from_fn(|i| {
+                let of = |i: usize| {
                     let (from, to) = (left.1.traction[i], right.1.traction[i]);
                     let rounding = ROUNDING * from.abs().max(to.abs()) / step;
                     ((to - from) / (right.0 - left.0), rounding)
-                })
+                };
+                (0..3).map(of).collect()
             })
         };
         for (i, (value, uncertainty)) in extrapolate(0.05 * steps[k], &quotient)?.into_iter().enumerate() {
@@ -232,26 +339,115 @@ pub fn tangent_error<L: TractionLaw + ?Sized>(
     Some(worst)
 }
 
+/// Largest error of [`TractionLaw::derivative`] along a direction against differences of tractions and end states, or
+/// `None` where differences are no judge: beside a change of regime or another kink, or where rounding hides them.
+///
+/// A unit of the direction should change the input by its own size. The differences are as in [`tangent_error`], with
+/// first steps from 1e-2 to 1e-6. A derivative is measured relative to the larger of itself and the size of what it
+/// belongs to: the traction along the surface or the normal; of the state the largest of the neighbours of the same
+/// unit.
+pub fn derivative_error<L: TractionLaw + ?Sized>(
+    law: &L,
+    point: usize,
+    sticking: Sticking,
+    (jump, begin): ([f64; 3], &[f64]),
+    (d_jump, d_begin): ([f64; 3], &[f64]),
+) -> Option<f64> {
+    let at = |step: f64| {
+        let moved = core::array::from_fn(|q| jump[q] + step * d_jump[q]);
+        let begin: Vec<f64> = begin.iter().zip(d_begin).map(|(v, d)| v + step * d).collect();
+        let found = evaluate_point(law, point, sticking, moved, &begin);
+        let numbers: Vec<f64> = found.traction.iter().chain(&found.end).copied().collect();
+        (found.regime, numbers)
+    };
+    let (regime, here) = at(0.0);
+    let here = &here[..];
+    let units: Vec<&str> = law.info().state.iter().map(|quantity| quantity.unit).collect();
+    let sizes: Vec<f64> = (0..here.len())
+        .map(|i| match i {
+            0 | 1 => here[0].hypot(here[1]),
+            2 => here[2].abs(),
+            i => {
+                let near = (i - 1).max(3)..(i + 2).min(here.len());
+                let alike = near.filter(|other| units[other - 3] == units[i - 3]);
+                alike.fold(0.0, |most, other| here[other].abs().max(most))
+            }
+        })
+        .collect();
+    let pair = |step: f64| {
+        let [left, right] = [-step, step].map(&at);
+        (left.0 == regime && right.0 == regime).then_some((left.1, right.1))
+    };
+    // Beside a smooth place the second difference over the step falls with it, at a kink it does not.
+    let kinks = |step: f64| {
+        let (left, right) = pair(step)?;
+        Some((0..here.len()).map(move |i| (left[i] - here[i] + (right[i] - here[i])).abs() / step))
+    };
+    const SMALL: f64 = 1e-6;
+    for ((near, far), size) in kinks(SMALL)?.zip(kinks(2.0 * SMALL)?).zip(&sizes) {
+        if near > 1e-7 * size && near > 0.7 * far {
+            return None;
+        }
+    }
+    // Steps of the input are rounded, too.
+    let inputs = jump.iter().zip(&d_jump).chain(begin.iter().zip(d_begin));
+    let ratios = inputs.map(|(v, d)| if *d == 0.0 { 0.0 } else { (v / d).abs() });
+    let coarsest = ratios.fold(0.0, f64::max);
+    const ROUNDING: f64 = 128.0 * f64::EPSILON;
+    let quotient = |step: f64| {
+        let (left, right) = pair(step)?;
+        let of = |i: usize| {
+            let value = (right[i] - left[i]) / (2.0 * step);
+            let rounding = ROUNDING * left[i].abs().max(right[i].abs()) + f64::EPSILON * coarsest * value.abs();
+            (value, rounding / step)
+        };
+        Some((0..here.len()).map(of).collect())
+    };
+    let mut best = vec![(f64::NAN, f64::INFINITY); here.len()];
+    for first in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+        for (best, found) in best.iter_mut().zip(extrapolate(first, &quotient).unwrap_or_default()) {
+            if found.1 < best.1 {
+                *best = found;
+            }
+        }
+    }
+    let found = derivative_at_point(law, point, sticking, (jump, begin), (d_jump, d_begin));
+    let mut worst = 0.0_f64;
+    for (i, (value, uncertainty)) in best.into_iter().enumerate() {
+        let derivative = if i < 3 { found.d_traction[i] } else { found.d_end[i - 3] };
+        if derivative == value {
+            continue;
+        }
+        if !(uncertainty <= 1e-7 * value.abs().max(sizes[i])) {
+            return None;
+        }
+        worst = worst.max((value - derivative).abs() / derivative.abs().max(sizes[i]));
+    }
+    Some(worst)
+}
+
 /// Limits of difference quotients, given with their rounding, for vanishing step with their uncertainties, by the table
 /// of polynomial extrapolation in the square of the step; the first step is the largest one at which there is a
 /// quotient.
-fn extrapolate(step: f64, quotient: &impl Fn(f64) -> Option<[(f64, f64); 3]>) -> Option<[(f64, f64); 3]> {
+fn extrapolate(step: f64, quotient: &impl Fn(f64) -> Option<Vec<(f64, f64)>>) -> Option<Vec<(f64, f64)>> {
     const RATIO: f64 = 2.0;
     const ROWS: i32 = 8;
     let first = (0..10)
         .map(|i| step * 0.25_f64.powi(i))
         .find(|&step| quotient(step).is_some())?;
-    let mut best = [(f64::NAN, f64::INFINITY); 3];
-    let mut above: Vec<[f64; 3]> = vec![quotient(first)?.map(|(value, _)| value)];
+    let values = |found: &[(f64, f64)]| -> Vec<f64> { found.iter().map(|(value, _)| *value).collect() };
+    let mut above: Vec<Vec<f64>> = vec![values(&quotient(first)?)];
+    let mut best = vec![(f64::NAN, f64::INFINITY); above[0].len()];
     for row in 1..ROWS {
         let step = first / RATIO.powi(row);
         let Some(quotient) = quotient(step) else { break };
-        let mut current = vec![quotient.map(|(value, _)| value)];
+        let mut current = vec![values(&quotient)];
         for (column, before) in (1..).zip(&above) {
             let factor = RATIO.powi(2 * column);
-            let same = current[current.len() - 1];
-            let next: [f64; 3] = core::array::from_fn(|i| (factor * same[i] - before[i]) / (factor - 1.0));
-            for i in 0..3 {
+            let same = &current[current.len() - 1];
+            let extrapolated = |i: usize| (factor * same[i] - before[i]) / (factor - 1.0);
+            let next: Vec<f64> = (0..best.len()).map(extrapolated).collect();
+            for i in 0..best.len() {
                 let change = (next[i] - same[i]).abs().max((next[i] - before[i]).abs());
                 // Quotients of rounded values may agree by chance.
                 let uncertainty = change + quotient[i].1;

@@ -25,6 +25,9 @@ pub struct Batch {
     end: Vec<f64>,
     traction: [Vec<f64>; 3],
     tangent: [Vec<f64>; 9],
+    d_jump: [Vec<f64>; 3],
+    d_begin: Vec<f64>,
+    d_end: Vec<f64>,
 }
 
 impl Batch {
@@ -52,6 +55,9 @@ impl Batch {
             begin[2 * n + i] = 0.9 * u_n;
         }
         Self {
+            d_jump: jump.clone(),
+            d_begin: begin.clone(),
+            d_end: vec![0.0; n_state * n],
             jump,
             begin,
             end: vec![0.0; n_state * n],
@@ -84,6 +90,25 @@ impl Batch {
             ComponentsMut::new(x, y, normal),
             with_tangent.then_some(tangent),
             None,
+        )
+    }
+
+    /// [`TractionLaw::derivative`] at all points, along the jumps and begin states that the batch was made with.
+    pub fn derivative<L: TractionLaw + ?Sized>(&mut self, law: &L) -> RegimeCounts {
+        let n = self.jump[0].len();
+        let [x, y, normal] = &mut self.traction;
+        let [d_x, d_y, d_n, ..] = &mut self.tangent;
+        law.derivative(
+            0..n,
+            Sticking::Coulomb,
+            Components::new(&self.jump[0], &self.jump[1], &self.jump[2]),
+            StateView::new(&self.begin, n, 0),
+            Components::new(&self.d_jump[0], &self.d_jump[1], &self.d_jump[2]),
+            StateView::new(&self.d_begin, n, 0),
+            StateViewMut::new(&mut self.end, n, 0),
+            StateViewMut::new(&mut self.d_end, n, 0),
+            ComponentsMut::new(x, y, normal),
+            ComponentsMut::new(d_x, d_y, d_n),
         )
     }
 

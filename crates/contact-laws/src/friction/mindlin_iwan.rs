@@ -626,7 +626,8 @@ impl Change {
         let d_n = bounded(d[2]);
         let closed = if u_begin[2] < 0.0 {
             let path = u[2] - u_begin[2];
-            bounded((1.0 - sum.closed) / path * d_n + sum.closed / path * d_begin[2])
+            let [by_end, by_begin] = [1.0 - sum.closed, sum.closed].map(|share| share / path);
+            bounded(bounded(bounded(by_end) * d_n) + bounded(bounded(by_begin) * d_begin[2]))
         } else {
             0.0
         };

@@ -126,6 +126,22 @@ pub(super) struct Circle {
     pub(super) unlimited: bool,
 }
 
+impl Circle {
+    /// Nothing is left of an asperity that just touches.
+    fn carries(&self) -> bool {
+        PI * self.radius[0] * self.radius[0] >= f64::MIN_POSITIVE && self.force > 0.0
+    }
+}
+
+/// Changes of a [`Circle`] along a direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CircleChange {
+    pub(super) radius: f64,
+    pub(super) radius_before: f64,
+    pub(super) du: [f64; 2],
+    pub(super) limit: f64,
+}
+
 /// What an asperity answers.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Reaction {
@@ -140,7 +156,6 @@ impl Radii {
     /// Tangential force of an asperity. `before` holds the tractions remembered at the radii, `after` takes the new ones.
     pub(super) fn react(&self, circle: &Circle, before: &[[f64; 2]], after: &mut [[f64; 2]]) -> Reaction {
         let Circle {
-            force,
             radius: [a, a_slope],
             modulus,
             radius_before,
@@ -148,14 +163,14 @@ impl Radii {
             limit: [total, total_slope],
             cone,
             unlimited,
+            ..
         } = *circle;
         let area = PI * a * a;
         let mut reaction = Reaction {
             slips: true,
             ..Reaction::default()
         };
-        // Nothing is left of an asperity that just touches.
-        if !(area >= f64::MIN_POSITIVE && force > 0.0) {
+        if !circle.carries() {
             after.fill([0.0; 2]);
             return reaction;
         }
@@ -210,6 +225,75 @@ impl Radii {
             reaction.tangent[q][2] += 2.0 * growth * reaction.force[q];
         }
         reaction
+    }
+
+    /// Change of the tangential force along a direction. `before` and `before_change` hold the tractions remembered at the
+    /// radii and their changes, `after_change` takes those of the new ones.
+    pub(super) fn change(
+        &self,
+        circle: &Circle,
+        change: &CircleChange,
+        before: &[[f64; 2]],
+        before_change: &[[f64; 2]],
+        after_change: &mut [[f64; 2]],
+    ) -> [f64; 2] {
+        let Circle {
+            radius: [a, _],
+            modulus,
+            radius_before,
+            du,
+            limit: [total, _],
+            cone,
+            unlimited,
+            ..
+        } = *circle;
+        let mut force_change = [0.0; 2];
+        if !circle.carries() {
+            after_change.fill([0.0; 2]);
+            return force_change;
+        }
+        let area = PI * a * a;
+        let growth = within(change.radius / a, LARGEST);
+        let remembers = radius_before > 0.0;
+        let stretch = if remembers { a / radius_before } else { f64::INFINITY };
+        let stretching = if remembers {
+            within(growth - change.radius_before / radius_before, LARGEST)
+        } else {
+            0.0
+        };
+        let [mean_limit, mean_change] = [total, change.limit].map(|total| within(total, LARGEST) / area);
+        let mean_stiffness = modulus / (PI * a);
+        let [mut cursor, mut cursor_change] = [0; 2];
+        for (node, after_change) in self.nodes.iter().zip(after_change) {
+            let at = node.rho * stretch;
+            let (history, slope) = self.remembered(at, &mut cursor, before);
+            let (history_change, _) = self.remembered(at, &mut cursor_change, before_change);
+            let k = mean_stiffness * node.stiffness;
+            let limit = mean_limit * node.limit;
+            let trial = [0, 1].map(|q| within(history[q] + k * du[q], LARGEST));
+            let trial_change = [0, 1].map(|q| {
+                let moved = if stretch < f64::INFINITY { slope[q] * at } else { 0.0 };
+                let stuck = history_change[q] + within(moved * stretching, LARGEST);
+                within(stuck + within(k * (change.du[q] - growth * du[q]), LARGEST), LARGEST)
+            });
+            let limit_change = within(mean_change * node.limit - 2.0 * limit * growth, LARGEST);
+            let cut = if unlimited {
+                Cut::stuck(trial, k, trial_change)
+            } else {
+                Cut::new(cone, trial, k, trial_change, limit, limit_change)
+            };
+            // The outermost of equally spaced radii carries nothing and counts for nothing.
+            let (t, t_change) = if node.limit > 0.0 {
+                (cut.traction, cut.tangent.map(|row| row[2]))
+            } else {
+                ([0.0; 2], [0.0; 2])
+            };
+            *after_change = t_change;
+            for q in 0..2 {
+                force_change[q] += within(area * node.weight * (t_change[q] + 2.0 * growth * t[q]), LARGEST);
+            }
+        }
+        force_change
     }
 
     /// Traction remembered at `rho` of the contact circle committed last, and its derivative with respect to `rho`.

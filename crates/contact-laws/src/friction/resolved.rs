@@ -97,21 +97,21 @@ use super::block_start::Present;
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
 use super::mindlin_iwan::{self, MAX_SLIDERS};
-use super::radii::{Circle, MAX_RADII, Radii, Reaction};
-use super::return_map::{Block, OPEN, SLIP, STICK, Workspace};
+use super::radii::{Circle, CircleChange, MAX_RADII, Radii, Reaction};
+use super::return_map::{Block, CurveChange, Derivative, OPEN, SLIP, STICK, Workspace};
 use super::rule::{Memory, StiffnessAt};
 use super::{JUMP, MU, has_friction, require_friction};
 use crate::curves::CurveBlock;
 use crate::error::{Error, Place, require};
 use crate::law::{
-    Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw, check_points,
+    Along, Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
+    TangentMut, TractionLaw, check_points,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use crate::parameters::PointParameters;
 use crate::physics::bins::AsperityBins;
-use crate::physics::elastic_plastic::{Asperity, Dent};
+use crate::physics::elastic_plastic::{Asperity, Dent, Unloading};
 use crate::physics::slip_limit::AsperityLimit;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::elementary::{max, min};
@@ -370,7 +370,7 @@ impl ResolvedLaw {
         self.cone
     }
 
-    /// [`TractionLaw::evaluate`] in blocks of `B` points.
+    /// [`TractionLaw::evaluate`] or, along a direction, [`TractionLaw::derivative`] in blocks of `B` points.
     fn evaluate_blocks<const B: usize>(
         &self,
         points: Range<usize>,
@@ -381,17 +381,29 @@ impl ResolvedLaw {
         traction: ComponentsMut<'_>,
         tangent: Option<TangentMut<'_>>,
         mut regimes: Option<&mut [Regime]>,
+        mut along: Option<Along<'_>>,
     ) -> RegimeCounts {
         let n = points.len();
         let jump = [jump.x, jump.y, jump.n];
         let mut traction = [traction.x, traction.y, traction.n];
         let mut tangent = tangent.map(TangentMut::into_entries);
         let mut room = Room::<B>::new(self.cone);
+        let mut changes = along.is_some().then(Changes::<B>::new);
         let mut counts = RegimeCounts::default();
         let mut block = 0..0;
         while block.end < n {
             block = block.end..n.min(block.end + B);
             let m = block.len();
+            let of_block = along.as_mut().zip(changes.as_mut()).map(|(along, changes)| Direction {
+                jump: part(&[along.d_jump.x, along.d_jump.y, along.d_jump.n], &block),
+                rows: Rows {
+                    begin: along.d_begin,
+                    end: StateViewMut::new(&mut *along.d_end.data, along.d_end.stride, along.d_end.offset),
+                    n,
+                    block: block.clone(),
+                },
+                changes,
+            });
             let rows = Rows {
                 begin,
                 end: StateViewMut::new(&mut *end.data, end.stride, end.offset),
@@ -405,7 +417,14 @@ impl ResolvedLaw {
                 rows,
                 tangent.is_some(),
                 &mut room,
+                of_block,
             );
+            if let Some((along, changes)) = along.as_mut().zip(changes.as_ref()) {
+                let ComponentsMut { x, y, n } = &mut along.d_traction;
+                for (q, traction) in [x, y, n].into_iter().enumerate() {
+                    traction[block.clone()].copy_from_slice(&changes.sum[q].0[..m]);
+                }
+            }
             for (q, traction) in part_mut(&mut traction, &block).into_iter().enumerate() {
                 traction.copy_from_slice(&room.sums.traction[q].0[..m]);
             }
@@ -443,6 +462,7 @@ impl ResolvedLaw {
         mut rows: Rows<'_>,
         with_tangent: bool,
         room: &mut Room<B>,
+        mut direction: Option<Direction<'_, B>>,
     ) {
         let tables = &self.tables;
         let (stiffness, curvature) = self.friction.stiffness();
@@ -505,6 +525,9 @@ impl ResolvedLaw {
             run(Spoil(rows.begin(component), fill));
         }
         sums.begin(fill);
+        if let Some(direction) = &mut direction {
+            direction.begin(self.info.n_state(), fill);
+        }
         for (c, jump) in jump.into_iter().enumerate() {
             let [end] = rows.end::<1>(c);
             for i in 0..m {
@@ -543,6 +566,16 @@ impl ResolvedLaw {
                     hertz,
                 });
             }
+            if let Some(Direction { jump, rows, changes }) = &mut direction {
+                run(ApproachChanges {
+                    w: jump[2],
+                    u_n0: rows.begin(2),
+                    dent: dent.map(|dent| [dent, [rows.begin(dent_base), rows.begin(dent_base + 1)]]),
+                    onset,
+                    hertz,
+                    change: &mut changes.approach,
+                });
+            }
             let w = &approach.u_n.0[..m];
             let jump = [jump[0], jump[1], w];
             let begin = [begin[0], begin[1], &approach.u_n0.0[..m], begin[3], begin[4]];
@@ -564,7 +597,7 @@ impl ResolvedLaw {
                     mindlin,
                     dented: dent.is_some(),
                     at_end: stiffness == StiffnessAt::End,
-                    curvature: curvature && with_tangent,
+                    curvature: curvature && (with_tangent || direction.is_some()),
                     curves,
                 });
                 if let Some([interference, _]) = dent {
@@ -577,11 +610,54 @@ impl ResolvedLaw {
                     }
                     _ => [&*mu, &*mu],
                 };
+                if let Some(Direction { rows, changes, .. }) = &mut direction {
+                    run(CurveChanges {
+                        halfway: stiffness == StiffnessAt::Middle,
+                        u_n,
+                        middle,
+                        u_n0: &approach.u_n0,
+                        stiffness: &approach.stiffness,
+                        hertz,
+                        mindlin,
+                        curves,
+                        approach: &changes.approach,
+                        middle_change: &mut changes.middle,
+                        change: &mut changes.curves,
+                    });
+                    if let Some([interference, _]) = dent {
+                        load_changes(
+                            m,
+                            interference,
+                            approach,
+                            onset,
+                            u_n,
+                            middle,
+                            stiffness,
+                            curves,
+                            changes,
+                        );
+                    }
+                    run(CoulombChanges {
+                        mu,
+                        normal: &changes.curves.normal,
+                        limit: &mut changes.curves.limit,
+                    });
+                    if let Some(dent) = dent
+                        && self.limit != AsperityLimit::Coulomb
+                        && sticking != Sticking::Frictionless
+                    {
+                        self.limit_changes(sets, dent, rows.begin(dent_base), approach, u_n, changes);
+                    }
+                }
                 let mut stick_or_slip = |history: HistoryRule,
                                          curves: &CurveBlock<B>,
                                          memory: usize,
                                          workspace: &mut Workspace<B>,
-                                         bin: &mut Answer<B>| {
+                                         bin: &mut Answer<B>,
+                                         annulus: Option<[f64; 2]>| {
+                    let derivative = direction
+                        .as_mut()
+                        .map(|direction| direction.derivative(m, memory, annulus));
                     let block = Block {
                         jump,
                         begin: [begin[0], begin[1], begin[2], rows.begin(memory), rows.begin(memory + 1)],
@@ -596,13 +672,16 @@ impl ResolvedLaw {
                         traction: bin.traction.each_mut().map(|lanes| &mut lanes.0[..m]),
                         tangent: with_tangent.then(|| bin.tangent.each_mut().map(|lanes| &mut lanes.0[..m])),
                         regimes: None,
-                        derivative: None,
+                        derivative,
                     };
                     respond(history, in_box, block);
+                    if let Some(direction) = &mut direction {
+                        direction.changes.add(density);
+                    }
                 };
                 match &self.friction {
                     AsperityFriction::StickSlip(history) => {
-                        stick_or_slip(*history, curves, base, workspace, bin);
+                        stick_or_slip(*history, curves, base, workspace, bin, None);
                         sums.add(density, bin, &workspace.regime, entries);
                     }
                     AsperityFriction::Annuli(history, _) => {
@@ -613,7 +692,8 @@ impl ResolvedLaw {
                                 of: curves,
                                 into: of_annulus,
                             });
-                            stick_or_slip(*history, of_annulus, base + 2 * k, workspace, bin);
+                            let shares = Some([limit, stiffness]);
+                            stick_or_slip(*history, of_annulus, base + 2 * k, workspace, bin, shares);
                             sums.add(density, bin, &workspace.regime, entries);
                         }
                     }
@@ -629,16 +709,34 @@ impl ResolvedLaw {
                                 fill: fill.0[i],
                             };
                             let answer = (&mut *bin, &mut *sliders);
-                            workspace.regime.0[i] =
-                                self.microslip(radii, at, sticking, jump, begin, curves, &mut rows, answer);
+                            workspace.regime.0[i] = self.microslip(
+                                radii,
+                                at,
+                                sticking,
+                                jump,
+                                begin,
+                                curves,
+                                &mut rows,
+                                answer,
+                                direction.as_mut(),
+                            );
                         }
                         sums.add(density, bin, &workspace.regime, entries);
+                        if let Some(direction) = &mut direction {
+                            direction.changes.add(density);
+                        }
                     }
                 }
             } else {
                 for component in base..dent_base {
                     let [end] = rows.end::<1>(component);
                     end.copy_from_slice(&fill.0[..m]);
+                }
+                if let Some(Direction { rows, changes, .. }) = &mut direction {
+                    for component in base..dent_base {
+                        let [end] = rows.end::<1>(component);
+                        end.copy_from_slice(&changes.nothing.0[..m]);
+                    }
                 }
             }
             if let Some([w_0, f_0]) = dent {
@@ -652,6 +750,22 @@ impl ResolvedLaw {
                         } else {
                             f_0[i]
                         };
+                }
+                if let Some(Direction { rows, changes, .. }) = &mut direction {
+                    let [w_change, f_change] = [rows.begin(dent_base), rows.begin(dent_base + 1)];
+                    let [end_w, end_f] = rows.end::<2>(dent_base);
+                    for i in 0..m {
+                        let further = (u_n.0[i] > 0.0) & (approach.interference.0[i] > w_0[i]);
+                        let Changes {
+                            approach,
+                            curves,
+                            nothing,
+                            ..
+                        } = &**changes;
+                        let loaded = [approach.interference.0[i], within(curves.normal.0[i], LARGEST)];
+                        let [w, f] = if further { loaded } else { [w_change[i], f_change[i]] };
+                        (end_w[i], end_f[i]) = (nothing.0[i] + w, nothing.0[i] + f);
+                    }
                 }
             }
         }
@@ -668,6 +782,7 @@ impl ResolvedLaw {
         curves: &CurveBlock<B>,
         rows: &mut Rows<'_>,
         (answer, sliders): (&mut Answer<B>, &mut Sliders),
+        direction: Option<&mut Direction<'_, B>>,
     ) -> u64 {
         let Lane {
             i,
@@ -694,23 +809,24 @@ impl ResolvedLaw {
             };
             let n_radii = radii.len();
             let [before, after] = [&mut sliders.before[..n_radii], &mut sliders.after[..n_radii]];
-            let Rows { begin, end, block, .. } = &mut *rows;
-            let first = |stride: usize, offset: usize| (base + 1) * stride + offset + block.start + i;
-            let remembered = begin.data[first(begin.stride, begin.offset)..]
-                .iter()
-                .step_by(begin.stride);
-            for (before, value) in before.as_flattened_mut().iter_mut().zip(remembered) {
-                *before = bounded(*value);
-            }
+            rows.gather(base + 1, i, before);
             let reaction = radii.react(&circle, before, after);
-            let reached = end.data[first(end.stride, end.offset)..].iter_mut().step_by(end.stride);
-            for (value, after) in reached.zip(after.as_flattened()) {
-                *value = *after;
+            rows.scatter(base + 1, i, after, 0.0);
+            if let Some(direction) = direction {
+                direction.microslip(radii, &circle, base, i, before);
             }
             (k, reaction)
         } else {
             for component in base + 1..base + 1 + 2 * radii.len() {
                 rows.end::<1>(component)[0][i] = fill;
+            }
+            if let Some(Direction { rows, changes, .. }) = direction {
+                for component in base..base + 1 + 2 * radii.len() {
+                    rows.end::<1>(component)[0][i] = changes.nothing.0[i];
+                }
+                for traction in &mut changes.traction {
+                    traction.0[i] = 0.0;
+                }
             }
             (0.0, Reaction::default())
         };
@@ -760,6 +876,39 @@ impl ResolvedLaw {
             let over = |limit: f64, of: f64| if of > 0.0 { bounded(limit / of) } else { 0.0 };
             ratio[0].0[i] = over(limit.value, curves.normal.0[i]);
             ratio[1].0[i] = over(limit.slope, curves.normal_slope.0[i]);
+        }
+    }
+
+    /// Changes of [`Self::limits`] times the normal forces, asperity by asperity.
+    fn limit_changes<const B: usize>(
+        &self,
+        sets: &[u32],
+        [interference, force]: [&[f64]; 2],
+        past_change: &[f64],
+        approach: &Approach<B>,
+        u_n: &Lanes<f64, B>,
+        changes: &mut Changes<B>,
+    ) {
+        for (i, &set) in sets.iter().enumerate() {
+            if u_n.0[i] > 0.0 {
+                let asperity = &self.tables.asperities[set as usize];
+                let dent = Dent {
+                    interference: interference[i],
+                    force: force[i],
+                };
+                let Changes {
+                    approach: moved,
+                    curves,
+                    ..
+                } = &mut *changes;
+                let unloading = Unloading {
+                    residual_depth: moved.depth.0[i],
+                    stiffness: moved.stiffness.0[i],
+                };
+                let w = (approach.interference.0[i], moved.interference.0[i]);
+                let change = asperity.slip_limit_change(self.limit, w, (dent, past_change[i]), unloading);
+                curves.limit.0[i] = bounded(change.unwrap_or_default());
+            }
         }
     }
 
@@ -823,9 +972,9 @@ impl TractionLaw for ResolvedLaw {
     ) -> RegimeCounts {
         check_points(&points, self);
         if points.len() <= SHORT_BLOCK {
-            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes)
+            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes, None)
         } else {
-            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes)
+            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes, None)
         }
     }
 
@@ -835,21 +984,25 @@ impl TractionLaw for ResolvedLaw {
         sticking: Sticking,
         jump: Components<'_>,
         begin: StateView<'_>,
-        _d_jump: Components<'_>,
-        _d_begin: StateView<'_>,
+        d_jump: Components<'_>,
+        d_begin: StateView<'_>,
         end: StateViewMut<'_>,
         d_end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,
         d_traction: ComponentsMut<'_>,
     ) -> RegimeCounts {
-        let n = points.len();
-        for c in 0..self.info.n_state() {
-            d_end.data[c * d_end.stride + d_end.offset..][..n].fill(f64::NAN);
+        check_points(&points, self);
+        let along = Some(Along {
+            d_jump,
+            d_begin,
+            d_end,
+            d_traction,
+        });
+        if points.len() <= SHORT_BLOCK {
+            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, None, None, along)
+        } else {
+            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, None, None, along)
         }
-        for component in [d_traction.x, d_traction.y, d_traction.n] {
-            component[..n].fill(f64::NAN);
-        }
-        self.evaluate(points, sticking, jump, begin, end, traction, None, None)
     }
 
     fn friction_coefficient(&self, point: usize) -> Option<f64> {
@@ -920,6 +1073,374 @@ impl<'a> Rows<'a> {
         let (stride, offset) = (self.end.stride, self.end.offset);
         let rows = StateViewMut::new(&mut self.end.data[component * stride..], stride, offset);
         rows.components::<N>(self.n).map(|row| &mut row[self.block.clone()])
+    }
+
+    /// Pairs of components of point `i` from one component on.
+    fn gather(&self, component: usize, i: usize, into: &mut [[f64; 2]]) {
+        let StateView { data, stride, offset } = self.begin;
+        let values = data[component * stride + offset + self.block.start + i..].iter();
+        for (into, value) in into.as_flattened_mut().iter_mut().zip(values.step_by(stride)) {
+            *into = bounded(*value);
+        }
+    }
+
+    /// Pairs of components of point `i` from one component on, with an addition to each number.
+    fn scatter(&mut self, component: usize, i: usize, from: &[[f64; 2]], fill: f64) {
+        let StateViewMut { data, stride, offset } = &mut self.end;
+        let values = data[component * *stride + *offset + self.block.start + i..].iter_mut();
+        for (value, from) in values.step_by(*stride).zip(from.as_flattened()) {
+            *value = *from + fill;
+        }
+    }
+}
+
+/// A direction of the input of a block's points, and where the derivatives of the states go.
+struct Direction<'a, const B: usize> {
+    jump: [&'a [f64]; 3],
+    rows: Rows<'a>,
+    changes: &'a mut Changes<B>,
+}
+
+/// Changes along a direction at the points of a block.
+struct Changes<const B: usize> {
+    approach: ApproachChange<B>,
+    /// Interference at which stiffnesses are taken.
+    middle: Lanes<f64, B>,
+    curves: CurveChange<B>,
+    of_annulus: CurveChange<B>,
+    sliders: Sliders,
+    /// Of what one asperity of a bin answers, or one of its annuli.
+    traction: [Lanes<f64, B>; 3],
+    /// Of what the points answer.
+    sum: [Lanes<f64, B>; 3],
+    /// Zero, or NaN where any input or its direction is no number.
+    nothing: Lanes<f64, B>,
+}
+
+/// Changes of an [`Approach`].
+struct ApproachChange<const B: usize> {
+    interference: Lanes<f64, B>,
+    depth: Lanes<f64, B>,
+    stiffness: Lanes<f64, B>,
+    u_n: Lanes<f64, B>,
+    u_n0: Lanes<f64, B>,
+}
+
+impl<const B: usize> Changes<B> {
+    fn new() -> Self {
+        let zero = Lanes([0.0; B]);
+        Self {
+            approach: ApproachChange {
+                interference: zero,
+                depth: zero,
+                stiffness: zero,
+                u_n: zero,
+                u_n0: zero,
+            },
+            middle: zero,
+            curves: CurveChange::new(),
+            of_annulus: CurveChange::new(),
+            sliders: Sliders {
+                before: [[0.0; 2]; MAX_RADII],
+                after: [[0.0; 2]; MAX_RADII],
+            },
+            traction: [zero; 3],
+            sum: [zero; 3],
+            nothing: zero,
+        }
+    }
+
+    /// Adds what a number of asperities per area answer.
+    fn add(&mut self, density: &Lanes<f64, B>) {
+        for (sum, part) in self.sum.iter_mut().zip(&self.traction) {
+            run(Add(density, part, sum));
+        }
+    }
+}
+
+impl<const B: usize> Direction<'_, B> {
+    /// Nothing is in contact yet; `fill` is NaN where the input is no number.
+    fn begin(&mut self, n_state: usize, fill: &Lanes<f64, B>) {
+        let Self { jump, rows, changes } = self;
+        let spoilt = &mut changes.curves.fill;
+        spoilt.0 = [0.0; B];
+        for part in *jump {
+            run(Spoil(part, spoilt));
+        }
+        for component in 0..n_state {
+            run(Spoil(rows.begin(component), spoilt));
+        }
+        for i in 0..B {
+            changes.nothing.0[i] = fill.0[i] + spoilt.0[i];
+        }
+        changes.sum = [changes.nothing; 3];
+        for (c, jump) in jump.iter().enumerate() {
+            let [end] = rows.end::<1>(c);
+            for i in 0..jump.len() {
+                end[i] = jump[i] + changes.nothing.0[i];
+            }
+        }
+    }
+
+    /// The direction as the friction of one bin or of an annulus with shares of slip limit and stiffness sees it.
+    fn derivative(&mut self, m: usize, memory: usize, annulus: Option<[f64; 2]>) -> Derivative<'_, B> {
+        let Self { jump, rows, changes } = self;
+        let Changes {
+            approach,
+            curves,
+            of_annulus,
+            traction,
+            ..
+        } = &mut **changes;
+        if let Some([limit, stiffness]) = annulus {
+            run(ShareChanges {
+                limit,
+                stiffness,
+                of: curves,
+                into: of_annulus,
+            });
+        }
+        Derivative {
+            jump: [jump[0], jump[1], &approach.u_n.0[..m]],
+            begin: [
+                rows.begin(0),
+                rows.begin(1),
+                &approach.u_n0.0[..m],
+                rows.begin(memory),
+                rows.begin(memory + 1),
+            ],
+            curves: if annulus.is_some() { of_annulus } else { curves },
+            memory: rows.end::<2>(memory),
+            traction: traction.each_mut().map(|lanes| &mut lanes.0[..m]),
+        }
+    }
+
+    /// Changes of the asperities of a bin at one point, radius by radius.
+    fn microslip(&mut self, radii: &Radii, circle: &Circle, base: usize, i: usize, before: &[[f64; 2]]) {
+        let Self { jump, rows, changes } = self;
+        let Changes {
+            curves,
+            sliders,
+            traction,
+            nothing,
+            ..
+        } = &mut **changes;
+        let radius = bounded(curves.tangential[0].0[i]) / circle.modulus;
+        let change = CircleChange {
+            radius,
+            radius_before: bounded(rows.begin(base)[i]),
+            du: [0, 1].map(|q| bounded(jump[q][i] - rows.begin(q)[i])),
+            limit: curves.limit.0[i],
+        };
+        let [before_change, after_change] = [&mut sliders.before[..radii.len()], &mut sliders.after[..radii.len()]];
+        rows.gather(base + 1, i, before_change);
+        let force = radii.change(circle, &change, before, before_change, after_change);
+        rows.scatter(base + 1, i, after_change, nothing.0[i]);
+        rows.end::<1>(base)[0][i] = radius + nothing.0[i];
+        for (traction, value) in traction.iter_mut().zip([force[0], force[1], curves.normal.0[i]]) {
+            traction.0[i] = value;
+        }
+    }
+}
+
+/// Changes of [`Approach`].
+struct ApproachChanges<'a, const B: usize> {
+    w: &'a [f64],
+    u_n0: &'a [f64],
+    /// Interference and force of the dents, and their changes.
+    dent: Option<[[&'a [f64]; 2]; 2]>,
+    onset: &'a Lanes<f64, B>,
+    hertz: &'a Lanes<f64, B>,
+    change: &'a mut ApproachChange<B>,
+}
+
+impl<const B: usize> Pass for ApproachChanges<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let ApproachChange {
+            interference,
+            depth,
+            stiffness,
+            u_n,
+            u_n0,
+        } = self.change;
+        let n = self.w.len().min(B);
+        let (now, before) = (&self.w[..n], &self.u_n0[..n]);
+        for i in 0..n {
+            interference.0[i] = now[i];
+            u_n.0[i] = bounded(now[i]);
+            u_n0.0[i] = bounded(before[i]);
+        }
+        let Some([[past, force], [past_change, force_change]]) = self.dent else {
+            return;
+        };
+        let (past, force) = (&past[..n], &force[..n]);
+        let (past_change, force_change) = (&past_change[..n], &force_change[..n]);
+        for i in 0..n {
+            let yielded = past[i] > self.onset.0[i];
+            let loaded = max(force[i], 0.0);
+            let loaded_change = if force[i] > 0.0 { bounded(force_change[i]) } else { 0.0 };
+            let past_change = bounded(past_change[i]);
+            let elastic = self.hertz.0[i] * past[i].sqrt();
+            let plain = loaded / elastic;
+            let plain_change = loaded_change / elastic - 0.5 * plain / past[i] * past_change;
+            let (beyond, beyond_change) = if plain < past[i] {
+                (plain, bounded(plain_change))
+            } else {
+                (past[i], past_change)
+            };
+            let power = max(beyond * beyond.sqrt(), f64::MIN_POSITIVE);
+            let less = if beyond > 0.0 {
+                1.5 * (loaded / power) / beyond * beyond_change
+            } else {
+                0.0
+            };
+            depth.0[i] = if yielded { past_change - beyond_change } else { 0.0 };
+            stiffness.0[i] = if yielded {
+                bounded(bounded(loaded_change / power) - bounded(less))
+            } else {
+                0.0
+            };
+            u_n.0[i] = bounded(u_n.0[i] - depth.0[i]);
+            u_n0.0[i] = bounded(u_n0.0[i] - depth.0[i]);
+        }
+    }
+}
+
+/// Changes of what [`Hertz`] gives.
+struct CurveChanges<'a, const B: usize> {
+    halfway: bool,
+    u_n: &'a Lanes<f64, B>,
+    middle: &'a Lanes<f64, B>,
+    u_n0: &'a Lanes<f64, B>,
+    stiffness: &'a Lanes<f64, B>,
+    hertz: &'a Lanes<f64, B>,
+    mindlin: &'a Lanes<f64, B>,
+    curves: &'a CurveBlock<B>,
+    approach: &'a ApproachChange<B>,
+    middle_change: &'a mut Lanes<f64, B>,
+    change: &'a mut CurveChange<B>,
+}
+
+impl<const B: usize> Pass for CurveChanges<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let CurveChange {
+            normal,
+            tangential: [k_x, k_y],
+            tangential_slope: [slope_x, slope_y],
+            ..
+        } = self.change;
+        for i in 0..B {
+            let (u, m) = (self.u_n.0[i], self.middle.0[i]);
+            let closing = self.approach.u_n.0[i];
+            let stiffening = self.approach.stiffness.0[i];
+            let reopened = self.u_n0.0[i] < 0.0;
+            let from = if reopened { 0.0 } else { self.approach.u_n0.0[i] };
+            let moved = if self.halfway {
+                0.5 * closing + 0.5 * from
+            } else {
+                closing
+            };
+            let root = u.sqrt();
+            let pressing = bounded(1.5 * root * self.stiffness.0[i]) * closing;
+            let slope = self.curves.tangential_slope[0].0[i];
+            let per_stiffness = m.sqrt() * self.mindlin.0[i] / self.hertz.0[i];
+            let k = bounded(bounded(slope) * moved + bounded(per_stiffness) * stiffening);
+            let steeper = bounded(0.5 * k / m - bounded(slope / m) * moved);
+            self.middle_change.0[i] = moved;
+            normal.0[i] = pressing + bounded(u * root) * stiffening;
+            (k_x.0[i], k_y.0[i]) = (k, k);
+            (slope_x.0[i], slope_y.0[i]) = (steeper, steeper);
+        }
+    }
+}
+
+/// Changes of Coulomb's limit.
+struct CoulombChanges<'a, const B: usize> {
+    mu: &'a Lanes<f64, B>,
+    normal: &'a Lanes<f64, B>,
+    limit: &'a mut Lanes<f64, B>,
+}
+
+impl<const B: usize> Pass for CoulombChanges<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for i in 0..B {
+            self.limit.0[i] = self.mu.0[i] * bounded(self.normal.0[i]);
+        }
+    }
+}
+
+/// Share of an annulus in the changes of the curves of its asperity.
+struct ShareChanges<'a, const B: usize> {
+    limit: f64,
+    stiffness: f64,
+    of: &'a CurveChange<B>,
+    into: &'a mut CurveChange<B>,
+}
+
+impl<const B: usize> Pass for ShareChanges<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self {
+            limit,
+            stiffness,
+            of,
+            into,
+        } = self;
+        for i in 0..B {
+            into.normal.0[i] = limit * of.normal.0[i];
+            into.limit.0[i] = limit * of.limit.0[i];
+            into.fill.0[i] = of.fill.0[i];
+        }
+        for q in 0..2 {
+            for i in 0..B {
+                into.tangential[q].0[i] = stiffness * of.tangential[q].0[i];
+                into.tangential_slope[q].0[i] = stiffness * of.tangential_slope[q].0[i];
+            }
+        }
+    }
+}
+
+/// Puts changes at first loading beyond the onset of yield in the place of those at unloading, as [`ResolvedLaw::load`] does.
+fn load_changes<const B: usize>(
+    m: usize,
+    past: &[f64],
+    approach: &Approach<B>,
+    onset: &Lanes<f64, B>,
+    u_n: &Lanes<f64, B>,
+    middle: &Lanes<f64, B>,
+    stiffness: StiffnessAt,
+    curves: &CurveBlock<B>,
+    changes: &mut Changes<B>,
+) {
+    let Changes {
+        approach: moved,
+        middle: middle_change,
+        curves: change,
+        ..
+    } = changes;
+    for i in 0..m {
+        let limit = max(past[i], onset.0[i]);
+        let w = approach.interference.0[i];
+        if u_n.0[i] > 0.0 && w > limit {
+            let closing = bounded(moved.interference.0[i]);
+            change.normal.0[i] = bounded(curves.normal_slope.0[i]) * closing;
+            let (at, at_change) = match stiffness {
+                StiffnessAt::End => (w, closing),
+                StiffnessAt::Middle => (
+                    middle.0[i] + approach.depth.0[i],
+                    bounded(middle_change.0[i] + moved.depth.0[i]),
+                ),
+            };
+            if at > limit {
+                for q in 0..2 {
+                    change.tangential[q].0[i] = bounded(curves.tangential_slope[q].0[i]) * at_change;
+                    change.tangential_slope[q].0[i] = bounded(curves.tangential_curvature[q].0[i]) * at_change;
+                }
+            }
+        }
     }
 }
 

@@ -788,10 +788,11 @@ fn trial_changes<R: FrictionRule, const REOPENS: bool, const B: usize>(
         let (share, share_change) = if REOPENS {
             let (length, reopened) = (u_n[i] - u_n0[i], u_n0[i] < 0.0);
             let closed = u_n[i] / length;
-            let per_length = (1.0 - closed) / length * change_n[i] + closed / length * change_n0[i];
+            let by_end = bounded((1.0 - closed) / length) * bounded(change_n[i]);
+            let by_begin = bounded(closed / length) * bounded(change_n0[i]);
             (
                 if reopened { closed } else { 1.0 },
-                if reopened { bounded(per_length) } else { 0.0 },
+                if reopened { bounded(by_end + by_begin) } else { 0.0 },
             )
         } else {
             (1.0, 0.0)

@@ -44,7 +44,7 @@
 //! unloading being elastic.
 #![doc = include_str!("../../katex.html")]
 
-use super::elastic_plastic::{Asperity, Dent};
+use super::elastic_plastic::{Asperity, Dent, Plastic, Unloading};
 use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -108,10 +108,7 @@ impl Asperity {
                     _ if w > self.onset_of_yield() => yielding.loading(self, w).radius,
                     _ => contact.radius,
                 };
-                let area = radius * radius * PI;
-                let hard = area * yielding.hardness(self.radius(), radius);
-                let square = (hard * hard - force * force) * (1.0 / 3.0);
-                Some(if square.value > 0.0 { square.power(0.5) } else { zero })
+                Some(self.shear_strength(yielding, radius, force))
             }
             AsperityLimit::Ceb => {
                 let (depth, elastic) = match self.unloading(dent) {
@@ -128,5 +125,62 @@ impl Asperity {
                 })
             }
         }
+    }
+
+    fn shear_strength(&self, yielding: &Plastic, radius: Jet, force: Jet) -> Jet {
+        let area = radius * radius * PI;
+        let hard = area * yielding.hardness(self.radius(), radius);
+        let square = (hard * hard - force * force) * (1.0 / 3.0);
+        if square.value > 0.0 {
+            square.power(0.5)
+        } else {
+            Jet::default()
+        }
+    }
+
+    /// Change of [`Self::slip_limit`] along a direction, from the changes of the interference, of the dent's interference
+    /// and of how the dent unloads.
+    pub(crate) fn slip_limit_change(
+        &self,
+        limit: AsperityLimit,
+        (w, w_change): (f64, f64),
+        (dent, past_change): (Dent, f64),
+        change: Unloading,
+    ) -> Option<f64> {
+        let yielding = self.yielding()?;
+        let here = self.slip_limit(limit, w, dent)?;
+        let past = Jet::along(dent.interference, past_change);
+        let Some(unloading) = self.unloading(dent) else {
+            // The elastic range of first loading ends where the largest interference was.
+            let moves = limit == AsperityLimit::Ceb && here.value > 0.0 && dent.interference > yielding.first_yield();
+            let by_past = if moves {
+                here.value * past_change * 0.5 / (dent.interference - w)
+            } else {
+                0.0
+            };
+            return Some(here.slope * w_change + by_past);
+        };
+        if w > dent.interference {
+            return Some(here.slope * w_change);
+        }
+        if here.value <= 0.0 {
+            return Some(0.0);
+        }
+        let depth = Jet::along(unloading.residual_depth, change.residual_depth);
+        let (beyond, range) = (Jet::along(w, w_change) - depth, past - depth);
+        let force = beyond.power(1.5) * Jet::along(unloading.stiffness, change.stiffness);
+        Some(match limit {
+            AsperityLimit::Coulomb => return None,
+            AsperityLimit::ShearStrength => {
+                let loaded = yielding.loading(self, dent.interference).radius;
+                let radius =
+                    (beyond * range.power(-1.0)).power(0.5) * Jet::along(loaded.value, loaded.slope * past_change);
+                self.shear_strength(yielding, radius, force).slope
+            }
+            AsperityLimit::Ceb => {
+                let left = beyond.power(-1.0) * range - Jet::constant(1.0);
+                (force * left.power(0.5)).slope * yielding.ceb_factor()
+            }
+        })
     }
 }

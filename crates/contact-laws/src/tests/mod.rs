@@ -4,6 +4,7 @@ mod authors_points;
 mod batches;
 mod bins;
 mod closed_forms;
+mod derivatives;
 mod dual;
 mod elastic_plastic;
 mod elementary;

@@ -1,0 +1,413 @@
+//! The derivative of the update along a direction of jump and begin state, for every law.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::iter::once;
+
+use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
+
+use super::batches::chunks;
+use super::invariants::{TABLE, laws};
+use super::kinks::extreme;
+use super::resolved::{cases, paths};
+use super::{HISTORIES, elastic, fitted};
+use crate::testing::{
+    PointDerivative, derivative_at_point, derivative_batch, derivative_error, evaluate_point, log_uniform,
+};
+use crate::*;
+
+/// Numbers from -1 to 1, read round and round.
+type Weights = Vec<f64>;
+
+fn weights() -> impl Strategy<Value = Weights> {
+    (0..10_000).prop_map(|seed| {
+        (0..97)
+            .map(|k| (0.37 * f64::from(seed) + 2.1 * f64::from(k)).sin())
+            .collect()
+    })
+}
+
+fn stickings() -> impl Strategy<Value = Sticking> {
+    prop_oneof![6 => Just(Sticking::Coulomb), 1 => Just(Sticking::Full), 1 => Just(Sticking::Frictionless)]
+}
+
+type Input = ([f64; 3], Vec<f64>);
+
+/// A direction whose unit changes jump and begin state by about their size.
+fn direction(law: &dyn TractionLaw, (u, begin): (&[f64; 3], &[f64]), end: &[f64], weights: &[f64]) -> Input {
+    let mut weights = weights.iter().copied().cycle();
+    let mut next = || weights.next().unwrap();
+    let moved = |q: usize| (u[q] - begin[q]).abs().min(u[2].abs()) + 0.02 * u[2].abs();
+    let jump = [next() * moved(0), next() * moved(1), 0.5 * next() * u[2]];
+    let state = law.info().state.iter().enumerate().map(|(c, _)| {
+        let size = match c {
+            0 | 1 => moved(c),
+            // Where a path begins at the first touch there is a kink.
+            2 if begin[2] == 0.0 => 0.0,
+            _ => 0.5 * begin[c].abs() + 0.3 * end[c].abs(),
+        };
+        next() * size
+    });
+    (jump, state.collect())
+}
+
+fn combined((d, d_state): &Input, factor: f64, (e, e_state): &Input) -> Input {
+    let jump = std::array::from_fn(|q| d[q] + factor * e[q]);
+    let state = d_state.iter().zip(e_state).map(|(d, e)| d + factor * e);
+    (jump, state.collect())
+}
+
+/// Numbers of the derivative.
+fn changes(found: &PointDerivative) -> Vec<f64> {
+    found.d_traction.iter().chain(&found.d_end).copied().collect()
+}
+
+/// What has been seen: steps compared with differences of all steps, and the largest error.
+type Tally = BTreeMap<&'static str, (u32, u32, f64)>;
+
+/// Steps with commits: the bits of the evaluation, its tangent, differences, linearity.
+fn follow(
+    law: &dyn TractionLaw,
+    steps: &[([f64; 3], Sticking)],
+    weights: &[f64],
+    tally: &RefCell<Tally>,
+) -> Result<(), TestCaseError> {
+    let mut state = vec![0.0; law.info().n_state()];
+    for (k, &(u, sticking)) in steps.iter().enumerate() {
+        let here = evaluate_point(law, 0, sticking, u, &state);
+        let along = direction(law, (&u, &state), &here.end, &weights[k % 41..]);
+        let other = direction(law, (&u, &state), &here.end, &weights[41 + k % 41..]);
+        let derive = |(d, d_begin): &Input| derivative_at_point(law, 0, sticking, (u, &state), (*d, d_begin));
+        let found = derive(&along);
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
+        prop_assert_eq!(bits(&found.traction), bits(&here.traction));
+        prop_assert_eq!(bits(&found.end), bits(&here.end));
+        prop_assert!(changes(&found).iter().all(|v| v.is_finite()), "{:?}", found);
+
+        let still = vec![0.0; state.len()];
+        let by_tangent = derive(&(along.0, still));
+        let sizes = |i: usize| (0..3).map(|k| (here.tangent[i][k] * along.0[k]).abs()).sum::<f64>();
+        for i in 0..3 {
+            let product: f64 = (0..3).map(|k| here.tangent[i][k] * along.0[k]).sum();
+            let size = if i < 2 { sizes(0).max(sizes(1)) } else { sizes(2) };
+            let error = (by_tangent.d_traction[i] - product).abs();
+            prop_assert!(
+                error <= 1e-12 * size,
+                "{} row {i}: {error:e} of {size:e}",
+                law.info().name
+            );
+        }
+
+        // Homogeneous to the last bit, additive to rounding.
+        let doubled = combined(&along, 1.0, &along);
+        let twice: Vec<f64> = changes(&found).iter().map(|v| 2.0 * v).collect();
+        prop_assert_eq!(bits(&changes(&derive(&doubled))), bits(&twice));
+        let sum = changes(&derive(&combined(&along, -0.75, &other)));
+        let parts = changes(&found).into_iter().zip(changes(&derive(&other)));
+        let scales = found.traction.iter().chain(&found.end);
+        for ((sum, (a, b)), scale) in sum.into_iter().zip(parts).zip(scales) {
+            let size = a.abs().max(b.abs()).max(scale.abs());
+            prop_assert!(
+                (sum - (a - 0.75 * b)).abs() <= 1e-11 * size,
+                "{sum:e} {a:e} {b:e} {scale:e}"
+            );
+        }
+
+        let kind = match (here.regime, sticking) {
+            (Regime::Open, _) => "open",
+            (Regime::Stick, Sticking::Full) => "full",
+            (Regime::Slip, Sticking::Frictionless) => "frictionless",
+            (Regime::Stick, _) if state[2] < 0.0 => "stick, closed again",
+            (Regime::Slip, _) if state[2] < 0.0 => "slip, closed again",
+            (Regime::Stick, _) => "stick",
+            _ => "slip",
+        };
+        let error = derivative_error(law, 0, sticking, (u, &state), (along.0, &along.1));
+        let mut tally = tally.borrow_mut();
+        let (compared, all, worst) = tally.entry(kind).or_default();
+        *all += 1;
+        if let Some(error) = error {
+            *compared += 1;
+            *worst = worst.max(error);
+            prop_assert!(
+                error <= 1e-6,
+                "{} {kind} {sticking:?}: {error:e}\nat {u:?} {state:?}\nalong {along:?}\n{found:?}",
+                law.info().name
+            );
+        }
+        state = here.end;
+    }
+    Ok(())
+}
+
+/// Runs a property and returns what it has seen.
+fn seen<S: Strategy>(
+    name: &'static str,
+    cases: u32,
+    strategy: &S,
+    check: impl Fn(S::Value, &RefCell<Tally>) -> Result<(), TestCaseError>,
+) -> Tally {
+    let config = ProptestConfig {
+        cases,
+        source_file: Some(file!()),
+        test_name: Some(name),
+        max_shrink_iters: 200,
+        ..ProptestConfig::default()
+    };
+    let tally = RefCell::new(Tally::new());
+    let outcome = TestRunner::new(config).run(strategy, |value| check(value, &tally));
+    println!("{name}: compared, of, largest error: {:?}", tally.borrow());
+    if let Err(error) = outcome {
+        panic!("{error}");
+    }
+    tally.into_inner()
+}
+
+/// Most steps are compared with differences: a share of those of a kind.
+fn assert_compared(tally: &Tally, kinds: &[&str], least: u32, share: f64) {
+    for kind in kinds {
+        let (compared, all, _) = tally.get(kind).copied().unwrap_or_default();
+        assert!(
+            compared >= least && f64::from(compared) >= share * f64::from(all),
+            "{kind}: {compared} of {all}"
+        );
+    }
+}
+
+const KINDS: [&str; 7] = [
+    "open",
+    "full",
+    "frictionless",
+    "stick, closed again",
+    "slip, closed again",
+    "stick",
+    "slip",
+];
+
+fn friction() -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 8 => log_uniform(1e-2, 10.0)]
+}
+
+/// A friction coefficient and steps that stick and slip with it.
+fn with_steps() -> impl Strategy<Value = (f64, Vec<([f64; 3], Sticking)>)> {
+    friction().prop_flat_map(|mu| {
+        let steps = paths(mu).prop_flat_map(|path| {
+            let n = path.len();
+            (Just(path), prop::collection::vec(stickings(), n))
+        });
+        (Just(mu), steps).prop_map(|(mu, (path, stickings))| (mu, path.into_iter().zip(stickings).collect()))
+    })
+}
+
+#[test]
+fn friction_on_curves() {
+    let cones = prop::sample::select(vec![Cone::Circle, Cone::Box]);
+    let strategy = (with_steps(), cones, prop::sample::select(HISTORIES.to_vec()), weights());
+    let tally = seen(
+        "friction_on_curves",
+        400,
+        &strategy,
+        |((mu, steps), cone, history, weights), tally| {
+            for law in laws(mu, history) {
+                follow(&*law, &steps, &weights, tally)?;
+            }
+            let curves = FittedPoints::<f64>::new(&PointParameters::uniform(fitted(), 1));
+            let law = RoughLaw::try_new(curves, PointParameters::uniform(mu, 1), history).unwrap();
+            follow(&law.with_cone(cone), &steps, &weights, tally)
+        },
+    );
+    assert_compared(&tally, &KINDS, 200, 0.8);
+}
+
+#[test]
+fn parallel_sliders() {
+    let strategy = (with_steps(), 1..12_usize, weights());
+    let tally = seen(
+        "parallel_sliders",
+        1000,
+        &strategy,
+        |((mu, steps), n, weights), tally| {
+            let mu = PointParameters::uniform(mu, 1);
+            let law = MindlinIwan::try_new(PointParameters::uniform(fitted(), 1), mu.clone(), n).unwrap();
+            follow(&law, &steps, &weights, tally)?;
+            let law = MindlinIwan::try_new(PointParameters::uniform(elastic(), 1), mu, n).unwrap();
+            follow(&law, &steps, &weights, tally)
+        },
+    );
+    assert_compared(&tally, &KINDS, 100, 0.7);
+}
+
+#[test]
+fn linearised_contact() {
+    let strategy = (with_steps(), any::<prop::sample::Index>(), weights());
+    let tally = seen(
+        "linearised_contact",
+        1000,
+        &strategy,
+        |((mu, steps), first, weights), tally| {
+            let law = super::law(elastic(), mu, HistoryRule::Incremental);
+            let (u, _) = steps[first.index(steps.len())];
+            let state = [0.0, 0.0, u[2], 0.0, 0.0];
+            let [x, y, n] = u.each_ref().map(core::slice::from_ref);
+            let about = LinearisedContact::about(&law, Components::new(x, y, n), StateView::new(&state, 1, 0)).unwrap();
+            follow(&about, &steps, &weights, tally)
+        },
+    );
+    assert_compared(&tally, &["open", "full", "frictionless", "stick", "slip"], 50, 0.8);
+}
+
+#[test]
+fn asperities_with_friction() {
+    let strategy = cases().prop_flat_map(|case| {
+        let path = paths(case.mu).prop_flat_map(|path| {
+            let n = path.len();
+            (Just(path), prop::collection::vec(stickings(), n))
+        });
+        (Just(case), path, weights())
+    });
+    let tally = seen(
+        "asperities_with_friction",
+        3000,
+        &strategy,
+        |(case, (path, stickings), weights), tally| {
+            let steps: Vec<_> = path.into_iter().zip(stickings).collect();
+            follow(&case.law(), &steps, &weights, tally)
+        },
+    );
+    assert_compared(&tally, &KINDS, 100, 0.6);
+}
+
+/// Laws of several points of each kind.
+fn many(n: usize, mu: f64, cone: Cone, history: HistoryRule) -> Vec<Box<dyn TractionLaw>> {
+    let mu = || PointParameters::uniform(mu, n);
+    let curves = FittedPoints::<f64>::new(&PointParameters::uniform(fitted(), n));
+    let asperities = |yielding: Option<Yield>, friction| {
+        let asperity = Asperity::try_new(ElasticPair::new(192e9, 0.3), 1e-3, yielding).unwrap();
+        let bins = AsperityBins::try_new(asperity, vec![0.0, 1e-7, 3e-6], vec![1e5, 3e6, 1e6]).unwrap();
+        Box::new(ResolvedLaw::try_new(PointParameters::uniform(bins, n), mu(), friction, cone).unwrap())
+    };
+    let steel = Some(Yield {
+        strength: 330e6,
+        tangent_modulus: 620e6,
+        curves: YieldCurves::Continuous,
+    });
+    let yielding_rule = match history {
+        HistoryRule::Potential => HistoryRule::EndPoint,
+        history => history,
+    };
+    vec![
+        Box::new(RoughLaw::try_new(curves, mu(), history).unwrap().with_cone(cone)),
+        Box::new(
+            TableLaw::try_new(
+                PointParameters::uniform(TABLE.with(|table| table.clone()), n),
+                mu(),
+                history,
+            )
+            .unwrap()
+            .with_cone(cone),
+        ),
+        Box::new(MindlinIwan::try_new(PointParameters::uniform(fitted(), n), mu(), 5).unwrap()),
+        asperities(None, AsperityFriction::StickSlip(history)),
+        asperities(None, AsperityFriction::Annuli(history, 3)),
+        asperities(steel, AsperityFriction::StickSlip(yielding_rule)),
+        asperities(steel, AsperityFriction::MindlinIwan(Radii::equally_spaced(5).unwrap())),
+        Box::new(
+            asperities(steel, AsperityFriction::StickSlip(yielding_rule))
+                .with_limit(AsperityLimit::ShearStrength)
+                .unwrap(),
+        ),
+    ]
+}
+
+/// Points in all regimes with a direction each, some of them spoilt: a number of the input or of the direction.
+fn points() -> impl Strategy<Value = (Vec<(Vec<[f64; 3]>, usize)>, Weights, Vec<usize>)> {
+    prop::collection::vec((paths(0.3), 0..40_usize), 1..150).prop_flat_map(|points| {
+        let n = points.len();
+        (Just(points), weights(), prop::collection::vec(0..=n, 0..6))
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(25))]
+
+    /// Chunks change no bit. What is not finite makes derivatives NaN, of a direction the derivatives alone.
+    #[test]
+    fn batches_do_not_change_a_bit(
+        (points, weights, cuts) in points(), box_cone: bool, history in prop::sample::select(HISTORIES.to_vec()),
+    ) {
+        let n = points.len();
+        let cone = if box_cone { Cone::Box } else { Cone::Circle };
+        for law in many(n, 0.3, cone, history) {
+            let n_state = law.info().n_state();
+            let (mut at, mut along) = (vec![], vec![]);
+            for (i, (path, spoilt)) in points.iter().enumerate() {
+                let (u, before) = path.split_last().unwrap();
+                let mut state = vec![0.0; n_state];
+                for u in before {
+                    state = evaluate_point(&*law, i, Sticking::Coulomb, *u, &state).end;
+                }
+                let end = evaluate_point(&*law, i, Sticking::Coulomb, *u, &state).end;
+                let (mut u, mut d) = (*u, direction(&*law, (u, &state), &end, &weights[i % 80..]));
+                match spoilt {
+                    0 => u[i % 3] = f64::NAN,
+                    1 => state[i % n_state] = f64::INFINITY,
+                    2 => d.0[i % 3] = f64::NEG_INFINITY,
+                    3 => d.1[i % n_state] = f64::NAN,
+                    _ => {}
+                }
+                at.push((u, state));
+                along.push(d);
+            }
+            for sticking in [Sticking::Coulomb, Sticking::Full, Sticking::Frictionless] {
+                let whole = derivative_batch(&*law, sticking, once(0..n), &at, &along);
+                let cut = derivative_batch(&*law, sticking, chunks(n, &cuts), &at, &along);
+                prop_assert!(whole.iter().zip(&cut).all(|(a, b)| a.is_identical(b)));
+                for i in 0..n {
+                    let ((u, state), (d, d_state)) = (&at[i], &along[i]);
+                    let alone = derivative_at_point(&*law, i, sticking, (*u, state), (*d, d_state));
+                    prop_assert!(alone.is_identical(&whole[i]), "{}: {alone:?} {:?}", law.info().name, whole[i]);
+                    let here = evaluate_point(&*law, i, sticking, *u, state);
+                    let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
+                    if points[i].1 < 4 {
+                        prop_assert!(changes(&alone).iter().all(|v| v.is_nan()), "{} {alone:?}", law.info().name);
+                    } else {
+                        prop_assert!(changes(&alone).iter().all(|v| v.is_finite()), "{} {alone:?}", law.info().name);
+                    }
+                    if points[i].1 < 2 {
+                        prop_assert!(alone.traction.iter().chain(&alone.end).all(|v| v.is_nan()));
+                    } else {
+                        prop_assert_eq!(bits(&alone.traction), bits(&here.traction));
+                        prop_assert_eq!(bits(&alone.end), bits(&here.end));
+                    }
+                }
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    /// Finite input and direction anywhere in the number range give finite derivatives.
+    #[test]
+    fn finite_input_gives_finite_derivatives(
+        numbers in prop::collection::vec(extreme(), 120), box_cone: bool,
+        history in prop::sample::select(HISTORIES.to_vec()), mu in extreme(),
+    ) {
+        let cone = if box_cone { Cone::Box } else { Cone::Circle };
+        for law in many(1, mu.abs(), cone, history) {
+            let n_state = law.info().n_state();
+            let mut numbers = numbers.iter().copied().cycle();
+            let mut next = || numbers.next().unwrap();
+            let mut input = || ([next(), next(), next()], (0..n_state).map(|_| next()).collect::<Vec<f64>>());
+            let ((u, begin), (d, d_begin)) = (input(), input());
+            for sticking in [Sticking::Coulomb, Sticking::Full, Sticking::Frictionless] {
+                let found = derivative_at_point(&*law, 0, sticking, (u, &begin), (d, &d_begin));
+                prop_assert!(changes(&found).iter().all(|v| v.is_finite()), "{} {found:?}", law.info().name);
+                let here = evaluate_point(&*law, 0, sticking, u, &begin);
+                prop_assert_eq!((found.traction, found.end), (here.traction, here.end));
+            }
+        }
+    }
+}
