@@ -61,6 +61,11 @@
 //! | state `u_x, u_y, u_n` of the point committed last | m |
 //! | state `e_x_i, e_y_i` of every slider: `3 + 2 N` numbers in all | m |
 //!
+//! # Derivative along a direction
+//! [`TractionLaw::derivative`] adds up `dt_i = w_i d(k e_i)` over the sliders that stick. For one that slips, with the
+//! direction `n` of its trial and the ratio `r` by which slip shortens it,
+//! `dt_i = w_i r (I - n n) d(k e_i) + s_i d(mu t_n) n`, and its stretch changes by `d(r e_i)`.
+//!
 //! # How many sliders
 //! Where the sliders yield is graded, `p_j = (exp(6 j/N) - 1)/(exp(6) - 1)`: among power laws and exponentials in `p`
 //! and in `x`, measured for 2 to 64 sliders, this one or one next to it has the smallest largest error of the loop
@@ -215,8 +220,8 @@ impl<C: ContactCurves> MindlinIwan<C> {
         self.sliders.len()
     }
 
-    /// The loop over the points, compiled apart with and without tangent.
-    fn run<const TANGENT: bool>(
+    /// The loop over the points, compiled apart with and without tangent and along a direction.
+    fn run<const TANGENT: bool, const ALONG: bool>(
         &self,
         points: Range<usize>,
         sticking: Sticking,
@@ -226,6 +231,7 @@ impl<C: ContactCurves> MindlinIwan<C> {
         traction: ComponentsMut<'_>,
         mut tangent: Option<TangentMut<'_>>,
         mut regimes: Option<&mut [Regime]>,
+        mut along: Option<Along<'_>>,
     ) -> RegimeCounts {
         let n = points.len();
         let n_state = self.info.n_state();
@@ -238,6 +244,7 @@ impl<C: ContactCurves> MindlinIwan<C> {
             let begin_at = |c: usize| begin.data[c * begin.stride + begin.offset + i];
             let end_index = |c: usize| c * end.stride + end.offset + i;
 
+            let mut change = [0.0; 3];
             let finite = u.iter().all(|v| v.is_finite()) && (0..n_state).all(|c| begin_at(c).is_finite());
             let response = if !finite {
                 (0..n_state).for_each(|c| end.data[end_index(c)] = f64::NAN);
@@ -250,15 +257,41 @@ impl<C: ContactCurves> MindlinIwan<C> {
                 } else {
                     let u_begin = [begin_at(0), begin_at(1), begin_at(2)];
                     let mut sum = Sum::new(self.curves.at(point), *self.mu.at(point), sticking, u, u_begin);
+                    let mut changes = match &along {
+                        Some(along) if ALONG => Change::new(&sum, u, u_begin, along.jump(i), along.begin(0, i)),
+                        _ => Change::default(),
+                    };
                     for (slider, c) in self.sliders.iter().zip((N_JUMP..).step_by(2)) {
-                        let stretch = sum.add::<TANGENT>(slider, [begin_at(c), begin_at(c + 1)]);
+                        let begin = [begin_at(c), begin_at(c + 1)];
+                        let stretch = sum.add::<TANGENT>(slider, begin);
                         (end.data[end_index(c)], end.data[end_index(c + 1)]) = (stretch[0], stretch[1]);
+                        if ALONG && let Some(along) = along.as_mut() {
+                            let change = changes.add(&sum, slider, begin, along.begin(c, i));
+                            along.set_end(c, i, change);
+                        }
                     }
+                    change = [changes.traction[0], changes.traction[1], changes.normal];
                     sum.response()
                 }
             };
 
             (traction.x[i], traction.y[i], traction.n[i]) = (response.t[0], response.t[1], response.t[2]);
+            if ALONG && let Some(along) = along.as_mut() {
+                let d = along.jump(i);
+                let directed =
+                    d.iter().all(|v| v.is_finite()) && (0..n_state).all(|c| along.begin::<1>(c, i)[0].is_finite());
+                if !(finite && directed) {
+                    change = [f64::NAN; 3];
+                    (0..n_state).for_each(|c| along.set_end(c, i, [f64::NAN]));
+                } else {
+                    along.set_end(0, i, d);
+                    if response.regime == Regime::Open {
+                        (N_JUMP..n_state).for_each(|c| along.set_end(c, i, [0.0]));
+                    }
+                }
+                let out = &mut along.d_traction;
+                [out.x[i], out.y[i], out.n[i]] = change;
+            }
             if TANGENT && let Some(out) = tangent.as_mut() {
                 let [x, y, n] = response.tangent;
                 (out.xx[i], out.xy[i], out.xn[i]) = (x[0], x[1], x[2]);
@@ -271,59 +304,6 @@ impl<C: ContactCurves> MindlinIwan<C> {
             counts.count(response.regime);
         }
         counts
-    }
-}
-
-impl<C: ContactCurves> MindlinIwan<C> {
-    /// Derivatives along a direction, without what [`Self::run`] gives.
-    fn change(
-        &self,
-        points: Range<usize>,
-        sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        along: Along<'_>,
-    ) {
-        let Along {
-            d_jump,
-            d_begin,
-            d_end,
-            d_traction,
-        } = along;
-        let n_state = self.info.n_state();
-        for (i, point) in points.enumerate() {
-            let [u, d] = [jump, d_jump].map(|jump| [jump.x[i], jump.y[i], jump.n[i]]);
-            let begin_at = |c: usize| begin.data[c * begin.stride + begin.offset + i];
-            let d_begin_at = |c: usize| d_begin.data[c * d_begin.stride + d_begin.offset + i];
-            let end_index = |c: usize| c * d_end.stride + d_end.offset + i;
-
-            let finite = u.iter().chain(&d).all(|v| v.is_finite())
-                && (0..n_state).all(|c| begin_at(c).is_finite() && d_begin_at(c).is_finite());
-            let change = if !finite {
-                (0..n_state).for_each(|c| d_end.data[end_index(c)] = f64::NAN);
-                [f64::NAN; 3]
-            } else {
-                (0..N_JUMP).for_each(|c| d_end.data[end_index(c)] = d[c]);
-                if u[2] <= 0.0 {
-                    (N_JUMP..n_state).for_each(|c| d_end.data[end_index(c)] = 0.0);
-                    [0.0; 3]
-                } else {
-                    let [u_begin, change_begin] = [
-                        [begin_at(0), begin_at(1), begin_at(2)],
-                        [d_begin_at(0), d_begin_at(1), d_begin_at(2)],
-                    ];
-                    let sum = Sum::new(self.curves.at(point), *self.mu.at(point), sticking, u, u_begin);
-                    let mut change = Change::new(&sum, u, u_begin, d, change_begin);
-                    for (slider, c) in self.sliders.iter().zip((N_JUMP..).step_by(2)) {
-                        let [begin, d_begin] = [[begin_at(c), begin_at(c + 1)], [d_begin_at(c), d_begin_at(c + 1)]];
-                        let stretch = change.add(&sum, slider, begin, d_begin);
-                        (d_end.data[end_index(c)], d_end.data[end_index(c + 1)]) = (stretch[0], stretch[1]);
-                    }
-                    [change.traction[0], change.traction[1], change.normal]
-                }
-            };
-            [d_traction.x[i], d_traction.y[i], d_traction.n[i]] = change;
-        }
     }
 }
 
@@ -349,10 +329,12 @@ impl<C: ContactCurves> TractionLaw for MindlinIwan<C> {
     ) -> RegimeCounts {
         check_points(&points, self);
         let run = match tangent.is_some() {
-            false => Self::run::<false>,
-            true => Self::run::<true>,
+            false => Self::run::<false, false>,
+            true => Self::run::<true, false>,
         };
-        run(self, points, sticking, jump, begin, end, traction, tangent, regimes)
+        run(
+            self, points, sticking, jump, begin, end, traction, tangent, regimes, None,
+        )
     }
 
     fn derivative(
@@ -368,15 +350,14 @@ impl<C: ContactCurves> TractionLaw for MindlinIwan<C> {
         traction: ComponentsMut<'_>,
         d_traction: ComponentsMut<'_>,
     ) -> RegimeCounts {
-        let counts = self.evaluate(points.clone(), sticking, jump, begin, end, traction, None, None);
-        let along = Along {
+        check_points(&points, self);
+        let along = Some(Along {
             d_jump,
             d_begin,
             d_end,
             d_traction,
-        };
-        self.change(points, sticking, jump, begin, along);
-        counts
+        });
+        self.run::<false, true>(points, sticking, jump, begin, end, traction, None, None, along)
     }
 
     fn friction_coefficient(&self, point: usize) -> Option<f64> {
@@ -607,7 +588,27 @@ struct Trial {
     length: f64,
 }
 
+impl Along<'_> {
+    fn jump(&self, i: usize) -> [f64; 3] {
+        [self.d_jump.x[i], self.d_jump.y[i], self.d_jump.n[i]]
+    }
+
+    /// `N` components of the begin state's change at a point, from one component on.
+    fn begin<const N: usize>(&self, component: usize, i: usize) -> [f64; N] {
+        let StateView { data, stride, offset } = self.d_begin;
+        core::array::from_fn(|c| data[(component + c) * stride + offset + i])
+    }
+
+    fn set_end<const N: usize>(&mut self, component: usize, i: usize, values: [f64; N]) {
+        let StateViewMut { data, stride, offset } = &mut self.d_end;
+        for (c, value) in values.into_iter().enumerate() {
+            data[(component + c) * *stride + *offset + i] = value;
+        }
+    }
+}
+
 /// Derivative of a [`Sum`] along a direction.
+#[derive(Default)]
 struct Change {
     normal: f64,
     /// `mu t_n`.
@@ -636,7 +637,7 @@ impl Change {
             grip: bounded(sum.grip[1] * d_n),
             k: sum.k_slope.map(|slope| bounded(slope * d_n)),
             step: core::array::from_fn(|q| {
-                bounded(bounded(closed * bounded(u[q] - u_begin[q])) + bounded(sum.closed * (d[q] - d_begin[q])))
+                bounded(bounded(closed * bounded(u[q] - u_begin[q])) + bounded(sum.closed * bounded(d[q] - d_begin[q])))
             }),
             traction: [0.0; 2],
         }
@@ -663,13 +664,14 @@ impl Change {
         if !(sum.limit > 0.0) {
             return [0.0; 2];
         }
+        let per_length = bounded(1.0 / length);
         let n = [trial[0] / length, trial[1] / length];
         let ratio = limit / length;
         let across = ratio * (n[0] * d[1] - n[1] * d[0]);
         let grip = slider.limit_per_stiffness * self.grip;
         self.traction[0] += w * (grip * n[0] - across * n[1]);
         self.traction[1] += w * (grip * n[1] + across * n[0]);
-        let turn = bounded((grip - ratio * (n[0] * d[0] + n[1] * d[1])) / length);
+        let turn = bounded((grip - ratio * (n[0] * d[0] + n[1] * d[1])) * per_length);
         core::array::from_fn(|q| bounded(bounded(turn * stretch[q]) + ratio * moved[q]))
     }
 }

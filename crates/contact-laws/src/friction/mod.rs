@@ -40,6 +40,20 @@
 //! The trial's own derivatives stand on the pages of the rules. The normal traction depends on `u_n` alone, except with
 //! `Potential`.
 //!
+//! # Derivative along a direction
+//! [`TractionLaw::derivative`](crate::TractionLaw::derivative) gives the changes of tractions and end state along a change
+//! of the jump and of the begin state together. The formula is that of the tangent, with the change of the trial
+//! <div>
+//! $$ \mathrm{d} \boldsymbol{t}^{\text{trial}} =
+//! \frac{\partial \boldsymbol{t}^{\text{trial}}}{\partial \boldsymbol{u}} \, \mathrm{d} \boldsymbol{u}
+//! + \frac{\partial \boldsymbol{t}^{\text{trial}}}{\partial \boldsymbol{z}_0} \, \mathrm{d} \boldsymbol{z}_0, \qquad
+//! \mathrm{d} f = \frac{(1 - f) \, \mathrm{d} u_n + f \, \mathrm{d} u_{n0}}{u_n - u_{n0}} \quad (u_{n0} < 0) $$
+//! </div>
+//!
+//! along the whole begin state `z_0`. The share `f` of the path that is closed and the middle of the path depend on `u_n` and
+//! on `u_n0`. A traction that is remembered changes as the traction does. A stretch that is remembered is `r e^trial` with
+//! `r = |t|/|t^trial|`, so `de = r de^trial + dr e^trial`, and its change reaches the normal traction.
+//!
 //! # Energy
 //! At constant `u_n` closed collinear cycles dissipate and obey Masing's rule with all rules. At changing `u_n`
 //! only `Potential` never gives back more than was put in, with a commit at every step.

@@ -28,6 +28,16 @@
 //!
 //! with the regularised upper incomplete gamma function `Q`.
 //!
+//! # Derivative along a direction
+//! [`TractionLaw::derivative`] is that of the [rules](super) for every bin, along changes of its memory and of its dent. The
+//! dent `w_0, f_0` moves the residual depth `d = w_0 - b` and the stiffness `s = f_0/b^(3/2)` of unloading, where
+//! `b = f_0/(4/3 E* sqrt(R w_0))`:
+//! <div>
+//! $$ \mathrm{d} b = b \left( \frac{\mathrm{d} f_0}{f_0} - \frac{\mathrm{d} w_0}{2 w_0} \right), \qquad
+//! \mathrm{d} s = s \left( \frac{\mathrm{d} f_0}{f_0} - \frac{3 \, \mathrm{d} b}{2 b} \right), \qquad
+//! \mathrm{d} F = s \, \tfrac{3}{2} (w - d)^{1/2} \, \mathrm{d}(w - d) + (w - d)^{3/2} \, \mathrm{d} s . $$
+//! </div>
+//!
 //! # Energy
 //! At constant `u_n` closed cycles never give energy. At changing `u_n` only [`HistoryRule::Potential`] never does, with a
 //! commit at every step. It is for elastic asperities alone: with yield the contact radius jumps between loading and unloading,

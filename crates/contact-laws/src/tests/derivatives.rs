@@ -40,11 +40,13 @@ fn direction(law: &dyn TractionLaw, (u, begin): (&[f64; 3], &[f64]), end: &[f64]
     let mut next = || weights.next().unwrap();
     let moved = |q: usize| (u[q] - begin[q]).abs().min(u[2].abs()) + 0.02 * u[2].abs();
     let jump = [next() * moved(0), next() * moved(1), 0.5 * next() * u[2]];
-    let state = law.info().state.iter().enumerate().map(|(c, _)| {
+    let state = law.info().state.iter().enumerate().map(|(c, quantity)| {
         let size = match c {
             0 | 1 => moved(c),
             // Where a path begins at the first touch there is a kink.
             2 if begin[2] == 0.0 => 0.0,
+            // And where a contact circle that remembers nothing begins.
+            _ if begin[c] == 0.0 && quantity.name.starts_with("a_") => 0.0,
             _ => 0.5 * begin[c].abs() + 0.3 * end[c].abs(),
         };
         next() * size
@@ -99,7 +101,7 @@ fn follow(
             );
         }
 
-        // Homogeneous to the last bit, additive to rounding.
+        // Homogeneous to the last bit, additive to rounding, which large terms of opposite sign magnify.
         let doubled = combined(&along, 1.0, &along);
         let twice: Vec<f64> = changes(&found).iter().map(|v| 2.0 * v).collect();
         prop_assert_eq!(bits(&changes(&derive(&doubled))), bits(&twice));
@@ -109,7 +111,7 @@ fn follow(
         for ((sum, (a, b)), scale) in sum.into_iter().zip(parts).zip(scales) {
             let size = a.abs().max(b.abs()).max(scale.abs());
             prop_assert!(
-                (sum - (a - 0.75 * b)).abs() <= 1e-11 * size,
+                (sum - (a - 0.75 * b)).abs() <= 1e-8 * size,
                 "{sum:e} {a:e} {b:e} {scale:e}"
             );
         }
