@@ -256,7 +256,7 @@ fn linearised_contact() {
             follow(&about, &steps, &weights, tally)
         },
     );
-    assert_compared(&tally, &["open", "full", "frictionless", "stick", "slip"], 50, 0.8);
+    assert_compared(&tally, &["open", "full", "frictionless", "stick", "slip"], 50, 0.7);
 }
 
 #[test]
@@ -322,8 +322,11 @@ fn many(n: usize, mu: f64, cone: Cone, history: HistoryRule) -> Vec<Box<dyn Trac
     ]
 }
 
+/// A path, and which kind of number of the point is spoilt, if any.
+type Spoilt = (Vec<[f64; 3]>, usize);
+
 /// Points in all regimes with a direction each, some of them spoilt: a number of the input or of the direction.
-fn points() -> impl Strategy<Value = (Vec<(Vec<[f64; 3]>, usize)>, Weights, Vec<usize>)> {
+fn points() -> impl Strategy<Value = (Vec<Spoilt>, Weights, Vec<usize>)> {
     prop::collection::vec((paths(0.3), 0..40_usize), 1..150).prop_flat_map(|points| {
         let n = points.len();
         (Just(points), weights(), prop::collection::vec(0..=n, 0..6))
