@@ -72,6 +72,9 @@ pub struct Bench {
     /// Instead, how the cost grows with the number of interface elements and of points per element: some ten minutes.
     #[arg(long)]
     pub scaling: bool,
+    /// Instead, free periodic motions by harmonic balance: a minute.
+    #[arg(long, conflicts_with_all = ["scaling", "kernel"])]
+    pub periodic: bool,
     /// Draw what `--scaling` measured (SVG).
     #[arg(long, value_name = "FILE", requires = "scaling")]
     pub plot: Option<PathBuf>,

@@ -11,7 +11,7 @@ use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
 use contact_laws::{Components, ComponentsMut, StateView, StateViewMut};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// How motions are sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,10 +37,23 @@ pub(crate) struct Contact<'a, F: PointwiseForce> {
     traction: [Vec<f64>; 3],
 }
 
+/// A point of the contact over one period, sample by sample, beginning with the first sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointHistory {
+    /// The point.
+    pub point: usize,
+    /// Jump along x, y and interference, gap subtracted (m).
+    pub jump: [Vec<f64>; 3],
+    /// Traction along x, y and n (Pa).
+    pub traction: [Vec<f64>; 3],
+}
+
 /// What a batch of points answers.
 struct Answer {
     /// Harmonics of the tractions, `[component][column][point]`.
     coefficients: Vec<f64>,
+    /// Of the points asked for, the traction from the static state.
+    histories: Vec<PointHistory>,
     /// Change of the tractions from the begin of the last period to its end, and their range in it: sums of magnitudes times areas (N).
     drift: [f64; 2],
 }
@@ -226,7 +239,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             .par_iter()
             .zip(&jumps)
             .enumerate()
-            .map(|(index, (range, jumps))| self.follow(index, range, jumps))
+            .map(|(index, (range, jumps))| self.follow(index, range, jumps, &[]))
             .collect();
         let [drift, extent] = answers.iter().fold([0.0; 2], |sum, answer| {
             [sum[0] + answer.drift[0], sum[1] + answer.drift[1]]
@@ -237,12 +250,71 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         }
     }
 
-    /// One batch along all periods.
-    fn follow(&self, index: usize, range: &std::ops::Range<usize>, jumps: &[f64]) -> Answer {
+    /// Energy per area that each point takes per period, by its tractions along x, y and n (J/m^2).
+    pub(crate) fn dissipation(&self, motion: &Harmonics) -> [Vec<f64>; 3] {
+        let jumps = self.jumps(motion);
+        let columns = motion.n_columns();
+        let mut flux: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
+        let answers: Vec<Answer> = self
+            .force
+            .batches()
+            .par_iter()
+            .zip(&jumps)
+            .enumerate()
+            .map(|(index, (range, jumps))| self.follow(index, range, jumps, &[]))
+            .collect();
+        for ((range, jumps), answer) in self.force.batches().iter().zip(&jumps).zip(&answers) {
+            let n = range.len();
+            for (q, flux) in flux.iter_mut().enumerate() {
+                for (i, flux) in flux[range.clone()].iter_mut().enumerate() {
+                    let at = |values: &[f64], column: usize| values[(q * columns + column) * n + i];
+                    *flux = (1..=motion.count())
+                        .map(|h| {
+                            let t = |column| at(&answer.coefficients, column);
+                            let u = |column| at(jumps, column);
+                            PI * h as f64 * (t(2 * h - 1) * u(2 * h) - t(2 * h) * u(2 * h - 1))
+                        })
+                        .sum();
+                }
+            }
+        }
+        flux
+    }
+
+    /// Histories of some points over the measured period.
+    pub(crate) fn histories(&self, motion: &Harmonics, points: &[usize]) -> Vec<PointHistory> {
+        let jumps = self.jumps(motion);
+        let batches = self.force.batches().iter().zip(&jumps).enumerate();
+        batches
+            .flat_map(|(index, (range, jumps))| {
+                let inside: Vec<usize> = points.iter().copied().filter(|p| range.contains(p)).collect();
+                if inside.is_empty() {
+                    return Vec::new();
+                }
+                self.follow(index, range, jumps, &inside).histories
+            })
+            .map(|mut history| {
+                // Batches follow tractions from the static state.
+                for (traction, at_rest) in history.traction.iter_mut().zip(&self.traction) {
+                    traction.iter_mut().for_each(|t| *t += at_rest[history.point]);
+                }
+                history
+            })
+            .collect()
+    }
+
+    /// One batch along all periods; `recorded` are points of it whose last period is kept.
+    fn follow(&self, index: usize, range: &std::ops::Range<usize>, jumps: &[f64], recorded: &[usize]) -> Answer {
         let n = range.len();
         let mut batch = Batch::new(n, self.force.n_state(index));
         self.force.state_of(index, self.state, &mut batch.begin);
         let mut coefficients = vec![0.0; jumps.len()];
+        let empty = |&point: &usize| PointHistory {
+            point,
+            jump: Default::default(),
+            traction: Default::default(),
+        };
+        let mut histories: Vec<PointHistory> = recorded.iter().map(empty).collect();
         let zeros = || -> [Vec<f64>; 3] { std::array::from_fn(|_| vec![0.0; n]) };
         let (mut before, mut least, mut most) = (zeros(), zeros(), zeros());
         for period in 1..=self.sampling.periods {
@@ -267,6 +339,13 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 }
                 if is_last {
                     self.analyse(&batch.traction, sample, &mut coefficients);
+                    for history in &mut histories {
+                        let at = history.point - range.start;
+                        for q in 0..3 {
+                            history.jump[q].push(batch.jump[q][at]);
+                            history.traction[q].push(batch.traction[q][at]);
+                        }
+                    }
                     for q in 0..3 {
                         for i in 0..n {
                             least[q][i] = least[q][i].min(batch.traction[q][i]);
@@ -284,7 +363,11 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 drift[1] += weight * (most[q][i] - least[q][i]);
             }
         }
-        Answer { coefficients, drift }
+        Answer {
+            coefficients,
+            histories,
+            drift,
+        }
     }
 
     /// Derivative of the contact forces at `motion` along `change`.
@@ -338,6 +421,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         }
         Answer {
             coefficients,
+            histories: Vec::new(),
             drift: [0.0; 2],
         }
     }

@@ -12,6 +12,8 @@ mod error;
 pub mod force;
 pub mod forced;
 pub mod harmonics;
+pub mod interface;
+pub mod probe;
 mod solve;
 pub mod synthesis;
 mod system;

@@ -247,6 +247,16 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         }
     }
 
+    /// Contact forces along a motion.
+    pub(crate) fn contact_forces(&self, motion: &Harmonics) -> Harmonics {
+        self.contact.forces(motion).force
+    }
+
+    /// Their derivative along a change of it.
+    pub(crate) fn contact_derivative(&self, motion: &Harmonics, change: &Harmonics) -> Harmonics {
+        self.contact.derivative(motion, change)
+    }
+
     /// The residual at a motion.
     pub(crate) fn evaluate(&self, unknown: &Unknown) -> Evaluation {
         let [a, b, excitation] = unknown.parameters;
@@ -326,7 +336,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     /// Product of the Jacobian with a change of the motion, given with `p = P v`.
     pub(crate) fn product(&self, unknown: &Unknown, v: &Harmonics, p: &Harmonics) -> Harmonics {
         let [a, b, _] = unknown.parameters;
-        let mut out = self.contact.derivative(&unknown.v, v);
+        let mut out = self.contact_derivative(&unknown.v, v);
         self.subtract_stuck(v, &mut out);
         out.add(1.0, p);
         self.add_inertia(&self.inertia(v), a, b, &mut out);

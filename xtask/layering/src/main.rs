@@ -80,6 +80,7 @@ const ALLOWED: [(&str, &[&str]); 21] = [
             "zte-assembly",
             "substructure",
             "cqsma-solver",
+            "periodic-motion",
             "brake-reuss-beam",
             "matrix-files",
             // Finished scenes are stored like reduced models.

@@ -5,7 +5,7 @@ use microslip::commands::{RESULTS, print};
 use microslip::progress::{Monitor, forget_peak_memory, peak_memory};
 use serde_json::json;
 use std::path::Path;
-use studies::bench::{Instruments, kernel, processor, scaling, solver};
+use studies::bench::{Instruments, kernel, periodic, processor, scaling, solver};
 use xtask::study;
 
 /// Runs the command.
@@ -18,12 +18,18 @@ pub(crate) fn run(arguments: &study::Bench) -> Result<()> {
         if let Some(path) = &arguments.plot {
             write(path, found.picture)?;
         }
+    } else if arguments.periodic {
+        let (found, table) = periodic(&instruments(&Monitor::new()?))?;
+        print(&table)?;
+        if let (Some(all), serde_json::Value::Object(found)) = (figures.as_object_mut(), found) {
+            all.extend(found);
+        }
     } else {
         let (found, table) = kernel()?;
         figures["kernel"] = found;
         print(&table)?;
     }
-    if !arguments.kernel && !arguments.scaling {
+    if !arguments.kernel && !arguments.scaling && !arguments.periodic {
         let (parts, table) = solver(&instruments(&Monitor::new()?))?;
         print(&table)?;
         for (name, part) in parts {

@@ -27,6 +27,9 @@ const FREE_OF_ENERGY: f64 = 1e-9;
 /// Inertia of a mode along a uniform separation, relative to that of the separation itself, that is round-off.
 const FREE_OF_INERTIA: f64 = 1e-9;
 
+/// Periodic motions where neither their amplitudes nor those of loops are given.
+const EPMC_AMPLITUDES: usize = 20;
+
 /// What came of an amplitude.
 type Loop = (BackbonePoint, Option<LoopFields>);
 
@@ -70,7 +73,7 @@ impl Request<'_> {
         let phi: f64 = shape.iter().zip(self.response).map(|(a, b)| a * b).sum();
         self.check_response(phi)?;
         let omega2 = self.line.eigenvalues[self.mode];
-        let forces: Vec<f64> = displacements(self.scene)
+        let forces: Vec<f64> = displacements(self.scene, 0)
             .into_iter()
             .map(|x| omega2 * x / phi)
             .collect();
@@ -113,7 +116,10 @@ impl Request<'_> {
                     line: self.line,
                 };
                 let settings = self.scene.epmc.clone().unwrap_or_default();
-                let amplitudes = forces.iter().map(|alpha| alpha / omega2).collect();
+                let amplitudes = displacements(self.scene, EPMC_AMPLITUDES)
+                    .iter()
+                    .map(|x| x / phi.abs())
+                    .collect();
                 let (found, resume) = request.epmc(&settings, self.mode, amplitudes, epmc_key, progress)?;
                 checkpoints.extend(resume);
                 Some(found)
@@ -270,13 +276,13 @@ pub(super) fn uniform(reduced: &ReducedModel, closure: f64) -> Vec<f64> {
     jump
 }
 
-/// Displacements at the response point that the modal forces are chosen for, by linear estimate (m).
-fn displacements(scene: &Scene) -> Vec<f64> {
+/// Displacements at the response point that the modal forces are chosen for, by linear estimate (m); `otherwise` is their number where
+/// the scene asks for no loops.
+fn displacements(scene: &Scene, otherwise: usize) -> Vec<f64> {
     let c = &scene.cqsma;
+    let count = if c.amplitudes == 0 { otherwise } else { c.amplitudes };
     let [from, to] = [c.amplitude_from, c.amplitude_to].map(Length::si);
     let ratio = (to / from).ln();
-    let last = c.amplitudes.saturating_sub(1).max(1) as f64;
-    (0..c.amplitudes)
-        .map(|i| from * (ratio * i as f64 / last).exp())
-        .collect()
+    let last = count.saturating_sub(1).max(1) as f64;
+    (0..count).map(|i| from * (ratio * i as f64 / last).exp()).collect()
 }

@@ -8,8 +8,9 @@ use crate::scene::{Epmc, Forced, Scene};
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use cqsma_solver::Linearisation;
+use periodic_motion::aft::PointHistory;
 use periodic_motion::backbone::{self, Accuracy, Kind, Motion, Point};
-use periodic_motion::{Failure, NewtonSettings, Sampling, forced, synthesis};
+use periodic_motion::{Failure, NewtonSettings, Sampling, forced, interface, synthesis};
 use reduction::ReducedModel;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -35,6 +36,17 @@ pub struct EpmcBackbone {
     pub points: Vec<Point>,
     /// Displacement amplitude of the first harmonic at the response point (m), where there is a motion.
     pub response_displacement: Vec<Option<f64>>,
+    /// Hysteresis loops of single points, amplitude by amplitude, at a few amplitudes.
+    pub loops: Vec<PointLoop>,
+}
+
+/// The loop of a point at an amplitude.
+#[derive(Clone, Debug)]
+pub struct PointLoop {
+    /// Modal amplitude (sqrt(kg) m).
+    pub modal_amplitude: f64,
+    /// The loop, sample by sample; points are counted from 0.
+    pub history: PointHistory,
 }
 
 /// What periodic motions of a scene start from.
@@ -109,15 +121,44 @@ impl Request<'_> {
             along[1].hypot(along[2])
         };
         let response_displacement = points.iter().map(|p| p.result.as_ref().ok().map(first)).collect();
+        let loops = self.loops(settings, &points);
         progress.end(Stage::Epmc);
         let (_, checkpoints) = checkpoint.complete();
         Ok((
             EpmcBackbone {
                 points,
                 response_displacement,
+                loops,
             },
             checkpoints,
         ))
+    }
+
+    /// Loops of the points asked for at the largest amplitude and two smaller ones.
+    fn loops(&self, settings: &Epmc, points: &[Point]) -> Vec<PointLoop> {
+        let motions: Vec<&Motion> = points.iter().filter_map(|p| p.result.as_ref().ok()).collect();
+        let Some(last) = motions.last() else { return Vec::new() };
+        let wanted = settings
+            .loops_at
+            .as_ref()
+            .map(|points| points.iter().map(|p| p - 1).collect());
+        let wanted: Vec<usize> = wanted.unwrap_or_else(|| {
+            let flux = interface::dissipation(self.line, self.force, &last.displacement, last.sampling);
+            let total = |point: usize| flux.iter().map(|f| f[point]).sum::<f64>();
+            let most = (0..flux[0].len()).max_by(|a, b| total(*a).total_cmp(&total(*b)));
+            most.into_iter().collect()
+        });
+        let mut chosen: Vec<usize> = [motions.len() / 2, 3 * motions.len() / 4, motions.len() - 1].into();
+        chosen.dedup();
+        let of = |index: usize| {
+            let motion = motions[index];
+            let found = interface::histories(self.line, self.force, &motion.displacement, motion.sampling, &wanted);
+            found.into_iter().map(|history| PointLoop {
+                modal_amplitude: motion.modal_amplitude,
+                history,
+            })
+        };
+        chosen.into_iter().flat_map(of).collect()
     }
 
     /// Forced responses at all levels; `free` are EPMC backbones, from which those of one mode follow.

@@ -24,6 +24,10 @@ pub struct Epmc {
     /// change less.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<SamplingAccuracy>,
+    /// Quadrature points, counted from 1, whose hysteresis loops are stored; by default the one that takes most energy per area at the
+    /// largest amplitude.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loops_at: Option<Vec<usize>>,
 }
 
 impl Default for Epmc {
@@ -35,6 +39,7 @@ impl Default for Epmc {
             periods: 2,
             tolerance: 1e-8,
             accuracy: None,
+            loops_at: None,
         }
     }
 }

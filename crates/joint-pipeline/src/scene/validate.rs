@@ -70,6 +70,15 @@ impl Epmc {
             check.positive("epmc.accuracy.frequency", target.frequency, "")?;
             check.positive("epmc.accuracy.damping", target.damping, "")?;
         }
+        for point in self.loops_at.iter().flatten() {
+            check.that(
+                *point > 0,
+                "epmc.loops_at",
+                0.0,
+                "",
+                "numbers of points, counted from 1",
+            )?;
+        }
         let Some(amplitudes) = &self.modal_amplitudes else {
             return Ok(());
         };

@@ -1,5 +1,6 @@
 //! The benchmark set: figures of one run, so that ratios hold even where times do not.
 mod kernel;
+mod periodic;
 mod solver;
 
 use anyhow::Result;
@@ -37,6 +38,14 @@ pub fn kernel() -> Result<(Value, String)> {
 /// The scene cannot be run, or does not converge.
 pub fn solver(instruments: &Instruments<'_>) -> Result<(Vec<(&'static str, Value)>, String)> {
     solver::figures(instruments)
+}
+
+/// Free periodic motions: 25 amplitudes on the default mesh, and on the coarse one with a point per element; figures and a table.
+///
+/// # Errors
+/// A scene cannot be run, or a motion does not converge.
+pub fn periodic(instruments: &Instruments<'_>) -> Result<(Value, String)> {
+    periodic::figures(instruments)
 }
 
 /// Cost of the backbone against the number of elements at 4 points each, and against points per element. Reduced models are kept in

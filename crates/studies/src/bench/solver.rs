@@ -294,7 +294,7 @@ fn number(value: &Value) -> f64 {
 }
 
 /// Fastest of several rounds (ms).
-fn fastest(mut operation: impl FnMut()) -> f64 {
+pub(super) fn fastest(mut operation: impl FnMut()) -> f64 {
     (0..ROUNDS)
         .map(|_| {
             let began = Instant::now();
@@ -305,13 +305,13 @@ fn fastest(mut operation: impl FnMut()) -> f64 {
 }
 
 /// A prepared scene seen by the solver.
-struct Bench<'a> {
+pub(super) struct Bench<'a> {
     prepared: &'a Prepared,
-    force: InterfaceForce<'a>,
+    pub(super) force: InterfaceForce<'a>,
 }
 
 impl<'a> Bench<'a> {
-    fn try_new(prepared: &'a Prepared) -> Result<Self> {
+    pub(super) fn try_new(prepared: &'a Prepared) -> Result<Self> {
         Ok(Self {
             prepared,
             force: InterfaceForce::new(&prepared.interface().interface),
@@ -334,7 +334,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    fn linearise(&self) -> Result<Linearisation<'a, State>> {
+    pub(super) fn linearise(&self) -> Result<Linearisation<'a, State>> {
         let reduced = &self.prepared.model().reduced;
         let (stiffness, mass) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
         let (load, start) = (self.prepared.static_load(), self.prepared.start());
@@ -345,7 +345,7 @@ impl<'a> Bench<'a> {
         Ok(line)
     }
 
-    fn response(&self) -> Vec<f64> {
+    pub(super) fn response(&self) -> Vec<f64> {
         self.prepared.model().reduced.recovery.row(0).iter().copied().collect()
     }
 
