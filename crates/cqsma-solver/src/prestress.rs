@@ -35,6 +35,9 @@ const MOST_SEARCHES: usize = 5;
 
 /// Solves `K u + F(u) = load` from the guess `start`.
 ///
+/// Forces `F(0)` of the initial history, as of faces that are pressed together at rest, count as load: residuals are relative to
+/// `load - F(0)`, and load steps apply both together. Where that is zero, the structure rests at `u = 0`.
+///
 /// The energy norm is that of the structure linearised at `start` with everything stuck, so `start` must close the
 /// interface: a uniform closure that carries the load on average makes the first Newton step the solution of that
 /// linear problem. The equilibrium is first found with full sticking, then with friction. A guess so far off that its
@@ -55,11 +58,27 @@ pub fn solve<F: HystereticForce>(
     let n = stiffness.nrows();
     check_size("the static load", load.len(), n)?;
     check_size("the starting guess", start.len(), n)?;
+    let rest = Rest::new(force);
+    let mut net = load.to_vec();
+    net.iter_mut().zip(&rest.force).for_each(|(net, force)| *net -= force);
+    let load = net.as_slice();
+    if load.iter().all(|load| *load == 0.0) {
+        return Ok(Ok(rest.equilibrium(n)));
+    }
     let mut work = Work::default();
     let mut from = start.to_vec();
     let mut is_refined = false;
     for _ in 0..MOST_SEARCHES {
-        match search(stiffness, force, load, &from, Loading::Direct, settings, &mut work) {
+        match search(
+            stiffness,
+            force,
+            load,
+            &rest.force,
+            &from,
+            Loading::Direct,
+            settings,
+            &mut work,
+        ) {
             Ok(Ok(found)) if found.stretch <= FAR_GUESS || is_refined => return Ok(Ok(found.solution)),
             Ok(Ok(found)) => {
                 is_refined = true;
@@ -72,8 +91,59 @@ pub fn solve<F: HystereticForce>(
             Err(_) => break,
         }
     }
-    let last = search(stiffness, force, load, start, Loading::InSteps, settings, &mut work)?;
+    let last = search(
+        stiffness,
+        force,
+        load,
+        &rest.force,
+        start,
+        Loading::InSteps,
+        settings,
+        &mut work,
+    )?;
     Ok(last.map(|found| found.solution).map_err(|lost| lost.failure))
+}
+
+/// The contact before anything moves.
+struct Rest<S> {
+    force: Vec<f64>,
+    state: S,
+    counts: RegimeCounts,
+}
+
+impl<S: Clone> Rest<S> {
+    fn new<F: HystereticForce<State = S>>(force: &F) -> Self {
+        let state = force.initial_state();
+        let (mut end, zero) = (state.clone(), vec![0.0; force.n_dofs()]);
+        let mut at_rest = zero.clone();
+        let workspace = &mut force.workspace();
+        let counts = force.evaluate(
+            &zero,
+            Sticking::Coulomb,
+            &state,
+            &mut end,
+            workspace,
+            &mut at_rest,
+            None,
+        );
+        Self {
+            force: at_rest,
+            state,
+            counts,
+        }
+    }
+
+    /// Over `n` coordinates, of a load that the forces at rest balance.
+    fn equilibrium(self, n: usize) -> Prestress<S> {
+        Prestress {
+            displacement: vec![0.0; n],
+            state: self.state,
+            iterations: [0; 2],
+            effort: Effort::default(),
+            residual: 0.0,
+            counts: self.counts,
+        }
+    }
 }
 
 /// How a search goes about its load.
@@ -115,11 +185,12 @@ impl Lost {
     }
 }
 
-/// One search from `start`, whose work is added up.
+/// One search from `start`, whose work is added up; `load` is that less the forces `rest` of the contact at rest.
 fn search<F: HystereticForce>(
     stiffness: MatRef<'_, f64>,
     force: &F,
     load: &[f64],
+    rest: &[f64],
     start: &[f64],
     loading: Loading,
     settings: &NewtonSettings,
@@ -152,7 +223,7 @@ fn search<F: HystereticForce>(
         force,
         stuck: &stuck,
         reference: &zero,
-        reference_force: &zero,
+        reference_force: rest,
         round_off: stuck.round_off(force.pattern(), &start[..nc], &contact),
     };
     let sequence = Sequence::<F>::new(force, guess, initial);

@@ -124,6 +124,21 @@ pub enum Error {
         /// Force carried there (N).
         carried: f64,
     },
+    /// Points of contact whose law would follow from faces.
+    #[error(
+        "{place}: points of contact have no faces whose asperities could be known; give the parameters of their law as \
+         surface.parameters"
+    )]
+    PointsWithoutParameters {
+        /// Scene.
+        place: String,
+    },
+    /// A preload that has opened wherever it was.
+    #[error(
+        "nothing is in contact under prestress: the preload has pushed the faces apart, as nothing holds them together; give a \
+         structure that does, or bolts with a load"
+    )]
+    NothingInContact,
     /// Faces that are nowhere near one another.
     #[error(
         "the smallest gap of the interface is {smallest:.3e} m, more than the interface's own size of {extent:.3e} m; check the \

@@ -10,7 +10,7 @@ use common::{BENCHMARKS, fixture};
 use joint_pipeline::analysis::mesh_error::Partner;
 use joint_pipeline::joint::{Bodies, MovedPairs};
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{ContactStiffness, Force, Length, MaterialSource, StructureSource};
+use joint_pipeline::scene::{ContactStiffness, Force, Length, MaterialSource, Stress, StructureSource};
 use joint_pipeline::scene::{Curves, Elastic, ParameterSet, Parameters, Per, Surface};
 use joint_pipeline::structure::{Description, LinearInterface, Spectrum, Structure, export};
 use joint_pipeline::{Error, Options, Scene, run};
@@ -76,6 +76,7 @@ fn hard_contact(scene: &Scene, bolt_load: f64, penalty: f64, sticking: bool) -> 
             }),
             mu: None,
             gap: Length::from_si(0.0),
+            preload: Stress::default(),
         }],
     });
     // The structure is reduced once for all contacts.

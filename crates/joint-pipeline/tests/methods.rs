@@ -12,7 +12,7 @@ use faer::Mat;
 use joint_pipeline::interface::InterfaceForce;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::results::summary::Summary;
-use joint_pipeline::scene::{ContactStiffness, Length};
+use joint_pipeline::scene::{ContactStiffness, Length, Stress};
 use joint_pipeline::scene::{Curves, Elastic, Gap, Method, ParameterSet, Parameters, Per, RefinementLevel, Surface};
 use joint_pipeline::{Options, Scene, run};
 use std::collections::BTreeMap;
@@ -287,6 +287,7 @@ fn contact_counted_twice_is_contact_of_twice_the_stiffness() {
                 }),
                 mu: None,
                 gap: Length::from_si(0.0),
+                preload: Stress::default(),
             }],
         });
         scene.cqsma.amplitudes = 1;

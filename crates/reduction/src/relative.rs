@@ -76,6 +76,13 @@ fn full(matrix: &CsMat<f64>) -> Mat<f64> {
     full
 }
 
+/// The matrix with a value added to some entries of its diagonal.
+fn with_diagonal(matrix: &CsMat<f64>, at: &[usize], value: f64) -> CsMat<f64> {
+    let mut alone = TriMat::new(matrix.shape());
+    at.iter().for_each(|&i| alone.add_triplet(i, i, value));
+    matrix + &alone.to_csr()
+}
+
 /// A full matrix without its zeros.
 fn sparse(matrix: MatRef<'_, f64>) -> CsMat<f64> {
     let mut entries = TriMat::new((matrix.nrows(), matrix.ncols()));
@@ -298,35 +305,51 @@ impl RelativeSystem {
         let stiffness = others(&self.stiffness).into_iter().fold(0.0, f64::max);
         let mass = others(&self.mass).into_iter().fold(f64::INFINITY, f64::min);
         for (matrix, value) in [(&mut self.stiffness, stiffness), (&mut self.mass, mass)] {
-            let mut alone = TriMat::new(matrix.shape());
-            zero.iter().for_each(|&i| alone.add_triplet(i, i, value));
-            *matrix = &*matrix + &alone.to_csr();
+            *matrix = with_diagonal(matrix, zero, value);
         }
     }
 
-    /// Takes matrices whose coordinates include the jump, at the rows `jump`, three per pair in the order x, y, n.
+    /// Takes matrices whose coordinates include the jump, at the rows `jump`, three per pair in the order x, y, n; none for a
+    /// component that the matrices do not have.
+    ///
+    /// Such a coordinate is added with the largest stiffness of the others, without mass and coupling, so that nothing moves it
+    /// and no mode has it; forces on it must be left out.
     ///
     /// # Errors
     /// [`Error::MatrixShape`], also for no jump or a number of rows that is not a multiple of three;
-    /// [`Error::InterfaceRow`] for a row that does not exist or occurs twice.
-    pub fn from_relative(system: SystemMatrices<'_>, jump: &[usize]) -> Result<Self, Error> {
+    /// [`Error::InterfaceRow`] for a row that does not exist or occurs twice; [`Error::FixedInterface`] where all are missing.
+    pub fn from_relative(system: SystemMatrices<'_>, jump: &[Option<usize>]) -> Result<Self, Error> {
         let n = system.check()?;
-        check_jump(jump.len(), n)?;
+        let missing: Vec<usize> = (0..jump.len()).filter(|&i| jump[i].is_none()).collect();
+        check_jump(jump.len(), n + missing.len())?;
+        if missing.len() == jump.len() {
+            return Err(Error::FixedInterface { pair: 0, component: 0 });
+        }
         let mut order = jump.to_vec();
         let mut used = vec![false; n];
-        for &row in jump {
+        for &row in jump.iter().flatten() {
             if row >= n || std::mem::replace(&mut used[row], true) {
                 return Err(Error::InterfaceRow { row, n });
             }
         }
-        order.extend((0..n).filter(|&row| !used[row]));
-        let mut transform = TriMat::with_capacity((n, n), n);
-        order
-            .iter()
-            .zip(0..)
-            .for_each(|(&row, column)| transform.add_triplet(row, column, 1.0));
-        let positions = order.iter().map(|&row| system.positions[row]).collect();
-        Ok(Self::changed(system, transform.to_csr(), jump.len(), positions))
+        order.extend((0..n).filter(|&row| !used[row]).map(Some));
+        let mut transform = TriMat::with_capacity((n, order.len()), n);
+        for (&row, column) in order.iter().zip(0..) {
+            if let Some(row) = row {
+                transform.add_triplet(row, column, 1.0);
+            }
+        }
+        let position = |row: &Option<usize>| row.map_or([0.0; 3], |row| system.positions[row]);
+        let positions = order.iter().map(position).collect();
+        let mut changed = Self::changed(system, transform.to_csr(), jump.len(), positions);
+        if !missing.is_empty() {
+            let diagonal = (0..order.len()).filter_map(|i| changed.stiffness.get(i, i).copied());
+            let largest = diagonal.fold(0.0, f64::max);
+            // Masses that contact alone holds have no stiffness at all.
+            let stiffness = if largest > 0.0 { largest } else { 1.0 };
+            changed.stiffness = with_diagonal(&changed.stiffness, &missing, stiffness);
+        }
+        Ok(changed)
     }
 
     /// Takes matrices over coordinates `x` whose combinations `P x` are the jump, three rows of `P` per pair in the order

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use contact_laws::{ContactCurves, FittedCurves};
-use joint_pipeline::scene::{Curves, Length, ParameterSet, Parameters, Per, Surface};
+use joint_pipeline::scene::{Curves, Length, ParameterSet, Parameters, Per, Stress, Surface};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use surface_characterisation::ElementSurface;
@@ -68,6 +68,7 @@ pub(crate) fn given(curves: Vec<Curves>) -> Surface {
         curves,
         mu: None,
         gap: Length::default(),
+        preload: Stress::default(),
     };
     Surface::Parameters(Parameters {
         per,

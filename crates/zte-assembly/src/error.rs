@@ -62,7 +62,7 @@ pub enum Error {
         /// Node.
         node: usize,
     },
-    /// A coordinate or a gap is not finite, or a gap is negative.
+    /// A coordinate, a gap or an interference is not finite, or one of the latter is negative.
     #[error("{quantity} of {place} {index} is {value} m; it must be {requirement}")]
     Value {
         /// Quantity.
@@ -88,6 +88,16 @@ pub enum Error {
         point: usize,
         /// Jacobian determinant (m^2).
         determinant: f64,
+    },
+    /// A point of contact that stands for no area.
+    #[error(
+        "interface element {element} is a point of contact with an area of {area} m^2; it must be positive and finite"
+    )]
+    PointArea {
+        /// Element.
+        element: usize,
+        /// Its area (m^2).
+        area: f64,
     },
     /// An unsupported quadrature.
     #[error("{per_direction} quadrature points per direction are not supported; choose 1, 2, 3, 4 or 5")]

@@ -44,11 +44,12 @@ pub struct Pattern {
 pub struct Interface {
     pub(crate) operators: Arc<Operators>,
     pub(crate) laws: Vec<(Range<usize>, Arc<dyn TractionLaw>)>,
+    /// Less the interference of faces that are pressed together before they are loaded.
     gap: Vec<f64>,
     pattern: Arc<Pattern>,
     /// First value of the block of each ordered pair of an element's nodes, node by node, element by element.
     block_starts: Arc<Vec<usize>>,
-    /// Whether a node's jump along y is held at zero; empty if none is.
+    /// Whether a coordinate of the jump is held at zero; empty if none is.
     pub(crate) is_held: Arc<Vec<bool>>,
     /// Values of the pattern in the rows and columns of held coordinates.
     held_values: Arc<Vec<usize>>,
@@ -84,7 +85,7 @@ impl Interface {
                 expected,
             });
         }
-        let gap = checked_gap(gap, expected)?;
+        let gap = checked("the gaps", "gap", gap, expected)?;
         let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); operators.n_nodes()];
         for (nodes, ..) in operators.elements() {
             for &node in nodes {
@@ -122,7 +123,7 @@ impl Interface {
     /// # Errors
     /// As [`Interface::try_new`].
     pub fn with_gap(&self, gap: Vec<f64>) -> Result<Self, Error> {
-        let gap = checked_gap(gap, self.operators.n_points())?;
+        let gap = checked("the gaps", "gap", gap, self.operators.n_points())?;
         Ok(Self { gap, ..self.clone() })
     }
 
@@ -162,12 +163,28 @@ impl Interface {
         Ok((Self { laws, ..self.clone() }, State { values }))
     }
 
+    /// The same interface with faces that are pressed into one another at zero jump: one interference per quadrature point (m), at
+    /// least zero, which is taken off the gap. A law then starts from the pressure that belongs to it.
+    ///
+    /// # Errors
+    /// Interferences of another number than the points, negative ones and ones that are not finite.
+    pub fn with_interference(&self, interference: Vec<f64>) -> Result<Self, Error> {
+        let expected = self.operators.n_points();
+        let interference = checked("the interferences", "interference", interference, expected)?;
+        let mut gap = match self.gap() {
+            Some(gap) => gap.to_vec(),
+            None => vec![0.0; interference.len()],
+        };
+        gap.iter_mut().zip(&interference).for_each(|(gap, own)| *gap -= own);
+        Ok(Self { gap, ..self.clone() })
+    }
+
     /// Geometry and quadrature.
     pub fn operators(&self) -> &Operators {
         &self.operators
     }
 
-    /// Initial gap of each point (m), if there is any.
+    /// Initial gap of each point (m), if there is any; negative where the faces are pressed into one another at zero jump.
     pub fn gap(&self) -> Option<&[f64]> {
         (!self.gap.is_empty()).then_some(&self.gap)
     }
@@ -210,7 +227,7 @@ impl Interface {
         }
     }
 
-    /// The history of bodies that rest at zero jump, separated by the gap.
+    /// The history of bodies that rest at zero jump, separated by the gap or pressed into one another.
     pub fn initial_state(&self) -> State {
         let size = self
             .laws
@@ -339,15 +356,15 @@ fn block_starts(operators: &Operators, neighbours: &[Vec<u32>], pattern: &Patter
     starts
 }
 
-/// Which nodes have a held coordinate, and the values of the pattern in its row or column.
+/// Which coordinates are held, and the values of the pattern in their rows or columns.
 fn held(operators: &Operators, pattern: &Pattern) -> (Vec<bool>, Vec<usize>) {
     let held = operators.held();
     if held.is_empty() {
         return (Vec::new(), Vec::new());
     }
-    let mut is_held = vec![false; operators.n_nodes()];
-    held.iter().for_each(|coordinate| is_held[coordinate / 3] = true);
-    let of = |coordinate: usize| coordinate % 3 == 1 && is_held[coordinate / 3];
+    let mut is_held = vec![false; 3 * operators.n_nodes()];
+    held.iter().for_each(|&coordinate| is_held[coordinate] = true);
+    let of = |coordinate: usize| is_held[coordinate];
     let rows = pattern.indptr.windows(2).enumerate();
     let values = rows
         .flat_map(|(row, ends)| (ends[0]..ends[1]).filter(move |&at| of(row) || of(pattern.indices[at])))
@@ -355,25 +372,25 @@ fn held(operators: &Operators, pattern: &Pattern) -> (Vec<bool>, Vec<usize>) {
     (is_held, values)
 }
 
-/// One gap per point, none if all are zero.
-fn checked_gap(gap: Vec<f64>, expected: usize) -> Result<Vec<f64>, Error> {
-    if gap.len() != expected {
+/// One length per point that is not negative, none if all are zero; `what` are they, and `quantity` is one of them.
+fn checked(what: &'static str, quantity: &'static str, lengths: Vec<f64>, expected: usize) -> Result<Vec<f64>, Error> {
+    if lengths.len() != expected {
         return Err(Error::Coverage {
-            what: "the gaps",
-            found: gap.len(),
+            what,
+            found: lengths.len(),
             expected,
         });
     }
-    match gap.iter().position(|g| !(g.is_finite() && *g >= 0.0)) {
+    match lengths.iter().position(|g| !(g.is_finite() && *g >= 0.0)) {
         Some(index) => Err(Error::Value {
-            quantity: "gap",
+            quantity,
             place: "quadrature point",
             index,
-            value: gap[index],
+            value: lengths[index],
             requirement: "finite and not negative",
         }),
-        None if gap.iter().all(|g| *g == 0.0) => Ok(Vec::new()),
-        None => Ok(gap),
+        None if lengths.iter().all(|g| *g == 0.0) => Ok(Vec::new()),
+        None => Ok(lengths),
     }
 }
 

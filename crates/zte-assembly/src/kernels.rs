@@ -23,7 +23,7 @@ pub(crate) struct Blocks<'a> {
     pub(crate) starts: &'a [usize],
 }
 
-/// Rows, nodes, jumps of all nodes, held nodes, jumps at the points.
+/// Rows, nodes, jumps of all nodes, which of them are held, jumps at the points.
 type Interpolate = fn(&[f64], &[u32], &[f64], &[bool], [&mut [f64]; 3]);
 /// Rows, weights, tractions at the points, nodes, forces on all nodes.
 type Integrate = fn(&[f64], &[f64], Fields<'_>, &[u32], &mut [f64]);
@@ -33,7 +33,7 @@ type IntegrateTangent = fn(&[f64], &[f64], [&[f64]; 9], Blocks<'_>, &mut [f64]);
 /// The sums of elements with one number of nodes. Rows of shape functions stand one after the other, one per point.
 #[derive(Clone, Copy)]
 pub(crate) struct Kernels {
-    /// `sum_a N_a u_a` at each point, from the jumps x, y, n of all nodes; those along y of held nodes count as zero.
+    /// `sum_a N_a u_a` at each point, from the jumps x, y, n of all nodes; those that are held count as zero.
     pub(crate) interpolate: Interpolate,
     /// Adds `sum_p N_pa w_p t_p` to the force at each node `a`, in the order of the points.
     pub(crate) integrate: Integrate,
@@ -64,8 +64,11 @@ fn interpolate<const N: usize>(
     let mut nodal = [[0.0; 3]; N];
     for (values, &node) in nodal.iter_mut().zip(nodes) {
         values.copy_from_slice(&jump[3 * node as usize..][..3]);
-        if !is_held.is_empty() && is_held[node as usize] {
-            values[1] = 0.0;
+        if !is_held.is_empty() {
+            let held = &is_held[3 * node as usize..][..3];
+            for (value, _) in values.iter_mut().zip(held).filter(|(_, held)| **held) {
+                *value = 0.0;
+            }
         }
     }
     let (rows, _) = rows.as_chunks::<N>();

@@ -19,6 +19,6 @@ pub mod shape;
 
 pub use error::Error;
 pub use interface::{Interface, State, Workspace};
-pub use mesh::{Element, InterfaceMesh};
+pub use mesh::{Element, InterfaceMesh, PointContact};
 pub use operators::Operators;
 pub use points::Batches;

@@ -1,24 +1,44 @@
-//! The interface mesh: flat elements between two bodies whose nodes coincide in pairs.
+//! The interface mesh: flat elements between two bodies whose nodes coincide in pairs, or single points of contact.
 
 use crate::Error;
 use crate::overlap::{self, Overlap};
-use crate::shape::{MAX_NODES, QUAD4, QUAD8, QUAD9, Shape, TRI3, TRI6};
+use crate::shape::{MAX_NODES, POINT1, QUAD4, QUAD8, QUAD9, Shape, TRI3, TRI6};
 use std::collections::HashMap;
 use std::fmt;
 
 /// An interface element: its shape and node numbers, the corners in cyclic (counter-clockwise) order, then the middles of the
 /// edges, then the centre.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Element {
     shape: &'static Shape,
     /// Zero beyond the nodes of the shape.
     nodes: [u32; MAX_NODES],
+    /// Of points of contact alone.
+    contact: Option<PointContact>,
+}
+
+/// What a point of contact is beside its node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointContact {
+    /// Area that it stands for (m^2): tractions times it are forces. Positive and finite.
+    pub area: f64,
+    /// Components x, y, n along which the structure has no coordinate: the jump along them is zero and takes no force.
+    pub held: [bool; 3],
 }
 
 impl Element {
-    /// The element with these nodes, whose number tells its shape; `None` if no shape has so many.
+    /// The element with these nodes, whose number tells its shape; `None` if no shape with an area has so many.
     pub fn from_nodes(nodes: &[u32]) -> Option<Self> {
-        Shape::with_nodes(nodes.len()).map(|shape| Self::from_row(shape, nodes))
+        let shape = Shape::with_nodes(nodes.len()).filter(|shape| **shape != POINT1);
+        shape.map(|shape| Self::from_row(shape, nodes))
+    }
+
+    /// Point of contact at a node.
+    pub fn point(node: u32, contact: PointContact) -> Self {
+        Self {
+            contact: Some(contact),
+            ..Self::from_row(&POINT1, &[node])
+        }
     }
 
     /// Three-node triangle.
@@ -51,6 +71,7 @@ impl Element {
         let mut element = Self {
             shape,
             nodes: [0; MAX_NODES],
+            contact: None,
         };
         element.nodes[..nodes.len()].copy_from_slice(nodes);
         element
@@ -59,6 +80,11 @@ impl Element {
     /// Its row in the table of shapes.
     pub fn shape(&self) -> &'static Shape {
         self.shape
+    }
+
+    /// What a point of contact is beside its node; `None` of shapes with an area of their own.
+    pub fn contact(&self) -> Option<PointContact> {
+        self.contact
     }
 
     /// Its nodes.
@@ -106,7 +132,12 @@ impl Element {
 
 impl fmt::Debug for Element {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple(self.shape.name).field(&self.nodes()).finish()
+        let mut tuple = f.debug_tuple(self.shape.name);
+        tuple.field(&self.nodes());
+        if let Some(contact) = &self.contact {
+            tuple.field(contact);
+        }
+        tuple.finish()
     }
 }
 
@@ -140,9 +171,9 @@ impl InterfaceMesh {
         Ok(mesh)
     }
 
-    /// Checks coordinates and references, that no element has a node twice or the nodes of another, and that no two
-    /// elements share more than 1e-4 of the smaller one's area, edges taken as the lines between corners; shapes are checked
-    /// where quadrature points are known.
+    /// Checks coordinates, references and the areas of points, that no element has a node twice or the nodes of another, and that
+    /// no two elements share more than 1e-4 of the smaller one's area, edges taken as the lines between corners; shapes are
+    /// checked where quadrature points are known. Points may be at the same place, also at the nodes of other elements.
     ///
     /// # Errors
     /// The first defect found.
@@ -169,6 +200,11 @@ impl InterfaceMesh {
                 *used
                     .get_mut(node as usize)
                     .ok_or(Error::Dangling { element, node, count })? = true;
+            }
+            if let Some(PointContact { area, .. }) = nodes.contact
+                && !(area.is_finite() && area > 0.0)
+            {
+                return Err(Error::PointArea { element, area });
             }
         }
         let mut first = HashMap::with_capacity(self.elements.len());
@@ -197,11 +233,19 @@ impl InterfaceMesh {
         }
     }
 
-    /// Area of each element (m^2), exact also for curved edges.
+    /// Whether it has points of contact alone, and so no outline.
+    pub fn is_of_points(&self) -> bool {
+        self.elements.iter().all(|element| element.contact.is_some())
+    }
+
+    /// Area of each element (m^2), exact also for curved edges; of a point that which it stands for.
     pub fn areas(&self) -> Vec<f64> {
         self.elements
             .iter()
             .map(|element| {
+                if let Some(contact) = element.contact {
+                    return contact.area;
+                }
                 let (corners, middles) = (element.corners(), element.middles());
                 let at = |i: usize| self.nodes[corners[i % corners.len()] as usize];
                 let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - b[0] * a[1];

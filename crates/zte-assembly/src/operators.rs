@@ -35,7 +35,8 @@ pub struct Operators {
 }
 
 impl Operators {
-    /// Points run element by element.
+    /// Quadrature points run element by element. A point of contact has one, whatever `points_per_direction` is, with its area as
+    /// weight.
     ///
     /// With two points per direction the quadratic shapes have fewer points than nodes: an element by itself then has jumps
     /// that meet no traction. Three are as many as nodes or more.
@@ -67,7 +68,10 @@ impl Operators {
                         }
                     }
                 }
-                let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
+                let determinant = match element.contact() {
+                    Some(contact) => contact.area,
+                    None => jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0],
+                };
                 // `!(a > b)` also catches NaN.
                 if !(determinant > 0.0) {
                     return Err(Error::Inverted {
@@ -93,7 +97,7 @@ impl Operators {
             positions,
             first_point,
             elements: mesh.elements.clone(),
-            held: Vec::new(),
+            held: held_at_points(&mesh.elements),
             shape_of: mesh.elements.iter().map(row).collect(),
             shapes: SHAPES.map(|shape| ShapeValues::new(&quadrature, shape)).to_vec(),
         })
@@ -121,11 +125,14 @@ impl Operators {
         operators.weights.iter_mut().for_each(|w| *w *= 2.0);
         operators.integration.scale(2.0);
         let on_line = ys().enumerate().filter(|(_, y)| *y == 0.0);
-        operators.held = on_line.map(|(node, _)| 3 * node + 1).collect();
+        operators.held.extend(on_line.map(|(node, _)| 3 * node + 1));
+        operators.held.sort_unstable();
+        operators.held.dedup();
         Ok(operators)
     }
 
-    /// Coordinates (3 node + component), ascending, whose jump is zero by symmetry and takes no force.
+    /// Coordinates (3 node + component), ascending, whose jump is zero and takes no force: by symmetry, or because the structure
+    /// has no such coordinate at a point of contact.
     pub fn held(&self) -> &[usize] {
         &self.held
     }
@@ -228,6 +235,18 @@ impl Operators {
         }
         values
     }
+}
+
+/// Coordinates that the structure lacks at points of contact, ascending.
+fn held_at_points(elements: &[Element]) -> Vec<usize> {
+    let of_point = |element: &Element| {
+        let held = element.contact().map_or([false; 3], |contact| contact.held);
+        let node = element.corners()[0] as usize;
+        (0..3).filter(move |&c| held[c]).map(move |c| 3 * node + c)
+    };
+    let mut held: Vec<usize> = elements.iter().flat_map(of_point).collect();
+    held.sort_unstable();
+    held
 }
 
 /// Row of an element in the table of shapes.

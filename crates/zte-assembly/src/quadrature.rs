@@ -1,4 +1,4 @@
-//! Quadrature rules on the reference square and triangle.
+//! Quadrature rules on the reference square and triangle, and at a single point.
 
 use crate::Error;
 use crate::shape::{Domain, Shape};
@@ -8,11 +8,11 @@ use crate::shape::{Domain, Shape};
 pub struct Point {
     /// Natural coordinates.
     pub xi: [f64; 2],
-    /// Weight; weights sum to the area of the reference element (4 for the square, 1/2 for the triangle).
+    /// Weight; weights sum to the area of the reference element (4 for the square, 1/2 for the triangle, 1 for a point).
     pub weight: f64,
 }
 
-/// Rules for both reference shapes at one level of accuracy.
+/// Rules for all reference shapes at one level of accuracy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quadrature {
     square: Vec<Point>,
@@ -71,11 +71,15 @@ impl Quadrature {
         Ok(Self { square, triangle })
     }
 
-    /// The rule for a shape.
+    /// The rule for a shape; a point has its one point at every level.
     pub fn points(&self, shape: &Shape) -> &[Point] {
         match shape.domain {
             Domain::Triangle => &self.triangle,
             Domain::Square => &self.square,
+            Domain::Point => &[Point {
+                xi: [0.0; 2],
+                weight: 1.0,
+            }],
         }
     }
 }

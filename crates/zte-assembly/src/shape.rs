@@ -13,6 +13,8 @@ pub enum Domain {
     Square,
     /// The triangle with corners at the origin and at 1 on each axis.
     Triangle,
+    /// A single point without extent. What area it stands for is said by the element.
+    Point,
 }
 
 /// One row of the table of element shapes. Nodes run counter-clockwise: the corners first, then the middles of the edges from
@@ -26,7 +28,7 @@ pub struct Shape {
     pub n_nodes: usize,
     /// Number of corners.
     pub n_corners: usize,
-    /// Values and natural derivatives at a point, one per node.
+    /// Values and natural derivatives at a quadrature point, one per node.
     interpolation: fn([f64; 2], &mut [f64], &mut [[f64; 2]]),
     pub(crate) kernels: Kernels,
 }
@@ -82,8 +84,18 @@ pub static QUAD9: Shape = Shape {
     kernels: Kernels::of::<9, { pairs(9) }>(),
 };
 
+/// A single node with one quadrature point at it, whose weight is the area that the element stands for.
+pub static POINT1: Shape = Shape {
+    name: "Point1",
+    domain: Domain::Point,
+    n_nodes: 1,
+    n_corners: 1,
+    interpolation: point1,
+    kernels: Kernels::of::<1, { pairs(1) }>(),
+};
+
 /// All element shapes. Each has a number of nodes of its own.
-pub static SHAPES: [&Shape; 5] = [&TRI3, &QUAD4, &TRI6, &QUAD8, &QUAD9];
+pub static SHAPES: [&Shape; 6] = [&TRI3, &QUAD4, &TRI6, &QUAD8, &QUAD9, &POINT1];
 
 const _: () = {
     let mut row = 0;
@@ -157,6 +169,11 @@ fn quad9(xi: [f64; 2], values: &mut [f64], derivatives: &mut [[f64; 2]]) {
             derivatives[node][i] -= part * slope[i];
         }
     }
+}
+
+fn point1(_: [f64; 2], values: &mut [f64], derivatives: &mut [[f64; 2]]) {
+    values.copy_from_slice(&[1.0]);
+    derivatives.copy_from_slice(&[[0.0; 2]]);
 }
 
 impl Shape {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use zte_assembly::flux::LoopArea;
 use zte_assembly::quadrature::Quadrature;
 use zte_assembly::shape::{QUAD4, QUAD8, SHAPES, TRI3};
-use zte_assembly::{Element, Error, Interface, InterfaceMesh, Operators};
+use zte_assembly::{Element, Error, Interface, InterfaceMesh, Operators, PointContact};
 
 const NORMAL: f64 = 3e13;
 const TANGENTIAL: [f64; 2] = [2e13, 1e13];
@@ -900,4 +900,177 @@ fn halves_that_cross_or_miss_the_line_are_refused() {
             "{refused:?}"
         );
     }
+}
+
+/// Points of contact at nodes of their own, with areas and held components.
+fn points(of: &[(f64, [bool; 3])]) -> InterfaceMesh {
+    let element =
+        |(node, &(area, held)): (usize, &(f64, [bool; 3]))| Element::point(node as u32, PointContact { area, held });
+    InterfaceMesh {
+        nodes: vec![[0.0; 2]; of.len()],
+        elements: of.iter().enumerate().map(element).collect(),
+    }
+}
+
+#[test]
+fn points_of_contact_turn_tractions_into_forces_at_their_nodes_alone() {
+    let areas = [1.0, 2.5e-4];
+    let mesh = points(&areas.map(|area| (area, [false; 3])));
+    assert!(mesh.is_of_points() && !patch().is_of_points());
+    assert_eq!(mesh.areas(), areas);
+    for per_direction in [1, 2, 5] {
+        let operators = Operators::try_new(&mesh, per_direction).unwrap();
+        assert_eq!(operators.weights, areas);
+        assert_eq!(operators.first_point, [0, 1, 2]);
+        let full = |matrix: &sprs::CsMat<f64>| matrix.to_dense().into_raw_vec_and_offset().0;
+        assert_eq!(full(&operators.interpolation), [1.0, 0.0, 0.0, 1.0]);
+        assert_eq!(full(&operators.integration), [areas[0], 0.0, 0.0, areas[1]]);
+        assert_eq!(operators.element_means(&[3.0, 5.0]), [3.0, 5.0]);
+        assert_eq!(operators.central_points(), [0, 1]);
+        let nodal = operators.nodal_least_squares(&[3.0, 5.0]);
+        assert!(
+            nodal
+                .iter()
+                .zip([3.0, 5.0])
+                .all(|(a, b)| (a / b - 1.0_f64).abs() < 1e-12)
+        );
+        assert!(operators.held().is_empty());
+    }
+    let interface = interface_on(&mesh, 2, 1e9);
+    let (state, u) = (interface.initial_state(), [1e-7, -2e-7, 3e-6, 2e-7, 0.0, 1e-6]);
+    let (mut end, mut workspace, mut force) = (state.clone(), interface.workspace(), vec![0.0; 6]);
+    let mut tangent = vec![0.0; interface.pattern().indices.len()];
+    let counts = interface.evaluate(
+        &u,
+        Sticking::Coulomb,
+        &state,
+        &mut end,
+        &mut workspace,
+        &mut force,
+        Some(&mut tangent),
+    );
+    assert_eq!(counts.stick, 2);
+    let stiffness = [TANGENTIAL[0], TANGENTIAL[1], NORMAL];
+    for (i, (force, u)) in force.iter().zip(u).enumerate() {
+        let expected = areas[i / 3] * stiffness[i % 3] * u;
+        assert!(
+            (force - expected).abs() <= 1e-12 * expected.abs(),
+            "{i}: {force} {expected}"
+        );
+    }
+    // Each node is coupled with itself alone.
+    assert_eq!(
+        interface.pattern().indices,
+        [0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3, 4, 5, 3, 4, 5]
+    );
+    for row in 0..6 {
+        let own = tangent[3 * row + row % 3];
+        assert!((own / (areas[row / 3] * stiffness[row % 3]) - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn components_that_a_point_lacks_do_not_move_and_take_no_force() {
+    let held = [[false, true, false], [false, false, true]];
+    let mesh = points(&held.map(|held| (1.0, held)));
+    let interface = interface_on(&mesh, 2, 0.3).with_interference(vec![0.0, 2e-6]).unwrap();
+    assert_eq!(interface.operators().held(), [1, 5]);
+    let state = interface.initial_state();
+    let (mut end, mut workspace, mut force) = (state.clone(), interface.workspace(), vec![0.0; 6]);
+    let mut tangent = vec![0.0; interface.pattern().indices.len()];
+    interface.evaluate(
+        &[1e-7, 9.0, 1e-6, 1.0, 0.0, -9.0],
+        Sticking::Coulomb,
+        &state,
+        &mut end,
+        &mut workspace,
+        &mut force,
+        Some(&mut tangent),
+    );
+    // The second point slips under the pressure that its interference gives, whatever is said of its normal.
+    let slip = 0.3 * NORMAL * 2e-6;
+    for (i, expected) in [TANGENTIAL[0] * 1e-7, 0.0, NORMAL * 1e-6, slip, 0.0, 0.0]
+        .into_iter()
+        .enumerate()
+    {
+        assert!(
+            (force[i] - expected).abs() <= 1e-12 * expected.abs(),
+            "{i}: {}",
+            force[i]
+        );
+    }
+    assert!((workspace.traction[2][1] / (NORMAL * 2e-6) - 1.0).abs() < 1e-12);
+    for at in (0..18).filter(|at| {
+        let (row, column) = (at / 3, interface.pattern().indices[*at]);
+        [1, 5].contains(&row) || [1, 5].contains(&column)
+    }) {
+        assert_eq!(tangent[at], 0.0);
+    }
+}
+
+#[test]
+fn interference_presses_the_faces_together_at_rest() {
+    let flat = interface_on(&points(&[(1.0, [false; 3]); 2]), 1, 0.3);
+    let pressed = flat.with_interference(vec![0.0, 4e-6]).unwrap();
+    assert_eq!(pressed.gap(), Some(&[0.0, -4e-6][..]));
+    let gapped = flat.with_gap(vec![1e-6, 0.0]).unwrap();
+    let both = gapped.with_interference(vec![0.0, 4e-6]).unwrap();
+    assert_eq!(both.gap(), Some(&[1e-6, -4e-6][..]));
+    assert!(flat.with_interference(vec![0.0; 2]).unwrap().gap().is_none());
+    let state = pressed.initial_state();
+    let (mut end, mut workspace, mut force) = (state.clone(), pressed.workspace(), vec![0.0; 6]);
+    let mut press = |closure: f64| {
+        let u = [0.0, 0.0, closure, 0.0, 0.0, closure];
+        pressed.evaluate(
+            &u,
+            Sticking::Coulomb,
+            &state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
+        [force[2], force[5]]
+    };
+    for closure in [0.0_f64, 1e-6, -1e-6, -5e-6] {
+        let found = press(closure);
+        for (found, interference) in found.into_iter().zip([0.0, 4e-6]) {
+            let expected = NORMAL * (closure + interference).max(0.0);
+            assert!(
+                (found - expected).abs() <= 1e-12 * expected,
+                "{closure}: {found} {expected}"
+            );
+        }
+    }
+    let refused = flat.with_interference(vec![0.0, -1e-9]);
+    assert!(matches!(
+        refused,
+        Err(Error::Value {
+            quantity: "interference",
+            index: 1,
+            ..
+        })
+    ));
+    assert!(matches!(
+        flat.with_interference(vec![0.0; 3]),
+        Err(Error::Coverage { .. })
+    ));
+}
+
+#[test]
+fn points_of_contact_without_an_area_and_twice_at_a_node_are_refused() {
+    for area in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let mesh = points(&[(1.0, [false; 3]), (area, [false; 3])]);
+        let error = Operators::try_new(&mesh, 1).unwrap_err();
+        assert!(matches!(error, Error::PointArea { element: 1, .. }), "{error}");
+    }
+    let mut twice = points(&[(1.0, [false; 3])]);
+    twice.elements.push(twice.elements[0]);
+    assert!(matches!(
+        twice.validate(),
+        Err(Error::DuplicateElement { element: 1, first: 0 })
+    ));
+    // A list of nodes says nothing of the area.
+    let error = InterfaceMesh::try_from_lists(vec![[0.0; 2]], [[0]]).unwrap_err();
+    assert!(matches!(error, Error::NodeCount { element: 0, found: 1 }), "{error}");
 }

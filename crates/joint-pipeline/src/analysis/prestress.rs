@@ -9,17 +9,20 @@ use contact_laws::Sticking;
 use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{Linearisation, NewtonSettings, modes};
 use reduction::ReducedModel;
-use zte_assembly::State;
+use zte_assembly::{Interface, State};
 
 /// Largest sum of residual forces over that of the loads, all at the interface, evaluated anew from stiffness and laws. It
 /// bounds what is missing in the balance of forces and, times the largest lever, of moments.
 const LARGEST_IMBALANCE: f64 = 1e-3;
 
+/// Largest normal traction relative to that of the preload at rest that is round-off of faces that have just parted.
+const PARTED: f64 = 1e-9;
+
 /// The equilibrium of the interface and the static load (N), from the guess `start`; `bolts` is the sum of the bolt loads
 /// along the normal (N).
 ///
 /// # Errors
-/// [`Error::Prestress`]; [`Error::Unbalanced`] if the forces of the equilibrium do not balance.
+/// [`Error::Prestress`]; [`Error::Unbalanced`] if the forces of the equilibrium do not balance; [`Error::NothingInContact`].
 pub(super) fn solve(
     reduced: &ReducedModel,
     force: &InterfaceForce<'_>,
@@ -35,20 +38,52 @@ pub(super) fn solve(
                 history: failure.history,
             }
         })?;
-    let found = describe(reduced, force, solution, static_load, bolts);
+    let rest = Rest::new(force.interface());
+    let found = describe(reduced, force, &rest.force, solution, static_load, bolts);
     if !(found.residual_ratio <= LARGEST_IMBALANCE) {
         return Err(Error::Unbalanced {
             residual_ratio: found.residual_ratio,
             limit: LARGEST_IMBALANCE,
         });
     }
+    let [preload, traction] =
+        [&rest.traction[2], &found.fields.traction[2]].map(|t| t.iter().copied().fold(0.0, f64::max));
+    if preload > 0.0 && traction <= PARTED * preload {
+        return Err(Error::NothingInContact);
+    }
     Ok(found)
 }
 
-/// Balance and fields of a static state.
+/// Forces (N) and tractions of faces that are pressed together at rest; zero without preload.
+struct Rest {
+    force: Vec<f64>,
+    traction: [Vec<f64>; 3],
+}
+
+impl Rest {
+    fn new(interface: &Interface) -> Self {
+        let state = interface.initial_state();
+        let (mut end, mut workspace) = (state.clone(), interface.workspace());
+        let (jump, mut force) = (vec![0.0; interface.n_dofs()], vec![0.0; interface.n_dofs()]);
+        interface.evaluate(
+            &jump,
+            Sticking::Coulomb,
+            &state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
+        let traction = workspace.traction;
+        Self { force, traction }
+    }
+}
+
+/// Balance and fields of a static state; `rest` are the contact forces before anything moves (N).
 fn describe(
     reduced: &ReducedModel,
     force: &InterfaceForce<'_>,
+    rest: &[f64],
     solution: Prestress<State>,
     static_load: &[f64],
     bolts: f64,
@@ -71,16 +106,28 @@ fn describe(
     );
     let stiffness = &reduced.stiffness;
     let (mut residual, mut loads) = (0.0, 0.0);
+    // Along the normal: what is missing in the balance, and the loads.
+    let (mut missing, mut pressing) = (0.0_f64, 0.0);
     for i in 0..nd {
         let elastic: f64 = stiffness.col(i).iter().zip(u).map(|(k, u)| k * u).sum();
-        residual += (elastic + contact[i] - static_load[i]).abs();
-        loads += static_load[i].abs();
+        let out_of_balance = elastic + contact[i] - static_load[i];
+        residual += out_of_balance.abs();
+        loads += static_load[i].abs() + rest[i].abs();
+        if i % 3 == 2 {
+            missing += out_of_balance;
+            pressing += static_load[i].abs() + rest[i].abs();
+        }
     }
+    // Preload is carried by the structure too, and not by the contact alone.
+    let is_preloaded = bolts == 0.0 || rest.iter().any(|force| *force != 0.0);
     let carried: f64 = contact.iter().skip(2).step_by(3).sum();
     PrestressResult {
         solution,
-        residual_ratio: residual / loads,
-        equilibrium_error: (carried / bolts - 1.0).abs(),
+        residual_ratio: share(residual, loads),
+        equilibrium_error: match is_preloaded {
+            true => share(missing.abs(), pressing),
+            false => (carried / bolts - 1.0).abs(),
+        },
         fields: Fields {
             jump: workspace.jump,
             traction: workspace.traction,
@@ -88,6 +135,11 @@ fn describe(
             flux: std::array::from_fn(|_| vec![0.0; interface.operators().n_points()]),
         },
     }
+}
+
+/// A part of a whole, which may be zero where the part is.
+fn share(part: f64, whole: f64) -> f64 {
+    if part == 0.0 { 0.0 } else { part / whole }
 }
 
 /// Modes of the structure that vibrates, with locked bolts if they are so, about a static state of the one that does not;

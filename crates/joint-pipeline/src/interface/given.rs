@@ -21,6 +21,10 @@ pub(crate) struct GivenLaw {
     pub(crate) kind: &'static str,
     /// Gap at each point (m).
     pub(crate) gap: Vec<f64>,
+    /// Interference at each point that the preload belongs to (m).
+    pub(crate) interference: Vec<f64>,
+    /// Preload at each point (Pa).
+    pub(crate) preload: Vec<f64>,
     curves: Vec<Box<dyn ContactCurves>>,
     set_of: Vec<u32>,
 }
@@ -99,10 +103,15 @@ impl GivenLaw {
             }
         };
         let (kind, law, curves) = built;
+        let preloaded = (1..).zip(sets.iter().zip(&curves));
+        let interference = preloaded.map(|(number, (set, curves))| interference(&**curves, set.preload.si(), number));
+        let interference = interference.collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
             law,
             kind,
             gap,
+            interference: per_point(&|set| interference[set]),
+            preload: per_point(&|set| sets[set].preload.si()),
             curves,
             set_of,
         })
@@ -138,6 +147,32 @@ impl From<&ElementSurface> for Curves {
             k_ref: ContactStiffness::from_si(element.tangential[0].parameters.k_ref),
             range: range.map(|range| range.map(Length::from_si)),
         })
+    }
+}
+
+/// The interference at which curves have a pressure (Pa): bisection on a rising function. `number` is that of the set.
+fn interference(curves: &dyn ContactCurves, pressure: f64, number: usize) -> Result<f64, Error> {
+    if pressure == 0.0 {
+        return Ok(0.0);
+    }
+    let (mut low, mut high) = (0.0, 1e-12);
+    while curves.normal(high).0 < pressure {
+        (low, high) = (high, 2.0 * high);
+        if !(high < 1e30) {
+            return Err(Error::Parameters {
+                reason: format!("set {number} has a preload of {pressure:.4e} Pa, which its curves never reach"),
+            });
+        }
+    }
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return Ok(high);
+        }
+        match curves.normal(middle).0 < pressure {
+            true => low = middle,
+            false => high = middle,
+        }
     }
 }
 

@@ -42,9 +42,9 @@ pub struct LawReport {
     /// About the bins of asperities with a history of their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resolved: Option<ResolvedReport>,
-    /// Uniform closure that carries the bolt load (m).
+    /// Uniform closure that carries the bolt load (m); without one the mean interference of the preload.
     pub mean_closure: f64,
-    /// Mean pressure there (Pa).
+    /// Mean pressure there (Pa), of the preload without bolt load.
     pub mean_pressure: f64,
     /// Mean normal stiffness of the law in use there (Pa/m).
     pub normal_stiffness: f64,

@@ -37,7 +37,7 @@ pub struct SceneInterface {
     pub report: LawReport,
     /// Points whose gap came out negative and was set to zero.
     pub clipped_gaps: usize,
-    /// Uniform closure `u_n` above the gap that carries the bolt load (m): the guess that prestress starts from.
+    /// Uniform closure `u_n` above the gap that carries the bolt load (m), zero without one: the guess that prestress starts from.
     pub closure: f64,
     /// None where the parameters of the law are given.
     pub(crate) asperities: Option<Asperities>,
@@ -57,7 +57,7 @@ impl std::fmt::Debug for SceneInterface {
 }
 
 impl SceneInterface {
-    /// Builds law and gap; `load` is the sum of the bolt loads (N).
+    /// Builds law and gap; `load` is the sum of the bolt loads (N), zero only for given parameters with a preload.
     ///
     /// # Errors
     /// Of the law, the surface, the interface; [`Error::NoContact`].
@@ -96,10 +96,22 @@ impl SceneInterface {
             }
         };
         refuse_gap_beyond_the_faces(&gap, mesh)?;
-        let interface = Interface::try_new(operators.clone(), vec![(0..n, law)], gap)?;
-        let closure = uniform_closure(&interface, load)?;
-        let flat = interface.with_gap(vec![0.0; n])?;
-        let mean_closure = uniform_closure(&flat, load)?;
+        let mut interface = Interface::try_new(operators.clone(), vec![(0..n, law)], gap)?;
+        if let Source::Given(given) = &from {
+            interface = interface.with_interference(given.interference.clone())?;
+        }
+        let (closure, mean_closure, mean_pressure) = match &from {
+            // What the preload holds together moves little from where it is.
+            Source::Given(given) if load == 0.0 => {
+                let [closure, pressure] = mean(&operators, |p| [given.interference[p], given.preload[p]]);
+                (0.0, closure, pressure)
+            }
+            _ => {
+                let closure = uniform_closure(&interface, load)?;
+                let flat = interface.with_gap(vec![0.0; n])?;
+                (closure, uniform_closure(&flat, load)?, load / operators.area())
+            }
+        };
         let resolved = match &from {
             Source::Given(_) => None,
             Source::Asperities(built) => built.resolved.clone(),
@@ -124,7 +136,7 @@ impl SceneInterface {
             asperities: asperity_report,
             resolved,
             mean_closure,
-            mean_pressure: load / operators.area(),
+            mean_pressure,
             normal_stiffness: stiffness[0],
             tangential_stiffness: stiffness[1],
         };
@@ -239,8 +251,11 @@ fn stuck_stiffness(law: &dyn TractionLaw, point: usize, u: f64) -> [f64; 2] {
     [n, 0.5 * (x + y)]
 }
 
-/// Refuses faces that are farther apart everywhere than they are long: small motions cannot close them.
+/// Refuses faces that are farther apart everywhere than they are long: small motions cannot close them. Points have no length.
 fn refuse_gap_beyond_the_faces(gap: &[f64], mesh: &InterfaceMesh) -> Result<(), Error> {
+    if mesh.is_of_points() {
+        return Ok(());
+    }
     let smallest = gap.iter().copied().fold(f64::INFINITY, f64::min);
     let size = |axis: usize| {
         let along = mesh.nodes.iter().map(|x| x[axis]);

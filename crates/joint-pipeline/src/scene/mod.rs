@@ -21,14 +21,14 @@ pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use periodic::{AmplitudeRange, Amplitudes, Epmc, Forced, SamplingAccuracy};
 pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use structure::{
-    Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model, PlaneMesh,
-    PointMass, Sides, StructureBlock, StructureSource, Untied,
+    ContactPoint, Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model,
+    PlaneMesh, PointMass, Sides, StructureBlock, StructureSource, Untied,
 };
 pub use surface::{
     Curves, Elastic, Fitted, Gap, GreenwoodWilliamson, Heights, ParameterSet, Parameters, Per, Surface, SyntheticScan,
 };
 pub use units::{
-    ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,
+    Area, ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,
     SurfaceEnergy, Unit, Units, dimension,
 };
 
@@ -201,6 +201,9 @@ impl Scene {
             // Friction follows from the strength.
             filled["mu"] = json!(0.0);
         }
+        if is_preloaded(&filled) {
+            fill(&mut filled, json!({ "bolts": { "load": 0.0 } }));
+        }
         require_physics(&filled).map_err(syntax)?;
         let read = |value: Value| {
             let read = || Self::understand(value);
@@ -320,6 +323,8 @@ impl Scene {
         let by_strength = self.law.limit != law.limit;
         let coulomb = "law.limit = \"coulomb\"; with others friction follows from the strength";
         let published_radii = matches!(self.law.radii, RadialRule::EquallySpaced(_));
+        let points = matrices.is_some_and(|matrices| matrices.points.is_some());
+        let meshed = "interface meshes, and structure.matrices.points has points of contact instead";
         // What makes a field idle, the field, what its default is, and what it belongs to.
         let idle = [
             (other, "/model/refinement", json!("default"), meshes),
@@ -349,6 +354,8 @@ impl Scene {
                 Value::Null,
                 "bodies of the scene's material, and these have the deck's; for the scene's give structure.deck.materials = \"scene\"",
             ),
+            (points, "/structure/matrices/interface", Value::Null, meshed),
+            (points, "/points_per_direction", json!(two()), meshed),
             (over_jump, "/model/modes", Value::Null, reductions),
             (over_jump, "/model/reduction_error", Value::Null, reductions),
             (parameters, "/law/kind", json!(law.kind), asperities),
@@ -456,6 +463,13 @@ fn refuse_lists(given: &Value, own: &Value, path: &str) -> Result<(), String> {
         }
         _ => Ok(()),
     }
+}
+
+/// Whether the contact of matrices is preloaded without bolts, which then need no load.
+fn is_preloaded(scene: &Value) -> bool {
+    let sets = scene.pointer("/surface/parameters/sets").and_then(Value::as_array);
+    let preloaded = |set: &Value| set.get("preload").is_some_and(|preload| !preload.is_null());
+    scene.pointer("/structure/matrices").is_some() && sets.is_some_and(|sets| sets.iter().any(preloaded))
 }
 
 /// Names the first thing that the physics depends on and that nothing says.

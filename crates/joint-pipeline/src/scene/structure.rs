@@ -1,6 +1,6 @@
 //! The structure of a scene: where it comes from, and how it is meshed and reduced.
 
-use super::units::{Density, Length, Mass, Stress, SurfaceEnergy, Units};
+use super::units::{Area, Density, Length, Mass, Stress, SurfaceEnergy, Units};
 use crate::joint::benchmark::{BenchmarkRef, ElementOrder, RefinementLevel, Symmetry};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -318,7 +318,10 @@ pub struct Matrices {
     /// The interface mesh; by default what the file holds.
     #[serde(default)]
     pub interface: Option<PlaneMesh>,
-    /// Loads of unit tension, one per bolt; by default all that the file holds.
+    /// Points of contact in the place of an interface mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<ContactPoint>>,
+    /// Loads of unit tension, one per bolt; by default all that the file holds, or none where bolts have no load.
     #[serde(default)]
     pub bolts: Option<Vec<MatrixVector>>,
     /// The displacement at which amplitudes are measured.
@@ -381,6 +384,27 @@ impl PlaneMesh {
         let from_zero = |list: &Vec<u32>| list.iter().map(|n| n.wrapping_sub(1)).collect::<Vec<u32>>();
         InterfaceMesh::try_from_lists(nodes, self.elements.iter().map(from_zero))
     }
+}
+
+/// Contact at a single node of matrices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ContactPoint {
+    /// Label of the node; over both sides that of the top one. Over the jump, components 1, 2, 3 are x, y and the normal, and those
+    /// that the matrices do not have are held at zero.
+    pub node: u64,
+    /// Area that it stands for (length^2), by default one unit: then stiffnesses per area and pressures are those of the point.
+    #[serde(default = "one_unit_of_area")]
+    pub area: Area,
+    /// Coordinates x, y in the plane (length), for friction zones and files of fields.
+    #[serde(default)]
+    pub position: [Length; 2],
+}
+
+/// One in the units of the file.
+fn one_unit_of_area() -> Area {
+    Area::in_units(1.0)
 }
 
 /// A vector that goes with matrices.

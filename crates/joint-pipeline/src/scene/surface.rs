@@ -29,6 +29,14 @@ impl Surface {
         matches!(self, Self::SyntheticScan(_) | Self::Scans(_))
     }
 
+    /// Whether faces are pressed together before bolts load them.
+    pub fn is_preloaded(&self) -> bool {
+        match self {
+            Self::Parameters(parameters) => parameters.sets.iter().any(|set| !is_none(&set.preload)),
+            _ => false,
+        }
+    }
+
     /// Motion of the bottom face against the top one, of surfaces that are scanned.
     pub fn registration(&mut self) -> Option<&mut Registration> {
         match self {
@@ -76,6 +84,14 @@ pub struct ParameterSet {
     /// Gap before the faces are loaded (length).
     #[serde(default)]
     pub gap: Length,
+    /// Pressure before the faces are loaded (force/length^2), as if they were pressed into one another by the interference that
+    /// has it. Not together with a gap.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub preload: Stress,
+}
+
+fn is_none(preload: &Stress) -> bool {
+    preload.si() == 0.0
 }
 
 /// Traction and stiffness against interference.

@@ -74,6 +74,12 @@ const STRESSES: [Unit; 7] = [
     unit("psi", POUND_FORCE / (INCH * INCH)),
     unit("ksi", 1e3 * POUND_FORCE / (INCH * INCH)),
 ];
+const AREAS: [Unit; 4] = [
+    unit("m^2", 1.0),
+    unit("cm^2", 1e-4),
+    unit("mm^2", 1e-6),
+    unit("in^2", INCH * INCH),
+];
 const AREAL_DENSITIES: [Unit; 3] = [
     unit("1/m^2", 1.0),
     unit("1/mm^2", 1e6),
@@ -133,6 +139,8 @@ macro_rules! dimensions {
 dimensions! {
     /// Length (m).
     Length, OfLength, "length", [1, 0, 0], LENGTHS;
+    /// Area (m^2).
+    Area, OfArea, "area", [2, 0, 0], AREAS;
     /// Mass (kg).
     Mass, OfMass, "mass", [0, 1, 0], MASSES;
     /// Force (N).

@@ -1,8 +1,8 @@
 //! What must hold of a scene before anything is computed, as far as the crates below do not check it themselves.
 
 use super::{
-    Amplitudes, Bins, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, MaterialSource, ParameterSet, Parameters,
-    Per, RadialRule, Scene, Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
+    Amplitudes, Bins, ContactPoint, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, MaterialSource, ParameterSet,
+    Parameters, Per, RadialRule, Scene, Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
 };
 use crate::Error;
 
@@ -177,7 +177,19 @@ impl Scene {
                 check.that(to.is_finite() && to > from, field, to, "m", "above the first number")?;
             }
         }
-        check.positive("bolts.load", self.bolts.load.si(), "N")?;
+        let load = self.bolts.load.si();
+        // Matrices may be in contact by preload alone; what else they may have is not known here.
+        match (self.structure.matrices().is_some(), self.surface.is_preloaded()) {
+            (true, true) => check.not_negative("bolts.load", load, "N")?,
+            (true, false) => check.that(
+                is_positive(load),
+                "bolts.load",
+                load,
+                "N",
+                "positive and finite, or a set of surface.parameters must have a preload: nothing would be in contact",
+            )?,
+            (false, _) => check.positive("bolts.load", load, "N")?,
+        }
         let damping = self.background_damping;
         check.that(
             (0.0..1.0).contains(&damping),
@@ -238,6 +250,9 @@ impl Scene {
         if let Some(deck) = self.structure.deck() {
             deck.validate(check)?;
         }
+        if let Some(points) = self.structure.matrices().and_then(|matrices| matrices.points.as_ref()) {
+            self.validate_points(points, check.place)?;
+        }
         for point in &self.structure.point_masses {
             check.positive("structure.point_masses[].mass", point.mass.si(), "kg")?;
             let within = point.within.map_or(0.0, Length::si);
@@ -259,6 +274,22 @@ impl Scene {
             self.validate_half(check.place)?;
         }
         Ok(())
+    }
+
+    /// Points of contact have no faces that could be scanned.
+    fn validate_points(&self, points: &[ContactPoint], place: &str) -> Result<(), Error> {
+        for (number, point) in (1..).zip(points) {
+            let at = format!("{place}: structure.matrices.points, number {number}");
+            let check = Check { place: &at };
+            check.positive("area", point.area.si(), "m^2")?;
+            for x in point.position.map(Length::si) {
+                check.that(x.is_finite(), "position", x, "m", "finite")?;
+            }
+        }
+        match self.surface {
+            Surface::Parameters(_) => Ok(()),
+            _ => Err(Error::PointsWithoutParameters { place: place.into() }),
+        }
     }
 
     fn validate_law(&self, check: &Check<'_>) -> Result<(), Error> {
@@ -414,11 +445,20 @@ impl Deck {
 
 impl Parameters {
     fn validate(&self, place: &str) -> Result<(), Error> {
-        for (number, ParameterSet { mu, gap, .. }) in (1..).zip(&self.sets) {
+        for (number, set) in (1..).zip(&self.sets) {
+            let ParameterSet { mu, gap, preload, .. } = set;
             let at = format!("{place}: surface.parameters.sets, number {number}");
             let check = Check { place: &at };
             check.not_negative("mu", mu.unwrap_or(0.0), "")?;
             check.not_negative("gap", gap.si(), "m")?;
+            check.not_negative("preload", preload.si(), "Pa")?;
+            check.that(
+                gap.si() == 0.0 || preload.si() == 0.0,
+                "preload",
+                preload.si(),
+                "Pa",
+                "left out where the set has a gap",
+            )?;
         }
         Ok(())
     }

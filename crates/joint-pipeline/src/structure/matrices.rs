@@ -3,12 +3,14 @@
 use super::matrix_contents::{Contents, File};
 use crate::Error;
 use crate::joint::{Bodies, ImportedBodies, Joint};
-use crate::scene::{Coordinates, Length, Matrices, MatrixVector};
+use crate::scene::{BoltBehaviour, Bolts, ContactPoint, Coordinates, Length, Matrices, MatrixVector, Sides};
 use matrix_files::value::Dof;
 use reduction::{RelativeSystem, SystemMatrices};
 use sprs::CsMat;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use substructure::sparse::{multiply_vector, submatrix};
+use zte_assembly::{Element, InterfaceMesh, PointContact};
 
 /// Relative difference of the masses that a structure shows along the three axes, up to which it has one mass.
 const SAME_MASS: f64 = 1e-3;
@@ -16,20 +18,14 @@ const SAME_MASS: f64 = 1e-3;
 /// Most bolts of a structure whose bolts the scene does not name: each load is a vector over all coordinates.
 const MOST_BOLTS: usize = 1000;
 
-/// Reads the matrices that a scene names.
+/// Reads the matrices that a scene names, with the loads that its `bolts` need.
 ///
 /// # Errors
 /// Of the files; [`Error::Matrices`] for what does not fit together; of the change of coordinates.
-pub(super) fn joint(source: &Matrices, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
+pub(super) fn joint(source: &Matrices, bolts: &Bolts, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
     let file = File { path: &source.path };
     let mut contents = file.contents(notes)?;
     let (length, unit_mass) = (source.units.length_in_si(), source.units.mass_in_si());
-    let plane = source.interface.clone().or_else(|| contents.mesh.take());
-    let plane = plane.ok_or_else(|| file.fail("it has no interface mesh: give structure.matrices.interface"))?;
-    let interface = plane
-        .interface(length)
-        .map_err(|error| file.fail(&format!("its interface mesh, counted from 0: {error}")))?;
-    let n_nodes = interface.nodes.len();
     let place: HashMap<Dof, usize> = contents.dofs.iter().zip(0..).map(|(&dof, row)| (dof, row)).collect();
     if place.len() < contents.dofs.len() {
         return Err(file.fail("its map of degrees of freedom names one twice"));
@@ -51,8 +47,21 @@ pub(super) fn joint(source: &Matrices, notes: &mut dyn FnMut(&str)) -> Result<Jo
         contents: &contents,
         place: &place,
     };
+    let interface = match &source.points {
+        Some(points) => vectors.points(points, &source.coordinates)?,
+        None => {
+            let plane = source.interface.clone().or_else(|| contents.mesh.clone());
+            let plane = plane.ok_or_else(|| {
+                file.fail("it has no interface mesh: give structure.matrices.interface, or points of contact as structure.matrices.points")
+            })?;
+            plane
+                .interface(length)
+                .map_err(|error| file.fail(&format!("its interface mesh, counted from 0: {error}")))?
+        }
+    };
+    let n_nodes = interface.nodes.len();
     let (loads, response) = (
-        vectors.loads(source.bolts.as_deref())?,
+        vectors.loads(source.bolts.as_deref(), bolts)?,
         vectors.response(&source.response)?,
     );
     let system = SystemMatrices {
@@ -69,10 +78,15 @@ pub(super) fn joint(source: &Matrices, notes: &mut dyn FnMut(&str)) -> Result<Jo
     };
     let (relative, frame) = match &source.coordinates {
         Coordinates::Jump => {
-            let jump = rows_of(&mut (1..=n_nodes as u64))?;
+            let jump: Vec<Option<usize>> = match &source.points {
+                Some(points) => vectors.jump_of(points),
+                None => rows_of(&mut (1..=n_nodes as u64))?.into_iter().map(Some).collect(),
+            };
             let relative = match &contents.lift {
                 None => RelativeSystem::from_relative(system, &jump)?,
                 Some(lift) => {
+                    // Points that lack a component were refused.
+                    let jump: Vec<usize> = jump.into_iter().flatten().collect();
                     let column: Vec<Option<usize>> = (0..n).map(Some).collect();
                     RelativeSystem::from_combinations(system, &submatrix(lift, &jump, &column, n))?
                 }
@@ -81,6 +95,10 @@ pub(super) fn joint(source: &Matrices, notes: &mut dyn FnMut(&str)) -> Result<Jo
             (relative, contents.frame.unwrap_or(axes))
         }
         Coordinates::BothSides(sides) => {
+            let sides = match &source.points {
+                Some(points) => Cow::Owned(vectors.sides_of(points, sides)?),
+                None => Cow::Borrowed(sides),
+            };
             if contents.lift.is_some() {
                 return Err(file.fail("L is read with `coordinates: \"jump\"` only"));
             }
@@ -142,9 +160,95 @@ impl Vectors<'_> {
         })
     }
 
-    fn loads(&self, bolts: Option<&[MatrixVector]>) -> Result<Vec<Vec<f64>>, Error> {
+    /// Mesh of points of contact, in their order. Over the jump, components that the matrices lack are held.
+    fn points(&self, points: &[ContactPoint], coordinates: &Coordinates) -> Result<InterfaceMesh, Error> {
+        let mut number_of = HashMap::with_capacity(points.len());
+        let mut elements = Vec::with_capacity(points.len());
+        for (index, point) in points.iter().enumerate() {
+            let number = index + 1;
+            if let Some(first) = number_of.insert(point.node, number) {
+                return Err(self.file.fail(&format!(
+                    "points of contact {first} and {number} are both at node {}; give one point per node, with the area of both",
+                    point.node
+                )));
+            }
+            let held = match coordinates {
+                Coordinates::Jump => self.components(point).map(|row| row.is_none()),
+                Coordinates::BothSides(_) => [false; 3],
+            };
+            if held == [true; 3] {
+                return Err(self.file.fail(&format!(
+                    "point of contact {number} is at node {}, which is not in its map of degrees of freedom",
+                    point.node
+                )));
+            }
+            if held != [false; 3] && self.contents.lift.is_some() {
+                return Err(self.file.fail(&format!(
+                    "node {} of point of contact {number} lacks a component among the rows of L; add it",
+                    point.node
+                )));
+            }
+            let area = point.area.si();
+            elements.push(Element::point(index as u32, PointContact { area, held }));
+        }
+        let mesh = InterfaceMesh {
+            nodes: points.iter().map(|point| point.position.map(Length::si)).collect(),
+            elements,
+        };
+        mesh.validate().map_err(|error| {
+            self.file
+                .fail(&format!("its points of contact, counted from 0: {error}"))
+        })?;
+        Ok(mesh)
+    }
+
+    /// Rows of the components at the node of a point of contact; none for one that the matrices do not have.
+    fn components(&self, point: &ContactPoint) -> [Option<usize>; 3] {
+        let row = |component| {
+            let dof = Dof::Nodal {
+                node: point.node,
+                component,
+            };
+            self.place.get(&dof).copied()
+        };
+        [1, 2, 3].map(row)
+    }
+
+    /// The jump at points of contact: three rows each.
+    fn jump_of(&self, points: &[ContactPoint]) -> Vec<Option<usize>> {
+        points.iter().flat_map(|point| self.components(point)).collect()
+    }
+
+    /// The sides in the order of the points of contact, which name the nodes of the top one.
+    fn sides_of(&self, points: &[ContactPoint], sides: &Sides) -> Result<Sides, Error> {
+        let bottom_of: HashMap<u64, u64> = sides.top.iter().copied().zip(sides.bottom.iter().copied()).collect();
+        let top: Vec<u64> = points.iter().map(|point| point.node).collect();
+        let other = |(number, node): (usize, &u64)| {
+            bottom_of.get(node).copied().ok_or_else(|| {
+                self.file.fail(&format!(
+                    "point of contact {number} is at node {node}, which faces no other: name it among the top nodes, and the one \
+                     that faces it among the bottom nodes"
+                ))
+            })
+        };
+        let bottom = (1..).zip(&top).map(other).collect::<Result<Vec<u64>, Error>>()?;
+        if let Some(node) = sides.top.iter().find(|node| !top.contains(node)) {
+            return Err(self.file.fail(&format!(
+                "top node {node} has no point of contact; add one, or leave the node out of the sides"
+            )));
+        }
+        let frame = sides.frame;
+        Ok(Sides { top, bottom, frame })
+    }
+
+    /// Loads of unit tension: those that are named, or all of the file unless bolts without tension do nothing.
+    fn loads(&self, named: Option<&[MatrixVector]>, bolts: &Bolts) -> Result<Vec<Vec<f64>>, Error> {
         let contents = self.contents;
-        let loads = match bolts {
+        let is_idle = bolts.load.si() == 0.0 && bolts.behaviour == BoltBehaviour::DeadLoad;
+        if is_idle && named.is_none() {
+            return Ok(Vec::new());
+        }
+        let loads = match named {
             Some(bolts) => bolts
                 .iter()
                 .map(|bolt| match bolt {

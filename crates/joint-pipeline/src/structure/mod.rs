@@ -57,7 +57,7 @@ impl Structure {
         let notes = &mut |note: &str| progress.note(note);
         let masses = &scene.structure.point_masses;
         let joint = match &scene.structure.source {
-            StructureSource::Matrices(source) => matrices::joint(source, notes)?,
+            StructureSource::Matrices(source) => matrices::joint(source, &scene.bolts, notes)?,
             StructureSource::Deck(source) => deck::joint(source, masses, model, notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {

@@ -6,7 +6,7 @@ use joint_pipeline::analysis::Prepared;
 use joint_pipeline::joint::{Bodies, MeshedBodies};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{
-    ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, RefinementLevel, Surface,
+    ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, RefinementLevel, Stress, Surface,
 };
 use joint_pipeline::structure::Structure;
 use joint_pipeline::{Error, Options, Run, Scene, run};
@@ -112,6 +112,7 @@ impl Bench {
             }),
             mu: None,
             gap: Length::from_si(gaps(e)),
+            preload: Stress::default(),
         };
         Surface::Parameters(Parameters {
             per: Per::Element,

@@ -327,6 +327,7 @@ fn uniform(normal_stiffness: ContactStiffness) -> Surface {
             }),
             mu: None,
             gap: Length::default(),
+            preload: Stress::default(),
         }],
     })
 }
@@ -432,6 +433,7 @@ fn not_monotone(bench: &Bench) -> Result<Findings> {
                     }),
                     mu: None,
                     gap: Length::default(),
+                    preload: Stress::default(),
                 }],
             });
         })
@@ -590,6 +592,7 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
             }),
             mu: None,
             gap: Length::default(),
+            preload: Stress::default(),
         }
     };
     let sets = areas.iter().enumerate().map(set).collect();

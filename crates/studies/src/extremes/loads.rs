@@ -115,6 +115,7 @@ fn one_bolt_loose(bench: &Bench) -> Result<Findings> {
                 units: Units::SI,
                 coordinates: Coordinates::Jump,
                 interface: None,
+                points: None,
                 bolts: Some(bolts.iter().map(|&b| MatrixVector::Number(b)).collect()),
                 response: MatrixVector::Number(1),
                 zero_energy_modes: None,
