@@ -205,6 +205,26 @@ pub fn symmetric_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<f64>, Error> {
     eigen(a, None)
 }
 
+/// Rank of a symmetric positive semi-definite matrix: how many of its eigenvalues are above round-off once its diagonal is one.
+/// Only the lower triangle is read.
+///
+/// # Errors
+/// [`Error::NoConvergence`].
+pub fn rank(a: MatRef<'_, f64>) -> Result<usize, Error> {
+    let scaled: Vec<(usize, f64)> = (0..a.nrows())
+        .map(|i| (i, a[(i, i)].sqrt().recip()))
+        .filter(|(_, scale)| scale.is_finite())
+        .collect();
+    let n = scaled.len();
+    let unit = Mat::from_fn(n, n, |i, j| {
+        let ((i, of_row), (j, of_column)) = (scaled[i], scaled[j]);
+        a[(i.max(j), i.min(j))] * of_row * of_column
+    });
+    let values = symmetric_eigenvalues(unit.as_ref())?;
+    let round_off = 16.0 * f64::EPSILON * n as f64;
+    Ok(values.iter().filter(|value| **value > round_off).count())
+}
+
 fn eigen(a: MatRef<'_, f64>, vectors: Option<MatMut<'_, f64>>) -> Result<Vec<f64>, Error> {
     let size = a.nrows();
     let largest = a.norm_max();

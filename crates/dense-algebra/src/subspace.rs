@@ -36,10 +36,11 @@ pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) ->
         // Images of the Ritz vectors are nearly orthogonal, however far apart their eigenvalues are.
         image = product(image.as_ref(), rotation.as_ref());
         let values: Vec<f64> = ascending.into_iter().rev().take(count).collect();
-        if values.len() < count || !values.iter().all(|v| *v > 0.0) {
+        let largest = values.first().copied().unwrap_or_default();
+        if values.len() < count || !values.iter().all(|v| *v > f64::EPSILON * largest) {
             return Err(Error::Rank { size, count });
         }
-        let round_off = values.first().map_or(0.0, |largest| ROUND_OFF * largest);
+        let round_off = ROUND_OFF * largest;
         let settled = values.iter().zip(&previous).all(|(value, before)| {
             let change = (value - before).abs();
             change < SETTLED * value || (change < round_off && round_off < LARGEST_ROUND_OFF * value)

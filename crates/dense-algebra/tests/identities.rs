@@ -1,8 +1,8 @@
 //! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
 
 use dense_algebra::{
-    Error, Symmetric, cholesky, congruent, lowest_pairs, product, solve_general, solve_lower, solve_lower_transposed,
-    symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
+    Error, Symmetric, cholesky, congruent, lowest_pairs, product, rank, solve_general, solve_lower,
+    solve_lower_transposed, symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
 };
 use faer::Mat;
 
@@ -169,4 +169,19 @@ fn a_mode_far_below_the_others_does_not_keep_them_from_being_found() {
             "{error}"
         );
     }
+}
+
+#[test]
+fn the_rank_does_not_depend_on_units_and_bounds_the_eigenpairs_there_are() {
+    // Two masses, of which one is seen by three coordinates.
+    let seen = [[1.0, 0.0], [1e-3, 1e3], [0.0, 2.0], [0.0, 0.0], [3e4, 3e4]];
+    let mass = Mat::from_fn(5, 5, |i, j| (0..2).map(|k| seen[i][k] * seen[j][k]).sum::<f64>());
+    assert_eq!(rank(mass.as_ref()).unwrap(), 2);
+    assert_eq!(rank(Mat::<f64>::identity(4, 4).as_ref()).unwrap(), 4);
+    assert_eq!(rank(Mat::<f64>::zeros(3, 3).as_ref()).unwrap(), 0);
+    let identity = Mat::<f64>::identity(5, 5);
+    let (values, _) = lowest_pairs(identity.as_ref(), mass.as_ref(), 2).unwrap();
+    assert!(values.iter().all(|value| *value > 0.0));
+    let error = lowest_pairs(identity.as_ref(), mass.as_ref(), 3).unwrap_err();
+    assert!(matches!(error, Error::Rank { size: 5, count: 3 }), "{error}");
 }

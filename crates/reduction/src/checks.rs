@@ -109,7 +109,12 @@ pub fn unstressed_spectrum(model: &ReducedModel, n: usize) -> Result<(usize, Vec
 fn lowest_pairs(stiffness: MatRef<'_, f64>, model: &ReducedModel, n: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let lower = dense_algebra::cholesky(stiffness)?;
     let n = n.min(stiffness.nrows());
-    Ok(dense_algebra::lowest_pairs(lower.as_ref(), model.mass.as_ref(), n)?)
+    let lowest = |n: usize| dense_algebra::lowest_pairs(lower.as_ref(), model.mass.as_ref(), n);
+    lowest(n).or_else(|error| {
+        // Massless coordinates have no modes of their own.
+        let rank = dense_algebra::rank(model.mass.as_ref())?;
+        if rank < n { Ok(lowest(rank)?) } else { Err(error.into()) }
+    })
 }
 
 /// Of the mode with this `omega^2` (Hz).

@@ -137,7 +137,7 @@ impl Request<'_> {
         force: &InterfaceForce<'_>,
         state: State,
     ) -> Result<Vec<MethodPoint>, Error> {
-        let (mass, n_modes) = (self.reduced.mass.as_ref(), self.scene.cqsma.modes);
+        let (mass, n_modes) = (self.reduced.mass.as_ref(), self.line.eigenvalues.len());
         let displacement = self.prestress.displacement.clone();
         let mut line = modes::linearise(stiffness, mass, force, displacement, state, n_modes)?;
         line.orient(self.response)?;

@@ -143,7 +143,10 @@ fn share(part: f64, whole: f64) -> f64 {
 }
 
 /// Modes of the structure that vibrates, with locked bolts if they are so, about a static state of the one that does not;
-/// the response is not negative on any of them.
+/// the response is not negative on any of them. There are as many as the scene wants, or as the rank of the mass.
+///
+/// # Errors
+/// Of the linear structure; [`Error::Value`] for a mode that the structure does not have.
 pub(crate) fn linearise<'a>(
     scene: &Scene,
     vibrating: &'a ReducedModel,
@@ -157,8 +160,26 @@ pub(crate) fn linearise<'a>(
         displacement.resize(vibrating.mass.nrows(), 0.0);
     }
     let (stiffness, mass) = (vibrating.stiffness.as_ref(), vibrating.mass.as_ref());
-    let state = solution.state.clone();
-    let mut line = modes::linearise(stiffness, mass, force, displacement, state, scene.cqsma.modes)?;
+    let about = |n_modes: usize| {
+        let (displacement, state) = (displacement.clone(), solution.state.clone());
+        modes::linearise(stiffness, mass, force, displacement, state, n_modes)
+    };
+    let wanted = scene.cqsma.modes.min(mass.nrows());
+    let mut line = about(wanted).or_else(|error| {
+        // Massless coordinates have no modes of their own.
+        let rank = dense_algebra::rank(mass).map_err(cqsma_solver::Error::from)?;
+        if rank < wanted { about(rank) } else { Err(error) }
+    })?;
+    let found = line.eigenvalues.len();
+    if let Some(mode) = scene.cqsma.followed().iter().find(|mode| **mode > found) {
+        return Err(Error::Value {
+            place: scene.name.clone(),
+            field: "cqsma.mode",
+            value: *mode as f64,
+            unit: "",
+            requirement: "no more than the modes of the structure, of which there are as many as coordinates with a mass",
+        });
+    }
     line.orient(&response(vibrating))?;
     Ok(line)
 }

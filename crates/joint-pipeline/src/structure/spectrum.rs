@@ -2,8 +2,8 @@
 
 use super::Structure;
 use crate::Error;
-use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
+use crate::joint::{Bodies, MovedPairs};
 use crate::progress::{Progress, Stage};
 use reduction::{RelativeSystem, checks};
 use serde::Serialize;
@@ -195,11 +195,26 @@ impl Structure {
 
     /// The uniform interface stiffness that reductions are checked with.
     pub(super) fn check_interface(&self) -> LinearInterface {
-        let stiffness = CHECK_STIFFNESS * self.youngs_modulus;
+        let stiffness = match &self.joint.bodies {
+            Bodies::Imported(bodies) if self.joint.interface.is_of_points() => {
+                let areas = self.joint.interface.areas().iter().sum::<f64>();
+                mean_stiffness(&bodies.relative) / areas * self.joint.interface.elements.len() as f64
+            }
+            _ => CHECK_STIFFNESS * self.youngs_modulus,
+        };
         LinearInterface {
             normal_stiffness: stiffness,
             tangential_stiffness: stiffness,
             points_per_direction: 2,
         }
     }
+}
+
+/// Mean stiffness of a coordinate of the jump (N/m), to which the contact at a point is compared: its area, unlike that of
+/// faces, says nothing of the size of the bodies.
+fn mean_stiffness(relative: &RelativeSystem) -> f64 {
+    let own = (0..relative.n_relative).filter_map(|i| relative.stiffness.get(i, i).copied());
+    let mean = own.sum::<f64>() / relative.n_relative as f64;
+    // Masses that contact alone holds have no stiffness at all.
+    if mean > 0.0 { mean } else { 1.0 }
 }
