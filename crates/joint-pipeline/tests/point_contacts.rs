@@ -5,8 +5,10 @@ mod common;
 
 use common::{BENCHMARKS, material};
 use faer::Mat;
+use joint_pipeline::interface::SceneInterface;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::results::summary::Summary;
+use joint_pipeline::structure::{Structure, export};
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use matrix_files::npz;
 use matrix_files::value::{Array, Dense, Dof};
@@ -567,8 +569,8 @@ fn curves_of_any_kind_are_preloaded() {
     }
     given["surface"]["parameters"]["sets"][1]["preload"] = json!(60.0);
     let scene = read(&given).unwrap();
-    let structure = joint_pipeline::structure::Structure::try_new(&scene, &Silent).unwrap();
-    let built = joint_pipeline::interface::SceneInterface::try_new(&scene, structure.interface(), 0.0).unwrap();
+    let structure = Structure::try_new(&scene, &Silent).unwrap();
+    let built = SceneInterface::try_new(&scene, structure.interface(), 0.0).unwrap();
     let interface = &built.interface;
     let (state, rest) = (interface.initial_state(), vec![0.0; 6]);
     let (mut end, mut workspace, mut force) = (state.clone(), interface.workspace(), vec![0.0; 6]);
@@ -680,5 +682,35 @@ fn what_is_no_contact_is_refused() {
     let free = scene(&path, &[1], &[set([5e4, 5e4, 1e5], 0.3, 40.0)], &json!([[1, 3, 1.0]]));
     let error = try_run(&free).unwrap_err();
     assert!(matches!(error, Error::NothingInContact), "{error}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn exported_points_come_back_the_same() {
+    let folder = folder("export");
+    let mut given = two_points(&folder);
+    // The second node moves along x and the normal only.
+    let path = folder.join("lacking.npz");
+    write(
+        &path,
+        &springs(5),
+        &Mat::identity(5, 5),
+        &[(1, 1), (1, 2), (1, 3), (2, 1), (2, 3)],
+    );
+    given["structure"]["matrices"]["path"] = json!(path);
+    let direct = try_run(&given).unwrap();
+    assert_eq!(direct.mesh.held(), [4]);
+    let scene = read(&given).unwrap();
+    let structure = Structure::try_new(&scene, &Silent).unwrap();
+    let arrays = export::arrays(&direct.model, &structure.joint).unwrap();
+    let names: Vec<&str> = arrays.keys().map(String::as_str).collect();
+    assert_eq!(names, ["K", "M", "R", "about", "dofs", "frame"]);
+    std::fs::write(&path, npz::to_bytes(&arrays).unwrap()).unwrap();
+    given["structure"]["matrices"]["response"] = json!({ "number": 1 });
+    let again = try_run(&given).unwrap();
+    for (a, b) in direct.amplitudes().iter().zip(again.amplitudes()) {
+        let (a, b) = (a.point.result.as_ref().unwrap(), b.point.result.as_ref().unwrap());
+        assert!((a.omega / b.omega - 1.0).abs() < 1e-9 && (a.zeta - b.zeta).abs() < 1e-9);
+    }
     std::fs::remove_dir_all(folder).unwrap();
 }

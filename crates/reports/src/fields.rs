@@ -16,7 +16,8 @@ pub struct CellField {
     pub values: Vec<f64>,
 }
 
-/// The interface as a VTK file with one value per element of each field; nodes have the third coordinate zero.
+/// The interface as a VTK file with one value per element of each field; nodes have the third coordinate zero. Points of contact are
+/// nodes with the fields, and there are no cells.
 ///
 /// # Errors
 /// [`Error::Fields`].
@@ -39,7 +40,12 @@ pub fn vtu(mesh: &InterfaceMesh, cells: Vec<CellField>) -> Result<String, Error>
     // Text cannot carry the sign of infinities.
     let infinite = cells.iter().flat_map(|cell| &cell.values).any(|v| v.is_infinite());
     let encoding = if infinite { Encoding::Base64 } else { Encoding::Ascii };
-    vtu::write_surface(&nodes, &faces, &[], &cells, encoding).map_err(Error::Fields)
+    let (of_nodes, of_faces) = match mesh.is_of_points() {
+        // Each element is the node of its number.
+        true => (cells, Vec::new()),
+        false => (Vec::new(), cells),
+    };
+    vtu::write_surface(&nodes, &faces, &of_nodes, &of_faces, encoding).map_err(Error::Fields)
 }
 
 /// Dissipation per area and cycle over all directions (J/m^2), per element.

@@ -21,7 +21,8 @@ struct Page<'a> {
     title: &'a str,
     introduction: String,
     modes: Vec<Mode<'a>>,
-    pressure: Picture<'a>,
+    /// None of points of contact, which cover nothing that could be drawn.
+    pressure: Option<Picture<'a>>,
     key_numbers: Facts,
     accuracy: Facts,
     mesh_estimates: Vec<(String, Table)>,
@@ -54,14 +55,16 @@ pub fn document(run: &Run, summary: &Summary, pictures: &[String]) -> Result<Str
         title: &run.scene.name,
         introduction: format!(
             "{}: frequency and damping of mode {} against amplitude. Surface: {}; gap: {}; friction \
-             coefficient {}; {} bolts with {:.3} kN each.",
+             coefficient {}; {}.",
             summary.title,
             modes.join(", "),
             name(&run.scene.surface),
             name(&run.scene.gap),
             run.scene.mu,
-            run.model.reduced.loads.len(),
-            run.scene.bolts.load.si() / 1e3,
+            match (run.model.reduced.loads.len(), run.scene.bolts.load.si() / 1e3) {
+                (0, _) => "no bolts".to_owned(),
+                (bolts, load) => format!("{bolts} bolts with {load:.3} kN each"),
+            },
         ),
         modes: of_modes
             .map(|((backbone, (_, of_mode)), picture)| mode(run, backbone, &of_mode, picture))
@@ -111,20 +114,26 @@ fn facts<const N: usize>(rows: [(&str, String); N]) -> Facts {
     rows.map(|(name, value)| (name.into(), value)).into()
 }
 
-fn pressure(run: &Run) -> Picture<'static> {
+fn pressure(run: &Run) -> Option<Picture<'static>> {
+    if run.mesh.is_of_points() {
+        return None;
+    }
     let pressure = fields::pressure(run, &run.prestress.fields);
-    Picture {
+    Some(Picture {
         svg: map::svg(&run.mesh, &pressure, "pressure", "Pa").into(),
         caption:
             "Pressure under prestress, means over the elements; seen along the normal, x of the interface to the right."
                 .into(),
-    }
+    })
 }
 
-/// Dissipation of the amplitudes whose fields are stored.
+/// Dissipation of the amplitudes whose fields are stored; nothing to draw of points of contact.
 fn maps(run: &Run, backbone: &ModeBackbone) -> Vec<Picture<'static>> {
     let all = backbone.amplitudes.len();
     let mut maps = Vec::new();
+    if run.mesh.is_of_points() {
+        return maps;
+    }
     for (index, amplitude) in backbone.amplitudes.iter().enumerate() {
         let stored = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref());
         let (Some(stored), Some(x)) = (stored, amplitude.response_displacement) else {

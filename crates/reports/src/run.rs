@@ -64,12 +64,11 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
 
 fn title(run: &Run, mode: usize) -> String {
     let scene = &run.scene;
-    format!(
-        "{}: mode {mode}, mu = {}, bolts {:.3} kN each",
-        scene.name,
-        scene.mu,
-        scene.bolts.load.si() / 1e3
-    )
+    let bolts = match (run.model.reduced.loads.len(), scene.bolts.load.si() / 1e3) {
+        (0, _) => "no bolts".to_owned(),
+        (_, load) => format!("bolts {load:.3} kN each"),
+    };
+    format!("{}: mode {mode}, mu = {}, {bolts}", scene.name, scene.mu)
 }
 
 /// Total damping ratio as text, or the floor that it lies below.

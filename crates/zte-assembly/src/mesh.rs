@@ -238,6 +238,18 @@ impl InterfaceMesh {
         self.elements.iter().all(|element| element.contact.is_some())
     }
 
+    /// Coordinates (3 node + component), ascending, that the structure lacks at points of contact.
+    pub fn held(&self) -> Vec<usize> {
+        let of_point = |element: &Element| {
+            let held = element.contact.map_or([false; 3], |contact| contact.held);
+            let node = element.nodes[0] as usize;
+            (0..3).filter(move |&c| held[c]).map(move |c| 3 * node + c)
+        };
+        let mut held: Vec<usize> = self.elements.iter().flat_map(of_point).collect();
+        held.sort_unstable();
+        held
+    }
+
     /// Area of each element (m^2), exact also for curved edges; of a point that which it stands for.
     pub fn areas(&self) -> Vec<f64> {
         self.elements

@@ -97,7 +97,7 @@ impl Operators {
             positions,
             first_point,
             elements: mesh.elements.clone(),
-            held: held_at_points(&mesh.elements),
+            held: mesh.held(),
             shape_of: mesh.elements.iter().map(row).collect(),
             shapes: SHAPES.map(|shape| ShapeValues::new(&quadrature, shape)).to_vec(),
         })
@@ -235,18 +235,6 @@ impl Operators {
         }
         values
     }
-}
-
-/// Coordinates that the structure lacks at points of contact, ascending.
-fn held_at_points(elements: &[Element]) -> Vec<usize> {
-    let of_point = |element: &Element| {
-        let held = element.contact().map_or([false; 3], |contact| contact.held);
-        let node = element.corners()[0] as usize;
-        (0..3).filter(move |&c| held[c]).map(move |c| 3 * node + c)
-    };
-    let mut held: Vec<usize> = elements.iter().flat_map(of_point).collect();
-    held.sort_unstable();
-    held
 }
 
 /// Row of an element in the table of shapes.

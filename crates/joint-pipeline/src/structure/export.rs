@@ -3,7 +3,7 @@
 use super::StructuralModel;
 use crate::joint::{Joint, MeshedBodies};
 use crate::scene::{self, Length, Units};
-use faer::MatRef;
+use faer::{Mat, MatRef};
 use matrix_files::Error;
 use matrix_files::value::{Array, Dense, Dof};
 use std::collections::BTreeMap;
@@ -21,23 +21,36 @@ dofs: a row per coordinate. Label k > 0, component 1, 2, 3: displacement of the 
 interface node k along the rows of `frame`, the third being the normal from the top body into the bottom one, so that
 a positive value closes the interface. Label -m: coordinate m of the modes with the interface stuck.
 interface_nodes: coordinates in the plane. interface_elements: node numbers from 1, the corners counter-clockwise, then the
-middles of the edges from each corner to the next, then the centre; 0 in places that an element does not have.
+middles of the edges from each corner to the next, then the centre; 0 in places that an element does not have. Points of
+contact have neither.
 ";
 
-/// The arrays `M`, `K`, `Fv`, `R`, `dofs`, `frame`, `interface_nodes`, `interface_elements` and `about`.
+/// The arrays `M`, `K`, `Fv` where there are bolts, `R`, `dofs`, `frame`, `interface_nodes`, `interface_elements` and `about`. Points of
+/// contact have no mesh: point `k` of a scene becomes node `k`, and coordinates that it lacks are left out again.
 ///
 /// # Errors
 /// None for models made by this crate.
 pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String, Array>, Error> {
     let reduced = &model.reduced;
-    let n = reduced.mass.nrows();
-    let dofs: Vec<Dof> = (0..n)
-        .map(|i| match i.checked_sub(reduced.n_relative) {
+    let held = joint.interface.held();
+    let kept: Vec<usize> = (0..reduced.mass.nrows())
+        .filter(|i| held.binary_search(i).is_err())
+        .collect();
+    let n = kept.len();
+    let dofs: Vec<Dof> = kept
+        .iter()
+        .map(|&i| match i.checked_sub(reduced.n_relative) {
             None => Dof::new(i as i64 / 3 + 1, i as u32 % 3 + 1),
             Some(mode) => Dof::new(-(mode as i64 + 1), 1),
         })
         .collect();
-    let loads = reduced.loads.concat();
+    let loads = reduced
+        .loads
+        .iter()
+        .flat_map(|load| kept.iter().map(|&i| load[i]))
+        .collect();
+    let square = |matrix: &Mat<f64>| dense(Mat::from_fn(n, n, |i, j| matrix[(kept[i], kept[j])]).as_ref());
+    let recovery = Mat::from_fn(reduced.recovery.nrows(), n, |i, j| reduced.recovery[(i, kept[j])]);
     let plane = &joint.interface;
     let places = plane.elements.iter().map(|element| element.nodes().len());
     let places = places.max().unwrap_or(0).max(QUAD4.n_nodes);
@@ -46,11 +59,11 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
         .iter()
         .flat_map(|element| (0..places).map(|i| element.nodes().get(i).map_or(0, |n| i64::from(*n) + 1)))
         .collect();
-    Ok([
-        ("M", dense(reduced.mass.as_ref())?),
-        ("K", dense(reduced.stiffness.as_ref())?),
+    let mut arrays: BTreeMap<String, Array> = [
+        ("M", square(&reduced.mass)?),
+        ("K", square(&reduced.stiffness)?),
         ("Fv", Array::Dense(Dense::try_new(n, reduced.loads.len(), loads)?)),
-        ("R", dense(reduced.recovery.as_ref())?),
+        ("R", dense(recovery.as_ref())?),
         ("dofs", Dof::table(&dofs)),
         ("frame", Array::Dense(Dense::try_from_rows(3, 3, joint.frame.concat())?)),
         (
@@ -64,7 +77,14 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
         ("about", Array::Text(ABOUT.into())),
     ]
     .map(|(name, array)| (name.to_owned(), array))
-    .into())
+    .into();
+    if plane.is_of_points() {
+        arrays.retain(|name, _| !name.starts_with("interface_"));
+    }
+    if reduced.loads.is_empty() {
+        arrays.remove("Fv");
+    }
+    Ok(arrays)
 }
 
 /// Name of the top side of the interface in mesh files, and of the bottom side.
