@@ -481,6 +481,8 @@ fn points_over_both_sides_are_those_over_the_jump() {
     wrong["structure"]["matrices"]["points"] = json!([{ "node": 11 }]);
     wrong["surface"]["parameters"]["sets"].as_array_mut().unwrap().pop();
     assert!(refused(&wrong).contains("top node 12 has no point of contact"));
+    wrong["structure"]["matrices"]["coordinates"]["both-sides"]["top"] = json!([11, 11]);
+    assert!(refused(&wrong).contains("the top side names 2 nodes, of which 1 differ, and the bottom side 2"));
     std::fs::remove_dir_all(folder).unwrap();
 }
 

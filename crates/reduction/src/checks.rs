@@ -112,8 +112,10 @@ fn lowest_pairs(stiffness: MatRef<'_, f64>, model: &ReducedModel, n: usize) -> R
     let lowest = |n: usize| dense_algebra::lowest_pairs(lower.as_ref(), model.mass.as_ref(), n);
     lowest(n).or_else(|error| {
         // Massless coordinates have no modes of their own.
-        let rank = dense_algebra::rank(model.mass.as_ref())?;
-        if rank < n { Ok(lowest(rank)?) } else { Err(error.into()) }
+        match dense_algebra::rank(model.mass.as_ref())? {
+            rank if (1..n).contains(&rank) => Ok(lowest(rank)?),
+            _ => Err(error.into()),
+        }
     })
 }
 

@@ -166,9 +166,18 @@ pub(crate) fn linearise<'a>(
     };
     let wanted = scene.cqsma.modes.min(mass.nrows());
     let mut line = about(wanted).or_else(|error| {
+        use cqsma_solver::Error::{Dense, Setting};
+        if !matches!(
+            error,
+            Setting { .. } | Dense(dense_algebra::Error::NoConvergence { .. })
+        ) {
+            return Err(error);
+        }
         // Massless coordinates have no modes of their own.
-        let rank = dense_algebra::rank(mass).map_err(cqsma_solver::Error::from)?;
-        if rank < wanted { about(rank) } else { Err(error) }
+        match dense_algebra::rank(mass).map_err(cqsma_solver::Error::from)? {
+            rank if (1..wanted).contains(&rank) => about(rank),
+            _ => Err(error),
+        }
     })?;
     let found = line.eigenvalues.len();
     if let Some(mode) = scene.cqsma.followed().iter().find(|mode| **mode > found) {

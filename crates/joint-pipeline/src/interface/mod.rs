@@ -297,7 +297,7 @@ fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
         .copied()
         .fold(f64::INFINITY, f64::min);
     // Beyond round-off of the gap, or the bracket would never grow.
-    let first = f64::max(1e-9, 4.0 * f64::EPSILON * smallest);
+    let first = f64::max(1e-9, 4.0 * f64::EPSILON * smallest.abs());
     let (mut low, mut high) = (smallest, smallest + first);
     while carried(high) < load {
         low = high;

@@ -32,7 +32,7 @@ impl Surface {
     /// Whether faces are pressed together before bolts load them.
     pub fn is_preloaded(&self) -> bool {
         match self {
-            Self::Parameters(parameters) => parameters.sets.iter().any(|set| !is_none(&set.preload)),
+            Self::Parameters(parameters) => parameters.sets.iter().any(|set| !is_zero(&set.preload)),
             _ => false,
         }
     }
@@ -86,11 +86,11 @@ pub struct ParameterSet {
     pub gap: Length,
     /// Pressure before the faces are loaded (force/length^2), as if they were pressed into one another by the interference that
     /// has it. Not together with a gap.
-    #[serde(default, skip_serializing_if = "is_none")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub preload: Stress,
 }
 
-fn is_none(preload: &Stress) -> bool {
+fn is_zero(preload: &Stress) -> bool {
     preload.si() == 0.0
 }
 

@@ -221,10 +221,19 @@ impl Vectors<'_> {
 
     /// The sides in the order of the points of contact, which name the nodes of the top one.
     fn sides_of(&self, points: &[ContactPoint], sides: &Sides) -> Result<Sides, Error> {
-        let bottom_of: HashMap<u64, u64> = sides.top.iter().copied().zip(sides.bottom.iter().copied()).collect();
+        let mut bottom_of: HashMap<u64, u64> = sides.top.iter().copied().zip(sides.bottom.iter().copied()).collect();
+        let found = [sides.top.len(), sides.bottom.len()];
+        if found != [bottom_of.len(); 2] {
+            return Err(self.file.fail(&format!(
+                "the top side names {} nodes, of which {} differ, and the bottom side {}; give pairs of nodes, each once",
+                found[0],
+                bottom_of.len(),
+                found[1]
+            )));
+        }
         let top: Vec<u64> = points.iter().map(|point| point.node).collect();
         let other = |(number, node): (usize, &u64)| {
-            bottom_of.get(node).copied().ok_or_else(|| {
+            bottom_of.remove(node).ok_or_else(|| {
                 self.file.fail(&format!(
                     "point of contact {number} is at node {node}, which faces no other: name it among the top nodes, and the one \
                      that faces it among the bottom nodes"
@@ -232,7 +241,7 @@ impl Vectors<'_> {
             })
         };
         let bottom = (1..).zip(&top).map(other).collect::<Result<Vec<u64>, Error>>()?;
-        if let Some(node) = sides.top.iter().find(|node| !top.contains(node)) {
+        if let Some(node) = bottom_of.keys().min() {
             return Err(self.file.fail(&format!(
                 "top node {node} has no point of contact; add one, or leave the node out of the sides"
             )));
