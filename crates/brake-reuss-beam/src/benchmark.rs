@@ -131,6 +131,7 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
             bottom_nodes: beam.bottom_nodes,
             response_node: beam.response_node,
             response_direction: beam.response_direction,
+            excitation: None,
             moved_pairs: None,
             raised: None,
         }),

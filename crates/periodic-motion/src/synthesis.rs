@@ -17,19 +17,24 @@ pub struct Point {
     pub modal_amplitude: f64,
     /// Angular frequency of the force (rad/s).
     pub omega: f64,
-    /// Amplitude of the first harmonic of the displacement along the force (m).
+    /// Amplitude of the first harmonic of the displacement observed (m).
     pub displacement: f64,
-    /// How far it lags behind the force (rad).
+    /// How far the mode lags behind the force at its point (rad).
     pub phase: f64,
 }
 
-/// The response to a force of amplitude `force` (N) along `row`, from frequencies below the resonance to those above; amplitudes between
+/// The displacement along `observed` under a force of amplitude `force` (N) along `row`, from frequencies below the resonance to those above; amplitudes between
 /// those of `motions`, which ascend, are interpolated, with `between` intervals for each of theirs.
-pub fn response(motions: &[&Motion], row: &[f64], force: f64, background: f64, between: usize) -> Vec<Point> {
-    let modes: Vec<Mode> = motions
-        .iter()
-        .filter_map(|motion| Mode::of(motion, row, background))
-        .collect();
+pub fn response(
+    motions: &[&Motion],
+    row: &[f64],
+    observed: &[f64],
+    force: f64,
+    background: f64,
+    between: usize,
+) -> Vec<Point> {
+    let of = |motion: &&Motion| Mode::of(motion, row, observed, background);
+    let modes: Vec<Mode> = motions.iter().filter_map(of).collect();
     let mut amplitudes: Vec<Mode> = Vec::new();
     for pair in modes.windows(2) {
         let steps = between.max(1);
@@ -55,16 +60,22 @@ struct Mode {
     damping: f64,
     /// Displacement along the force per amplitude.
     psi: f64,
+    /// Displacement observed per amplitude.
+    observed: f64,
 }
 
 impl Mode {
-    fn of(motion: &Motion, row: &[f64], background: f64) -> Option<Self> {
-        let along = motion.displacement.along(row);
+    fn of(motion: &Motion, row: &[f64], observed: &[f64], background: f64) -> Option<Self> {
+        let first = |row: &[f64]| {
+            let along = motion.displacement.along(row);
+            along[1].hypot(along[2]) / motion.modal_amplitude
+        };
         Some(Self {
             log_amplitude: motion.modal_amplitude.ln(),
             square: motion.omega * motion.omega,
             damping: motion.zeta? + background,
-            psi: along[1].hypot(along[2]) / motion.modal_amplitude,
+            psi: first(row),
+            observed: first(observed),
         })
     }
 
@@ -75,6 +86,7 @@ impl Mode {
             square: between(self.square, other.square),
             damping: between(self.damping, other.damping),
             psi: between(self.psi, other.psi),
+            observed: between(self.observed, other.observed),
         }
     }
 
@@ -97,7 +109,7 @@ impl Mode {
         Point {
             modal_amplitude: amplitude,
             omega,
-            displacement: self.psi * amplitude,
+            displacement: self.observed * amplitude,
             phase: lag.atan2(self.square - omega * omega),
         }
     }

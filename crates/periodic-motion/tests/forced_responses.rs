@@ -134,7 +134,7 @@ fn resonances_lie_on_the_backbone_of_phase_resonances_and_near_that_of_free_moti
         assert!((peak_omega / resonance.omega - 1.0).abs() < 2e-2);
         // The mode alone.
         let motions: Vec<_> = free.iter().collect();
-        let alone = synthesis::response(&motions, &row, force, beta, 8);
+        let alone = synthesis::response(&motions, &row, &row, force, beta, 8);
         let top = alone
             .iter()
             .max_by(|a, b| a.displacement.total_cmp(&b.displacement))

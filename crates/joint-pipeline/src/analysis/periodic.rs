@@ -169,7 +169,11 @@ impl Request<'_> {
         progress: &dyn Progress,
     ) -> Result<Vec<ForcedResponse>, Error> {
         progress.begin(Stage::Forced);
-        let row = response(self.vibrating);
+        let at = response(self.vibrating);
+        let row = match self.vibrating.recovery.nrows() {
+            1 => at.clone(),
+            _ => self.vibrating.recovery.row(1).iter().copied().collect(),
+        };
         let range = [TAU * settings.from_hz, TAU * settings.to_hz];
         let background = self.scene.background_damping;
         let solver = forced::Settings {
@@ -199,11 +203,11 @@ impl Request<'_> {
                 flow(progress)
             })?;
             let resonances = forced::resonances(self.line, self.force, &row, &curve, &solver)?;
-            let synthesis = synthesis::response(&motions, &row, level, background, BETWEEN)
+            let synthesis = synthesis::response(&motions, &row, &at, level, background, BETWEEN)
                 .into_iter()
                 .filter(|p| (p.omega - range[0]) * (p.omega - range[1]) <= 0.0)
                 .collect();
-            responses.push(ForcedResponse::new(&row, curve, &resonances, synthesis));
+            responses.push(ForcedResponse::new(&at, curve, &resonances, synthesis));
         }
         progress.end(Stage::Forced);
         Ok(responses)

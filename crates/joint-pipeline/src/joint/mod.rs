@@ -47,6 +47,8 @@ pub struct MeshedBodies {
     pub response_node: u32,
     /// Direction there.
     pub response_direction: [f64; 3],
+    /// Where and in which direction forced responses are excited, if it is not the response.
+    pub excitation: Option<(u32, [f64; 3])>,
     /// Pairs of interface nodes that were moved; none where all nodes coincide in pairs.
     pub moved_pairs: Option<MovedPairs>,
     /// Linear elements that were made quadratic; none where the elements have the order that they were meshed in.
@@ -88,6 +90,8 @@ pub struct ImportedBodies {
     pub relative: RelativeSystem,
     /// Row of the response displacement.
     pub response: Vec<f64>,
+    /// Row of the displacement along the force of forced responses, if it is not the response.
+    pub excitation: Option<Vec<f64>>,
     /// Whether the coordinates came over the jump, so that a reduction has been made already and all are retained.
     pub is_reduced: bool,
     /// Zero-energy modes that the structure with a stuck interface should have.

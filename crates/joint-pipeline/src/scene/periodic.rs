@@ -103,11 +103,20 @@ pub struct SamplingAccuracy {
     pub damping: f64,
 }
 
-/// Responses to a harmonic force at the response point, in its direction.
+/// Responses to a harmonic force: at the response point in its direction, unless `node` and `direction` or `terms` say otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Forced {
+    /// Node that the force acts on: in a deck a label or a set of one node, in matrices a label. Not for benchmarks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Direction of the force at the node, a unit vector.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// In matrices: factors of the coordinates that the force acts on, in the place of a node: label, component, factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub terms: Option<Vec<(i64, u32, f64)>>,
     /// Amplitudes of the force (force).
     pub levels: Vec<Force>,
     /// First frequency (Hz).

@@ -116,6 +116,34 @@ impl Forced {
             self.harmonics,
             self.samples,
         )?;
+        let both = self.node.is_some() == self.direction.is_some();
+        let (node, terms) = (f64::from(u8::from(self.node.is_some())), self.terms.is_some());
+        check.that(
+            both,
+            "forced.node",
+            node,
+            "(given)",
+            "given together with forced.direction",
+        )?;
+        let one = !terms || self.node.is_none();
+        check.that(
+            one,
+            "forced.terms",
+            1.0,
+            "(given)",
+            "left out where forced.node is given",
+        )?;
+        if let Some(direction) = self.direction {
+            let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+            let unit = (length - 1.0).abs() < 1e-6;
+            check.that(unit, "forced.direction", length, "(length)", "a unit vector")?;
+        }
+        for (_, _, factor) in self.terms.iter().flatten() {
+            let finite = factor.is_finite() && *factor != 0.0;
+            check.that(finite, "forced.terms", *factor, "", "finite and not zero")?;
+        }
+        let empty = self.terms.as_ref().is_some_and(Vec::is_empty);
+        check.that(!empty, "forced.terms", 0.0, "(terms)", "at least one")?;
         check.that(
             !self.levels.is_empty(),
             "forced.levels",
@@ -403,6 +431,22 @@ impl Scene {
         }
         if let Some(forced) = &self.forced {
             forced.validate(check)?;
+            let matrices = self.structure.matrices().is_some();
+            let given = forced.node.is_some() || forced.terms.is_some();
+            check.that(
+                self.structure.benchmark().is_none() || !given,
+                "forced.node",
+                1.0,
+                "(given)",
+                "left out on a benchmark, whose force acts at the response point",
+            )?;
+            check.that(
+                matrices || forced.terms.is_none(),
+                "forced.terms",
+                1.0,
+                "(given)",
+                "left out where the structure is not given as matrices",
+            )?;
         }
         for number in self.fields_at() {
             check.that(

@@ -4,7 +4,7 @@ use super::facing::Facing;
 use crate::Error;
 use crate::joint::quadratic;
 use crate::joint::{Bodies, Joint, MeshedBodies};
-use crate::scene::{Deck, ElementOrder, Length, MaterialSource, Model, PointMass, Untied};
+use crate::scene::{Deck, ElementOrder, Forced, Length, MaterialSource, Model, PointMass, Untied};
 use substructure::formats::abaqus::{self, Choices, DeckModel};
 use substructure::mesh::{BeyondTolerance, Dof, LoadPattern};
 
@@ -16,6 +16,7 @@ pub(super) fn joint(
     source: &Deck,
     masses: &[PointMass],
     model: &Model,
+    forced: Option<&Forced>,
     notes: &mut dyn FnMut(&str),
 ) -> Result<Joint, Error> {
     let (length, mass) = (source.units.length_in_si(), source.units.mass_in_si());
@@ -74,6 +75,10 @@ pub(super) fn joint(
         })
         .collect::<Result<_, Error>>()?;
     let response_node = named_node(&deck, "structure.deck.response.node", &source.response.node)?;
+    let excitation = match forced.and_then(|forced| Some((forced.node.as_deref()?, forced.direction?))) {
+        None => None,
+        Some((node, direction)) => Some((named_node(&deck, "forced.node", node)?, direction)),
+    };
     for point in masses {
         // Decks name the nodes of all masses.
         let name = point.node.as_deref().unwrap_or_default();
@@ -104,6 +109,7 @@ pub(super) fn joint(
             bottom_nodes: facing.bottom_nodes,
             response_node,
             response_direction: source.response.direction,
+            excitation,
             moved_pairs: facing.moved,
             raised,
         }),

@@ -3,7 +3,7 @@
 use super::matrix_contents::{Contents, File};
 use crate::Error;
 use crate::joint::{Bodies, ImportedBodies, Joint};
-use crate::scene::{BoltBehaviour, Bolts, ContactPoint, Coordinates, Length, Matrices, MatrixVector, Sides};
+use crate::scene::{BoltBehaviour, Bolts, ContactPoint, Coordinates, Forced, Length, Matrices, MatrixVector, Sides};
 use matrix_files::value::Dof;
 use reduction::{RelativeSystem, SystemMatrices};
 use sprs::CsMat;
@@ -22,7 +22,12 @@ const MOST_BOLTS: usize = 1000;
 ///
 /// # Errors
 /// Of the files; [`Error::Matrices`] for what does not fit together; of the change of coordinates.
-pub(super) fn joint(source: &Matrices, bolts: &Bolts, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
+pub(super) fn joint(
+    source: &Matrices,
+    bolts: &Bolts,
+    forced: Option<&Forced>,
+    notes: &mut dyn FnMut(&str),
+) -> Result<Joint, Error> {
     let file = File { path: &source.path };
     let mut contents = file.contents(notes)?;
     let (length, unit_mass) = (source.units.length_in_si(), source.units.mass_in_si());
@@ -118,9 +123,14 @@ pub(super) fn joint(source: &Matrices, bolts: &Bolts, notes: &mut dyn FnMut(&str
             )
         }
     };
+    let excitation = match forced {
+        None => None,
+        Some(forced) => vectors.excitation(forced)?.map(|row| relative.row(&row)),
+    };
     let is_reduced = source.coordinates == Coordinates::Jump;
     let bodies = ImportedBodies {
         response: relative.row(&response),
+        excitation,
         relative,
         is_reduced,
         zero_energy_modes: source.zero_energy_modes.unwrap_or(if is_reduced { 0 } else { 6 }),
@@ -302,6 +312,27 @@ impl Vectors<'_> {
                 "the response cannot be the load case `{name}`; give a number or terms as structure.matrices.response"
             ))),
         }
+    }
+
+    /// What a force acts on, if it is not the response.
+    fn excitation(&self, forced: &Forced) -> Result<Option<Vec<f64>>, Error> {
+        if let Some(terms) = &forced.terms {
+            return self.terms(terms).map(Some);
+        }
+        let (Some(node), Some(direction)) = (&forced.node, forced.direction) else {
+            return Ok(None);
+        };
+        let label: i64 = node.parse().map_err(|_| {
+            self.file.fail(&format!(
+                "forced.node = \"{node}\" is no label of a node; give a whole number as text"
+            ))
+        })?;
+        let terms: Vec<(i64, u32, f64)> = (1..)
+            .zip(direction)
+            .filter(|(_, d)| *d != 0.0)
+            .map(|(c, d)| (label, c, d))
+            .collect();
+        self.terms(&terms).map(Some)
     }
 
     /// One row of a matrix whose columns were compared with the coordinates.

@@ -57,8 +57,8 @@ impl Structure {
         let notes = &mut |note: &str| progress.note(note);
         let masses = &scene.structure.point_masses;
         let joint = match &scene.structure.source {
-            StructureSource::Matrices(source) => matrices::joint(source, &scene.bolts, notes)?,
-            StructureSource::Deck(source) => deck::joint(source, masses, model, notes)?,
+            StructureSource::Matrices(source) => matrices::joint(source, &scene.bolts, scene.forced.as_ref(), notes)?,
+            StructureSource::Deck(source) => deck::joint(source, masses, model, scene.forced.as_ref(), notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {
                     notes("only the half y >= 0 is modelled, which leaves out all modes that are not symmetric");

@@ -70,16 +70,17 @@ impl Structure {
             frame: self.joint.frame,
         };
         let relative = RelativeSystem::try_new(&system, pairs)?;
-        let terms: Vec<_> = (0..3_u8)
-            .map(|c| {
-                let direction = bodies.response_direction[usize::from(c)];
-                (Dof::Node(bodies.response_node, c), direction)
-            })
-            .collect();
-        let response = relative.row(&system.dofs.force(&bodies.assembly, "the response", &terms)?);
+        let row = |what, (node, direction): (u32, [f64; 3])| -> Result<Vec<f64>, Error> {
+            let terms: Vec<_> = (0..3_u8).zip(direction).map(|(c, d)| (Dof::Node(node, c), d)).collect();
+            Ok(relative.row(&system.dofs.force(&bodies.assembly, what, &terms)?))
+        };
+        let mut rows = vec![row("the response", (bodies.response_node, bodies.response_direction))?];
+        if let Some(excitation) = bodies.excitation {
+            rows.push(row("the force", excitation)?);
+        }
         Ok(Assembled {
             relative: Cow::Owned(relative),
-            rows: [response],
+            rows,
             n_nodes: Some(bodies.assembly.mesh.nodes.len()),
             n_elements: Some(bodies.assembly.mesh.elements.len()),
             mass: Some(system.total_mass),
@@ -178,6 +179,7 @@ impl Structure {
                     key.numbers(matrix.data().iter().copied());
                 }
                 key.numbers(relative.loads.iter().flatten().chain(&bodies.response).copied());
+                key.numbers(bodies.excitation.iter().flatten().copied());
                 key.text(&format!("{:?}", (relative.n_relative, bodies.mass)));
             }
             Bodies::Meshed(bodies) => {
@@ -193,6 +195,10 @@ impl Structure {
                 let facing = bodies.top_nodes.iter().chain(&bodies.bottom_nodes);
                 key.integers(facing.map(|&n| u64::from(n)));
                 key.numbers(bodies.response_direction);
+                if let Some((node, direction)) = bodies.excitation {
+                    key.integers([u64::from(node)]);
+                    key.numbers(direction);
+                }
                 // Small parts, where a readable form costs nothing.
                 key.text(&format!(
                     "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
@@ -215,8 +221,8 @@ impl Structure {
 /// A system in relative coordinates, and what is known of it.
 pub(super) struct Assembled<'a> {
     pub(super) relative: Cow<'a, RelativeSystem>,
-    /// Quantities to recover: the response.
-    pub(super) rows: [Vec<f64>; 1],
+    /// Quantities to recover: the response, and where forced responses are excited elsewhere the displacement along the force.
+    pub(super) rows: Vec<Vec<f64>>,
     pub(super) n_nodes: Option<usize>,
     pub(super) n_elements: Option<usize>,
     pub(super) mass: Option<f64>,
@@ -228,7 +234,10 @@ impl<'a> Assembled<'a> {
     fn imported(bodies: &'a ImportedBodies) -> Self {
         Self {
             relative: Cow::Borrowed(&bodies.relative),
-            rows: [bodies.response.clone()],
+            rows: std::iter::once(&bodies.response)
+                .chain(&bodies.excitation)
+                .cloned()
+                .collect(),
             n_nodes: None,
             n_elements: None,
             mass: bodies.mass,
