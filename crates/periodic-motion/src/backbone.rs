@@ -105,13 +105,13 @@ pub struct Motion {
     pub errors: Option<SamplingErrors>,
 }
 
-/// Changes that one harmonic more and twice the samples make.
+/// Errors estimated from the changes that two harmonics more and twice the samples make.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SamplingErrors {
-    /// Relative change of the frequency: by a harmonic more, by twice the samples.
+    /// Relative error of the frequency: of too few harmonics, of too few samples.
     pub frequency: [f64; 2],
-    /// Change of the damping ratio, or relative change of the force.
+    /// Error of the damping ratio, or relative error of the force.
     pub damping: [f64; 2],
 }
 
@@ -268,6 +268,11 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
     /// A motion that was found before the run was interrupted goes on as if it had just been found.
     fn remember(&mut self, point: &Point) {
         let Ok(motion) = &point.result else { return };
+        self.accept(motion);
+    }
+
+    /// Makes a motion one that later ones are extrapolated from, as it is stored.
+    fn accept(&mut self, motion: &Motion) {
         let mut unknown = Unknown {
             v: motion.displacement.clone(),
             p: motion.displacement.clone(),
@@ -279,7 +284,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         *unknown.at_mut(Parameter::Damping) = motion.zeta.map_or(0.0, |zeta| 2.0 * zeta * square);
         *unknown.at_mut(Parameter::Force) = motion.force.unwrap_or(0.0);
         self.sampling = motion.sampling;
-        push(&mut self.reported, point.modal_amplitude, unknown);
+        push(&mut self.reported, motion.modal_amplitude, unknown);
     }
 
     fn keep(&mut self, amplitude: f64, unknown: Unknown) {
@@ -497,15 +502,12 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
                 found = self.solve(amplitude, &mut unknown, effort)?;
             }
         }
-        // From here on the elastic forces are those of the stiffness, not those carried along.
-        self.system.restore(&mut unknown);
         let motion = self.describe(amplitude, &unknown, &found, errors);
-        self.sampling = self.system.sampling();
-        push(&mut self.reported, amplitude, unknown);
+        self.accept(&motion);
         Ok(motion)
     }
 
-    /// What one harmonic more and twice the samples change, with the motions that they lead to.
+    /// What too few harmonics and samples may make wrong, with the motions that they lead to.
     fn estimate(
         &mut self,
         amplitude: f64,
@@ -513,15 +515,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         effort: &mut Effort,
     ) -> Result<(SamplingErrors, [Unknown; 2]), Failure> {
         let sampling = self.system.sampling();
-        let more = Sampling {
-            harmonics: sampling.harmonics + 1,
-            samples: sampling.samples.max(2 * sampling.harmonics + 4),
-            ..sampling
-        };
-        let denser = Sampling {
-            samples: 2 * sampling.samples,
-            ..sampling
-        };
+        let [more, denser] = refined(sampling);
         let mut errors = SamplingErrors::default();
         let mut finer = [unknown.clone(), unknown.clone()];
         for (index, trial) in [more, denser].into_iter().enumerate() {
@@ -533,12 +527,14 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
             solved?;
             let [a, b, force] = unknown.parameters;
             let [next_a, next_b, next_force] = finer[index].parameters;
-            errors.frequency[index] = ((next_a / a).sqrt() - 1.0).abs();
-            errors.damping[index] = if self.free {
-                (0.5 * next_b / next_a - 0.5 * b / a).abs()
-            } else {
-                (next_force / force - 1.0).abs()
-            };
+            let rest = remainder(sampling)[index];
+            errors.frequency[index] = rest * ((next_a / a).sqrt() - 1.0).abs();
+            errors.damping[index] = rest
+                * if self.free {
+                    (0.5 * next_b / next_a - 0.5 * b / a).abs()
+                } else {
+                    (next_force / force - 1.0).abs()
+                };
         }
         Ok((errors, finer))
     }
@@ -558,17 +554,9 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
             accuracy.damping
         };
         let excess = |index: usize| (errors.frequency[index] / accuracy.frequency).max(errors.damping[index] / borne);
-        let harmonics = (excess(0) > 1.0 && sampling.harmonics < accuracy.max_harmonics).then_some(excess(0));
+        let harmonics = (excess(0) > 1.0 && sampling.harmonics + 2 <= accuracy.max_harmonics).then_some(excess(0));
         let samples = (excess(1) > 1.0 && 2 * sampling.samples <= accuracy.max_samples).then_some(excess(1));
-        let more = Sampling {
-            harmonics: sampling.harmonics + 1,
-            samples: sampling.samples.max(2 * sampling.harmonics + 4),
-            ..sampling
-        };
-        let denser = Sampling {
-            samples: 2 * sampling.samples,
-            ..sampling
-        };
+        let [more, denser] = refined(sampling);
         match (harmonics, samples) {
             (None, None) => None,
             (Some(h), Some(n)) if h >= n => Some(more),
@@ -611,6 +599,29 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
             errors,
         }
     }
+}
+
+/// Sampling with two harmonics more, as one alone may be one that the motion hardly has, and with twice the samples.
+fn refined(sampling: Sampling) -> [Sampling; 2] {
+    let harmonics = sampling.harmonics + 2;
+    [
+        Sampling {
+            harmonics,
+            samples: sampling.samples.max(2 * harmonics + 2),
+            ..sampling
+        },
+        Sampling {
+            samples: 2 * sampling.samples,
+            ..sampling
+        },
+    ]
+}
+
+/// Error over the change that [`refined`] makes: friction makes harmonics fall with the square of their order, and sampling errors at
+/// least in proportion to the step.
+fn remainder(sampling: Sampling) -> [f64; 2] {
+    let share = sampling.harmonics as f64 / (sampling.harmonics as f64 + 2.0);
+    [1.0 / (1.0 - share * share), 2.0]
 }
 
 /// Adds a point and forgets all but two.

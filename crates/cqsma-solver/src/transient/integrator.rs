@@ -153,8 +153,13 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
 
     /// Brings the structure to where its motion begins.
     pub(super) fn begin(&mut self) -> Result<(), Failure> {
-        let Start::Release { modal_force } = *self.start else {
-            return Ok(());
+        let modal_force = match self.start {
+            Start::Pulse { .. } => return Ok(()),
+            Start::Driven { motion, .. } => {
+                self.place(motion);
+                return Ok(());
+            }
+            Start::Release { modal_force } => *modal_force,
         };
         let sequence = Sequence::new(self.force, self.sequence.motion.clone(), self.structure.state.clone());
         let solution = (self.settings.solver, NewtonSettings::default());
@@ -173,6 +178,43 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         self.contact = self.contact_change();
         self.energy.elastic = 0.5 * dot(&self.displacement, &self.elastic_force);
         Ok(())
+    }
+
+    /// Puts the structure into a given motion.
+    fn place(&mut self, [displacement, velocity, acceleration]: &[Vec<f64>; 3]) {
+        self.displacement.copy_from_slice(displacement);
+        self.velocity.copy_from_slice(velocity);
+        self.acceleration.copy_from_slice(acceleration);
+        self.stiffness.product_into(&self.displacement, &mut self.elastic_force);
+        self.mass.product_into(&self.displacement, &mut self.mass_displacement);
+        self.mass.product_into(&self.velocity, &mut self.mass_velocity);
+        self.mass.product_into(&self.acceleration, &mut self.mass_acceleration);
+        let nd = self.force.n_dofs();
+        let total: Vec<f64> = (0..nd)
+            .map(|i| self.structure.displacement[i] + displacement[i])
+            .collect();
+        let mut end = self.structure.state.clone();
+        self.force.evaluate(
+            &total,
+            Sticking::Coulomb,
+            &self.structure.state,
+            &mut end,
+            &mut self.force.workspace(),
+            &mut self.contact,
+            None,
+        );
+        for (f, f0) in self.contact.iter_mut().zip(&self.structure.contact_force) {
+            *f -= f0;
+        }
+        self.sequence.begin = end;
+        self.sequence.motion.v.copy_from_slice(displacement);
+        let p = &mut self.sequence.motion.p;
+        p.copy_from_slice(&self.elastic_force);
+        self.force
+            .pattern()
+            .add_product(self.structure.stuck.tangent(), displacement, p);
+        self.energy.kinetic = 0.5 * dot(&self.velocity, &self.mass_velocity);
+        self.energy.elastic = 0.5 * dot(&self.displacement, &self.elastic_force);
     }
 
     /// Change of the contact force from the static state, at the last solution.
@@ -210,7 +252,9 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             stiffness,
             round_off: stuck.round_off(pattern, reference, &self.structure.contact_force),
             pulse: match self.start {
-                Start::Pulse { point, .. } => self.peak_force() * stuck.response(point).norm(),
+                Start::Pulse { point, .. } | Start::Driven { point, .. } => {
+                    self.peak_force() * stuck.response(point).norm()
+                }
                 Start::Release { .. } => 0.0,
             },
             stuck,
@@ -221,6 +265,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
     fn peak_force(&self) -> f64 {
         match self.start {
             Start::Pulse { impulse, duration, .. } => 0.5 * PI * impulse / duration,
+            Start::Driven { amplitude, .. } => *amplitude,
             Start::Release { .. } => 0.0,
         }
     }
@@ -229,6 +274,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
     fn external_force(&self, time: f64) -> f64 {
         match self.start {
             Start::Pulse { duration, .. } if time < *duration => self.peak_force() * (PI * time / duration).sin(),
+            Start::Driven { amplitude, omega, .. } => amplitude * (omega * time).cos(),
             _ => 0.0,
         }
     }
@@ -298,7 +344,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             (-old, &self.elastic_force),
         ]);
         add(&mut load, -old, &self.contact);
-        if let Start::Pulse { point, .. } = self.start {
+        if let Start::Pulse { point, .. } | Start::Driven { point, .. } = self.start {
             add(&mut load, after + old * before, point);
         }
         if !self.damping.modes.is_empty() {
@@ -384,7 +430,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         let shared = &advance[..contact.len()];
         let work = |before: &[f64], after: &[f64], way: &[f64]| 0.5 * (dot(before, way) + dot(after, way));
         self.energy.contact += work(&self.contact, &contact, shared);
-        if let Start::Pulse { point, .. } = self.start {
+        if let Start::Pulse { point, .. } | Start::Driven { point, .. } = self.start {
             self.energy.external += 0.5 * (force_before + force_after) * dot(point, &advance);
         }
         let mut mass_displacement = vec![0.0; displacement.len()];

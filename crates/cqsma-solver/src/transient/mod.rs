@@ -108,6 +108,16 @@ fn check<S>(structure: &Linearisation<'_, S>, row: &[f64], start: &Start, settin
         Start::Pulse { impulse, .. } if !positive(*impulse) => refuse("impulse", *impulse, "positive and finite"),
         Start::Pulse { duration, .. } if !positive(*duration) => refuse("duration", *duration, "positive and finite"),
         Start::Pulse { point, .. } => check_size("the row struck", point.len(), n),
+        Start::Driven { amplitude, .. } if !positive(*amplitude) => {
+            refuse("amplitude", *amplitude, "positive and finite")
+        }
+        Start::Driven { omega, .. } if !positive(*omega) => refuse("omega", *omega, "positive and finite"),
+        Start::Driven { point, motion, .. } => {
+            check_size("the row driven", point.len(), n)?;
+            motion
+                .iter()
+                .try_for_each(|part| check_size("the motion at the start", part.len(), n))
+        }
         Start::Release { .. } => Ok(()),
     }
 }

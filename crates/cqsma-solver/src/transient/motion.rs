@@ -21,6 +21,18 @@ pub enum Start {
         /// Work-conjugate displacement as a row over the coordinates: the force acts along it.
         point: Vec<f64>,
     },
+    /// Driven by a harmonic force, `amplitude cos(omega t)`, from a given motion, to which the history leads straight from the static
+    /// state.
+    Driven {
+        /// Amplitude of the force (N).
+        amplitude: f64,
+        /// Its angular frequency (rad/s).
+        omega: f64,
+        /// Work-conjugate displacement as a row over the coordinates.
+        point: Vec<f64>,
+        /// Displacements from the static state (m), velocities (m/s) and accelerations (m/s^2) at time zero.
+        motion: [Vec<f64>; 3],
+    },
 }
 
 /// How a motion is followed.
@@ -79,7 +91,7 @@ pub struct Energy {
     pub contact: f64,
     /// Work done against viscous forces.
     pub viscous: f64,
-    /// Work of the pulse.
+    /// Work of the pulse or of the harmonic force.
     pub external: f64,
 }
 

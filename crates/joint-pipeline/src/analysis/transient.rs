@@ -11,6 +11,7 @@ use cqsma_solver::transient::{self, Start, Transient};
 use modal_identification::backbone::{Identification, identify};
 use modal_identification::signal::{Quantity, Signal};
 use modal_identification::{backbone, synthetic};
+use periodic_motion::backbone::Motion;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -68,14 +69,20 @@ pub struct RingDown {
 }
 
 /// The scene of a run whose backbone covers a ring-down from `amplitude` (m): from an eightieth of it to the whole, with
-/// RQNMA beside.
+/// RQNMA and EPMC beside.
 pub fn scene_for(mut scene: Scene, amplitude: f64) -> Scene {
     scene.cqsma.amplitude_from = Length::from_si(amplitude / 80.0);
     scene.cqsma.amplitude_to = Length::from_si(amplitude);
     scene.cqsma.amplitudes = scene.cqsma.amplitudes.max(24);
-    if !scene.methods.contains(&Method::Rqnma) {
-        scene.methods.push(Method::Rqnma);
+    for method in [Method::Rqnma, Method::Epmc] {
+        if !scene.methods.contains(&method) {
+            scene.methods.push(method);
+        }
     }
+    if let Some(epmc) = &mut scene.epmc {
+        epmc.modal_amplitudes = None;
+    }
+    scene.forced = None;
     scene
 }
 
@@ -270,6 +277,17 @@ pub fn backbones(run: &Run) -> Result<Vec<(String, Backbone)>, Error> {
         let found = method.points.iter().filter_map(|p| p.result.as_ref().ok());
         let points = found.map(|v| point(v.response_displacement, v.omega, v.zeta)).collect();
         let name = method.method.name();
+        all.push((name.to_owned(), Backbone::try_new(name, points)?));
+    }
+    if let Some(epmc) = &run.first().epmc {
+        let found = epmc.points.iter().zip(&epmc.response_displacement);
+        let found = found.filter_map(|(point, displacement)| Some((point.result.as_ref().ok()?, (*displacement)?)));
+        // Below it the balance of energies says nothing.
+        let resolved = |m: &Motion| m.zeta.filter(|zeta| *zeta > m.energy_error.max(m.residual));
+        let points = found
+            .map(|(motion, x)| point(x, motion.omega, resolved(motion)))
+            .collect();
+        let name = Method::Epmc.name();
         all.push((name.to_owned(), Backbone::try_new(name, points)?));
     }
     Ok(all)

@@ -339,10 +339,10 @@ pub struct MethodSummary {
     /// Change of the tractions from the last period to the one before, relative to their range: what creeps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<f64>,
-    /// Relative change of the frequency by one harmonic more and by twice the samples, where an accuracy is asked for.
+    /// Estimated relative errors of the frequency by too few harmonics and by too few samples, where an accuracy is asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequency_errors: Option<[f64; 2]>,
-    /// Change of the damping ratio by the same.
+    /// Errors of the damping ratio by the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping_errors: Option<[f64; 2]>,
     /// Newton iterations.

@@ -20,8 +20,8 @@ pub struct Epmc {
     pub periods: usize,
     /// Residual relative to the elastic forces of the first harmonic, in the energy norm.
     pub tolerance: f64,
-    /// Errors that are borne: harmonics and samples are raised at each amplitude until one harmonic more and twice the samples
-    /// change less.
+    /// Errors that are borne: harmonics and samples are raised at each amplitude until what two harmonics more and twice the samples
+    /// change shows smaller ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<SamplingAccuracy>,
     /// Quadrature points, counted from 1, whose hysteresis loops are stored; by default the one that takes most energy per area at the
