@@ -79,8 +79,8 @@ fn forced_responses_are_those_of_the_motion_in_time() {
         let settings = forced::Settings {
             range: [TAU * hertz, TAU * (hertz + 0.01)],
             sampling: Sampling {
-                harmonics: 15,
-                samples: 1024,
+                harmonics: 7,
+                samples: 512,
                 periods: 2,
             },
             background,
@@ -103,7 +103,7 @@ fn forced_responses_are_those_of_the_motion_in_time() {
             motion: at_zero(&point.displacement, point.omega),
         };
         let settings = transient::Settings {
-            steps_per_period: 1000,
+            steps_per_period: 400,
             periods: 6,
             spectral_radius: 1.0,
             background_damping: background,
@@ -114,13 +114,14 @@ fn forced_responses_are_those_of_the_motion_in_time() {
         })
         .unwrap();
         assert!(found.failure.is_none());
-        let last: Vec<(f64, f64)> = found.samples[3000..].iter().map(|s| (s.time, s.displacement)).collect();
+        let last: Vec<(f64, f64)> = found.samples[1200..].iter().map(|s| (s.time, s.displacement)).collect();
         let [c, s] = first_harmonic(&last, point.omega);
         let along = point.displacement.along(&row);
         let difference = (c - along[1]).hypot(s - along[2]) / along[1].hypot(along[2]);
         println!("{hertz} Hz: {difference:.1e} of {:.4e} m", along[1].hypot(along[2]));
-        // The motion in time has all harmonics and twice as dense histories; it is let go for six periods.
-        assert!(difference < 2e-3, "{hertz} Hz: {difference:e}");
+        // Points under low pressure creep from period to period; at the resonance what that changes of the stiffness, some 1e-4,
+        // counts 1 / (2 zeta) times.
+        assert!(difference < 1e-2, "{hertz} Hz: {difference:e}");
     }
 }
 

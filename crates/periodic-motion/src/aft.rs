@@ -9,7 +9,7 @@
 
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
-use contact_laws::{Components, ComponentsMut, StateView, StateViewMut};
+use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -128,7 +128,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             for q in 0..3 {
                 batch.jump[q].copy_from_slice(&self.jump[q][range.clone()]);
             }
-            self.advance(index, &mut batch);
+            self.advance(index, &mut batch, None);
             for q in 0..3 {
                 all[q][range.clone()].copy_from_slice(&batch.traction[q]);
             }
@@ -137,7 +137,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     }
 
     /// Evaluates a batch, whose end state becomes the begin state.
-    fn advance(&self, index: usize, batch: &mut Batch) {
+    fn advance(&self, index: usize, batch: &mut Batch, tangent: Option<TangentMut<'_>>) {
         let n = batch.jump[0].len();
         let [x, y, normal] = &batch.jump;
         self.force.evaluate_batch(
@@ -146,8 +146,71 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             StateView::new(&batch.begin, n, 0),
             StateViewMut::new(&mut batch.end, n, 0),
             components_mut(&mut batch.traction),
+            tangent,
         );
         std::mem::swap(&mut batch.begin, &mut batch.end);
+    }
+
+    /// Means over the measured period of what the tangents along and across the surface are, without what couples the two: symmetric
+    /// and not negative. Values over the pattern of the force.
+    pub(crate) fn mean_tangent(&self, motion: &Harmonics) -> Vec<f64> {
+        let jumps = self.jumps(motion);
+        let means: Vec<[Vec<f64>; 9]> = self
+            .force
+            .batches()
+            .par_iter()
+            .zip(&jumps)
+            .enumerate()
+            .map(|(index, (range, jumps))| self.mean_of_batch(index, range, jumps))
+            .collect();
+        let mut all: [Vec<f64>; 9] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
+        for (range, means) in self.force.batches().iter().zip(means) {
+            for (all, mean) in all.iter_mut().zip(means) {
+                all[range.clone()].copy_from_slice(&mean);
+            }
+        }
+        let mut values = vec![0.0; self.force.pattern().indices.len()];
+        self.force
+            .assemble_tangent(all.each_ref().map(Vec::as_slice), &mut values);
+        values
+    }
+
+    fn mean_of_batch(&self, index: usize, range: &std::ops::Range<usize>, jumps: &[f64]) -> [Vec<f64>; 9] {
+        let n = range.len();
+        let mut batch = Batch::new(n, self.force.n_state(index));
+        self.force.state_of(index, self.state, &mut batch.begin);
+        let zeros = || -> [Vec<f64>; 9] { std::array::from_fn(|_| vec![0.0; n]) };
+        let (mut sum, mut tangent) = (zeros(), zeros());
+        for period in 1..=self.sampling.periods {
+            for sample in 0..self.sampling.samples {
+                self.place(jumps, sample, range, &mut batch);
+                let entries = TangentMut::from_entries(tangent.each_mut().map(Vec::as_mut_slice));
+                self.advance(index, &mut batch, Some(entries));
+                if period < self.sampling.periods {
+                    continue;
+                }
+                for i in 0..n {
+                    sum[0][i] += tangent[0][i];
+                    sum[4][i] += tangent[4][i];
+                    sum[8][i] += tangent[8][i].max(0.0);
+                    let across = 0.5 * (tangent[1][i] + tangent[3][i]);
+                    sum[1][i] += across;
+                    sum[3][i] += across;
+                }
+            }
+        }
+        let per_sample = 1.0 / self.sampling.samples as f64;
+        sum.map(|values| values.into_iter().map(|v| per_sample * v).collect())
+    }
+
+    /// Brings the jumps of a batch to those of a sample.
+    fn place(&self, jumps: &[f64], sample: usize, range: &std::ops::Range<usize>, batch: &mut Batch) {
+        self.synthesise(jumps, sample, &mut batch.jump);
+        for (jump, at_rest) in batch.jump.iter_mut().zip(&self.jump) {
+            for (jump, at_rest) in jump.iter_mut().zip(&at_rest[range.clone()]) {
+                *jump += at_rest;
+            }
+        }
     }
 
     /// Coefficients of the jumps that belong to a motion, `[component][column][point]`, batch by batch.
@@ -325,13 +388,8 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 most.iter_mut().for_each(|field| field.fill(f64::NEG_INFINITY));
             }
             for sample in 0..self.sampling.samples {
-                self.synthesise(jumps, sample, &mut batch.jump);
-                for (jump, at_rest) in batch.jump.iter_mut().zip(&self.jump) {
-                    for (jump, at_rest) in jump.iter_mut().zip(&at_rest[range.clone()]) {
-                        *jump += at_rest;
-                    }
-                }
-                self.advance(index, &mut batch);
+                self.place(jumps, sample, range, &mut batch);
+                self.advance(index, &mut batch, None);
                 for (traction, at_rest) in batch.traction.iter_mut().zip(&self.traction) {
                     for (traction, at_rest) in traction.iter_mut().zip(&at_rest[range.clone()]) {
                         *traction -= at_rest;
@@ -393,12 +451,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         let mut coefficients = vec![0.0; jumps.len()];
         for period in 1..=self.sampling.periods {
             for sample in 0..self.sampling.samples {
-                self.synthesise(jumps, sample, &mut batch.jump);
-                for (jump, at_rest) in batch.jump.iter_mut().zip(&self.jump) {
-                    for (jump, at_rest) in jump.iter_mut().zip(&at_rest[range.clone()]) {
-                        *jump += at_rest;
-                    }
-                }
+                self.place(jumps, sample, range, &mut batch);
                 self.synthesise(changes, sample, &mut change.jump);
                 let ([x, y, normal], [d_x, d_y, d_n]) = (&batch.jump, &change.jump);
                 self.force.derivative_batch(

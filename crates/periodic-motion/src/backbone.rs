@@ -66,6 +66,9 @@ pub const LARGEST_DRIFT: f64 = 1e-2;
 /// Most periods that the history is followed for.
 const MAX_PERIODS: usize = 32;
 
+/// Krylov steps per iteration above which the preconditioner is made anew from the mean tangent.
+const HARD: usize = 40;
+
 /// How many powers of ten below the first amplitude the linear mode is tried.
 const FIRST_DECADES: i32 = 4;
 
@@ -166,12 +169,14 @@ pub fn follow<F: PointwiseForce>(
         found: Vec::new(),
         reported: Vec::new(),
         sampling: settings.sampling,
+        is_hard: false,
     };
     let mut points = Vec::with_capacity(amplitudes.len());
     let mut known = known.into_iter();
     for &amplitude in amplitudes {
         if let Some(point) = known.next().filter(|point| point.modal_amplitude == amplitude) {
             follower.remember(&point);
+            follower.judge(&point);
             points.push(point);
             continue;
         }
@@ -183,6 +188,7 @@ pub fn follow<F: PointwiseForce>(
             result,
             effort,
         };
+        follower.judge(&point);
         let flow = observe(&point);
         points.push(point);
         if flow.is_break() {
@@ -254,6 +260,8 @@ struct Follower<'a, 's, F: PointwiseForce> {
     reported: Vec<(f64, Unknown)>,
     /// Sampling of the last of them.
     sampling: Sampling,
+    /// Whether the last of them needed many Krylov steps, or another preconditioner.
+    is_hard: bool,
 }
 
 impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
@@ -269,6 +277,16 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
     fn remember(&mut self, point: &Point) {
         let Ok(motion) = &point.result else { return };
         self.accept(motion);
+    }
+
+    /// Whether the way on from a point shall begin with its mean tangent.
+    fn judge(&mut self, point: &Point) {
+        let Effort {
+            iterations,
+            krylov_steps,
+            ..
+        } = point.effort;
+        self.is_hard |= point.result.is_ok() && krylov_steps > HARD * iterations;
     }
 
     /// Makes a motion one that later ones are extrapolated from, as it is stored.
@@ -401,7 +419,22 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         vec![of_amplitude, of_phase]
     }
 
-    fn solve(&self, amplitude: f64, unknown: &mut Unknown, effort: &mut Effort) -> Result<Converged, Failure> {
+    /// Solves at an amplitude; where that fails with the preconditioner of the stuck structure, with that of the last motion found.
+    fn solve(&mut self, amplitude: f64, unknown: &mut Unknown, effort: &mut Effort) -> Result<Converged, Failure> {
+        let guess = unknown.clone();
+        let failure = match self.attempt(amplitude, unknown, effort) {
+            Ok(found) => return Ok(found),
+            Err(failure) => failure,
+        };
+        let Some((_, last)) = self.found.last().filter(|_| !self.system.is_adapted()) else {
+            return Err(failure);
+        };
+        self.system.adapt(&last.v.with_count(self.system.sampling().harmonics));
+        *unknown = guess;
+        self.attempt(amplitude, unknown, effort)
+    }
+
+    fn attempt(&self, amplitude: f64, unknown: &mut Unknown, effort: &mut Effort) -> Result<Converged, Failure> {
         let free = self.parameters();
         let conditions = |unknown: &Unknown, inertia: &Harmonics| self.conditions(amplitude, unknown, inertia);
         let closure = Closure {
@@ -485,6 +518,10 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
     fn find(&mut self, amplitude: f64, effort: &mut Effort) -> Result<Motion, Failure> {
         self.found.clone_from(&self.reported);
         self.system.resample(self.sampling);
+        self.system.forget();
+        if let Some((_, last)) = self.found.last().filter(|_| self.is_hard) {
+            self.system.adapt(&last.v);
+        }
         let (mut unknown, mut found) = self.reach_periodic(amplitude, effort)?;
         let mut errors = None;
         if let Some(accuracy) = self.settings.accuracy {

@@ -1,6 +1,6 @@
 //! What harmonic balance needs to know of a hysteretic force beyond what equilibria need: its points.
 
-use contact_laws::{Components, ComponentsMut, StateView, StateViewMut};
+use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut};
 use cqsma_solver::HystereticForce;
 use std::ops::Range;
 
@@ -26,7 +26,9 @@ pub trait PointwiseForce: HystereticForce {
     fn forces(&self, traction: [&[f64]; 3], force: &mut [f64]);
     /// Area that each point stands for (m^2).
     fn weights(&self) -> &[f64];
-    /// Tractions and end state of a batch, with friction.
+    /// Tangent values over the pattern (N/m) of tangents at all points, row by row (Pa/m).
+    fn assemble_tangent(&self, tangent: [&[f64]; 9], values: &mut [f64]);
+    /// Tractions, end state and, on request, tangent of a batch, with friction.
     fn evaluate_batch(
         &self,
         batch: usize,
@@ -34,6 +36,7 @@ pub trait PointwiseForce: HystereticForce {
         begin: StateView<'_>,
         end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,
+        tangent: Option<TangentMut<'_>>,
     );
     /// The same with their derivatives along a change of jump and begin state
     /// ([`TractionLaw::derivative`](contact_laws::TractionLaw::derivative)).

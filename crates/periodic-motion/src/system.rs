@@ -78,6 +78,20 @@ pub(crate) struct Step {
     pub(crate) parameters: Vec<f64>,
 }
 
+/// Share of the stuck tangent in that of [`Averaged`], so that nothing can move freely.
+const STUCK_SHARE: f64 = 0.02;
+
+/// The structure with the contact's mean tangent over a period in the place of the stuck one, where motions are far from stuck.
+struct Averaged {
+    flexibility: Symmetric,
+    eigenvalues: Vec<f64>,
+    shapes: Mat<f64>,
+    /// Forces that hold the shapes in the stuck structure.
+    forces: Mat<f64>,
+    /// Stuck tangent less this one.
+    difference: Vec<f64>,
+}
+
 /// The structure, its contact, and what excites it.
 pub(crate) struct System<'a, F: PointwiseForce> {
     line: &'a Linearisation<'a, F::State>,
@@ -86,6 +100,10 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     mass: Symmetric,
     /// `M phi_k`, `n x n_modes`.
     momenta: Mat<f64>,
+    /// Forces that hold the shapes in the stuck structure, `lambda_k M phi_k`.
+    elastic: Mat<f64>,
+    /// What the preconditioner is made of, if it is not the stuck structure.
+    averaged: Option<Averaged>,
     /// `2 beta omega_k` of the background damping.
     background: Vec<f64>,
     /// Direction of the exciting force.
@@ -128,6 +146,9 @@ impl<'a, F: PointwiseForce> System<'a, F> {
                 .zip(product)
                 .for_each(|(to, v)| *to = v);
         }
+        let elastic = Mat::from_fn(n, line.shapes.ncols(), |i, mode| {
+            line.eigenvalues[mode] * momenta[(i, mode)]
+        });
         let omega = line.eigenvalues.iter().map(|lambda| lambda.max(0.0).sqrt());
         Self {
             contact: Contact::new(force, line.displacement(), line.state(), sampling),
@@ -136,6 +157,8 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             force,
             mass,
             momenta,
+            elastic,
+            averaged: None,
             row,
             sampling,
         }
@@ -147,6 +170,57 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             self.contact = Contact::new(self.force, self.line.displacement(), self.line.state(), sampling);
             self.sampling = sampling;
         }
+    }
+
+    /// Makes the preconditioner of the structure with the mean tangent of a motion; the stuck one stays where that fails.
+    pub(crate) fn adapt(&mut self, motion: &Harmonics) {
+        let line = self.line;
+        let stuck = line.stuck_tangent();
+        let mut tangent = self.contact.mean_tangent(motion);
+        for (mean, stuck) in tangent.iter_mut().zip(stuck) {
+            *mean = (1.0 - STUCK_SHARE) * *mean + STUCK_SHARE * stuck;
+        }
+        let pattern = self.force.pattern();
+        let mut stiffness = line.stiffness().to_owned();
+        for row in 0..pattern.indptr.len() - 1 {
+            for k in pattern.indptr[row]..pattern.indptr[row + 1] {
+                stiffness[(row, pattern.indices[k])] += tangent[k];
+            }
+        }
+        let Ok(lower) = dense_algebra::cholesky(stiffness.as_ref()) else {
+            return;
+        };
+        let Ok((eigenvalues, shapes)) = dense_algebra::lowest_pairs(lower.as_ref(), line.mass(), line.shapes.ncols())
+        else {
+            return;
+        };
+        let difference: Vec<f64> = stuck.iter().zip(&tangent).map(|(stuck, mean)| stuck - mean).collect();
+        let mut forces = Mat::zeros(shapes.nrows(), shapes.ncols());
+        for mode in 0..shapes.ncols() {
+            let shape: Vec<f64> = shapes.col(mode).iter().copied().collect();
+            let mut force = vec![0.0; shape.len()];
+            self.mass.product_into(&shape, &mut force);
+            force.iter_mut().for_each(|f| *f *= eigenvalues[mode]);
+            pattern.add_product(&difference, &shape, &mut force);
+            forces.col_mut(mode).iter_mut().zip(force).for_each(|(to, f)| *to = f);
+        }
+        self.averaged = Some(Averaged {
+            flexibility: Symmetric::inverse_of_factor(lower.as_ref()),
+            eigenvalues,
+            shapes,
+            forces,
+            difference,
+        });
+    }
+
+    /// Goes back to the preconditioner of the stuck structure.
+    pub(crate) fn forget(&mut self) {
+        self.averaged = None;
+    }
+
+    /// Whether the preconditioner is not that of the stuck structure.
+    pub(crate) fn is_adapted(&self) -> bool {
+        self.averaged.is_some()
     }
 
     pub(crate) fn sampling(&self) -> Sampling {
@@ -346,14 +420,45 @@ impl<'a, F: PointwiseForce> System<'a, F> {
 
     /// The preconditioner's answer to a force `r`, of which `z = P^-1 r`, as displacement `v` and force `P v`.
     pub(crate) fn precondition(&self, unknown: &Unknown, r: &Harmonics, z: &Harmonics) -> [Harmonics; 2] {
+        let line = self.line;
+        let Some(averaged) = &self.averaged else {
+            let (v, p) = (z.clone(), r.clone());
+            return self.add_inertia_of_modes(unknown, r, &line.eigenvalues, &line.shapes, &self.elastic, [v, p]);
+        };
+        let mut v = Harmonics::zeros(r.size(), r.count());
+        v.each_column(|column, v| averaged.flexibility.product_into(r.column(column), v));
+        let mut p = r.clone();
+        p.each_column(|column, p| {
+            self.force
+                .pattern()
+                .add_product(&averaged.difference, v.column(column), p);
+        });
+        let Averaged {
+            eigenvalues,
+            shapes,
+            forces,
+            ..
+        } = averaged;
+        self.add_inertia_of_modes(unknown, r, eigenvalues, shapes, forces, [v, p])
+    }
+
+    /// Adds what the inertia of the lowest modes changes in the response `v` to the force `r`, and the force that holds it.
+    fn add_inertia_of_modes(
+        &self,
+        unknown: &Unknown,
+        r: &Harmonics,
+        eigenvalues: &[f64],
+        shapes: &Mat<f64>,
+        forces: &Mat<f64>,
+        [mut v, mut p]: [Harmonics; 2],
+    ) -> [Harmonics; 2] {
         let [a, b, _] = unknown.parameters;
         let omega = a.max(0.0).sqrt();
-        let mut along = self.modal(r, &self.line.shapes);
+        let mut along = self.modal(r, shapes);
         along[0].fill(0.0);
-        let mut elastic = along.clone();
         for h in 1..=r.count() {
             let order = h as f64;
-            for (mode, &lambda) in self.line.eigenvalues.iter().enumerate() {
+            for (mode, &lambda) in eigenvalues.iter().enumerate() {
                 let mut real = lambda - order * order * a;
                 let mut imaginary = order * (omega * self.background[mode] - b);
                 let closest = CLOSEST * lambda.abs();
@@ -361,17 +466,14 @@ impl<'a, F: PointwiseForce> System<'a, F> {
                     (real, imaginary) = (closest, 0.0);
                 }
                 let square = real * real + imaginary * imaginary;
-                // The factor 1/d - 1/lambda, and lambda times it.
+                // The factor 1/d - 1/lambda.
                 let (x, y) = (real / square - 1.0 / lambda, -imaginary / square);
                 let (c, s) = (along[2 * h - 1][mode], along[2 * h][mode]);
                 (along[2 * h - 1][mode], along[2 * h][mode]) = (x * c + y * s, x * s - y * c);
-                elastic[2 * h - 1][mode] = lambda * along[2 * h - 1][mode];
-                elastic[2 * h][mode] = lambda * along[2 * h][mode];
             }
         }
-        let (mut v, mut p) = (z.clone(), r.clone());
-        self.add_modes(&along, &self.line.shapes, &mut v);
-        self.add_modes(&elastic, &self.momenta, &mut p);
+        self.add_modes(&along, shapes, &mut v);
+        self.add_modes(&along, forces, &mut p);
         [v, p]
     }
 }

@@ -290,7 +290,7 @@ impl Interface {
         }
         self.integrate(workspace.traction.each_ref().map(Vec::as_slice), force);
         if let Some(values) = tangent {
-            self.assemble_tangent(workspace, values);
+            self.assemble_tangent(workspace.tangent.each_ref().map(Vec::as_slice), values);
         }
         counts
     }
@@ -303,13 +303,13 @@ impl Interface {
     }
 
     /// `T D Q` over the pattern.
-    fn assemble_tangent(&self, workspace: &Workspace, values: &mut [f64]) {
+    pub(crate) fn assemble_tangent(&self, tangent: [&[f64]; 9], values: &mut [f64]) {
         assert_eq!(values.len(), self.pattern.indices.len());
         values.fill(0.0);
         let mut starts = self.block_starts.as_slice();
         for (nodes, points, shape) in self.operators.elements() {
             let weights = &self.operators.weights[points.clone()];
-            let tangent = workspace.tangent.each_ref().map(|field| &field[points.clone()]);
+            let tangent = tangent.map(|field| &field[points.clone()]);
             let (of_element, rest) = starts.split_at(nodes.len() * nodes.len());
             starts = rest;
             let blocks = Blocks {

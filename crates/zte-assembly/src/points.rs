@@ -1,7 +1,7 @@
 //! The interface point by point: for methods that follow each point through many load states by itself, such as harmonic balance.
 
 use crate::interface::{Interface, State};
-use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, Sticking};
+use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, Sticking, TangentMut};
 use std::ops::Range;
 
 /// Most points of a batch.
@@ -84,7 +84,15 @@ impl Interface {
         }
     }
 
-    /// Tractions and end state of a batch, whose states are stored `[component][point]`.
+    /// Tangent values (N/m) in the order of [`Interface::pattern`] of tangents at all points, row by row (Pa/m).
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    pub fn integrate_tangent(&self, tangent: [&[f64]; 9], values: &mut [f64]) {
+        self.assemble_tangent(tangent, values);
+    }
+
+    /// Tractions, end state and, on request, tangent of a batch, whose states are stored `[component][point]`.
     ///
     /// # Panics
     /// If a slice is too short.
@@ -97,9 +105,10 @@ impl Interface {
         begin: StateView<'_>,
         end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,
+        tangent: Option<TangentMut<'_>>,
     ) {
         let (law, of_law) = self.batch_law(batches, batch);
-        law.evaluate(of_law, sticking, jump, begin, end, traction, None, None);
+        law.evaluate(of_law, sticking, jump, begin, end, traction, tangent, None);
     }
 
     /// The same with their derivatives along a direction ([`TractionLaw::derivative`](contact_laws::TractionLaw::derivative)).

@@ -1,6 +1,6 @@
 //! The adapter through which the solver sees an interface.
 
-use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking};
+use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 use cqsma_solver::{HystereticForce, PatternView};
 use periodic_motion::PointwiseForce;
 use std::ops::Range;
@@ -130,9 +130,15 @@ impl PointwiseForce for InterfaceForce<'_> {
         begin: StateView<'_>,
         end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,
+        tangent: Option<TangentMut<'_>>,
     ) {
+        let (batches, friction) = (&self.batches, self.friction);
         self.interface
-            .evaluate_batch(&self.batches, batch, self.friction, jump, begin, end, traction);
+            .evaluate_batch(batches, batch, friction, jump, begin, end, traction, tangent);
+    }
+
+    fn assemble_tangent(&self, tangent: [&[f64]; 9], values: &mut [f64]) {
+        self.interface.integrate_tangent(tangent, values);
     }
 
     fn derivative_batch(

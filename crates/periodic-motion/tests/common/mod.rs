@@ -1,7 +1,7 @@
 //! Forces at single coordinates with known answers.
 #![allow(dead_code)]
 
-use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking};
+use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 use cqsma_solver::{HystereticForce, Linearisation, PatternView, modes};
 use faer::Mat;
 use periodic_motion::PointwiseForce;
@@ -148,14 +148,22 @@ impl PointwiseForce for Elements {
         begin: StateView<'_>,
         end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,
+        mut tangent: Option<TangentMut<'_>>,
     ) {
         let n = jump.x.len();
         let ([u0, f0], [u1, f1]) = (begin.components::<2>(n), end.components::<2>(n));
         for (i, point) in self.batches[batch].clone().enumerate() {
-            let (force, _) = self.respond(point, Sticking::Coulomb, jump.x[i], [u0[i], f0[i]]);
+            let (force, slopes) = self.respond(point, Sticking::Coulomb, jump.x[i], [u0[i], f0[i]]);
             (traction.x[i], traction.y[i], traction.n[i]) = (force, 0.0, 0.0);
             (u1[i], f1[i]) = (jump.x[i], force);
+            if let Some(tangent) = tangent.as_mut() {
+                tangent.xx[i] = slopes[0];
+            }
         }
+    }
+
+    fn assemble_tangent(&self, [xx, ..]: [&[f64]; 9], values: &mut [f64]) {
+        values.copy_from_slice(xx);
     }
 
     fn derivative_batch(
