@@ -47,7 +47,7 @@ fn main() -> ExitCode {
     let success = |()| Outcome::Success;
     match Cli::parse().command {
         Task::Brb(arguments) => microslip::execute(|| brb::run(&arguments, &defaults())),
-        Task::Program(command) => microslip::execute(|| command.run(&defaults()).map(success)),
+        Task::Program(command) => microslip::execute(|| command.run(&defaults())),
         Task::Study(_) => hand_over("xtask-studies", args_os().skip(1)),
         Task::CheckLayering => hand_over("xtask-layering", []),
         Task::Requirements(arguments) => microslip::execute(|| requirements::run(&arguments).map(success)),

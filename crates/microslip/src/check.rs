@@ -6,7 +6,7 @@ use joint_pipeline::Scene;
 use joint_pipeline::joint::benchmark::{Bounds, Symmetry};
 use joint_pipeline::results::summary::Summary;
 use reports::markup;
-use reports::run::{SUMMARY, amplitude_file};
+use reports::run::{FORCED, FORCED_PICTURE, SUMMARY, amplitude_file};
 use std::path::Path;
 
 /// Share of the area that slips beyond which the damping need not rise any more.
@@ -226,6 +226,9 @@ impl Checks {
             "report.html".into(),
             "interface-prestress.vtu".into(),
         ];
+        if summary.forced.iter().any(|level| !level.frequency.is_empty()) {
+            documents.push(FORCED_PICTURE.into());
+        }
         documents.extend(stored(scene, summary).map(|number| amplitude_file(None, number)));
         for name in documents {
             let text = std::fs::read_to_string(directory.join(&name));
@@ -234,12 +237,18 @@ impl Checks {
                 format!("{name}: {}", result.err().unwrap_or_default())
             });
         }
-        let amplitudes = summary.backbone.len();
-        let table = std::fs::read_to_string(directory.join("backbone.csv")).unwrap_or_default();
-        let rows = table.lines().count();
-        self.that(rows == amplitudes + 1, || {
-            format!("backbone.csv has {rows} lines for {amplitudes} amplitudes")
-        });
+        let mut tables = vec![("backbone.csv", summary.backbone.len(), "amplitudes")];
+        if !summary.forced.is_empty() {
+            let points = summary.forced.iter().map(|level| level.frequency.len());
+            tables.push((FORCED, points.sum(), "points"));
+        }
+        for (name, expected, what) in tables {
+            let table = std::fs::read_to_string(directory.join(name)).unwrap_or_default();
+            let rows = table.lines().count();
+            self.that(rows == expected + 1, || {
+                format!("{name} has {rows} lines for {expected} {what}")
+            });
+        }
     }
 }
 

@@ -5,7 +5,9 @@ use durable_files::{Folder, Identity};
 use joint_pipeline::Scene;
 use joint_pipeline::scene::StructureSource;
 use reports::Output;
-use reports::run::{amplitude_file, picture_file, table_file};
+use reports::run::{
+    ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, PERIODIC, amplitude_file, harmonics_file, picture_file, table_file,
+};
 use std::io::Write;
 use std::path::Path;
 
@@ -62,14 +64,18 @@ pub fn of_scene(command: &str, scene: &Scene) -> Identity {
 }
 
 /// Whether a run of some scene may write a file of this name beside those that every run writes: the fields of an amplitude,
-/// or the backbone of a further mode.
-pub(crate) fn is_of_amplitudes_or_modes(name: &str) -> bool {
+/// the backbone of a further mode, an ensemble, or periodic motions.
+pub(crate) fn is_of_some_run(name: &str) -> bool {
+    if [ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, PERIODIC].contains(&name) || name == harmonics_file(None) {
+        return true;
+    }
     let number = |text: &str| text.parse::<usize>().ok();
     if let Some(mode) = name
         .strip_prefix("mode-")
         .and_then(|rest| number(rest.split_once('-')?.0))
     {
-        return name == table_file(Some(mode)) || name == picture_file(Some(mode));
+        let of_mode = [table_file, picture_file, harmonics_file].map(|of| of(Some(mode)));
+        return of_mode.iter().any(|known| known == name);
     }
     let Some(rest) = name.strip_prefix("interface-") else {
         return false;

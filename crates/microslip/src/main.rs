@@ -45,7 +45,7 @@ fn main() -> ExitCode {
         };
         match command {
             Program::Run { scene, options } => commands::run::run(&scene.read(&defaults)?, &options, &defaults),
-            Program::Other(other) => other.run(&defaults).map(|()| Outcome::Success),
+            Program::Other(other) => other.run(&defaults),
             Program::Completions { shell } => {
                 let mut script = Vec::new();
                 clap_complete::generate(shell, &mut Cli::command(), "microslip", &mut script);

@@ -7,7 +7,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-const STAGES: [Stage; 10] = [
+const STAGES: [Stage; 12] = [
     Stage::Mesh,
     Stage::Assemble,
     Stage::Factor,
@@ -17,6 +17,8 @@ const STAGES: [Stage; 10] = [
     Stage::Modes,
     Stage::Backbone,
     Stage::Methods,
+    Stage::Epmc,
+    Stage::Forced,
     Stage::Ensemble,
 ];
 

@@ -3,7 +3,7 @@
 use crate::Error;
 use joint_pipeline::analysis::ensemble::{Ensemble, MemberPoint};
 use joint_pipeline::analysis::registration::Moved;
-use joint_pipeline::results::summary::{BackboneSummary, Summary};
+use joint_pipeline::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, Summary};
 
 /// A number as the shortest text that reads back as the same.
 pub fn number(value: f64) -> String {
@@ -135,6 +135,109 @@ pub fn backbone(summary: &Summary) -> Result<String, Error> {
         [(index + 1).to_string()].into_iter().chain(cells)
     });
     table(headings, rows)
+}
+
+/// Heading with unit, and cell, of every column of EPMC beside mode, number and harmonics.
+const EPMC_COLUMNS: [(&str, fn(&MethodSummary) -> String); 21] = [
+    ("converged", |p| p.converged.to_string()),
+    ("modal_amplitude [sqrt(kg) m]", |p| optional(p.modal_amplitude)),
+    ("response_displacement [m]", |p| optional(p.response_displacement)),
+    ("frequency_first_harmonic [Hz]", |p| {
+        optional(p.frequency_first_harmonic_hz)
+    }),
+    ("damping_ratio [-]", |p| optional(p.damping_ratio)),
+    ("damping_floor [-]", |p| optional(p.damping_floor)),
+    ("modal_force [sqrt(kg) m/s^2]", |p| optional(p.modal_force)),
+    ("dissipation [J]", |p| optional(p.dissipation)),
+    ("energy_error [-]", |p| optional(p.energy_error)),
+    ("residual [-]", |p| optional(p.residual)),
+    ("drift [-]", |p| optional(p.drift)),
+    ("harmonics", |p| count(p.harmonics)),
+    ("samples", |p| count(p.samples)),
+    ("periods", |p| count(p.periods)),
+    ("frequency_error_harmonics [-]", |p| {
+        optional(p.frequency_errors.map(|e| e[0]))
+    }),
+    ("frequency_error_samples [-]", |p| {
+        optional(p.frequency_errors.map(|e| e[1]))
+    }),
+    ("damping_error_harmonics [-]", |p| {
+        optional(p.damping_errors.map(|e| e[0]))
+    }),
+    ("damping_error_samples [-]", |p| {
+        optional(p.damping_errors.map(|e| e[1]))
+    }),
+    ("iterations", |p| count(p.iterations)),
+    ("evaluations", |p| count(p.evaluations)),
+    ("krylov_steps", |p| count(p.krylov_steps)),
+];
+
+fn count(value: Option<usize>) -> String {
+    value.map_or_else(String::new, |n| n.to_string())
+}
+
+/// Cells of the harmonics above the first, empty beyond the last of `values`.
+fn above_the_first(values: &[f64], highest: usize) -> impl Iterator<Item = String> + '_ {
+    (2..=highest).map(|h| optional(values.get(h - 1).copied()))
+}
+
+/// Free periodic motions by EPMC, one row per mode and amplitude; empty cells where there is no value.
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn epmc(modes: &[(usize, &[MethodSummary])]) -> Result<String, Error> {
+    let shares = |p: &MethodSummary| p.share_of_harmonics.as_ref().map_or(0, Vec::len);
+    let highest = modes.iter().flat_map(|(_, points)| points.iter().map(shares)).max();
+    let highest = highest.unwrap_or(0);
+    let headings = ["mode", "number"]
+        .into_iter()
+        .chain(EPMC_COLUMNS.map(|(heading, _)| heading));
+    let headings = headings.map(str::to_owned);
+    let headings = headings.chain((2..=highest).map(|h| format!("share_of_harmonic_{h} [-]")));
+    let rows = modes.iter().flat_map(|&(mode, points)| {
+        points.iter().enumerate().map(move |(index, point)| {
+            let cells = EPMC_COLUMNS.map(|(_, cell)| cell(point));
+            let shares = point.share_of_harmonics.as_deref().unwrap_or_default();
+            let before = [mode.to_string(), (index + 1).to_string()];
+            let row = before.into_iter().chain(cells).chain(above_the_first(shares, highest));
+            row.chain([point.failure.clone().unwrap_or_default()])
+                .collect::<Vec<_>>()
+        })
+    });
+    table(headings.chain(["failure".to_owned()]), rows)
+}
+
+/// Forced responses, one row per point along the curve of each level. The amplitude is that of the first harmonic.
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
+    let highest = levels
+        .iter()
+        .flat_map(|level| level.harmonics.iter().map(Vec::len))
+        .max();
+    let highest = highest.unwrap_or(0);
+    let first = [
+        "level [N]",
+        "number",
+        "frequency [Hz]",
+        "amplitude [m]",
+        "phase_lag [deg]",
+    ];
+    let headings = first.map(str::to_owned).into_iter();
+    let headings = headings.chain((2..=highest).map(|h| format!("amplitude_of_harmonic_{h} [m]")));
+    let rows = levels.iter().flat_map(|level| {
+        level.harmonics.iter().enumerate().map(move |(i, harmonics)| {
+            let of = |values: &[f64]| optional(values.get(i).copied());
+            let [frequency, amplitude, phase, residual] =
+                [&level.frequency, &level.amplitude, &level.phase, &level.residual].map(|values| of(values));
+            let before = [number(level.level), (i + 1).to_string(), frequency, amplitude, phase];
+            let turns = level.turning_points.contains(&i).to_string();
+            let row = before.into_iter().chain(above_the_first(harmonics, highest));
+            row.chain([residual, turns]).collect::<Vec<_>>()
+        })
+    });
+    table(headings.chain(["residual [-]", "turns"].map(str::to_owned)), rows)
 }
 
 #[cfg(test)]

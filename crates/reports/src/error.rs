@@ -26,6 +26,9 @@ pub enum Error {
     /// A table could not be written as comma-separated values.
     #[error("writing a table")]
     Table(#[source] csv::Error),
+    /// Arrays could not be written as a NumPy archive.
+    #[error("encoding arrays")]
+    Arrays(#[source] matrix_files::Error),
     /// A summary could not be written as JSON.
     #[error("encoding the summary")]
     Summary(#[source] serde_json::Error),

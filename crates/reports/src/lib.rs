@@ -9,6 +9,7 @@ pub mod map;
 pub mod markup;
 pub mod overlay;
 pub mod page;
+pub mod periodic;
 pub mod plot;
 pub mod ring_down;
 pub mod run;

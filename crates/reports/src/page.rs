@@ -8,7 +8,10 @@ use joint_pipeline::Run;
 use joint_pipeline::analysis::ModeBackbone;
 use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, ModeEstimate};
 use joint_pipeline::interface::AsperityReport;
-use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
+use joint_pipeline::results::summary::{
+    BackboneSummary, ForcedSummary, MethodSummary, ResonanceSummary, Status, Summary,
+};
+use joint_pipeline::scene::Method;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -21,6 +24,7 @@ struct Page<'a> {
     title: &'a str,
     introduction: String,
     modes: Vec<Mode<'a>>,
+    periodic: Option<Periodic<'a>>,
     /// None of points of contact, which cover nothing that could be drawn.
     pressure: Option<Picture<'a>>,
     key_numbers: Facts,
@@ -29,6 +33,15 @@ struct Page<'a> {
     asperities: Option<Facts>,
     skipped: Vec<&'a str>,
     effort: Facts,
+}
+
+/// What the page says of periodic motions.
+struct Periodic<'a> {
+    pictures: Vec<Picture<'a>>,
+    warnings: Vec<String>,
+    /// One row per level of force; none without forced responses.
+    levels: Option<Table>,
+    remarks: Vec<&'a str>,
 }
 
 /// What the page says of one mode.
@@ -44,11 +57,16 @@ struct Mode<'a> {
     validity: Vec<String>,
 }
 
-/// The page; `pictures` are those of the backbones of the modes followed.
+/// The page; `pictures` are those of the backbones of the modes followed, `motions` those of periodic motions.
 ///
 /// # Errors
 /// [`Error::Page`].
-pub fn document(run: &Run, summary: &Summary, pictures: &[String]) -> Result<String, Error> {
+pub fn document(
+    run: &Run,
+    summary: &Summary,
+    pictures: &[String],
+    motions: Vec<Picture<'static>>,
+) -> Result<String, Error> {
     let modes: Vec<String> = run.backbones.iter().map(|of| of.mode.to_string()).collect();
     let of_modes = run.backbones.iter().zip(summary.by_mode()).zip(pictures);
     render(&Page {
@@ -69,6 +87,7 @@ pub fn document(run: &Run, summary: &Summary, pictures: &[String]) -> Result<Str
         modes: of_modes
             .map(|((backbone, (_, of_mode)), picture)| mode(run, backbone, &of_mode, picture))
             .collect(),
+        periodic: periodic(summary, motions),
         pressure: pressure(run),
         key_numbers: key_numbers(summary),
         accuracy: accuracy(summary),
@@ -97,6 +116,82 @@ fn mode<'a>(run: &Run, backbone: &ModeBackbone, summary: &Summary, picture: &'a 
         amplitude_table: amplitude_table(summary),
         methods: (!summary.methods.is_empty()).then(|| methods_table(summary)),
         validity: validity(backbone, summary),
+    }
+}
+
+/// The section of periodic motions, if there are any.
+fn periodic<'a>(summary: &'a Summary, pictures: Vec<Picture<'a>>) -> Option<Periodic<'a>> {
+    if pictures.is_empty() && summary.forced.is_empty() {
+        return None;
+    }
+    let mut warnings = Vec::new();
+    for (mode, of_mode) in summary.by_mode() {
+        let points = of_mode.methods.get(Method::Epmc.name()).map_or(&[][..], Vec::as_slice);
+        let failed = points.iter().filter(|p| !p.converged).count();
+        if failed > 0 {
+            let of = mode.map_or_else(String::new, |mode| format!(" of mode {mode}"));
+            warnings.push(format!(
+                "{failed} of {} free motions{of} did not converge.",
+                points.len()
+            ));
+        }
+    }
+    for level in &summary.forced {
+        let failures = level.failure.iter().map(|reason| format!("ends early: {reason}"));
+        let unfound = level.resonances.iter().filter_map(|r| r.failure.as_ref());
+        let unfound = unfound.map(|reason| format!("has a resonance that was not found: {reason}"));
+        let said = failures.chain(unfound);
+        warnings.extend(said.map(|what| format!("The response to {} N {what}.", level.level)));
+    }
+    let mut remarks: Vec<&str> = summary.forced.iter().map(|level| level.stability.as_str()).collect();
+    remarks.dedup();
+    Some(Periodic {
+        pictures,
+        warnings,
+        levels: (!summary.forced.is_empty()).then(|| levels_table(&summary.forced)),
+        remarks,
+    })
+}
+
+/// Resonance, peak and error of one mode alone, level by level.
+fn levels_table(levels: &[ForcedSummary]) -> Table {
+    let headings = [
+        "force [N]",
+        "resonance [Hz]",
+        "amplitude there [m]",
+        "largest amplitude [m]",
+        "at [Hz]",
+        "nonlinear mode alone: frequency [%]",
+        "nonlinear mode alone: amplitude [%]",
+        "points",
+        "turning points",
+    ];
+    let row = |level: &ForcedSummary| {
+        let found = |value: &dyn Fn(&ResonanceSummary) -> Option<String>| {
+            let texts: Vec<String> = level.resonances.iter().filter_map(value).collect();
+            if texts.is_empty() {
+                MISSING.into()
+            } else {
+                texts.join(", ")
+            }
+        };
+        let cell = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| MISSING.into(), text);
+        let percent = |value: f64| format!("{:+.2}", 100.0 * value);
+        vec![
+            level.level.to_string(),
+            found(&|r| r.frequency_hz.map(|f| format!("{f:.3}"))),
+            found(&|r| r.amplitude.map(|a| format!("{a:.4e}"))),
+            cell(level.peak.map(|p| p[1]), &|a| format!("{a:.4e}")),
+            cell(level.peak.map(|p| p[0]), &|f| format!("{f:.3}")),
+            cell(level.single_mode_error.map(|e| e[0]), &percent),
+            cell(level.single_mode_error.map(|e| e[1]), &percent),
+            level.frequency.len().to_string(),
+            level.turning_points.len().to_string(),
+        ]
+    };
+    Table {
+        headings: headings.map(Into::into).into(),
+        rows: levels.iter().map(row).collect(),
     }
 }
 
@@ -427,20 +522,23 @@ fn methods_table(summary: &Summary) -> Table {
     }
     let row = |index: usize| {
         let mut row = vec![(index + 1).to_string()];
-        for point in summary.methods.values().filter_map(|points| points.get(index)) {
-            let below = point.damping_floor.map(|floor| format!("< {floor:.1e}"));
+        for point in summary.methods.values().map(|points| points.get(index)) {
+            let number = |value: fn(&MethodSummary) -> Option<f64>| point.and_then(value);
+            let below = number(|p| p.damping_floor).map(|floor| format!("< {floor:.1e}"));
             let cells = [
-                point.response_displacement.map(|v| format!("{v:.4e}")),
-                point.frequency_first_harmonic_hz.map(|v| format!("{v:.4}")),
-                point.damping_ratio.map(|v| format!("{v:.4e}")).or(below),
+                number(|p| p.response_displacement).map(|v| format!("{v:.4e}")),
+                number(|p| p.frequency_first_harmonic_hz).map(|v| format!("{v:.4}")),
+                number(|p| p.damping_ratio).map(|v| format!("{v:.4e}")).or(below),
             ];
             row.extend(cells.map(|text| text.unwrap_or_else(|| MISSING.into())));
         }
         row
     };
+    // EPMC may have amplitudes of its own.
+    let longest = summary.methods.values().map(Vec::len).max();
     Table {
         headings,
-        rows: (0..summary.backbone.len()).map(row).collect(),
+        rows: (0..longest.unwrap_or(0)).map(row).collect(),
     }
 }
 
@@ -500,6 +598,11 @@ fn validity(backbone: &ModeBackbone, summary: &Summary) -> Vec<String> {
             "The adhesive traction is at most {} of the elastic pressure under prestress; adhesion is not modelled.",
             v.adhesive_to_elastic_traction.map_or_else(unknown, percent),
         ),
+    ];
+    if summary.backbone.is_empty() {
+        return sentences;
+    }
+    sentences.extend([
         match (v.bolt_hole_clearance, v.first_beyond_clearance) {
             (None, _) => "The clearance of the bolt holes is not known, and pinning is not modelled.".into(),
             (Some(clearance), Some(number)) => format!(
@@ -526,7 +629,7 @@ fn validity(backbone: &ModeBackbone, summary: &Summary) -> Vec<String> {
                 percent(v.shape_deviation_limit)
             ),
         },
-    ];
+    ]);
     sentences.push(match v.first_not_converged {
         Some(number) => format!("Amplitude {number} is the first that did not converge."),
         None => "All amplitudes converged.".into(),

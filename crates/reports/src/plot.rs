@@ -261,8 +261,18 @@ pub enum Marks {
     None,
     /// Filled circles.
     Dots,
-    /// Open circles without a line: bounds that the value lies below.
+    /// Open circles without a line: bounds that the value lies below, or the points of a line that is drawn apart.
     Bounds,
+    /// Filled triangles without a line.
+    Triangles,
+    /// Crosses without a line.
+    Crosses,
+}
+
+impl Marks {
+    fn has_line(self) -> bool {
+        matches!(self, Self::None | Self::Dots)
+    }
 }
 
 /// The curve of one method.
@@ -292,6 +302,7 @@ impl Curve {
             "qsma-twice" => (RGBColor(110, 110, 110), Some((5, 9))),
             "masing" => (RGBColor(34, 130, 60), Some((2, 4))),
             "rqnma" => (RGBColor(122, 58, 150), Some((14, 4))),
+            "epmc" => (RGBColor(0, 122, 135), Some((7, 3))),
             _ => (main, None),
         };
         Self {
@@ -375,7 +386,11 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
     let root = root.titled(title, ("sans-serif", 20))?;
     let Some(amplitudes) = bounds(points(&frequency).map(|p| p.1)) else {
         let (x, y) = (SIZE.0 as i32 / 2 - 130, SIZE.1 as i32 / 2);
-        root.draw(&Text::new("no amplitude converged", (x, y), ("sans-serif", 22)))?;
+        let nothing = match summary.backbone.is_empty() && summary.methods.is_empty() {
+            true => "no amplitude is asked for",
+            false => "no amplitude converged",
+        };
+        root.draw(&Text::new(nothing, (x, y), ("sans-serif", 22)))?;
         return Ok(());
     };
     let x = widen(&amplitudes, 1.3);
@@ -486,7 +501,7 @@ where
         .x_desc(x_label)
         .y_desc(y_label)
         .draw()?;
-    let lines = curves.iter().filter(|curve| curve.marks != Marks::Bounds).count();
+    let lines = curves.iter().filter(|curve| curve.marks.has_line()).count();
     let legend_wanted = lines > 1 && curves.iter().any(|curve| !curve.name.is_empty());
     for band in bands {
         let lower = band.points.iter().map(|&(x, low, _)| (x, low));
@@ -497,7 +512,7 @@ where
     }
     for curve in curves {
         let style = curve.colour.stroke_width(2);
-        let has_line = curve.marks != Marks::Bounds;
+        let has_line = curve.marks.has_line();
         for run in curve.points.chunk_by(|a, b| a.0 + 1 == b.0).filter(|_| has_line) {
             let line = run.iter().map(|p| (p.1, p.2));
             match curve.dashes {
@@ -505,20 +520,32 @@ where
                 Some((length, spacing)) => chart.draw_series(DashedLineSeries::new(line, length, spacing, style))?,
             };
         }
-        let (dots, circle): (&[_], ShapeStyle) = match curve.marks {
-            Marks::None => (&[], curve.colour.filled()),
-            Marks::Dots => (&curve.points, curve.colour.filled()),
-            Marks::Bounds => (&curve.points, curve.colour.stroke_width(1)),
+        let (filled, outline) = (curve.colour.filled(), curve.colour.stroke_width(1));
+        let marked = curve.points.iter().map(|p| (p.1, p.2));
+        let drawn = match curve.marks {
+            Marks::None => chart.draw_series(std::iter::empty::<Circle<_, i32>>())?,
+            Marks::Dots => chart.draw_series(marked.map(|p| Circle::new(p, 3, filled)))?,
+            Marks::Bounds => chart.draw_series(marked.map(|p| Circle::new(p, 3, outline)))?,
+            Marks::Triangles => chart.draw_series(marked.map(|p| TriangleMarker::new(p, 6, filled)))?,
+            Marks::Crosses => chart.draw_series(marked.map(|p| Cross::new(p, 5, style)))?,
         };
-        let dots = dots.iter().map(|p| Circle::new((p.1, p.2), 3, circle));
-        let drawn = chart.draw_series(dots)?;
-        if legend_wanted && !curve.name.is_empty() {
-            let (length, spacing) = curve.dashes.unwrap_or((SAMPLE, 1));
-            drawn.label(&curve.name).legend(move |(x, y)| {
-                let ends = [(x, y), (x + SAMPLE as i32, y)];
-                DashedPathElement::new(ends, length, spacing, style)
-            });
+        if !legend_wanted || curve.name.is_empty() {
+            continue;
         }
+        let named = drawn.label(&curve.name);
+        let middle = SAMPLE as i32 / 2;
+        match curve.marks {
+            Marks::None | Marks::Dots => {
+                let (length, spacing) = curve.dashes.unwrap_or((SAMPLE, 1));
+                named.legend(move |(x, y)| {
+                    let ends = [(x, y), (x + SAMPLE as i32, y)];
+                    DashedPathElement::new(ends, length, spacing, style)
+                })
+            }
+            Marks::Bounds => named.legend(move |(x, y)| Circle::new((x + middle, y), 3, outline)),
+            Marks::Triangles => named.legend(move |(x, y)| TriangleMarker::new((x + middle, y), 6, filled)),
+            Marks::Crosses => named.legend(move |(x, y)| Cross::new((x + middle, y), 5, style)),
+        };
     }
     if legend_wanted {
         chart
@@ -610,13 +637,13 @@ pub fn stack(x_label: &str, x_log: bool, panels: Vec<Panel>) -> Result<String, E
 }
 
 /// The range with some air at both ends.
-fn margin(range: &Range<f64>) -> Range<f64> {
+pub(crate) fn margin(range: &Range<f64>) -> Range<f64> {
     let air = (0.08 * (range.end - range.start)).max(1e-3 * range.end.abs());
     range.start - air..range.end + air
 }
 
 /// Numbers of a linear axis with as many decimals as its range asks for.
-fn decimals(range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
+pub(crate) fn decimals(range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
     let places = (1.0 - (range.end - range.start).log10().floor()).clamp(0.0, 6.0) as usize;
     move |v| format!("{v:.places$}")
 }

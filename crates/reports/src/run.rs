@@ -1,5 +1,7 @@
 //! The files of a run.
 
+use crate::html::Picture;
+use crate::periodic::{self, PeriodicMotions};
 use crate::{Error, Output, csv, fields, page, plot};
 use joint_pipeline::Run;
 use joint_pipeline::analysis::Fields;
@@ -10,6 +12,18 @@ pub const SUMMARY: &str = "summary.json";
 
 /// Name of the table of an ensemble.
 pub const ENSEMBLE: &str = "ensemble.csv";
+
+/// Name of the table of free periodic motions by EPMC.
+pub const EPMC: &str = "epmc.csv";
+
+/// Name of the table of forced responses.
+pub const FORCED: &str = "forced.csv";
+
+/// Name of the picture of forced responses.
+pub const FORCED_PICTURE: &str = "forced.svg";
+
+/// Name of the arrays of periodic motions.
+pub const PERIODIC: &str = "periodic.npz";
 
 /// Name of the interface file of an amplitude, counted from 1; `mode` is none for the first mode followed.
 pub fn amplitude_file(mode: Option<usize>, number: usize) -> String {
@@ -24,6 +38,11 @@ pub fn table_file(mode: Option<usize>) -> String {
 /// Name of the picture of a backbone; `mode` is none for the first mode followed.
 pub fn picture_file(mode: Option<usize>) -> String {
     of_mode(mode) + "backbone.svg"
+}
+
+/// Name of the picture of the harmonics of a mode's EPMC backbone; `mode` is none for the first mode followed.
+pub fn harmonics_file(mode: Option<usize>) -> String {
+    of_mode(mode) + "harmonics.svg"
 }
 
 /// What distinguishes the files of a mode from those of the first mode followed.
@@ -56,10 +75,54 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     if let Some(ensemble) = &summary.ensemble {
         outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)?));
     }
-    outputs.push(Output::new("report.html", page::document(run, summary, &pictures)?));
+    let motions = PeriodicMotions::of(run, summary);
+    let periodic = motions
+        .as_ref()
+        .map(|motions| periodic_files(run, motions))
+        .transpose()?;
+    let (files, drawn) = periodic.unwrap_or_default();
+    outputs.extend(files);
+    outputs.push(Output::new(
+        "report.html",
+        page::document(run, summary, &pictures, drawn)?,
+    ));
     let json = serde_json::to_string_pretty(summary).map_err(Error::Summary)?;
     outputs.push(Output::new(SUMMARY, json + "\n"));
     Ok(outputs)
+}
+
+/// Tables, arrays and pictures of periodic motions, and the pictures for the page.
+fn periodic_files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Output>, Vec<Picture<'static>>), Error> {
+    let mut outputs = vec![Output::new(PERIODIC, motions.archive()?)];
+    let mut pictures = Vec::new();
+    let mut add = |name: String, svg: String, caption: String, outputs: &mut Vec<Output>| {
+        outputs.push(Output::new(name, svg.clone()));
+        let svg = svg.into();
+        pictures.push(Picture { svg, caption });
+    };
+    if !motions.forced.is_empty() {
+        outputs.push(Output::new(FORCED, csv::forced(motions.forced)?));
+        let title = format!("{}: forced responses", run.scene.name);
+        if let Some(picture) = motions.response_picture(&title)? {
+            let caption = format!(
+                "Response to a harmonic force at the response point. Amplitude: {}.",
+                plot::amplitude_label(motions.response)
+            );
+            add(FORCED_PICTURE.into(), picture, caption, &mut outputs);
+        }
+    }
+    if !motions.epmc.is_empty() {
+        outputs.push(Output::new(EPMC, csv::epmc(&motions.epmc)?));
+    }
+    for &(mode, points) in &motions.epmc {
+        let further = (mode != run.first().mode).then_some(mode);
+        let title = format!("{}: harmonics of mode {mode} by EPMC", run.scene.name);
+        let picture = periodic::harmonics_picture(points, motions.response, &title)?;
+        let caption =
+            format!("Amplitudes of the harmonics of mode {mode} over that of the first, in the norm of the mass.");
+        add(harmonics_file(further), picture, caption, &mut outputs);
+    }
+    Ok((outputs, pictures))
 }
 
 fn title(run: &Run, mode: usize) -> String {

@@ -67,6 +67,8 @@ const ALLOWED: [(&str, &[&str]); 22] = [
             "zte-assembly",
             // It writes the fields of the interface.
             "substructure",
+            // It writes arrays of periodic motions.
+            "matrix-files",
             "modal-identification",
         ],
     ),

@@ -140,6 +140,22 @@ pub struct Forced {
     pub frequency_step: f64,
 }
 
+impl Forced {
+    /// These levels between these frequencies (Hz), with defaults for all else.
+    pub fn new(levels: Vec<Force>, from_hz: f64, to_hz: f64) -> Self {
+        Self {
+            levels,
+            from_hz,
+            to_hz,
+            harmonics: three(),
+            samples: samples(),
+            tolerance: tolerance(),
+            amplitude_step: amplitude_step(),
+            frequency_step: frequency_step(),
+        }
+    }
+}
+
 fn three() -> usize {
     3
 }

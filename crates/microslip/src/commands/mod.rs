@@ -3,6 +3,7 @@
 mod characterise;
 mod compare;
 mod export;
+mod forced;
 mod identify;
 mod model;
 mod new;
@@ -13,7 +14,7 @@ mod transient;
 mod verify;
 
 use crate::provenance;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use joint_pipeline::{Benchmark, Options};
 pub use scene::{GivenScene, SceneArguments};
 use std::io::Write;
@@ -28,7 +29,7 @@ pub const EXIT_CODES: &str = "Exit codes:
   0  success
   1  error: bad scene, failed check, unreadable or unwritable file
   2  wrong arguments
-  3  the run finished and its outputs were written, but some amplitudes did not converge";
+  3  the run finished and its outputs were written, but some amplitudes did not converge or a forced response ended early";
 
 /// Commands beside `run`.
 #[derive(clap::Subcommand)]
@@ -43,6 +44,9 @@ pub enum Command {
     Characterise(characterise::Arguments),
     /// Follow the ring-down of a scene in time, identify it, and lay it over the quasi-static backbones.
     Transient(transient::Arguments),
+    /// Compute the response of a scene to harmonic forces against frequency, level by level.
+    #[command(after_help = EXIT_CODES)]
+    Forced(forced::Arguments),
     /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
     Compare(compare::Arguments),
     /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
@@ -60,19 +64,21 @@ impl Command {
     ///
     /// # Errors
     /// Whatever stops it: a bad scene, a file that cannot be read or written, a solver that gives up.
-    pub fn run(&self, defaults: &Defaults) -> Result<()> {
-        match self {
+    pub fn run(&self, defaults: &Defaults) -> Result<Outcome> {
+        let done = match self {
             Self::Model(arguments) => model::run(arguments, defaults),
             Self::Export(arguments) => export::run(arguments, defaults),
             Self::Identify(arguments) => identify::run(arguments),
             Self::Characterise(arguments) => characterise::run(arguments, defaults),
             Self::Transient(arguments) => transient::run(arguments, defaults),
+            Self::Forced(arguments) => return forced::run(arguments, defaults),
             Self::Compare(arguments) => compare::run(arguments),
             Self::Verify(arguments) => verify::run(arguments),
             Self::New(arguments) => new::run(arguments),
             Self::Benchmarks => print(&scene::list()),
             Self::Schema(arguments) => schema::run(arguments),
-        }
+        };
+        done.map(|()| Outcome::Success)
     }
 }
 
@@ -107,6 +113,26 @@ impl Cache {
             cache,
             build: provenance::commit(),
         }
+    }
+}
+
+/// How many threads a command uses.
+#[derive(clap::Args)]
+pub struct Threads {
+    /// Number of threads [default: one per processor].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Threads {
+    /// Starts them.
+    fn start(&self) -> Result<()> {
+        let Some(threads) = self.threads else {
+            return Ok(());
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global()
+            .with_context(|| format!("starting {threads} threads"))
     }
 }
 

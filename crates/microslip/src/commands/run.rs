@@ -1,6 +1,6 @@
 //! Runs a scene and writes its results.
 
-use super::{Cache, Defaults, GivenScene, Outcome, default_directory, print};
+use super::{Cache, Defaults, GivenScene, Outcome, Threads, default_directory, forced, print};
 use crate::files::{self, Overwrite};
 use crate::progress::{Monitor, peak_memory};
 use crate::provenance;
@@ -28,9 +28,8 @@ pub struct Arguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Number of threads [default: one per processor].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     cache: Cache,
     /// Also run K bootstrap realisations of the laws of all elements, for bands about the backbone; the surface of the
@@ -96,11 +95,7 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
     };
     // Before the computation: it would be a pity to find out only afterwards.
     let folder = (arguments.overwrite).open(&directory, &files::of_scene(command, scene), names)?;
-    if let Some(threads) = arguments.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        pool.build_global()
-            .with_context(|| format!("starting {threads} threads"))?;
-    }
+    arguments.threads.start()?;
     let provenance = provenance::of(given.inputs()?)?;
 
     let options = arguments.cache.options(defaults);
@@ -128,15 +123,21 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
     files::publish(folder, &outputs(&run, &summary)?)?;
     run.checkpoints.remove();
     print(&account(&summary, &scene.name, &directory))?;
-    let mut members = summary.ensemble.iter().flat_map(|all| &all.members);
-    let complete = summary.by_mode().all(|(_, of_mode)| {
-        of_mode.backbone.iter().all(|b| b.converged) && of_mode.methods.values().flatten().all(|m| m.converged)
-    }) && members.all(|m| m.failure.is_none() && m.not_converged == 0);
-    Ok(if complete {
+    Ok(if is_complete(&summary) {
         Outcome::Success
     } else {
         Outcome::Incomplete
     })
+}
+
+/// Whether all that was asked for converged.
+pub(super) fn is_complete(summary: &Summary) -> bool {
+    let mut members = summary.ensemble.iter().flat_map(|all| &all.members);
+    let mut levels = summary.forced.iter();
+    summary.by_mode().all(|(_, of_mode)| {
+        of_mode.backbone.iter().all(|b| b.converged) && of_mode.methods.values().flatten().all(|m| m.converged)
+    }) && members.all(|m| m.failure.is_none() && m.not_converged == 0)
+        && levels.all(|level| level.failure.is_none() && level.resonances.iter().all(|r| r.failure.is_none()))
 }
 
 impl Request {
@@ -315,6 +316,9 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
         table(&mut out, &of_mode);
     }
     let _ = writeln!(out, "\namplitude: {}", plot::amplitude_label(&summary.response));
+    for level in &summary.forced {
+        let _ = writeln!(out, "{}", forced::line(level));
+    }
     if let (Some(first), Some(stuck)) = (summary.modes.first(), summary.model.stuck_frequencies_hz.first()) {
         let first = first.frequency_hz;
         let _ = writeln!(

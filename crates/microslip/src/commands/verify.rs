@@ -3,14 +3,14 @@
 use super::print;
 use super::run::{ErrorOf, Request};
 use crate::check::{self, Demand};
-use crate::files::is_of_amplitudes_or_modes;
+use crate::files::is_of_some_run;
 use crate::provenance;
 use anyhow::{Context, Result, bail, ensure};
 use durable_files::Manifest;
 use joint_pipeline::Options;
 use joint_pipeline::results::provenance::{Provenance, arithmetic_fingerprint};
 use joint_pipeline::results::summary::Summary;
-use reports::run::{ENSEMBLE, outputs};
+use reports::run::outputs;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -65,10 +65,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let directory = &arguments.results;
     let manifest = Manifest::read(directory)?;
     let mut defects: Vec<String> = manifest.defects(directory)?.iter().map(ToString::to_string).collect();
-    let is_run = manifest.identity.command == "run";
+    let is_run = ["run", "forced"].contains(&manifest.identity.command.as_str());
     if is_run {
-        let of_a_run = |name: &String| is_of_amplitudes_or_modes(name) || name == ENSEMBLE;
-        let extra = names(directory)?.into_iter().filter(of_a_run);
+        let extra = names(directory)?.into_iter().filter(|name| is_of_some_run(name));
         let extra = extra.filter(|name| !manifest.files.contains_key(name));
         defects.extend(extra.map(|name| format!("{name}: is not of these results; move it away")));
     }
@@ -142,7 +141,7 @@ fn rerun(directory: &Path) -> Result<()> {
         // Pictures and pages say nothing that tables and fields do not, but for times and paths.
         for output in outputs(&run, &after)? {
             let path = directory.join(&output.name);
-            let is_data = path.extension().is_some_and(|e| e == "csv" || e == "vtu");
+            let is_data = path.extension().is_some_and(|e| e == "csv" || e == "vtu" || e == "npz");
             if is_data
                 && std::fs::read(&path).with_context(|| format!("reading {}", path.display()))? != output.contents
             {
