@@ -61,7 +61,7 @@ pub struct SingleModePoint {
     pub frequency_hz: f64,
     /// Amplitude of the first harmonic at the response point (m).
     pub amplitude: f64,
-    /// How far it lags behind the force (degrees).
+    /// How far it lags behind the force (degrees), from 0 to 360.
     pub phase: f64,
 }
 
@@ -79,7 +79,7 @@ impl<'a> PeriodicMotions<'a> {
             let points = level.synthesis.iter().map(|p| SingleModePoint {
                 frequency_hz: p.omega / TAU,
                 amplitude: p.displacement,
-                phase: p.phase.to_degrees(),
+                phase: p.phase.to_degrees().rem_euclid(360.0),
             });
             points.collect()
         });
@@ -402,9 +402,10 @@ fn short(value: f64) -> String {
     rounded.to_string()
 }
 
-/// A phase lag (degrees) from -90 to 270, so that a motion in phase does not jump by a turn with the sign of round-off.
+/// A phase lag (degrees) from -90 to 270, so that neither a motion in phase nor one against it jumps by a turn with the sign of
+/// round-off.
 fn lag(phase: f64) -> f64 {
-    if phase > 270.0 { phase - 360.0 } else { phase }
+    (phase + 90.0).rem_euclid(360.0) - 90.0
 }
 
 /// Colours of an ordered series, from blue to red.
@@ -431,7 +432,7 @@ fn within(p: (f64, f64), x: &Range<f64>, y: &Range<f64>) -> bool {
 
 /// The part of a line over a linear abscissa and a logarithmic ordinate that lies within both ranges, with a gap in the numbers of its
 /// points wherever the line leaves them.
-fn inside(line: &Points, x: &Range<f64>, y: &Range<f64>) -> Points {
+fn inside(line: &[(usize, f64, f64)], x: &Range<f64>, y: &Range<f64>) -> Points {
     let mut out = Points::new();
     let mut number = 0;
     for pair in line.windows(2) {
@@ -444,14 +445,19 @@ fn inside(line: &Points, x: &Range<f64>, y: &Range<f64>) -> Points {
             true => 1,
             false => PARTS,
         };
-        for i in 0..=parts {
+        let points = (0..=parts).map(|i| {
             let t = i as f64 / parts as f64;
-            let point = (x0 + t * (x1 - x0), y0 * (y1 / y0).powf(t));
-            if within(point, x, y) {
-                out.push((number, point.0, point.1));
-            }
+            (x0 + t * (x1 - x0), y0 * (y1 / y0).powf(t))
+        });
+        let points: Vec<(usize, (f64, f64))> = points.enumerate().filter(|(_, p)| within(*p, x, y)).collect();
+        let (Some(&(enters, from)), Some(&(leaves, to))) = (points.first(), points.last()) else {
             number += 1;
-        }
+            continue;
+        };
+        number += usize::from(enters > 0);
+        out.push((number, from.0, from.1));
+        out.push((number + 1, to.0, to.1));
+        number += 2 + usize::from(leaves < parts);
     }
     out
 }
@@ -714,7 +720,7 @@ mod tests {
         assert!(cut.iter().all(|p| within((p.1, p.2), &(5.0..20.0), &(0.5..10.0))));
         // One piece: the way back to the last point is missing.
         assert!(cut.windows(2).all(|pair| pair[0].0 + 1 == pair[1].0));
-        assert_eq!(inside(&line[..2].to_vec(), &(0.0..20.0), &(0.5..10.0)).len(), 2);
+        assert_eq!(inside(&line[..2], &(0.0..20.0), &(0.5..10.0)).len(), 2);
     }
 
     #[test]
@@ -725,7 +731,7 @@ mod tests {
         }
         assert_eq!(shade(0, 1), shade(0, 9));
         assert_ne!(shade(0, 2), shade(1, 2));
-        assert_eq!((lag(359.9999999), lag(180.0)).1, 180.0);
-        assert!(lag(359.9999999).abs() < 1e-6);
+        assert_eq!([lag(90.0), lag(180.0), lag(-180.0)], [90.0, 180.0, 180.0]);
+        assert!(lag(359.999_999_9).abs() < 1e-6);
     }
 }

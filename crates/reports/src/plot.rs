@@ -359,7 +359,12 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
         |b| b.frequency_first_harmonic_hz,
         |m| m.frequency_first_harmonic_hz,
     );
-    let mut damping = curves(summary, RED, |b| b.damping_ratio, |m| m.damping_ratio);
+    // EPMC tells what it found below its floor too, which would stretch a logarithmic axis down to round-off.
+    let told = |m: &MethodSummary| {
+        m.damping_ratio
+            .filter(|zeta| m.damping_floor.is_none_or(|floor| zeta.abs() > floor))
+    };
+    let mut damping = curves(summary, RED, |b| b.damping_ratio, told);
     let all = points(&damping).count();
     for curve in &mut damping {
         curve.points.retain(|(_, _, zeta)| *zeta > 0.0);
