@@ -36,10 +36,11 @@ where
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Heading with unit, and cell, of every column beside the number.
-type Column = (&'static str, fn(&BackboneSummary) -> String);
+/// Heading with unit, and cell, of a column.
+type Column<T> = (&'static str, fn(&T) -> String);
 
-const COLUMNS: [Column; 25] = [
+/// Every column of a backbone beside the number.
+const COLUMNS: [Column<BackboneSummary>; 25] = [
     ("converged", |b| b.converged.to_string()),
     ("response_displacement [m]", |b| optional(b.response_displacement)),
     ("response_acceleration [m/s^2]", |b| optional(b.response_acceleration)),
@@ -137,8 +138,8 @@ pub fn backbone(summary: &Summary) -> Result<String, Error> {
     table(headings, rows)
 }
 
-/// Heading with unit, and cell, of every column of EPMC beside mode, number and harmonics.
-const EPMC_COLUMNS: [(&str, fn(&MethodSummary) -> String); 21] = [
+/// Every column of EPMC beside mode, number and harmonics.
+const EPMC_COLUMNS: [Column<MethodSummary>; 21] = [
     ("converged", |p| p.converged.to_string()),
     ("modal_amplitude [sqrt(kg) m]", |p| optional(p.modal_amplitude)),
     ("response_displacement [m]", |p| optional(p.response_displacement)),

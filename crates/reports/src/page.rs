@@ -114,7 +114,7 @@ fn mode<'a>(run: &Run, backbone: &ModeBackbone, summary: &Summary, picture: &'a 
         },
         maps: maps(run, backbone),
         amplitude_table: amplitude_table(summary),
-        methods: (!summary.methods.is_empty()).then(|| methods_table(summary)),
+        methods: (!summary.methods.values().all(Vec::is_empty)).then(|| methods_table(summary)),
         validity: validity(backbone, summary),
     }
 }

@@ -54,6 +54,9 @@ pub struct PeriodicMotions<'a> {
     pub response: &'a str,
 }
 
+/// A number of a free motion.
+type Value = fn(&MethodSummary) -> Option<f64>;
+
 /// A point of the response of the nonlinear mode alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingleModePoint {
@@ -74,6 +77,7 @@ impl<'a> PeriodicMotions<'a> {
             .into_iter()
             .chain(further)
             .filter_map(|(mode, methods)| Some((mode, methods.get(Method::Epmc.name())?.as_slice())))
+            .filter(|(_, points)| !points.is_empty())
             .collect();
         let single_mode = run.forced.iter().map(|level| {
             let points = level.synthesis.iter().map(|p| SingleModePoint {
@@ -270,7 +274,7 @@ impl<'a> PeriodicMotions<'a> {
         let integers = |of: fn(&(usize, &MethodSummary)) -> usize| points.iter().map(of).collect::<Vec<_>>();
         arrays.integers("epmc_mode", &integers(|(mode, _)| *mode))?;
         arrays.integers("epmc_harmonics", &integers(|(_, p)| p.harmonics.unwrap_or(0)))?;
-        let columns: [(&str, fn(&MethodSummary) -> Option<f64>); 7] = [
+        let columns: [(&str, Value); 7] = [
             ("epmc_modal_amplitude", |p| p.modal_amplitude),
             ("epmc_displacement", |p| p.response_displacement),
             ("epmc_frequency", |p| p.frequency_first_harmonic_hz),

@@ -391,7 +391,7 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
     let root = root.titled(title, ("sans-serif", 20))?;
     let Some(amplitudes) = bounds(points(&frequency).map(|p| p.1)) else {
         let (x, y) = (SIZE.0 as i32 / 2 - 130, SIZE.1 as i32 / 2);
-        let nothing = match summary.backbone.is_empty() && summary.methods.is_empty() {
+        let nothing = match summary.backbone.is_empty() && summary.methods.values().all(Vec::is_empty) {
             true => "no amplitude is asked for",
             false => "no amplitude converged",
         };
