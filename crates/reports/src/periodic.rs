@@ -16,6 +16,9 @@ use std::ops::Range;
 
 const SIZE: (u32, u32) = (900, 1000);
 
+/// Room beside the curves for the legend, over their range of frequencies.
+const LEGEND: f64 = 0.27;
+
 /// Most names that a legend has room for.
 const NAMES: usize = 10;
 
@@ -110,8 +113,10 @@ impl<'a> PeriodicMotions<'a> {
         let picture = picture("the forced responses", SIZE, |root| {
             let root = root.titled(title, ("sans-serif", 20))?;
             let (upper, lower) = root.split_vertically(SIZE.1 * 3 / 5);
-            self.amplitudes(&upper, margin(&x), &widen(&y, 1.5))?;
-            self.phases(&lower, margin(&x))
+            let Range { start, end } = margin(&x);
+            let x = start..end + LEGEND * (end - start);
+            self.amplitudes(&upper, x.clone(), &widen(&y, 1.5))?;
+            self.phases(&lower, x)
         });
         picture.map(Some)
     }

@@ -338,7 +338,8 @@ fn curves(
     });
     let points = summary.backbone.iter().enumerate();
     let points = points.filter_map(|(i, b)| Some((i, b.response_displacement?, cqsma(b)?)));
-    methods.chain([Curve::new("cqsma", main, points.collect())]).collect()
+    let cqsma = (!summary.backbone.is_empty()).then(|| Curve::new("cqsma", main, points.collect()));
+    methods.chain(cqsma).collect()
 }
 
 /// All points of all curves.
@@ -507,7 +508,9 @@ where
         .y_desc(y_label)
         .draw()?;
     let lines = curves.iter().filter(|curve| curve.marks.has_line()).count();
-    let legend_wanted = lines > 1 && curves.iter().any(|curve| !curve.name.is_empty());
+    // One solid line is what the title says; a dashed one stands beside it, or in its place.
+    let several = lines > 1 || curves.iter().any(|curve| curve.dashes.is_some());
+    let legend_wanted = several && curves.iter().any(|curve| !curve.name.is_empty());
     for band in bands {
         let lower = band.points.iter().map(|&(x, low, _)| (x, low));
         let outline: Vec<(f64, f64)> = lower
