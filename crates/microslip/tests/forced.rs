@@ -97,9 +97,13 @@ fn forced_responses_are_written_as_a_set_that_can_be_repeated() {
     assert_eq!(numbers(&arrays["epmc_modal_amplitude"]).len(), 3);
     assert!(!numbers(&arrays["single_mode_amplitude"]).is_empty());
 
-    for picture in ["forced.svg", "harmonics.svg", "backbone.svg"] {
+    for (picture, label) in [
+        ("forced.svg", "EPMC backbone"),
+        ("harmonics.svg", "harmonic 2"),
+        ("backbone.svg", "EPMC"),
+    ] {
         let text = std::fs::read_to_string(results.join(picture)).unwrap();
-        assert!(text.contains("<polyline"), "{picture}");
+        assert!(text.contains("<polyline") && text.contains(label), "{picture}");
     }
     let report = std::fs::read_to_string(results.join("report.html")).unwrap();
     assert!(report.contains("<h2>Periodic motions</h2>") && report.contains("EPMC backbone"));
