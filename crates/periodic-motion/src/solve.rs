@@ -7,6 +7,16 @@ use crate::system::{Evaluation, Parameter, Step, System, Unknown};
 /// Most steps of the iteration for one linear solve.
 const MAX_KRYLOV: usize = 120;
 
+/// Steps that take less than this share off the residual make no way.
+const CRAWLING: f64 = 0.9;
+
+/// Most whole steps that are taken although the residual grows, and by how much it may.
+const MAX_BOLD: usize = 8;
+const WORST: f64 = 10.0;
+
+/// Most iterations in a row that do not reduce the residual.
+const MAX_STALLED: usize = 4;
+
 /// Settings of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonSettings {
@@ -319,7 +329,7 @@ pub(crate) fn solve<F: PointwiseForce>(
     };
     let mut evaluation = system.evaluate(unknown);
     effort.evaluations += 1;
-    let mut stalled = 0;
+    let (mut stalled, mut bold_steps) = (0, 0);
     loop {
         if unknown.at(Parameter::Square) <= 0.0 {
             return fail(Reason::NoFrequency, history);
@@ -341,7 +351,7 @@ pub(crate) fn solve<F: PointwiseForce>(
         if history.len() > settings.max_iterations {
             return fail(Reason::IterationLimit, history);
         }
-        if stalled > 2 {
+        if stalled > MAX_STALLED {
             return fail(Reason::Stalled, history);
         }
         effort.iterations += 1;
@@ -366,7 +376,8 @@ pub(crate) fn solve<F: PointwiseForce>(
         effort.krylov_steps += krylov;
         let mut length = 1.0;
         let mut best: Option<(f64, Unknown, Evaluation)> = None;
-        for _ in 0..=settings.max_halvings {
+        let mut whole: Option<(f64, Unknown, Evaluation)> = None;
+        for halving in 0..=settings.max_halvings {
             let mut trial = unknown.clone();
             trial.add(length, &step, closure.free);
             if trial.at(Parameter::Square) > 0.0 {
@@ -375,26 +386,30 @@ pub(crate) fn solve<F: PointwiseForce>(
                 let conditions = (closure.conditions)(&trial, &next.inertia);
                 let found = merit(&next, &conditions, scale);
                 let is_better = best.as_ref().is_none_or(|(least, ..)| found < *least);
-                if found.is_finite() && is_better {
+                let is_enough = found <= (1.0 - 1e-4 * length) * size;
+                if found.is_finite() && halving == 0 && !is_enough {
+                    whole = Some((found, trial, next));
+                } else if found.is_finite() && is_better {
                     best = Some((found, trial, next));
                 }
-                if found <= (1.0 - 1e-4 * length) * size {
+                if is_enough {
                     break;
                 }
             }
             length *= 0.5;
         }
-        let Some((found, next, next_evaluation)) = best else {
+        // Where only short steps help, points stick, slip or lift off along the step: after the whole one they are as it says,
+        // and from there the residual often falls at once. It is taken if it is not far worse, a few times.
+        let crawls = best.as_ref().is_none_or(|(found, ..)| *found > CRAWLING * size);
+        let bold = whole.filter(|(found, ..)| crawls && bold_steps < MAX_BOLD && *found < WORST * size);
+        bold_steps += usize::from(bold.is_some());
+        let Some((found, next, next_evaluation)) = bold.or(best) else {
             return fail(Reason::NotFinite, history);
         };
-        // A kink: the best point seen may show another side of it, unless it is far worse.
         if found > 0.999 * size {
             stalled += 1;
         } else {
             stalled = 0;
-        }
-        if found > 2.0 * size {
-            return fail(Reason::Stalled, history);
         }
         *unknown = next;
         evaluation = next_evaluation;

@@ -189,10 +189,17 @@ impl Request<'_> {
             newton: newton(settings.tolerance),
             ..forced::Settings::default()
         };
-        let motions: Vec<&Motion> = free
-            .iter()
-            .flat_map(|backbone| backbone.points.iter().filter_map(|p| p.result.as_ref().ok()))
-            .collect();
+        // The backbone that begins between the frequencies of the responses: the others belong to other resonances.
+        let found = |backbone: &&EpmcBackbone| -> Vec<Motion> {
+            let motions = backbone.points.iter().filter_map(|p| p.result.as_ref().ok());
+            motions.cloned().collect()
+        };
+        let begins_inside = |motions: &Vec<Motion>| {
+            let first = motions.first().map(|m| (m.omega - range[0]) * (m.omega - range[1]));
+            first.is_some_and(|side| side <= 0.0)
+        };
+        let motions = free.iter().map(found).find(begins_inside).unwrap_or_default();
+        let motions: Vec<&Motion> = motions.iter().collect();
         let mut responses = Vec::with_capacity(settings.levels.len());
         for (index, level) in settings.levels.iter().enumerate() {
             let level = level.si();

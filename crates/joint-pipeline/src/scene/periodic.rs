@@ -144,6 +144,9 @@ impl Forced {
     /// These levels between these frequencies (Hz), with defaults for all else.
     pub fn new(levels: Vec<Force>, from_hz: f64, to_hz: f64) -> Self {
         Self {
+            node: None,
+            direction: None,
+            terms: None,
             levels,
             from_hz,
             to_hz,
