@@ -6,7 +6,8 @@ use joint_pipeline::Scene;
 use joint_pipeline::scene::StructureSource;
 use reports::Output;
 use reports::run::{
-    ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, PERIODIC, amplitude_file, harmonics_file, picture_file, table_file,
+    ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC, amplitude_file, harmonics_file, loops_file, picture_file,
+    table_file,
 };
 use std::io::Write;
 use std::path::Path;
@@ -66,7 +67,9 @@ pub fn of_scene(command: &str, scene: &Scene) -> Identity {
 /// Whether a run of some scene may write a file of this name beside those that every run writes: the fields of an amplitude,
 /// the backbone of a further mode, an ensemble, or periodic motions.
 pub(crate) fn is_of_some_run(name: &str) -> bool {
-    if [ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, PERIODIC].contains(&name) || name == harmonics_file(None) {
+    let of_first = [harmonics_file(None), loops_file(None)];
+    if [ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC].contains(&name) || of_first.iter().any(|of| name == of)
+    {
         return true;
     }
     let number = |text: &str| text.parse::<usize>().ok();
@@ -74,7 +77,7 @@ pub(crate) fn is_of_some_run(name: &str) -> bool {
         .strip_prefix("mode-")
         .and_then(|rest| number(rest.split_once('-')?.0))
     {
-        let of_mode = [table_file, picture_file, harmonics_file].map(|of| of(Some(mode)));
+        let of_mode = [table_file, picture_file, harmonics_file, loops_file].map(|of| of(Some(mode)));
         return of_mode.iter().any(|known| known == name);
     }
     let Some(rest) = name.strip_prefix("interface-") else {

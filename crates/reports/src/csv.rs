@@ -2,6 +2,7 @@
 
 use crate::Error;
 use joint_pipeline::analysis::ensemble::{Ensemble, MemberPoint};
+use joint_pipeline::analysis::periodic::PointLoop;
 use joint_pipeline::analysis::registration::Moved;
 use joint_pipeline::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, Summary};
 
@@ -206,6 +207,45 @@ pub fn epmc(modes: &[(usize, &[MethodSummary])]) -> Result<String, Error> {
         })
     });
     table(headings.chain(["failure".to_owned()]), rows)
+}
+
+/// Hysteresis loops of single points along periodic motions, one row per sample; each loop is closed by its first sample.
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn loops(modes: &[(usize, &[PointLoop])]) -> Result<String, Error> {
+    let headings = [
+        "mode",
+        "modal_amplitude [sqrt(kg) m]",
+        "point",
+        "sample",
+        "jump_x [m]",
+        "jump_y [m]",
+        "interference [m]",
+        "traction_x [Pa]",
+        "traction_y [Pa]",
+        "pressure [Pa]",
+    ];
+    let rows = modes.iter().flat_map(|&(mode, loops)| {
+        loops.iter().flat_map(move |found| {
+            let history = &found.history;
+            (0..history.jump[0].len()).map(move |sample| {
+                let place = [
+                    mode.to_string(),
+                    number(found.modal_amplitude),
+                    (history.point + 1).to_string(),
+                    (sample + 1).to_string(),
+                ];
+                let values = history
+                    .jump
+                    .iter()
+                    .chain(&history.traction)
+                    .map(|values| number(values[sample]));
+                place.into_iter().chain(values).collect::<Vec<_>>()
+            })
+        })
+    });
+    table(headings, rows)
 }
 
 /// Forced responses, one row per point along the curve of each level. The amplitude is that of the first harmonic.

@@ -5,6 +5,7 @@ use crate::plot::{
 };
 use crate::{Drawing, Error};
 use joint_pipeline::Run;
+use joint_pipeline::analysis::periodic::PointLoop;
 use joint_pipeline::results::summary::{ForcedSummary, MethodSummary, Summary};
 use joint_pipeline::scene::Method;
 use matrix_files::npz;
@@ -381,6 +382,55 @@ pub fn harmonics_picture(points: &[MethodSummary], response: &str, title: &str) 
 }
 
 /// A line of this colour without points and name.
+/// Hysteresis loops of single points: the tangential traction against the jump in the direction in which the largest one moves most,
+/// both from their means.
+///
+/// # Errors
+/// [`Error::Picture`].
+pub fn loops_picture(loops: &[PointLoop], title: &str) -> Result<String, Error> {
+    let extent = |values: &[f64]| bounds(values.iter().copied()).map_or(0.0, |range| range.end - range.start);
+    let last = loops.last().map(|found| &found.history.jump);
+    let q = usize::from(last.is_some_and(|jump| extent(&jump[1]) > extent(&jump[0])));
+    let from_mean = |values: &[f64], unit: f64| -> Vec<f64> {
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        values.iter().map(|v| (v - mean) / unit).collect()
+    };
+    let curves: Vec<Curve> = loops
+        .iter()
+        .enumerate()
+        .map(|(index, found)| {
+            let history = &found.history;
+            let (jump, traction) = (from_mean(&history.jump[q], 1e-6), from_mean(&history.traction[q], 1e6));
+            let closed = jump.iter().zip(&traction).chain(jump.first().zip(traction.first()));
+            Curve {
+                name: named(index, loops.len(), || {
+                    format!("point {}, q = {}", history.point + 1, short(found.modal_amplitude))
+                }),
+                points: numbered(closed.map(|(x, y)| (*x, *y))),
+                ..solid(shade(index, loops.len()))
+            }
+        })
+        .collect();
+    picture("the loops", (800, 560), |root| {
+        let root = root.titled(title, ("sans-serif", 20))?;
+        let all = || curves.iter().flat_map(|curve| &curve.points);
+        let x = margin(&bounds(all().map(|p| p.1)).unwrap_or(-1.0..1.0));
+        let y = margin(&bounds(all().map(|p| p.2)).unwrap_or(-1.0..1.0));
+        let (x_text, y_text) = (decimals(&x), decimals(&y));
+        panel(
+            &root,
+            x,
+            y,
+            "tangential traction [MPa]",
+            "tangential jump [um]",
+            [&x_text, &y_text],
+            &curves,
+            &[],
+            SeriesLabelPosition::LowerRight,
+        )
+    })
+}
+
 fn solid(colour: RGBColor) -> Curve {
     Curve {
         name: String::new(),

@@ -16,6 +16,9 @@ pub const ENSEMBLE: &str = "ensemble.csv";
 /// Name of the table of free periodic motions by EPMC.
 pub const EPMC: &str = "epmc.csv";
 
+/// Name of the table of hysteresis loops of single points.
+pub const LOOPS: &str = "loops.csv";
+
 /// Name of the table of forced responses.
 pub const FORCED: &str = "forced.csv";
 
@@ -43,6 +46,11 @@ pub fn picture_file(mode: Option<usize>) -> String {
 /// Name of the picture of the harmonics of a mode's EPMC backbone; `mode` is none for the first mode followed.
 pub fn harmonics_file(mode: Option<usize>) -> String {
     of_mode(mode) + "harmonics.svg"
+}
+
+/// Name of the picture of the loops of single points in a mode; `mode` is none for the first mode followed.
+pub fn loops_file(mode: Option<usize>) -> String {
+    of_mode(mode) + "loops.svg"
 }
 
 /// What distinguishes the files of a mode from those of the first mode followed.
@@ -105,7 +113,7 @@ fn periodic_files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Outpu
         let title = format!("{}: forced responses", run.scene.name);
         if let Some(picture) = motions.response_picture(&title)? {
             let caption = format!(
-                "Response to a harmonic force at the response point. Amplitude: {}.",
+                "Response to a harmonic force. Amplitude: {}.",
                 plot::amplitude_label(motions.response)
             );
             add(FORCED_PICTURE.into(), picture, caption, &mut outputs);
@@ -121,6 +129,25 @@ fn periodic_files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Outpu
         let caption =
             format!("Amplitudes of the harmonics of mode {mode} over that of the first, in the norm of the mass.");
         add(harmonics_file(further), picture, caption, &mut outputs);
+    }
+    let loops: Vec<_> = run
+        .backbones
+        .iter()
+        .filter_map(|of| Some((of.mode, of.epmc.as_ref()?.loops.as_slice())))
+        .filter(|(_, loops)| !loops.is_empty())
+        .collect();
+    if !loops.is_empty() {
+        outputs.push(Output::new(LOOPS, csv::loops(&loops)?));
+    }
+    for &(mode, of_mode) in &loops {
+        let further = (mode != run.first().mode).then_some(mode);
+        let title = format!("{}: loops of mode {mode} by EPMC", run.scene.name);
+        let picture = periodic::loops_picture(of_mode, &title)?;
+        let caption =
+            "Tangential traction of single points against their jump, both from their means over a period; q is the \
+                       modal amplitude in sqrt(kg) m."
+                .to_owned();
+        add(loops_file(further), picture, caption, &mut outputs);
     }
     Ok((outputs, pictures))
 }

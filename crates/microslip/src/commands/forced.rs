@@ -19,7 +19,7 @@ pub struct Arguments {
     /// methods `epmc` alone.
     #[command(flatten)]
     scene: SceneArguments,
-    /// Amplitudes of the force at the response point (N), in the place of `forced.levels` of the scene.
+    /// Amplitudes of the force (N), in the place of `forced.levels` of the scene.
     #[arg(long, value_name = "N,N,..", value_delimiter = ',')]
     levels: Option<Vec<f64>>,
     /// First frequency (Hz), in the place of `forced.from_hz`.
