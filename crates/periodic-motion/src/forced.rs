@@ -84,6 +84,8 @@ pub struct Curve {
 /// A resonance: the point of the force moves a quarter period behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resonance {
+    /// Index of the last point of the curve before it.
+    pub after: usize,
     /// Angular frequency (rad/s).
     pub omega: f64,
     /// Harmonics of the displacements from the static state (m).
@@ -142,7 +144,7 @@ pub fn resonances<F: PointwiseForce>(
     let system = System::new(line, law, row, settings.background, settings.sampling);
     let cosine = |point: &Point| -> f64 { point.displacement.along(row)[1] };
     let mut found = Vec::new();
-    for pair in curve.points.windows(2) {
+    for (index, pair) in curve.points.windows(2).enumerate() {
         let [before, after] = [cosine(&pair[0]), cosine(&pair[1])];
         if !(before > 0.0 && after <= 0.0) {
             continue;
@@ -186,6 +188,7 @@ pub fn resonances<F: PointwiseForce>(
             &mut Effort::default(),
         );
         found.push(solved.map(|converged| Resonance {
+            after: index,
             omega: unknown.at(Parameter::Square).sqrt(),
             residual: converged.residual.max(system.imbalance(&unknown)),
             displacement: unknown.v,

@@ -41,6 +41,13 @@ pub fn response(
         amplitudes.extend((0..steps).map(|i| pair[0].towards(&pair[1], i as f64 / steps as f64)));
     }
     amplitudes.extend(modes.last());
+    let sustained = |mode: &Mode| mode.frequencies(force)[1].is_some();
+    let tips = amplitudes
+        .windows(2)
+        .filter(|pair| sustained(&pair[0]) != sustained(&pair[1]));
+    let tips: Vec<Mode> = tips.map(|pair| pair[0].tip(&pair[1], &sustained)).collect();
+    amplitudes.extend(tips);
+    amplitudes.sort_by(|a, b| a.log_amplitude.total_cmp(&b.log_amplitude));
     let (mut below, mut above) = (Vec::new(), Vec::new());
     for mode in amplitudes {
         let [low, high] = mode.frequencies(force);
@@ -88,6 +95,24 @@ impl Mode {
             psi: between(self.psi, other.psi),
             observed: between(self.observed, other.observed),
         }
+    }
+
+    /// The last mode towards `other` that is sustained where only one of the two is: the tip of the resonance.
+    fn tip(&self, other: &Self, sustained: &dyn Fn(&Self) -> bool) -> Self {
+        let (mut inside, mut outside) = if sustained(self) {
+            (*self, *other)
+        } else {
+            (*other, *self)
+        };
+        for _ in 0..50 {
+            let middle = inside.towards(&outside, 0.5);
+            if sustained(&middle) {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        inside
     }
 
     /// Frequencies at which a force sustains the amplitude, below and above the resonance.

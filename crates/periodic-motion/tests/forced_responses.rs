@@ -132,7 +132,7 @@ fn resonances_lie_on_the_backbone_of_phase_resonances_and_near_that_of_free_moti
         );
         // Points are up to 2 % of the frequency apart.
         assert!((peak_omega / resonance.omega - 1.0).abs() < 2e-2);
-        // The mode alone.
+        // The mode alone. With 6 % of damping its tip is 4e-3 below the phase resonance, as zeta^2 says.
         let motions: Vec<_> = free.iter().collect();
         let alone = synthesis::response(&motions, &row, &row, force, beta, 8);
         let top = alone
@@ -140,7 +140,7 @@ fn resonances_lie_on_the_backbone_of_phase_resonances_and_near_that_of_free_moti
             .max_by(|a, b| a.displacement.total_cmp(&b.displacement))
             .unwrap();
         assert!(
-            (top.omega / resonance.omega - 1.0).abs() < 2e-3,
+            (top.omega / resonance.omega - 1.0).abs() < 6e-3,
             "{force}: {} {}",
             top.omega,
             resonance.omega

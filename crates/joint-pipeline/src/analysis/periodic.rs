@@ -294,9 +294,14 @@ impl ForcedResponse {
     ) -> Self {
         let point = |p: &forced::Point| ForcedPoint::new(row, p.omega, &p.displacement, p.residual, p.turns);
         let resonance = |r: &forced::Resonance| ForcedPoint::new(row, r.omega, &r.displacement, r.residual, false);
+        let mut points: Vec<ForcedPoint> = curve.points.iter().map(point).collect();
+        // Resonances are points of the curve too; from the last to the first, so that the indices hold.
+        for found in resonances.iter().flatten().rev() {
+            points.insert(found.after + 1, resonance(found));
+        }
         Self {
             level: curve.force,
-            points: curve.points.iter().map(point).collect(),
+            points,
             resonances: resonances
                 .iter()
                 .map(|r| r.as_ref().map(resonance).map_err(Clone::clone))
