@@ -12,6 +12,7 @@ use crate::backbone::Motion;
 
 /// A point of the response of one mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// Amplitude of the mode (sqrt(kg) m).
     pub modal_amplitude: f64,

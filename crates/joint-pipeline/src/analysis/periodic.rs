@@ -12,6 +12,7 @@ use periodic_motion::aft::PointHistory;
 use periodic_motion::backbone::{self, Accuracy, Kind, Motion, Point};
 use periodic_motion::{Failure, NewtonSettings, Sampling, forced, interface, synthesis};
 use reduction::ReducedModel;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -25,6 +26,9 @@ const DAMPING_FLOOR: f64 = 1e-5;
 
 /// Most harmonics and samples that an accuracy leads to.
 const MOST: (usize, usize) = (31, 4096);
+
+/// Smallest share of a harmonic whose maximum is reported.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// Intervals between two amplitudes of a backbone in the response of one mode.
 const BETWEEN: usize = 16;
@@ -166,8 +170,9 @@ impl Request<'_> {
         &self,
         settings: &Forced,
         free: &[&EpmcBackbone],
+        key: Option<(&Path, KeyBuilder)>,
         progress: &dyn Progress,
-    ) -> Result<Vec<ForcedResponse>, Error> {
+    ) -> Result<(Vec<ForcedResponse>, Checkpoints), Error> {
         progress.begin(Stage::Forced);
         let at = response(self.vibrating);
         let row = match self.vibrating.recovery.nrows() {
@@ -200,13 +205,27 @@ impl Request<'_> {
         };
         let motions = free.iter().map(found).find(begins_inside).unwrap_or_default();
         let motions: Vec<&Motion> = motions.iter().collect();
-        let mut responses = Vec::with_capacity(settings.levels.len());
-        for (index, level) in settings.levels.iter().enumerate() {
+        let checkpoint: Checkpoint<ForcedResponse> = match key {
+            None => Checkpoint::default(),
+            Some((directory, mut key)) => {
+                key.numbers(self.line.displacement().iter().copied());
+                key.numbers(row.iter().copied());
+                Checkpoint::open(directory, "forced", &key.finish())
+            }
+        };
+        let mut responses = checkpoint.leading();
+        let levels = settings.levels.len();
+        if !responses.is_empty() {
+            let found = responses.len();
+            progress.note(&format!(
+                "{found} of {levels} forced responses were taken from an interrupted run"
+            ));
+        }
+        for (index, level) in settings.levels.iter().enumerate().skip(responses.len()) {
             let level = level.si();
             let curve = forced::follow(self.line, self.force, &row, level, &solver, &mut |point| {
                 let way = (point.omega - range[0]) / (range[1] - range[0]);
-                let done = (index as f64 + way.clamp(0.0, 1.0)) / settings.levels.len() as f64;
-                progress.fraction(Stage::Forced, done);
+                progress.fraction(Stage::Forced, (index as f64 + way.clamp(0.0, 1.0)) / levels as f64);
                 flow(progress)
             })?;
             let resonances = forced::resonances(self.line, self.force, &row, &curve, &solver)?;
@@ -214,10 +233,13 @@ impl Request<'_> {
                 .into_iter()
                 .filter(|p| (p.omega - range[0]) * (p.omega - range[1]) <= 0.0)
                 .collect();
-            responses.push(ForcedResponse::new(&at, curve, &resonances, synthesis));
+            let response = ForcedResponse::new(&at, curve, &resonances, synthesis);
+            checkpoint.add(index, &response);
+            responses.push(response);
         }
         progress.end(Stage::Forced);
-        Ok(responses)
+        let (_, checkpoints) = checkpoint.complete();
+        Ok((responses, checkpoints))
     }
 }
 
@@ -237,7 +259,7 @@ fn flow(progress: &dyn Progress) -> ControlFlow<()> {
 }
 
 /// The response to a force of one amplitude.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ForcedResponse {
     /// Amplitude of the force (N).
     pub level: f64,
@@ -254,7 +276,7 @@ pub struct ForcedResponse {
 }
 
 /// The motion of the response point under a force.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ForcedPoint {
     /// Frequency of the force (Hz).
     pub frequency_hz: f64,
@@ -310,6 +332,20 @@ impl ForcedResponse {
             failure: curve.failure,
             effort: curve.effort,
         }
+    }
+
+    /// Where the share of a harmonic above the first has a maximum: number of the harmonic, and the point. Small ones are left out.
+    pub fn superharmonics(&self) -> Vec<(usize, &ForcedPoint)> {
+        let highest = self.points.first().map_or(0, |p| p.harmonics.len());
+        let share = |p: &ForcedPoint, h: usize| p.harmonics[h - 1] / p.harmonics[0];
+        let maxima = |h: usize| {
+            let inner = self.points.windows(3).filter(move |p| {
+                let [before, here, after] = [&p[0], &p[1], &p[2]].map(|p| share(p, h));
+                here > LEAST_SHARE && here > before && here >= after
+            });
+            inner.map(move |p| (h, &p[1]))
+        };
+        (2..=highest).flat_map(maxima).collect()
     }
 
     /// The point of the largest first harmonic.

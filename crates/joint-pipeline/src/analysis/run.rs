@@ -397,7 +397,16 @@ impl Prepared {
             .filter_map(|mode: &ModeAnalysis| mode.epmc.as_ref())
             .collect();
         let forced = match &scene.forced {
-            Some(settings) => request.forced(settings, &free, progress)?,
+            Some(settings) => {
+                let key = self
+                    .options
+                    .cache
+                    .as_deref()
+                    .map(|directory| (directory, self.key(scene)));
+                let (found, resume) = request.forced(settings, &free, key, progress)?;
+                checkpoints.extend(resume);
+                found
+            }
             None => Vec::new(),
         };
 

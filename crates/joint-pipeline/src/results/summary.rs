@@ -380,6 +380,9 @@ pub struct ForcedSummary {
     pub turning_points: Vec<usize>,
     /// Where the response is a quarter period behind the force.
     pub resonances: Vec<ResonanceSummary>,
+    /// Where the share of a harmonic above the first has a maximum of more than a thousandth.
+    #[serde(default)]
+    pub superharmonics: Vec<SuperharmonicSummary>,
     /// The largest first harmonic of the curve: frequency (Hz) and amplitude (m).
     pub peak: Option<[f64; 2]>,
     /// The same by the response of the nonlinear mode alone, where an EPMC backbone is there.
@@ -393,6 +396,18 @@ pub struct ForcedSummary {
     pub krylov_steps: usize,
     /// Why the curve ends early, if it does.
     pub failure: Option<String>,
+}
+
+/// A maximum of the share of a harmonic.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SuperharmonicSummary {
+    /// The harmonic.
+    pub harmonic: usize,
+    /// Frequency of the force there (Hz).
+    pub frequency_hz: f64,
+    /// Amplitude of the harmonic over that of the first, at the response point.
+    pub share: f64,
 }
 
 /// A resonance of a forced response.
@@ -701,6 +716,15 @@ fn forced(of: &ForcedResponse) -> ForcedSummary {
         residual: each(&|p| p.residual),
         turning_points: (0..of.points.len()).filter(|i| of.points[*i].turns).collect(),
         resonances: of.resonances.iter().map(resonance).collect(),
+        superharmonics: of
+            .superharmonics()
+            .into_iter()
+            .map(|(harmonic, point)| SuperharmonicSummary {
+                harmonic,
+                frequency_hz: point.frequency_hz,
+                share: point.harmonics[harmonic - 1] / point.harmonics[0],
+            })
+            .collect(),
         single_mode_error: peak.zip(alone).map(|(p, a)| [a[0] / p[0] - 1.0, a[1] / p[1] - 1.0]),
         peak,
         single_mode_peak: alone,
