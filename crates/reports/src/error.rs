@@ -28,7 +28,7 @@ pub enum Error {
     Table(#[source] csv::Error),
     /// Arrays could not be written as a NumPy archive.
     #[error("encoding arrays")]
-    Arrays(#[source] matrix_files::Error),
+    Arrays(#[source] Box<matrix_files::Error>),
     /// A summary could not be written as JSON.
     #[error("encoding the summary")]
     Summary(#[source] serde_json::Error),

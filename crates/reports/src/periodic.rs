@@ -265,7 +265,7 @@ impl<'a> PeriodicMotions<'a> {
     /// # Errors
     /// [`Error::Arrays`] for numbers that are not finite.
     pub fn archive(&self) -> Result<Vec<u8>, Error> {
-        npz::to_bytes(&self.arrays()?).map_err(Error::Arrays)
+        npz::to_bytes(&self.arrays()?).map_err(|error| Error::Arrays(Box::new(error)))
     }
 
     fn free_arrays(&self, arrays: &mut Arrays) -> Result<(), Error> {
@@ -527,14 +527,14 @@ struct Arrays(BTreeMap<String, Array>);
 
 impl Arrays {
     fn column(&mut self, name: &str, values: Vec<f64>) -> Result<(), Error> {
-        let array = Dense::try_new(values.len(), 1, values).map_err(Error::Arrays)?;
+        let array = Dense::try_new(values.len(), 1, values).map_err(|error| Error::Arrays(Box::new(error)))?;
         self.0.insert(name.into(), Array::Dense(array));
         Ok(())
     }
 
     fn integers(&mut self, name: &str, values: &[usize]) -> Result<(), Error> {
         let values: Vec<i64> = values.iter().map(|v| i64::try_from(*v).unwrap_or(i64::MAX)).collect();
-        let array = Dense::try_new(values.len(), 1, values).map_err(Error::Arrays)?;
+        let array = Dense::try_new(values.len(), 1, values).map_err(|error| Error::Arrays(Box::new(error)))?;
         self.0.insert(name.into(), Array::Integers(array));
         Ok(())
     }
@@ -545,7 +545,8 @@ impl Arrays {
         let values = rows
             .iter()
             .flat_map(|row| (0..n).map(|k| row.get(k).copied().unwrap_or(0.0)));
-        let array = Dense::try_from_rows(rows.len(), n, values.collect()).map_err(Error::Arrays)?;
+        let array =
+            Dense::try_from_rows(rows.len(), n, values.collect()).map_err(|error| Error::Arrays(Box::new(error)))?;
         self.0.insert(name.into(), Array::Dense(array));
         Ok(())
     }
