@@ -96,6 +96,43 @@ fn a_linear_oscillator_converges_to_its_closed_form_with_second_order() {
 }
 
 #[test]
+fn a_driven_oscillator_stays_in_its_steady_state() {
+    let (m, k, kt, zeta): (f64, f64, f64, f64) = (3.0, 1000.0, 500.0, 0.02);
+    let oscillator = Oscillator::new(m, k, (kt, STUCK));
+    let omega = ((k + kt) / m).sqrt();
+    for ratio in [0.7, 1.0, 1.4] {
+        let drive = ratio * omega;
+        // (omega^2 - drive^2 + 2 i zeta omega drive) (c - i s) = force / m.
+        let (real, imaginary) = (omega * omega - drive * drive, 2.0 * zeta * omega * drive);
+        let force = 2.0;
+        let scale = force / m / (real * real + imaginary * imaginary);
+        let (c, s) = (scale * real, scale * imaginary);
+        let start = Start::Driven {
+            amplitude: force,
+            omega: drive,
+            point: vec![1.0],
+            motion: [vec![c], vec![drive * s], vec![-drive * drive * c]],
+        };
+        let errors: Vec<f64> = [40, 80, 160]
+            .iter()
+            .map(|&steps_per_period| {
+                let settings = Settings {
+                    steps_per_period,
+                    periods: 10,
+                    background_damping: zeta,
+                    spectral_radius: 1.0,
+                    ..Settings::default()
+                };
+                let found = oscillator.run(&start, &settings);
+                assert!(found.failure.is_none() && found.energy_error() < 1e-6);
+                largest_error(&found, |t| c * (drive * t).cos() + s * (drive * t).sin()) / c.hypot(s)
+            })
+            .collect();
+        assert!(order(&errors) > 1.9 && errors[2] < 0.02, "{ratio}: {errors:?}");
+    }
+}
+
+#[test]
 fn what_the_scheme_does_to_an_oscillation_is_known_exactly() {
     let oscillator = Oscillator::new(1.0, 1000.0, (500.0, STUCK));
     for spectral_radius in [0.0, 0.5, 0.9, 1.0] {
@@ -344,6 +381,12 @@ fn inadmissible_settings_are_named() {
         duration,
         point,
     };
+    let driven = |amplitude, omega, row, size| Start::Driven {
+        amplitude,
+        omega,
+        point: vec![1.0; row],
+        motion: std::array::from_fn(|_| vec![0.0; size]),
+    };
     let default = Settings::default;
     for (name, row, start, settings) in [
         ("row", vec![1.0], release.clone(), default()),
@@ -356,6 +399,10 @@ fn inadmissible_settings_are_named() {
             Start::Release { modal_force: -1.0 },
             default(),
         ),
+        ("row driven", vec![1.0; 2], driven(1.0, 1.0, 1, 2), default()),
+        ("motion at the start", vec![1.0; 2], driven(1.0, 1.0, 2, 1), default()),
+        ("amplitude", vec![1.0; 2], driven(0.0, 1.0, 2, 2), default()),
+        ("omega", vec![1.0; 2], driven(1.0, f64::INFINITY, 2, 2), default()),
         ("mode", vec![1.0; 2], release.clone(), Settings { mode: 1, ..default() }),
         (
             "steps_per_period",

@@ -1,0 +1,211 @@
+//! What cannot be started is refused by name, and what does not converge is a status.
+mod common;
+
+use common::{Element, Elements, chain, linearised};
+use periodic_motion::backbone::{self, Accuracy, Kind};
+use periodic_motion::forced::{self, follow};
+use periodic_motion::{Error, NewtonSettings, Reason, Sampling};
+use std::ops::ControlFlow;
+
+const SAMPLING: Sampling = Sampling {
+    harmonics: 3,
+    samples: 64,
+    periods: 2,
+};
+
+fn settings() -> backbone::Settings {
+    backbone::Settings {
+        mode: 0,
+        sampling: SAMPLING,
+        accuracy: None,
+        newton: NewtonSettings::default(),
+    }
+}
+
+fn sliders(n: usize) -> Elements {
+    Elements::new(vec![
+        Element::Jenkins {
+            stiffness: 1e3,
+            limit: 1.0
+        };
+        n
+    ])
+}
+
+#[test]
+fn inadmissible_settings_of_backbones_are_named() {
+    let (stiffness, mass) = chain(2, 1e4);
+    let force = sliders(2);
+    let line = linearised(&stiffness, &mass, &force, 2);
+    let with = |change: &dyn Fn(&mut backbone::Settings)| {
+        let mut settings = settings();
+        change(&mut settings);
+        settings
+    };
+    for (name, kind, amplitudes, settings) in [
+        ("mode", Kind::Free, vec![1e-3], with(&|s| s.mode = 2)),
+        ("harmonics", Kind::Free, vec![1e-3], with(&|s| s.sampling.harmonics = 0)),
+        ("samples", Kind::Free, vec![1e-3], with(&|s| s.sampling.samples = 6)),
+        ("samples", Kind::Free, vec![1e-3], with(&|s| s.sampling.harmonics = 32)),
+        ("periods", Kind::Free, vec![1e-3], with(&|s| s.sampling.periods = 0)),
+        ("modal_amplitude", Kind::Free, vec![1e-3, 1e-3], settings()),
+        ("modal_amplitude", Kind::Free, vec![f64::NAN], settings()),
+        ("modal_amplitude", Kind::Free, vec![-1.0], settings()),
+    ] {
+        let found = backbone::follow(&line, &force, kind, &amplitudes, &settings, Vec::new(), &mut |_| {
+            ControlFlow::Continue(())
+        });
+        let error = found.expect_err("refused");
+        assert!(
+            matches!(error, Error::Setting { field, .. } if field == name),
+            "{name}: {error}"
+        );
+    }
+    let kind = Kind::PhaseResonance {
+        row: &[1.0],
+        background: 0.0,
+    };
+    let found = backbone::follow(&line, &force, kind, &[1e-3], &settings(), Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    assert!(matches!(found, Err(Error::Size { .. })));
+    let found = backbone::follow(
+        &line,
+        &force,
+        Kind::Free,
+        &[1e-3, 2e-3],
+        &settings(),
+        Vec::new(),
+        &mut |_| ControlFlow::Break(()),
+    );
+    assert!(matches!(found, Err(Error::Interrupted)));
+}
+
+#[test]
+fn inadmissible_settings_of_forced_responses_are_named() {
+    let (stiffness, mass) = chain(2, 1e4);
+    let force = sliders(2);
+    let line = linearised(&stiffness, &mass, &force, 2);
+    let good = forced::Settings {
+        range: [50.0, 60.0],
+        sampling: SAMPLING,
+        ..forced::Settings::default()
+    };
+    for (name, level, settings) in [
+        ("force", 0.0, good),
+        ("force", f64::INFINITY, good),
+        (
+            "frequency",
+            1.0,
+            forced::Settings {
+                range: [0.0, 1.0],
+                ..good
+            },
+        ),
+        (
+            "frequency",
+            1.0,
+            forced::Settings {
+                range: [5.0, 5.0],
+                ..good
+            },
+        ),
+        (
+            "amplitude_step",
+            1.0,
+            forced::Settings {
+                amplitude_step: 0.0,
+                ..good
+            },
+        ),
+        (
+            "frequency_step",
+            1.0,
+            forced::Settings {
+                frequency_step: 2.0,
+                ..good
+            },
+        ),
+    ] {
+        let found = follow(&line, &force, &[1.0, 0.0], level, &settings, &mut |_| {
+            ControlFlow::Continue(())
+        });
+        let error = found.expect_err("refused");
+        assert!(
+            matches!(error, Error::Setting { field, .. } if field == name),
+            "{name}: {error}"
+        );
+    }
+    let found = follow(&line, &force, &[1.0], 1.0, &good, &mut |_| ControlFlow::Continue(()));
+    assert!(matches!(found, Err(Error::Size { .. })));
+    // A curve that may have one point alone says that it ends early.
+    let few = forced::Settings { max_points: 3, ..good };
+    let found = follow(
+        &line,
+        &force,
+        &[1.0, 0.0],
+        1.0,
+        &few,
+        &mut |_| ControlFlow::Continue(()),
+    )
+    .expect("a curve");
+    assert_eq!(found.points.len(), 3);
+    assert_eq!(found.failure.expect("it ends early").reason, Reason::IterationLimit);
+}
+
+#[test]
+fn motions_that_cannot_be_reached_are_a_status_with_its_history() {
+    let (stiffness, mass) = chain(2, 1e4);
+    let force = sliders(2);
+    let line = linearised(&stiffness, &mass, &force, 2);
+    let hopeless = backbone::Settings {
+        newton: NewtonSettings {
+            tolerance: 1e-300,
+            ..NewtonSettings::default()
+        },
+        ..settings()
+    };
+    let points = backbone::follow(&line, &force, Kind::Free, &[3e-3], &hopeless, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .expect("the settings are admissible");
+    let failure = points[0].result.as_ref().expect_err("nothing is that small");
+    assert!(!failure.history.is_empty());
+}
+
+#[test]
+fn phase_resonances_meet_an_error_target_too() {
+    let (stiffness, mass) = chain(2, 1e4);
+    let force = sliders(2);
+    let line = linearised(&stiffness, &mass, &force, 2);
+    let kind = Kind::PhaseResonance {
+        row: &[1.0, 0.0],
+        background: 1e-3,
+    };
+    let target = backbone::Settings {
+        sampling: Sampling {
+            harmonics: 1,
+            samples: 16,
+            periods: 2,
+        },
+        accuracy: Some(Accuracy {
+            frequency: 1e-4,
+            damping: 1e-2,
+            damping_floor: 0.0,
+            max_harmonics: 15,
+            max_samples: 1024,
+        }),
+        ..settings()
+    };
+    let points = backbone::follow(&line, &force, kind, &[1e-3, 3e-3], &target, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .expect("the settings are admissible");
+    for point in points {
+        let motion = point.result.expect("it converges");
+        let errors = motion.errors.expect("a target was given");
+        assert!(errors.frequency.iter().all(|e| *e <= 1e-4) && errors.damping.iter().all(|e| *e <= 1e-2));
+        assert!(motion.force.is_some_and(|force| force > 0.0) && motion.zeta.is_none());
+        assert!(motion.energy_error < 1e-8 && motion.residual < 1e-7);
+    }
+}
