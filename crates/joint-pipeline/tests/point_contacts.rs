@@ -3,99 +3,21 @@
 
 mod common;
 
-use common::{BENCHMARKS, material};
+use common::BENCHMARKS;
+use common::points::{Slider, folder, read, scene, set, solve, try_run, write};
 use faer::Mat;
 use joint_pipeline::interface::SceneInterface;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::results::summary::Summary;
 use joint_pipeline::structure::{Structure, export};
-use joint_pipeline::{Error, Options, Run, Scene, run};
+use joint_pipeline::{Error, Scene};
 use matrix_files::npz;
-use matrix_files::value::{Array, Dense, Dof};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
-
-/// A folder of the test's own.
-fn folder(test: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("joint-pipeline-points-{test}-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-/// Writes matrices over coordinates of which `dofs` has label and component.
-fn write(path: &Path, stiffness: &Mat<f64>, mass: &Mat<f64>, dofs: &[(i64, u32)]) {
-    let n = dofs.len();
-    let dense = |matrix: &Mat<f64>| {
-        let entries = (0..n).flat_map(|j| (0..n).map(move |i| matrix[(i, j)]));
-        Array::Dense(Dense::try_new(n, n, entries.collect()).unwrap())
-    };
-    let dofs: Vec<Dof> = dofs
-        .iter()
-        .map(|&(label, component)| Dof::new(label, component))
-        .collect();
-    let arrays = [("K", dense(stiffness)), ("M", dense(mass)), ("dofs", Dof::table(&dofs))];
-    let arrays = arrays.map(|(name, array)| (name.to_owned(), array)).into();
-    std::fs::write(path, npz::to_bytes(&arrays).unwrap()).unwrap();
-}
-
-/// A set of parameters of one point.
-fn set(stiffness: [f64; 3], mu: f64, preload: f64) -> Value {
-    let [x, y, n] = stiffness;
-    json!({
-        "curves": { "elastic": { "normal_stiffness": n, "tangential_stiffness": [x, y] } },
-        "mu": mu,
-        "preload": preload,
-    })
-}
-
-fn scene(path: &Path, nodes: &[u64], sets: &[Value], response: &Value) -> Value {
-    let points: Vec<Value> = nodes.iter().map(|node| json!({ "node": node })).collect();
-    json!({
-        "units": { "length": "m", "mass": "kg", "time": "s" },
-        "structure": { "matrices": {
-            "path": path,
-            "coordinates": "jump",
-            "points": points,
-            "response": { "terms": response },
-        } },
-        "model": { "material": material() },
-        "mu": 0.0,
-        "surface": { "parameters": { "per": "point", "sets": sets } },
-    })
-}
-
-fn read(scene: &Value) -> Result<Scene, Error> {
-    Scene::from_json(&scene.to_string(), "the test's scene", "points", &BENCHMARKS)
-}
-
-fn try_run(scene: &Value) -> Result<Run, Error> {
-    run(&read(scene)?, &Options::default(), &Silent)
-}
+use std::path::Path;
 
 fn refused(scene: &Value) -> String {
     try_run(scene).unwrap_err().to_string()
-}
-
-/// `x` of `a x = b`, by elimination.
-fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
-    let n = b.len();
-    for k in 0..n {
-        let pivot = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap();
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        for i in k + 1..n {
-            let factor = a[i][k] / a[k][k];
-            for j in k..n {
-                a[i][j] -= factor * a[k][j];
-            }
-            b[i] -= factor * b[k];
-        }
-    }
-    for k in (0..n).rev() {
-        b[k] = (b[k] - (k + 1..n).map(|j| a[k][j] * b[j]).sum::<f64>()) / a[k][k];
-    }
-    b
 }
 
 #[test]
@@ -174,31 +96,6 @@ fn a_point_of_constant_pressure_follows_the_closed_form_of_a_jenkins_element() {
         }
     }
     std::fs::remove_dir_all(folder).unwrap();
-}
-
-/// A point of the independent computation: its first coordinate, stiffnesses, friction coefficient, preload.
-#[derive(Clone, Copy)]
-struct Slider {
-    first: usize,
-    stiffness: [f64; 3],
-    mu: f64,
-    preload: f64,
-}
-
-impl Slider {
-    /// Forces after a step from where the point was, with the friction that it had.
-    fn force(&self, u: [f64; 3], before: [f64; 3], friction: [f64; 2]) -> [f64; 3] {
-        let [_, _, k_n] = self.stiffness;
-        let [now, was] = [u, before].map(|u| k_n * u[2] + self.preload);
-        if now <= 0.0 {
-            return [0.0; 3];
-        }
-        // Of a point that closes on the way, what is left of it.
-        let closed = if was < 0.0 { now / (now - was) } else { 1.0 };
-        let trial = [0, 1].map(|i| friction[i] + self.stiffness[i] * closed * (u[i] - before[i]));
-        let scale = (self.mu * now / trial[0].hypot(trial[1])).min(1.0);
-        [scale * trial[0], scale * trial[1], now]
-    }
 }
 
 /// A structure with sliders, moved step by step.

@@ -1,6 +1,8 @@
 //! Scenes on the benchmark that the tests use.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test uses some of it")]
 
+pub(crate) mod points;
+
 use brake_reuss_beam::BrakeReussBenchmark;
 use joint_pipeline::{Benchmark, Scene};
 use serde_json::{Value, json};
