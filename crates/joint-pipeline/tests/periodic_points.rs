@@ -21,6 +21,26 @@ const BACKGROUND: f64 = 0.02;
 /// Coordinates that the force acts on, with their factors: the beam's second node, askew.
 const FORCE: [(i64, u32, f64); 2] = [(2, 1, 0.8), (2, 3, 0.6)];
 
+/// Stiffness and mass of an element of length `l` in bending, per bending stiffness and mass per length: displacement and rotation of either end.
+fn bending_element(l: f64) -> [[[f64; 4]; 4]; 2] {
+    let k = [
+        [12.0, 6.0 * l, -12.0, 6.0 * l],
+        [6.0 * l, 4.0 * l * l, -6.0 * l, 2.0 * l * l],
+        [-12.0, -6.0 * l, 12.0, -6.0 * l],
+        [6.0 * l, 2.0 * l * l, -6.0 * l, 4.0 * l * l],
+    ];
+    let m = [
+        [156.0, 22.0 * l, 54.0, -13.0 * l],
+        [22.0 * l, 4.0 * l * l, 13.0 * l, -3.0 * l * l],
+        [54.0, 13.0 * l, 156.0, -22.0 * l],
+        [-13.0 * l, -3.0 * l * l, -22.0 * l, 4.0 * l * l],
+    ];
+    [
+        k.map(|row| row.map(|k| k / l.powi(3))),
+        m.map(|row| row.map(|m| m * l / 420.0)),
+    ]
+}
+
 /// A beam that is clamped at one end, and its tip's contact.
 struct Beam {
     stiffness: Mat<f64>,
@@ -37,18 +57,7 @@ impl Beam {
         let turn = 0.5_f64;
         let principal = [[turn.cos(), turn.sin()], [-turn.sin(), turn.cos()]];
         let l = length;
-        let k = [
-            [12.0, 6.0 * l, -12.0, 6.0 * l],
-            [6.0 * l, 4.0 * l * l, -6.0 * l, 2.0 * l * l],
-            [-12.0, -6.0 * l, 12.0, -6.0 * l],
-            [6.0 * l, 2.0 * l * l, -6.0 * l, 4.0 * l * l],
-        ];
-        let m = [
-            [156.0, 22.0 * l, 54.0, -13.0 * l],
-            [22.0 * l, 4.0 * l * l, 13.0 * l, -3.0 * l * l],
-            [54.0, 13.0 * l, 156.0, -22.0 * l],
-            [-13.0 * l, -3.0 * l * l, -22.0 * l, 4.0 * l * l],
-        ];
+        let [k, m] = bending_element(l);
         // Of a node: displacements along x, y and the normal, rotations of the bending along x and the normal. The tip has the first ones.
         let row = |node: usize, kind: usize| node.checked_sub(1).map(|_| 5 * (3 - node) + kind);
         let mut stiffness = Mat::<f64>::zeros(15, 15);
@@ -61,9 +70,9 @@ impl Beam {
                         continue;
                     };
                     let flexural: f64 = (0..2).map(|c| bending[c] * principal[c][i] * principal[c][j]).sum();
-                    stiffness[(p, q)] += flexural * k[a][b] / l.powi(3);
+                    stiffness[(p, q)] += flexural * k[a][b];
                     if i == j {
-                        inertia[(p, q)] += m[a][b] * mass * l / 420.0;
+                        inertia[(p, q)] += m[a][b] * mass;
                     }
                 }
             }
@@ -585,4 +594,43 @@ fn a_curve_goes_through_the_resonance_of_a_point_that_is_mostly_apart() {
     assert!(points.len() > 50 && points.iter().all(|p| p.residual < 1e-10));
     assert!(peak > 2.0 * points[0].harmonics[0]);
     assert!((points.last().unwrap().frequency_hz / 60.0 - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_curve_turns_corners_where_a_point_begins_to_slip() {
+    let folder = folder("corner");
+    let path = folder.join("beam.npz");
+    // Ten elements with friction at the middle and at the tip; around 35 Hz the tip begins to slip in the third harmonic.
+    let [k, m] = bending_element(0.06);
+    let (mut stiffness, mut mass) = (Mat::<f64>::zeros(40, 40), Mat::<f64>::zeros(40, 40));
+    let mut dofs = Vec::new();
+    for (plane, (component, bending)) in [(1, 350.0), (3, 14e3)].into_iter().enumerate() {
+        for (element, a, b) in (0..10).flat_map(|e| (0..16).map(move |i| (e, i / 4, i % 4))) {
+            let row = |a: usize| (2 * element + a).checked_sub(2).map(|row| 20 * plane + row);
+            if let (Some(p), Some(q)) = (row(a), row(b)) {
+                stiffness[(p, q)] += bending * k[a][b];
+                mass[(p, q)] += 1.56 * m[a][b];
+            }
+        }
+        dofs.extend((1..=10).flat_map(|node: i64| [(node, component), (-node, component)]));
+    }
+    write(&path, &stiffness, &mass, &dofs);
+    let sets = [set([1e5, 1e5, 2e5], 0.3, 50.0), set([5e4, 5e4, 1e5], 0.2, 20.0)];
+    let mut given = scene(&path, &[5, 10], &sets, &json!([[10, 1, 1.0]]));
+    given["background_damping"] = json!(5e-3);
+    given["cqsma"] = json!({ "amplitudes": 0 });
+    given["forced"] = json!({
+        "levels": [5.0], "from_hz": 15.0, "to_hz": 36.0, "terms": [[7, 1, 0.8], [7, 3, 0.6]], "harmonics": 9, "samples": 256,
+    });
+    let found = try_run(&given).unwrap();
+    let curve = &found.forced[0];
+    assert!(curve.failure.is_none(), "{:?}", curve.failure);
+    // From the other side the curve is the same.
+    let last = curve.points.last().unwrap();
+    given["forced"]["from_hz"] = json!(36.0);
+    given["forced"]["to_hz"] = json!(34.0);
+    let back = try_run(&given).unwrap();
+    let first = &back.forced[0].points[0];
+    assert!((last.harmonics[0] / first.harmonics[0] - 1.0).abs() < 1e-6);
+    std::fs::remove_dir_all(folder).unwrap();
 }

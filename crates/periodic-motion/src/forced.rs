@@ -243,6 +243,9 @@ impl From<Failure> for Stop {
     }
 }
 
+/// The length of steps of the frequency alone.
+const FIRST: f64 = 0.1;
+
 /// Steps are not made shorter than this.
 const SHORTEST: f64 = 1e-5;
 
@@ -294,15 +297,16 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
         };
         report(&here, &found, points)?;
         // The first step is one of the frequency alone.
-        let mut step: f64 = 0.1;
+        let mut step = FIRST;
         let mut tangent: Option<Tangent> = None;
+        let mut ahead = direction;
         while points.len() < self.settings.max_points {
             let mut next = here.clone();
             let predicted = match &tangent {
                 None => {
                     let square = next.at(Parameter::Square);
                     *next.at_mut(Parameter::Square) =
-                        square * (2.0 * direction * step * self.settings.frequency_step).exp();
+                        square * (2.0 * ahead * step * self.settings.frequency_step).exp();
                     None
                 }
                 Some(tangent) => {
@@ -316,7 +320,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
             let corrected = self.correct(&mut next, predicted.as_ref().map(|(at, tangent)| (at, *tangent)));
             let length = self.length(&here, &next);
             let outcome = match corrected {
-                Ok(found) if length <= 3.0 * step.max(SHORTEST) || tangent.is_none() => Ok(found),
+                Ok(found) if length <= longest(step, &tangent, points.len()) => Ok(found),
                 Ok(_) => Err(Failure {
                     reason: Reason::StepTooSmall,
                     history: Vec::new(),
@@ -327,11 +331,16 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                 Err(failure) => {
                     step *= 0.5;
                     if step < SHORTEST {
-                        return Err(Failure {
-                            reason: Reason::StepTooSmall,
-                            history: failure.history,
-                        }
-                        .into());
+                        // At a corner, as where a point begins to slip, the direction of the step before leads off the curve.
+                        let Some(before) = tangent.take() else {
+                            return Err(Failure {
+                                reason: Reason::StepTooSmall,
+                                history: failure.history,
+                            }
+                            .into());
+                        };
+                        ahead = before.log_omega.signum();
+                        step = FIRST;
                     }
                     continue;
                 }
@@ -490,6 +499,16 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
             p,
             log_omega: 0.5 * (to.at(Parameter::Square) / from.at(Parameter::Square)).ln() / length,
         }
+    }
+}
+
+/// How long a step may come out that was to be `step` long: beyond, it has left the curve. From the first point the frequency alone is
+/// changed, without a measure of what the motion does; at a corner it may be a whole step.
+fn longest(step: f64, tangent: &Option<Tangent>, points: usize) -> f64 {
+    match tangent {
+        Some(_) => 3.0 * step.max(SHORTEST),
+        None if points == 1 => f64::INFINITY,
+        None => 1.0,
     }
 }
 
