@@ -189,9 +189,17 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
             let _ = writeln!(out, "{:>10} {frequency:>15} {amplitude:>14}", "");
         }
     }
+    let elsewhere = ["node", "terms"]
+        .iter()
+        .any(|field| !summary.scene["forced"][field].is_null());
+    let what = if elsewhere {
+        "force: where `forced` says; amplitude"
+    } else {
+        "force and amplitude"
+    };
     let _ = writeln!(
         out,
-        "\nforce and amplitude: {}; nonlinear mode alone: differences of its peak in frequency and amplitude",
+        "\n{what}: {}; nonlinear mode alone: differences of its peak in frequency and amplitude",
         summary.response
     );
     let mut said: Vec<&str> = summary.forced.iter().map(|level| level.stability.as_str()).collect();
