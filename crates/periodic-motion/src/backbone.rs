@@ -160,7 +160,7 @@ pub fn follow<F: PointwiseForce>(
             (row, background)
         }
     };
-    let system = System::new(line, force, row, background, settings.sampling);
+    let system = System::new(line, force, row, background, [0.0; 2], settings.sampling);
     let mut follower = Follower {
         momentum: system.momentum(settings.mode),
         system,
@@ -618,7 +618,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         } else {
             let row = system.row;
             let sine: f64 = unknown.v.column(2).iter().zip(row).map(|(v, e)| v * e).sum();
-            PI * force * sine - system.background_work(unknown)
+            PI * force * sine - system.viscous_work(unknown)
         };
         Motion {
             modal_amplitude: amplitude,

@@ -24,6 +24,8 @@ pub struct Settings {
     pub sampling: Sampling,
     /// Viscous damping ratio of the linear modes beside friction.
     pub background: f64,
+    /// Factors of mass (1/s) and of the stiffness without contact (s) in a proportional (Rayleigh) damping beside it.
+    pub rayleigh: [f64; 2],
     /// Largest relative change of the motion from point to point.
     pub amplitude_step: f64,
     /// Largest relative change of the frequency.
@@ -44,6 +46,7 @@ impl Default for Settings {
                 periods: 2,
             },
             background: 0.0,
+            rayleigh: [0.0; 2],
             amplitude_step: 0.2,
             frequency_step: 0.02,
             max_points: 2000,
@@ -107,7 +110,14 @@ pub fn follow<F: PointwiseForce>(
     observe: &mut dyn FnMut(&Point) -> ControlFlow<()>,
 ) -> Result<Curve, Error> {
     check(line.shapes.nrows(), row, force, settings)?;
-    let system = System::new(line, law, row, settings.background, settings.sampling);
+    let system = System::new(
+        line,
+        law,
+        row,
+        settings.background,
+        settings.rayleigh,
+        settings.sampling,
+    );
     let mut tracer = Tracer {
         system,
         settings,
@@ -141,7 +151,14 @@ pub fn resonances<F: PointwiseForce>(
     settings: &Settings,
 ) -> Result<Vec<Result<Resonance, Failure>>, Error> {
     check(line.shapes.nrows(), row, curve.force, settings)?;
-    let system = System::new(line, law, row, settings.background, settings.sampling);
+    let system = System::new(
+        line,
+        law,
+        row,
+        settings.background,
+        settings.rayleigh,
+        settings.sampling,
+    );
     let cosine = |point: &Point| -> f64 { point.displacement.along(row)[1] };
     let mut found = Vec::new();
     for (index, pair) in curve.points.windows(2).enumerate() {
@@ -361,7 +378,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                     mark_turns(points);
                     if direction * (omega - from) < -1e-9 * from {
                         return Err(Failure {
-                            reason: Reason::StepTooSmall,
+                            reason: Reason::LeftRange,
                             history: vec![found.residual],
                         }
                         .into());

@@ -60,6 +60,11 @@ pub enum Reason {
     /// Smaller steps of the continuation do not help.
     #[error("no further point was found on the curve, however short the step")]
     StepTooSmall,
+    /// A forced response turned back.
+    #[error(
+        "the curve turned back and left the range of frequencies where it began; begin farther from the resonance, or from the other end"
+    )]
+    LeftRange,
     /// The history does not repeat.
     #[error("the history still changes from period to period; follow more periods")]
     NotPeriodic,

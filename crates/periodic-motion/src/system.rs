@@ -6,7 +6,7 @@
 //! `R_h = P V_h + (G_h - T V_h) - (h^2 a + i h b) M V_h + i h sqrt(a) C V_h - E_h`, `a = omega^2`.
 //!
 //! `b = 2 zeta omega^2` is the negative damping that sustains a free periodic motion (Krack 2015, DOI
-//! 10.1016/j.compstruc.2015.03.008), `C = sum_k 2 beta omega_k M phi_k phi_k^T M` the viscous background of a forced one, and
+//! 10.1016/j.compstruc.2015.03.008), `C = sum_k 2 beta omega_k M phi_k phi_k^T M + c_m M + c_k K` the viscous damping of a forced one, and
 //! `E_1` its force.
 //!
 //! # Linear solves
@@ -106,6 +106,8 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     averaged: Option<Averaged>,
     /// `2 beta omega_k` of the background damping.
     background: Vec<f64>,
+    /// Factors of mass (1/s) and stiffness without contact (s) in a proportional damping.
+    rayleigh: [f64; 2],
     /// Direction of the exciting force.
     pub(crate) row: &'a [f64],
     sampling: Sampling,
@@ -131,6 +133,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         force: &'a F,
         row: &'a [f64],
         background: f64,
+        rayleigh: [f64; 2],
         sampling: Sampling,
     ) -> Self {
         let n = line.shapes.nrows();
@@ -159,6 +162,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             momenta,
             elastic,
             averaged: None,
+            rayleigh,
             row,
             sampling,
         }
@@ -296,7 +300,23 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         });
     }
 
-    /// Adds `i h factor C x` of every harmonic.
+    /// Adds `i h factor C x` of every harmonic of a motion `x`, of which `p = P x` and `inertia = M x`.
+    fn add_damping(&self, x: &Harmonics, p: &Harmonics, inertia: &Harmonics, factor: f64, to: &mut Harmonics) {
+        self.add_background(x, factor, to);
+        let [of_mass, of_stiffness] = self.rayleigh;
+        if [of_mass, of_stiffness] == [0.0; 2] {
+            return;
+        }
+        let mut rate = p.clone();
+        self.subtract_stuck(x, &mut rate);
+        rate.scale(of_stiffness);
+        rate.add(of_mass, inertia);
+        for h in 1..=x.count() {
+            add_rotated(to.pair_mut(h), rate.pair(h), 0.0, h as f64 * factor);
+        }
+    }
+
+    /// The part of the modal background damping.
     fn add_background(&self, x: &Harmonics, factor: f64, to: &mut Harmonics) {
         if self.background.iter().all(|c| *c == 0.0) {
             return;
@@ -340,7 +360,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         self.subtract_stuck(&unknown.v, &mut residual);
         residual.add(1.0, &unknown.p);
         self.add_inertia(&inertia, a, b, &mut residual);
-        self.add_background(&unknown.v, a.max(0.0).sqrt(), &mut residual);
+        self.add_damping(&unknown.v, &unknown.p, &inertia, a.max(0.0).sqrt(), &mut residual);
         let first = residual.column_mut(1);
         first.iter_mut().zip(self.row).for_each(|(r, e)| *r -= excitation * e);
         let response = self.solve_stuck(&residual);
@@ -366,10 +386,11 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         });
     }
 
-    /// Work of the background damping over a period (J).
-    pub(crate) fn background_work(&self, unknown: &Unknown) -> f64 {
+    /// Work of the viscous damping over a period (J).
+    pub(crate) fn viscous_work(&self, unknown: &Unknown) -> f64 {
         let mut force = Harmonics::zeros(unknown.v.size(), unknown.v.count());
-        self.add_background(&unknown.v, unknown.at(Parameter::Square).max(0.0).sqrt(), &mut force);
+        let omega = unknown.at(Parameter::Square).max(0.0).sqrt();
+        self.add_damping(&unknown.v, &unknown.p, &self.inertia(&unknown.v), omega, &mut force);
         force.work(&unknown.v)
     }
 
@@ -396,7 +417,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             Parameter::Square => {
                 self.add_inertia(inertia, 1.0, 0.0, &mut out);
                 let omega = unknown.at(Parameter::Square).max(f64::MIN_POSITIVE).sqrt();
-                self.add_background(&unknown.v, 0.5 / omega, &mut out);
+                self.add_damping(&unknown.v, &unknown.p, inertia, 0.5 / omega, &mut out);
             }
             Parameter::Damping => self.add_inertia(inertia, 0.0, 1.0, &mut out),
             Parameter::Force => {
@@ -413,8 +434,9 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         let mut out = self.contact_derivative(&unknown.v, v);
         self.subtract_stuck(v, &mut out);
         out.add(1.0, p);
-        self.add_inertia(&self.inertia(v), a, b, &mut out);
-        self.add_background(v, a.max(0.0).sqrt(), &mut out);
+        let inertia = self.inertia(v);
+        self.add_inertia(&inertia, a, b, &mut out);
+        self.add_damping(v, p, &inertia, a.max(0.0).sqrt(), &mut out);
         out
     }
 
@@ -460,7 +482,8 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             let order = h as f64;
             for (mode, &lambda) in eigenvalues.iter().enumerate() {
                 let mut real = lambda - order * order * a;
-                let mut imaginary = order * (omega * self.background[mode] - b);
+                let viscous = self.background[mode] + self.rayleigh[0] + self.rayleigh[1] * lambda;
+                let mut imaginary = order * (omega * viscous - b);
                 let closest = CLOSEST * lambda.abs();
                 if real.hypot(imaginary) < closest {
                     (real, imaginary) = (closest, 0.0);

@@ -178,3 +178,38 @@ fn harmonics_beyond_the_first_resonate_below_the_mode() {
         third(top)
     );
 }
+
+#[test]
+fn proportional_damping_is_that_of_the_linear_structure() {
+    // A linear chain: (K - w^2 M + i w (c_m M + c_k K)) U = F.
+    let (stiffness, mass) = chain(2, 1e4);
+    let law = Elements::new(vec![Element::Cubic { coefficient: 0.0 }; 2]);
+    let line = linearised(&stiffness, &mass, &law, 2);
+    let (of_mass, of_stiffness) = (0.7, 3e-4);
+    let with = Settings {
+        rayleigh: [of_mass, of_stiffness],
+        ..settings([50.0, 75.0], 1, 0.0)
+    };
+    let curve = follow(&line, &law, &[1.0, 0.0], 2.0, &with, &mut go).unwrap();
+    assert!(curve.failure.is_none());
+    for point in &curve.points {
+        let w = point.omega;
+        let [c, s] = point.displacement.pair(1);
+        for i in 0..2 {
+            let product = |matrix: &Mat<f64>, x: &[f64]| (0..2).map(|j| matrix[(i, j)] * x[j]).sum::<f64>();
+            let [kc, ks, mc, ms] = [
+                product(&stiffness, c),
+                product(&stiffness, s),
+                product(&mass, c),
+                product(&mass, s),
+            ];
+            let cosine = kc - w * w * mc + w * (of_mass * ms + of_stiffness * ks);
+            let sine = ks - w * w * ms - w * (of_mass * mc + of_stiffness * kc);
+            let force = if i == 0 { 2.0 } else { 0.0 };
+            assert!(
+                (cosine - force).abs() < 1e-8 && sine.abs() < 1e-8,
+                "{w}: {cosine} {sine}"
+            );
+        }
+    }
+}

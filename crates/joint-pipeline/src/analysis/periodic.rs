@@ -189,6 +189,7 @@ impl Request<'_> {
                 periods: PERIODS,
             },
             background,
+            rayleigh: settings.rayleigh.map_or([0.0; 2], |c| [c.mass, c.stiffness]),
             amplitude_step: settings.amplitude_step,
             frequency_step: settings.frequency_step,
             newton: newton(settings.tolerance),
@@ -205,6 +206,10 @@ impl Request<'_> {
         };
         let motions = free.iter().map(found).find(begins_inside).unwrap_or_default();
         let motions: Vec<&Motion> = motions.iter().collect();
+        // What the viscous damping is of the mode alone.
+        let omega = motions.first().map_or(1.0, |m| m.omega);
+        let [of_mass, of_stiffness] = solver.rayleigh;
+        let viscous = background + 0.5 * (of_mass / omega + of_stiffness * omega);
         let checkpoint: Checkpoint<ForcedResponse> = match key {
             None => Checkpoint::default(),
             Some((directory, mut key)) => {
@@ -229,7 +234,7 @@ impl Request<'_> {
                 flow(progress)
             })?;
             let resonances = forced::resonances(self.line, self.force, &row, &curve, &solver)?;
-            let synthesis = synthesis::response(&motions, &row, &at, level, background, BETWEEN)
+            let synthesis = synthesis::response(&motions, &row, &at, level, viscous, BETWEEN)
                 .into_iter()
                 .filter(|p| (p.omega - range[0]) * (p.omega - range[1]) <= 0.0)
                 .collect();
@@ -282,6 +287,8 @@ pub struct ForcedPoint {
     pub frequency_hz: f64,
     /// Amplitudes of the displacement's harmonics from the first on (m).
     pub harmonics: Vec<f64>,
+    /// Cosines and sines of these harmonics (m).
+    pub components: Vec<[f64; 2]>,
     /// How far the first lags behind the force (rad), from 0 to 2 pi.
     pub phase: f64,
     /// Mean displacement from the static state (m).
@@ -299,6 +306,9 @@ impl ForcedPoint {
         Self {
             frequency_hz: omega / TAU,
             harmonics: (1..=displacement.count()).map(amplitude).collect(),
+            components: (1..=displacement.count())
+                .map(|h| [along[2 * h - 1], along[2 * h]])
+                .collect(),
             phase: along[2].atan2(along[1]).rem_euclid(TAU),
             mean: along[0],
             residual,

@@ -374,6 +374,12 @@ pub struct ForcedSummary {
     pub phase: Vec<f64>,
     /// Amplitudes of all harmonics of the displacement from the first on (m).
     pub harmonics: Vec<Vec<f64>>,
+    /// Cosines and sines of the same harmonics, the force being a cosine (m).
+    #[serde(default)]
+    pub components: Vec<Vec<[f64; 2]>>,
+    /// Mean displacements at the response point from the static state (m).
+    #[serde(default)]
+    pub mean: Vec<f64>,
     /// Residuals relative to the elastic forces (energy norm).
     pub residual: Vec<f64>,
     /// Indices of the points at which the frequency turns back.
@@ -713,6 +719,8 @@ fn forced(of: &ForcedResponse) -> ForcedSummary {
         amplitude: each(&|p| p.harmonics[0]),
         phase: each(&|p| p.phase.to_degrees()),
         harmonics: of.points.iter().map(|p| p.harmonics.clone()).collect(),
+        components: of.points.iter().map(|p| p.components.clone()).collect(),
+        mean: each(&|p| p.mean),
         residual: each(&|p| p.residual),
         turning_points: (0..of.points.len()).filter(|i| of.points[*i].turns).collect(),
         resonances: of.resonances.iter().map(resonance).collect(),

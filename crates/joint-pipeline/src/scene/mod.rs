@@ -18,7 +18,7 @@ mod validate;
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, Method, Output};
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
-pub use periodic::{AmplitudeRange, Amplitudes, Epmc, Forced, SamplingAccuracy};
+pub use periodic::{AmplitudeRange, Amplitudes, Epmc, Forced, Rayleigh, SamplingAccuracy};
 pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use structure::{
     ContactPoint, Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model,

@@ -103,6 +103,17 @@ pub struct SamplingAccuracy {
     pub damping: f64,
 }
 
+/// Damping in proportion to mass and stiffness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Rayleigh {
+    /// Factor of the mass (1/s).
+    pub mass: f64,
+    /// Factor of the stiffness of the structure without contact (s).
+    pub stiffness: f64,
+}
+
 /// Responses to a harmonic force: at the response point in its direction, unless `node` and `direction` or `terms` say otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -117,6 +128,9 @@ pub struct Forced {
     /// In matrices: factors of the coordinates that the force acts on, in the place of a node: label, component, factor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub terms: Option<Vec<(i64, u32, f64)>>,
+    /// Proportional damping beside `background_damping`: factors of the mass (1/s) and of the stiffness without contact (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rayleigh: Option<Rayleigh>,
     /// Amplitudes of the force (force).
     pub levels: Vec<Force>,
     /// First frequency (Hz).
@@ -147,6 +161,7 @@ impl Forced {
             node: None,
             direction: None,
             terms: None,
+            rayleigh: None,
             levels,
             from_hz,
             to_hz,

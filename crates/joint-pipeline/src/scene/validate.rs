@@ -138,6 +138,10 @@ impl Forced {
             let unit = (length - 1.0).abs() < 1e-6;
             check.that(unit, "forced.direction", length, "(length)", "a unit vector")?;
         }
+        if let Some(rayleigh) = self.rayleigh {
+            check.not_negative("forced.rayleigh.mass", rayleigh.mass, "1/s")?;
+            check.not_negative("forced.rayleigh.stiffness", rayleigh.stiffness, "s")?;
+        }
         for (_, _, factor) in self.terms.iter().flatten() {
             let finite = factor.is_finite() && *factor != 0.0;
             check.that(finite, "forced.terms", *factor, "", "finite and not zero")?;
