@@ -12,6 +12,7 @@ use crate::harmonics::Harmonics;
 use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// How motions are sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -175,7 +176,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         values
     }
 
-    fn mean_of_batch(&self, index: usize, range: &std::ops::Range<usize>, jumps: &[f64]) -> [Vec<f64>; 9] {
+    fn mean_of_batch(&self, index: usize, range: &Range<usize>, jumps: &[f64]) -> [Vec<f64>; 9] {
         let n = range.len();
         let mut batch = Batch::new(n, self.force.n_state(index));
         self.force.state_of(index, self.state, &mut batch.begin);
@@ -204,7 +205,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     }
 
     /// Brings the jumps of a batch to those of a sample.
-    fn place(&self, jumps: &[f64], sample: usize, range: &std::ops::Range<usize>, batch: &mut Batch) {
+    fn place(&self, jumps: &[f64], sample: usize, range: &Range<usize>, batch: &mut Batch) {
         self.synthesise(jumps, sample, &mut batch.jump);
         for (jump, at_rest) in batch.jump.iter_mut().zip(&self.jump) {
             for (jump, at_rest) in jump.iter_mut().zip(&at_rest[range.clone()]) {
@@ -225,7 +226,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 jump
             })
             .collect();
-        let of_batch = |range: &std::ops::Range<usize>| {
+        let of_batch = |range: &Range<usize>| {
             let mut coefficients = Vec::with_capacity(3 * columns * range.len());
             for q in 0..3 {
                 for field in &fields {
@@ -296,14 +297,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     /// Contact forces along the motion.
     pub(crate) fn forces(&self, motion: &Harmonics) -> Forces {
         let jumps = self.jumps(motion);
-        let answers: Vec<Answer> = self
-            .force
-            .batches()
-            .par_iter()
-            .zip(&jumps)
-            .enumerate()
-            .map(|(index, (range, jumps))| self.follow(index, range, jumps, &[]))
-            .collect();
+        let answers = self.follow_all(&jumps);
         let [drift, extent] = answers.iter().fold([0.0; 2], |sum, answer| {
             [sum[0] + answer.drift[0], sum[1] + answer.drift[1]]
         });
@@ -318,14 +312,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         let jumps = self.jumps(motion);
         let columns = motion.n_columns();
         let mut flux: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
-        let answers: Vec<Answer> = self
-            .force
-            .batches()
-            .par_iter()
-            .zip(&jumps)
-            .enumerate()
-            .map(|(index, (range, jumps))| self.follow(index, range, jumps, &[]))
-            .collect();
+        let answers = self.follow_all(&jumps);
         for ((range, jumps), answer) in self.force.batches().iter().zip(&jumps).zip(&answers) {
             let n = range.len();
             for (q, flux) in flux.iter_mut().enumerate() {
@@ -366,8 +353,16 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             .collect()
     }
 
+    /// All batches along all periods.
+    fn follow_all(&self, jumps: &[Vec<f64>]) -> Vec<Answer> {
+        let batches = self.force.batches().par_iter().zip(jumps).enumerate();
+        batches
+            .map(|(index, (range, jumps))| self.follow(index, range, jumps, &[]))
+            .collect()
+    }
+
     /// One batch along all periods; `recorded` are points of it whose last period is kept.
-    fn follow(&self, index: usize, range: &std::ops::Range<usize>, jumps: &[f64], recorded: &[usize]) -> Answer {
+    fn follow(&self, index: usize, range: &Range<usize>, jumps: &[f64], recorded: &[usize]) -> Answer {
         let n = range.len();
         let mut batch = Batch::new(n, self.force.n_state(index));
         self.force.state_of(index, self.state, &mut batch.begin);
@@ -443,7 +438,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     }
 
     /// Derivative of one batch along all periods. The static state does not change.
-    fn follow_change(&self, index: usize, range: &std::ops::Range<usize>, jumps: &[f64], changes: &[f64]) -> Answer {
+    fn follow_change(&self, index: usize, range: &Range<usize>, jumps: &[f64], changes: &[f64]) -> Answer {
         let (n, n_state) = (range.len(), self.force.n_state(index));
         let mut batch = Batch::new(n, n_state);
         let mut change = Batch::new(n, n_state);

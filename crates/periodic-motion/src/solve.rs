@@ -406,10 +406,18 @@ pub(crate) fn solve<F: PointwiseForce>(
         // Where only short steps help, points stick, slip or lift off along the step: after the whole one they are as it says,
         // and from there the residual often falls at once. It is taken if it is not far worse, a few times.
         let crawls = best.as_ref().is_none_or(|(found, ..)| *found > CRAWLING * size);
+        let whole_is_finite = whole.is_some();
         let bold = whole.filter(|(found, ..)| crawls && bold_steps < MAX_BOLD && *found < WORST * size);
         bold_steps += usize::from(bold.is_some());
         let Some((found, next, next_evaluation)) = bold.or(best) else {
-            return fail(Reason::NotFinite, history);
+            return fail(
+                if whole_is_finite {
+                    Reason::Stalled
+                } else {
+                    Reason::NotFinite
+                },
+                history,
+            );
         };
         if found > 0.999 * size {
             stalled += 1;
