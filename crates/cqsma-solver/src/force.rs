@@ -1,6 +1,7 @@
 //! What the solver needs to know of a hysteretic force.
 
 use contact_laws::{RegimeCounts, Sticking};
+use faer::{Mat, MatRef};
 
 /// Sparse pattern of a force's tangent over its coordinates, compressed rows with ascending columns, as its owner keeps it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +13,17 @@ pub struct PatternView<'a> {
 }
 
 impl PatternView<'_> {
+    /// A stiffness plus the sparse tangent `values` on its leading block.
+    pub fn added_to(self, stiffness: MatRef<'_, f64>, values: &[f64]) -> Mat<f64> {
+        let mut sum = stiffness.to_owned();
+        for row in 0..self.indptr.len() - 1 {
+            for k in self.indptr[row]..self.indptr[row + 1] {
+                sum[(row, self.indices[k])] += values[k];
+            }
+        }
+        sum
+    }
+
     /// `y += matrix * x` over the leading coordinates.
     pub fn add_product(self, values: &[f64], x: &[f64], y: &mut [f64]) {
         for (row, y) in y.iter_mut().enumerate().take(self.indptr.len() - 1) {

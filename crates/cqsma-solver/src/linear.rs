@@ -28,17 +28,6 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Stiffness plus a sparse tangent on its leading block.
-pub(crate) fn with_tangent(stiffness: MatRef<'_, f64>, pattern: PatternView<'_>, values: &[f64]) -> Mat<f64> {
-    let mut sum = stiffness.to_owned();
-    for row in 0..pattern.indptr.len() - 1 {
-        for k in pattern.indptr[row]..pattern.indptr[row + 1] {
-            sum[(row, pattern.indices[k])] += values[k];
-        }
-    }
-    sum
-}
-
 /// A displacement `v` and the force `p = P v` that would hold it in the stuck structure.
 ///
 /// With both at hand a residual costs one product with the inverse of `P`, and a Krylov step one more; neither needs the
@@ -106,7 +95,7 @@ impl Stuck {
         tangent: &[f64],
     ) -> Result<(Mat<f64>, Self), Error> {
         let tangent = symmetrised(pattern, tangent);
-        let lower = dense_algebra::cholesky(with_tangent(stiffness, pattern, &tangent).as_ref())?;
+        let lower = dense_algebra::cholesky(pattern.added_to(stiffness, &tangent).as_ref())?;
         let flexibility = Symmetric::inverse_of_factor(lower.as_ref());
         Ok((lower, Self { flexibility, tangent }))
     }
@@ -184,7 +173,7 @@ pub(crate) fn solve_direct(
     border: Option<&Border<'_>>,
     b: &[f64],
 ) -> Option<Vec<f64>> {
-    let matrix = with_tangent(stiffness, pattern, tangent);
+    let matrix = pattern.added_to(stiffness, tangent);
     let Some(Border { mass, lambda, inertia }) = border else {
         return dense_algebra::solve_general(matrix, b);
     };

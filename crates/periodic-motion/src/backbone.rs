@@ -162,7 +162,6 @@ pub fn follow<F: PointwiseForce>(
     };
     let system = System::new(line, force, row, background, [0.0; 2], settings.sampling);
     let mut follower = Follower {
-        momentum: system.momentum(settings.mode),
         system,
         free: matches!(kind, Kind::Free),
         settings,
@@ -175,7 +174,8 @@ pub fn follow<F: PointwiseForce>(
     let mut known = known.into_iter();
     for &amplitude in amplitudes {
         if let Some(point) = known.next().filter(|point| point.modal_amplitude == amplitude) {
-            follower.remember(&point);
+            // As if it had just been found.
+            point.result.iter().for_each(|motion| follower.accept(motion));
             follower.judge(&point);
             points.push(point);
             continue;
@@ -250,8 +250,6 @@ pub(crate) fn check_sampling(sampling: Sampling) -> Result<(), Error> {
 
 struct Follower<'a, 's, F: PointwiseForce> {
     system: System<'a, F>,
-    /// `M phi` of the linear mode.
-    momentum: Vec<f64>,
     free: bool,
     settings: &'s Settings,
     /// The last points found: logarithm of the amplitude, and the motion.
@@ -271,12 +269,6 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         } else {
             [Parameter::Square, Parameter::Force]
         }
-    }
-
-    /// A motion that was found before the run was interrupted goes on as if it had just been found.
-    fn remember(&mut self, point: &Point) {
-        let Ok(motion) = &point.result else { return };
-        self.accept(motion);
     }
 
     /// Whether the way on from a point shall begin with its mean tangent.
@@ -391,7 +383,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         };
         let mut gradient = Harmonics::zeros(size, count);
         let (column, row, reference) = if self.free {
-            (2, self.momentum.as_slice(), amplitude)
+            (2, self.system.momentum(self.settings.mode), amplitude)
         } else {
             // The mode's motion at the point of the force.
             let row = self.system.row;
@@ -444,18 +436,19 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         solve(&self.system, unknown, &closure, &self.settings.newton, effort)
     }
 
-    /// A guess for the first amplitude: the linear mode, or what it becomes on the way from a smaller amplitude.
-    fn begin(&mut self, amplitude: f64, effort: &mut Effort) -> Result<Unknown, Failure> {
-        let mut guess = self.mode(amplitude);
-        let Err(failure) = self.solve(amplitude, &mut guess, effort) else {
-            return Ok(guess);
+    /// The first motion, from the linear mode or on the way from a smaller amplitude.
+    fn begin(&mut self, amplitude: f64, effort: &mut Effort) -> Result<(Unknown, Converged), Failure> {
+        let mut unknown = self.mode(amplitude);
+        let failure = match self.solve(amplitude, &mut unknown, effort) {
+            Ok(found) => return Ok((unknown, found)),
+            Err(failure) => failure,
         };
         for decade in 1..=FIRST_DECADES {
             let small = amplitude * 0.1_f64.powi(decade);
             let mut first = self.mode(small);
             if self.solve(small, &mut first, effort).is_ok() {
                 self.keep(small, first);
-                return self.reach(amplitude, effort).map(|(unknown, _)| unknown);
+                return self.reach(amplitude, effort);
             }
         }
         Err(failure)
@@ -466,9 +459,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         let (mut share, mut halvings) = (1.0, 0);
         loop {
             let Some(last) = self.found.last().map(|found| found.0) else {
-                let mut unknown = self.begin(amplitude, effort)?;
-                let found = self.solve(amplitude, &mut unknown, effort);
-                return found.map(|found| (unknown, found));
+                return self.begin(amplitude, effort);
             };
             let way = amplitude.ln() - last;
             let is_final = share >= 1.0;

@@ -138,17 +138,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     ) -> Self {
         let n = line.shapes.nrows();
         let mass = Symmetric::from_lower(line.mass());
-        let mut momenta = Mat::zeros(n, line.shapes.ncols());
-        for mode in 0..line.shapes.ncols() {
-            let shape: Vec<f64> = line.shapes.col(mode).iter().copied().collect();
-            let mut product = vec![0.0; n];
-            mass.product_into(&shape, &mut product);
-            momenta
-                .col_mut(mode)
-                .iter_mut()
-                .zip(product)
-                .for_each(|(to, v)| *to = v);
-        }
+        let momenta = dense_algebra::product(line.mass(), line.shapes.as_ref());
         let elastic = Mat::from_fn(n, line.shapes.ncols(), |i, mode| {
             line.eigenvalues[mode] * momenta[(i, mode)]
         });
@@ -185,12 +175,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             *mean = (1.0 - STUCK_SHARE) * *mean + STUCK_SHARE * stuck;
         }
         let pattern = self.force.pattern();
-        let mut stiffness = line.stiffness().to_owned();
-        for row in 0..pattern.indptr.len() - 1 {
-            for k in pattern.indptr[row]..pattern.indptr[row + 1] {
-                stiffness[(row, pattern.indices[k])] += tangent[k];
-            }
-        }
+        let stiffness = pattern.added_to(line.stiffness(), &tangent);
         let Ok(lower) = dense_algebra::cholesky(stiffness.as_ref()) else {
             return;
         };
@@ -199,14 +184,11 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             return;
         };
         let difference: Vec<f64> = stuck.iter().zip(&tangent).map(|(stuck, mean)| stuck - mean).collect();
-        let mut forces = Mat::zeros(shapes.nrows(), shapes.ncols());
-        for mode in 0..shapes.ncols() {
-            let shape: Vec<f64> = shapes.col(mode).iter().copied().collect();
-            let mut force = vec![0.0; shape.len()];
-            self.mass.product_into(&shape, &mut force);
-            force.iter_mut().for_each(|f| *f *= eigenvalues[mode]);
-            pattern.add_product(&difference, &shape, &mut force);
-            forces.col_mut(mode).iter_mut().zip(force).for_each(|(to, f)| *to = f);
+        let mut forces = dense_algebra::product(line.mass(), shapes.as_ref());
+        for (mode, &eigenvalue) in eigenvalues.iter().enumerate() {
+            let force = forces.col_as_slice_mut(mode);
+            force.iter_mut().for_each(|f| *f *= eigenvalue);
+            pattern.add_product(&difference, shapes.col_as_slice(mode), force);
         }
         self.averaged = Some(Averaged {
             flexibility: Symmetric::inverse_of_factor(lower.as_ref()),
@@ -240,8 +222,8 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     }
 
     /// `M phi` of a mode.
-    pub(crate) fn momentum(&self, mode: usize) -> Vec<f64> {
-        self.momenta.col(mode).iter().copied().collect()
+    pub(crate) fn momentum(&self, mode: usize) -> &[f64] {
+        self.momenta.col_as_slice(mode)
     }
 
     /// `P^-1 x`, column by column.

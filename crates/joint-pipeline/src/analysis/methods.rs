@@ -69,24 +69,30 @@ pub(super) struct Request<'a> {
 impl Request<'_> {
     /// Runs what the scene asks for.
     pub(super) fn run(&self, progress: &dyn Progress) -> Result<Vec<MethodResult>, Error> {
-        let methods = &self.scene.methods;
-        let methods: Vec<Method> = methods.iter().copied().filter(|m| *m != Method::Epmc).collect();
+        type Run<'r> = fn(&Request<'r>) -> Result<Vec<MethodPoint>, Error>;
+        let quasi_static = |&method: &Method| {
+            let run: Run<'_> = match method {
+                Method::Qsma => Self::qsma,
+                Method::QsmaTwice => Self::qsma_twice,
+                Method::Masing => Self::masing,
+                Method::Rqnma => Self::rqnma,
+                // Has settings and results of its own.
+                Method::Epmc => return None,
+            };
+            Some((method, run))
+        };
+        let methods: Vec<_> = self.scene.methods.iter().filter_map(quasi_static).collect();
         if methods.is_empty() {
             return Ok(Vec::new());
         }
         progress.begin(Stage::Methods);
         let results = methods
             .par_iter()
-            .map(|&method| {
-                let points = match method {
-                    // Has settings and results of its own.
-                    Method::Epmc => Vec::new(),
-                    Method::Qsma => self.qsma()?,
-                    Method::QsmaTwice => self.qsma_twice()?,
-                    Method::Masing => self.masing()?,
-                    Method::Rqnma => self.rqnma()?,
-                };
-                Ok(MethodResult { method, points })
+            .map(|&(method, run)| {
+                Ok(MethodResult {
+                    method,
+                    points: run(self)?,
+                })
             })
             .collect();
         progress.end(Stage::Methods);
