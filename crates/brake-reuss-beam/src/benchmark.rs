@@ -7,7 +7,7 @@ use crate::published;
 use joint_pipeline::joint::benchmark::{
     Benchmark, BenchmarkError, Bounds, MeasuredSurface, MeshAccuracy, MeshSettings, Symmetry,
 };
-use joint_pipeline::joint::{Bodies, Joint, MeshedBodies};
+use joint_pipeline::joint::{Bodies, Joint, MeshedBodies, Sides};
 use joint_pipeline::scene::{Density, Force, Stress, SurfaceEnergy};
 use serde_json::{Value, json};
 
@@ -127,8 +127,10 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
     Ok(Joint {
         bodies: Bodies::Meshed(MeshedBodies {
             assembly: beam.assembly,
-            top_nodes: beam.top_nodes,
-            bottom_nodes: beam.bottom_nodes,
+            sides: Sides::Pairs {
+                top: beam.top_nodes,
+                bottom: beam.bottom_nodes,
+            },
             response_node: beam.response_node,
             response_direction: beam.response_direction,
             excitation: None,
@@ -137,6 +139,7 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
         }),
         interface: beam.interface,
         frame: beam.frame,
+        node_frames: Vec::new(),
         clearance: Some(0.5 * (geometry.hole_diameter - geometry.shank_diameter)),
         response: "the beam's end, edge middle, in bending direction".into(),
     })

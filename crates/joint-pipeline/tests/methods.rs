@@ -31,10 +31,10 @@ fn loops(interface: &Interface, displacement: &[f64], state: State, k: &Mat<f64>
 #[test]
 fn where_pressure_stays_qsma_is_cqsma() {
     // One square of 1 cm on springs, pressed unevenly, moving along x: pressures do not change, points slip one by one.
-    let mesh = InterfaceMesh {
-        nodes: vec![[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]],
-        elements: vec![Element::quad4([0, 1, 2, 3])],
-    };
+    let mesh = InterfaceMesh::flat(
+        vec![[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]],
+        vec![Element::quad4([0, 1, 2, 3])],
+    );
     let operators = Arc::new(Operators::try_new(&mesh, 3).unwrap());
     let n = operators.n_points();
     let curves = PointParameters::uniform(ElasticCurves::try_new(3e12, [1e12, 2e12]).unwrap(), n);

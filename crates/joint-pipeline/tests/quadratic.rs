@@ -7,7 +7,7 @@ mod common;
 use common::{BENCHMARKS, material};
 use joint_pipeline::analysis::mesh_error::ErrorBar;
 use joint_pipeline::interface::ScannedSurface;
-use joint_pipeline::joint::{Bodies, MeshedBodies};
+use joint_pipeline::joint::{Bodies, MeshedBodies, Sides};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{ElementOrder, Length, MaterialSource, Surface, SyntheticScan};
 use joint_pipeline::structure::export::{arrays, deck, groups};
@@ -291,10 +291,7 @@ fn scans_are_characterised_within_the_outlines_of_quadratic_elements() {
         .elements
         .iter()
         .map(|e| Element::from_nodes(e.corners()).unwrap());
-    let linear = InterfaceMesh {
-        nodes: quadratic.nodes.clone(),
-        elements: corners.collect(),
-    };
+    let linear = InterfaceMesh::flat(quadratic.nodes.clone(), corners.collect());
     // Straight edges enclose the same samples, with and without their middles.
     let [a, b] = [quadratic, &linear].map(|mesh| ScannedSurface::try_new(&scene, mesh).unwrap().found);
     assert_eq!(a.elements.len(), 16);
@@ -319,30 +316,51 @@ fn scans_are_characterised_within_the_outlines_of_quadratic_elements() {
 }
 
 #[test]
-fn quadratic_faces_that_do_not_fit_or_are_not_flat_are_refused() {
-    let folder = TemporaryFolder::new("refused-bars");
-    let refused = |kinds: [&str; 2], bend: &dyn Fn(&mut [f64; 3])| {
-        let path = written(&folder, "bars.inp", &bars(kinds, [4, 2, 1], bend));
-        let Err(error) = Structure::try_new(&on_deck(&path, 3), &Silent) else {
-            panic!("{kinds:?} were accepted");
+fn quadratic_faces_that_do_not_fit_are_projected_onto_one_another() {
+    let folder = TemporaryFolder::new("projected-bars");
+    let spectrum = |kinds: [&str; 2]| {
+        let path = written(&folder, "bars.inp", &bars(kinds, [8, 2, 2], &|_| {}));
+        let structure = Structure::try_new(&on_deck(&path, 3), &Silent).unwrap();
+        let Bodies::Meshed(bodies) = &structure.joint.bodies else {
+            panic!("a deck gives a mesh");
         };
-        assert!(matches!(error, Error::Facing { .. }), "{error}");
-        error.to_string()
+        let projected = matches!(bodies.sides, Sides::Projected(_));
+        (projected, structure.describe(Some((6, None)), &Silent).unwrap())
     };
-    let message = refused(["C3D20R", "C3D8I"], &|_| {});
-    assert!(message.contains("both must have the same mesh"), "{message}");
+    let (projected, paired) = spectrum(["C3D20R"; 2]);
+    assert!(!projected);
     // The middles of both diagonals are at the same places.
-    for kinds in [["C3D15", "C3D15X"], ["C3D15X", "C3D15"]] {
-        let message = refused(kinds, &|_| {});
-        assert!(message.contains("same corners and middles"), "{message}");
-    }
-    // Middles of edges along the bars, 2 mm above their corners 10 mm away.
-    let message = refused(["C3D20R"; 2], &|x| {
-        if x[2] == 0.0 && (x[0] / 0.01).round() % 2.0 == 1.0 {
-            x[2] += 2e-3;
+    for kinds in [["C3D20R", "C3D8I"], ["C3D15", "C3D15X"], ["C3D15X", "C3D15"]] {
+        let (projected, found) = spectrum(kinds);
+        assert!(projected, "{kinds:?}");
+        assert!((found.interface_area / 1.6e-3 - 1.0).abs() < 1e-12);
+        let [found, paired] = [&found, &paired].map(|of| of.spectrum.as_ref().unwrap());
+        for (a, b) in [(&found.stuck, &paired.stuck), (&found.with_linear, &paired.with_linear)] {
+            assert_eq!((a.zero_energy_modes, b.zero_energy_modes), (6, 6));
+            for (f, g) in a.frequencies_hz.iter().zip(&b.frequencies_hz) {
+                // The elements differ too: the linear ones alone are 2 % stiffer.
+                assert!((f / g - 1.0).abs() < 0.03, "{kinds:?}: {f} {g}");
+            }
         }
-    });
-    assert!(message.contains("curved out of the plane"), "{message}");
+    }
+}
+
+#[test]
+fn interfaces_that_turn_too_much_within_an_element_are_refused() {
+    let folder = TemporaryFolder::new("refused-bars");
+    // Middles of edges along the bars, 2 mm above their corners 10 mm away.
+    let path = written(
+        &folder,
+        "bars.inp",
+        &bars(["C3D20R"; 2], [4, 2, 1], &|x| {
+            if x[2] == 0.0 && (x[0] / 0.01).round() % 2.0 == 1.0 {
+                x[2] += 2e-3;
+            }
+        }),
+    );
+    let error = Structure::try_new(&on_deck(&path, 3), &Silent).unwrap_err();
+    assert!(matches!(error, Error::Facing { .. }), "{error}");
+    assert!(error.to_string().contains("the normal turns by"), "{error}");
 }
 
 #[test]
@@ -500,13 +518,19 @@ fn decks_that_cannot_be_made_quadratic_are_refused() {
     let error = refused("linked.inp", &linked);
     assert!(matches!(error, Error::NotRaisable { .. }), "{error}");
     assert!(error.to_string().contains(&place), "{error} has no {place}");
-    // Linear triangles may be cut along the other diagonal, quadratic ones may not.
+    // Triangles cut along the other diagonal do not match once they are quadratic, and are projected.
     let crossed = bars(["C3D6", "C3D6X"], [4, 2, 1], &|_| {});
     let path = written(&folder, "crossed.inp", &crossed);
-    Structure::try_new(&on_deck(&path, 3), &Silent).unwrap();
-    let error = refused("crossed.inp", &crossed);
-    assert!(matches!(error, Error::Facing { .. }), "{error}");
-    assert!(error.to_string().contains("same corners and middles"), "{error}");
+    let linear = Structure::try_new(&on_deck(&path, 3), &Silent).unwrap();
+    let mut scene = on_deck(&path, 3);
+    scene.model.element_order = ElementOrder::Quadratic;
+    let raised = Structure::try_new(&scene, &Silent).unwrap();
+    for (structure, is_projected) in [(linear, false), (raised, true)] {
+        let Bodies::Meshed(bodies) = &structure.joint.bodies else {
+            panic!("a deck gives a mesh");
+        };
+        assert_eq!(matches!(bodies.sides, Sides::Projected(_)), is_projected);
+    }
 }
 
 #[test]

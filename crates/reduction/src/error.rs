@@ -29,6 +29,21 @@ pub enum Error {
         /// Distance (m).
         distance: f64,
     },
+    /// What faces a node is not where the node is.
+    #[error(
+        "interface node {node} (number {pair} of the interface) is {distance:.3e} m from what faces it, and the weights of that sum \
+         to {total}; they must sum to one and reproduce its place, within 1e-6 of the interface's size"
+    )]
+    FacingApart {
+        /// Number of the node in the interface.
+        pair: usize,
+        /// Node.
+        node: u32,
+        /// Distance (m).
+        distance: f64,
+        /// Sum of the weights.
+        total: f64,
+    },
     /// A node belongs to two pairs, or to both sides.
     #[error(
         "interface pair {pair}: node {node} stands in an earlier pair or on both sides already; merge coinciding nodes of the \

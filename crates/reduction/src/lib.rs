@@ -15,4 +15,4 @@ mod zem;
 
 pub use craig_bampton::{ReducedModel, Settings, Step, reduce};
 pub use error::Error;
-pub use relative::{InterfacePairs, RelativeSystem, SystemMatrices};
+pub use relative::{FacingNodes, InterfacePairs, RelativeSystem, SystemMatrices};

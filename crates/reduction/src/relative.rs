@@ -4,7 +4,7 @@ use crate::Error;
 use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
 use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use substructure::assemble::System;
 use substructure::sparse::{congruence, multiply_vector, numbering, submatrix, symmetric_part};
 
@@ -17,6 +17,40 @@ pub struct InterfacePairs<'a> {
     pub bottom: &'a [u32],
     /// Unit vectors x, y (in the plane) and n (from the top body into the bottom body).
     pub frame: [[f64; 3]; 3],
+}
+
+/// Nodes of one side of an interface, which carry the jump, and what faces them on the other.
+#[derive(Clone, Copy, Debug)]
+pub struct FacingNodes<'a> {
+    /// Nodes that carry the jump.
+    pub own: &'a [u32],
+    /// Whether they belong to the top body.
+    pub own_is_top: bool,
+    /// Nodes of the other side.
+    pub other: &'a [u32],
+    /// What faces each own node: weights of the other nodes (own x other). Each row sums to one and reproduces the own node's place, so that
+    /// rigid motions are no jump.
+    pub projection: &'a CsMat<f64>,
+    /// For each own node, unit vectors x, y (along the interface) and n (from the top body into the bottom body).
+    pub frames: &'a [[[f64; 3]; 3]],
+}
+
+/// What one displacement component is in the new coordinates: `sign` times the jump, and these rows with their weights.
+struct Carried {
+    row: usize,
+    sign: f64,
+    other: Vec<(usize, f64)>,
+}
+
+impl Carried {
+    /// Of a pair of coinciding nodes: the top one is the jump and the bottom one.
+    fn pair(top: usize, bottom: usize) -> Self {
+        Self {
+            row: top,
+            sign: 1.0,
+            other: vec![(bottom, 1.0)],
+        }
+    }
 }
 
 /// A system in the coordinates `[jump; rest]`, where `u_top = jump + u_bottom` (eq. 30 of Balaji, Chen and Brake 2020).
@@ -92,6 +126,10 @@ fn sparse(matrix: MatRef<'_, f64>) -> CsMat<f64> {
         }
     }
     entries.to_csr()
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
 fn check_jump(n_relative: usize, n: usize) -> Result<(), Error> {
@@ -171,12 +209,11 @@ impl RelativeSystem {
                 let both_fixed = is_fixed(t, component) && is_fixed(b, component);
                 rows.push(match both_fixed {
                     true => None,
-                    false => Some((place(t, component)?, place(b, component)?)),
+                    false => Some(Carried::pair(place(t, component)?, place(b, component)?)),
                 });
             }
         }
         let coordinates = |node: u32| system.dofs.coordinates[node as usize];
-        let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
         let origin = coordinates(top[0]);
         let size = top
             .iter()
@@ -199,7 +236,92 @@ impl RelativeSystem {
             loads: &system.loads,
             positions: &system.positions,
         };
-        Self::from_pairs(both, &rows, frame)
+        Self::from_carried(both, &rows, &vec![frame; top.len()])
+    }
+
+    /// Changes the coordinates of a system with any number of interfaces, whose sides need not have the same mesh. Jumps follow one
+    /// another in the order of the interfaces.
+    ///
+    /// # Errors
+    /// Nodes that carry two jumps, or carry one and face another; weights that do not sum to one or miss the place of a node; nodes that are
+    /// not free; axes that are not orthonormal.
+    pub fn from_facing(system: &System, interfaces: &[FacingNodes<'_>]) -> Result<Self, Error> {
+        let dofs = &system.dofs;
+        let coordinates = |node: u32| dofs.coordinates.get(node as usize).copied();
+        let (mut rows, mut frames) = (Vec::new(), Vec::new());
+        let mut carriers = BTreeSet::new();
+        let mut first = 0;
+        for side in interfaces {
+            let sizes = (side.own.len(), side.other.len());
+            if side.own.is_empty() || side.projection.shape() != sizes || side.frames.len() != sizes.0 {
+                return Err(Error::PairCount {
+                    top: side.own.len(),
+                    bottom: side.projection.rows(),
+                });
+            }
+            let free = |node: u32, component: u8| {
+                let known = (node as usize) < dofs.coordinates.len();
+                let row = known.then(|| dofs.independent_index(node, component)).flatten();
+                row.ok_or(Error::DependentInterface { node, component })
+            };
+            let places: Vec<[f64; 3]> = side.own.iter().filter_map(|&node| coordinates(node)).collect();
+            let size = match places.first() {
+                Some(origin) => places.iter().map(|x| distance(*x, *origin)).fold(0.0, f64::max),
+                None => 0.0,
+            };
+            for (index, &own) in side.own.iter().enumerate() {
+                let pair = first + index;
+                if !carriers.insert(own) {
+                    return Err(Error::PairTwice { pair, node: own });
+                }
+                let weights: Vec<(u32, f64)> = side
+                    .projection
+                    .outer_view(index)
+                    .iter()
+                    .flat_map(|row| row.iter())
+                    .map(|(column, &weight)| (side.other[column], weight))
+                    .collect();
+                let mut facing = [0.0; 3];
+                let mut total = 0.0;
+                for &(node, weight) in &weights {
+                    let x = coordinates(node).ok_or(Error::DependentInterface { node, component: 0 })?;
+                    (0..3).for_each(|i| facing[i] += weight * x[i]);
+                    total += weight;
+                }
+                let apart = coordinates(own).map_or(f64::INFINITY, |x| distance(x, facing));
+                // `!(a <= b)` also catches NaN.
+                if !(apart <= 1e-6 * size && (total - 1.0).abs() <= 1e-9) {
+                    return Err(Error::FacingApart {
+                        pair,
+                        node: own,
+                        distance: apart,
+                        total,
+                    });
+                }
+                for component in 0..3_u8 {
+                    let mut other = BTreeMap::new();
+                    for &(node, weight) in &weights {
+                        for (row, share) in dofs.row(3 * node as usize + usize::from(component)) {
+                            *other.entry(row).or_insert(0.0) += weight * share;
+                        }
+                    }
+                    rows.push(Some(Carried {
+                        row: free(own, component)?,
+                        sign: if side.own_is_top { 1.0 } else { -1.0 },
+                        other: other.into_iter().collect(),
+                    }));
+                }
+            }
+            frames.extend_from_slice(side.frames);
+            first += side.own.len();
+        }
+        let matrices = SystemMatrices {
+            stiffness: &system.stiffness,
+            mass: &system.mass,
+            loads: &system.loads,
+            positions: &system.positions,
+        };
+        Self::from_carried(matrices, &rows, &frames)
     }
 
     /// Changes the coordinates of matrices over the displacements of both sides; `top` and `bottom` are the rows of
@@ -220,30 +342,46 @@ impl RelativeSystem {
                 bottom: bottom.len() / 3,
             });
         }
-        let rows: Vec<_> = top.iter().zip(bottom).map(|(&t, &b)| Some((t, b))).collect();
-        Self::from_pairs(system, &rows, frame)
+        let mut bottoms = BTreeSet::new();
+        if let Some(&row) = bottom.iter().find(|&&row| !bottoms.insert(row)) {
+            let n = system.stiffness.rows();
+            return Err(Error::InterfaceRow { row, n });
+        }
+        let rows: Vec<_> = top
+            .iter()
+            .zip(bottom)
+            .map(|(&t, &b)| Some(Carried::pair(t, b)))
+            .collect();
+        Self::from_carried(system, &rows, &vec![frame; n_relative / 3])
     }
 
-    /// `pairs` are the rows of top and bottom for each component of each pair, none where both are fixed.
-    fn from_pairs(
+    /// `pairs` are the components that carry the jump, three for each frame; none where both sides are fixed.
+    fn from_carried(
         system: SystemMatrices<'_>,
-        pairs: &[Option<(usize, usize)>],
-        frame: [[f64; 3]; 3],
+        pairs: &[Option<Carried>],
+        frames: &[[[f64; 3]; 3]],
     ) -> Result<Self, Error> {
-        check_frame(frame)?;
+        frames.iter().try_for_each(|frame| check_frame(*frame))?;
         let n = system.check()?;
         let n_relative = pairs.len();
         let mut used = vec![false; n];
-        for row in pairs.iter().flatten().flat_map(|&(t, b)| [t, b]) {
+        for carried in pairs.iter().flatten() {
+            let row = carried.row;
             if row >= n || std::mem::replace(&mut used[row], true) {
                 return Err(Error::InterfaceRow { row, n });
             }
         }
-        let mut of_top = vec![None; n];
+        for &(row, _) in pairs.iter().flatten().flat_map(|carried| &carried.other) {
+            // What carries a jump has no coordinate of its own.
+            if row >= n || used[row] {
+                return Err(Error::InterfaceRow { row, n });
+            }
+        }
+        let mut carried_by = vec![None; n];
         let mut zero = Vec::new();
         for (index, rows) in pairs.iter().enumerate() {
-            let component = index % 3;
-            let Some((top, bottom)) = rows else {
+            let (component, frame) = (index % 3, &frames[index / 3]);
+            let Some(carried) = rows else {
                 let along = |axis: &[f64; 3]| (0..3).all(|c| (axis[c] != 0.0) == (c == component));
                 let alone = frame.iter().position(along).filter(|&own| {
                     let others = (0..3).filter(|&axis| axis != own);
@@ -256,32 +394,33 @@ impl RelativeSystem {
                 zero.push(index - component + axis);
                 continue;
             };
-            of_top[*top] = Some((index, *bottom));
+            carried_by[carried.row] = Some((index, carried));
         }
         zero.sort_unstable();
         if zero.len() == n_relative {
             return Err(Error::FixedInterface { pair: 0, component: 0 });
         }
-        let rest: Vec<usize> = (0..n).filter(|&dof| of_top[dof].is_none()).collect();
+        let rest: Vec<usize> = (0..n).filter(|&dof| carried_by[dof].is_none()).collect();
         let column: Vec<usize> = numbering(&rest, n).into_iter().map(Option::unwrap_or_default).collect();
         let n_changed = n + zero.len();
         let mut transform = TriMat::with_capacity((n, n_changed), n + 4 * n_relative);
         let mut positions = vec![[0.0; 3]; n_changed];
         for dof in 0..n {
-            let Some((jump, bottom)) = of_top[dof] else {
+            let Some((jump, carried)) = carried_by[dof] else {
                 transform.add_triplet(dof, n_relative + column[dof], 1.0);
                 positions[n_relative + column[dof]] = system.positions[dof];
                 continue;
             };
             let component = jump % 3;
-            for (axis, direction) in frame.iter().enumerate() {
+            for (axis, direction) in frames[jump / 3].iter().enumerate() {
                 if direction[component] != 0.0 {
-                    transform.add_triplet(dof, jump - component + axis, direction[component]);
+                    transform.add_triplet(dof, jump - component + axis, carried.sign * direction[component]);
                     positions[jump - component + axis] = system.positions[dof];
                 }
             }
-            // A bottom row is never a top one, so it has a column of its own.
-            transform.add_triplet(dof, n_relative + column[bottom], 1.0);
+            for &(row, weight) in &carried.other {
+                transform.add_triplet(dof, n_relative + column[row], weight);
+            }
         }
         for &jump in &zero {
             let pair = jump - jump % 3;

@@ -215,10 +215,10 @@ mod tests {
     #[test]
     fn quadratic_elements_are_drawn_around_their_middles() {
         let nodes = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
-        let mesh = InterfaceMesh {
-            nodes: nodes.map(|x| x.map(f64::from)).to_vec(),
-            elements: vec![Element::quad9([0, 1, 2, 3, 4, 5, 6, 7, 8])],
-        };
+        let mesh = InterfaceMesh::flat(
+            nodes.map(|x| x.map(f64::from)).to_vec(),
+            vec![Element::quad9([0, 1, 2, 3, 4, 5, 6, 7, 8])],
+        );
         let one = svg(&mesh, &[1.0], "pressure", "Pa");
         let (_, points) = one.split_once("<polygon points=\"").unwrap();
         let numbers = |text: &str| text.split(',').map(|n| n.parse().unwrap()).collect::<Vec<f64>>();

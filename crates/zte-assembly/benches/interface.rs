@@ -19,15 +19,15 @@ fn mesh() -> InterfaceMesh {
     let [nx, ny] = ELEMENTS;
     let node = |i: u32, j: u32| i + (nx + 1) * j;
     let place = |i: u32, n: u32, length: f64| length * f64::from(i) / f64::from(n);
-    InterfaceMesh {
-        nodes: (0..=ny)
+    InterfaceMesh::flat(
+        (0..=ny)
             .flat_map(|j| (0..=nx).map(move |i| [place(i, nx, 0.12), place(j, ny, 0.0254)]))
             .collect(),
-        elements: (0..ny)
+        (0..ny)
             .flat_map(|j| (0..nx).map(move |i| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]))
             .map(Element::quad4)
             .collect(),
-    }
+    )
 }
 
 /// Fitted curves that differ from point to point, Coulomb friction.

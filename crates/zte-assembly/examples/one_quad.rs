@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 4 mm x 2 mm with 2 x 2 Gauss points.
     let nodes = vec![[0.0, 0.0], [4e-3, 0.0], [4e-3, 2e-3], [0.0, 2e-3]];
     let elements = vec![Element::quad4([0, 1, 2, 3])];
-    let operators = Operators::try_new(&InterfaceMesh { nodes, elements }, 2)?;
+    let operators = Operators::try_new(&InterfaceMesh::flat(nodes, elements), 2)?;
     let n = operators.n_points();
     println!("area {:.1e} m^2, {n} points", operators.area());
 

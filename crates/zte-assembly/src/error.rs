@@ -118,4 +118,20 @@ pub enum Error {
         /// Points there are.
         expected: usize,
     },
+    /// No part of one mesh faces the other.
+    #[error(
+        "nowhere do the two meshes face one another within {reach:.3e} m along the normal; check which faces are named, and the          distance that is allowed"
+    )]
+    NotFacing {
+        /// Distance that is allowed (m).
+        reach: f64,
+    },
+    /// An element is too distorted, or too small a part of it is faced, to project onto it.
+    #[error(
+        "the elements at interface node {node} are too distorted to be projected onto one another; improve the mesh there"
+    )]
+    Mapping {
+        /// The node.
+        node: usize,
+    },
 }

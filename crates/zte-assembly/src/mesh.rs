@@ -1,7 +1,8 @@
-//! The interface mesh: flat elements between two bodies whose nodes coincide in pairs, or single points of contact.
+//! The interface mesh: elements between two bodies, in the plane or gently curved out of it, or single points of contact.
 
 use crate::Error;
 use crate::overlap::{self, Overlap};
+use crate::quadrature::Quadrature;
 use crate::shape::{MAX_NODES, POINT1, QUAD4, QUAD8, QUAD9, Shape, TRI3, TRI6};
 use std::collections::HashMap;
 use std::fmt;
@@ -141,16 +142,42 @@ impl fmt::Debug for Element {
     }
 }
 
-/// A flat interface mesh. Node `i` stands for a pair of coinciding nodes, one on each body.
+/// An interface mesh. Node `i` stands for a node of one body and for what faces it on the other: a node that coincides with it, or
+/// a point of a face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InterfaceMesh {
     /// In-plane coordinates (x, y) of the nodes (m).
     pub nodes: Vec<[f64; 2]>,
     /// Elements.
     pub elements: Vec<Element>,
+    /// Distance of each node from the plane (m); empty where the interface is flat. Areas are those of the curved elements.
+    pub heights: Vec<f64>,
+    /// Elements that the other body faces in part, by ascending number; all others are in contact as a whole.
+    pub covered: Vec<Covered>,
+}
+
+/// The part of an element that the other body faces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Covered {
+    /// The element.
+    pub element: usize,
+    /// Share of the element's area in the plane, above 0 and below 1.
+    pub share: f64,
+    /// Centre of area of that part in the plane (m).
+    pub centroid: [f64; 2],
 }
 
 impl InterfaceMesh {
+    /// The mesh of a flat interface whose elements are faced as a whole. Nothing is checked.
+    pub fn flat(nodes: Vec<[f64; 2]>, elements: Vec<Element>) -> Self {
+        Self {
+            nodes,
+            elements,
+            heights: Vec::new(),
+            covered: Vec::new(),
+        }
+    }
+
     /// The mesh of nodes (m) and lists of node numbers, from zero and counter-clockwise, one list per element.
     ///
     /// # Errors
@@ -166,7 +193,7 @@ impl InterfaceMesh {
             Element::from_nodes(nodes).ok_or(Error::NodeCount { element, found })
         });
         let elements = elements.collect::<Result<_, _>>()?;
-        let mesh = Self { nodes, elements };
+        let mesh = Self::flat(nodes, elements);
         mesh.validate()?;
         Ok(mesh)
     }
@@ -182,15 +209,38 @@ impl InterfaceMesh {
             return Err(Error::Empty);
         }
         let count = self.nodes.len();
+        let finite = |quantity, index, value: f64| match value.is_finite() {
+            true => Ok(()),
+            false => Err(Error::Value {
+                quantity,
+                place: "interface node",
+                index,
+                value,
+                requirement: "finite",
+            }),
+        };
         for (index, x) in self.nodes.iter().enumerate() {
-            if let Some(&value) = x.iter().find(|v| !v.is_finite()) {
-                let (quantity, place) = ("coordinate", "interface node");
+            x.iter().try_for_each(|&value| finite("coordinate", index, value))?;
+        }
+        if !self.heights.is_empty() && self.heights.len() != count {
+            return Err(Error::Coverage {
+                what: "heights",
+                found: self.heights.len(),
+                expected: count,
+            });
+        }
+        for (index, &value) in self.heights.iter().enumerate() {
+            finite("height", index, value)?;
+        }
+        for part in &self.covered {
+            let sound = part.share > 0.0 && part.share < 1.0 && part.centroid.iter().all(|x| x.is_finite());
+            if !sound || part.element >= self.elements.len() {
                 return Err(Error::Value {
-                    quantity,
-                    place,
-                    index,
-                    value,
-                    requirement: "finite",
+                    quantity: "share in contact",
+                    place: "interface element",
+                    index: part.element,
+                    value: part.share,
+                    requirement: "above 0 and below 1, of an element that exists, with a centroid",
                 });
             }
         }
@@ -250,8 +300,57 @@ impl InterfaceMesh {
         held
     }
 
-    /// Area of each element (m^2), exact also for curved edges; of a point that which it stands for.
+    /// Area of each element that is in contact (m^2), exact also for curved edges; of a point that which it stands for.
     pub fn areas(&self) -> Vec<f64> {
+        let mut areas: Vec<f64> = match self.heights.is_empty() {
+            true => self.areas_in_plane(),
+            false => {
+                let finest = Quadrature::finest();
+                let curved = |element| self.curved_area(element, &finest);
+                self.elements.iter().map(curved).collect()
+            }
+        };
+        for part in &self.covered {
+            areas[part.element] *= part.share;
+        }
+        areas
+    }
+
+    /// Area of an element that leaves the plane.
+    fn curved_area(&self, element: &Element, quadrature: &Quadrature) -> f64 {
+        if let Some(contact) = element.contact {
+            return contact.area;
+        }
+        let points = quadrature.points(element.shape()).iter();
+        points
+            .map(|point| {
+                let (_, derivatives) = element.shape().functions(point.xi);
+                point.weight * self.area_density(element, &derivatives).1
+            })
+            .sum()
+    }
+
+    /// Derivatives of the place by the natural coordinates, in the plane and out of it, make these densities of area (m^2 per
+    /// natural area): of the projection onto the plane, whose sign tells the sense, and of the curved element.
+    pub(crate) fn area_density(&self, element: &Element, derivatives: &[[f64; 2]]) -> (f64, f64) {
+        let mut jacobian = [[0.0; 2]; 3];
+        for (derivative, &node) in derivatives.iter().zip(element.nodes()) {
+            let [x, y] = self.nodes[node as usize];
+            let height = self.heights.get(node as usize).copied().unwrap_or(0.0);
+            for (row, value) in jacobian.iter_mut().zip([x, y, height]) {
+                row[0] += value * derivative[0];
+                row[1] += value * derivative[1];
+            }
+        }
+        let minor = |a: usize, b: usize| jacobian[a][0] * jacobian[b][1] - jacobian[a][1] * jacobian[b][0];
+        let plane = minor(0, 1);
+        if self.heights.is_empty() {
+            return (plane, plane);
+        }
+        (plane, plane.hypot(minor(1, 2)).hypot(minor(2, 0)))
+    }
+
+    fn areas_in_plane(&self) -> Vec<f64> {
         self.elements
             .iter()
             .map(|element| {

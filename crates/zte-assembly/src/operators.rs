@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::element_sums::ShapeValues;
-use crate::mesh::{Element, InterfaceMesh};
+use crate::mesh::{Covered, Element, InterfaceMesh};
 use crate::quadrature::Quadrature;
 use crate::shape::{MAX_NODES, SHAPES};
 use sprs::{CsMat, TriMat};
@@ -57,20 +57,14 @@ impl Operators {
             first_point.push(weights.len());
             for (local, point) in quadrature.points(element.shape()).iter().enumerate() {
                 let (values, derivatives) = element.shape().functions(point.xi);
-                let mut jacobian = [[0.0; 2]; 2];
                 let mut position = [0.0; 2];
-                for (a, &node) in element.nodes().iter().enumerate() {
+                for (value, &node) in values.iter().zip(element.nodes()) {
                     let x = mesh.nodes[node as usize];
-                    for i in 0..2 {
-                        position[i] += values[a] * x[i];
-                        for j in 0..2 {
-                            jacobian[i][j] += x[i] * derivatives[a][j];
-                        }
-                    }
+                    (0..2).for_each(|i| position[i] += value * x[i]);
                 }
-                let determinant = match element.contact() {
-                    Some(contact) => contact.area,
-                    None => jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0],
+                let (determinant, density) = match element.contact() {
+                    Some(contact) => (contact.area, contact.area),
+                    None => mesh.area_density(element, &derivatives),
                 };
                 // `!(a > b)` also catches NaN.
                 if !(determinant > 0.0) {
@@ -80,18 +74,24 @@ impl Operators {
                         determinant,
                     });
                 }
-                let weight = point.weight * determinant;
                 for (a, &node) in element.nodes().iter().enumerate() {
                     interpolation.add_triplet(weights.len(), node as usize, values[a]);
-                    integration.add_triplet(node as usize, weights.len(), weight * values[a]);
                 }
-                weights.push(weight);
+                weights.push(point.weight * density);
                 positions.push(position);
             }
         }
         first_point.push(weights.len());
+        for part in &mesh.covered {
+            let points = first_point[part.element]..first_point[part.element + 1];
+            cover(part, &positions[points.clone()], &mut weights[points]);
+        }
+        let interpolation: CsMat<f64> = interpolation.to_csr();
+        for (&value, (point, node)) in &interpolation {
+            integration.add_triplet(node, point, weights[point] * value);
+        }
         Ok(Self {
-            interpolation: interpolation.to_csr(),
+            interpolation,
             integration: integration.to_csr(),
             weights,
             positions,
@@ -234,6 +234,29 @@ impl Operators {
             size = grown;
         }
         values
+    }
+}
+
+/// Weights of an element of which a part is in contact: they keep that part's area and, where no weight would become negative,
+/// its centre of area too, and change as little as that allows. So resultant and moments of tractions are those of the part.
+fn cover(part: &Covered, positions: &[[f64; 2]], weights: &mut [f64]) {
+    weights.iter_mut().for_each(|w| *w *= part.share);
+    let total: f64 = weights.iter().sum();
+    let mean = [0, 1].map(|i| positions.iter().zip(&*weights).map(|(x, w)| w * x[i]).sum::<f64>() / total);
+    let arms: Vec<[f64; 2]> = positions.iter().map(|x| [x[0] - mean[0], x[1] - mean[1]]).collect();
+    // The factor 1 + a x + b y, whose second moments give the shift of the centre.
+    let moment = |i: usize, j: usize| arms.iter().zip(&*weights).map(|(x, w)| w * x[i] * x[j]).sum::<f64>() / total;
+    let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
+    let shift = [0, 1].map(|i| part.centroid[i] - mean[i]);
+    let determinant = xx * yy - xy * xy;
+    let slope = [
+        (yy * shift[0] - xy * shift[1]) / determinant,
+        (xx * shift[1] - xy * shift[0]) / determinant,
+    ];
+    let factors: Vec<f64> = arms.iter().map(|x| 1.0 + slope[0] * x[0] + slope[1] * x[1]).collect();
+    // A single point has no second moments, which this also catches.
+    if factors.iter().all(|factor| *factor >= 0.0) {
+        weights.iter_mut().zip(&factors).for_each(|(w, factor)| *w *= factor);
     }
 }
 

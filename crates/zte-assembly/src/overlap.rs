@@ -1,13 +1,12 @@
 //! The search for interface elements that cover the same area.
 
+use crate::clip::{Cut, Polygon, area};
 use crate::mesh::InterfaceMesh;
+use crate::tree::{Bounded, Tree};
 
 /// Part of the smaller element's area that two elements may share: coordinates of files are rounded, and where meshes
 /// have hanging nodes neighbours then overlap by slivers.
 pub(crate) const TOLERANCE: f64 = 1e-4;
-
-/// Most elements of a leaf of the tree.
-const LEAF: usize = 8;
 
 /// Two elements that share area.
 #[derive(Debug, PartialEq)]
@@ -27,164 +26,28 @@ pub(crate) struct Overlap {
 /// Elements that are not convex or not counter-clockwise are left out: they are refused where their area density is
 /// known. A tree of bounding boxes makes this `n log n` also for meshes that are graded or lie along one line.
 pub(crate) fn find(mesh: &InterfaceMesh) -> Option<Overlap> {
-    let mut polygons: Vec<Polygon> = mesh
-        .elements
-        .iter()
-        .enumerate()
-        .filter_map(|(element, nodes)| {
-            let corners = nodes.corners().iter().map(|&node| mesh.nodes[node as usize]);
-            Polygon::try_new(element, corners)
-        })
-        .collect();
-    let n = polygons.len();
-    let mut tree = Tree {
-        boxes: vec![Bounds::EMPTY; (2 * n.next_power_of_two()).max(2)],
-    };
-    tree.build(1, &mut polygons);
+    let polygons = mesh.elements.iter().enumerate().filter_map(|(element, nodes)| {
+        let corners = nodes.corners().iter().map(|&node| mesh.nodes[node as usize]);
+        Polygon::try_new(element, corners)
+    });
+    let tree = Tree::new(polygons.collect());
     let mut found: Option<Overlap> = None;
-    for polygon in &polygons {
-        tree.visit(1, &polygons, polygon, &mut found);
-    }
-    found
-}
-
-#[derive(Clone, Copy)]
-struct Bounds {
-    low: [f64; 2],
-    high: [f64; 2],
-}
-
-impl Bounds {
-    const EMPTY: Self = Self {
-        low: [f64::INFINITY; 2],
-        high: [f64::NEG_INFINITY; 2],
-    };
-
-    fn include(&mut self, other: &Self) {
-        for axis in 0..2 {
-            self.low[axis] = self.low[axis].min(other.low[axis]);
-            self.high[axis] = self.high[axis].max(other.high[axis]);
-        }
-    }
-
-    /// Boxes that only touch share nothing.
-    fn overlaps(&self, other: &Self) -> bool {
-        (0..2).all(|axis| self.low[axis] < other.high[axis] && other.low[axis] < self.high[axis])
-    }
-}
-
-/// A convex element.
-struct Polygon {
-    element: usize,
-    corners: Vec<[f64; 2]>,
-    area: f64,
-    bounds: Bounds,
-}
-
-impl Polygon {
-    fn try_new(element: usize, corners: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
-        let corners: Vec<[f64; 2]> = corners.collect();
-        let n = corners.len();
-        let convex = (0..n).all(|i| side(corners[i], corners[(i + 1) % n], corners[(i + 2) % n]) > 0.0);
-        let mut bounds = Bounds::EMPTY;
-        for &corner in &corners {
-            bounds.include(&Bounds {
-                low: corner,
-                high: corner,
-            });
-        }
-        convex.then(|| Self {
-            element,
-            area: area(&corners),
-            corners,
-            bounds,
-        })
-    }
-
-    /// Area that both cover: this polygon cut along the edges of the other.
-    fn shared(&self, other: &Self, cut: &mut [Vec<[f64; 2]>; 2]) -> f64 {
-        let [rest, next] = cut;
-        rest.clone_from(&self.corners);
-        let n = other.corners.len();
-        for i in 0..n {
-            let (from, to) = (other.corners[i], other.corners[(i + 1) % n]);
-            next.clear();
-            for (j, &a) in rest.iter().enumerate() {
-                let b = rest[(j + 1) % rest.len()];
-                let (inside_a, inside_b) = (side(from, to, a), side(from, to, b));
-                if inside_a >= 0.0 {
-                    next.push(a);
-                }
-                if (inside_a > 0.0 && inside_b < 0.0) || (inside_a < 0.0 && inside_b > 0.0) {
-                    let part = inside_a / (inside_a - inside_b);
-                    next.push([0, 1].map(|axis| a[axis] + part * (b[axis] - a[axis])));
-                }
-            }
-            std::mem::swap(rest, next);
-        }
-        area(rest)
-    }
-}
-
-/// Positive where `x` is to the left of the line.
-fn side(from: [f64; 2], to: [f64; 2], x: [f64; 2]) -> f64 {
-    (to[0] - from[0]) * (x[1] - from[1]) - (to[1] - from[1]) * (x[0] - from[0])
-}
-
-/// About the first corner, so that the distance from the origin costs no digits.
-fn area(corners: &[[f64; 2]]) -> f64 {
-    let fan = corners.windows(2).skip(1);
-    0.5 * fan.map(|edge| side(corners[0], edge[0], edge[1])).sum::<f64>()
-}
-
-/// Bounding boxes of halves, quarters, ... of the elements: the halves of box `i` are `2 i` and `2 i + 1`.
-struct Tree {
-    boxes: Vec<Bounds>,
-}
-
-impl Tree {
-    /// Sorts the polygons so that each box holds neighbours.
-    fn build(&mut self, index: usize, polygons: &mut [Polygon]) {
-        let mut all = Bounds::EMPTY;
-        polygons.iter().for_each(|polygon| all.include(&polygon.bounds));
-        self.boxes[index] = all;
-        if polygons.len() <= LEAF {
-            return;
-        }
-        let axis = usize::from(all.high[1] - all.low[1] > all.high[0] - all.low[0]);
-        let middle = polygons.len() / 2;
-        let centre = |polygon: &Polygon| polygon.bounds.low[axis] + polygon.bounds.high[axis];
-        polygons.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
-        let (low, high) = polygons.split_at_mut(middle);
-        self.build(2 * index, low);
-        self.build(2 * index + 1, high);
-    }
-
-    /// Compares one polygon with those of a box that come before it in the mesh; keeps the first pair of the mesh.
-    fn visit(&self, index: usize, polygons: &[Polygon], polygon: &Polygon, found: &mut Option<Overlap>) {
-        if !self.boxes[index].overlaps(&polygon.bounds) {
-            return;
-        }
-        if polygons.len() > LEAF {
-            let (low, high) = polygons.split_at(polygons.len() / 2);
-            self.visit(2 * index, low, polygon, found);
-            self.visit(2 * index + 1, high, polygon, found);
-            return;
-        }
-        let mut cut = [Vec::new(), Vec::new()];
-        for other in polygons {
+    let mut cut = Cut::default();
+    for polygon in tree.items() {
+        tree.visit(polygon.bounds(), &mut |other: &Polygon| {
             let pair = (polygon.element, other.element);
             let known = found.as_ref().is_some_and(|known| (known.element, known.first) <= pair);
-            if pair.1 >= pair.0 || known || !other.bounds.overlaps(&polygon.bounds) {
-                continue;
+            if pair.1 >= pair.0 || known {
+                return;
             }
-            let shared = polygon.shared(other, &mut cut);
+            let shared = area(polygon.shared(other, &mut cut));
             if shared > TOLERANCE * polygon.area.min(other.area) {
                 let (element, first) = pair;
-                *found = Some(Overlap { element, first, shared });
+                found = Some(Overlap { element, first, shared });
             }
-        }
+        });
     }
+    found
 }
 
 #[cfg(test)]
@@ -195,10 +58,7 @@ mod tests {
     /// `nx x ny` squares of unit edge, turned by an angle about the origin, without common nodes.
     fn loose_squares(nx: usize, ny: usize, angle: f64) -> InterfaceMesh {
         let (sine, cosine) = angle.sin_cos();
-        let mut mesh = InterfaceMesh {
-            nodes: Vec::new(),
-            elements: Vec::new(),
-        };
+        let mut mesh = InterfaceMesh::flat(Vec::new(), Vec::new());
         for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
             let first = mesh.nodes.len() as u32;
             for [a, b] in [[0, 0], [1, 0], [1, 1], [0, 1]] {
@@ -241,10 +101,10 @@ mod tests {
                 let small = 0.1 * size;
                 let start = size - depth * small;
                 let square = |x: f64, size: f64| [[x, 0.0], [x + size, 0.0], [x + size, size], [x, size]];
-                let mesh = InterfaceMesh {
-                    nodes: [square(0.0, size), square(start, small)].concat(),
-                    elements: vec![Element::quad4([0, 1, 2, 3]), Element::quad4([4, 5, 6, 7])],
-                };
+                let mesh = InterfaceMesh::flat(
+                    [square(0.0, size), square(start, small)].concat(),
+                    vec![Element::quad4([0, 1, 2, 3]), Element::quad4([4, 5, 6, 7])],
+                );
                 let found = find(&mesh);
                 assert_eq!(found.is_some(), refused, "{size} {depth}: {found:?}");
             }

@@ -19,6 +19,13 @@ pub struct Quadrature {
     triangle: Vec<Point>,
 }
 
+/// Rule of twelve points on the triangle, exact to degree 6.
+const TWELVE_POINTS: [(f64, f64, f64); 3] = [
+    (0.116_786_275_726_379, 0.501_426_509_658_179, 0.249_286_745_170_910),
+    (0.050_844_906_370_207, 0.873_821_971_016_996, 0.063_089_014_491_502),
+    (0.082_851_075_618_374, 0.053_145_049_844_817, 0.310_352_451_033_784),
+];
+
 impl Quadrature {
     /// Gauss-Legendre `n x n` on the square (`n` = 1 ... 5, exact to degree `2n - 1`); on the triangle 1, 3, 6 or 12
     /// points (n = 1, 2, 3, 4 and 5; exact to degree 1, 2, 4, 6; Dunavant 1985, DOI 10.1002/nme.1620210612).
@@ -33,13 +40,19 @@ impl Quadrature {
                 (0.223_381_589_678_011, 0.108_103_018_168_070, 0.445_948_490_915_965),
                 (0.109_951_743_655_322, 0.816_847_572_980_459, 0.091_576_213_509_771),
             ],
-            4 | 5 => &[
-                (0.116_786_275_726_379, 0.501_426_509_658_179, 0.249_286_745_170_910),
-                (0.050_844_906_370_207, 0.873_821_971_016_996, 0.063_089_014_491_502),
-                (0.082_851_075_618_374, 0.053_145_049_844_817, 0.310_352_451_033_784),
-            ],
+            4 | 5 => &TWELVE_POINTS,
             _ => return Err(Error::Quadrature { per_direction }),
         };
+        Ok(Self::new(per_direction, orbits))
+    }
+
+    /// The finest rules.
+    pub(crate) fn finest() -> Self {
+        Self::new(5, &TWELVE_POINTS)
+    }
+
+    /// `orbits` are weights, relative to the area, and area coordinates of the rule on the triangle.
+    fn new(per_direction: usize, orbits: &[(f64, f64, f64)]) -> Self {
         let mut triangle = Vec::new();
         for &(weight, a, b) in orbits {
             let c = 1.0 - a - b;
@@ -68,7 +81,12 @@ impl Quadrature {
                 })
             })
             .collect();
-        Ok(Self { square, triangle })
+        Self { square, triangle }
+    }
+
+    /// The rule on the triangle.
+    pub(crate) fn triangle(&self) -> &[Point] {
+        &self.triangle
     }
 
     /// The rule for a shape; a point has its one point at every level.

@@ -44,13 +44,15 @@ fn patch() -> InterfaceMesh {
             }
         }
     }
-    InterfaceMesh { nodes, elements }
+    InterfaceMesh::flat(nodes, elements)
 }
 
 /// [`patch`] in quadratic elements, with or without a node in the centre of quadrilaterals. Middles of inner edges are moved by
 /// up to `curved` edges.
 fn quadratic_patch(centres: bool, curved: f64) -> InterfaceMesh {
-    let InterfaceMesh { mut nodes, elements } = patch();
+    let InterfaceMesh {
+        mut nodes, elements, ..
+    } = patch();
     let mut middles = HashMap::new();
     let elements = elements
         .iter()
@@ -86,7 +88,7 @@ fn quadratic_patch(centres: bool, curved: f64) -> InterfaceMesh {
             Element::from_nodes(&all).unwrap()
         })
         .collect();
-    InterfaceMesh { nodes, elements }
+    InterfaceMesh::flat(nodes, elements)
 }
 
 /// Linear, quadratic and curved meshes of the same rectangle.
@@ -322,10 +324,7 @@ fn a_uniform_traction_pulls_at_the_corners_of_eight_nodes_and_opens_no_point() {
     let nodes: Vec<[f64; 2]> = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]]
         .map(|x| x.map(|v| 0.01 * f64::from(v)))
         .to_vec();
-    let mesh = InterfaceMesh {
-        nodes,
-        elements: vec![Element::quad8([0, 1, 2, 3, 4, 5, 6, 7])],
-    };
+    let mesh = InterfaceMesh::flat(nodes, vec![Element::quad8([0, 1, 2, 3, 4, 5, 6, 7])]);
     let interface = interface_on(&mesh, 3, 0.3);
     let u: Vec<f64> = (0..24).map(|i| [0.0, 0.0, 1e-6][i % 3]).collect();
     let state = interface.initial_state();
@@ -376,10 +375,7 @@ fn quadratic_elements_follow_curved_edges() {
             node(1, j + 1),
         ])
     });
-    let mesh = InterfaceMesh {
-        nodes,
-        elements: elements.collect(),
-    };
+    let mesh = InterfaceMesh::flat(nodes, elements.collect());
     let exact = std::f64::consts::FRAC_PI_4 * 3e-4;
     let operators = Operators::try_new(&mesh, 3).unwrap();
     let relative = operators.area() / exact - 1.0;
@@ -394,10 +390,7 @@ fn quadratic_elements_follow_curved_edges() {
             Element::tri6([a, c, d, centre, cd, da]),
         ]
     });
-    let triangles = InterfaceMesh {
-        nodes: mesh.nodes.clone(),
-        elements: halves.collect(),
-    };
+    let triangles = InterfaceMesh::flat(mesh.nodes.clone(), halves.collect());
     let area = Operators::try_new(&triangles, 3).unwrap().area();
     assert!((area / operators.area() - 1.0).abs() < 1e-13);
 }
@@ -906,10 +899,7 @@ fn halves_that_cross_or_miss_the_line_are_refused() {
 fn points(of: &[(f64, [bool; 3])]) -> InterfaceMesh {
     let element =
         |(node, &(area, held)): (usize, &(f64, [bool; 3]))| Element::point(node as u32, PointContact { area, held });
-    InterfaceMesh {
-        nodes: vec![[0.0; 2]; of.len()],
-        elements: of.iter().enumerate().map(element).collect(),
-    }
+    InterfaceMesh::flat(vec![[0.0; 2]; of.len()], of.iter().enumerate().map(element).collect())
 }
 
 #[test]

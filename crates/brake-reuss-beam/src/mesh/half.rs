@@ -200,10 +200,7 @@ impl<'a> Whole<'a> {
 
     /// The half of the interface, and which of the nodes of the whole one it has.
     fn half_interface(&self, interface: &InterfaceMesh) -> Result<(InterfaceMesh, Vec<usize>)> {
-        let mut mesh = InterfaceMesh {
-            nodes: Vec::new(),
-            elements: Vec::new(),
-        };
+        let mut mesh = InterfaceMesh::flat(Vec::new(), Vec::new());
         let mut pairs = Vec::new();
         let mut number = vec![None; interface.nodes.len()];
         for (pair, &[x, y]) in interface.nodes.iter().enumerate() {

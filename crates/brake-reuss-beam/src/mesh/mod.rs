@@ -144,10 +144,10 @@ pub fn build(
     assembly.mesh = builder.mesh;
     let mut beam = BrakeReussBeam {
         assembly,
-        interface: InterfaceMesh {
-            nodes: lap.section.nodes.clone(),
-            elements: lap.section.quads.iter().copied().map(Element::quad4).collect(),
-        },
+        interface: InterfaceMesh::flat(
+            lap.section.nodes.clone(),
+            lap.section.quads.iter().copied().map(Element::quad4).collect(),
+        ),
         top_nodes: top.interface,
         bottom_nodes: bottom.interface,
         frame: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]],

@@ -6,7 +6,8 @@ pub mod quadratic;
 use quadratic::RaisedElements;
 use reduction::RelativeSystem;
 use serde::{Deserialize, Serialize};
-use substructure::mesh::Assembly;
+use sprs::CsMat;
+use substructure::mesh::{Assembly, Face};
 use zte_assembly::InterfaceMesh;
 
 /// Two bodies with everything that connects and loads them, before contact, and the interface between them.
@@ -17,8 +18,10 @@ pub struct Joint {
     /// The interface in its plane (m).
     pub interface: InterfaceMesh,
     /// Unit vectors of the relative coordinates as rows: two in the interface, and the normal from the top body into the
-    /// bottom one.
+    /// bottom one; the mean ones where the interface is curved.
     pub frame: [[f64; 3]; 3],
+    /// The same at each interface node, where the interface is curved or consists of parts in different planes; otherwise empty.
+    pub node_frames: Vec<[[f64; 3]; 3]>,
     /// By how much the bodies can slide before a shank touches its hole (m), if it is known.
     pub clearance: Option<f64>,
     /// Where and in which direction amplitudes are measured, in words.
@@ -39,10 +42,8 @@ pub enum Bodies {
 pub struct MeshedBodies {
     /// One load pattern of unit tension per bolt.
     pub assembly: Assembly,
-    /// Node of the top body for each interface node.
-    pub top_nodes: Vec<u32>,
-    /// Node of the bottom body for each interface node.
-    pub bottom_nodes: Vec<u32>,
+    /// The nodes on both sides of the interface.
+    pub sides: Sides,
     /// Where amplitudes are measured.
     pub response_node: u32,
     /// Direction there.
@@ -53,6 +54,37 @@ pub struct MeshedBodies {
     pub moved_pairs: Option<MovedPairs>,
     /// Linear elements that were made quadratic; none where the elements have the order that they were meshed in.
     pub raised: Option<RaisedElements>,
+}
+
+/// The nodes on both sides of an interface.
+#[derive(Clone, Debug)]
+pub enum Sides {
+    /// Nodes that coincide, one of the top body and one of the bottom body for each interface node.
+    Pairs {
+        /// Of the top body.
+        top: Vec<u32>,
+        /// Of the bottom body.
+        bottom: Vec<u32>,
+    },
+    /// Meshes that do not match, one part of the interface after another.
+    Projected(Vec<ProjectedSide>),
+}
+
+/// Two sides of an interface, or of a part of it, whose meshes do not match.
+#[derive(Clone, Debug)]
+pub struct ProjectedSide {
+    /// Nodes that carry the jump, one for each interface node.
+    pub own: Vec<u32>,
+    /// Whether they belong to the top body.
+    pub own_is_top: bool,
+    /// Their faces, outward.
+    pub own_faces: Vec<Face>,
+    /// Nodes of the other side.
+    pub other: Vec<u32>,
+    /// Their faces, outward.
+    pub other_faces: Vec<Face>,
+    /// Weights of the other nodes at each own node (own x other).
+    pub projection: CsMat<f64>,
 }
 
 /// Pairs of interface nodes that did not coincide and were moved to their midpoints in the plane.

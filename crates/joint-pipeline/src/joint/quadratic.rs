@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use substructure::mesh::Assembly;
+use substructure::mesh::{Assembly, Face};
 use substructure::{Error, Quadratic};
 use zte_assembly::{Element, InterfaceMesh};
 
@@ -60,11 +60,45 @@ pub fn raise(
         // Triangles and quadrilaterals both have a shape with these nodes.
         Element::from_nodes(&nodes)
     });
-    *interface = InterfaceMesh {
-        elements: elements.collect(),
-        nodes,
-    };
+    *interface = InterfaceMesh::flat(nodes, elements.collect());
     (*top_nodes, *bottom_nodes) = (top, bottom);
+    let found = RaisedElements {
+        elements: assembly.mesh.elements.len(),
+        added_nodes: raised.assembly.mesh.nodes.len() - assembly.mesh.nodes.len(),
+    };
+    *assembly = raised.assembly;
+    Ok(found)
+}
+
+/// Gives all solids a node in the middle of each edge, as [`Quadratic`] does, and the faces of some surfaces with them.
+///
+/// # Errors
+/// Those of [`Quadratic::try_new`]; [`Error::NotRaisable`] for a face with an edge that no solid has. Nothing is changed then.
+pub fn raise_surfaces(assembly: &mut Assembly, surfaces: [&mut Vec<Face>; 2]) -> Result<RaisedElements, Error> {
+    let raised = Quadratic::try_new(assembly, |_| None)?;
+    let face = |face: &Face| {
+        let corners = face.corners();
+        let ends = (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]);
+        let middles = ends.map(|ends| {
+            raised.middle(ends).ok_or_else(|| Error::NotRaisable {
+                place: format!(
+                    "the edge of the interface between nodes {} and {} of the mesh",
+                    ends[0], ends[1]
+                ),
+                reason: "it is no edge of a solid",
+            })
+        });
+        let middles = middles.collect::<Result<Vec<u32>, Error>>()?;
+        let nodes: Vec<u32> = corners.iter().copied().chain(middles).collect();
+        // Triangles and quadrilaterals both have a face type with these nodes.
+        Ok(Face::from_nodes(&nodes).unwrap_or(*face))
+    };
+    let faces = surfaces.each_ref().map(|faces| faces.iter().map(face).collect());
+    let [top, bottom]: [Result<Vec<Face>, Error>; 2] = faces;
+    let raised_surfaces = [top?, bottom?];
+    for (surface, faces) in surfaces.into_iter().zip(raised_surfaces) {
+        *surface = faces;
+    }
     let found = RaisedElements {
         elements: assembly.mesh.elements.len(),
         added_nodes: raised.assembly.mesh.nodes.len() - assembly.mesh.nodes.len(),

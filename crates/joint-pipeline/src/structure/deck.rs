@@ -1,9 +1,9 @@
 //! Structures from input decks of Abaqus and CalculiX.
 
-use super::facing::Facing;
+use super::facing::{Facing, Surfaces};
 use crate::Error;
 use crate::joint::quadratic;
-use crate::joint::{Bodies, Joint, MeshedBodies};
+use crate::joint::{Bodies, Joint, MeshedBodies, Sides};
 use crate::scene::{Deck, ElementOrder, Forced, Length, MaterialSource, Model, PointMass, Untied};
 use substructure::formats::abaqus::{self, Choices, DeckModel};
 use substructure::mesh::{BeyondTolerance, Dof, LoadPattern};
@@ -44,21 +44,26 @@ pub(super) fn joint(
     if source.materials == MaterialSource::Scene {
         assembly.mesh.materials.fill(super::material(model));
     }
-    let mut facing = Facing::try_new(
-        &mut assembly.mesh.nodes,
+    let [top, bottom] = [
         deck.surface_faces(&source.top_surface)?,
         deck.surface_faces(&source.bottom_surface)?,
-        source.along,
-        source.pair_tolerance.map(Length::si),
-        model.element_order,
-        &|node| deck.node_name(node),
-    )?;
-    if let Some(moved) = facing.moved {
-        notes(&format!(
-            "{} pairs of interface nodes do not coincide, by {:.2e} m at most, and were moved to their midpoints",
-            moved.count, moved.largest_distance
-        ));
-    }
+    ];
+    let n_nodes = assembly.mesh.nodes.len();
+    let label = |node: u32| match (node as usize) < n_nodes {
+        true => deck.node_name(node),
+        false => "in the middle of an edge".into(),
+    };
+    let surfaces = Surfaces {
+        top,
+        bottom,
+        along: source.along,
+        pair_tolerance: source.pair_tolerance.map(Length::si),
+        within: None,
+        order: model.element_order,
+        label: &label,
+    };
+    let mut facing = Facing::try_new(&mut assembly.mesh.nodes, &surfaces)?;
+    facing.notes().iter().for_each(|note| notes(note));
     let normal = facing.frame[2];
     assembly.loads = source
         .bolts
@@ -91,9 +96,25 @@ pub(super) fn joint(
     let raised = match model.element_order {
         ElementOrder::Linear => None,
         ElementOrder::Quadratic => {
-            let sides = [&mut facing.top_nodes, &mut facing.bottom_nodes];
-            let raised = quadratic::raise(&mut assembly, &mut facing.interface, sides, facing.frame, |_| None)
-                .map_err(not_raisable)?;
+            let raised = match &mut facing.sides {
+                Sides::Pairs { top, bottom } => {
+                    let sides = [top, bottom];
+                    quadratic::raise(&mut assembly, &mut facing.interface, sides, facing.frame, |_| None)
+                        .map_err(not_raisable)?
+                }
+                Sides::Projected(_) => {
+                    let [mut top, mut bottom] = [top.to_vec(), bottom.to_vec()];
+                    let raised =
+                        quadratic::raise_surfaces(&mut assembly, [&mut top, &mut bottom]).map_err(not_raisable)?;
+                    let surfaces = Surfaces {
+                        top: &top,
+                        bottom: &bottom,
+                        ..surfaces
+                    };
+                    facing = Facing::try_new(&mut assembly.mesh.nodes, &surfaces)?;
+                    raised
+                }
+            };
             assembly.mesh.set_formulation(model.hexahedra());
             notes(&format!(
                 "the {} elements of the deck were made quadratic, with {} nodes in the middles of their straight edges",
@@ -105,8 +126,7 @@ pub(super) fn joint(
     Ok(Joint {
         bodies: Bodies::Meshed(MeshedBodies {
             assembly,
-            top_nodes: facing.top_nodes,
-            bottom_nodes: facing.bottom_nodes,
+            sides: facing.sides,
             response_node,
             response_direction: source.response.direction,
             excitation,
@@ -115,6 +135,7 @@ pub(super) fn joint(
         }),
         interface: facing.interface,
         frame: facing.frame,
+        node_frames: facing.node_frames,
         clearance: source.bolt_hole_clearance.map(Length::si),
         response: format!(
             "node {} in direction {:?}",

@@ -1,7 +1,7 @@
 //! Models for other programs: reduced ones as named arrays, meshes as input decks and mesh files.
 
 use super::StructuralModel;
-use crate::joint::{Joint, MeshedBodies};
+use crate::joint::{Joint, MeshedBodies, Sides};
 use crate::scene::{self, Length, Units};
 use faer::{Mat, MatRef};
 use matrix_files::Error;
@@ -111,7 +111,23 @@ pub fn groups(joint: &Joint, bodies: &MeshedBodies) -> ([Group<Face>; 2], [Group
         name: RESPONSE.to_owned(),
         members: vec![bodies.response_node],
     };
-    let sides = [side(SIDES[0], &bodies.top_nodes), side(SIDES[1], &bodies.bottom_nodes)];
+    let sides = match &bodies.sides {
+        Sides::Pairs { top, bottom } => [side(SIDES[0], top), side(SIDES[1], bottom)],
+        Sides::Projected(parts) => [true, false].map(|top| Group {
+            name: SIDES[usize::from(!top)].to_owned(),
+            members: parts
+                .iter()
+                .flat_map(|part| {
+                    if part.own_is_top == top {
+                        &part.own_faces
+                    } else {
+                        &part.other_faces
+                    }
+                })
+                .copied()
+                .collect(),
+        }),
+    };
     (sides, [response])
 }
 

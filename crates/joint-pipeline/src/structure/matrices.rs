@@ -144,6 +144,7 @@ pub(super) fn joint(
         bodies: Bodies::Imported(bodies),
         interface,
         frame,
+        node_frames: Vec::new(),
         clearance: source.bolt_hole_clearance.map(Length::si),
         response: match &source.response {
             MatrixVector::Number(number) => format!("response {number} of the matrices"),
@@ -201,10 +202,10 @@ impl Vectors<'_> {
             let area = point.area.si();
             elements.push(Element::point(index as u32, PointContact { area, held }));
         }
-        let mesh = InterfaceMesh {
-            nodes: points.iter().map(|point| point.position.map(Length::si)).collect(),
+        let mesh = InterfaceMesh::flat(
+            points.iter().map(|point| point.position.map(Length::si)).collect(),
             elements,
-        };
+        );
         mesh.validate().map_err(|error| {
             self.file
                 .fail(&format!("its points of contact, counted from 0: {error}"))

@@ -3,13 +3,14 @@
 use super::spectrum::CHECK_STIFFNESS;
 use super::{Facts, N_CHECKED, StructuralModel, Structure};
 use crate::Error;
-use crate::joint::{Bodies, ImportedBodies};
+use crate::joint::{Bodies, ImportedBodies, Sides};
 use crate::progress::{Progress, Stage};
 use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use reduction::checks::{self, ReducedSpectrum};
-use reduction::{InterfacePairs, ReducedModel, RelativeSystem, Step, reduce};
+use reduction::{FacingNodes, InterfacePairs, ReducedModel, RelativeSystem, Step, reduce};
+use sprs::CsMat;
 use std::borrow::Cow;
 use substructure::assemble::System;
 use substructure::mesh::{Cell, Dof};
@@ -64,12 +65,7 @@ impl Structure {
             Bodies::Meshed(bodies) => bodies,
         };
         let system = System::try_new(&bodies.assembly)?;
-        let pairs = InterfacePairs {
-            top: &bodies.top_nodes,
-            bottom: &bodies.bottom_nodes,
-            frame: self.joint.frame,
-        };
-        let relative = RelativeSystem::try_new(&system, pairs)?;
+        let relative = self.relative(&system, &bodies.sides)?;
         let row = |what, (node, direction): (u32, [f64; 3])| -> Result<Vec<f64>, Error> {
             let terms: Vec<_> = (0..3_u8).zip(direction).map(|(c, d)| (Dof::Node(node, c), d)).collect();
             Ok(relative.row(&system.dofs.force(&bodies.assembly, what, &terms)?))
@@ -86,6 +82,46 @@ impl Structure {
             mass: Some(system.total_mass),
             n_untied_slaves: system.dofs.untied.len(),
             largest_adjustment: system.dofs.largest_adjustment,
+        })
+    }
+
+    /// The system with the jump as coordinates.
+    fn relative(&self, system: &System, sides: &Sides) -> Result<RelativeSystem, Error> {
+        let frame = self.joint.frame;
+        let node_frames = match self.joint.node_frames.is_empty() {
+            true => Cow::Owned(vec![frame; self.joint.interface.nodes.len()]),
+            false => Cow::Borrowed(&self.joint.node_frames),
+        };
+        Ok(match sides {
+            Sides::Pairs { top, bottom } if self.joint.node_frames.is_empty() => {
+                RelativeSystem::try_new(system, InterfacePairs { top, bottom, frame })?
+            }
+            Sides::Pairs { top, bottom } => {
+                let projection = CsMat::eye(top.len());
+                let side = FacingNodes {
+                    own: top,
+                    own_is_top: true,
+                    other: bottom,
+                    projection: &projection,
+                    frames: &node_frames,
+                };
+                RelativeSystem::from_facing(system, &[side])?
+            }
+            Sides::Projected(parts) => {
+                let mut first = 0;
+                let facing = parts.iter().map(|part| {
+                    let frames = first..first + part.own.len();
+                    first = frames.end;
+                    FacingNodes {
+                        own: &part.own,
+                        own_is_top: part.own_is_top,
+                        other: &part.other,
+                        projection: &part.projection,
+                        frames: &node_frames[frames],
+                    }
+                });
+                RelativeSystem::from_facing(system, &facing.collect::<Vec<_>>())?
+            }
         })
     }
 
@@ -161,6 +197,9 @@ impl Structure {
     fn key(&self, build: Option<&str>) -> Key {
         let mut key = KeyBuilder::new(build);
         key.numbers(self.joint.frame.iter().flatten().copied());
+        key.numbers(self.joint.node_frames.iter().flatten().flatten().copied());
+        key.numbers(self.joint.interface.heights.iter().copied());
+        key.text(&format!("{:?}", self.joint.interface.covered));
         key.text(&format!(
             "{:?}{:?}{:?}",
             self.settings,
@@ -192,8 +231,17 @@ impl Structure {
                         .map(|&n| u64::from(n))
                         .chain([u64::from(e.material), kind(&e.cell)])
                 }));
-                let facing = bodies.top_nodes.iter().chain(&bodies.bottom_nodes);
-                key.integers(facing.map(|&n| u64::from(n)));
+                match &bodies.sides {
+                    Sides::Pairs { top, bottom } => key.integers(top.iter().chain(bottom).map(|&n| u64::from(n))),
+                    Sides::Projected(parts) => {
+                        for part in parts {
+                            let nodes = part.own.iter().chain(&part.other);
+                            key.integers(nodes.map(|&n| u64::from(n)).chain([u64::from(part.own_is_top)]));
+                            key.integers(part.projection.indices().iter().map(|&i| i as u64));
+                            key.numbers(part.projection.data().iter().copied());
+                        }
+                    }
+                }
                 key.numbers(bodies.response_direction);
                 if let Some((node, direction)) = bodies.excitation {
                     key.integers([u64::from(node)]);

@@ -3,8 +3,9 @@
 use super::Case;
 use super::bench::{Bench, meshed};
 use super::findings::{Findings, Refusal};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use joint_pipeline::analysis::Prepared;
+use joint_pipeline::joint::{MeshedBodies, Sides};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{ElementOrder, Formulation, RefinementLevel, Symmetry};
 use joint_pipeline::structure::Structure;
@@ -149,6 +150,14 @@ fn pinched(bench: &Bench, how: Pinch) -> Result<Findings> {
     Ok(findings)
 }
 
+/// The nodes of the pairs of a beam, of its top and of its bottom body.
+fn pairs(bodies: &mut MeshedBodies) -> Result<[&mut Vec<u32>; 2]> {
+    match &mut bodies.sides {
+        Sides::Pairs { top, bottom } => Ok([top, bottom]),
+        Sides::Projected(_) => bail!("the meshes of a beam's sides match"),
+    }
+}
+
 fn nearly_coincident(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();
     let close = bench.run_on_changed(|structure, _| pinch(structure, Pinch::Line(1e-9)))??;
@@ -156,7 +165,8 @@ fn nearly_coincident(bench: &Bench) -> Result<Findings> {
     let apart = |distance: f64| {
         bench.run_on_changed(|structure, _| {
             let bodies = meshed(structure)?;
-            let node = bodies.bottom_nodes[0] as usize;
+            let [_, bottom] = pairs(bodies)?;
+            let node = bottom[0] as usize;
             bodies.assembly.mesh.nodes[node][2] -= distance;
             Ok(())
         })
@@ -255,8 +265,9 @@ fn duplicates(bench: &Bench) -> Result<Findings> {
         let place = interface.nodes[original];
         interface.nodes.push(place);
         let bodies = meshed(structure)?;
-        bodies.top_nodes.push(bodies.top_nodes[original]);
-        bodies.bottom_nodes.push(bodies.bottom_nodes[original]);
+        for side in pairs(bodies)? {
+            side.push(side[original]);
+        }
         Ok(())
     })?;
     let refusal = Refusal {
