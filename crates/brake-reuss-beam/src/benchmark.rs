@@ -124,19 +124,21 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
         beam = beam.half()?;
     }
     beam.assembly.mesh.set_formulation(mesh.hexahedra);
+    let bodies = MeshedBodies {
+        assembly: beam.assembly,
+        sides: Sides::Pairs {
+            top: beam.top_nodes,
+            bottom: beam.bottom_nodes,
+        },
+        response_node: beam.response_node,
+        response_direction: beam.response_direction,
+        excitation: None,
+        moved_pairs: None,
+        raised: None,
+    };
     Ok(Joint {
-        bodies: Bodies::Meshed(MeshedBodies {
-            assembly: beam.assembly,
-            sides: Sides::Pairs {
-                top: beam.top_nodes,
-                bottom: beam.bottom_nodes,
-            },
-            response_node: beam.response_node,
-            response_direction: beam.response_direction,
-            excitation: None,
-            moved_pairs: None,
-            raised: None,
-        }),
+        positions: Some(bodies.interface_positions()),
+        bodies: Bodies::Meshed(bodies),
         interface: beam.interface,
         frame: beam.frame,
         node_frames: Vec::new(),

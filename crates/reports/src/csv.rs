@@ -210,10 +210,11 @@ pub fn epmc(modes: &[(usize, &[MethodSummary])]) -> Result<String, Error> {
 }
 
 /// Hysteresis loops of single points along periodic motions, one row per sample; each loop is closed by its first sample.
+/// `positions` are those of all points (m), where they are known.
 ///
 /// # Errors
 /// [`Error::Table`].
-pub fn loops(modes: &[(usize, &[PointLoop])]) -> Result<String, Error> {
+pub fn loops(modes: &[(usize, &[PointLoop])], positions: Option<&[[f64; 3]]>) -> Result<String, Error> {
     let headings = [
         "mode",
         "modal_amplitude [sqrt(kg) m]",
@@ -225,10 +226,15 @@ pub fn loops(modes: &[(usize, &[PointLoop])]) -> Result<String, Error> {
         "traction_x [Pa]",
         "traction_y [Pa]",
         "pressure [Pa]",
+        "x [m]",
+        "y [m]",
+        "z [m]",
     ];
     let rows = modes.iter().flat_map(|&(mode, loops)| {
         loops.iter().flat_map(move |found| {
             let history = &found.history;
+            let at = positions.and_then(|of| of.get(history.point));
+            let at = (0..3).map(|c| optional(at.map(|x| x[c]))).collect::<Vec<_>>();
             (0..history.jump[0].len()).map(move |sample| {
                 let place = [
                     mode.to_string(),
@@ -241,7 +247,7 @@ pub fn loops(modes: &[(usize, &[PointLoop])]) -> Result<String, Error> {
                     .iter()
                     .chain(&history.traction)
                     .map(|values| number(values[sample]));
-                place.into_iter().chain(values).collect::<Vec<_>>()
+                place.into_iter().chain(values).chain(at.clone()).collect::<Vec<_>>()
             })
         })
     });

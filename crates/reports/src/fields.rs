@@ -8,21 +8,121 @@ use substructure::formats::vtu::{self, Encoding, Field};
 use substructure::mesh::Face;
 use zte_assembly::InterfaceMesh;
 
-/// One value per interface element.
-pub struct CellField {
-    /// Name with its unit in brackets.
-    pub name: &'static str,
-    /// In the order of the elements.
-    pub values: Vec<f64>,
+/// An interface and where it lies.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<'a> {
+    /// In its plane (m).
+    pub mesh: &'a InterfaceMesh,
+    /// Unit vectors in the coordinates of the model as rows: two in the interface, and the normal from the top body into the bottom
+    /// one.
+    pub frame: [[f64; 3]; 3],
+    /// Position of each node in the coordinates of the model (m), where it is known.
+    pub positions: Option<&'a [[f64; 3]]>,
 }
 
-/// The interface as a VTK file with one value per element of each field; nodes have the third coordinate zero. Points of contact are
-/// nodes with the fields, and there are no cells.
+impl<'a> From<&'a Run> for Placed<'a> {
+    fn from(run: &'a Run) -> Self {
+        Self {
+            mesh: &run.mesh,
+            frame: run.frame,
+            positions: run.positions.as_deref(),
+        }
+    }
+}
+
+impl Placed<'_> {
+    /// A vector of components along the rows of the frame, in the coordinates of the model.
+    fn turned(&self, local: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|c| (0..3).map(|axis| local[axis] * self.frame[axis][c]).sum())
+    }
+
+    /// From where a map sees the interface whose first direction is to the right and whose second is upwards.
+    pub fn view(&self) -> String {
+        if self.positions.is_none() {
+            return "x of the interface to the right, y upwards".into();
+        }
+        let [right, up, normal] = self.frame;
+        // Normal component of right x up, which points to the eye.
+        let to_the_eye: f64 = (0..3)
+            .map(|c| (c, (c + 1) % 3, (c + 2) % 3))
+            .map(|(c, next, last)| (right[next] * up[last] - right[last] * up[next]) * normal[c])
+            .sum();
+        let side = if to_the_eye > 0.0 {
+            "against the normal n = {}, from the bottom body"
+        } else {
+            "along the normal n = {}, from the top body"
+        };
+        let side = side.replace("{}", &components(normal));
+        format!(
+            "seen {side}; to the right is {}, upwards {}",
+            components(right),
+            components(up)
+        )
+    }
+
+    /// What is said along the axes of a map: by which factor a coordinate in the plane (m) is multiplied to give what is named. Names are
+    /// those of the model's axes where the directions are parallel to them.
+    pub(crate) fn axes(&self) -> [(f64, String); 2] {
+        const NAMES: [&str; 3] = ["x", "y", "z"];
+        [0, 1].map(|direction| {
+            let along = self.frame[direction];
+            let parallel = (0..3).find(|&c| (along[c].abs() - 1.0).abs() < 1e-12);
+            match (self.positions, parallel) {
+                (None, _) => (1e3, format!("{} of the interface [mm]", NAMES[direction])),
+                (Some(_), Some(axis)) => (1e3 * along[axis].signum(), format!("{} [mm]", NAMES[axis])),
+                (Some(_), None) => (1e3, format!("along {} [mm]", components(along))),
+            }
+        })
+    }
+}
+
+/// A direction in words.
+fn components(direction: [f64; 3]) -> String {
+    let text = direction.map(|x| {
+        // Three digits suffice for the eye; adding zero turns -0 into 0.
+        let rounded = (1e3 * x).round() / 1e3 + 0.0;
+        rounded.to_string()
+    });
+    format!("({})", text.join(", "))
+}
+
+/// Numbers of each interface element.
+pub struct CellField {
+    name: &'static str,
+    components: usize,
+    values: Vec<f64>,
+}
+
+impl CellField {
+    /// One number per element; the name has its unit in brackets.
+    pub fn scalar(name: &'static str, values: Vec<f64>) -> Self {
+        Self {
+            name,
+            components: 1,
+            values,
+        }
+    }
+
+    /// A vector per element, from its components along the rows of the frame to those along the axes of the model.
+    fn vector(name: &'static str, place: &Placed<'_>, [x, y, n]: [&[f64]; 3]) -> Self {
+        let local = x.iter().zip(y).zip(n);
+        Self {
+            name,
+            components: 3,
+            values: local.flat_map(|((&x, &y), &n)| place.turned([x, y, n])).collect(),
+        }
+    }
+}
+
+/// The interface as a VTK file with the fields of its elements. Nodes are where they are in the model; where that is not known, in the
+/// plane of the interface with the third coordinate zero. Points of contact are nodes with the fields, and there are no cells.
 ///
 /// # Errors
 /// [`Error::Fields`].
-pub fn vtu(mesh: &InterfaceMesh, cells: Vec<CellField>) -> Result<String, Error> {
-    let nodes: Vec<[f64; 3]> = mesh.nodes.iter().map(|&[x, y]| [x, y, 0.0]).collect();
+pub fn vtu(place: Placed<'_>, cells: Vec<CellField>) -> Result<String, Error> {
+    let mesh = place.mesh;
+    let in_plane = || mesh.nodes.iter().map(|&[x, y]| [x, y, 0.0]).collect();
+    let nodes: Vec<[f64; 3]> = place.positions.map_or_else(in_plane, <[_]>::to_vec);
     // Every shape of an interface element is the shape of a face.
     let faces: Vec<Face> = mesh
         .elements
@@ -33,7 +133,7 @@ pub fn vtu(mesh: &InterfaceMesh, cells: Vec<CellField>) -> Result<String, Error>
         .into_iter()
         .map(|cell| Field {
             name: cell.name.to_owned(),
-            components: 1,
+            components: cell.components,
             values: cell.values,
         })
         .collect();
@@ -60,12 +160,25 @@ pub fn pressure(run: &Run, fields: &Fields) -> Vec<f64> {
     run.interface.operators().element_means(&fields.traction[2])
 }
 
-/// All fields that are stored.
+/// Positions of the quadrature points in the coordinates of the model (m), where those of the nodes are known.
+pub fn point_positions(run: &Run) -> Option<Vec<[f64; 3]>> {
+    let nodes = run.positions.as_ref()?;
+    let rows = run.interface.operators().interpolation.outer_iterator();
+    let positions = rows.map(|row| {
+        let mut at = [0.0; 3];
+        for (node, value) in row.iter() {
+            at.iter_mut().zip(nodes[node]).for_each(|(at, x)| *at += value * x);
+        }
+        at
+    });
+    Some(positions.collect())
+}
+
+/// All fields that are stored. Tractions are those that the top body exerts on the bottom one, jumps the motion of the top body less that
+/// of the bottom one; names of components along the directions of the interface begin with `local`.
 pub fn cell_fields(run: &Run, fields: &Fields) -> Vec<CellField> {
-    let mean = |name, values: &[f64]| CellField {
-        name,
-        values: run.interface.operators().element_means(values),
-    };
+    let operators = run.interface.operators();
+    let mean = |name, values: &[f64]| CellField::scalar(name, operators.element_means(values));
     let fraction = |name, regime: Regime| {
         let indicator: Vec<f64> = fields
             .regime
@@ -74,19 +187,30 @@ pub fn cell_fields(run: &Run, fields: &Fields) -> Vec<CellField> {
             .collect();
         mean(name, &indicator)
     };
-    vec![
+    let mut cells = vec![
         mean("pressure [Pa]", &fields.traction[2]),
-        mean("traction_x [Pa]", &fields.traction[0]),
-        mean("traction_y [Pa]", &fields.traction[1]),
+        mean("local_traction_x [Pa]", &fields.traction[0]),
+        mean("local_traction_y [Pa]", &fields.traction[1]),
         mean("interference [m]", &fields.jump[2]),
-        mean("flux_x [J/m^2]", &fields.flux[0]),
-        mean("flux_y [J/m^2]", &fields.flux[1]),
+        mean("local_jump_x [m]", &fields.jump[0]),
+        mean("local_jump_y [m]", &fields.jump[1]),
+        mean("local_flux_x [J/m^2]", &fields.flux[0]),
+        mean("local_flux_y [J/m^2]", &fields.flux[1]),
         mean("flux_n [J/m^2]", &fields.flux[2]),
-        CellField {
-            name: "flux_total [J/m^2]",
-            values: total_flux(run, fields),
-        },
+        CellField::scalar("flux_total [J/m^2]", total_flux(run, fields)),
         fraction("slip_area_fraction [-]", Regime::Slip),
         fraction("open_area_fraction [-]", Regime::Open),
-    ]
+    ];
+    let place = Placed::from(run);
+    if place.positions.is_some() {
+        let [tractions, jumps] =
+            [&fields.traction, &fields.jump].map(|of| of.each_ref().map(|v| operators.element_means(v)));
+        let [x, y, n] = tractions.each_ref().map(Vec::as_slice);
+        cells.push(CellField::vector("traction [Pa]", &place, [x, y, n]));
+        let [x, y, n] = jumps.each_ref().map(Vec::as_slice);
+        // Its normal part is the interference, from which the gap is subtracted.
+        let none = vec![0.0; n.len()];
+        cells.push(CellField::vector("tangential_jump [m]", &place, [x, y, &none]));
+    }
+    cells
 }

@@ -1,5 +1,6 @@
 //! Maps of the interface as SVG.
 
+use crate::fields::Placed;
 use crate::markup::escape;
 use std::fmt::Write;
 use zte_assembly::InterfaceMesh;
@@ -19,7 +20,16 @@ const VIRIDIS: [[f64; 3]; 9] = [
 
 const WIDTH: f64 = 800.0;
 const MARGIN: f64 = 10.0;
+/// Room for the labels of the upright axis.
+const LEFT: f64 = 64.0;
+/// Room for those of the other.
+const BELOW: f64 = 46.0;
+/// Length of the marks on the axes.
+const MARK: f64 = 5.0;
 const BAR_HEIGHT: f64 = 14.0;
+/// Steps of colour of the bar, and numbers under it.
+const BAR_STEPS: u32 = 64;
+const BAR_NUMBERS: u32 = 4;
 
 /// Colour for `t` from 0 to 1.
 pub fn rgb(t: f64) -> [u8; 3] {
@@ -34,15 +44,43 @@ fn colour(t: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The interface seen from above, one colour per element, with a colour bar from the smallest to the largest value.
-pub fn svg(mesh: &InterfaceMesh, values: &[f64], quantity: &str, unit: &str) -> String {
+/// Multiples of 1, 2 or 5 times a power of ten from one value to another: about `n` of them, each with its text.
+fn round_numbers(from: f64, to: f64, n: f64) -> Vec<(f64, String)> {
+    let rough = (to - from).abs() / n;
+    if !(rough > 0.0 && rough.is_finite()) {
+        return Vec::new();
+    }
+    let power = 10_f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
+    let step = step
+        .into_iter()
+        .find(|step| *step >= 0.999 * rough)
+        .unwrap_or(10.0 * power);
+    let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+    let (low, high) = (from.min(to), from.max(to));
+    let tolerance = 1e-6 * step;
+    let (first, last) = (
+        ((low - tolerance) / step).ceil() as i64,
+        ((high + tolerance) / step).floor() as i64,
+    );
+    (first..=last)
+        .map(|i| (i as f64 * step, format!("{:.decimals$}", i as f64 * step)))
+        .collect()
+}
+
+/// The interface with its first direction to the right and its second upwards, one colour per element; with axes in mm and a colour bar
+/// from the smallest to the largest value. Axes parallel to those of the model have their names and coordinates.
+pub fn svg(place: Placed<'_>, values: &[f64], quantity: &str, unit: &str) -> String {
+    let mesh = place.mesh;
     let nodes = &mesh.nodes;
     let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| nodes.iter().map(|x| x[axis]).fold(from, pick);
     let (left, right) = (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
     let (bottom, top) = (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
-    let scale = (WIDTH - 2.0 * MARGIN) / (right - left);
-    let bar_top = MARGIN + scale * (top - bottom) + 12.0;
-    let height = bar_top + BAR_HEIGHT + 26.0;
+    let scale = (WIDTH - LEFT - MARGIN) / (right - left);
+    let floor = MARGIN + scale * (top - bottom);
+    let (across, down) = (|x: f64| LEFT + scale * (x - left), |y: f64| MARGIN + scale * (top - y));
+    let bar_top = floor + BELOW + 12.0;
+    let height = bar_top + BAR_HEIGHT + 42.0;
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let range = if high > low { high - low } else { 1.0 };
@@ -60,7 +98,7 @@ pub fn svg(mesh: &InterfaceMesh, values: &[f64], quantity: &str, unit: &str) -> 
             .outline()
             .into_iter()
             .map(|n| nodes[n as usize])
-            .map(|[x, y]| format!("{:.2},{:.2}", MARGIN + scale * (x - left), MARGIN + scale * (top - y)))
+            .map(|[x, y]| format!("{:.2},{:.2}", across(x), down(y)))
             .collect();
         // The stroke closes the hairline gaps that antialiasing leaves between neighbours.
         let fill = colour((value - low) / range);
@@ -70,27 +108,73 @@ pub fn svg(mesh: &InterfaceMesh, values: &[f64], quantity: &str, unit: &str) -> 
             corners.join(" ")
         );
     }
-    let (steps, bar_width) = (64, WIDTH - 2.0 * MARGIN);
-    for step in 0..steps {
-        let x = MARGIN + bar_width * f64::from(step) / f64::from(steps);
+    let [(across_factor, across_name), (up_factor, up_name)] = place.axes();
+    let mut axes = format!("M{LEFT} {MARGIN}V{floor:.1}H{:.1}", WIDTH - MARGIN);
+    let mut texts = String::new();
+    for (value, text) in round_numbers(across_factor * left, across_factor * right, 8.0) {
+        let x = across(value / across_factor);
+        let _ = write!(axes, "M{x:.1} {floor:.1}v{MARK}");
+        let _ = writeln!(
+            texts,
+            "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{text}</text>",
+            floor + 20.0
+        );
+    }
+    // As far apart as those of the other axis, but several at least.
+    let upright = (8.0 * (top - bottom) / (right - left)).max(4.0);
+    for (value, text) in round_numbers(up_factor * bottom, up_factor * top, upright) {
+        let y = down(value / up_factor);
+        let _ = write!(axes, "M{LEFT} {y:.1}h-{MARK}");
+        let _ = writeln!(
+            texts,
+            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+            LEFT - 8.0,
+            y + 5.0
+        );
+    }
+    let middle = 0.5 * (MARGIN + floor);
+    let _ = writeln!(
+        out,
+        "<path d=\"{axes}\" fill=\"none\" stroke=\"#444\"/>\n{texts}\
+         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\n\
+         <text x=\"16\" y=\"{middle:.1}\" text-anchor=\"middle\" transform=\"rotate(-90 16 {middle:.1})\">{}</text>",
+        0.5 * (LEFT + WIDTH - MARGIN),
+        floor + 40.0,
+        escape(&across_name),
+        escape(&up_name)
+    );
+    let bar_width = WIDTH - LEFT - MARGIN;
+    for step in 0..BAR_STEPS {
+        let part = f64::from(step) / f64::from(BAR_STEPS);
         let _ = writeln!(
             out,
-            "<rect x=\"{x:.2}\" y=\"{bar_top:.1}\" width=\"{:.2}\" height=\"{BAR_HEIGHT}\" fill=\"{}\"/>",
-            bar_width / f64::from(steps) + 0.5,
-            colour((f64::from(step) + 0.5) / f64::from(steps))
+            "<rect x=\"{:.2}\" y=\"{bar_top:.1}\" width=\"{:.2}\" height=\"{BAR_HEIGHT}\" fill=\"{}\"/>",
+            LEFT + bar_width * part,
+            bar_width / f64::from(BAR_STEPS) + 0.5,
+            colour(part + 0.5 / f64::from(BAR_STEPS))
         );
     }
     let baseline = bar_top + BAR_HEIGHT + 18.0;
-    for (x, anchor, text) in [
-        (MARGIN, "start", format!("{low:.3e}")),
-        (0.5 * WIDTH, "middle", label),
-        (WIDTH - MARGIN, "end", format!("{high:.3e}")),
-    ] {
+    for number in 0..=BAR_NUMBERS {
+        let part = f64::from(number) / f64::from(BAR_NUMBERS);
+        let anchor = match number {
+            0 => "start",
+            BAR_NUMBERS => "end",
+            _ => "middle",
+        };
         let _ = writeln!(
             out,
-            "<text x=\"{x}\" y=\"{baseline:.1}\" text-anchor=\"{anchor}\">{text}</text>"
+            "<text x=\"{:.1}\" y=\"{baseline:.1}\" text-anchor=\"{anchor}\">{:.3e}</text>",
+            LEFT + bar_width * part,
+            low + part * (high - low)
         );
     }
+    let _ = writeln!(
+        out,
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
+        LEFT + 0.5 * bar_width,
+        baseline + 18.0
+    );
     out += "</svg>\n";
     out
 }
@@ -198,7 +282,8 @@ pub fn several(mesh: &InterfaceMesh, maps: &[Map], columns: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Map, colour, several, svg};
+    use super::{Map, colour, round_numbers, several, svg};
+    use crate::fields::Placed;
     use zte_assembly::{Element, InterfaceMesh};
 
     /// Twice the area within a closed line.
@@ -219,7 +304,16 @@ mod tests {
             nodes.map(|x| x.map(f64::from)).to_vec(),
             vec![Element::quad9([0, 1, 2, 3, 4, 5, 6, 7, 8])],
         );
-        let one = svg(&mesh, &[1.0], "pressure", "Pa");
+        let place = Placed {
+            mesh: &mesh,
+            frame: [[1.0, 0.0, 0.0], [0.0, -0.6, 0.8], [0.0, 0.8, 0.6]],
+            positions: Some(&[[0.0; 3]; 9]),
+        };
+        let one = svg(place, &[1.0], "pressure", "Pa");
+        assert!(
+            one.contains(">x [mm]<") && one.contains(">along (0, -0.6, 0.8) [mm]<"),
+            "{one}"
+        );
         let (_, points) = one.split_once("<polygon points=\"").unwrap();
         let numbers = |text: &str| text.split(',').map(|n| n.parse().unwrap()).collect::<Vec<f64>>();
         let points = points.split('"').next().unwrap().split(' ').map(numbers);
@@ -249,6 +343,18 @@ mod tests {
         }
         let width = points.iter().map(|p| p[0]).fold(0.0, f64::max);
         assert!((shoelace(&points) / (2.0 * width * width) - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn axes_have_round_numbers() {
+        let texts =
+            |from, to| -> Vec<String> { round_numbers(from, to, 8.0).into_iter().map(|(_, text)| text).collect() };
+        assert_eq!(texts(-13.0, 27.0), ["-10", "-5", "0", "5", "10", "15", "20", "25"]);
+        assert_eq!(
+            texts(0.3, 0.0),
+            ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25", "0.30"]
+        );
+        assert!(texts(1.0, 1.0).is_empty() && texts(f64::NAN, 1.0).is_empty());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! One self-contained page about a run.
 
+use crate::fields::Placed;
 use crate::html::{Picture, Table, render};
 use crate::run::damping;
 use crate::{Error, fields, map, plot};
@@ -215,10 +216,11 @@ fn pressure(run: &Run) -> Option<Picture<'static>> {
     }
     let pressure = fields::pressure(run, &run.prestress.fields);
     Some(Picture {
-        svg: map::svg(&run.mesh, &pressure, "pressure", "Pa").into(),
-        caption:
-            "Pressure under prestress, means over the elements; seen along the normal, x of the interface to the right."
-                .into(),
+        svg: map::svg(run.into(), &pressure, "pressure", "Pa").into(),
+        caption: format!(
+            "Pressure under prestress, means over the elements; {}.",
+            Placed::from(run).view()
+        ),
     })
 }
 
@@ -236,7 +238,7 @@ fn maps(run: &Run, backbone: &ModeBackbone) -> Vec<Picture<'static>> {
         };
         let flux = fields::total_flux(run, stored);
         maps.push(Picture {
-            svg: map::svg(&run.mesh, &flux, "dissipated energy per area and cycle", "J/m^2").into(),
+            svg: map::svg(run.into(), &flux, "dissipated energy per area and cycle", "J/m^2").into(),
             caption: format!("Amplitude {} of {all}: {x:.3e} m.", index + 1),
         });
     }

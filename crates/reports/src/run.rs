@@ -64,7 +64,7 @@ fn of_mode(mode: Option<usize>) -> String {
 /// [`Error::Picture`], [`Error::Summary`].
 pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     let field_file = |name: String, of: &Fields| {
-        let document = fields::vtu(&run.mesh, fields::cell_fields(run, of))?;
+        let document = fields::vtu(run.into(), fields::cell_fields(run, of))?;
         Ok::<_, Error>(Output::new(name, document))
     };
     let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)?];
@@ -137,7 +137,10 @@ fn periodic_files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Outpu
         .filter(|(_, loops)| !loops.is_empty())
         .collect();
     if !loops.is_empty() {
-        outputs.push(Output::new(LOOPS, csv::loops(&loops)?));
+        outputs.push(Output::new(
+            LOOPS,
+            csv::loops(&loops, fields::point_positions(run).as_deref())?,
+        ));
     }
     for &(mode, of_mode) in &loops {
         let further = (mode != run.first().mode).then_some(mode);

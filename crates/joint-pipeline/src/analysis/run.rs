@@ -29,6 +29,10 @@ pub struct Run {
     pub model: StructuralModel,
     /// The interface mesh.
     pub mesh: InterfaceMesh,
+    /// Unit vectors of the relative coordinates as rows, see [`Joint::frame`](crate::joint::Joint::frame).
+    pub frame: [[f64; 3]; 3],
+    /// Position of each interface node in the coordinates of the model (m), where it is known.
+    pub positions: Option<Vec<[f64; 3]>>,
     /// The interface with its law.
     pub interface: Interface,
     /// About the law.
@@ -96,6 +100,8 @@ pub struct Prepared {
     moved_pairs: Option<MovedPairs>,
     raised: Option<RaisedElements>,
     mesh: InterfaceMesh,
+    frame: [[f64; 3]; 3],
+    positions: Option<Vec<[f64; 3]>>,
     model: StructuralModel,
     interface: SceneInterface,
 }
@@ -176,6 +182,8 @@ impl Prepared {
             moved_pairs: structure.joint.moved_pairs(),
             raised: structure.joint.raised(),
             mesh: structure.interface().clone(),
+            frame: structure.joint.frame,
+            positions: structure.joint.positions.clone(),
             model,
             interface,
         })
@@ -311,6 +319,8 @@ impl Prepared {
             clipped_gaps: self.interface.clipped_gaps,
             interface: self.interface.interface,
             mesh: self.mesh,
+            frame: self.frame,
+            positions: self.positions,
             model: self.model,
             response: self.response,
             moved_pairs: self.moved_pairs,

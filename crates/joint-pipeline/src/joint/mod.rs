@@ -22,6 +22,8 @@ pub struct Joint {
     pub frame: [[f64; 3]; 3],
     /// The same at each interface node, where the interface is curved or consists of parts in different planes; otherwise empty.
     pub node_frames: Vec<[[f64; 3]; 3]>,
+    /// Position of each interface node in the coordinates of the model (m); none of matrices, whose nodes have no known place.
+    pub positions: Option<Vec<[f64; 3]>>,
     /// By how much the bodies can slide before a shank touches its hole (m), if it is known.
     pub clearance: Option<f64>,
     /// Where and in which direction amplitudes are measured, in words.
@@ -95,6 +97,18 @@ pub struct MovedPairs {
     pub count: usize,
     /// Largest distance in the plane before (m); each node was moved by half of it at most.
     pub largest_distance: f64,
+}
+
+impl MeshedBodies {
+    /// Positions of the nodes that carry the jump (m), in the order of the interface nodes.
+    pub fn interface_positions(&self) -> Vec<[f64; 3]> {
+        let nodes = &self.assembly.mesh.nodes;
+        let place = |&node: &u32| nodes[node as usize];
+        match &self.sides {
+            Sides::Pairs { top, .. } => top.iter().map(place).collect(),
+            Sides::Projected(parts) => parts.iter().flat_map(|part| part.own.iter().map(place)).collect(),
+        }
+    }
 }
 
 impl Joint {

@@ -123,16 +123,18 @@ pub(super) fn joint(
             Some(raised)
         }
     };
+    let bodies = MeshedBodies {
+        assembly,
+        sides: facing.sides,
+        response_node,
+        response_direction: source.response.direction,
+        excitation,
+        moved_pairs: facing.moved,
+        raised,
+    };
     Ok(Joint {
-        bodies: Bodies::Meshed(MeshedBodies {
-            assembly,
-            sides: facing.sides,
-            response_node,
-            response_direction: source.response.direction,
-            excitation,
-            moved_pairs: facing.moved,
-            raised,
-        }),
+        positions: Some(bodies.interface_positions()),
+        bodies: Bodies::Meshed(bodies),
         interface: facing.interface,
         frame: facing.frame,
         node_frames: facing.node_frames,

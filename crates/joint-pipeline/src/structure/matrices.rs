@@ -145,6 +145,7 @@ pub(super) fn joint(
         interface,
         frame,
         node_frames: Vec::new(),
+        positions: None,
         clearance: source.bolt_hole_clearance.map(Length::si),
         response: match &source.response {
             MatrixVector::Number(number) => format!("response {number} of the matrices"),

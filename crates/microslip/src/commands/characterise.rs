@@ -12,7 +12,7 @@ use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{Length, Place, PlaneMesh, ScanFile, Scans, StructureSource, Surface};
 use joint_pipeline::structure::Structure;
 use reports::Output;
-use reports::fields::CellField;
+use reports::fields::{CellField, Placed};
 use reports::{csv, fields, map, plot};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -119,13 +119,13 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     // Before the computation: it would be a pity to find out only afterwards.
     let directory = &arguments.out;
     let folder = arguments.overwrite.open(directory, &identity(&scene), &[REPORT])?;
-    let surface = ScannedSurface::try_new(&scene, &mesh)?;
+    let surface = ScannedSurface::try_new(&scene, &mesh.plane)?;
     let study = match arguments.registration_study {
         true => Some(surface.registration_study().context("moving the bottom face")?),
         false => None,
     };
     let shown = shown(arguments, &surface.found.elements)?;
-    let outputs = outputs(&surface, &mesh, shown, study.as_deref())?;
+    let outputs = outputs(&surface, mesh.place(), shown, study.as_deref())?;
     files::publish(folder, &outputs)?;
     super::print(&account(&surface, study.as_deref(), &outputs, directory))
 }
@@ -184,7 +184,24 @@ fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
     Ok(())
 }
 
-fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
+/// An interface mesh of a file, which lies nowhere, or of a structure.
+struct Mesh {
+    plane: InterfaceMesh,
+    frame: [[f64; 3]; 3],
+    positions: Option<Vec<[f64; 3]>>,
+}
+
+impl Mesh {
+    fn place(&self) -> Placed<'_> {
+        Placed {
+            mesh: &self.plane,
+            frame: self.frame,
+            positions: self.positions.as_deref(),
+        }
+    }
+}
+
+fn mesh(arguments: &Arguments, scene: &Scene) -> Result<Mesh> {
     let named = arguments
         .mesh
         .as_ref()
@@ -194,16 +211,26 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<InterfaceMesh> {
             let text = input_files::read_text(path, input_files::Kind::Table)?;
             let plane: PlaneMesh =
                 serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
-            plane
+            let plane = plane
                 .interface(arguments.mesh_units.metres(1.0))
-                .with_context(|| format!("reading {}", path.display()))
+                .with_context(|| format!("reading {}", path.display()))?;
+            Ok(Mesh {
+                plane,
+                frame: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                positions: None,
+            })
         }
         (_, named) => {
             let mut scene = scene.clone();
             if let Some(benchmark) = named {
                 scene.structure = StructureSource::Benchmark(BenchmarkRef(benchmark)).into();
             }
-            Ok(Structure::try_new(&scene, &Silent)?.interface().clone())
+            let joint = Structure::try_new(&scene, &Silent)?.joint;
+            Ok(Mesh {
+                plane: joint.interface,
+                frame: joint.frame,
+                positions: joint.positions,
+            })
         }
     }
 }
@@ -245,7 +272,7 @@ fn quantities(elements: &[ElementSurface]) -> [(&'static str, &'static str, &'st
 
 fn outputs(
     surface: &ScannedSurface,
-    mesh: &InterfaceMesh,
+    place: Placed<'_>,
     shown: usize,
     study: Option<&[GapChange]>,
 ) -> Result<Vec<Output>> {
@@ -254,7 +281,7 @@ fn outputs(
     for (name, quantity, unit, values) in quantities(elements) {
         outputs.push(Output::new(
             format!("map-{name}.svg"),
-            map::svg(mesh, &values, quantity, unit),
+            map::svg(place, &values, quantity, unit),
         ));
     }
     let element = &elements[shown];
@@ -269,7 +296,7 @@ fn outputs(
     let title = format!("element {shown}, 95 % bands of {draws} bootstrap draws");
     let picture = plot::response(element, &fits, &title).context("drawing the response")?;
     outputs.push(Output::new("response.svg", picture));
-    outputs.push(Output::new("surface.vtu", fields::vtu(mesh, cells(elements))?));
+    outputs.push(Output::new("surface.vtu", fields::vtu(place, cells(elements))?));
     if let Some(study) = study {
         outputs.push(Output::new("registration.csv", registration(study)?));
     }
@@ -279,10 +306,7 @@ fn outputs(
 }
 
 fn cells(elements: &[ElementSurface]) -> Vec<CellField> {
-    let field = |name, of: &dyn Fn(&ElementSurface) -> f64| CellField {
-        name,
-        values: elements.iter().map(of).collect(),
-    };
+    let field = |name, of: &dyn Fn(&ElementSurface) -> f64| CellField::scalar(name, elements.iter().map(of).collect());
     let mean = |of: fn(&surface_characterisation::FaceAsperities) -> f64| {
         move |e: &ElementSurface| 0.5 * (of(&e.faces[0]) + of(&e.faces[1]))
     };

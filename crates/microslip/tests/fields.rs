@@ -1,0 +1,199 @@
+//! Fields of the interface in the coordinates of the model.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use common::{folder, succeeds};
+use serde_json::json;
+use std::path::Path;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_microslip");
+
+/// Two bricks on one another; the interface is the plane z = 0 with x from 0 to 60 mm and y from 0 to 20 mm.
+const DECK: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../joint-pipeline/tests/fixtures/bricks.inp"
+);
+
+/// A rotation, rows being the images' components, and a shift (m).
+#[derive(Clone, Copy)]
+struct Place {
+    rotation: [[f64; 3]; 3],
+    shift: [f64; 3],
+}
+
+const AT_HOME: Place = Place {
+    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    shift: [0.0; 3],
+};
+
+/// Of a rotation matrix with rational entries.
+const ELSEWHERE: Place = Place {
+    rotation: [
+        [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0],
+        [2.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0],
+        [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0],
+    ],
+    shift: [0.013, -0.2, 0.4],
+};
+
+impl Place {
+    fn turn(&self, x: [f64; 3]) -> [f64; 3] {
+        self.rotation.map(|row| row.iter().zip(x).map(|(r, x)| r * x).sum())
+    }
+
+    fn of(&self, x: [f64; 3]) -> [f64; 3] {
+        let turned = self.turn(x);
+        [0, 1, 2].map(|c| turned[c] + self.shift[c])
+    }
+
+    /// The deck with its nodes there.
+    fn deck(&self) -> String {
+        let lines = std::fs::read_to_string(DECK).unwrap();
+        let lines = lines.lines().map(|line| {
+            let numbers: Vec<f64> = line.split(',').map_while(|text| text.trim().parse().ok()).collect();
+            match numbers[..] {
+                [label, x, y, z] if line.matches(',').count() == 3 => {
+                    let [x, y, z] = self.of([x, y, z]);
+                    format!("{label}, {x:?}, {y:?}, {z:?}")
+                }
+                _ => line.to_owned(),
+            }
+        });
+        lines.collect::<Vec<_>>().join("\n") + "\n"
+    }
+}
+
+/// Runs the scene on the deck that is at a place.
+fn results(folder: &Path, name: &str, place: Place) {
+    std::fs::write(folder.join(format!("{name}.inp")), place.deck()).unwrap();
+    let elastic = json!({ "normal_stiffness": 1e12, "tangential_stiffness": [8e11, 8e11] });
+    let scene = json!({
+        "name": name,
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "deck": {
+            "path": format!("{name}.inp"),
+            "top_surface": "TOP",
+            "bottom_surface": "BOTTOM",
+            "along": place.turn([1.0, 0.0, 0.0]),
+            "bolts": [{ "top": "HEAD", "bottom": "NUT" }],
+            "response": { "node": "TIP", "direction": place.turn([0.0, 0.0, 1.0]) },
+        } },
+        "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } },
+        "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": elastic }, "gap": 0.0 }] } },
+        "bolts": { "load": "2 kN" },
+        "mu": 0.2,
+        "cqsma": { "amplitudes": 2, "amplitude_from": 1e-9, "amplitude_to": 1e-7, "vertices_per_quarter": 2 },
+        "output": { "fields_at": [2] },
+        "epmc": { "loops_at": [1, 5] },
+        "methods": ["epmc"],
+    });
+    let file = format!("{name}.json");
+    std::fs::write(folder.join(&file), scene.to_string()).unwrap();
+    succeeds(folder, &["run", &file, "--out", name, "--no-cache"]);
+}
+
+/// Numbers of an array of a VTK file, by the components of each point or cell.
+fn array(text: &str, name: &str, components: usize) -> Vec<Vec<f64>> {
+    let of = text.split(&format!("Name=\"{name}\"")).nth(1);
+    let body = of
+        .unwrap_or_else(|| panic!("no array {name}"))
+        .split_once('>')
+        .unwrap()
+        .1;
+    let numbers = body.split_once('<').unwrap().0.split_whitespace();
+    let numbers: Vec<f64> = numbers.map(|v| v.parse().unwrap()).collect();
+    numbers.chunks(components).map(<[f64]>::to_vec).collect()
+}
+
+fn close(found: &[f64], expected: &[f64], scale: f64) {
+    assert_eq!(found.len(), expected.len());
+    for (f, e) in found.iter().zip(expected) {
+        assert!((f - e).abs() <= 1e-9 * scale, "{found:?} instead of {expected:?}");
+    }
+}
+
+#[test]
+fn fields_of_a_rotated_and_shifted_deck_lie_on_its_mesh() {
+    let folder = folder("fields-in-place");
+    for (name, place) in [("home", AT_HOME), ("elsewhere", ELSEWHERE)] {
+        results(&folder, name, place);
+    }
+    let read = |of: &str, name: &str| std::fs::read_to_string(folder.join(of).join(name)).unwrap();
+    for name in ["interface-prestress.vtu", "interface-amplitude-02.vtu"] {
+        let [home, elsewhere] = ["home", "elsewhere"].map(|of| read(of, name));
+        // Nodes are those of the deck: labels 1 to 8.
+        let nodes = (0..8).map(|i| [0.02 * f64::from(i % 4), 0.02 * f64::from(i / 4), 0.0]);
+        for (x, found) in nodes.zip(array(&elsewhere, "Points", 3)) {
+            close(&found, &ELSEWHERE.of(x), 1.0);
+        }
+        let pressures = array(&home, "pressure [Pa]", 1);
+        let most = pressures.iter().map(|p| p[0]).fold(0.0, f64::max);
+        close(
+            &array(&elsewhere, "pressure [Pa]", 1).concat(),
+            &pressures.concat(),
+            most,
+        );
+        // The top body lies above: it pushes the bottom one down.
+        let tractions = array(&home, "traction [Pa]", 3);
+        for ((here, there), pressure) in tractions
+            .iter()
+            .zip(array(&elsewhere, "traction [Pa]", 3))
+            .zip(&pressures)
+        {
+            close(&here[2..], &[-pressure[0]], most);
+            close(&there, &ELSEWHERE.turn([here[0], here[1], here[2]]), most);
+        }
+        let jumps = array(&home, "tangential_jump [m]", 3);
+        let largest = jumps.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        for (here, there) in jumps.iter().zip(array(&elsewhere, "tangential_jump [m]", 3)) {
+            close(&here[2..], &[0.0], largest);
+            close(&there, &ELSEWHERE.turn([here[0], here[1], here[2]]), largest);
+        }
+        // The second direction of the interface is the normal from top to bottom times the first: -y.
+        let local = ["local_traction_x [Pa]", "local_traction_y [Pa]"].map(|name| array(&home, name, 1));
+        for (cell, traction) in tractions.iter().enumerate() {
+            close(&traction[..2], &[local[0][cell][0], -local[1][cell][0]], most);
+        }
+    }
+}
+
+#[test]
+fn loops_of_points_say_where_the_points_are() {
+    let folder = folder("loops-in-place");
+    results(&folder, "elsewhere", ELSEWHERE);
+    let table = std::fs::read_to_string(folder.join("elsewhere/loops.csv")).unwrap();
+    let headings: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| headings.iter().position(|heading| *heading == name).unwrap();
+    let mut rows = 0;
+    for line in table.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let at = ["x [m]", "y [m]", "z [m]"].map(|name| cells[column(name)].parse::<f64>().unwrap());
+        // Back to where the deck was.
+        let shifted = [0, 1, 2].map(|c| at[c] - ELSEWHERE.shift[c]);
+        let home = [0, 1, 2].map(|c| (0..3).map(|r| ELSEWHERE.rotation[r][c] * shifted[r]).sum::<f64>());
+        let inside = |x: f64, end: f64| x > 1e-3 && x < end - 1e-3;
+        assert!(
+            inside(home[0], 0.06) && inside(home[1], 0.02) && home[2].abs() < 1e-12,
+            "{home:?}"
+        );
+        rows += 1;
+    }
+    assert!(rows > 0);
+}
+
+#[test]
+fn maps_have_axes_in_millimetres_and_say_from_where_they_are_seen() {
+    let folder = folder("maps-in-place");
+    results(&folder, "home", AT_HOME);
+    let page = std::fs::read_to_string(folder.join("home/report.html")).unwrap();
+    assert!(
+        page.contains(
+            "seen against the normal n = (0, 0, -1), from the bottom body; to the right is (1, 0, 0), upwards (0, -1, 0)"
+        ),
+        "no direction of view"
+    );
+    for text in [">x [mm]<", ">y [mm]<", ">60<", ">20<"] {
+        assert!(page.contains(text), "{text}");
+    }
+}
