@@ -4,7 +4,8 @@ use crate::Error;
 use crate::constraints::DofMap;
 use crate::elements;
 use crate::mesh::{Assembly, Mesh};
-use crate::sparse::congruence;
+use crate::shank::AtReferences;
+use crate::sparse::{congruence, sum};
 use rayon::prelude::*;
 use sprs::CsMat;
 
@@ -24,7 +25,7 @@ pub struct System {
     pub dofs: DofMap,
     /// Position of each independent component's node (m).
     pub positions: Vec<[f64; 3]>,
-    /// Total mass of the elements and of the point masses (kg).
+    /// Total mass of the elements, the shanks and all other masses (kg).
     pub total_mass: f64,
 }
 
@@ -65,9 +66,15 @@ impl System {
                 None => return Err(fail("no element holds its node")),
             }
         }
-        let total_mass = mass.data().iter().sum();
-        let stiffness = congruence(&dofs.transform, &stiffness);
-        refuse_loose(&assembly.mesh, &dofs, &stiffness)?;
+        let mut total_mass = mass.data().iter().sum();
+        let mut stiffness = congruence(&dofs.transform, &stiffness);
+        let mut mass = congruence(&dofs.transform, &for_three_components(&mass));
+        if let Some(of) = AtReferences::try_new(assembly, &dofs)? {
+            stiffness = sum(&stiffness, 1.0, &of.stiffness);
+            mass = sum(&mass, 1.0, &of.mass);
+            total_mass += of.total_mass;
+        }
+        refuse_loose(assembly, &dofs, &stiffness)?;
         let loads = assembly
             .loads
             .iter()
@@ -75,7 +82,7 @@ impl System {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             stiffness,
-            mass: congruence(&dofs.transform, &for_three_components(&mass)),
+            mass,
             loads,
             positions: dofs.positions.clone(),
             dofs,
@@ -89,8 +96,9 @@ impl System {
     }
 }
 
-/// Refuses nodes without elements whose components no constraint brings into the stiffness.
-fn refuse_loose(mesh: &Mesh, dofs: &DofMap, stiffness: &CsMat<f64>) -> Result<(), Error> {
+/// Refuses nodes without elements, and motions of reference points, that nothing brings into the stiffness.
+fn refuse_loose(assembly: &Assembly, dofs: &DofMap, stiffness: &CsMat<f64>) -> Result<(), Error> {
+    let mesh = &assembly.mesh;
     let mut used = vec![false; mesh.nodes.len()];
     for &node in mesh.elements.iter().flat_map(|element| element.cell.nodes()) {
         used[node as usize] = true;
@@ -101,6 +109,19 @@ fn refuse_loose(mesh: &Mesh, dofs: &DofMap, stiffness: &CsMat<f64>) -> Result<()
             if row.is_some_and(|row| stiffness.outer_view(row).is_none_or(|entries| entries.nnz() == 0)) {
                 return Err(Error::LooseNode { node, component });
             }
+        }
+    }
+    let n_nodal = 3 * mesh.nodes.len();
+    for (row, full) in dofs.independent.iter().enumerate() {
+        let motion = full.checked_sub(n_nodal);
+        let Some(coupling) = motion.and_then(|motion| assembly.couplings.get(motion / 6)) else {
+            continue;
+        };
+        if !stiffness.get(row, row).is_some_and(|entry| *entry > 0.0) {
+            return Err(Error::Coupling {
+                coupling: coupling.name.clone(),
+                reason: "some motion of its reference point moves no node of the cloud and no shank, and would be undetermined",
+            });
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Ties, distributing couplings and equations, turned into one map from independent to all displacement components.
+//! Ties, couplings and equations, turned into one map from independent to all displacement components.
 
 use crate::Error;
 use crate::mesh::{Assembly, BeyondTolerance, Coupling, CouplingKind, Dof, Face, Tie};
@@ -6,7 +6,8 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
 
-/// A linear combination of components: `3 node + component` of the nodes, then six of each coupling's reference point.
+/// A linear combination of components: `3 node + component` of the nodes, six of each coupling's reference point, one of each
+/// shank's pretension.
 type Combination = Vec<(usize, f64)>;
 
 /// The map from independent displacement components to all of them.
@@ -14,11 +15,13 @@ type Combination = Vec<(usize, f64)>;
 pub struct DofMap {
     /// `u_nodes = transform * u`, shape `3 n_nodes x n_independent`.
     pub transform: CsMat<f64>,
-    /// Motions of the reference points of kinematic couplings: `u_reference = references * u`, shape `6 n_couplings x
-    /// n_independent` (m, rad). Rows of distributing couplings are empty: their reference points follow the nodes.
+    /// Motions of the reference points of kinematic couplings (m, rad) and the overlaps of shanks (m): `u_reference = references
+    /// * u`, shape `(6 n_couplings + n_shanks) x n_independent`. Rows of distributing couplings are empty: their reference points
+    /// follow the nodes.
     references: CsMat<f64>,
     /// For each independent component `3 node + component` of the displacement that it stands for, or, beyond the nodes,
-    /// `3 n_nodes + 6 coupling + component` of a kinematic coupling's reference point.
+    /// `3 n_nodes + 6 coupling + component` of a kinematic coupling's reference point, and then `3 n_nodes + 6 n_couplings +
+    /// shank` of a shank's overlap.
     pub independent: Vec<usize>,
     /// Node coordinates after slaves were moved onto the surfaces they are tied to (m).
     pub coordinates: Vec<[f64; 3]>,
@@ -54,8 +57,21 @@ impl DofMap {
         Ok(force)
     }
 
-    /// What the component `full` is of the independent ones: `3 node + component`, or, beyond the nodes, `3 n_nodes + 6
-    /// coupling + component` of a kinematic coupling's reference point.
+    /// What a component of the assembly is of the independent ones, in ascending order.
+    ///
+    /// # Errors
+    /// As [`DofMap::try_new`] for references that do not exist.
+    pub(crate) fn combination(&self, assembly: &Assembly, place: &str, dof: Dof) -> Result<Vec<(usize, f64)>, Error> {
+        let mut sum = BTreeMap::new();
+        for (full, coefficient) in expand(assembly, &self.coordinates, place, dof)? {
+            for (column, &entry) in self.row(full) {
+                *sum.entry(column).or_insert(0.0) += coefficient * entry;
+            }
+        }
+        Ok(sum.into_iter().collect())
+    }
+
+    /// What the component `full` is of the independent ones, counted as in [`Self::independent`].
     pub fn row(&self, full: usize) -> impl Iterator<Item = (usize, &f64)> {
         let (of, row) = match full.checked_sub(self.transform.rows()) {
             None => (&self.transform, full),
@@ -110,12 +126,14 @@ impl DofMap {
             }
         }
         let n_nodal = 3 * coordinates.len();
+        let n_beyond_nodes = n_nodal + 6 * assembly.couplings.len();
         let references: Vec<usize> = assembly
             .couplings
             .iter()
             .enumerate()
             .filter(|(_, coupling)| matches!(coupling.kind, CouplingKind::Kinematic(_)))
             .flat_map(|(index, _)| (0..6).map(move |c| n_nodal + 6 * index + c))
+            .chain((0..assembly.shanks.len()).map(|shank| n_beyond_nodes + shank))
             .collect();
         let independent: Vec<usize> = (0..n_nodal)
             .chain(references.iter().copied())
@@ -139,13 +157,25 @@ impl DofMap {
             Ok::<_, Error>(triplets.to_csr())
         };
         let transform = rows(&mut (0..n_nodal), 0, n_nodal)?;
-        let references = rows(&mut references.iter().copied(), n_nodal, 6 * assembly.couplings.len())?;
+        let references = rows(
+            &mut references.iter().copied(),
+            n_nodal,
+            6 * assembly.couplings.len() + assembly.shanks.len(),
+        )?;
+        let middle = |shank: usize| {
+            let ends = assembly.shanks[shank].ends;
+            let [a, b] = ends.map(|end| assembly.couplings.get(end as usize).map_or([0.0; 3], |c| c.reference));
+            [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))
+        };
         let positions = independent
             .iter()
-            .map(|&dof| match dof.checked_sub(n_nodal) {
-                None => coordinates[dof / 3],
-                Some(beyond) => assembly.couplings[beyond / 6].reference,
-            })
+            .map(
+                |&dof| match (dof.checked_sub(n_nodal), dof.checked_sub(n_beyond_nodes)) {
+                    (None, _) => coordinates[dof / 3],
+                    (_, Some(shank)) => middle(shank),
+                    (Some(beyond), None) => assembly.couplings[beyond / 6].reference,
+                },
+            )
             .collect();
         Ok(Self {
             transform,
@@ -224,8 +254,13 @@ fn substitute(expression: &mut BTreeMap<usize, f64>, dependent: &BTreeMap<usize,
     })
 }
 
-/// One component of the assembly in terms of nodal displacement components.
-fn expand(assembly: &Assembly, coordinates: &[[f64; 3]], place: &str, dof: Dof) -> Result<Combination, Error> {
+/// One component of the assembly in terms of displacement components of nodes, motions of kinematic couplings and overlaps.
+pub(crate) fn expand(
+    assembly: &Assembly,
+    coordinates: &[[f64; 3]],
+    place: &str,
+    dof: Dof,
+) -> Result<Combination, Error> {
     let dangling = |what, index, count| Error::Dangling {
         place: format!("`{place}`"),
         what,
@@ -257,6 +292,14 @@ fn expand(assembly: &Assembly, coordinates: &[[f64; 3]], place: &str, dof: Dof) 
                 CouplingKind::Kinematic(_) => Ok(vec![(3 * coordinates.len() + 6 * index as usize + component, 1.0)]),
             }
         }
+        Dof::Pretension(shank) => {
+            let count = assembly.shanks.len();
+            if shank as usize >= count {
+                return Err(dangling("shank", shank as usize, count));
+            }
+            let first = 3 * coordinates.len() + 6 * assembly.couplings.len();
+            Ok(vec![(first + shank as usize, 1.0)])
+        }
     }
 }
 
@@ -287,7 +330,6 @@ pub(crate) fn check_cloud(coupling: &Coupling, coordinates: &[[f64; 3]]) -> Resu
         CouplingKind::Distributing(weights) if !weights.iter().all(|w| w.is_finite() && *w > 0.0) => {
             Err(fail("every weight must be positive and finite"))
         }
-        CouplingKind::Kinematic(_) if coupling.nodes.is_empty() => Err(fail("it has no nodes")),
         _ => Ok(()),
     }
 }
@@ -301,18 +343,15 @@ fn insert_kinematic(
     dependent: &mut BTreeMap<usize, Combination>,
 ) -> Result<(), Error> {
     let first = 3 * coordinates.len() + 6 * index;
-    let mut moves = [0.0_f64; 6];
     for &node in &coupling.nodes {
         let arm = Vector3::from(coordinates[node as usize]) - Vector3::from(coupling.reference);
         let rotation = -arm.cross_matrix();
         for component in (0..3).filter(|&c| components[c]) {
             let mut combination = vec![(first + component, 1.0)];
-            moves[component] = 1.0;
             for axis in 0..3 {
                 let coefficient = rotation[(component, axis)];
                 if coefficient != 0.0 {
                     combination.push((first + 3 + axis, coefficient));
-                    moves[3 + axis] = moves[3 + axis].max(coefficient.abs());
                 }
             }
             if dependent.insert(3 * node as usize + component, combination).is_some() {
@@ -323,12 +362,6 @@ fn insert_kinematic(
                 });
             }
         }
-    }
-    if moves.contains(&0.0) {
-        return Err(Error::Coupling {
-            coupling: coupling.name.clone(),
-            reason: "some motion of its reference point moves no node of the cloud, and would be undetermined",
-        });
     }
     Ok(())
 }

@@ -163,6 +163,22 @@ pub enum Error {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A shank that cannot be one.
+    #[error("shank `{shank}`: {reason}")]
+    Shank {
+        /// Its name.
+        shank: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A rigid body at a reference point that cannot be one.
+    #[error("rigid mass {mass}: {reason}")]
+    RigidMass {
+        /// Its number.
+        mass: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// A matrix that must be positive definite is not.
     #[error(
         "the {matrix} is not positive definite (pivot {pivot} of {size}); an unconnected part or a missing support \

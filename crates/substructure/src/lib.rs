@@ -1,6 +1,6 @@
-//! Linear finite elements: solids, ties, couplings, equations, sparse mass and stiffness, and eigenpairs.
+//! Linear finite elements: solids, ties, couplings, shanks of bolts, equations, sparse mass and stiffness, and eigenpairs.
 //!
-//! An [`mesh::Assembly`] (mesh, ties, couplings, equations, loads) becomes a [`assemble::System`] (sparse `M`, `K`, loads
+//! An [`mesh::Assembly`] (mesh, ties, couplings, shanks, equations, loads) becomes a [`assemble::System`] (sparse `M`, `K`, loads
 //! over the independent displacement components). [`factor::SparseCholesky`] factors its shifted stiffness, and
 //! [`eigen::lowest_modes`] finds its lowest modes. [`elements`] holds one table with a row per element type. [`Quadratic`] turns
 //! an assembly of linear elements into quadratic ones. [`formats`]
@@ -17,6 +17,8 @@ mod material;
 pub mod mesh;
 pub mod ordering;
 mod quadratic;
+mod rigid;
+mod shank;
 pub mod sparse;
 
 pub use error::{DeckProblem, Error, Position};

@@ -1,10 +1,11 @@
-//! Solid meshes and the assemblies made of them: materials, ties, couplings, equations, supports, point masses and point loads.
+//! Solid meshes and the assemblies made of them: materials, ties, couplings, shanks, equations, supports, masses and loads.
 
 use crate::Error;
 use crate::elements::Formulation;
 
 pub use crate::elements::{Cell, Face};
 pub use crate::material::Material;
+pub use crate::shank::{RigidMass, Section, Shank};
 
 /// A solid element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,6 +160,8 @@ pub enum Dof {
     Node(u32, u8),
     /// Component of a coupling's reference point: displacements 0..3 (m), rotations 3..6 (rad).
     Reference(u32, u8),
+    /// Overlap at the cut through a shank (m): what its pretension does work on.
+    Pretension(u32),
 }
 
 /// Homogeneous linear equation `sum coefficient * dof = 0`.
@@ -188,6 +191,10 @@ pub struct Assembly {
     pub ties: Vec<Tie>,
     /// Couplings.
     pub couplings: Vec<Coupling>,
+    /// Shanks between reference points of couplings.
+    pub shanks: Vec<Shank>,
+    /// Rigid bodies at reference points of couplings.
+    pub rigid_masses: Vec<RigidMass>,
     /// Equations.
     pub equations: Vec<Equation>,
     /// Components that do not move.
@@ -234,6 +241,14 @@ impl Assembly {
         }
         for point in &mut self.masses {
             point.mass *= mass;
+        }
+        for shank in &mut self.shanks {
+            shank.convert_units(length, mass);
+        }
+        for body in &mut self.rigid_masses {
+            body.mass *= mass;
+            let inertia = body.inertia.iter_mut().flatten();
+            inertia.for_each(|entry| *entry *= mass * length * length);
         }
     }
 }

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 /// | ties | faces gain their middles; a middle between two slaves is a slave |
 /// | kinematic couplings, supports | a middle between two nodes that follow (or do not move) does so too |
 /// | distributing couplings | on faces whose corners all belong to the cloud the weights move to the middles, as consistent forces do; other nodes keep theirs |
-/// | springs, point masses, loads, materials | unchanged: what acts on a node acts on it still |
+/// | springs, masses, loads, materials, shanks | unchanged: what acts on a node or a reference point acts on it still |
 /// | equations | unchanged if no node of an element is in them, otherwise refused |
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quadratic {

@@ -433,6 +433,7 @@ fn a_beam_to_a_couplings_reference_turns_with_it() {
                         Dof::Node(node, c) => cross(assembly.mesh.nodes[node as usize])[c as usize],
                         Dof::Reference(i, c) if c < 3 => cross(assembly.couplings[i as usize].reference)[c as usize],
                         Dof::Reference(_, c) => theta[c as usize - 3],
+                        Dof::Pretension(_) => unreachable!(),
                     }
             })
             .sum();
@@ -1164,6 +1165,7 @@ fn everything() -> Assembly {
                 terms: vec![(Dof::Reference(2, 3), 1e-3)],
             },
         ],
+        ..Assembly::default()
     }
 }
 

@@ -19,7 +19,7 @@ const ENTRIES: usize = 16;
 /// [`crate::mesh::BeyondTolerance`] has no keyword: both codes leave such slaves free.
 ///
 /// # Errors
-/// [`Error::NotWritable`] for elements without a name in decks ([`crate::elements::ElementType::formulations`]), faces that are no element's, components and nodes
+/// [`Error::NotWritable`] for shanks and rigid masses, elements without a name in decks ([`crate::elements::ElementType::formulations`]), faces that are no element's, components and nodes
 /// that do not exist; [`Error::NotFinite`]; errors of [`crate::mesh::Mesh::validate`].
 pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u32>]) -> Result<String, Error> {
     let mut deck = Writer {
@@ -28,6 +28,15 @@ pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u
         faces: HashMap::new(),
     };
     assembly.mesh.validate()?;
+    if let Some(shank) = assembly.shanks.first() {
+        return refuse(format!("shank `{}`", shank.name), PRETENSION);
+    }
+    if !assembly.rigid_masses.is_empty() {
+        return refuse(
+            "rigid mass 0".to_owned(),
+            "masses at reference points have no place in the written deck; put the mass at a node of the cloud",
+        );
+    }
     deck.nodes()?;
     deck.elements()?;
     deck.groups(surfaces, node_sets)?;
@@ -54,6 +63,10 @@ pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u
     deck.loads()?;
     Ok(deck.text)
 }
+
+/// Why shanks are not written.
+const PRETENSION: &str = "an axial stiffness that is not that of a uniform section has no keyword that both codes share; model the \
+                          bolt by solid elements to write a deck";
 
 struct Writer<'a> {
     text: String,
@@ -127,6 +140,7 @@ impl Writer<'_> {
                 let exists = (coupling as usize) < self.assembly.couplings.len() && component < 6;
                 (self.reference(coupling), component, exists)
             }
+            Dof::Pretension(_) => return refuse(place.to_owned(), PRETENSION),
         };
         match exists {
             true => Ok([label, u64::from(component) + 1]),

@@ -1,0 +1,185 @@
+//! How many rigid motions the connections and supports of an assembly leave.
+
+use crate::Error;
+use crate::constraints::{DofMap, expand};
+use crate::mesh::{Assembly, CouplingKind, Dof};
+use crate::shank::deformations;
+use nalgebra::{DVector, Vector3};
+use std::collections::BTreeMap;
+
+/// Part of a constraint that must be left after those before it are taken out, for it to hold a motion of its own.
+const INDEPENDENT: f64 = 1e-8;
+
+impl Assembly {
+    /// Number of rigid motions that cost no energy: six of each free structure, fewer where supports and springs to the ground
+    /// hold it. Mechanisms count too: of two bodies on a hinge one motion more is left.
+    ///
+    /// A body is what elements that share nodes form. Ties, couplings, equations and shanks connect bodies; shanks with their
+    /// pretension held.
+    ///
+    /// # Errors
+    /// As [`Mesh::validate`](crate::mesh::Mesh::validate) and [`DofMap::try_new`]; of shanks without axis.
+    pub fn rigid_motions(&self) -> Result<usize, Error> {
+        self.mesh.validate()?;
+        let dofs = DofMap::try_new(self)?;
+        let motions = Motions::new(self, &dofs);
+        let mut held = Held::new(motions.count);
+        let n_nodal = 3 * dofs.coordinates.len();
+        let all = n_nodal + 6 * self.couplings.len();
+        for full in (0..all).filter(|full| dofs.independent.binary_search(full).is_err()) {
+            if full >= n_nodal && !matches!(self.couplings[(full - n_nodal) / 6].kind, CouplingKind::Kinematic(_)) {
+                continue;
+            }
+            let mut terms = vec![(full, -1.0)];
+            terms.extend(dofs.row(full).map(|(column, &value)| (dofs.independent[column], value)));
+            held.insert(&motions, &terms);
+        }
+        for spring in &self.springs {
+            let at = Dof::Node(spring.node, spring.component);
+            held.insert(&motions, &expand(self, &dofs.coordinates, "a ground spring", at)?);
+        }
+        for shank in &self.shanks {
+            let (length, axes) = shank.frame(&self.couplings)?;
+            let rows = deformations(length, &axes);
+            for row in rows.row_iter() {
+                let mut terms = Vec::new();
+                for (end, &coupling) in shank.ends.iter().enumerate() {
+                    for component in 0..6_u8 {
+                        let factor = row[6 * end + usize::from(component)];
+                        let motion = expand(
+                            self,
+                            &dofs.coordinates,
+                            &shank.name,
+                            Dof::Reference(coupling, component),
+                        )?;
+                        terms.extend(motion.into_iter().map(|(full, value)| (full, factor * value)));
+                    }
+                }
+                held.insert(&motions, &terms);
+            }
+        }
+        Ok(motions.count - held.basis.len())
+    }
+}
+
+/// Rigid motions of the bodies and of the reference points of kinematic couplings.
+struct Motions {
+    /// Of each component: its motions and how much they move it, or nothing.
+    of: Vec<Vec<(usize, f64)>>,
+    count: usize,
+}
+
+impl Motions {
+    fn new(assembly: &Assembly, dofs: &DofMap) -> Self {
+        let nodes = &dofs.coordinates;
+        let mut parent: Vec<usize> = (0..nodes.len()).collect();
+        let mut used = vec![false; nodes.len()];
+        for element in &assembly.mesh.elements {
+            let members = element.cell.nodes();
+            for &node in members {
+                used[node as usize] = true;
+                let [a, b] = [members[0], node].map(|node| root(&mut parent, node as usize));
+                parent[b] = a;
+            }
+        }
+        let references = assembly.couplings.iter().map(|coupling| &coupling.reference);
+        let extent = (0..3).map(|axis| {
+            let along = nodes.iter().chain(references.clone()).map(|x| x[axis]);
+            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            (0.5 * (low + high), high - low)
+        });
+        let extent: Vec<(f64, f64)> = extent.collect();
+        let centre = Vector3::new(extent[0].0, extent[1].0, extent[2].0);
+        let size = extent.iter().map(|(_, size)| *size).fold(0.0, f64::max);
+        let scale = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+
+        let mut first: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut count = 0;
+        let mut of = Vec::with_capacity(3 * nodes.len() + 6 * assembly.couplings.len() + assembly.shanks.len());
+        for (node, x) in nodes.iter().enumerate() {
+            if !used[node] {
+                // A node alone does not turn.
+                of.extend((0..3).map(|c| vec![(count + c, 1.0)]));
+                count += 3;
+                continue;
+            }
+            let at = *first.entry(root(&mut parent, node)).or_insert_with(|| {
+                count += 6;
+                count - 6
+            });
+            let turn = -((Vector3::from(*x) - centre) / scale).cross_matrix();
+            of.extend((0..3).map(|c| {
+                let mut row = vec![(at + c, 1.0)];
+                row.extend((0..3).map(|axis| (at + 3 + axis, turn[(c, axis)])));
+                row
+            }));
+        }
+        for coupling in &assembly.couplings {
+            match coupling.kind {
+                CouplingKind::Distributing(_) => of.extend(std::iter::repeat_n(Vec::new(), 6)),
+                CouplingKind::Kinematic(_) => {
+                    // Rotations are multiplied by lengths in whatever they are part of.
+                    of.extend((0..6).map(|c| vec![(count + c, if c < 3 { 1.0 } else { 1.0 / scale })]));
+                    count += 6;
+                }
+            }
+        }
+        // Overlaps are held.
+        of.extend(std::iter::repeat_n(Vec::new(), assembly.shanks.len()));
+        Self { of, count }
+    }
+}
+
+fn root(parent: &mut [usize], mut node: usize) -> usize {
+    while parent[node] != node {
+        parent[node] = parent[parent[node]];
+        node = parent[node];
+    }
+    node
+}
+
+/// The motions that constraints hold.
+struct Held {
+    /// Orthonormal.
+    basis: Vec<DVector<f64>>,
+    count: usize,
+}
+
+impl Held {
+    fn new(count: usize) -> Self {
+        Self {
+            basis: Vec::new(),
+            count,
+        }
+    }
+
+    /// `sum coefficient * component = 0` for all rigid motions.
+    fn insert(&mut self, motions: &Motions, terms: &[(usize, f64)]) {
+        if self.basis.len() == self.count {
+            return;
+        }
+        let mut row = DVector::zeros(self.count);
+        let mut scale = 0.0_f64;
+        for &(full, coefficient) in terms {
+            for &(motion, value) in &motions.of[full] {
+                row[motion] += coefficient * value;
+                scale = scale.max((coefficient * value).abs());
+            }
+        }
+        if !(scale > 0.0) {
+            return;
+        }
+        row /= scale;
+        // Once more for what round-off leaves.
+        for _ in 0..2 {
+            for held in &self.basis {
+                let part = held.dot(&row);
+                row.axpy(-part, held, 1.0);
+            }
+        }
+        let left = row.norm();
+        if left > INDEPENDENT {
+            self.basis.push(row / left);
+        }
+    }
+}
