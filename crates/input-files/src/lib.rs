@@ -12,6 +12,8 @@ pub enum Kind {
     Scene,
     /// An input deck; the limit holds for the deck and all files that it includes.
     Deck,
+    /// A mesh of solids.
+    Mesh,
     /// Matrices, or one of the files of a structure of matrices.
     Matrices,
     /// A map of heights.
@@ -28,9 +30,10 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Scene,
         Self::Deck,
+        Self::Mesh,
         Self::Matrices,
         Self::Scan,
         Self::Record,
@@ -46,7 +49,7 @@ impl Kind {
             Self::Scene | Self::Table => 256 * MIB,
             Self::Deck => 512 * MIB,
             Self::Checkpoint => 1024 * MIB,
-            Self::Matrices | Self::Scan | Self::Record => 4096 * MIB,
+            Self::Mesh | Self::Matrices | Self::Scan | Self::Record => 4096 * MIB,
             Self::Model => 16_384 * MIB,
         }
     }
@@ -56,6 +59,7 @@ impl Kind {
         match self {
             Self::Scene => "a scene",
             Self::Deck => "a deck with its includes",
+            Self::Mesh => "a mesh",
             Self::Matrices => "a file of matrices",
             Self::Scan => "a scan",
             Self::Record => "a record",
@@ -70,6 +74,7 @@ impl Kind {
         match self {
             Self::Scene => "name scans, decks and matrices by their files instead of listing numbers in the scene",
             Self::Deck => "remove what the structure does not need, such as output requests and unused parts",
+            Self::Mesh => "use a coarser mesh, or save it in binary",
             Self::Matrices => "store the matrices sparse, or reduce the structure further",
             Self::Scan => "crop the scan to the interface, or thin it out",
             Self::Record => "cut the record into its hits, or sample it more slowly",

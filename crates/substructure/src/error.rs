@@ -212,9 +212,9 @@ pub enum Error {
     /// A small dense problem inside the eigensolver failed.
     #[error(transparent)]
     Dense(#[from] dense_algebra::Error),
-    /// A deck's file cannot be read, is not a regular file, or is too large.
+    /// The file of a deck or mesh cannot be read, is not a regular file, or is too large.
     #[error(transparent)]
-    DeckFile(#[from] input_files::Error),
+    InputFile(#[from] input_files::Error),
     /// A deck cannot be understood, or holds what is not supported.
     #[error("{file}:{line}: {problem}")]
     Deck {
@@ -279,6 +279,52 @@ pub enum Error {
         /// What to do.
         remedy: &'static str,
     },
+    /// A mesh file has another format than those that are read.
+    #[error("{file}: {problem}; {remedy}")]
+    MeshFormat {
+        /// File.
+        file: String,
+        /// What it is.
+        problem: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// Solids of a mesh file that no structure can be made of.
+    #[error("{file}: elements {cells} {problem}; {remedy}")]
+    MeshCells {
+        /// File name.
+        file: String,
+        /// The file's numbers of the first of them, and how many more there are.
+        cells: String,
+        /// What is wrong with them.
+        problem: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A named group of a mesh file that is not what it is used as.
+    #[error("{file}, group `{group}`: {problem}; {remedy}")]
+    MeshGroup {
+        /// File name.
+        file: String,
+        /// Name of the group.
+        group: String,
+        /// What is wrong with it.
+        problem: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A name that a mesh file does not define.
+    #[error("{file} has no {what} `{name}`; it has {known}")]
+    NotInMesh {
+        /// File name.
+        file: String,
+        /// Kind of thing.
+        what: &'static str,
+        /// Name asked for.
+        name: String,
+        /// Some of the names it has.
+        known: String,
+    },
     /// A mesh file cannot carry what is to be written.
     #[error("{what} cannot be written: {reason}")]
     MeshUnwritable {
@@ -287,6 +333,19 @@ pub enum Error {
         /// Why, and what would be accepted.
         reason: String,
     },
+}
+
+/// The first of the names that there are, for messages.
+pub(crate) fn known_names<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
+    const SHOWN: usize = 12;
+    let count = names.len();
+    let mut known: Vec<&str> = names.take(SHOWN).collect();
+    match count {
+        0 => known.push("none"),
+        1..=SHOWN => {}
+        _ => known.push("..."),
+    }
+    known.join(", ")
 }
 
 /// What can be wrong at a line of a deck.

@@ -869,7 +869,7 @@ fn every_defect_names_its_line() {
     }
     let missing = abaqus::read("/no such folder/x.inp", Includes::BelowTheDeck).unwrap_err();
     assert!(
-        matches!(&missing, Error::DeckFile(input_files::Error::Unreadable { path, .. }) if path.ends_with("x.inp")),
+        matches!(&missing, Error::InputFile(input_files::Error::Unreadable { path, .. }) if path.ends_with("x.inp")),
         "{missing}"
     );
 }

@@ -1,7 +1,7 @@
 //! The blocks of a deck in the scope of their part, instance, assembly or step.
 
 use super::deck::Line;
-use super::keywords::{Fate, Phase, fate};
+use super::keywords::{Extent, Fate, Phase, fate};
 use super::reader::{Reader, count};
 use super::text::{Block, excerpt};
 use crate::error::{DeckProblem, Error};
@@ -33,7 +33,9 @@ struct Scopes<'a, 'b> {
 pub(super) fn expand<'a, 'b>(reader: &mut Reader<'a>, blocks: &'b [Block<'a>]) -> Result<Vec<Scoped<'a, 'b>>, Error> {
     let mut scopes = Scopes::default();
     for block in blocks {
-        if let Some(line) = block.data.get(most_lines(&block.key)) {
+        if !reader.extent.leaves_out(&block.key)
+            && let Some(line) = block.data.get(most_lines(&block.key))
+        {
             return Err(reader.error(
                 line.at,
                 DeckProblem::Syntax {
@@ -170,6 +172,14 @@ impl<'a> Reader<'a> {
         scoped: &mut Vec<Scoped<'a, 'b>>,
     ) -> Result<(), Error> {
         self.spend(1 + block.data.len() * usize::from(in_instance), block.at)?;
+        if self.extent.leaves_out(&block.key) || (self.extent == Extent::Mesh && in_step) {
+            match fate(&block.key) {
+                Fate::Ignored => count(&mut self.deck.ignored, block),
+                _ if block.key.starts_with("END") => {}
+                _ => count(&mut self.left_out, block),
+            }
+            return Ok(());
+        }
         match fate(&block.key) {
             Fate::Refused(remedy) => Err(self.refused(block, remedy)),
             Fate::Ignored => {

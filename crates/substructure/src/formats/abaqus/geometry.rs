@@ -1,6 +1,8 @@
 //! Nodes, elements, sets and surfaces.
 
 use super::deck::{Label, Line, Members, Node, Solid, Surface};
+use super::facets::{self, Facet};
+use super::keywords::Extent;
 use super::reader::{Point, Reader};
 use super::text::{Block, Data, excerpt};
 use crate::elements::{self, Cell, ElementType, Formulation};
@@ -14,6 +16,10 @@ enum Kind {
     Solid(&'static ElementType, Formulation),
     /// An element of one node.
     Point(Point),
+    /// A facet or line: number of nodes, and of corners.
+    Facet(usize, usize),
+    /// An element of which no nodes are kept.
+    Unread,
 }
 
 impl Kind {
@@ -21,8 +27,21 @@ impl Kind {
         match self {
             Self::Solid(row, _) => row.n_nodes(),
             Self::Point(_) => 1,
+            Self::Facet(n_nodes, _) => n_nodes,
+            Self::Unread => 0,
         }
     }
+}
+
+/// The type of `C3D10MH` and the like, whose suffix says nothing of the shape. The order of 27 nodes differs between codes.
+fn variant(name: &str) -> Option<(&'static ElementType, Formulation)> {
+    let rest = name.strip_prefix("C3D")?;
+    let digits = rest.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let n_nodes: usize = digits.parse().ok().filter(|n| *n != 27)?;
+    let row = elements::ELEMENT_TYPES
+        .into_iter()
+        .find(|row| row.n_nodes() == n_nodes)?;
+    Some((row, row.default_formulation()))
 }
 
 impl Reader<'_> {
@@ -131,12 +150,16 @@ impl Reader<'_> {
 
     fn element_kind(&self, block: &Block<'_>) -> Result<Kind, Error> {
         let name = block.required(self.source, "TYPE")?.to_ascii_uppercase();
+        let of_mesh = self.extent == Extent::Mesh;
         match name.as_str() {
+            _ if of_mesh && facets::is_connector(&name) => Ok(Kind::Unread),
             "MASS" => Ok(Kind::Point(Point::Mass)),
             "SPRING1" => Ok(Kind::Point(Point::Spring)),
             "DCOUP3D" => Ok(Kind::Point(Point::Coupling)),
             _ => elements::from_abaqus(&name)
+                .or_else(|| of_mesh.then(|| variant(&name))?)
                 .map(|(row, formulation)| Kind::Solid(row, formulation))
+                .or_else(|| facets::shape(&name).map(|(nodes, corners)| Kind::Facet(nodes, corners)))
                 .ok_or_else(|| {
                     let (found, known) = (excerpt(&name), elements::abaqus_names());
                     self.error(block.at, DeckProblem::ElementType { found, known })
@@ -150,15 +173,14 @@ impl Reader<'_> {
         let set = block.optional("ELSET");
         let set = set.map(|name| self.named(instance, name, block)).transpose()?;
         let first = self.deck.elements.len() as u32;
+        if matches!(kind, Kind::Facet(..) | Kind::Unread) {
+            return self.facets(instance, block, kind, set.as_deref());
+        }
         let mut lines = block.data.iter();
         while let Some(line) = lines.next() {
             self.spend(1, line.at)?;
             let (label, nodes) = self.element_line(instance, line, &mut lines, kind.n_nodes())?;
-            let name = self.deck.name(label);
-            let known = self.elements.get(&label).map(|&e| self.deck.elements[e as usize].line);
-            if let Some(first) = known.or_else(|| self.points.get(&label).map(|(_, _, line)| *line)) {
-                return Err(self.duplicate(line.at, "element", name, first));
-            }
+            self.refuse_known(line.at, label)?;
             let (row, formulation) = match kind {
                 Kind::Solid(row, formulation) => (row, formulation),
                 Kind::Point(point) => {
@@ -168,6 +190,7 @@ impl Reader<'_> {
                     }
                     continue;
                 }
+                Kind::Facet(..) | Kind::Unread => continue,
             };
             if let Some(a) = (1..nodes.len()).find(|&a| nodes[..a].contains(&nodes[a])) {
                 return Err(self.error(
@@ -196,6 +219,56 @@ impl Reader<'_> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses a second element of one label.
+    fn refuse_known(&self, at: Line, label: Label) -> Result<(), Error> {
+        let known = self.elements.get(&label).map(|&e| self.deck.elements[e as usize].line);
+        let known = known.or_else(|| self.points.get(&label).map(|(_, _, line)| *line));
+        match known.or_else(|| {
+            self.facets
+                .index
+                .get(&label)
+                .map(|&facet| self.facets.all[facet as usize].line)
+        }) {
+            Some(first) => Err(self.duplicate(at, "element", self.deck.name(label), first)),
+            None => Ok(()),
+        }
+    }
+
+    /// Elements that are no solids.
+    fn facets(&mut self, instance: u32, block: &Block<'_>, kind: Kind, set: Option<&str>) -> Result<(), Error> {
+        let first = self.facets.all.len() as u32;
+        let mut lines = block.data.iter();
+        while let Some(line) = lines.next() {
+            self.spend(1, line.at)?;
+            let (label, facet) = match kind {
+                Kind::Facet(n_nodes, n_corners) => {
+                    let (label, nodes) = self.element_line(instance, line, &mut lines, n_nodes)?;
+                    (label, Facet::new(&nodes, n_corners, line.at))
+                }
+                _ => {
+                    let number = line.label(self.source, "element", line.entries().next().unwrap_or(""))?;
+                    let mut last = line;
+                    while last.text.ends_with(',')
+                        && let Some(next) = lines.next()
+                    {
+                        last = next;
+                    }
+                    (Label { instance, number }, Facet::new(&[], 0, line.at))
+                }
+            };
+            self.refuse_known(line.at, label)?;
+            self.facets.index.insert(label, self.facets.all.len() as u32);
+            self.facets.all.push(facet);
+        }
+        let last = self.facets.all.len() as u32;
+        let name = block.required(self.source, "TYPE")?.to_ascii_uppercase();
+        *self.facets.types.entry(excerpt(&name)).or_default() += (last - first) as usize;
+        if let Some(set) = set {
+            self.facets.add(set, (first..last).collect());
+        }
+        Ok(())
     }
 
     /// Label and nodes of an element, whose lines continue while they end in a comma.
@@ -252,14 +325,17 @@ impl Reader<'_> {
         let text = block.required(self.source, parameter)?;
         let name = self.named(instance, text, block)?;
         let instance = self.instance_of(instance, block)?;
-        let mut members = Vec::new();
+        let (mut members, mut facets) = (Vec::new(), Vec::new());
         if of_nodes {
             let known = ["NSET", "ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"];
             block.allow(self.source, &known)?;
             if let Some(elements) = block.optional("ELSET") {
-                let set = self.element_set(instance, block.at, elements)?;
-                for &element in set {
+                let (solids, facets) = self.element_set(instance, block.at, elements)?;
+                for &element in solids {
                     members.extend_from_slice(self.deck.elements[element as usize].cell.nodes());
+                }
+                for &facet in facets {
+                    members.extend_from_slice(self.facets.all[facet as usize].nodes());
                 }
                 members.sort_unstable();
                 members.dedup();
@@ -269,9 +345,9 @@ impl Reader<'_> {
         }
         for line in &block.data {
             if block.flag("GENERATE") {
-                let before = members.len();
-                self.generate(instance, line, of_nodes, &mut members)?;
-                self.spend(members.len() - before, line.at)?;
+                let before = members.len() + facets.len();
+                self.generate(instance, line, of_nodes, &mut members, &mut facets)?;
+                self.spend(members.len() + facets.len() - before, line.at)?;
                 continue;
             }
             for entry in line.entries().filter(|entry| !entry.is_empty()) {
@@ -279,15 +355,22 @@ impl Reader<'_> {
                     self.point_sets.entry(name.clone()).or_default().push(point);
                     continue;
                 }
-                let more = match of_nodes {
-                    true => self.node_list(instance, line, entry)?,
+                let (more, more_facets) = match of_nodes {
+                    true => (self.node_list(instance, line, entry)?, Vec::new()),
                     false => self.element_list(instance, line, entry)?,
                 };
-                self.spend(more.len(), line.at)?;
+                self.spend(more.len() + more_facets.len(), line.at)?;
                 members.extend(more);
+                facets.extend(more_facets);
             }
         }
-        if members.is_empty() && !self.point_sets.contains_key(&name) {
+        let is_empty = members.is_empty() && facets.is_empty();
+        self.facets.add(&name, facets);
+        if is_empty && self.extent == Extent::Mesh {
+            self.deck.notes.push(format!("the {what} `{}` is empty", excerpt(text)));
+            return Ok(());
+        }
+        if is_empty && !self.point_sets.contains_key(&name) {
             let name = excerpt(text);
             return Err(self.error(block.at, DeckProblem::Empty { what, name }));
         }
@@ -299,7 +382,14 @@ impl Reader<'_> {
     }
 
     /// Members of a generated set, all of which must exist.
-    fn generate(&self, instance: u32, line: &Data<'_>, of_nodes: bool, members: &mut Vec<u32>) -> Result<(), Error> {
+    fn generate(
+        &self,
+        instance: u32,
+        line: &Data<'_>,
+        of_nodes: bool,
+        members: &mut Vec<u32>,
+        facets: &mut Vec<u32>,
+    ) -> Result<(), Error> {
         let [first, last, step] = line.columns::<3>(self.source)?;
         let first = line.label(self.source, "first label", first)?;
         let last = line.label(self.source, "last label", last)?;
@@ -321,9 +411,10 @@ impl Reader<'_> {
                 true => (&self.nodes, "node"),
                 false => (&self.elements, "element"),
             };
-            match index.get(&label) {
-                Some(&member) => members.push(member),
-                None => return Err(self.undefined(line.at, what, &self.deck.name(label))),
+            match (index.get(&label), self.facets.index.get(&label)) {
+                (Some(&member), _) => members.push(member),
+                (None, Some(&facet)) if !of_nodes => facets.push(facet),
+                _ => return Err(self.undefined(line.at, what, &self.deck.name(label))),
             }
         }
         Ok(())
@@ -370,11 +461,15 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn element_set(&self, instance: u32, at: Line, text: &str) -> Result<&[u32], Error> {
+    /// The solids of a set, and its elements that are no solids.
+    fn element_set(&self, instance: u32, at: Line, text: &str) -> Result<(&[u32], &[u32]), Error> {
         let name = self.full_name(instance, text);
-        match self.deck.element_sets.get(&name) {
-            Some(set) => Ok(set),
-            None => Err(self.undefined(at, "element set", &name)),
+        match (self.deck.element_sets.get(&name), self.facets.sets.get(&name)) {
+            (None, None) => Err(self.undefined(at, "element set", &name)),
+            (solids, facets) => Ok((
+                solids.map_or(&[][..], Vec::as_slice),
+                facets.map_or(&[][..], Vec::as_slice),
+            )),
         }
     }
 
@@ -385,21 +480,22 @@ impl Reader<'_> {
         self.points.contains_key(&label).then_some(label)
     }
 
-    /// The element with this label, or the elements of this set.
-    pub(super) fn element_list(&self, instance: u32, line: &Data<'_>, text: &str) -> Result<Vec<u32>, Error> {
+    /// The element with this label, or the elements of this set: solids, and those that are none.
+    fn element_list(&self, instance: u32, line: &Data<'_>, text: &str) -> Result<(Vec<u32>, Vec<u32>), Error> {
         let (scope, rest) = self.scope(instance, text);
         if !rest.is_empty() && rest.bytes().all(|c| c.is_ascii_digit()) {
             let label = Label {
                 instance: scope,
                 number: line.label(self.source, "element", rest)?,
             };
-            let found = self.elements.get(&label);
-            return match found {
-                Some(&element) => Ok(vec![element]),
-                None => Err(self.undefined(line.at, "element", &self.deck.name(label))),
+            return match (self.elements.get(&label), self.facets.index.get(&label)) {
+                (Some(&element), _) => Ok((vec![element], Vec::new())),
+                (None, Some(&facet)) => Ok((Vec::new(), vec![facet])),
+                (None, None) => Err(self.undefined(line.at, "element", &self.deck.name(label))),
             };
         }
-        Ok(self.element_set(instance, line.at, text)?.to_vec())
+        let (solids, facets) = self.element_set(instance, line.at, text)?;
+        Ok((solids.to_vec(), facets.to_vec()))
     }
 
     pub(super) fn surface(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
@@ -410,12 +506,21 @@ impl Reader<'_> {
         if let Some(known) = self.deck.surfaces.get(&name) {
             return Err(self.duplicate(block.at, "surface", name.clone(), known.line));
         }
-        let (mut faces, mut nodes) = (Vec::new(), Vec::new());
+        let (mut faces, mut nodes, mut facets) = (Vec::new(), Vec::new(), Vec::new());
         for line in &block.data {
             let [of, second] = line.columns::<2>(self.source)?;
             if of_elements {
-                let elements = self.element_list(instance, line, of)?;
-                self.spend(elements.len(), line.at)?;
+                let (elements, more) = self.element_list(instance, line, of)?;
+                self.spend(elements.len() + more.len(), line.at)?;
+                if !more.is_empty() && self.extent == Extent::Structure {
+                    return Err(line.invalid(
+                        self.source,
+                        "member of the surface",
+                        of,
+                        "a solid or a set of solids: elements without section have no faces",
+                    ));
+                }
+                facets.extend(more);
                 for element in elements {
                     faces.push((element, self.face(line, element, second)?));
                 }
@@ -441,6 +546,12 @@ impl Reader<'_> {
                 nodes.iter().map(|(node, _)| node).collect::<HashSet<_>>().len(),
             ),
         };
+        if !facets.is_empty() {
+            self.facets.surfaces.insert(name.clone(), facets);
+            if count == 0 {
+                return Ok(());
+            }
+        }
         if count == 0 {
             let (what, name) = ("surface", excerpt(text));
             return Err(self.error(block.at, DeckProblem::Empty { what, name }));

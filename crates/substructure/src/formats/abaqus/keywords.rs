@@ -31,6 +31,38 @@ pub(super) enum Fate {
     Refused(&'static str),
 }
 
+/// What is read of a deck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// All of it.
+    Structure,
+    /// Nodes, elements, sets and surfaces.
+    Mesh,
+}
+
+impl Extent {
+    /// Whether a keyword is only counted. What makes nodes and elements never is.
+    pub(super) fn leaves_out(self, key: &str) -> bool {
+        self == Self::Mesh
+            && match fate(key) {
+                Fate::Read(phase) => phase > Phase::Surfaces,
+                Fate::Ignored | Fate::Procedure => true,
+                Fate::Refused(_) => !(makes_mesh(key) || opens_scope(key)),
+            }
+    }
+}
+
+/// Whether nodes, elements or names come from a keyword that is not read.
+fn makes_mesh(key: &str) -> bool {
+    ["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "PARAMETER"].contains(&key)
+}
+
+/// Whether a keyword begins or ends a part, an instance or the assembly.
+fn opens_scope(key: &str) -> bool {
+    let name = key.strip_prefix("END").unwrap_or(key);
+    ["PART", "INSTANCE", "ASSEMBLY"].contains(&name)
+}
+
 /// What becomes of a keyword (capitals, without blanks).
 pub(super) fn fate(key: &str) -> Fate {
     use Fate::{Ignored, Procedure, Read, Refused};

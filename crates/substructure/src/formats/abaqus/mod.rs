@@ -20,6 +20,11 @@
 //! | `*STEP`, `*CLOAD`, `*SUBSTRUCTURE LOAD CASE`, `*LOAD CASE` | one load pattern per step or case, of its own loads |
 //! | `*INCLUDE` | the file, relative to the one that includes it; see [`Includes`] |
 //!
+//! Shells, membranes, plane and rigid elements, trusses and beams that preprocessors write beside the solids have no stiffness
+//! without a section: they are left out, with a note in [`Deck::notes`]. With a section they are an error.
+//!
+//! [`SolidMesh`] reads nodes, elements, sets and surfaces alone, and lists the other keywords.
+//!
 //! Keywords that only ask for output are listed in [`Deck::ignored`], those that choose an analysis in
 //! [`Step::procedures`]. Any other keyword or parameter may change the mechanics, and is an error that names file, line
 //! and remedy.
@@ -44,6 +49,7 @@ mod connections;
 mod constraints;
 mod deck;
 mod expand;
+mod facets;
 mod geometry;
 mod history;
 mod keywords;
@@ -51,6 +57,7 @@ mod model;
 mod phases;
 mod properties;
 mod reader;
+mod solid;
 mod text;
 mod write;
 
@@ -63,14 +70,16 @@ pub use model::DeckModel;
 pub use text::Includes;
 pub use write::write;
 
+use super::solid_mesh::SolidMesh;
 use crate::Error;
+use keywords::Extent;
 use std::path::{Path, PathBuf};
 
 /// Reads a deck and the files that it includes: at most 1000, 10 deep, and all together no more than
 /// [`input_files::Kind::Deck`] allows.
 ///
 /// # Errors
-/// [`Error::DeckFile`] if the file cannot be read; [`Error::Deck`] naming file and line of the first defect.
+/// [`Error::InputFile`] if the file cannot be read; [`Error::Deck`] naming file and line of the first defect.
 pub fn read(path: impl AsRef<Path>, includes: Includes) -> Result<Deck, Error> {
     let limit = input_files::Kind::Deck.limit();
     phases::run(&text::Source::from_file(path.as_ref(), includes, limit)?)
@@ -91,4 +100,21 @@ pub fn files(path: impl AsRef<Path>, includes: Includes) -> Result<Vec<PathBuf>,
 /// As [`read`]; `*INCLUDE` is refused.
 pub fn parse(text: &str, name: &str) -> Result<Deck, Error> {
     phases::run(&text::Source::from_text(name, text)?)
+}
+
+/// The solids, sets and surfaces of a deck and the files that it includes.
+pub(super) fn solid_mesh_of_file(path: &Path) -> Result<SolidMesh, Error> {
+    let limit = input_files::Kind::Deck.limit();
+    mesh_of(&text::Source::from_file(path, Includes::BelowTheDeck, limit)?)
+}
+
+/// The solids, sets and surfaces of a deck without includes.
+pub(super) fn solid_mesh(name: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
+    mesh_of(&text::Source::from_text(name, &String::from_utf8_lossy(bytes))?)
+}
+
+fn mesh_of(source: &text::Source) -> Result<SolidMesh, Error> {
+    phases::read(source, Extent::Mesh)?
+        .solid_mesh()?
+        .finish(&source.files[0])
 }

@@ -1,7 +1,7 @@
 //! The assembly of a deck with the deck's names for its parts.
 
 use super::deck::{Ignored, Label, qualified};
-use crate::error::Error;
+use crate::error::{Error, known_names};
 use crate::mesh::{Assembly, Dof, Face};
 use std::collections::{BTreeMap, HashMap};
 
@@ -114,17 +114,9 @@ impl DeckModel {
 }
 
 fn look_up<'m, T>(map: &'m BTreeMap<String, T>, what: &'static str, name: &str) -> Result<&'m T, Error> {
-    map.get(&name.to_ascii_uppercase()).ok_or_else(|| {
-        let mut known: Vec<&str> = map.keys().take(12).map(String::as_str).collect();
-        match map.len() {
-            0 => known.push("none"),
-            1..=12 => {}
-            _ => known.push("..."),
-        }
-        Error::NotInDeck {
-            what,
-            name: name.to_owned(),
-            known: known.join(", "),
-        }
+    map.get(&name.to_ascii_uppercase()).ok_or_else(|| Error::NotInDeck {
+        what,
+        name: name.to_owned(),
+        known: known_names(map.keys().map(String::as_str)),
     })
 }

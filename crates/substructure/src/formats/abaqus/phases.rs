@@ -2,16 +2,29 @@
 
 use super::deck::Deck;
 use super::expand::{Scoped, expand};
-use super::keywords::Phase;
+use super::keywords::{Extent, Phase};
 use super::reader::Reader;
 use super::text::Source;
 use crate::Error;
 use nalgebra::Isometry3;
 
-/// Reads all blocks of a deck, phase by phase.
+/// Reads all blocks of a deck.
 pub(super) fn run(source: &Source) -> Result<Deck, Error> {
+    let mut reader = read(source, Extent::Structure)?;
+    reader
+        .deck
+        .notes
+        .extend(reader.facets.note("have no section and are left out"));
+    Ok(reader.deck)
+}
+
+/// Reads the blocks of a deck, as far as they are wanted, phase by phase.
+pub(super) fn read(source: &Source, extent: Extent) -> Result<Reader<'_>, Error> {
     let blocks = source.blocks()?;
-    let mut reader = Reader::new(source);
+    if extent == Extent::Mesh {
+        source.check_end(&blocks)?;
+    }
+    let mut reader = Reader::new(source, extent);
     let mut scoped = expand(&mut reader, &blocks)?;
     // Stable: within a phase the order of the deck is kept.
     scoped.sort_by_key(|scoped| scoped.phase);
@@ -42,5 +55,5 @@ pub(super) fn run(source: &Source) -> Result<Deck, Error> {
         let what = "*MASS, *SPRING or *DISTRIBUTING COUPLING of element";
         return Err(reader.undefined(*line, what, &name));
     }
-    Ok(reader.deck)
+    Ok(reader)
 }

@@ -96,6 +96,12 @@ impl Reader<'_> {
                 },
             ));
         };
+        if self.facets.sets.contains_key(&set) {
+            return Err(self.refused(
+                block,
+                "its set holds elements that are no solids; give the solids a set of their own, and the others no section",
+            ));
+        }
         let Some(elements) = self.deck.element_sets.get(&set) else {
             return Err(self.undefined(block.at, "element set", &set));
         };

@@ -1,6 +1,8 @@
 //! A deck while it is read, and how its names are resolved.
 
 use super::deck::{Deck, DeckCoupling, Ignored, Label, Line, qualified};
+use super::facets::Facets;
+use super::keywords::Extent;
 use super::text::{Block, Data, Source, excerpt};
 use crate::error::{DeckProblem, Error};
 use nalgebra::{Isometry3, Vector3};
@@ -25,6 +27,12 @@ pub(super) struct Reader<'a> {
     pub(super) used_points: HashSet<Label>,
     /// Sets of those.
     pub(super) point_sets: HashMap<String, Vec<Label>>,
+    /// Elements without stiffness, and their sets.
+    pub(super) facets: Facets,
+    /// What is read.
+    pub(super) extent: Extent,
+    /// Keywords that are not read of a mesh.
+    pub(super) left_out: Vec<Ignored>,
     /// Node sets that keep the order of the deck, with their members.
     pub(super) unsorted: HashMap<String, HashSet<u32>>,
     /// A coupling whose kind is still to come.
@@ -45,8 +53,11 @@ pub(super) enum Point {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(source: &'a Source) -> Self {
+    pub(super) fn new(source: &'a Source, extent: Extent) -> Self {
         Self {
+            facets: Facets::default(),
+            extent,
+            left_out: Vec::new(),
             source,
             deck: Deck {
                 files: source.files.clone(),

@@ -30,6 +30,8 @@ pub(super) struct Source {
     text: String,
     /// End in `text` and origin of each line.
     lines: Vec<(usize, Line)>,
+    /// The last line of the deck's own file, if it has no end.
+    unended: Option<Line>,
 }
 
 /// What a deck may still include, and what it is including.
@@ -84,6 +86,7 @@ impl Source {
             paths: Vec::new(),
             text: String::new(),
             lines: Vec::new(),
+            unended: None,
         }
     }
 
@@ -135,7 +138,30 @@ impl Source {
             self.text.push_str(line);
             self.lines.push((self.text.len(), at));
         }
+        if file == 0 && !text.ends_with('\n') {
+            self.unended = self.lines.last().map(|(_, at)| *at);
+        }
         Ok(())
+    }
+
+    /// The last line.
+    pub(super) fn last_line(&self) -> Line {
+        self.lines.last().map(|(_, at)| *at).unwrap_or_default()
+    }
+
+    /// Refuses a deck that ends in the middle of a data line: the last number of a mesh would be another one.
+    pub(super) fn check_end(&self, blocks: &[Block<'_>]) -> Result<(), Error> {
+        let last = blocks.last().and_then(|block| block.data.last());
+        match last {
+            Some(line) if self.unended == Some(line.at) => Err(self.error(
+                line.at,
+                DeckProblem::Syntax {
+                    found: excerpt(line.text),
+                    reason: "the file ends in the middle of this line: save it again, or end the line if it is complete",
+                },
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// Number of bytes that are neither comments nor blank lines.
@@ -500,7 +526,7 @@ mod tests {
         assert!(error.contains(&format!("leave {} of", nodes.len() - 1)), "{error}");
         let error = read(100).err().unwrap();
         assert!(
-            matches!(error, Error::DeckFile(input_files::Error::TooLarge { limit: 100, .. })),
+            matches!(error, Error::InputFile(input_files::Error::TooLarge { limit: 100, .. })),
             "{error}"
         );
     }

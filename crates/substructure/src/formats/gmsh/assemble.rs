@@ -9,26 +9,22 @@ use crate::mesh::{Element, Group, Material, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Parts {
-    fn groups(&self, block: &Block) -> impl Iterator<Item = u32> + Clone {
-        let groups = self.entities.get(&(block.kind.dimension(), block.entity));
-        groups.into_iter().flatten().copied()
-    }
-
-    fn name(&self, dimension: i32, group: u32) -> String {
+    pub(super) fn name(&self, dimension: i32, group: u32) -> String {
         let name = self.names.get(&(dimension, group));
         name.cloned().unwrap_or_else(|| group.to_string())
     }
 
     /// The groups of a dimension with elements of it or a name, still empty.
-    fn empty_groups<T>(&self, dimension: i32) -> BTreeMap<u32, Group<T>> {
+    pub(super) fn empty_groups<T>(&self, dimension: i32) -> BTreeMap<u32, Group<T>> {
         let named = self
             .names
             .keys()
             .filter(|(d, _)| *d == dimension)
             .map(|(_, group)| *group);
-        let used = self.entities.iter().filter(|((d, _), _)| *d == dimension);
+        let blocks = self.blocks.iter().flatten();
+        let used = blocks.filter(|block| block.kind.dimension() == dimension);
         named
-            .chain(used.flat_map(|(_, groups)| groups.iter().copied()))
+            .chain(used.flat_map(|block| block.groups.iter().copied()))
             .map(|group| {
                 let name = self.name(dimension, group);
                 let members = Vec::new();
@@ -45,7 +41,7 @@ impl Parts {
         materials: &[Material],
         fallback: Option<usize>,
     ) -> Result<u16, Error> {
-        let names: Vec<String> = self.groups(block).map(|group| self.name(3, group)).collect();
+        let names: Vec<String> = block.groups.iter().map(|&group| self.name(3, group)).collect();
         let of_name = |name: &String| materials.iter().position(|material| material.name == *name);
         let found: BTreeSet<usize> = names.iter().filter_map(of_name).collect();
         let place = || format!("volume {} in the physical groups {names:?}", block.entity);
@@ -102,9 +98,9 @@ impl Parts {
         });
         let mut ignored_elements = 0;
         for block in blocks {
-            let groups = self.groups(block);
+            let groups = block.groups.iter();
             let dimension = block.kind.dimension();
-            if groups.clone().next().is_none() && dimension < 3 {
+            if block.groups.is_empty() && dimension < 3 {
                 ignored_elements += block.nodes.len() / block.kind.n_nodes();
                 continue;
             }
@@ -119,7 +115,7 @@ impl Parts {
                 Kind::Face(_) => {
                     let members = faces_of(reader, block, &kept)?;
                     for group in groups {
-                        if let Some(group) = faces.get_mut(&group) {
+                        if let Some(group) = faces.get_mut(group) {
                             group.members.extend(&members);
                         }
                     }
@@ -127,7 +123,7 @@ impl Parts {
                 Kind::Nodes { .. } => {
                     let lists = &mut nodes[usize::from(dimension == 1)];
                     for group in groups {
-                        if let Some(group) = lists.get_mut(&group) {
+                        if let Some(group) = lists.get_mut(group) {
                             let members = block.nodes.iter().filter_map(|node| kept.number(*node));
                             group.members.extend(members);
                         }
@@ -155,7 +151,7 @@ impl Parts {
 }
 
 /// The groups of a dimension, each with ascending members that differ.
-fn ascending(groups: BTreeMap<u32, Group<u32>>) -> impl Iterator<Item = Group<u32>> {
+pub(super) fn ascending(groups: BTreeMap<u32, Group<u32>>) -> impl Iterator<Item = Group<u32>> {
     groups.into_values().map(|mut group| {
         group.members.sort_unstable();
         group.members.dedup();

@@ -1,4 +1,4 @@
-//! Gmsh meshes: MSH files of version 4.1, read as text or binary, written as text.
+//! Gmsh meshes: MSH files of versions 4.1 and 2.2, read as text or binary; those of version 4.1 written as text.
 //!
 //! | Gmsh | here |
 //! |---|---|
@@ -11,17 +11,20 @@
 //! Gmsh writes quadratic elements without nodes in faces and inside (types 17, 18) if `Mesh.SecondOrderIncomplete` is 1.
 //!
 //! Node orders (Gmsh reference manual, section "Node ordering") stand in the table of [`crate::elements`]. Faces keep the
-//! order of the file, whose normals are those of the geometry and not necessarily outward; the sign of a physical tag is
-//! ignored. Gmsh knows no units: lengths are taken as metres.
+//! order of the file, whose normals are those of the geometry and not necessarily outward
+//! ([`SolidMesh`](super::solid_mesh::SolidMesh) turns them outward); the sign of a physical tag is ignored. Gmsh knows no units: lengths are taken as metres.
 
 mod assemble;
+mod listed;
 mod parts;
 mod reader;
+mod solid;
 mod write;
 
 pub use parts::Contents;
 pub use write::write;
 
+use super::solid_mesh::SolidMesh;
 use crate::Error;
 use crate::mesh::Material;
 use parts::Parts;
@@ -42,4 +45,12 @@ pub fn read(file: &str, bytes: &[u8], materials: &[Material], fallback: Option<&
     let mut parts = Parts::default();
     reader.sections(&mut parts)?;
     parts.assemble(&reader, materials, fallback)
+}
+
+/// The solids and groups of a file, without materials.
+pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
+    let mut reader = Reader::new(file, bytes);
+    let mut parts = Parts::default();
+    reader.sections(&mut parts)?;
+    parts.solids(&reader)?.finish(file)
 }

@@ -33,6 +33,9 @@ pub(super) enum Kind {
     Solid(&'static ElementType),
 }
 
+/// Dimension and number of nodes.
+pub(super) type Shape = (i32, usize);
+
 /// Type, dimension and number of nodes of points and lines.
 const POINTS_AND_LINES: [(i32, i32, usize); 6] = [(15, 0, 1), (1, 1, 2), (8, 1, 3), (26, 1, 4), (27, 1, 5), (28, 1, 6)];
 
@@ -56,6 +59,11 @@ impl Kind {
         }
     }
 
+    /// What tells the kinds apart.
+    pub(super) fn shape(self) -> Shape {
+        (self.dimension(), self.n_nodes())
+    }
+
     pub(super) fn n_nodes(self) -> usize {
         match self {
             Self::Nodes { n_nodes, .. } => n_nodes,
@@ -70,6 +78,10 @@ pub(super) struct Block {
     pub(super) at: usize,
     pub(super) kind: Kind,
     pub(super) entity: i32,
+    /// Physical tags.
+    pub(super) groups: BTreeSet<u32>,
+    /// Tags of the elements.
+    pub(super) tags: Vec<u64>,
     /// Nodes of all elements in Gmsh's order, zero based, element by element.
     pub(super) nodes: Vec<u32>,
 }
@@ -86,4 +98,15 @@ pub(super) struct Parts {
     pub(super) tags: Vec<(u64, u32)>,
     pub(super) blocks: Option<Vec<Block>>,
     pub(super) skipped: BTreeSet<String>,
+}
+
+impl Parts {
+    /// Gives the elements the physical groups of their entities, as version 4.1 means it.
+    pub(super) fn groups_of_entities(&mut self) {
+        for block in self.blocks.iter_mut().flatten() {
+            if let Some(groups) = self.entities.get(&(block.kind.dimension(), block.entity)) {
+                block.groups.extend(groups);
+            }
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! The sections of a Gmsh file, as text or binary.
 
+use super::listed::{Listed, ListedElement, MOST_GROUPS};
 use super::parts::{Block, Kind, Parts};
 use crate::Error;
 use crate::elements;
@@ -9,13 +10,18 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::str::FromStr;
 
-/// How many groups an entity may be in: the lists made of a file stay as small as it is.
-const MOST_GROUPS: usize = 16;
+/// Versions of the format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Version {
+    Msh22,
+    Msh41,
+}
 
 pub(super) struct Reader<'a> {
     file: &'a str,
     bytes: &'a [u8],
     at: usize,
+    version: Version,
     binary: bool,
 }
 
@@ -25,6 +31,7 @@ impl<'a> Reader<'a> {
             file,
             bytes,
             at: 0,
+            version: Version::Msh41,
             binary: false,
         }
     }
@@ -110,11 +117,12 @@ impl<'a> Reader<'a> {
         Ok(raw)
     }
 
+    /// A count or tag. Version 2.2 keeps counts as text in binary files too, and tags in four bytes.
     fn size(&mut self, expected: &str) -> Result<u64, Error> {
-        if self.binary {
-            self.raw(expected).map(u64::from_le_bytes)
-        } else {
-            self.word(expected)
+        match (self.binary, self.version) {
+            (true, Version::Msh41) => self.raw(expected).map(u64::from_le_bytes),
+            (true, Version::Msh22) => self.raw(expected).map(|raw| u64::from(u32::from_le_bytes(raw))),
+            (false, _) => self.word(expected),
         }
     }
 
@@ -138,6 +146,19 @@ impl<'a> Reader<'a> {
     fn count(&mut self, what: &str, words: usize, bytes: usize) -> Result<usize, Error> {
         let at = self.at;
         let count = self.size(&format!("the number of {what}"))?;
+        self.room(at, count, what, words, bytes)
+    }
+
+    /// A count in a line of its own, as version 2.2 has it: text in binary files too.
+    fn count_line(&mut self, what: &str, words: usize, bytes: usize) -> Result<usize, Error> {
+        let at = self.at;
+        let count = self.word(&format!("the number of {what}"))?;
+        self.line();
+        self.room(at, count, what, words, bytes)
+    }
+
+    /// `count`, which stands at `at`, if the rest of the file has room for so many things.
+    fn room(&self, at: usize, count: u64, what: &str, words: usize, bytes: usize) -> Result<usize, Error> {
         let left = self.bytes.len() - self.at;
         let room = if self.binary { left / bytes } else { left / (2 * words) };
         match usize::try_from(count) {
@@ -156,6 +177,7 @@ impl<'a> Reader<'a> {
             self.skip_space();
             let at = self.at;
             if at == self.bytes.len() {
+                parts.groups_of_entities();
                 return Ok(());
             }
             let head = self.line();
@@ -166,8 +188,17 @@ impl<'a> Reader<'a> {
             match name {
                 "PhysicalNames" => self.physical_names(parts)?,
                 "Entities" => self.entities(parts)?,
+                "Nodes" if self.version == Version::Msh22 => self.nodes_22(at, parts)?,
+                "Elements" if self.version == Version::Msh22 => self.elements_22(at, parts)?,
                 "Nodes" => self.nodes(at, parts)?,
                 "Elements" => self.elements(at, parts)?,
+                "ParametricNodes" => {
+                    return Err(self.unsupported(
+                        at,
+                        "nodes with parametric coordinates (section $ParametricNodes)".into(),
+                        "save without them (Mesh.SaveParametric = 0), or as version 4.1 (gmsh -format msh41)",
+                    ));
+                }
                 "PartitionedEntities" | "GhostElements" => {
                     return Err(self.unsupported(
                         at,
@@ -216,13 +247,17 @@ impl<'a> Reader<'a> {
                 quoted(format),
             ));
         };
-        if version != "4.1" {
-            return Err(self.unsupported(
-                at,
-                format!("MSH version {}", quoted(version.as_bytes())),
-                "save as version 4.1 (gmsh -format msh41, or the option Mesh.MshFileVersion = 4.1)",
-            ));
-        }
+        self.version = match version {
+            "4.1" => Version::Msh41,
+            "2.2" => Version::Msh22,
+            _ => {
+                return Err(self.unsupported(
+                    at,
+                    format!("MSH version {}", quoted(version.as_bytes())),
+                    "save as version 4.1 (gmsh -format msh41, or the option Mesh.MshFileVersion = 4.1)",
+                ));
+            }
+        };
         match (kind, size) {
             ("0", _) => {}
             ("1", "8") => {
@@ -342,21 +377,11 @@ impl<'a> Reader<'a> {
             };
             let count = self.count("nodes of the block", 4 + parameters, 32 + 8 * parameters)?;
             for _ in 0..count {
-                let number = u32::try_from(tags.len()).map_err(|_| {
-                    self.unsupported(at, "a mesh of more than 4294967295 nodes".into(), "use a coarser mesh")
-                })?;
+                let number = self.node_number(at, tags.len())?;
                 tags.push((self.size("a node tag")?, number));
             }
             for _ in 0..count {
-                let mut position = [0.0; 3];
-                for x in &mut position {
-                    let at = self.at;
-                    *x = self.real("a coordinate")?;
-                    if !x.is_finite() {
-                        let place = format!("{}, {}", self.file, self.position(at));
-                        return Err(Error::NotFinite { place, value: *x });
-                    }
-                }
+                let position = self.coordinates()?;
                 for _ in 0..parameters {
                     self.real("a parametric coordinate")?;
                 }
@@ -370,6 +395,46 @@ impl<'a> Reader<'a> {
                 "the file is damaged: save it again",
             ));
         }
+        self.keep_nodes(section, positions, tags, parts)
+    }
+
+    fn nodes_22(&mut self, section: usize, parts: &mut Parts) -> Result<(), Error> {
+        let count = self.count_line("nodes", 4, 28)?;
+        let mut positions = Vec::with_capacity(count);
+        let mut tags = Vec::with_capacity(count);
+        for number in 0..count {
+            let number = self.node_number(section, number)?;
+            tags.push((self.size("a node tag")?, number));
+            positions.push(self.coordinates()?);
+        }
+        self.keep_nodes(section, positions, tags, parts)
+    }
+
+    fn node_number(&self, at: usize, number: usize) -> Result<u32, Error> {
+        u32::try_from(number)
+            .map_err(|_| self.unsupported(at, "a mesh of more than 4294967295 nodes".into(), "use a coarser mesh"))
+    }
+
+    fn coordinates(&mut self) -> Result<[f64; 3], Error> {
+        let mut position = [0.0; 3];
+        for x in &mut position {
+            let at = self.at;
+            *x = self.real("a coordinate")?;
+            if !x.is_finite() {
+                let place = format!("{}, {}", self.file, self.position(at));
+                return Err(Error::NotFinite { place, value: *x });
+            }
+        }
+        Ok(position)
+    }
+
+    fn keep_nodes(
+        &self,
+        section: usize,
+        positions: Vec<[f64; 3]>,
+        mut tags: Vec<(u64, u32)>,
+        parts: &mut Parts,
+    ) -> Result<(), Error> {
         tags.sort_unstable();
         if let Some(pair) = tags.windows(2).find(|pair| pair[0].0 == pair[1].0) {
             return Err(self.contents(
@@ -382,6 +447,115 @@ impl<'a> Reader<'a> {
             return Err(self.syntax(section, "one section of nodes", "a second `$Nodes`"));
         }
         parts.tags = tags;
+        Ok(())
+    }
+
+    /// The number of the node whose tag stands here.
+    fn node(&mut self, parts: &Parts) -> Result<u32, Error> {
+        let at = self.at;
+        let tag = self.size("a node tag")?;
+        // Most files number their nodes from 1 without gaps.
+        let guess = usize::try_from(tag.wrapping_sub(1)).unwrap_or(usize::MAX);
+        let found = match parts.tags.get(guess) {
+            Some((known, number)) if *known == tag => Some(*number),
+            _ => {
+                let found = parts.tags.binary_search_by_key(&tag, |(tag, _)| *tag);
+                found.ok().map(|found| parts.tags[found].1)
+            }
+        };
+        found.ok_or_else(|| {
+            self.contents(
+                at,
+                format!("an element refers to node tag {tag}, which does not exist"),
+                "the file is damaged: save it again",
+            )
+        })
+    }
+
+    fn kind(&self, at: usize, element_type: i32) -> Result<Kind, Error> {
+        Kind::from_number(element_type).ok_or_else(|| {
+            self.unsupported(
+                at,
+                format!("element type {element_type}"),
+                format!(
+                    "mesh with {} (Mesh.ElementOrder = 1, or 2 for tetrahedra)",
+                    elements::descriptions()
+                ),
+            )
+        })
+    }
+
+    /// Elements of version 2.2: each with its own tags, and once for each of its physical groups.
+    fn elements_22(&mut self, section: usize, parts: &mut Parts) -> Result<(), Error> {
+        if parts.positions.is_none() {
+            return Err(self.syntax(section, "`$Nodes` before the elements", "`$Elements`"));
+        }
+        let total = self.count_line("elements", 4, 8)?;
+        let mut listed = Listed::default();
+        let mut number = 0;
+        while number < total {
+            let at = self.at;
+            // In binary files elements of one type with as many tags share a head.
+            let (element_type, count, n_tags, mut tag);
+            if self.binary {
+                element_type = self.int("an element type")?;
+                count = self.size("the number of elements that follow")?;
+                n_tags = self.size("the number of tags of an element")?;
+                tag = 0;
+            } else {
+                tag = self.size("an element number")?;
+                element_type = self.int("an element type")?;
+                count = 1;
+                n_tags = self.size("the number of tags of an element")?;
+            }
+            let kind = self.kind(at, element_type)?;
+            let left = (total - number) as u64;
+            if count == 0 || count > left {
+                return Err(self.contents(
+                    at,
+                    format!("{count} elements are announced where {left} are left"),
+                    "the file is damaged: save it again",
+                ));
+            }
+            for _ in 0..count {
+                if self.binary {
+                    tag = self.size("an element number")?;
+                }
+                // The physical group and the entity; those of partitions follow.
+                let mut first = [0; 2];
+                for place in 0..n_tags {
+                    let value = self.int("a tag of an element")?;
+                    if let Some(known) = first.get_mut(place as usize) {
+                        *known = value;
+                    }
+                }
+                let nodes = listed.nodes.len();
+                for _ in 0..kind.n_nodes() {
+                    let node = self.node(parts)?;
+                    listed.nodes.push(node);
+                }
+                let [group, entity] = [first[0].unsigned_abs(), first[1].unsigned_abs()];
+                listed.elements.push(ListedElement {
+                    at,
+                    kind,
+                    tag,
+                    group,
+                    entity,
+                    nodes,
+                });
+                number += 1;
+            }
+        }
+        let blocks = listed.blocks().map_err(|(at, tag)| {
+            self.unsupported(
+                at,
+                format!("element {tag} in more than {MOST_GROUPS} physical groups"),
+                "leave it in 16 at most",
+            )
+        })?;
+        if parts.blocks.replace(blocks).is_some() {
+            return Err(self.syntax(section, "one section of elements", "a second `$Elements`"));
+        }
         Ok(())
     }
 
@@ -400,16 +574,7 @@ impl<'a> Reader<'a> {
             let entity_dimension = self.int("the dimension of an entity")?;
             let entity = self.int("the tag of an entity")?;
             let element_type = self.int("an element type")?;
-            let Some(kind) = Kind::from_number(element_type) else {
-                return Err(self.unsupported(
-                    at,
-                    format!("element type {element_type}"),
-                    format!(
-                        "mesh with {} (Mesh.ElementOrder = 1, or 2 for tetrahedra)",
-                        elements::descriptions()
-                    ),
-                ));
-            };
+            let kind = self.kind(at, element_type)?;
             let (dimension, n_nodes) = (kind.dimension(), kind.n_nodes());
             if entity_dimension != dimension {
                 let expected = format!("an entity of dimension {dimension} for element type {element_type}");
@@ -420,23 +585,15 @@ impl<'a> Reader<'a> {
             for _ in 0..count {
                 tags.push(self.size("an element tag")?);
                 for _ in 0..n_nodes {
-                    let at = self.at;
-                    let tag = self.size("a node tag")?;
-                    let found = parts.tags.binary_search_by_key(&tag, |(tag, _)| *tag);
-                    let found = found.map_err(|_| {
-                        self.contents(
-                            at,
-                            format!("an element refers to node tag {tag}, which does not exist"),
-                            "the file is damaged: save it again",
-                        )
-                    })?;
-                    nodes.push(parts.tags[found].1);
+                    nodes.push(self.node(parts)?);
                 }
             }
             blocks.push(Block {
                 at,
                 kind,
                 entity,
+                groups: BTreeSet::new(),
+                tags: tags[tags.len() - count..].to_vec(),
                 nodes,
             });
         }
@@ -472,5 +629,6 @@ fn physical_name(text: &str) -> Option<(i32, u32, &str)> {
     numbers
         .next()
         .is_none()
-        .then_some((dimension, tag.unsigned_abs(), name))
+        // Names from MED files are filled up with blanks.
+        .then_some((dimension, tag.unsigned_abs(), name.trim()))
 }

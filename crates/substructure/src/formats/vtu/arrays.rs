@@ -5,6 +5,11 @@ use crate::Error;
 use crate::formats::common::quoted;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use flate2::read::ZlibDecoder;
+use std::io::Read;
+
+/// Most bytes that an array may have before compression, per byte of the file and on top. Meshes shrink by less.
+const MOST_INFLATED: [usize; 2] = [200, 1 << 20];
 
 impl<'a> Reader<'a> {
     /// All numbers of an array.
@@ -66,13 +71,18 @@ impl<'a> Reader<'a> {
     /// The bytes of an array that is not text, without the header that tells their number.
     fn raw(&self, grid: &Grid, array: &Array) -> Result<Vec<u8>, Error> {
         let what = format!("the array `{}`", array.name);
-        if let Some(compressor) = &grid.compressor {
-            return Err(self.unsupported(
-                array.at,
-                format!("data compressed with {}", quoted(compressor.as_bytes())),
-                "save without compression (in ParaView: Compressor Type None; in meshio: compression=None), or as text",
-            ));
-        }
+        let compressed = match grid.compressor.as_deref() {
+            None => false,
+            Some("vtkZLibDataCompressor") => true,
+            Some(other) => {
+                return Err(self.unsupported(
+                    array.at,
+                    format!("data compressed with {}", quoted(other.as_bytes())),
+                    "save with zlib or without compression (in ParaView: Compressor Type ZLib or None; in meshio: \
+                     compression=None), or as text",
+                ));
+            }
+        };
         if grid.big_endian {
             return Err(self.unsupported(
                 array.at,
@@ -100,6 +110,14 @@ impl<'a> Reader<'a> {
                         STANDARD.decode_vec(padded, &mut bytes).map_err(broken)?;
                     }
                 }
+                if compressed {
+                    let (inflated, used) = self.inflated(array, header, &bytes)?;
+                    if used != bytes.len() {
+                        let found = format!("{} bytes", bytes.len());
+                        return Err(self.syntax(array.at, format!("{used} bytes of {what}"), found));
+                    }
+                    return Ok(inflated);
+                }
                 let announced = length(&bytes).ok_or_else(short)?;
                 if bytes.len() - header != announced {
                     let found = format!("{} bytes", bytes.len() - header);
@@ -111,8 +129,25 @@ impl<'a> Reader<'a> {
             (Source::Appended(_), None) => Err(self.syntax(array.at, "appended data", "none")),
             (Source::Appended(offset), Some(appended)) => {
                 let data = appended.data.get(*offset..).ok_or_else(short)?;
-                if appended.base64 {
-                    let characters = |bytes: usize| bytes.div_ceil(3).checked_mul(4);
+                let characters = |bytes: usize| bytes.div_ceil(3).checked_mul(4);
+                if compressed && appended.base64 {
+                    // The header, whose first word tells its length, and the blocks are encoded each by itself.
+                    let decoded = |from: usize, bytes: Option<usize>| {
+                        let end = bytes.and_then(characters).and_then(|count| count.checked_add(from));
+                        let end = end.ok_or_else(short)?;
+                        let text = data.get(from..end).ok_or_else(short)?;
+                        Ok::<_, Error>((STANDARD.decode(text).map_err(broken)?, end))
+                    };
+                    let (first, _) = decoded(0, Some(3 * header))?;
+                    let blocks = length(&first).and_then(|n| n.checked_add(3));
+                    let (mut all, end) = decoded(0, blocks.and_then(|words| words.checked_mul(header)))?;
+                    let sizes = all.chunks_exact(header).skip(3).map(length);
+                    let total = sizes.fold(Some(0), |sum: Option<usize>, size| sum?.checked_add(size?));
+                    all.extend(decoded(end, total)?.0);
+                    self.inflated(array, header, &all).map(|(inflated, _)| inflated)
+                } else if compressed {
+                    self.inflated(array, header, data).map(|(inflated, _)| inflated)
+                } else if appended.base64 {
                     let head = data.get(..4 * header.div_ceil(3)).ok_or_else(short)?;
                     let head = STANDARD.decode(head).map_err(broken)?;
                     let end = length(&head).and_then(|n| n.checked_add(header)).and_then(characters);
@@ -127,6 +162,65 @@ impl<'a> Reader<'a> {
                 }
             }
         }
+    }
+
+    /// What blocks compressed by zlib hold, and how many bytes they and their header have. The header, in words of `width`
+    /// bytes, is the number of blocks, their size before compression, that of the last (0 if it is as large), and the
+    /// compressed size of each.
+    fn inflated(&self, array: &Array, width: usize, bytes: &[u8]) -> Result<(Vec<u8>, usize), Error> {
+        let what = format!("the array `{}`", array.name);
+        let short = || self.syntax(array.at, format!("all bytes of {what}"), "fewer");
+        let word = |number: usize| {
+            let start = number.checked_mul(width)?;
+            let mut wide = [0; 8];
+            wide[..width].copy_from_slice(bytes.get(start..start.checked_add(width)?)?);
+            usize::try_from(u64::from_le_bytes(wide)).ok()
+        };
+        let [count, size, last] = [word(0), word(1), word(2)].map(|word| word.ok_or_else(short));
+        let (count, size, last) = (count?, size?, last?);
+        let last = if last == 0 { size } else { last };
+        let mut at = count.checked_add(3).and_then(|words| words.checked_mul(width));
+        if count > 0 && word(count + 2).is_none() {
+            return Err(short());
+        }
+        let most = MOST_INFLATED[0] * self.end_of_file() + MOST_INFLATED[1];
+        let total = count
+            .saturating_sub(1)
+            .checked_mul(size)
+            .and_then(|n| n.checked_add(last));
+        if total.is_none_or(|total| total > most) {
+            return Err(self.unsupported(
+                array.at,
+                format!("{what} of more than {most} bytes"),
+                "save without compression (in ParaView: Compressor Type None; in meshio: compression=None), or as text",
+            ));
+        }
+        let mut inflated = Vec::new();
+        for block in 0..count {
+            let start = at.ok_or_else(short)?;
+            let end = word(3 + block)
+                .and_then(|length| start.checked_add(length))
+                .ok_or_else(short)?;
+            let data = bytes.get(start..end).ok_or_else(short)?;
+            let expected = if block + 1 == count { last } else { size };
+            let before = inflated.len();
+            let read = ZlibDecoder::new(data)
+                .take(expected as u64 + 1)
+                .read_to_end(&mut inflated);
+            let found = match read {
+                Ok(_) if inflated.len() - before == expected => None,
+                Ok(_) => Some("another number".to_owned()),
+                Err(error) => Some(error.to_string()),
+            };
+            if let Some(found) = found {
+                let expected = format!("{expected} bytes in block {block} of {what}");
+                return Err(self.syntax(array.at, expected, found));
+            }
+            at = Some(end);
+        }
+        at.filter(|at| *at <= bytes.len())
+            .map(|at| (inflated, at))
+            .ok_or_else(short)
     }
 
     /// Numbers of an array that must have `count` of them.

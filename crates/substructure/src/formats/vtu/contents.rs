@@ -3,7 +3,7 @@
 use super::document::{Array, Grid, Reader, SECTIONS};
 use super::field::{Field, MATERIAL};
 use crate::Error;
-use crate::elements::{self, Cell, ELEMENT_TYPES, ElementType, FACE_TYPES};
+use crate::elements::{self, Cell, ELEMENT_TYPES, ElementType, FACE_TYPES, FaceType};
 use crate::formats::common::Kept;
 use crate::mesh::{Element, Material, Mesh};
 use std::collections::BTreeSet;
@@ -31,10 +31,12 @@ pub struct Contents {
 const POINTS_AND_LINES: [(u8, usize); 3] = [(1, 1), (3, 2), (21, 3)];
 
 /// What a cell type of VTK is to this crate.
-enum Kind {
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
     Solid(&'static ElementType),
-    /// A cell of dimension 0-2 with this number of nodes.
-    Lower(usize),
+    Face(&'static FaceType),
+    /// A point or line with this number of nodes.
+    Nodes(usize),
 }
 
 impl Kind {
@@ -43,14 +45,15 @@ impl Kind {
         let solid = ELEMENT_TYPES.into_iter().find(|row| row.vtk.number == number);
         let face = FACE_TYPES.into_iter().find(|row| row.vtk == number);
         let rest = POINTS_AND_LINES.into_iter().find(|(known, _)| *known == number);
-        let lower = face.map(|row| row.n_nodes).or(rest.map(|(_, n_nodes)| n_nodes));
-        solid.map(Self::Solid).or(lower.map(Self::Lower))
+        let nodes = rest.map(|(_, n_nodes)| Self::Nodes(n_nodes));
+        solid.map(Self::Solid).or(face.map(Self::Face)).or(nodes)
     }
 
-    fn n_nodes(&self) -> usize {
+    fn n_nodes(self) -> usize {
         match self {
             Self::Solid(row) => row.n_nodes(),
-            Self::Lower(n_nodes) => *n_nodes,
+            Self::Face(row) => row.n_nodes,
+            Self::Nodes(n_nodes) => n_nodes,
         }
     }
 }
@@ -67,10 +70,7 @@ struct Solid<'n> {
 
 impl<'a> Reader<'a> {
     pub(super) fn contents(&self, grid: &Grid<'a>, materials: &[Material]) -> Result<Contents, Error> {
-        if grid.at == 0 {
-            return Err(self.syntax(self.end_of_file(), "the element Piece", "none"));
-        }
-        self.check_names(grid)?;
+        self.check_piece(grid)?;
         let coordinates = self.coordinates(grid)?;
         let connectivity = self.connectivity(grid, coordinates.len())?;
         let solids = self.solids(grid, &connectivity, materials)?;
@@ -92,8 +92,11 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Refuses two arrays of one name in a section.
-    fn check_names(&self, grid: &Grid<'a>) -> Result<(), Error> {
+    /// Refuses files without a piece, and two arrays of one name in a section.
+    pub(super) fn check_piece(&self, grid: &Grid<'a>) -> Result<(), Error> {
+        if grid.at == 0 {
+            return Err(self.syntax(self.end_of_file(), "the element Piece", "none"));
+        }
         for (name, arrays) in SECTIONS.iter().zip(&grid.arrays) {
             let mut names = BTreeSet::new();
             if let Some(array) = arrays.iter().find(|array| !names.insert(&array.name)) {
@@ -105,7 +108,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Positions of all points (m).
-    fn coordinates(&self, grid: &Grid<'a>) -> Result<Vec<[f64; 3]>, Error> {
+    pub(super) fn coordinates(&self, grid: &Grid<'a>) -> Result<Vec<[f64; 3]>, Error> {
         let points = grid.arrays[0].first();
         let points = points.ok_or_else(|| self.syntax(grid.at, "an array in `Points`", "none"))?;
         if points.components != 3 {
@@ -129,7 +132,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Points of all cells, cell by cell.
-    fn connectivity(&self, grid: &Grid<'a>, n_points: usize) -> Result<Vec<u32>, Error> {
+    pub(super) fn connectivity(&self, grid: &Grid<'a>, n_points: usize) -> Result<Vec<u32>, Error> {
         let connectivity = self.cells_array(grid, "connectivity")?;
         let nodes = self.numbers(grid, connectivity)?;
         // NaN and negative numbers fail too.
@@ -159,18 +162,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The solids among the cells.
-    fn solids<'n>(
-        &self,
-        grid: &Grid<'a>,
-        connectivity: &'n [u32],
-        materials: &[Material],
-    ) -> Result<Vec<Solid<'n>>, Error> {
+    /// Types and points of all cells.
+    pub(super) fn cells<'n>(&self, grid: &Grid<'a>, connectivity: &'n [u32]) -> Result<Vec<(Kind, &'n [u32])>, Error> {
         let [offsets, types] = [self.cells_array(grid, "offsets")?, self.cells_array(grid, "types")?];
         let ends = self.exactly(grid, offsets, Some(grid.n_cells))?;
         let cell_types = self.exactly(grid, types, Some(grid.n_cells))?;
-        let numbers = self.material_numbers(grid, materials)?;
-        let mut solids = Vec::new();
+        let mut cells = Vec::with_capacity(cell_types.len());
         let mut start = 0;
         for (cell, (cell_type, end)) in cell_types.iter().zip(&ends).enumerate() {
             let Some(kind) = Kind::from_number(*cell_type) else {
@@ -186,12 +183,40 @@ impl<'a> Reader<'a> {
                 return Err(self.syntax(offsets.at, expected, format!("{end} of {} indices", connectivity.len())));
             };
             start = next;
+            cells.push((kind, points));
+        }
+        if start != connectivity.len() {
+            let found = format!("{} indices", connectivity.len());
+            let connectivity = self.cells_array(grid, "connectivity")?;
+            return Err(self.syntax(connectivity.at, format!("{start} indices of nodes"), found));
+        }
+        if !cells.iter().any(|(kind, _)| matches!(kind, Kind::Solid(_))) {
+            return Err(self.inconsistent(
+                grid.at,
+                "the file holds no solids".into(),
+                "save a mesh of hexahedra, wedges or tetrahedra",
+            ));
+        }
+        Ok(cells)
+    }
+
+    /// The solids among the cells.
+    fn solids<'n>(
+        &self,
+        grid: &Grid<'a>,
+        connectivity: &'n [u32],
+        materials: &[Material],
+    ) -> Result<Vec<Solid<'n>>, Error> {
+        let cells = self.cells(grid, connectivity)?;
+        let numbers = self.material_numbers(grid, materials)?;
+        let mut solids = Vec::new();
+        for (cell, (kind, points)) in cells.into_iter().enumerate() {
             let Kind::Solid(row) = kind else { continue };
             let material = numbers[cell];
             let known = materials.len().min(usize::from(u16::MAX) + 1);
             if !(material >= 0.0 && material < known as f64 && material.fract() == 0.0) {
                 return Err(self.inconsistent(
-                    material_array(grid).unwrap_or(types).at,
+                    material_array(grid).map_or(grid.at, |array| array.at),
                     format!("cell {cell} has material {material}, but there are only {known}"),
                     "pass as many materials as the file refers to; numbers begin with 0",
                 ));
@@ -203,18 +228,6 @@ impl<'a> Reader<'a> {
                 points,
                 material,
             });
-        }
-        if start != connectivity.len() {
-            let found = format!("{} indices", connectivity.len());
-            let connectivity = self.cells_array(grid, "connectivity")?;
-            return Err(self.syntax(connectivity.at, format!("{start} indices of nodes"), found));
-        }
-        if solids.is_empty() {
-            return Err(self.inconsistent(
-                grid.at,
-                "the file holds no solids".into(),
-                "save a mesh of hexahedra, wedges or tetrahedra",
-            ));
         }
         Ok(solids)
     }
@@ -255,6 +268,18 @@ fn material_array<'g, 'a>(grid: &'g Grid<'a>) -> Option<&'g Array<'a>> {
     grid.arrays[3].iter().find(|array| array.name == MATERIAL)
 }
 
+/// Nodes in this crate's order from those in the order of the file, and whether this was the second order of the type.
+pub(super) fn ours(row: &ElementType, file: &[u32], positions: &[[f64; 3]]) -> (Vec<u32>, bool) {
+    let nodes = row.vtk.ours(file);
+    if let Some(alternative) = &row.vtk.alternative {
+        let x: Vec<[f64; 3]> = nodes.iter().map(|node| positions[*node as usize]).collect();
+        if (alternative.applies)(&x) {
+            return (alternative.ours(file), true);
+        }
+    }
+    (nodes, false)
+}
+
 /// The mesh of the solids, and how many of them were in the second order of their type.
 fn mesh(coordinates: &[[f64; 3]], kept: &Kept, solids: &[Solid<'_>], materials: &[Material]) -> (Mesh, usize) {
     let mut mesh = Mesh {
@@ -266,14 +291,8 @@ fn mesh(coordinates: &[[f64; 3]], kept: &Kept, solids: &[Solid<'_>], materials: 
     for solid in solids {
         let Solid { row, material, .. } = *solid;
         let file: Vec<u32> = solid.points.iter().filter_map(|node| kept.number(*node)).collect();
-        let mut nodes = row.vtk.ours(&file);
-        if let Some(alternative) = &row.vtk.alternative {
-            let x: Vec<[f64; 3]> = nodes.iter().map(|node| mesh.nodes[*node as usize]).collect();
-            if (alternative.applies)(&x) {
-                reversed += 1;
-                nodes = alternative.ours(&file);
-            }
-        }
+        let (nodes, is_reversed) = ours(row, &file, &mesh.nodes);
+        reversed += usize::from(is_reversed);
         let cell = Cell::try_new(row, row.default_formulation(), &nodes);
         mesh.elements.extend(cell.map(|cell| Element { cell, material }));
     }

@@ -11,28 +11,39 @@ mod arrays;
 mod contents;
 mod document;
 mod field;
+mod solid;
 mod write;
 
 pub use contents::Contents;
 pub use field::{Encoding, Field, MATERIAL};
 pub use write::{write, write_surface};
 
+use super::solid_mesh::SolidMesh;
 use crate::Error;
 use crate::mesh::Material;
 use document::{Grid, Reader};
 
-/// Reads `bytes`; `file` is its name in messages. Arrays may be text, base64 or appended, little endian, uncompressed.
+/// Reads `bytes`; `file` is its name in messages. Arrays may be text, base64 or appended, little endian, uncompressed or
+/// compressed by zlib.
 ///
 /// Without an array [`MATERIAL`] all cells have material 0, if it is the only one. Hexahedra get the default
 /// formulation.
 ///
 /// # Errors
 /// [`Error::MeshSyntax`] where the format is broken; [`Error::MeshUnsupported`] for other data sets, several pieces,
-/// compression, big-endian numbers and other cells; [`Error::MeshContents`] for indices without a target and files
+/// other compression, big-endian numbers and other cells; [`Error::MeshContents`] for indices without a target and files
 /// without solids; [`Error::NotFinite`] for coordinates.
 pub fn read(file: &str, bytes: &[u8], materials: &[Material]) -> Result<Contents, Error> {
     let reader = Reader::new(file, bytes);
     let mut grid = Grid::default();
     reader.document(&mut grid)?;
     reader.contents(&grid, materials)
+}
+
+/// The solids of a file, and the groups that integer arrays of its cells make, without materials.
+pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
+    let reader = Reader::new(file, bytes);
+    let mut grid = Grid::default();
+    reader.document(&mut grid)?;
+    reader.solid_mesh(&grid)?.finish(file)
 }

@@ -1,0 +1,181 @@
+//! What a format hands over, and how a mesh is made of it.
+
+use super::SolidMesh;
+use super::checks;
+use super::sides::{Corners, Sides};
+use crate::Error;
+use crate::elements::Face;
+use crate::formats::common::Kept;
+use crate::mesh::{Cell, Group};
+use std::collections::{BTreeMap, HashSet};
+
+/// A member of a surface, as the file gives it.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::formats) enum Side {
+    /// A face of a cell, by its number from zero.
+    OfCell(u32, u8),
+    /// A facet element.
+    Facet(Corners),
+}
+
+/// The contents of a file, with all the nodes that it has.
+#[derive(Default)]
+pub(in crate::formats) struct Raw {
+    pub(in crate::formats) positions: Vec<[f64; 3]>,
+    pub(in crate::formats) node_labels: Vec<u64>,
+    pub(in crate::formats) cells: Vec<Cell>,
+    pub(in crate::formats) cell_labels: Vec<u64>,
+    pub(in crate::formats) volumes: Vec<Group<u32>>,
+    pub(in crate::formats) surfaces: Vec<Group<Side>>,
+    /// Whether facets that are no faces of solids are an error, and not only where they are used.
+    pub(in crate::formats) strict_facets: bool,
+    pub(in crate::formats) points: Vec<Group<u32>>,
+    pub(in crate::formats) notes: Vec<String>,
+    /// The one integer array of a VTU file.
+    pub(in crate::formats) array: Option<String>,
+}
+
+/// Why a group is no surface.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Defect {
+    /// Faces between two solids.
+    interior: usize,
+    /// Facets that are no faces of solids.
+    beside: usize,
+    count: usize,
+}
+
+impl Defect {
+    fn problem(&self) -> String {
+        let Self {
+            interior,
+            beside,
+            count,
+        } = self;
+        match interior {
+            0 => format!("{beside} of its {count} faces belong to no solid"),
+            _ => format!("{interior} of its {count} faces lie between two solids that share their nodes"),
+        }
+    }
+
+    pub(super) fn error(&self, file: &str, group: &str) -> Error {
+        Error::MeshGroup {
+            file: file.to_owned(),
+            group: group.to_owned(),
+            problem: self.problem(),
+            remedy: match self.interior {
+                0 => "mesh the solid beside the surface and save it too, or ungroup the surface",
+                _ => {
+                    "an interface needs two faces: mesh the bodies with nodes of their own (in Gmsh do not fragment, leave \
+                     Coherence out; else duplicate the nodes) and make a group of each face"
+                }
+            },
+        }
+    }
+}
+
+impl Raw {
+    pub(in crate::formats) fn finish(mut self, file: &str) -> Result<SolidMesh, Error> {
+        let kept = Kept::new(
+            self.positions.len(),
+            self.cells.iter().flat_map(|cell| cell.nodes().iter().copied()),
+        );
+        let orphans = self.positions.len() - kept.old.len();
+        let nodes: Vec<[f64; 3]> = kept.old.iter().map(|old| self.positions[*old as usize]).collect();
+        let labels: Vec<u64> = kept.old.iter().map(|old| self.node_labels[*old as usize]).collect();
+        for cell in &mut self.cells {
+            // All nodes of cells are kept.
+            *cell = cell.map_nodes(|node| kept.number(node).unwrap_or(node));
+        }
+        checks::check(file, &nodes, &self.cells, &self.cell_labels)?;
+        if orphans > 0 {
+            self.notes.push(match orphans {
+                1 => "1 node that belongs to no solid is dropped".into(),
+                _ => format!("{orphans} nodes that belong to no solid are dropped"),
+            });
+        }
+        for group in &mut self.volumes {
+            group.members.sort_unstable();
+            group.members.dedup();
+        }
+        for group in &mut self.points {
+            let before = group.members.len();
+            let mut members: Vec<u32> = group.members.iter().filter_map(|old| kept.number(*old)).collect();
+            if members.len() < before {
+                self.notes.push(format!(
+                    "{} nodes of the group `{}` belong to no solid and are left out of it",
+                    before - members.len(),
+                    group.name
+                ));
+            }
+            members.sort_unstable();
+            members.dedup();
+            group.members = members;
+        }
+        let mut surfaces = Vec::new();
+        let mut defects = BTreeMap::new();
+        if !self.surfaces.is_empty() {
+            let sides = Sides::of(&self.cells);
+            for group in self.surfaces {
+                match surface(&group.members, &self.cells, &sides, &kept) {
+                    Ok(members) => surfaces.push(Group {
+                        name: group.name,
+                        members,
+                    }),
+                    Err(defect) if defect.interior == 0 && self.strict_facets => {
+                        return Err(defect.error(file, &group.name));
+                    }
+                    Err(defect) => {
+                        let problem = defect.problem();
+                        self.notes
+                            .push(format!("the group `{}` is no surface: {problem}", group.name));
+                        defects.insert(group.name, defect);
+                    }
+                }
+            }
+        }
+        Ok(SolidMesh {
+            nodes,
+            labels,
+            cells: self.cells,
+            volumes: self.volumes,
+            surfaces,
+            points: self.points,
+            notes: self.notes,
+            file: file.to_owned(),
+            defects,
+            array: self.array,
+        })
+    }
+}
+
+/// The faces of a group, outward, each once.
+fn surface(members: &[Side], cells: &[Cell], sides: &Sides, kept: &Kept) -> Result<Vec<Face>, Defect> {
+    let (mut faces, mut seen) = (Vec::with_capacity(members.len()), HashSet::new());
+    let mut defect = Defect {
+        interior: 0,
+        beside: 0,
+        count: members.len(),
+    };
+    for side in members {
+        let corners = match *side {
+            Side::OfCell(cell, face) => Some(Corners::of_face(&cells[cell as usize], usize::from(face))),
+            Side::Facet(corners) => corners.map(|node| kept.number(node)),
+        };
+        match corners.map_or(&[][..], |corners| sides.with(corners)) {
+            [] => defect.beside += 1,
+            [one] => {
+                if seen.insert((one.cell, one.face)) {
+                    faces.push(cells[one.cell as usize].face(usize::from(one.face)));
+                }
+            }
+            _ => defect.interior += 1,
+        }
+    }
+    match defect {
+        Defect {
+            interior: 0, beside: 0, ..
+        } => Ok(faces),
+        _ => Err(defect),
+    }
+}
