@@ -135,6 +135,7 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
         excitation: None,
         moved_pairs: None,
         raised: None,
+        rigid_motions: 6,
     };
     Ok(Joint {
         positions: Some(bodies.interface_positions()),
@@ -142,6 +143,7 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
         interface: beam.interface,
         frame: beam.frame,
         node_frames: Vec::new(),
+        parts: Vec::new(),
         clearance: Some(0.5 * (geometry.hole_diameter - geometry.shank_diameter)),
         response: "the beam's end, edge middle, in bending direction".into(),
     })

@@ -156,6 +156,35 @@ pub enum Error {
         /// What is wrong, and where.
         reason: String,
     },
+    /// What a scene says of a mesh does not fit it.
+    #[error("{}: {field}: {reason}", path.display())]
+    MeshScene {
+        /// The mesh.
+        path: PathBuf,
+        /// Field of the scene.
+        field: String,
+        /// What is wrong, and what would be accepted.
+        reason: String,
+    },
+    /// Another number of bolts than the structure has.
+    #[error(
+        "bolts.loads has {given} values, and the structure has {bolts} bolts; give one for each, in their order, or bolts.load for all"
+    )]
+    BoltLoads {
+        /// Values given.
+        given: usize,
+        /// Bolts there are.
+        bolts: usize,
+    },
+    /// Parts of a structure that nothing connects.
+    #[error(
+        "the structure has {found} rigid motions with its interface stuck, and a connected one has six at most: tie its parts, add bolts or \
+         interfaces between them, or remove what does not belong to it"
+    )]
+    Disconnected {
+        /// Rigid motions.
+        found: usize,
+    },
     /// Matrices that cannot be a structure with an interface.
     #[error("{}: {reason}", path.display())]
     Matrices {

@@ -59,6 +59,7 @@ pub fn of_scene(command: &str, scene: &Scene) -> Identity {
     let structure = match &scene.structure.source {
         StructureSource::Benchmark(benchmark) => benchmark.name().to_owned(),
         StructureSource::Deck(deck) => file(&deck.path),
+        StructureSource::Mesh(mesh) => file(&mesh.path),
         StructureSource::Matrices(matrices) => file(&matrices.path),
     };
     Identity::new(command, format!("{} on {structure}", scene.name))

@@ -2,7 +2,7 @@
 
 use crate::fields::Placed;
 use crate::html::{Picture, Table, render};
-use crate::run::damping;
+use crate::run::{damping, tensions};
 use crate::{Error, fields, map, plot};
 use askama::Template;
 use joint_pipeline::Run;
@@ -80,9 +80,9 @@ pub fn document(
             name(&run.scene.surface),
             name(&run.scene.gap),
             run.scene.mu,
-            match (run.model.reduced.loads.len(), run.scene.bolts.load.si() / 1e3) {
-                (0, _) => "no bolts".to_owned(),
-                (bolts, load) => format!("{bolts} bolts with {load:.3} kN each"),
+            match run.model.reduced.loads.len() {
+                0 => "no bolts".to_owned(),
+                bolts => format!("{bolts} bolts with {}", tensions(run)),
             },
         ),
         modes: of_modes

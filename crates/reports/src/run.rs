@@ -157,11 +157,21 @@ fn periodic_files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Outpu
 
 fn title(run: &Run, mode: usize) -> String {
     let scene = &run.scene;
-    let bolts = match (run.model.reduced.loads.len(), scene.bolts.load.si() / 1e3) {
-        (0, _) => "no bolts".to_owned(),
-        (_, load) => format!("bolts {load:.3} kN each"),
+    let bolts = match run.model.reduced.loads.len() {
+        0 => "no bolts".to_owned(),
+        _ => format!("bolts {}", tensions(run)),
     };
     format!("{}: mode {mode}, mu = {}, {bolts}", scene.name, scene.mu)
+}
+
+/// Tension of the bolts as text.
+pub(crate) fn tensions(run: &Run) -> String {
+    let all = (0..run.model.reduced.loads.len()).map(|bolt| run.scene.tension(bolt) / 1e3);
+    let (low, high) = all.fold((f64::INFINITY, 0.0_f64), |(l, h), load| (l.min(load), h.max(load)));
+    match low < high {
+        true => format!("{low:.3} to {high:.3} kN"),
+        false => format!("{low:.3} kN each"),
+    }
 }
 
 /// Total damping ratio as text, or the floor that it lies below.

@@ -95,6 +95,12 @@ fn accuracy(scene: &Scene) -> Result<MeshAccuracy, &'static str> {
                         the limit with --estimate-error mesh",
             );
         }
+        StructureSource::Mesh(_) => {
+            return Err(
+                "the mesh is the file's own, and no refinements of it were measured; refine it, or bracket the limit with --estimate-error \
+                 mesh",
+            );
+        }
         StructureSource::Matrices(_) => return Err("matrices do not show their mesh"),
     };
     let accuracy = accuracy.ok_or("no refinements of this benchmark were measured")?;

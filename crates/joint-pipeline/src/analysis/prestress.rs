@@ -202,5 +202,9 @@ pub(crate) fn response(model: &ReducedModel) -> Vec<f64> {
 pub(super) fn bolt_load(scene: &Scene, model: &StructuralModel) -> f64 {
     let reduced = &model.reduced;
     let of_one = |load: &Vec<f64>| load[2..reduced.n_relative].iter().step_by(3).sum::<f64>();
-    scene.bolts.load.si() * reduced.loads.iter().map(of_one).sum::<f64>()
+    let ones = reduced.loads.iter().map(of_one);
+    match scene.bolts.loads.is_empty() {
+        true => scene.bolts.load.si() * ones.sum::<f64>(),
+        false => ones.enumerate().map(|(bolt, one)| scene.tension(bolt) * one).sum(),
+    }
 }

@@ -169,6 +169,10 @@ impl Prepared {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         scene.validate(&scene.name)?;
+        let (given, bolts) = (scene.bolts.loads.len(), model.reduced.loads.len());
+        if given > 0 && given != bolts {
+            return Err(Error::BoltLoads { given, bolts });
+        }
         progress.begin(Stage::Characterise);
         let load = bolt_load(scene, &model);
         let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
@@ -202,12 +206,12 @@ impl Prepared {
     /// Static load on the reduced coordinates (N).
     pub fn static_load(&self) -> Vec<f64> {
         let reduced = &self.model.reduced;
-        let load_per_bolt = self.scene.bolts.load.si();
         let mut load = vec![0.0; reduced.mass.nrows()];
-        for unit in &reduced.loads {
+        for (bolt, unit) in reduced.loads.iter().enumerate() {
+            let tension = self.scene.tension(bolt);
             load.iter_mut()
                 .zip(unit)
-                .for_each(|(sum, value)| *sum += load_per_bolt * value);
+                .for_each(|(sum, value)| *sum += tension * value);
         }
         load
     }

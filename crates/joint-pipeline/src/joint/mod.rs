@@ -7,6 +7,7 @@ use quadratic::RaisedElements;
 use reduction::RelativeSystem;
 use serde::{Deserialize, Serialize};
 use sprs::CsMat;
+use std::ops::Range;
 use substructure::mesh::{Assembly, Face};
 use zte_assembly::InterfaceMesh;
 
@@ -22,6 +23,8 @@ pub struct Joint {
     pub frame: [[f64; 3]; 3],
     /// The same at each interface node, where the interface is curved or consists of parts in different planes; otherwise empty.
     pub node_frames: Vec<[[f64; 3]; 3]>,
+    /// Parts of the interface, where a scene names several or one of them has a name; otherwise empty.
+    pub parts: Vec<InterfacePart>,
     /// Position of each interface node in the coordinates of the model (m); none of matrices, whose nodes have no known place.
     pub positions: Option<Vec<[f64; 3]>>,
     /// By how much the bodies can slide before a shank touches its hole (m), if it is known.
@@ -56,6 +59,25 @@ pub struct MeshedBodies {
     pub moved_pairs: Option<MovedPairs>,
     /// Linear elements that were made quadratic; none where the elements have the order that they were meshed in.
     pub raised: Option<RaisedElements>,
+    /// Rigid motions that cost no energy when the interface sticks: six of a free structure, none of one that is clamped.
+    pub rigid_motions: usize,
+}
+
+/// A part of an interface: where two bodies touch. Parts lie side by side in the plane of the interface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InterfacePart {
+    /// Its name.
+    pub name: String,
+    /// Number of the interface in the scene that it belongs to, from zero.
+    pub source: usize,
+    /// Its nodes in the interface mesh.
+    pub nodes: Range<usize>,
+    /// Its elements in the interface mesh.
+    pub elements: Range<usize>,
+    /// What was added to its own plane coordinates (m).
+    pub offset: [f64; 2],
+    /// Mean normal from the top body into the bottom one.
+    pub normal: [f64; 3],
 }
 
 /// The nodes on both sides of an interface.

@@ -74,7 +74,7 @@ pub fn raise(
 ///
 /// # Errors
 /// Those of [`Quadratic::try_new`]; [`Error::NotRaisable`] for a face with an edge that no solid has. Nothing is changed then.
-pub fn raise_surfaces(assembly: &mut Assembly, surfaces: [&mut Vec<Face>; 2]) -> Result<RaisedElements, Error> {
+pub fn raise_surfaces(assembly: &mut Assembly, surfaces: Vec<&mut Vec<Face>>) -> Result<RaisedElements, Error> {
     let raised = Quadratic::try_new(assembly, |_| None)?;
     let face = |face: &Face| {
         let corners = face.corners();
@@ -93,10 +93,9 @@ pub fn raise_surfaces(assembly: &mut Assembly, surfaces: [&mut Vec<Face>; 2]) ->
         // Triangles and quadrilaterals both have a face type with these nodes.
         Ok(Face::from_nodes(&nodes).unwrap_or(*face))
     };
-    let faces = surfaces.each_ref().map(|faces| faces.iter().map(face).collect());
-    let [top, bottom]: [Result<Vec<Face>, Error>; 2] = faces;
-    let raised_surfaces = [top?, bottom?];
-    for (surface, faces) in surfaces.into_iter().zip(raised_surfaces) {
+    let faces = surfaces.iter().map(|faces| faces.iter().map(face).collect());
+    let faces = faces.collect::<Result<Vec<Vec<Face>>, Error>>()?;
+    for (surface, faces) in surfaces.into_iter().zip(faces) {
         *surface = faces;
     }
     let found = RaisedElements {

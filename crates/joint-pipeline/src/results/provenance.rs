@@ -81,6 +81,8 @@ pub enum InputRole {
     Deck,
     /// A file that the deck includes.
     DeckInclude,
+    /// The mesh.
+    Mesh,
     /// Matrices of the structure.
     Matrices,
     /// Scan of the top face.
@@ -95,6 +97,7 @@ impl InputRole {
         match self {
             Self::BuiltInScene | Self::Scene => input_files::Kind::Scene,
             Self::Deck | Self::DeckInclude => input_files::Kind::Deck,
+            Self::Mesh => input_files::Kind::Mesh,
             Self::Matrices => input_files::Kind::Matrices,
             Self::TopScan | Self::BottomScan => input_files::Kind::Scan,
         }
@@ -177,6 +180,7 @@ pub fn inputs_of(scene: &Scene) -> Result<Vec<Input>, Error> {
             let all = abaqus::files(&deck.path, deck.includes)?;
             files.extend(all.into_iter().skip(1).map(|path| (InputRole::DeckInclude, path)));
         }
+        StructureSource::Mesh(mesh) => files.push((InputRole::Mesh, mesh.path.clone())),
         StructureSource::Matrices(matrices) => {
             let all = matrix_files_of(&matrices.path);
             files.extend(all.into_iter().map(|path| (InputRole::Matrices, path)));

@@ -180,8 +180,11 @@ pub struct GapSummary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PrestressSummary {
-    /// Tension of each bolt (N).
+    /// Tension of each bolt (N); of the first where they differ.
     pub bolt_load: f64,
+    /// Tension of each bolt where the scene gives them one by one (N).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bolt_loads: Vec<f64>,
     /// Newton iterations with everything stuck and with friction, together.
     pub iterations: usize,
     /// Sum of absolute residual forces over sum of absolute loads on the interface.
@@ -436,7 +439,11 @@ impl Summary {
         let (reduced, facts) = (&run.model.reduced, &run.model.facts);
         let operators = run.interface.operators();
         let prestress = &run.prestress;
-        let bolts = run.scene.bolts.load.si() * reduced.loads.len() as f64;
+        let all = run.scene.bolts.load.si();
+        let bolts = all
+            * (0..reduced.loads.len())
+                .map(|bolt| run.scene.tension(bolt) / all)
+                .sum::<f64>();
         let gaps = || run.interface.gap().unwrap_or(&[0.0]).iter().copied();
         Self {
             schema_version: SCHEMA_VERSION,
@@ -444,6 +451,7 @@ impl Summary {
             title: match &run.scene.structure.source {
                 StructureSource::Benchmark(benchmark) => benchmark.title().to_owned(),
                 StructureSource::Deck(deck) => deck.path.display().to_string(),
+                StructureSource::Mesh(mesh) => mesh.path.display().to_string(),
                 StructureSource::Matrices(matrices) => matrices.path.display().to_string(),
             },
             response: run.response.clone(),
@@ -476,6 +484,7 @@ impl Summary {
             },
             prestress: PrestressSummary {
                 bolt_load: run.scene.bolts.load.si(),
+                bolt_loads: run.scene.bolts.loads.iter().map(|load| load.si()).collect(),
                 iterations: prestress.solution.iterations.iter().sum(),
                 residual_ratio: prestress.residual_ratio,
                 equilibrium_error: prestress.equilibrium_error,

@@ -36,12 +36,15 @@ impl Method {
 }
 
 /// Bolts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Bolts {
     /// Tension of each bolt (force).
     pub load: Force,
+    /// In its place, the tension of each bolt in the order of the structure's bolts (force).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<Force>,
     /// What the bolts do in vibration.
     #[serde(default)]
     pub behaviour: BoltBehaviour,

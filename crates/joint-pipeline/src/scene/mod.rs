@@ -8,6 +8,7 @@ mod accuracy;
 mod analysis;
 mod json;
 mod law;
+mod mesh;
 mod periodic;
 mod scans;
 mod structure;
@@ -18,6 +19,7 @@ mod validate;
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, Method, Output};
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
+pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
 pub use periodic::{AmplitudeRange, Amplitudes, Epmc, Forced, Rayleigh, SamplingAccuracy};
 pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use structure::{
@@ -188,7 +190,7 @@ impl Scene {
             let name = benchmarks.first().map_or("NAME", |known| known.name());
             syntax(format!(
                 "`structure` is missing: say where the structure comes from, such as \"structure\": {{ \"benchmark\": \
-                 \"{name}\" }}, {{ \"deck\": {{ ... }} }} or {{ \"matrices\": {{ ... }} }}"
+                 \"{name}\" }}, {{ \"deck\": {{ ... }} }}, {{ \"mesh\": {{ ... }} }} or {{ \"matrices\": {{ ... }} }}"
             ))
         })?;
         let mut filled = given.clone();
@@ -204,6 +206,7 @@ impl Scene {
         if is_preloaded(&filled) {
             fill(&mut filled, json!({ "bolts": { "load": 0.0 } }));
         }
+        one_load_per_bolt(&given, &mut filled).map_err(syntax)?;
         require_physics(&filled).map_err(syntax)?;
         let read = |value: Value| {
             let read = || Self::understand(value);
@@ -262,10 +265,16 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Tension of a bolt (N), counted from zero in the order of the structure's bolts.
+    pub fn tension(&self, bolt: usize) -> f64 {
+        self.bolts.loads.get(bolt).unwrap_or(&self.bolts.load).si()
+    }
+
     /// All paths in the scene.
     fn paths(&mut self) -> impl Iterator<Item = &mut std::path::PathBuf> {
         let structure = match &mut self.structure.source {
             StructureSource::Deck(deck) => Some(&mut deck.path),
+            StructureSource::Mesh(mesh) => Some(&mut mesh.path),
             StructureSource::Matrices(matrices) => Some(&mut matrices.path),
             StructureSource::Benchmark(_) => None,
         };
@@ -310,7 +319,7 @@ impl Scene {
     fn refuse_idle(&self, given: &Value) -> Result<(), String> {
         let (deck, matrices) = (self.structure.deck(), self.structure.matrices());
         let over_jump = matrices.is_some_and(|matrices| matrices.coordinates == Coordinates::Jump);
-        let other = deck.is_some() || matrices.is_some();
+        let other = self.structure.benchmark().is_none();
         let own_material = deck.is_some_and(|deck| deck.materials == MaterialSource::Deck);
         let parameters = matches!(self.surface, Surface::Parameters(_));
         let meshes = "meshes of a benchmark, and structure names another source";
@@ -416,6 +425,20 @@ impl Scene {
             None => Ok(()),
         }
     }
+}
+
+/// Where bolts have loads of their own, that of all is the first of them.
+fn one_load_per_bolt(given: &Value, filled: &mut Value) -> Result<(), String> {
+    let Some(loads) = given.pointer("/bolts/loads") else {
+        return Ok(());
+    };
+    if given.pointer("/bolts/load").is_some() {
+        return Err("bolts.load is that of all bolts, and bolts.loads has one for each; leave one of them out".into());
+    }
+    if let Some(first) = loads.get(0) {
+        filled["bolts"]["load"] = first.clone();
+    }
+    Ok(())
 }
 
 /// Refuses fields that were understood once and have moved.

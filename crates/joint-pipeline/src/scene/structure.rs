@@ -1,5 +1,6 @@
 //! The structure of a scene: where it comes from, and how it is meshed and reduced.
 
+use super::mesh::MeshFile;
 use super::units::{Area, Density, Length, Mass, Stress, SurfaceEnergy, Units};
 use crate::joint::benchmark::{BenchmarkRef, ElementOrder, RefinementLevel, Symmetry};
 use serde::{Deserialize, Serialize};
@@ -17,6 +18,8 @@ pub enum StructureSource {
     Benchmark(BenchmarkRef),
     /// An input deck of Abaqus or CalculiX.
     Deck(Box<Deck>),
+    /// A mesh file.
+    Mesh(Box<MeshFile>),
     /// Matrices of another program.
     Matrices(Box<Matrices>),
 }
@@ -39,7 +42,7 @@ impl StructureBlock {
     pub fn benchmark(&self) -> Option<BenchmarkRef> {
         match &self.source {
             StructureSource::Benchmark(benchmark) => Some(*benchmark),
-            StructureSource::Deck(_) | StructureSource::Matrices(_) => None,
+            StructureSource::Deck(_) | StructureSource::Mesh(_) | StructureSource::Matrices(_) => None,
         }
     }
 
@@ -47,7 +50,7 @@ impl StructureBlock {
     pub fn matrices(&self) -> Option<&Matrices> {
         match &self.source {
             StructureSource::Matrices(matrices) => Some(matrices),
-            StructureSource::Benchmark(_) | StructureSource::Deck(_) => None,
+            StructureSource::Benchmark(_) | StructureSource::Deck(_) | StructureSource::Mesh(_) => None,
         }
     }
 
@@ -55,7 +58,15 @@ impl StructureBlock {
     pub fn deck(&self) -> Option<&Deck> {
         match &self.source {
             StructureSource::Deck(deck) => Some(deck),
-            StructureSource::Benchmark(_) | StructureSource::Matrices(_) => None,
+            StructureSource::Benchmark(_) | StructureSource::Mesh(_) | StructureSource::Matrices(_) => None,
+        }
+    }
+
+    /// The mesh file, if it comes from one.
+    pub fn mesh(&self) -> Option<&MeshFile> {
+        match &self.source {
+            StructureSource::Mesh(mesh) => Some(mesh),
+            StructureSource::Benchmark(_) | StructureSource::Deck(_) | StructureSource::Matrices(_) => None,
         }
     }
 }
@@ -83,6 +94,10 @@ struct StructureFields {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(with = "Deck"))]
     deck: Option<Box<Deck>>,
+    /// A mesh file.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "MeshFile"))]
+    mesh: Option<Box<MeshFile>>,
     /// Matrices of another program.
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(with = "Matrices"))]
@@ -95,7 +110,7 @@ struct StructureFields {
 /// Requires exactly one of the sources.
 #[cfg(feature = "schema")]
 fn one_source(schema: &mut schemars::Schema) {
-    let sources = ["benchmark", "deck", "matrices"].map(|source| serde_json::json!({ "required": [source] }));
+    let sources = ["benchmark", "deck", "mesh", "matrices"].map(|source| serde_json::json!({ "required": [source] }));
     schema.insert("oneOf".into(), sources.to_vec().into());
 }
 
@@ -106,11 +121,12 @@ impl TryFrom<StructureFields> for StructureBlock {
         let sources = [
             fields.benchmark.map(StructureSource::Benchmark),
             fields.deck.map(StructureSource::Deck),
+            fields.mesh.map(StructureSource::Mesh),
             fields.matrices.map(StructureSource::Matrices),
         ];
         let mut given = sources.into_iter().flatten();
         let (Some(source), None) = (given.next(), given.next()) else {
-            return Err("exactly one of `benchmark`, `deck` and `matrices` must be given".into());
+            return Err("exactly one of `benchmark`, `deck`, `mesh` and `matrices` must be given".into());
         };
         for (number, mass) in (1..).zip(&fields.point_masses) {
             mass.suits(&source)
@@ -128,7 +144,7 @@ impl TryFrom<StructureFields> for StructureBlock {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PointMass {
-    /// Of a benchmark: a position, for the node nearest to it.
+    /// Of a benchmark or a mesh: a position, for the node nearest to it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<[Length; 3]>,
     /// How far that node may be from the position; by default a hundredth of the largest extent of the structure along an
@@ -149,7 +165,8 @@ impl PointMass {
             (StructureSource::Matrices(_), ..) => {
                 Err("matrices show no nodes that a mass could be at; add it to the mass matrix")
             }
-            (StructureSource::Benchmark(_), Some(_), None, _) => Ok(()),
+            (StructureSource::Benchmark(_) | StructureSource::Mesh(_), Some(_), None, _) => Ok(()),
+            (StructureSource::Mesh(_), ..) => Err("on a mesh give the position of the mass, `at`, and no `node`"),
             (StructureSource::Benchmark(_), ..) => {
                 Err("on a benchmark give the position of the mass, `at`, and no `node`")
             }
@@ -448,7 +465,7 @@ fn is_linear(order: &ElementOrder) -> bool {
     *order == ElementOrder::Linear
 }
 
-fn along_x() -> [f64; 3] {
+pub(super) fn along_x() -> [f64; 3] {
     [1.0, 0.0, 0.0]
 }
 

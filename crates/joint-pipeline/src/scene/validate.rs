@@ -1,8 +1,8 @@
 //! What must hold of a scene before anything is computed, as far as the crates below do not check it themselves.
 
 use super::{
-    Amplitudes, Bins, ContactPoint, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, MaterialSource, ParameterSet,
-    Parameters, Per, RadialRule, Scene, Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
+    Amplitudes, Bins, ContactPoint, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, MaterialSource, MeshFile,
+    ParameterSet, Parameters, Per, RadialRule, Scene, Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
 };
 use crate::Error;
 
@@ -209,6 +209,9 @@ impl Scene {
                 check.that(to.is_finite() && to > from, field, to, "m", "above the first number")?;
             }
         }
+        for load in &self.bolts.loads {
+            check.positive("bolts.loads", load.si(), "N")?;
+        }
         let load = self.bolts.load.si();
         // Matrices may be in contact by preload alone; what else they may have is not known here.
         match (self.structure.matrices().is_some(), self.surface.is_preloaded()) {
@@ -256,7 +259,7 @@ impl Scene {
             check.not_negative("model.material.work_of_adhesion", work, "J/m^2")?;
         }
         let meshed_of_it = match &self.structure.source {
-            StructureSource::Benchmark(_) => true,
+            StructureSource::Benchmark(_) | StructureSource::Mesh(_) => true,
             StructureSource::Deck(deck) => deck.materials == MaterialSource::Scene,
             StructureSource::Matrices(_) => false,
         };
@@ -281,6 +284,9 @@ impl Scene {
         )?;
         if let Some(deck) = self.structure.deck() {
             deck.validate(check)?;
+        }
+        if let Some(mesh) = self.structure.mesh() {
+            mesh.validate(check)?;
         }
         if let Some(points) = self.structure.matrices().and_then(|matrices| matrices.points.as_ref()) {
             self.validate_points(points, check.place)?;
@@ -373,6 +379,7 @@ impl Scene {
         };
         let asymmetric = [
             (self.structure.deck().is_some(), "a deck"),
+            (self.structure.mesh().is_some(), "a mesh"),
             (self.structure.matrices().is_some(), "a structure of matrices"),
             (!self.structure.point_masses.is_empty(), "structure.point_masses"),
             (of_parts, "the surface"),
@@ -488,6 +495,50 @@ impl Deck {
             "(number of bolts)",
             "at least one",
         )
+    }
+}
+
+impl MeshFile {
+    fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let direction = size(&self.response.direction);
+        check.that(
+            (direction - 1.0).abs() < 1e-6,
+            "structure.mesh.response.direction",
+            direction,
+            "(length of the vector)",
+            "a unit vector",
+        )?;
+        let count = self.interfaces.len() as f64;
+        check.that(
+            count > 0.0,
+            "structure.mesh.interfaces",
+            count,
+            "(number)",
+            "at least one",
+        )?;
+        for interface in &self.interfaces {
+            let along = size(&interface.along);
+            check.positive("structure.mesh.interfaces[].along", along, "(length of the vector)")?;
+            if let Some(within) = interface.within {
+                check.positive("structure.mesh.interfaces[].within", within.si(), "m")?;
+            }
+            check.not_negative("structure.mesh.interfaces[].mu", interface.mu.unwrap_or(0.0), "")?;
+        }
+        for tie in &self.ties {
+            let within = tie.within.map_or(0.0, Length::si);
+            check.not_negative("structure.mesh.ties[].within", within, "m")?;
+        }
+        for support in &self.supports {
+            if let Some(stiffness) = support.stiffness {
+                check.positive("structure.mesh.supports[].stiffness", stiffness.si(), "Pa/m")?;
+            }
+        }
+        for material in self.materials.values() {
+            let density = material.density.map_or(f64::NAN, super::Density::si);
+            check.positive("structure.mesh.materials.*.density", density, "kg/m^3")?;
+        }
+        Ok(())
     }
 }
 

@@ -105,7 +105,7 @@ pub(super) fn joint(
                 Sides::Projected(_) => {
                     let [mut top, mut bottom] = [top.to_vec(), bottom.to_vec()];
                     let raised =
-                        quadratic::raise_surfaces(&mut assembly, [&mut top, &mut bottom]).map_err(not_raisable)?;
+                        quadratic::raise_surfaces(&mut assembly, vec![&mut top, &mut bottom]).map_err(not_raisable)?;
                     let surfaces = Surfaces {
                         top: &top,
                         bottom: &bottom,
@@ -123,6 +123,7 @@ pub(super) fn joint(
             Some(raised)
         }
     };
+    let rigid_motions = super::rigid_motions(&assembly, &facing.sides)?;
     let bodies = MeshedBodies {
         assembly,
         sides: facing.sides,
@@ -131,6 +132,7 @@ pub(super) fn joint(
         excitation,
         moved_pairs: facing.moved,
         raised,
+        rigid_motions,
     };
     Ok(Joint {
         positions: Some(bodies.interface_positions()),
@@ -138,6 +140,7 @@ pub(super) fn joint(
         interface: facing.interface,
         frame: facing.frame,
         node_frames: facing.node_frames,
+        parts: Vec::new(),
         clearance: source.bolt_hole_clearance.map(Length::si),
         response: format!(
             "node {} in direction {:?}",

@@ -145,6 +145,7 @@ pub(super) fn joint(
         interface,
         frame,
         node_frames: Vec::new(),
+        parts: Vec::new(),
         positions: None,
         clearance: source.bolt_hole_clearance.map(Length::si),
         response: match &source.response {

@@ -6,9 +6,11 @@ mod facing;
 mod masses;
 mod matrices;
 mod matrix_contents;
+mod mesh;
 mod reduce;
 mod reduced;
 mod spectrum;
+mod touching;
 
 pub(crate) use matrix_contents::matrix_files_of;
 pub use reduced::{Facts, StructuralModel};
@@ -16,11 +18,11 @@ pub use spectrum::{Description, Frequencies, LinearInterface, Spectrum};
 
 use crate::Error;
 use crate::joint::benchmark::MeshSettings;
-use crate::joint::{Bodies, Joint};
+use crate::joint::{Bodies, Joint, Sides};
 use crate::progress::Progress;
 use crate::scene::{BoltBehaviour, Density, Model, Scene, StructureSource, Symmetry};
 use reduction::Settings;
-use substructure::mesh::{GroundSpring, Material};
+use substructure::mesh::{Assembly, Dof, Equation, GroundSpring, Material};
 use zte_assembly::InterfaceMesh;
 
 /// Frequencies compared between the full and the reduced model.
@@ -59,6 +61,7 @@ impl Structure {
         let joint = match &scene.structure.source {
             StructureSource::Matrices(source) => matrices::joint(source, &scene.bolts, scene.forced.as_ref(), notes)?,
             StructureSource::Deck(source) => deck::joint(source, masses, model, scene.forced.as_ref(), notes)?,
+            StructureSource::Mesh(source) => mesh::joint(source, masses, model, scene.forced.as_ref(), notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {
                     notes("only the half y >= 0 is modelled, which leaves out all modes that are not symmetric");
@@ -93,6 +96,9 @@ impl Structure {
             attachment_modes: bolts == BoltBehaviour::Locked,
             ..Settings::default()
         };
+        if let Bodies::Meshed(bodies) = &joint.bodies {
+            settings.expected_zem = bodies.rigid_motions;
+        }
         if model.symmetry == Symmetry::Half {
             settings.expected_zem = HALF_ZERO_ENERGY_MODES;
         }
@@ -147,5 +153,46 @@ fn material(model: &Model) -> Material {
         youngs_modulus: model.material.youngs_modulus.si(),
         poisson_ratio: model.material.poisson_ratio,
         density: model.material.density.map_or(f64::NAN, Density::si),
+    }
+}
+
+/// Rigid motions of bodies whose interface sticks.
+///
+/// # Errors
+/// [`Error::Disconnected`] for more than six; those of the constraints.
+fn rigid_motions(assembly: &Assembly, sides: &Sides) -> Result<usize, Error> {
+    let mut stuck = assembly.clone();
+    let mut stick = |node: u32, other: &mut dyn Iterator<Item = (u32, f64)>| {
+        let other: Vec<(u32, f64)> = other.collect();
+        stuck.equations.extend((0..3_u8).map(|c| {
+            Equation {
+                name: "the interface that sticks".into(),
+                terms: std::iter::once((Dof::Node(node, c), 1.0))
+                    .chain(other.iter().map(|&(node, weight)| (Dof::Node(node, c), -weight)))
+                    .collect(),
+            }
+        }));
+    };
+    match sides {
+        Sides::Pairs { top, bottom } => {
+            for (&top, &bottom) in top.iter().zip(bottom) {
+                stick(top, &mut std::iter::once((bottom, 1.0)));
+            }
+        }
+        Sides::Projected(parts) => {
+            for part in parts {
+                for (&own, row) in part.own.iter().zip(part.projection.outer_iterator()) {
+                    stick(
+                        own,
+                        &mut row.iter().map(|(column, &weight)| (part.other[column], weight)),
+                    );
+                }
+            }
+        }
+    }
+    let found = stuck.rigid_motions()?;
+    match found {
+        0..=6 => Ok(found),
+        _ => Err(Error::Disconnected { found }),
     }
 }

@@ -343,6 +343,21 @@ impl Face {
         self.face_type
     }
 
+    /// Shares of its area (m^2) by node: the integrals of the shape functions, but for shapes where these are negative or zero at
+    /// corners, which share with the middles beside them. Nodes without a share are left out.
+    ///
+    /// # Panics
+    /// If a node has no position in `coordinates` (m).
+    pub fn node_areas(&self, coordinates: &[[f64; 3]]) -> Vec<(u32, f64)> {
+        let x: Vec<_> = self
+            .nodes()
+            .iter()
+            .map(|&node| coordinates[node as usize].into())
+            .collect();
+        let shares = (self.face_type().node_areas)(&x).into_iter();
+        shares.map(|(local, area)| (self.nodes()[local], area)).collect()
+    }
+
     /// All nodes.
     pub fn nodes(&self) -> &[u32] {
         &self.nodes[..self.face_type.n_nodes]

@@ -1,0 +1,173 @@
+//! A structure from a mesh file: which of its parts are bodies, interfaces, bolts and supports.
+
+use super::law::Law;
+use super::structure::{Material, along_x};
+use super::surface::{Gap, Surface};
+use super::units::{ContactStiffness, Length, Units};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// A structure from a mesh of Gmsh (`.msh`), of Abaqus, CalculiX or PrePoMax (`.inp`), or of VTK (`.vtu`).
+///
+/// Groups are physical groups of Gmsh, sets and surfaces of decks, and values of cell arrays of VTK.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MeshFile {
+    /// The file; in a scene file relative to its folder.
+    pub path: PathBuf,
+    /// Its units, of which that of length matters; by default those of the scene.
+    #[serde(default = "Units::in_use")]
+    pub units: Units,
+    /// Materials of the volumes with these names; all others have the scene's `model.material`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub materials: BTreeMap<String, Material>,
+    /// Where bodies touch.
+    pub interfaces: Vec<MeshInterface>,
+    /// Bolts that are not in the mesh.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bolts: Vec<MeshBolt>,
+    /// Surfaces that are glued together; their meshes need not match.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ties: Vec<MeshTie>,
+    /// What holds the structure; none if it is free.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<MeshSupport>,
+    /// Where amplitudes are measured.
+    pub response: MeshResponse,
+    /// By how much the bodies can slide before a shank touches its hole (length), if it is known.
+    #[serde(default)]
+    pub bolt_hole_clearance: Option<Length>,
+}
+
+/// Where two bodies touch: two named surfaces, or the faces of two bodies that lie upon one another.
+///
+/// With neither, the file must hold two bodies, of which the first is the top one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MeshInterface {
+    /// Name in results; by default a number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Surface of the top body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub top: Option<String>,
+    /// Surface of the bottom body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bottom: Option<String>,
+    /// In their place the volumes of the top and of the bottom body, whose faces that touch are the interface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub between: Option<[String; 2]>,
+    /// How far apart along the normal faces may be that touch (length); by default a twentieth of the longest edge.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<Length>,
+    /// First direction in the interface.
+    #[serde(default = "along_x")]
+    pub along: [f64; 3],
+    /// Its friction coefficient (-); by default the scene's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mu: Option<f64>,
+    /// What its traction law follows from; by default the scene's `surface`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<Surface>,
+    /// Its gap before the faces are loaded; by default the scene's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<Gap>,
+    /// Its traction law; by default the scene's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<Law>,
+}
+
+/// A bolt that is not in the mesh: a shank on an axis through the clamped bodies, or forces on two surfaces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MeshBolt {
+    /// Two points on the axis of the shank, that of the head first. The bolt clamps what the axis meets first and last.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis: Option<[[Length; 3]; 2]>,
+    /// Its thread with an axis, such as `"M10"` or `"M10x1.25"`: sizes of head, nut and washers are those of ISO 4014, 4032 and 7089.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<String>,
+    /// Whether there are washers under head and nut.
+    #[serde(default)]
+    pub washers: bool,
+    /// How head and nut hold the bodies.
+    #[serde(default)]
+    pub seat: BoltSeat,
+    /// Material of the bolt; by default the scene's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
+    /// Without an axis, the surface that the head presses on; nothing is between it and that of the nut but forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub head: Option<String>,
+    /// Without an axis, the surface that the nut presses on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nut: Option<String>,
+}
+
+/// How head and nut of a bolt hold the bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum BoltSeat {
+    /// The seat moves with the mean motion of the face below it, and does not stiffen it.
+    #[default]
+    Distributing,
+    /// The face below it follows the seat rigidly.
+    Tied,
+}
+
+/// Two surfaces that are glued together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MeshTie {
+    /// The one whose nodes follow: the finer one, or the one on the softer body.
+    pub slave: String,
+    /// The one whose faces they follow.
+    pub master: String,
+    /// How far they may be apart (length); by default a twentieth of the longest edge of the master.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<Length>,
+}
+
+/// A part of the structure that is held.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MeshSupport {
+    /// A surface of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<String>,
+    /// In its place, a group of nodes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<String>,
+    /// Which displacement components x, y, z of the model are held.
+    #[serde(default = "all")]
+    pub components: [bool; 3],
+    /// Stiffness per area of a surface that rests on an elastic ground; without it the components do not move.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<ContactStiffness>,
+}
+
+/// Where and in which direction amplitudes are measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MeshResponse {
+    /// A position, for the node of the bodies' surface that is nearest to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nearest: Option<[Length; 3]>,
+    /// In its place a group of one node, or the number of a node in the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Unit vector.
+    pub direction: [f64; 3],
+}
+
+fn all() -> [bool; 3] {
+    [true; 3]
+}

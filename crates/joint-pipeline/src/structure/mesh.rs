@@ -1,0 +1,566 @@
+//! Structures from mesh files.
+
+use super::facing::{Facing, Surfaces};
+use super::touching;
+use crate::Error;
+use crate::joint::{Bodies, InterfacePart, Joint, MeshedBodies, ProjectedSide, Sides, quadratic};
+use crate::scene::{
+    self, ContactStiffness, ElementOrder, Forced, Length, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport,
+    Model, PointMass,
+};
+use nalgebra::Vector3;
+use sprs::CsMat;
+use std::collections::BTreeMap;
+use substructure::formats::solid_mesh::SolidMesh;
+use substructure::mesh::{
+    Assembly, BeyondTolerance, Coupling, CouplingKind, Dof, Element, Face, GroundSpring, LoadPattern, Material, Mesh,
+    Tie,
+};
+use zte_assembly::InterfaceMesh;
+
+/// How far apart tied faces may be by default, relative to the longest edge of the master.
+const TIE_REACH: f64 = 0.05;
+
+/// Room between the parts of an interface in their common plane, relative to the extent of the widest one.
+const MARGIN: f64 = 0.05;
+
+/// A structure from a mesh file, in SI, with `masses` at positions, in elements of the order of `model`.
+///
+/// # Errors
+/// Of the file and its groups; [`Error::Facing`], [`Error::MeshScene`], [`Error::NotRaisable`], [`Error::Disconnected`].
+pub(super) fn joint(
+    source: &MeshFile,
+    masses: &[PointMass],
+    model: &Model,
+    forced: Option<&Forced>,
+    notes: &mut dyn FnMut(&str),
+) -> Result<Joint, Error> {
+    let mut file = SolidMesh::read(&source.path)?;
+    file.notes.iter().for_each(|note| notes(note));
+    let length = source.units.length_in_si();
+    file.nodes.iter_mut().flatten().for_each(|x| *x *= length);
+    let file = File { source, mesh: file };
+    let mut assembly = Assembly {
+        mesh: file.solids(model, notes)?,
+        ..Assembly::default()
+    };
+    for tie in &source.ties {
+        assembly.ties.push(file.tie(tie)?);
+    }
+    for (number, support) in (1..).zip(&source.supports) {
+        file.support(number, support, &mut assembly)?;
+    }
+    for (number, bolt) in (1..).zip(&source.bolts) {
+        file.bolt(number, bolt, &mut assembly)?;
+    }
+    assembly.masses = super::masses::at_positions(&assembly.mesh.nodes, masses)?;
+    let response_node = file.response(&source.response)?;
+    let excitation = match forced.and_then(|forced| Some((forced.node.as_deref()?, forced.direction?))) {
+        None => None,
+        Some((node, direction)) => Some((file.named_node("forced.node", node)?, direction)),
+    };
+    let mut surfaces = Vec::new();
+    for (number, interface) in (1..).zip(&source.interfaces) {
+        surfaces.extend(file.surfaces(number, interface)?);
+    }
+    let raised = match model.element_order {
+        ElementOrder::Linear => None,
+        ElementOrder::Quadratic => {
+            let sides = surfaces
+                .iter_mut()
+                .flat_map(|named| [&mut named.top, &mut named.bottom]);
+            let raised = quadratic::raise_surfaces(&mut assembly, sides.collect());
+            let raised = raised.map_err(|error| Error::NotRaisable {
+                deck: source.path.clone(),
+                source: Box::new(error),
+            })?;
+            assembly.mesh.set_formulation(model.hexahedra());
+            notes(&format!(
+                "the {} elements of the mesh were made quadratic, with {} nodes in the middles of their straight edges",
+                raised.elements, raised.added_nodes
+            ));
+            Some(raised)
+        }
+    };
+    let label = |node: u32| file.label(node);
+    let mut joined = Joined::default();
+    for named in &surfaces {
+        let facing = Facing::try_new(
+            &mut assembly.mesh.nodes,
+            &Surfaces {
+                top: &named.top,
+                bottom: &named.bottom,
+                along: named.interface.along,
+                pair_tolerance: None,
+                within: named.interface.within.map(Length::si),
+                order: model.element_order,
+                label: &label,
+            },
+        )?;
+        let about = match surfaces.len() {
+            1 => String::new(),
+            _ => format!("interface {}: ", named.name),
+        };
+        facing.notes().iter().for_each(|note| notes(&format!("{about}{note}")));
+        joined.parts.push((named, facing));
+    }
+    let moved_pairs = joined.parts.first().and_then(|(_, facing)| facing.moved);
+    let joined = joined.joint();
+    let position = assembly.mesh.nodes[response_node as usize];
+    let rigid_motions = super::rigid_motions(&assembly, &joined.sides)?;
+    let bodies = MeshedBodies {
+        assembly,
+        sides: joined.sides,
+        response_node,
+        response_direction: source.response.direction,
+        excitation,
+        moved_pairs,
+        raised,
+        rigid_motions,
+    };
+    Ok(Joint {
+        positions: Some(bodies.interface_positions()),
+        bodies: Bodies::Meshed(bodies),
+        interface: joined.interface,
+        frame: joined.frame,
+        node_frames: joined.node_frames,
+        parts: joined.parts,
+        clearance: source.bolt_hole_clearance.map(Length::si),
+        response: format!(
+            "node {} at {position:?} m in direction {:?}",
+            file.label(response_node),
+            source.response.direction
+        ),
+    })
+}
+
+/// Two surfaces of an interface of the scene.
+struct Named<'a> {
+    name: String,
+    interface: &'a MeshInterface,
+    /// Its number in the scene, from zero.
+    index: usize,
+    top: Vec<Face>,
+    bottom: Vec<Face>,
+}
+
+/// A mesh in SI, and what the scene says of it.
+struct File<'a> {
+    source: &'a MeshFile,
+    mesh: SolidMesh,
+}
+
+impl File<'_> {
+    fn fail<T>(&self, field: String, reason: impl Into<String>) -> Result<T, Error> {
+        Err(Error::MeshScene {
+            path: self.source.path.clone(),
+            field,
+            reason: reason.into(),
+        })
+    }
+
+    fn label(&self, node: u32) -> String {
+        match self.mesh.labels.get(node as usize) {
+            Some(label) => label.to_string(),
+            None => "in the middle of an edge".into(),
+        }
+    }
+
+    fn at(&self, node: u32) -> Vector3<f64> {
+        self.mesh.nodes[node as usize].into()
+    }
+
+    /// Solids with the materials of their volumes.
+    fn solids(&self, model: &Model, notes: &mut dyn FnMut(&str)) -> Result<Mesh, Error> {
+        let mut materials = vec![super::material(model)];
+        let mut of_cell = vec![None; self.mesh.cells.len()];
+        for (name, material) in &self.source.materials {
+            let number = u16::try_from(materials.len()).unwrap_or(u16::MAX);
+            for &cell in self.mesh.volume(name)? {
+                if of_cell[cell as usize]
+                    .replace((number, name))
+                    .is_some_and(|(first, _)| first != number)
+                {
+                    return self.fail(
+                        format!("structure.mesh.materials.{name}"),
+                        "a solid of this volume belongs to another volume with a material too; name one of them",
+                    );
+                }
+            }
+            materials.push(Material {
+                name: name.clone(),
+                youngs_modulus: material.youngs_modulus.si(),
+                poisson_ratio: material.poisson_ratio,
+                density: material.density.map_or(f64::NAN, scene::Density::si),
+            });
+        }
+        let elements = self.mesh.cells.iter().zip(of_cell).map(|(&cell, material)| Element {
+            cell,
+            material: material.map_or(0, |(number, _)| number),
+        });
+        let mut mesh = Mesh {
+            nodes: self.mesh.nodes.clone(),
+            elements: elements.collect(),
+            materials,
+        };
+        if let Some(formulation) = model.formulation {
+            mesh.set_formulation(formulation);
+        }
+        let stiff = mesh
+            .elements
+            .iter()
+            .filter(|element| matches!(element.cell.nodes().len(), 4 | 6))
+            .count();
+        if stiff > 0 && model.element_order == ElementOrder::Linear {
+            notes(&format!(
+                "{stiff} elements are linear tetrahedra or wedges, which are far too stiff in bending: with two of them over the thickness of a \
+                 plate its frequencies are 10 to 30 % too high; give model.element_order = \"quadratic\""
+            ));
+        }
+        Ok(mesh)
+    }
+
+    fn tie(&self, tie: &scene::MeshTie) -> Result<Tie, Error> {
+        let (slave, master) = (self.mesh.surface(&tie.slave)?, self.mesh.surface(&tie.master)?);
+        Ok(Tie {
+            name: format!("{} on {}", tie.slave, tie.master),
+            slave_nodes: touching::nodes(slave),
+            master_faces: master.to_vec(),
+            position_tolerance: tie.within.map_or(TIE_REACH * self.longest_edge(master), Length::si),
+            beyond: BeyondTolerance::Refuse,
+            adjust: true,
+        })
+    }
+
+    fn longest_edge(&self, faces: &[Face]) -> f64 {
+        let edges = faces.iter().flat_map(|face| {
+            let corners = face.corners();
+            (0..corners.len()).map(move |i| [corners[i], corners[(i + 1) % corners.len()]])
+        });
+        edges.map(|[a, b]| (self.at(a) - self.at(b)).norm()).fold(0.0, f64::max)
+    }
+
+    /// Area of each node's share of faces (m^2).
+    fn areas(&self, faces: &[Face]) -> BTreeMap<u32, f64> {
+        let mut areas = BTreeMap::new();
+        for face in faces {
+            for (node, area) in face.node_areas(&self.mesh.nodes) {
+                *areas.entry(node).or_insert(0.0) += area;
+            }
+        }
+        areas
+    }
+
+    fn support(&self, number: usize, support: &MeshSupport, assembly: &mut Assembly) -> Result<(), Error> {
+        let field = || format!("structure.mesh.supports, number {number}");
+        let held = (0..3_u8).filter(|&c| support.components[usize::from(c)]);
+        match (
+            &support.surface,
+            &support.points,
+            support.stiffness.map(ContactStiffness::si),
+        ) {
+            (Some(surface), None, Some(stiffness)) => {
+                for (node, area) in self.areas(self.mesh.surface(surface)?) {
+                    assembly.springs.extend(held.clone().map(|component| GroundSpring {
+                        node,
+                        component,
+                        stiffness: stiffness * area,
+                    }));
+                }
+            }
+            (None, Some(_), Some(_)) => {
+                return self.fail(
+                    field(),
+                    "a stiffness per area needs a surface, and this is a group of nodes",
+                );
+            }
+            (Some(surface), None, None) => {
+                let nodes = touching::nodes(self.mesh.surface(surface)?);
+                let all = nodes
+                    .into_iter()
+                    .flat_map(|node| held.clone().map(move |c| Dof::Node(node, c)));
+                assembly.supports.extend(all);
+            }
+            (None, Some(points), None) => {
+                let nodes = self.mesh.points(points)?.iter();
+                let all = nodes.flat_map(|&node| held.clone().map(move |c| Dof::Node(node, c)));
+                assembly.supports.extend(all);
+            }
+            _ => return self.fail(field(), "give either a `surface` or `points`"),
+        }
+        Ok(())
+    }
+
+    /// Adds a bolt with its load of unit tension.
+    fn bolt(&self, number: usize, bolt: &MeshBolt, assembly: &mut Assembly) -> Result<(), Error> {
+        let field = || format!("structure.mesh.bolts, number {number}");
+        match (&bolt.axis, &bolt.size, &bolt.head, &bolt.nut) {
+            (None, None, Some(head), Some(nut)) => {
+                let [head, nut] = [head, nut].map(|name| -> Result<Coupling, Error> {
+                    let areas = self.areas(self.mesh.surface(name)?);
+                    let total: f64 = areas.values().sum();
+                    let mean = areas
+                        .iter()
+                        .fold(Vector3::zeros(), |sum, (&node, area)| sum + self.at(node) * *area);
+                    Ok(Coupling {
+                        name: name.clone(),
+                        reference: (mean / total).into(),
+                        nodes: areas.keys().copied().collect(),
+                        kind: CouplingKind::Distributing(areas.into_values().collect()),
+                    })
+                });
+                let (head, nut) = (head?, nut?);
+                let way = Vector3::from(nut.reference) - Vector3::from(head.reference);
+                let Some(way) = way.try_normalize(0.0) else {
+                    return self.fail(field(), "the surfaces of head and nut have the same centre");
+                };
+                let first = assembly.couplings.len() as u32;
+                let pull = |reference, sign: f64| {
+                    (0..3_u8).map(move |c| (Dof::Reference(reference, c), sign * way[usize::from(c)]))
+                };
+                assembly.loads.push(LoadPattern {
+                    name: format!("{} against {}", head.name, nut.name),
+                    terms: pull(first, 1.0).chain(pull(first + 1, -1.0)).collect(),
+                });
+                assembly.couplings.extend([head, nut]);
+                Ok(())
+            }
+            _ => self.fail(
+                field(),
+                "give either `axis` and `size` for a shank, or the surfaces `head` and `nut` for forces alone",
+            ),
+        }
+    }
+
+    fn response(&self, response: &MeshResponse) -> Result<u32, Error> {
+        let field = "structure.mesh.response";
+        match (&response.nearest, &response.node) {
+            (Some(position), None) => {
+                let position = Vector3::from(position.map(Length::si));
+                let boundary = self.mesh.boundary();
+                let nodes = boundary.iter().flat_map(|(face, _)| face.corners());
+                let distance = |node: &&u32| (self.at(**node) - position).norm();
+                let nearest = nodes.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                // A mesh without solids was refused.
+                nearest
+                    .copied()
+                    .map_or_else(|| self.fail(field.into(), "the mesh has no surface"), Ok)
+            }
+            (None, Some(node)) => self.named_node("structure.mesh.response.node", node),
+            _ => self.fail(field.into(), "give either `nearest` or `node`"),
+        }
+    }
+
+    /// The node of a group of one, or with a number.
+    fn named_node(&self, field: &'static str, name: &str) -> Result<u32, Error> {
+        match self.mesh.points(name) {
+            Ok(&[node]) => Ok(node),
+            Ok(nodes) => Err(Error::NodeSet {
+                field,
+                set: name.to_owned(),
+                count: nodes.len(),
+            }),
+            Err(error) => {
+                let number: Option<u64> = name.parse().ok();
+                let found = number.and_then(|number| self.mesh.labels.iter().position(|&label| label == number));
+                Ok(found.ok_or(error)? as u32)
+            }
+        }
+    }
+
+    /// The pairs of surfaces of an interface: one that is named, or all patches where two bodies touch.
+    fn surfaces<'a>(&self, number: usize, interface: &'a MeshInterface) -> Result<Vec<Named<'a>>, Error> {
+        let name = interface.name.clone().unwrap_or_else(|| number.to_string());
+        let named = |name: String, [top, bottom]: [Vec<Face>; 2]| Named {
+            name,
+            interface,
+            index: number - 1,
+            top,
+            bottom,
+        };
+        let field = || format!("structure.mesh.interfaces, number {number}");
+        let cells = match (&interface.top, &interface.bottom, &interface.between) {
+            (Some(top), Some(bottom), None) => {
+                let sides = [self.mesh.surface(top)?.to_vec(), self.mesh.surface(bottom)?.to_vec()];
+                return Ok(vec![named(name, sides)]);
+            }
+            (None, None, Some(volumes)) => {
+                let mut of_cell = vec![None; self.mesh.cells.len()];
+                for (side, volume) in volumes.iter().enumerate() {
+                    for &cell in self.mesh.volume(volume)? {
+                        of_cell[cell as usize] = Some(side);
+                    }
+                }
+                of_cell
+            }
+            (None, None, None) => {
+                let bodies = self.mesh.bodies();
+                let count = bodies.iter().max().map_or(0, |last| last + 1);
+                if count != 2 {
+                    return self.fail(
+                        field(),
+                        format!(
+                            "the mesh has {count} bodies that share no nodes, so that the faces in contact must be named: give `top` and \
+                             `bottom`, or the volumes they are `between`"
+                        ),
+                    );
+                }
+                bodies.into_iter().map(|body| Some(body as usize)).collect()
+            }
+            _ => {
+                return self.fail(
+                    field(),
+                    "give both `top` and `bottom`, or the two volumes it is `between`, or none of them where there are two bodies",
+                );
+            }
+        };
+        let mut sides: [Vec<Face>; 2] = Default::default();
+        for (face, cell) in self.mesh.boundary() {
+            if let Some(side) = cells[cell as usize] {
+                sides[side].push(face);
+            }
+        }
+        let patches = touching::patches(&self.mesh.nodes, &sides, interface.within.map(Length::si));
+        match patches.len() {
+            0 => self.fail(
+                field(),
+                "no faces of the two bodies touch; give a larger distance `within`, or check the geometry",
+            ),
+            1 => Ok(patches.into_iter().map(|sides| named(name.clone(), sides)).collect()),
+            _ => {
+                let numbered = (1..)
+                    .zip(patches)
+                    .map(|(patch, sides)| named(format!("{name}.{patch}"), sides));
+                Ok(numbered.collect())
+            }
+        }
+    }
+}
+
+/// Parts of an interface, to be joined.
+#[derive(Default)]
+struct Joined<'a> {
+    parts: Vec<(&'a Named<'a>, Facing)>,
+}
+
+/// All parts together.
+struct Whole {
+    interface: InterfaceMesh,
+    sides: Sides,
+    frame: [[f64; 3]; 3],
+    node_frames: Vec<[[f64; 3]; 3]>,
+    parts: Vec<InterfacePart>,
+}
+
+impl Joined<'_> {
+    /// One interface as it is; several side by side in one plane.
+    fn joint(mut self) -> Whole {
+        if self.parts.len() == 1
+            && let Some((named, facing)) = self.parts.pop()
+        {
+            let part = InterfacePart {
+                name: named.name.clone(),
+                source: named.index,
+                nodes: 0..facing.interface.nodes.len(),
+                elements: 0..facing.interface.elements.len(),
+                offset: [0.0; 2],
+                normal: facing.frame[2],
+            };
+            return Whole {
+                interface: facing.interface,
+                sides: facing.sides,
+                frame: facing.frame,
+                node_frames: facing.node_frames,
+                parts: vec![part],
+            };
+        }
+        let mut whole = Whole {
+            interface: InterfaceMesh::flat(Vec::new(), Vec::new()),
+            sides: Sides::Projected(Vec::new()),
+            frame: self.parts.first().map_or([[0.0; 3]; 3], |(_, facing)| facing.frame),
+            node_frames: Vec::new(),
+            parts: Vec::new(),
+        };
+        let range = |mesh: &InterfaceMesh, axis: usize| {
+            let along = mesh.nodes.iter().map(|x| x[axis]);
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
+        };
+        let extents = self.parts.iter().map(|(_, facing)| {
+            let (low, high) = range(&facing.interface, 0);
+            high - low
+        });
+        let margin = MARGIN * extents.fold(0.0, f64::max);
+        let is_curved = self
+            .parts
+            .iter()
+            .any(|(_, facing)| !facing.interface.heights.is_empty());
+        let mut sides = Vec::new();
+        let mut end = 0.0;
+        for (number, (named, facing)) in self.parts.into_iter().enumerate() {
+            let mesh = facing.interface;
+            let (low, high) = range(&mesh, 0);
+            let bottom = range(&mesh, 1).0;
+            // The first part stays where it is.
+            let offset = match number {
+                0 => [0.0; 2],
+                _ => [
+                    end + margin - low,
+                    whole.interface.nodes.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min) - bottom,
+                ],
+            };
+            end = high + offset[0];
+            let (first_node, first_element) = (whole.interface.nodes.len(), whole.interface.elements.len());
+            let nodes = first_node..first_node + mesh.nodes.len();
+            let elements = first_element..first_element + mesh.elements.len();
+            let renumbered = mesh.elements.iter().map(|element| {
+                let mut element = *element;
+                element
+                    .nodes_mut()
+                    .iter_mut()
+                    .for_each(|node| *node += first_node as u32);
+                element
+            });
+            whole.interface.elements.extend(renumbered);
+            let shifted = mesh.nodes.iter().map(|x| [x[0] + offset[0], x[1] + offset[1]]);
+            whole.interface.nodes.extend(shifted);
+            if is_curved {
+                let flat = vec![0.0; mesh.nodes.len()];
+                let heights = if mesh.heights.is_empty() { flat } else { mesh.heights };
+                whole.interface.heights.extend(heights);
+            }
+            whole
+                .interface
+                .covered
+                .extend(mesh.covered.iter().map(|part| zte_assembly::Covered {
+                    element: part.element + first_element,
+                    share: part.share,
+                    centroid: [part.centroid[0] + offset[0], part.centroid[1] + offset[1]],
+                }));
+            whole.node_frames.extend(match facing.node_frames.is_empty() {
+                true => vec![facing.frame; nodes.len()],
+                false => facing.node_frames,
+            });
+            match facing.sides {
+                Sides::Projected(projected) => sides.extend(projected),
+                Sides::Pairs { top, bottom } => sides.push(ProjectedSide {
+                    projection: CsMat::eye(top.len()),
+                    own: top,
+                    own_is_top: true,
+                    own_faces: named.top.clone(),
+                    other: bottom,
+                    other_faces: named.bottom.clone(),
+                }),
+            }
+            whole.parts.push(InterfacePart {
+                name: named.name.clone(),
+                source: named.index,
+                nodes,
+                elements,
+                offset,
+                normal: facing.frame[2],
+            });
+        }
+        whole.sides = Sides::Projected(sides);
+        whole
+    }
+}

@@ -1,0 +1,400 @@
+//! Structures from mesh files: faces whose meshes do not match, in any place and in any order.
+
+mod common;
+
+use common::BENCHMARKS;
+use joint_pipeline::joint::{Bodies, Sides};
+use joint_pipeline::progress::Silent;
+use joint_pipeline::structure::{LinearInterface, Spectrum, Structure};
+use joint_pipeline::{Error, Options, Run, Scene, run};
+use serde_json::{Value, json};
+use std::path::Path;
+use substructure::elements::{Cell, Formulation, HEX8};
+use substructure::formats::gmsh;
+use substructure::mesh::{Element, Face, Group, Material, Mesh};
+use test_support::TemporaryFolder;
+
+/// A box of hexahedra: numbers of elements, lowest corner and size (m).
+#[derive(Clone, Copy)]
+struct Box3 {
+    cells: [usize; 3],
+    origin: [f64; 3],
+    size: [f64; 3],
+}
+
+impl Box3 {
+    fn node(&self, i: usize, j: usize, k: usize) -> u32 {
+        let [nx, ny, _] = self.cells;
+        (i + (nx + 1) * (j + (ny + 1) * k)) as u32
+    }
+
+    /// Nodes and elements; `element` makes the cells of eight corners.
+    fn add(&self, mesh: &mut Mesh, material: u16) -> u32 {
+        let first = mesh.nodes.len() as u32;
+        let [nx, ny, nz] = self.cells;
+        for k in 0..=nz {
+            for j in 0..=ny {
+                for i in 0..=nx {
+                    let at = [i, j, k];
+                    mesh.nodes
+                        .push([0, 1, 2].map(|c| self.origin[c] + self.size[c] * at[c] as f64 / self.cells[c] as f64));
+                }
+            }
+        }
+        for k in 0..nz {
+            for j in 0..ny {
+                for i in 0..nx {
+                    let corner = |a, b, c| first + self.node(i + a, j + b, k + c);
+                    let nodes = [
+                        corner(0, 0, 0),
+                        corner(1, 0, 0),
+                        corner(1, 1, 0),
+                        corner(0, 1, 0),
+                        corner(0, 0, 1),
+                        corner(1, 0, 1),
+                        corner(1, 1, 1),
+                        corner(0, 1, 1),
+                    ];
+                    let cell = Cell::try_new(&HEX8, Formulation::IncompatibleModes, &nodes).expect("a hexahedron");
+                    mesh.elements.push(Element { cell, material });
+                }
+            }
+        }
+        first
+    }
+
+    /// Its lower or upper faces, outward, where `keep` holds for the position of their lowest corner along x.
+    fn faces(&self, first: u32, upper: bool, keep: impl Fn(f64) -> bool) -> Vec<Face> {
+        let [nx, ny, nz] = self.cells;
+        let k = if upper { nz } else { 0 };
+        let cells = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
+        let kept = cells.filter(|&(i, _)| keep(self.origin[0] + self.size[0] * i as f64 / nx as f64));
+        kept.map(|(i, j)| {
+            let mut nodes = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(a, b)| first + self.node(i + a, j + b, k));
+            if !upper {
+                nodes.reverse();
+            }
+            Face::quad4(nodes)
+        })
+        .collect()
+    }
+}
+
+/// Two plates that overlap by 80 mm of their 120 mm, the upper one meshed with `upper` elements, the lower one with `lower`.
+struct Lap {
+    mesh: Mesh,
+    faces: Vec<Group<Face>>,
+}
+
+fn lap(upper: [usize; 3], lower: [usize; 3]) -> Lap {
+    let materials = ["upper", "lower"].map(|name| Material {
+        name: name.into(),
+        youngs_modulus: 1.0,
+        poisson_ratio: 0.0,
+        density: 1.0,
+    });
+    let mut mesh = Mesh {
+        materials: materials.to_vec(),
+        ..Mesh::default()
+    };
+    let size = [0.12, 0.03, 0.01];
+    let top = Box3 {
+        cells: upper,
+        origin: [0.04, 0.0, 0.0],
+        size,
+    };
+    let bottom = Box3 {
+        cells: lower,
+        origin: [0.0, 0.0, -0.01],
+        size,
+    };
+    let (of_top, of_bottom) = (top.add(&mut mesh, 0), bottom.add(&mut mesh, 1));
+    let group = |name: &str, members| Group {
+        name: name.into(),
+        members,
+    };
+    let seat = |x: f64| (0.06 - 1e-9..0.1 - 1e-9).contains(&x);
+    let faces = vec![
+        group("upper face", top.faces(of_top, false, |_| true)),
+        group("lower face", bottom.faces(of_bottom, true, |_| true)),
+        group("head", top.faces(of_top, true, seat)),
+        group("nut", bottom.faces(of_bottom, false, seat)),
+    ];
+    Lap { mesh, faces }
+}
+
+impl Lap {
+    fn write(&self, path: &Path) {
+        std::fs::write(path, gmsh::write(&self.mesh, &self.faces, &[]).unwrap()).unwrap();
+    }
+}
+
+fn scene(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> Scene {
+    let mut value = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "mesh": {
+            "path": path,
+            "interfaces": [interface],
+            "bolts": [{ "head": "head", "nut": "nut" }],
+            "response": { "nearest": [0.16, 0.0, 0.01], "direction": [0.0, 0.0, 1.0] },
+        } },
+        "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3, "density": "7800 kg/m^3" } },
+        "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
+            "normal_stiffness": 4e13, "tangential_stiffness": [3e13, 3e13] } } }] } },
+        "bolts": { "load": "8 kN" },
+        "mu": 0.15,
+        "cqsma": { "amplitudes": 5, "amplitude_from": 2e-6, "amplitude_to": 6e-5, "vertices_per_quarter": 8 },
+    });
+    change(&mut value);
+    Scene::from_json(&value.to_string(), "lap.json", "lap", &BENCHMARKS).unwrap()
+}
+
+fn named() -> Value {
+    json!({ "top": "upper face", "bottom": "lower face" })
+}
+
+fn spectrum(structure: &Structure) -> Spectrum {
+    let linear = LinearInterface {
+        normal_stiffness: 4e13,
+        tangential_stiffness: 3e13,
+        points_per_direction: 2,
+    };
+    structure
+        .describe(Some((6, Some(linear))), &Silent)
+        .unwrap()
+        .spectrum
+        .unwrap()
+}
+
+fn compare(a: &Spectrum, b: &Spectrum, bound: f64, about: &str) {
+    for (a, b) in [(&a.stuck, &b.stuck), (&a.with_linear, &b.with_linear)] {
+        assert_eq!((a.zero_energy_modes, b.zero_energy_modes), (6, 6), "{about}");
+        for (f, g) in a.frequencies_hz.iter().zip(&b.frequencies_hz) {
+            assert!((f / g - 1.0).abs() < bound, "{about}: {f} {g}");
+        }
+    }
+}
+
+fn is_projected(structure: &Structure) -> bool {
+    match &structure.joint.bodies {
+        Bodies::Meshed(bodies) => matches!(bodies.sides, Sides::Projected(_)),
+        Bodies::Imported(_) => panic!("a mesh"),
+    }
+}
+
+#[test]
+fn meshes_that_match_or_not_give_the_same_structure() {
+    let folder = TemporaryFolder::new("lap-meshes");
+    let path = folder.join("lap.msh");
+    let structure = |lap: Lap, interface: Value| {
+        lap.write(&path);
+        Structure::try_new(&scene(&path, interface, |_| {}), &Silent).unwrap()
+    };
+    let area = |structure: &Structure| structure.describe(None, &Silent).unwrap().interface_area;
+    let matching = structure(lap([24, 6, 2], [24, 6, 2]), json!({}));
+    assert!(!is_projected(&matching));
+    assert!((area(&matching) / 2.4e-3 - 1.0).abs() < 1e-12);
+    let reference = spectrum(&matching);
+    // Coarser below, and elements that are faced in part at the end of the overlap.
+    for (lower, upper) in [
+        ([24, 5, 2], [24, 7, 2]),
+        ([23, 6, 2], [25, 6, 2]),
+        ([26, 7, 2], [22, 5, 2]),
+    ] {
+        for interface in [json!({}), json!({ "between": ["upper", "lower"] }), named()] {
+            let found = structure(lap(upper, lower), interface.clone());
+            assert!(is_projected(&found));
+            assert!((area(&found) / 2.4e-3 - 1.0).abs() < 2e-3, "{}", area(&found));
+            compare(
+                &spectrum(&found),
+                &reference,
+                3e-3,
+                &format!("{lower:?} {upper:?} {interface}"),
+            );
+        }
+    }
+}
+
+#[test]
+fn place_names_and_numbers_do_not_matter() {
+    let folder = TemporaryFolder::new("lap-places");
+    let path = folder.join("lap.msh");
+    let written = |lap: &Lap| {
+        lap.write(&path);
+        path.clone()
+    };
+    let base = lap([22, 5, 2], [25, 6, 2]);
+    let structure =
+        |path: &Path, interface: Value| Structure::try_new(&scene(path, interface, |_| {}), &Silent).unwrap();
+    let reference = spectrum(&structure(&written(&base), named()));
+    // Bodies exchanged.
+    let swapped = structure(&path, json!({ "top": "lower face", "bottom": "upper face" }));
+    compare(&spectrum(&swapped), &reference, 1e-9, "swapped");
+    // Turned about three axes and moved by metres.
+    let mut turned = lap([22, 5, 2], [25, 6, 2]);
+    let (a, b) = (0.7_f64, -0.4_f64);
+    for x in &mut turned.mesh.nodes {
+        let y = [x[0] * a.cos() - x[1] * a.sin(), x[0] * a.sin() + x[1] * a.cos(), x[2]];
+        *x = [
+            1.5 + y[0],
+            -0.7 + y[1] * b.cos() - y[2] * b.sin(),
+            0.3 + y[1] * b.sin() + y[2] * b.cos(),
+        ];
+    }
+    let along = [a.cos(), a.sin() * b.cos(), a.sin() * b.sin()];
+    let found = structure(
+        &written(&turned),
+        json!({ "top": "upper face", "bottom": "lower face", "along": along }),
+    );
+    compare(&spectrum(&found), &reference, 1e-9, "turned");
+    // Nodes in the opposite order.
+    let mut renumbered = lap([22, 5, 2], [25, 6, 2]);
+    let last = renumbered.mesh.nodes.len() as u32 - 1;
+    renumbered.mesh.nodes.reverse();
+    for element in &mut renumbered.mesh.elements {
+        element.cell = element.cell.map_nodes(|node| last - node);
+    }
+    for face in renumbered.faces.iter_mut().flat_map(|group| &mut group.members) {
+        *face = face.try_map_nodes(|node| Ok::<u32, ()>(last - node)).unwrap();
+    }
+    compare(
+        &spectrum(&structure(&written(&renumbered), named())),
+        &reference,
+        1e-9,
+        "renumbered",
+    );
+}
+
+fn backbone(run: &Run) -> Vec<[f64; 2]> {
+    let points = run.amplitudes().iter();
+    points
+        .map(|amplitude| {
+            let point = &amplitude.point;
+            [point.frequency, point.damping_ratio]
+        })
+        .collect()
+}
+
+#[test]
+fn quadratic_tetrahedra_and_hexahedra_have_the_same_modes() {
+    let folder = TemporaryFolder::new("lap-tetrahedra");
+    let path = folder.join("lap.msh");
+    lap([24, 6, 2], [24, 6, 2]).write(&path);
+    let hexahedra = Structure::try_new(&scene(&path, named(), |_| {}), &Silent).unwrap();
+    let quadratic = |value: &mut Value| value["model"]["element_order"] = json!("quadratic");
+    lap([24, 6, 2], [23, 5, 2]).write(&path);
+    let raised = Structure::try_new(&scene(&path, named(), quadratic), &Silent).unwrap();
+    assert!(is_projected(&raised));
+    compare(&spectrum(&raised), &spectrum(&hexahedra), 5e-3, "raised");
+}
+
+/// Uniform pressure over two blocks of the same cross-section, whose meshes do not match: the stress is uniform, and so is the jump.
+#[test]
+fn uniform_pressure_passes_the_interface() {
+    let folder = TemporaryFolder::new("patch-blocks");
+    let path = folder.join("blocks.msh");
+    let size = [0.03, 0.02, 0.01];
+    for distorted in [false, true] {
+        let mut mesh = Mesh {
+            materials: vec![Material {
+                name: "steel".into(),
+                youngs_modulus: 1.0,
+                poisson_ratio: 0.0,
+                density: 1.0,
+            }],
+            ..Mesh::default()
+        };
+        let top = Box3 {
+            cells: [7, 5, 2],
+            origin: [0.0; 3],
+            size,
+        };
+        let bottom = Box3 {
+            cells: [5, 3, 2],
+            origin: [0.0, 0.0, -0.01],
+            size,
+        };
+        let (of_top, of_bottom) = (top.add(&mut mesh, 0), bottom.add(&mut mesh, 0));
+        if distorted {
+            // Inside of the contact alone, so that the blocks stay blocks.
+            for x in mesh.nodes.iter_mut().filter(|x| x[2] == 0.0) {
+                let inner = |c: usize| (std::f64::consts::PI * x[c] / size[c]).sin();
+                let way = 1.5e-3 * inner(0) * inner(1);
+                x[0] += way;
+                x[1] -= 0.5 * way;
+            }
+        }
+        let group = |name: &str, members| Group {
+            name: name.into(),
+            members,
+        };
+        let faces = vec![
+            group("upper face", top.faces(of_top, false, |_| true)),
+            group("lower face", bottom.faces(of_bottom, true, |_| true)),
+            group("head", top.faces(of_top, true, |_| true)),
+            group("nut", bottom.faces(of_bottom, false, |_| true)),
+        ];
+        Lap { mesh, faces }.write(&path);
+        let scene = scene(&path, named(), |value| {
+            value["structure"]["mesh"]["response"]["nearest"] = json!([0.0, 0.0, 0.01]);
+            value["cqsma"]["amplitude_from"] = json!(1e-9);
+            value["cqsma"]["amplitude_to"] = json!(2e-9);
+            value["cqsma"]["amplitudes"] = json!(2);
+        });
+        assert!(is_projected(&Structure::try_new(&scene, &Silent).unwrap()));
+        let run = run(&scene, &Options::default(), &Silent).unwrap();
+        let pressure = 8e3 / (0.03 * 0.02);
+        for found in &run.prestress.fields.traction[2] {
+            assert!(
+                (found / pressure - 1.0).abs() < 1e-8,
+                "distorted {distorted}: {found} {pressure}"
+            );
+        }
+        for found in run.prestress.fields.traction[..2].iter().flatten() {
+            assert!(found.abs() < 1e-8 * pressure, "distorted {distorted}: {found}");
+        }
+    }
+}
+
+#[test]
+fn backbones_agree_between_meshes_that_match_and_do_not() {
+    let folder = TemporaryFolder::new("lap-backbones");
+    let path = folder.join("lap.msh");
+    let found = |lap: Lap| {
+        lap.write(&path);
+        run(&scene(&path, named(), |_| {}), &Options::default(), &Silent).unwrap()
+    };
+    let (matching, other) = (found(lap([24, 6, 2], [24, 6, 2])), found(lap([24, 6, 2], [24, 5, 2])));
+    for (a, b) in backbone(&matching).into_iter().zip(backbone(&other)) {
+        println!("{a:?} {b:?}");
+        assert!((a[0] / b[0] - 1.0).abs() < 3e-3, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn what_does_not_fit_the_mesh_is_refused_by_name() {
+    let folder = TemporaryFolder::new("lap-refusals");
+    let path = folder.join("lap.msh");
+    lap([6, 2, 1], [6, 3, 1]).write(&path);
+    let refused = |interface: Value, change: &dyn Fn(&mut Value)| {
+        let scene = scene(&path, interface, change);
+        Structure::try_new(&scene, &Silent).unwrap_err()
+    };
+    let message = refused(json!({ "top": "upper fase", "bottom": "lower face" }), &|_| {}).to_string();
+    assert!(
+        message.contains("upper fase") && message.contains("upper face"),
+        "{message}"
+    );
+    let message = refused(json!({ "top": "upper face" }), &|_| {}).to_string();
+    assert!(message.contains("structure.mesh.interfaces, number 1"), "{message}");
+    let message = refused(named(), &|value| {
+        value["structure"]["mesh"]["bolts"] = json!([{ "head": "head" }]);
+    });
+    assert!(
+        message.to_string().contains("structure.mesh.bolts, number 1"),
+        "{message}"
+    );
+    // The faces look away from one another.
+    let error = refused(json!({ "top": "upper face", "bottom": "nut" }), &|_| {});
+    assert!(matches!(error, Error::Facing { .. } | Error::Interface(_)), "{error}");
+}
