@@ -11,6 +11,7 @@ use substructure::elements::{ElementType, HEX8, HEX20, HEX27, TET4, TET10, WEDGE
 use substructure::formats::abaqus::{self, Choices};
 use substructure::formats::solid_mesh::{Format, SolidMesh};
 use substructure::mesh::{Cell, Face, Material};
+use test_support::TemporaryFolder;
 
 const SHAPES: [(&str, &ElementType); 7] = [
     ("tet4", &TET4),
@@ -231,6 +232,44 @@ fn names_that_are_not_there_are_answered_with_those_that_are() {
 }
 
 #[test]
+fn empty_groups_are_left_out_with_a_note() {
+    let named = text("tet4.msh").replace("$PhysicalNames\n7\n", "$PhysicalNames\n8\n2 9 \"top \"\n");
+    let read = parse(Format::Gmsh, &named).unwrap();
+    assert_eq!(read.notes, ["the surface `top` is empty and left out"]);
+    assert_eq!(names(&read.surfaces), ["lower face", "upper face"]);
+    let set = with(
+        &text("prepomax.inp"),
+        "*Nset, Nset=Clamp",
+        "*Elset, Elset=None\n*Nset, Nset=Clamp",
+    );
+    let read = parse(Format::Abaqus, &set).unwrap();
+    assert_eq!(read.notes[0], "the element set `None` is empty");
+    assert!(read.volume("none").is_err());
+    assert!(read.points("Reference_point-1").is_err());
+}
+
+#[test]
+fn decks_may_include_the_files_of_their_folder() {
+    let folder = TemporaryFolder::new("solid-mesh-includes");
+    let (nodes, rest) = text("prepomax.inp")
+        .split_once("*Element, Type=C3D8, Elset=Lower")
+        .map_or_else(
+            || panic!("no elements"),
+            |(nodes, rest)| (nodes.to_owned(), rest.to_owned()),
+        );
+    std::fs::write(folder.join("nodes.inp"), nodes).unwrap();
+    let main = format!("*Include, Input=nodes.inp\n*Element, Type=C3D8, Elset=Lower{rest}");
+    std::fs::write(folder.join("main.inp"), &main).unwrap();
+    let read = SolidMesh::read(&folder.join("main.inp")).unwrap();
+    assert_eq!(
+        (&read.nodes, &read.notes),
+        (&mesh("prepomax.inp").nodes, &mesh("prepomax.inp").notes)
+    );
+    let error = message(parse(Format::Abaqus, &main));
+    assert!(error.contains("has no folder to look in"), "{error}");
+}
+
+#[test]
 fn a_face_between_two_solids_is_no_surface() {
     for (name, group) in [
         ("shared.msh", "interface"),
@@ -350,7 +389,7 @@ fn what_a_mesh_cannot_carry_of_a_deck_is_listed() {
              1 *STEP, 1 *STATIC, 2 *BOUNDARY, 2 *CLOAD are not read from a mesh; use structure.deck to keep them",
             "*EXPANSION, *OUTPUT, *NODE FILE, *EL FILE are ignored, as in decks",
             "1 node that belongs to no solid is dropped",
-            "1 nodes of the group `REFERENCE_POINT-1` belong to no solid and are left out of it",
+            "1 of the 1 nodes of the group `REFERENCE_POINT-1` belong to no solid and are left out of it",
         ]
     );
 }

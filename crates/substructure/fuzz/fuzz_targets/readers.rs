@@ -1,8 +1,9 @@
-//! All readers on the same bytes: `cargo +nightly fuzz run readers`, with the files of `tests/meshes` as seeds.
+//! All readers on the same bytes: `cargo +nightly fuzz run readers`, with the files of `tests/meshes` and `tests/data` as seeds.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use substructure::formats::abaqus::{self, Choices};
+use substructure::formats::solid_mesh::{Format, SolidMesh};
 use substructure::formats::{gmsh, vtu};
 use substructure::mesh::Material;
 
@@ -15,6 +16,11 @@ fuzz_target!(|bytes: &[u8]| {
     };
     if let Ok(deck) = abaqus::parse(&String::from_utf8_lossy(bytes), "fuzzed") {
         let _ = deck.assembly(&Choices::default());
+    }
+    for format in [Format::Gmsh, Format::Abaqus, Format::Vtu] {
+        if let Ok(mesh) = SolidMesh::from_bytes("fuzzed", format, bytes) {
+            let _ = (mesh.bodies(), mesh.boundary());
+        }
     }
     let _ = gmsh::read("fuzzed", bytes, &[], Some(&steel));
     let _ = vtu::read("fuzzed", bytes, &[steel]);

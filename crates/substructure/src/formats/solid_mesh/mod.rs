@@ -91,9 +91,9 @@ pub struct SolidMesh {
     /// The file's own number of each node, for messages; of VTU files the index of the point. In decks with instances it
     /// is the number within the instance.
     pub labels: Vec<u64>,
-    /// Solids.
+    /// Solids. Those of decks have the formulation that their type names, the others the default of their type.
     pub cells: Vec<Cell>,
-    /// Named groups of cells (indices).
+    /// Named groups of cells (indices, ascending). No group is empty; those that would be are in the notes.
     pub volumes: Vec<Group<u32>>,
     /// Named groups of faces, each face once and counter-clockwise seen from outside its solid. Groups that no surface can be
     /// made of are left out; [`SolidMesh::surface`] tells why.

@@ -75,6 +75,15 @@ impl Defect {
 }
 
 impl Raw {
+    /// Leaves out groups without members, such as names that a geometry gives to what is not meshed.
+    fn drop_empty_groups(&mut self) {
+        let mut empty = Vec::new();
+        self.volumes.retain(|group| keep(group, "volume", &mut empty));
+        self.surfaces.retain(|group| keep(group, "surface", &mut empty));
+        self.points.retain(|group| keep(group, "group of nodes", &mut empty));
+        self.notes.extend(empty);
+    }
+
     pub(in crate::formats) fn finish(mut self, file: &str) -> Result<SolidMesh, Error> {
         let kept = Kept::new(
             self.positions.len(),
@@ -98,12 +107,13 @@ impl Raw {
             group.members.sort_unstable();
             group.members.dedup();
         }
+        self.drop_empty_groups();
         for group in &mut self.points {
             let before = group.members.len();
             let mut members: Vec<u32> = group.members.iter().filter_map(|old| kept.number(*old)).collect();
             if members.len() < before {
                 self.notes.push(format!(
-                    "{} nodes of the group `{}` belong to no solid and are left out of it",
+                    "{} of the {before} nodes of the group `{}` belong to no solid and are left out of it",
                     before - members.len(),
                     group.name
                 ));
@@ -112,6 +122,7 @@ impl Raw {
             members.dedup();
             group.members = members;
         }
+        self.points.retain(|group| !group.members.is_empty());
         let mut surfaces = Vec::new();
         let mut defects = BTreeMap::new();
         if !self.surfaces.is_empty() {
@@ -147,6 +158,14 @@ impl Raw {
             array: self.array,
         })
     }
+}
+
+/// Whether a group has members; if not, this is noted.
+fn keep<T>(group: &Group<T>, what: &str, notes: &mut Vec<String>) -> bool {
+    if group.members.is_empty() {
+        notes.push(format!("the {what} `{}` is empty and left out", group.name));
+    }
+    !group.members.is_empty()
 }
 
 /// The faces of a group, outward, each once.

@@ -141,8 +141,8 @@ impl<'a> Reader<'a> {
                     let (first, _) = decoded(0, Some(3 * header))?;
                     let blocks = length(&first).and_then(|n| n.checked_add(3));
                     let (mut all, end) = decoded(0, blocks.and_then(|words| words.checked_mul(header)))?;
-                    let sizes = all.chunks_exact(header).skip(3).map(length);
-                    let total = sizes.fold(Some(0), |sum: Option<usize>, size| sum?.checked_add(size?));
+                    let mut sizes = all.chunks_exact(header).skip(3).map(length);
+                    let total = sizes.try_fold(0_usize, |sum, size| sum.checked_add(size?));
                     all.extend(decoded(end, total)?.0);
                     self.inflated(array, header, &all).map(|(inflated, _)| inflated)
                 } else if compressed {
