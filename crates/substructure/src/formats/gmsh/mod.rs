@@ -12,7 +12,7 @@
 //!
 //! Node orders (Gmsh reference manual, section "Node ordering") stand in the table of [`crate::elements`]. Faces keep the
 //! order of the file, whose normals are those of the geometry and not necessarily outward
-//! ([`SolidMesh`](super::solid_mesh::SolidMesh) turns them outward); the sign of a physical tag is ignored. Gmsh knows no units: lengths are taken as metres.
+//! ([`SolidMesh`] turns them outward); the sign of a physical tag is ignored. Gmsh knows no units: lengths are taken as metres.
 
 mod assemble;
 mod listed;
