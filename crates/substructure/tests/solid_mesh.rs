@@ -232,6 +232,21 @@ fn names_that_are_not_there_are_answered_with_those_that_are() {
 }
 
 #[test]
+fn a_name_as_it_stands_comes_before_one_in_another_case() {
+    let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"Top\"\n2 2 \"top\"\n$EndPhysicalNames\n\
+                $Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -1\n$EndNodes\n$Elements\n4\n\
+                1 2 2 1 1 1 2 3\n2 2 2 2 2 1 2 4\n3 4 2 0 1 1 2 3 4\n4 4 2 0 1 1 3 2 5\n$EndElements\n";
+    let read = parse(Format::Gmsh, file).unwrap();
+    assert_eq!(read.surface("top").unwrap().len(), 1);
+    assert_eq!(read.surface("TOP").unwrap().len(), 1);
+    let error = read.surface("Top").unwrap_err().to_string();
+    assert!(
+        error.contains("group `Top`: 1 of its 1 faces lie between two solids"),
+        "{error}"
+    );
+}
+
+#[test]
 fn empty_groups_are_left_out_with_a_note() {
     let named = text("tet4.msh").replace("$PhysicalNames\n7\n", "$PhysicalNames\n8\n2 9 \"top \"\n");
     let read = parse(Format::Gmsh, &named).unwrap();

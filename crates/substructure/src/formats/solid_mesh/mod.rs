@@ -199,18 +199,24 @@ impl SolidMesh {
     /// # Errors
     /// As [`SolidMesh::volume`]; [`Error::MeshGroup`] also for groups with faces between two solids, or beside them all.
     pub fn surface(&self, name: &str) -> Result<&[Face], Error> {
-        let left_out = self
+        if let Some(error) = self.defect(name, |a, b| a == b) {
+            return Err(error);
+        }
+        match self.group(&self.surfaces, "surface", name) {
+            Err(unknown @ Error::NotInMesh { .. }) => {
+                Err(self.defect(name, str::eq_ignore_ascii_case).unwrap_or(unknown))
+            }
+            result => result,
+        }
+    }
+
+    /// Why the group that `name` means is no surface, if it is none.
+    fn defect(&self, name: &str, same: fn(&str, &str) -> bool) -> Option<Error> {
+        let mut meant = self
             .defects
             .iter()
-            .find(|(known, _)| self.is_meant(known, name, |a, b| a == b))
-            .or_else(|| {
-                let fold = |known: &&String| self.is_meant(known, name, str::eq_ignore_ascii_case);
-                self.defects.iter().find(|(known, _)| fold(known))
-            });
-        match (self.group(&self.surfaces, "surface", name), left_out) {
-            (Err(Error::NotInMesh { .. }), Some((group, defect))) => Err(defect.error(&self.file, group)),
-            (result, _) => result,
-        }
+            .filter(|(known, _)| self.is_meant(known, name, same));
+        meant.next().map(|(group, defect)| defect.error(&self.file, group))
     }
 
     /// The nodes of a group.
@@ -222,7 +228,7 @@ impl SolidMesh {
     }
 
     /// Whether `name` means the group `known`.
-    fn is_meant(&self, known: &str, name: &str, same: impl Fn(&str, &str) -> bool) -> bool {
+    fn is_meant(&self, known: &str, name: &str, same: fn(&str, &str) -> bool) -> bool {
         let value = self.array.as_ref().and_then(|array| {
             let value = known.strip_prefix(array.as_str())?;
             value.strip_prefix('=')
