@@ -185,6 +185,22 @@ pub enum Error {
         /// Rigid motions.
         found: usize,
     },
+    /// A bolt that does not fit the mesh.
+    #[error("bolt `{bolt}`: {reason}")]
+    Bolt {
+        /// Its name.
+        bolt: String,
+        /// What is wrong, and what would be accepted.
+        reason: String,
+    },
+    /// A size of bolts that is not in the table.
+    #[error("`{name}` is no size of metric bolts: {reason}")]
+    BoltSize {
+        /// What was given.
+        name: String,
+        /// What would be accepted.
+        reason: String,
+    },
     /// Matrices that cannot be a structure with an interface.
     #[error("{}: {reason}", path.display())]
     Matrices {

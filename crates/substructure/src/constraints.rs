@@ -1,13 +1,13 @@
 //! Ties, couplings and equations, turned into one map from independent to all displacement components.
 
 use crate::Error;
-use crate::mesh::{Assembly, BeyondTolerance, Coupling, CouplingKind, Dof, Face, Tie};
+use crate::mesh::{Assembly, BeyondTolerance, Coupling, CouplingKind, Cut, Dof, Face, Tie};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
 
 /// A linear combination of components: `3 node + component` of the nodes, six of each coupling's reference point, one of each
-/// shank's pretension.
+/// overlap.
 type Combination = Vec<(usize, f64)>;
 
 /// The map from independent displacement components to all of them.
@@ -15,13 +15,13 @@ type Combination = Vec<(usize, f64)>;
 pub struct DofMap {
     /// `u_nodes = transform * u`, shape `3 n_nodes x n_independent`.
     pub transform: CsMat<f64>,
-    /// Motions of the reference points of kinematic couplings (m, rad) and the overlaps of shanks (m): `u_reference = references
-    /// * u`, shape `(6 n_couplings + n_shanks) x n_independent`. Rows of distributing couplings are empty: their reference points
+    /// Motions of the reference points of kinematic couplings (m, rad) and the overlaps of shanks and cuts (m): `u_reference = references
+    /// * u`, shape `(6 n_couplings + n_pretensions) x n_independent`. Rows of distributing couplings are empty: their reference points
     /// follow the nodes.
     references: CsMat<f64>,
     /// For each independent component `3 node + component` of the displacement that it stands for, or, beyond the nodes,
     /// `3 n_nodes + 6 coupling + component` of a kinematic coupling's reference point, and then `3 n_nodes + 6 n_couplings +
-    /// shank` of a shank's overlap.
+    /// pretension` of an overlap.
     pub independent: Vec<usize>,
     /// Node coordinates after slaves were moved onto the surfaces they are tied to (m).
     pub coordinates: Vec<[f64; 3]>,
@@ -102,6 +102,10 @@ impl DofMap {
                 insert_kinematic(index, coupling, *components, &coordinates, &mut dependent)?;
             }
         }
+        for (index, cut) in assembly.cuts.iter().enumerate() {
+            let overlap = 3 * coordinates.len() + 6 * assembly.couplings.len() + assembly.shanks.len() + index;
+            insert_cut(overlap, cut, coordinates.len(), &mut dependent)?;
+        }
         for &support in &assembly.supports {
             let combination = expand(assembly, &coordinates, "supports", support)?;
             // A support of what cannot move anyway is no contradiction.
@@ -133,7 +137,7 @@ impl DofMap {
             .enumerate()
             .filter(|(_, coupling)| matches!(coupling.kind, CouplingKind::Kinematic(_)))
             .flat_map(|(index, _)| (0..6).map(move |c| n_nodal + 6 * index + c))
-            .chain((0..assembly.shanks.len()).map(|shank| n_beyond_nodes + shank))
+            .chain((0..assembly.n_pretensions()).map(|pretension| n_beyond_nodes + pretension))
             .collect();
         let independent: Vec<usize> = (0..n_nodal)
             .chain(references.iter().copied())
@@ -160,10 +164,14 @@ impl DofMap {
         let references = rows(
             &mut references.iter().copied(),
             n_nodal,
-            6 * assembly.couplings.len() + assembly.shanks.len(),
+            6 * assembly.couplings.len() + assembly.n_pretensions(),
         )?;
-        let middle = |shank: usize| {
-            let ends = assembly.shanks[shank].ends;
+        let middle = |pretension: usize| {
+            let Some(shank) = assembly.shanks.get(pretension) else {
+                let pair = assembly.cuts[pretension - assembly.shanks.len()].pairs.first();
+                return pair.map_or([0.0; 3], |[first, _]| coordinates[*first as usize]);
+            };
+            let ends = shank.ends;
             let [a, b] = ends.map(|end| assembly.couplings.get(end as usize).map_or([0.0; 3], |c| c.reference));
             [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))
         };
@@ -172,7 +180,7 @@ impl DofMap {
             .map(
                 |&dof| match (dof.checked_sub(n_nodal), dof.checked_sub(n_beyond_nodes)) {
                     (None, _) => coordinates[dof / 3],
-                    (_, Some(shank)) => middle(shank),
+                    (_, Some(pretension)) => middle(pretension),
                     (Some(beyond), None) => assembly.couplings[beyond / 6].reference,
                 },
             )
@@ -292,13 +300,13 @@ pub(crate) fn expand(
                 CouplingKind::Kinematic(_) => Ok(vec![(3 * coordinates.len() + 6 * index as usize + component, 1.0)]),
             }
         }
-        Dof::Pretension(shank) => {
-            let count = assembly.shanks.len();
-            if shank as usize >= count {
-                return Err(dangling("shank", shank as usize, count));
+        Dof::Pretension(pretension) => {
+            let count = assembly.n_pretensions();
+            if pretension as usize >= count {
+                return Err(dangling("pretension", pretension as usize, count));
             }
             let first = 3 * coordinates.len() + 6 * assembly.couplings.len();
-            Ok(vec![(first + shank as usize, 1.0)])
+            Ok(vec![(first + pretension as usize, 1.0)])
         }
     }
 }
@@ -358,6 +366,43 @@ fn insert_kinematic(
                 return Err(Error::DependentTwice {
                     place: coupling.name.clone(),
                     node,
+                    component: component as u8,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Makes the second part of a cut bolt follow the first: `u_second = u_first - overlap normal`.
+fn insert_cut(
+    overlap: usize,
+    cut: &Cut,
+    n_nodes: usize,
+    dependent: &mut BTreeMap<usize, Combination>,
+) -> Result<(), Error> {
+    let length = Vector3::from(cut.normal).norm();
+    if cut.pairs.is_empty() || !((length - 1.0).abs() < 1e-6) {
+        return Err(Error::Cut {
+            cut: cut.name.clone(),
+            reason: "it needs a normal of length one and at least one pair of nodes",
+        });
+    }
+    for &[first, second] in &cut.pairs {
+        if let Some(node) = [first, second].into_iter().find(|node| *node as usize >= n_nodes) {
+            return Err(Error::Dangling {
+                place: format!("cut `{}`", cut.name),
+                what: "node",
+                index: node as usize,
+                count: n_nodes,
+            });
+        }
+        for (component, along) in cut.normal.into_iter().enumerate() {
+            let combination = vec![(3 * first as usize + component, 1.0), (overlap, -along)];
+            if dependent.insert(3 * second as usize + component, combination).is_some() {
+                return Err(Error::DependentTwice {
+                    place: cut.name.clone(),
+                    node: second,
                     component: component as u8,
                 });
             }

@@ -171,6 +171,14 @@ pub enum Error {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A cut through a bolt that cannot be one.
+    #[error("cut `{cut}`: {reason}")]
+    Cut {
+        /// Its name.
+        cut: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// A rigid body at a reference point that cannot be one.
     #[error("rigid mass {mass}: {reason}")]
     RigidMass {

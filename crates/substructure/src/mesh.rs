@@ -144,6 +144,18 @@ pub struct PointMass {
     pub mass: f64,
 }
 
+/// A cut through a bolt of solid elements, at which its two parts overlap: `u_second = u_first - overlap normal`. The overlap is
+/// an unknown, and a unit load on it is unit tension.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cut {
+    /// Name used in messages.
+    pub name: String,
+    /// Unit vector from the first part into the second.
+    pub normal: [f64; 3],
+    /// Nodes of the first and the second part at the same place.
+    pub pairs: Vec<[u32; 2]>,
+}
+
 /// A named list of nodes or faces.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group<T> {
@@ -160,7 +172,8 @@ pub enum Dof {
     Node(u32, u8),
     /// Component of a coupling's reference point: displacements 0..3 (m), rotations 3..6 (rad).
     Reference(u32, u8),
-    /// Overlap at the cut through a shank (m): what its pretension does work on.
+    /// Overlap at the cut through a bolt (m), which its tension does work on: first those of the shanks, then those of the cuts
+    /// through solids.
     Pretension(u32),
 }
 
@@ -193,6 +206,8 @@ pub struct Assembly {
     pub couplings: Vec<Coupling>,
     /// Shanks between reference points of couplings.
     pub shanks: Vec<Shank>,
+    /// Cuts through bolts of solid elements.
+    pub cuts: Vec<Cut>,
     /// Rigid bodies at reference points of couplings.
     pub rigid_masses: Vec<RigidMass>,
     /// Equations.
@@ -208,6 +223,11 @@ pub struct Assembly {
 }
 
 impl Assembly {
+    /// Number of overlaps ([`Dof::Pretension`]).
+    pub fn n_pretensions(&self) -> usize {
+        self.shanks.len() + self.cuts.len()
+    }
+
     /// Turns all quantities from units of `length` (m), `mass` (kg) and seconds into SI.
     pub fn convert_units(&mut self, length: f64, mass: f64) {
         let scale = |x: &mut [f64; 3]| x.iter_mut().for_each(|x| *x *= length);

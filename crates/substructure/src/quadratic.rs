@@ -17,6 +17,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 /// | kinematic couplings, supports | a middle between two nodes that follow (or do not move) does so too |
 /// | distributing couplings | on faces whose corners all belong to the cloud the weights move to the middles, as consistent forces do; other nodes keep theirs |
 /// | springs, masses, loads, materials, shanks | unchanged: what acts on a node or a reference point acts on it still |
+/// | cuts | middles between pairs of nodes are pairs |
 /// | equations | unchanged if no node of an element is in them, otherwise refused |
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quadratic {
@@ -75,6 +76,9 @@ impl Quadratic {
             let supported: Vec<u32> = supported.collect();
             let between = middles.between(&supported);
             raised.supports.extend(between.map(|node| Dof::Node(node, component)));
+        }
+        for (cut, of) in raised.cuts.iter_mut().zip(&assembly.cuts) {
+            cut.pairs.extend(middles.of_pairs(&of.pairs));
         }
         refuse_nodes(&assembly.equations, &mesh.elements)?;
         Ok(Self {
@@ -157,6 +161,17 @@ impl Middles {
         let edges = self.edges.iter();
         let found = edges.filter(|(edge, _)| edge.iter().all(|end| ends.contains(end)));
         found.map(|(_, node)| *node).collect::<Vec<u32>>().into_iter()
+    }
+
+    /// Pairs in the middle between pairs.
+    fn of_pairs(&self, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
+        let second: HashMap<u32, u32> = pairs.iter().map(|&[first, second]| (first, second)).collect();
+        let pair = |(edge, node): &([u32; 2], u32)| {
+            let across = edge.map(|end| second.get(&end).copied());
+            let [Some(a), Some(b)] = across else { return None };
+            Some([*node, self.find([a, b])?])
+        };
+        self.edges.iter().filter_map(pair).collect()
     }
 
     fn tie(&self, tie: &Tie) -> Result<Tie, Error> {

@@ -14,8 +14,8 @@ impl Assembly {
     /// Number of rigid motions that cost no energy: six of each free structure, fewer where supports and springs to the ground
     /// hold it. Mechanisms count too: of two bodies on a hinge one motion more is left.
     ///
-    /// A body is what elements that share nodes form. Ties, couplings, equations and shanks connect bodies; shanks with their
-    /// pretension held.
+    /// A body is what elements that share nodes form. Ties, couplings, equations, shanks and cuts connect bodies; shanks and cuts
+    /// with their overlap held.
     ///
     /// # Errors
     /// As [`Mesh::validate`](crate::mesh::Mesh::validate) and [`DofMap::try_new`]; of shanks without axis.
@@ -95,7 +95,7 @@ impl Motions {
 
         let mut first: BTreeMap<usize, usize> = BTreeMap::new();
         let mut count = 0;
-        let mut of = Vec::with_capacity(3 * nodes.len() + 6 * assembly.couplings.len() + assembly.shanks.len());
+        let mut of = Vec::with_capacity(3 * nodes.len() + 6 * assembly.couplings.len() + assembly.n_pretensions());
         for (node, x) in nodes.iter().enumerate() {
             if !used[node] {
                 // A node alone does not turn.
@@ -125,7 +125,7 @@ impl Motions {
             }
         }
         // Overlaps are held.
-        of.extend(std::iter::repeat_n(Vec::new(), assembly.shanks.len()));
+        of.extend(std::iter::repeat_n(Vec::new(), assembly.n_pretensions()));
         Self { of, count }
     }
 }

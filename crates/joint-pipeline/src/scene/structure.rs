@@ -287,15 +287,53 @@ pub struct Deck {
     pub bolt_hole_clearance: Option<Length>,
 }
 
-/// The two reference nodes that a bolt pulls towards one another: node labels, or sets of one node.
+/// A bolt of a deck. Nodes are named by their labels, or by sets of one node.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged, try_from = "DeckBoltFields")]
+pub enum DeckBolt {
+    /// The two reference nodes that it pulls towards one another.
+    References {
+        /// The one on the side of the top body: tension pulls it in the direction from the top body into the bottom one.
+        top: String,
+        /// The one on the side of the bottom body.
+        bottom: String,
+    },
+    /// A pretension section.
+    Pretension {
+        /// Its node.
+        pretension: String,
+    },
+}
+
+/// A bolt of a deck as files have it: `top` and `bottom`, or `pretension`.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct DeckBolt {
-    /// The one on the side of the top body: tension pulls it in the direction from the top body into the bottom one.
-    pub top: String,
-    /// The one on the side of the bottom body.
-    pub bottom: String,
+struct DeckBoltFields {
+    /// Reference node on the side of the top body: tension pulls it in the direction from the top body into the bottom one.
+    #[serde(default)]
+    top: Option<String>,
+    /// Reference node on the side of the bottom body.
+    #[serde(default)]
+    bottom: Option<String>,
+    /// Node of a pretension section.
+    #[serde(default)]
+    pretension: Option<String>,
+}
+
+impl TryFrom<DeckBoltFields> for DeckBolt {
+    type Error = &'static str;
+
+    fn try_from(fields: DeckBoltFields) -> Result<Self, Self::Error> {
+        match (fields.top, fields.bottom, fields.pretension) {
+            (Some(top), Some(bottom), None) => Ok(Self::References { top, bottom }),
+            (None, None, Some(pretension)) => Ok(Self::Pretension { pretension }),
+            _ => Err(
+                "a bolt has either `top` and `bottom`, two reference nodes, or `pretension`, the node of its pretension section",
+            ),
+        }
+    }
 }
 
 /// Where and in which direction amplitudes are measured.

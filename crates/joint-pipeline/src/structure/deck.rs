@@ -4,7 +4,7 @@ use super::facing::{Facing, Surfaces};
 use crate::Error;
 use crate::joint::quadratic;
 use crate::joint::{Bodies, Joint, MeshedBodies, Sides};
-use crate::scene::{Deck, ElementOrder, Forced, Length, MaterialSource, Model, PointMass, Untied};
+use crate::scene::{Deck, DeckBolt, ElementOrder, Forced, Length, MaterialSource, Model, PointMass, Untied};
 use substructure::formats::abaqus::{self, Choices, DeckModel};
 use substructure::mesh::{BeyondTolerance, Dof, LoadPattern};
 
@@ -69,12 +69,21 @@ pub(super) fn joint(
         .bolts
         .iter()
         .map(|bolt| {
-            let ends = [(deck.reference(&bolt.top)?, 1.0), (deck.reference(&bolt.bottom)?, -1.0)];
+            let (top, bottom) = match bolt {
+                DeckBolt::References { top, bottom } => (top, bottom),
+                DeckBolt::Pretension { pretension } => {
+                    return Ok(LoadPattern {
+                        name: format!("pretension of {pretension}"),
+                        terms: vec![(deck.pretension(pretension)?, 1.0)],
+                    });
+                }
+            };
+            let ends = [(deck.reference(top)?, 1.0), (deck.reference(bottom)?, -1.0)];
             let components = |(reference, sign)| {
                 (0..3_u8).map(move |c| (Dof::Reference(reference, c), sign * normal[usize::from(c)]))
             };
             Ok(LoadPattern {
-                name: format!("{} against {}", bolt.top, bolt.bottom),
+                name: format!("{top} against {bottom}"),
                 terms: ends.into_iter().flat_map(components).collect(),
             })
         })

@@ -159,7 +159,7 @@ pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path, materials: scene:
             .assembly
             .loads
             .iter()
-            .map(|load| scene::DeckBolt {
+            .map(|load| scene::DeckBolt::References {
                 top: end(&load.terms, 1.0),
                 bottom: end(&load.terms, -1.0),
             })

@@ -1,5 +1,6 @@
 //! From a scene's structure to its reduced model.
 
+pub mod bolt;
 mod deck;
 pub mod export;
 mod facing;

@@ -368,6 +368,18 @@ impl Face {
         &self.nodes[..self.face_type.n_corners]
     }
 
+    /// Its nodes with the shares of its area that stand for them (m^2), for `nodes` of the mesh (m): consistent with uniform
+    /// pressure, except that corners of quadrilaterals with eight nodes give their negative shares to the middles beside them.
+    /// Nodes without a share are left out.
+    ///
+    /// # Panics
+    /// If a node does not exist.
+    pub fn areas(&self, nodes: &[[f64; 3]]) -> Vec<(u32, f64)> {
+        let at: Vec<_> = self.nodes().iter().map(|&node| nodes[node as usize].into()).collect();
+        let shares = (self.face_type().node_areas)(&at).into_iter();
+        shares.map(|(local, area)| (self.nodes()[local], area)).collect()
+    }
+
     /// The same face on other nodes: `of` gives the new number of each node.
     ///
     /// # Errors

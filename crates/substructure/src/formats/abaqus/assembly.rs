@@ -1,11 +1,13 @@
 //! From a deck to an assembly.
 
-use super::deck::{AtComponents, Deck, Label, Line, Members};
+use super::deck::{AtComponents, Deck, DeckMaterial, Label, Line, Members};
 use super::model::DeckModel;
 use crate::elements::Formulation;
 use crate::error::{DeckProblem, Error};
-use crate::mesh::{Assembly, BeyondTolerance, Dof, Element, Equation, GroundSpring, LoadPattern, Material, PointMass};
-use std::collections::{BTreeMap, HashMap};
+use crate::mesh::{
+    Assembly, BeyondTolerance, Dof, Element, Equation, GroundSpring, LoadPattern, Material, PointMass, RigidMass,
+};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// What may be chosen otherwise than the deck says.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +40,8 @@ pub(super) struct Roles {
     pub(super) mesh: Vec<Option<u32>>,
     /// First coupling with this reference node, and its released rotations.
     pub(super) references: BTreeMap<u32, (u32, [bool; 3])>,
+    /// Overlaps at pretension sections, by their nodes.
+    pub(super) pretensions: BTreeMap<u32, Dof>,
     /// Which constraint each dependent component follows.
     pub(super) followers: HashMap<(u32, u8), (String, Line)>,
 }
@@ -54,9 +58,11 @@ impl Deck {
     pub fn assembly(&self, choices: &Choices) -> Result<DeckModel, Error> {
         let mut notes = self.notes.clone();
         let mut assembly = Assembly::default();
-        let (mesh, labels) = self.mesh(choices, &mut assembly)?;
+        let (mesh, mut labels) = self.mesh(choices, &mut assembly)?;
         if labels.len() < self.nodes.len() {
-            let references: std::collections::BTreeSet<u32> = self.couplings.iter().map(|c| c.reference).collect();
+            let mut references: BTreeSet<u32> = self.couplings.iter().map(|c| c.reference).collect();
+            references.extend(self.beams.iter().flat_map(|beam| &beam.nodes));
+            references.extend(self.pretensions.iter().map(|pretension| pretension.node));
             let unused =
                 (0..self.nodes.len() as u32).filter(|&n| mesh[n as usize].is_none() && !references.contains(&n));
             match unused.count() {
@@ -67,9 +73,11 @@ impl Deck {
         let mut roles = Roles {
             mesh,
             references: BTreeMap::new(),
+            pretensions: BTreeMap::new(),
             followers: HashMap::new(),
         };
         self.add_couplings(&mut roles, &mut assembly)?;
+        let first_shanks = self.add_beams(&mut roles, choices, &mut assembly)?;
         self.add_links(&mut roles, &mut assembly)?;
         self.add_ties(&mut roles, choices, &mut assembly, &mut notes)?;
         for spring in &self.springs {
@@ -81,13 +89,33 @@ impl Deck {
             });
         }
         for point in &self.masses {
-            assembly.masses.push(PointMass {
-                node: self.mesh_node(&roles, point.node, 0, point.line, "*MASS")?,
-                mass: point.mass,
+            match roles.references.get(&point.node) {
+                Some(&(coupling, _)) => assembly.rigid_masses.push(RigidMass {
+                    coupling,
+                    mass: point.mass,
+                    inertia: [[0.0; 3]; 3],
+                }),
+                None => assembly.masses.push(PointMass {
+                    node: self.mesh_node(&roles, point.node, 0, point.line, "*MASS")?,
+                    mass: point.mass,
+                }),
+            }
+        }
+        for point in &self.inertias {
+            let coupling = match self.dof(&roles, point.node, 3, point.line, "*ROTARY INERTIA")? {
+                Dof::Reference(coupling, _) => coupling,
+                Dof::Node(..) | Dof::Pretension(_) => continue,
+            };
+            assembly.rigid_masses.push(RigidMass {
+                coupling,
+                mass: 0.0,
+                inertia: point.inertia,
             });
         }
+        self.add_pretensions(&mut roles, &first_shanks, &mut assembly, &mut labels)?;
         let mut rotations = 0;
-        assembly.supports = self.dofs(&roles, &self.supports, &mut rotations)?;
+        let supports = self.dofs(&roles, &self.supports, &mut rotations)?;
+        assembly.supports.extend(supports);
         for equation in &self.equations {
             let mut terms = Vec::with_capacity(equation.terms.len());
             for &(node, component, coefficient) in &equation.terms {
@@ -132,12 +160,18 @@ impl Deck {
     ) -> DeckModel {
         let in_mesh = |nodes: &[u32]| nodes.iter().filter_map(|&n| roles.mesh[n as usize]).collect();
         let mut references: BTreeMap<String, u32> = BTreeMap::new();
+        let mut pretensions: BTreeMap<String, Dof> = BTreeMap::new();
         for (name, set) in &self.node_sets {
-            if let [node] = set[..]
-                && let Some(&(coupling, _)) = roles.references.get(&node)
-            {
+            let [node] = set[..] else { continue };
+            if let Some(&(coupling, _)) = roles.references.get(&node) {
                 references.insert(name.clone(), coupling);
             }
+            if let Some(&dof) = roles.pretensions.get(&node) {
+                pretensions.insert(name.clone(), dof);
+            }
+        }
+        for (&node, &dof) in &roles.pretensions {
+            pretensions.insert(self.node_name(node), dof);
         }
         for (&node, &(coupling, _)) in &roles.references {
             references.insert(self.node_name(node), coupling);
@@ -156,7 +190,13 @@ impl Deck {
             ignored: self.ignored.clone(),
             notes,
             instances: self.instances.clone(),
-            nodes: labels.iter().enumerate().map(|(i, &label)| (label, i as u32)).collect(),
+            // The first of those with one label: the others are behind a cut.
+            nodes: labels
+                .iter()
+                .enumerate()
+                .rev()
+                .map(|(i, &label)| (label, i as u32))
+                .collect(),
             labels,
             elements: self.elements.iter().map(|element| element.label).collect(),
             node_sets: self
@@ -167,6 +207,7 @@ impl Deck {
             element_sets: self.element_sets.clone(),
             surfaces,
             references,
+            pretensions,
             assembly,
         }
     }
@@ -191,18 +232,8 @@ impl Deck {
             mesh.materials.push(material.clone());
         } else {
             for (i, material) in self.materials.iter().enumerate().filter(|(i, _)| wanted[*i].is_some()) {
-                let missing = |keyword| {
-                    let name = format!("{keyword} of material {}", material.name);
-                    self.error(material.line, DeckProblem::Undefined { what: "constant", name })
-                };
-                let [youngs_modulus, poisson_ratio] = material.elastic.ok_or_else(|| missing("*ELASTIC"))?;
                 materials[i] = mesh.materials.len() as u16;
-                mesh.materials.push(Material {
-                    name: material.name.clone(),
-                    youngs_modulus,
-                    poisson_ratio,
-                    density: material.density.ok_or_else(|| missing("*DENSITY"))?,
-                });
+                mesh.materials.push(self.material(material)?);
             }
         }
         let (mut index, mut labels) = (vec![None; used.len()], Vec::new());
@@ -222,6 +253,21 @@ impl Deck {
             mesh.elements.push(Element { cell, material });
         }
         Ok((index, labels))
+    }
+
+    /// A material with all constants that it needs.
+    pub(super) fn material(&self, material: &DeckMaterial) -> Result<Material, Error> {
+        let missing = |keyword| {
+            let name = format!("{keyword} of material {}", material.name);
+            self.error(material.line, DeckProblem::Undefined { what: "constant", name })
+        };
+        let [youngs_modulus, poisson_ratio] = material.elastic.ok_or_else(|| missing("*ELASTIC"))?;
+        Ok(Material {
+            name: material.name.clone(),
+            youngs_modulus,
+            poisson_ratio,
+            density: material.density.ok_or_else(|| missing("*DENSITY"))?,
+        })
     }
 
     /// Marks a component of a mesh node as dependent.
@@ -287,6 +333,12 @@ impl Deck {
             };
             Err(self.error(line, problem))
         };
+        if let Some(&overlap) = roles.pretensions.get(&node) {
+            return match component {
+                0 => Ok(overlap),
+                _ => fail("the node of a pretension section has component 1 alone"),
+            };
+        }
         match (roles.references.get(&node), roles.mesh[node as usize]) {
             (Some((_, released)), _) if component >= 3 && released[usize::from(component) - 3] => {
                 fail("the coupling of this reference node leaves that rotation free")
@@ -303,10 +355,11 @@ impl Deck {
         let mut dofs = Vec::with_capacity(supports.len());
         for (&(node, component), &line) in supports {
             let reference = roles.references.get(&node);
-            let absent = match reference {
-                Some((_, released)) => component >= 3 && released[usize::from(component) - 3],
-                None => component >= 3,
-            };
+            let absent = !roles.pretensions.contains_key(&node)
+                && match reference {
+                    Some((_, released)) => component >= 3 && released[usize::from(component) - 3],
+                    None => component >= 3,
+                };
             if absent {
                 *rotations += 1;
                 continue;

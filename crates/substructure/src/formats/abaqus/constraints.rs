@@ -20,6 +20,8 @@ impl Reader<'_> {
             "DISTRIBUTINGCOUPLING" => self.distributing_elements(instance, block),
             "KINEMATICCOUPLING" => self.kinematic_nodes(instance, block),
             "MPC" => self.links(instance, block),
+            "RIGIDBODY" => self.rigid_body(instance, block),
+            "PRETENSIONSECTION" => self.pretension(instance, block),
             _ => self.equations(instance, block),
         }
     }
@@ -93,7 +95,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn reference(&self, instance: u32, block: &Block<'_>) -> Result<u32, Error> {
+    pub(super) fn reference(&self, instance: u32, block: &Block<'_>) -> Result<u32, Error> {
         let text = block.required(self.source, "REFNODE")?;
         self.one_node(instance, &Data { at: block.at, text }, text)
     }
@@ -239,7 +241,7 @@ impl Reader<'_> {
     }
 
     /// Checks a coupling and keeps it.
-    fn close(&mut self, coupling: DeckCoupling) -> Result<(), Error> {
+    pub(super) fn close(&mut self, coupling: DeckCoupling) -> Result<(), Error> {
         let name = excerpt(&coupling.name);
         if coupling.nodes.is_empty() || coupling.kind == DeckCouplingKind::Kinematic([false; 3]) {
             let what = "coupling";

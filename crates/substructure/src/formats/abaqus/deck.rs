@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::elements;
 use crate::error::DeckProblem;
-use crate::mesh::Cell;
+use crate::mesh::{Cell, Section};
 use std::collections::BTreeMap;
 
 /// A line of one of a deck's files.
@@ -46,6 +46,52 @@ pub struct Solid {
     pub material: Option<u16>,
     /// Where it is defined.
     pub line: Line,
+}
+
+/// A beam.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckBeam {
+    /// Its name.
+    pub label: Label,
+    /// Indices into [`Deck::nodes`], two or three, one behind the other.
+    pub nodes: Vec<u32>,
+    /// Its section, if it has one.
+    pub section: Option<DeckBeamSection>,
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// Section of a beam.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeckBeamSection {
+    /// Shape and sizes (m).
+    pub shape: Section,
+    /// Index into [`Deck::materials`].
+    pub material: u16,
+    /// Direction of the first local axis.
+    pub first: [f64; 3],
+}
+
+/// A pretension section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckPretension {
+    /// The node whose first component is the overlap at the section: index into [`Deck::nodes`].
+    pub node: u32,
+    /// What is cut.
+    pub through: PretensionOf,
+    /// Direction along which it is cut; by default that of the beam, or the mean normal of the surface.
+    pub direction: Option<[f64; 3]>,
+    /// Where it is defined.
+    pub line: Line,
+}
+
+/// What a pretension section cuts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PretensionOf {
+    /// A beam: index into [`Deck::beams`].
+    Beam(u32),
+    /// Solids at a surface of faces, named in [`Deck::surfaces`]. The direction points away from the elements of the faces.
+    Surface(String),
 }
 
 /// A surface.
@@ -175,6 +221,17 @@ pub struct DeckMass {
     pub line: Line,
 }
 
+/// Inertia of rotation at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeckInertia {
+    /// Node: index into [`Deck::nodes`].
+    pub node: u32,
+    /// About the node in global axes (kg m^2).
+    pub inertia: [[f64; 3]; 3],
+    /// Where it is given.
+    pub line: Line,
+}
+
 /// Values at nodes (indices into [`Deck::nodes`]) and components 0..6.
 pub type AtComponents<T> = BTreeMap<(u32, u8), T>;
 
@@ -237,6 +294,12 @@ pub struct Deck {
     pub springs: Vec<DeckSpring>,
     /// Masses at nodes.
     pub masses: Vec<DeckMass>,
+    /// Inertia of rotation at nodes.
+    pub inertias: Vec<DeckInertia>,
+    /// Beams.
+    pub beams: Vec<DeckBeam>,
+    /// Pretension sections.
+    pub pretensions: Vec<DeckPretension>,
     /// Ties.
     pub ties: Vec<DeckTie>,
     /// Couplings.

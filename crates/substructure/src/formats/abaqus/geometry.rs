@@ -1,6 +1,6 @@
 //! Nodes, elements, sets and surfaces.
 
-use super::deck::{Label, Line, Members, Node, Solid, Surface};
+use super::deck::{DeckBeam, Label, Line, Members, Node, Solid, Surface};
 use super::facets::{self, Facet};
 use super::keywords::Extent;
 use super::reader::{Point, Reader};
@@ -20,6 +20,8 @@ enum Kind {
     Facet(usize, usize),
     /// An element of which no nodes are kept.
     Unread,
+    /// A beam of so many nodes.
+    Beam(usize),
 }
 
 impl Kind {
@@ -29,6 +31,7 @@ impl Kind {
             Self::Point(_) => 1,
             Self::Facet(n_nodes, _) => n_nodes,
             Self::Unread => 0,
+            Self::Beam(count) => count,
         }
     }
 }
@@ -156,6 +159,9 @@ impl Reader<'_> {
             "MASS" => Ok(Kind::Point(Point::Mass)),
             "SPRING1" => Ok(Kind::Point(Point::Spring)),
             "DCOUP3D" => Ok(Kind::Point(Point::Coupling)),
+            "ROTARYI" => Ok(Kind::Point(Point::RotaryInertia)),
+            "B31" | "B31R" if !of_mesh => Ok(Kind::Beam(2)),
+            "B32" | "B32R" if !of_mesh => Ok(Kind::Beam(3)),
             _ => elements::from_abaqus(&name)
                 .or_else(|| of_mesh.then(|| variant(&name))?)
                 .map(|(row, formulation)| Kind::Solid(row, formulation))
@@ -183,8 +189,12 @@ impl Reader<'_> {
             self.refuse_known(line.at, label)?;
             let (row, formulation) = match kind {
                 Kind::Solid(row, formulation) => (row, formulation),
-                Kind::Point(point) => {
-                    self.points.insert(label, (point, nodes[0], line.at));
+                Kind::Point(_) | Kind::Beam(_) => {
+                    let point = match kind {
+                        Kind::Point(point) => (point, nodes[0], line.at),
+                        _ => (Point::Beam, self.add_beam(label, nodes, line)?, line.at),
+                    };
+                    self.points.insert(label, point);
                     if let Some(set) = &set {
                         self.point_sets.entry(set.clone()).or_default().push(label);
                     }
@@ -271,6 +281,22 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Adds a beam; returns its number.
+    fn add_beam(&mut self, label: Label, nodes: Vec<u32>, line: &Data<'_>) -> Result<u32, Error> {
+        let same = |pair: &&[u32]| self.deck.nodes[pair[0] as usize].at == self.deck.nodes[pair[1] as usize].at;
+        if let Some(pair) = nodes.windows(2).find(same) {
+            let node = self.deck.node_name(pair[1]);
+            return Err(line.invalid(self.source, "nodes of the beam", &node, "at different positions"));
+        }
+        self.deck.beams.push(DeckBeam {
+            label,
+            nodes,
+            section: None,
+            line: line.at,
+        });
+        Ok(self.deck.beams.len() as u32 - 1)
+    }
+
     /// Label and nodes of an element, whose lines continue while they end in a comma.
     fn element_line<'t>(
         &self,
@@ -346,7 +372,8 @@ impl Reader<'_> {
         for line in &block.data {
             if block.flag("GENERATE") {
                 let before = members.len() + facets.len();
-                self.generate(instance, line, of_nodes, &mut members, &mut facets)?;
+                let set = (!of_nodes).then_some(name.as_str());
+                self.generate(instance, line, set, &mut members, &mut facets)?;
                 self.spend(members.len() + facets.len() - before, line.at)?;
                 continue;
             }
@@ -381,12 +408,13 @@ impl Reader<'_> {
         }
     }
 
-    /// Members of a generated set, all of which must exist.
+    /// Members of a generated set, all of which must exist; in one of elements those that are no solids go to the set of that
+    /// name.
     fn generate(
-        &self,
+        &mut self,
         instance: u32,
         line: &Data<'_>,
-        of_nodes: bool,
+        element_set: Option<&str>,
         members: &mut Vec<u32>,
         facets: &mut Vec<u32>,
     ) -> Result<(), Error> {
@@ -407,13 +435,17 @@ impl Reader<'_> {
         }
         for number in (first..=last).step_by(step as usize) {
             let label = Label { instance, number };
-            let (index, what) = match of_nodes {
-                true => (&self.nodes, "node"),
-                false => (&self.elements, "element"),
+            if let Some(set) = element_set.filter(|_| self.points.contains_key(&label)) {
+                self.point_sets.entry(set.to_owned()).or_default().push(label);
+                continue;
+            }
+            let (index, what) = match element_set {
+                None => (&self.nodes, "node"),
+                Some(_) => (&self.elements, "element"),
             };
             match (index.get(&label), self.facets.index.get(&label)) {
                 (Some(&member), _) => members.push(member),
-                (None, Some(&facet)) if !of_nodes => facets.push(facet),
+                (None, Some(&facet)) if element_set.is_some() => facets.push(facet),
                 _ => return Err(self.undefined(line.at, what, &self.deck.name(label))),
             }
         }
@@ -473,7 +505,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The `MASS`, `SPRING1` or `DCOUP3D` element with this label.
+    /// The element with this label that is no solid.
     fn point(&self, instance: u32, line: &Data<'_>, text: &str) -> Option<Label> {
         let number = line.label(self.source, "element", text).ok()?;
         let label = Label { instance, number };
@@ -481,7 +513,12 @@ impl Reader<'_> {
     }
 
     /// The element with this label, or the elements of this set: solids, and those that are none.
-    fn element_list(&self, instance: u32, line: &Data<'_>, text: &str) -> Result<(Vec<u32>, Vec<u32>), Error> {
+    pub(super) fn element_list(
+        &self,
+        instance: u32,
+        line: &Data<'_>,
+        text: &str,
+    ) -> Result<(Vec<u32>, Vec<u32>), Error> {
         let (scope, rest) = self.scope(instance, text);
         if !rest.is_empty() && rest.bytes().all(|c| c.is_ascii_digit()) {
             let label = Label {

@@ -71,9 +71,9 @@ pub(super) fn fate(key: &str) -> Fate {
         "NSET" | "ELSET" => Read(Phase::Sets),
         "SURFACE" => Read(Phase::Surfaces),
         "MATERIAL" | "ELASTIC" | "DENSITY" => Read(Phase::Materials),
-        "SOLIDSECTION" | "SPRING" | "MASS" => Read(Phase::Properties),
+        "SOLIDSECTION" | "BEAMSECTION" | "SPRING" | "MASS" | "ROTARYINERTIA" => Read(Phase::Properties),
         "TIE" | "COUPLING" | "DISTRIBUTING" | "KINEMATIC" | "DISTRIBUTINGCOUPLING" | "KINEMATICCOUPLING"
-        | "EQUATION" | "MPC" => Read(Phase::Constraints),
+        | "EQUATION" | "MPC" | "RIGIDBODY" | "PRETENSIONSECTION" => Read(Phase::Constraints),
         "BOUNDARY" | "CLOAD" | "STEP" | "ENDSTEP" | "SUBSTRUCTURELOADCASE" | "LOADCASE" | "ENDLOADCASE" => {
             Read(Phase::History)
         }
@@ -93,20 +93,21 @@ pub(super) fn fate(key: &str) -> Fate {
         | "SURFACEBEHAVIOR" | "FRICTION" | "CONTACTDAMPING" | "CONTACTCONTROLS" | "CLEARANCE" | "GAP" => {
             Refused("remove contact from the deck and give the joint analysis the names of the two surfaces")
         }
-        "ROTARYINERTIA" | "POINTMASS" | "NONSTRUCTURALMASS" => {
+        "POINTMASS" | "NONSTRUCTURALMASS" => {
             Refused("model the mass by solid elements with a density, or by *MASS of elements of type MASS")
         }
         "TRANSFORM" => Refused("give supports, loads and equations in global axes"),
         "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" | "PARAMETER" => {
             Refused("let the preprocessor write all nodes and elements out")
         }
-        "RIGIDBODY" => Refused("use *COUPLING with *KINEMATIC"),
-        "PRETENSIONSECTION" => Refused("load the bolt by *CLOAD at the reference nodes of two couplings"),
         "DLOAD" | "DSLOAD" | "TEMPERATURE" | "INITIALCONDITIONS" => {
             Refused("only concentrated loads (*CLOAD) are read; remove it, or load a coupling's reference node")
         }
-        "SHELLSECTION" | "BEAMSECTION" | "BEAMGENERALSECTION" | "MEMBRANESECTION" | "COHESIVESECTION" => {
-            Refused("only solid elements with *SOLID SECTION are supported")
+        "SHELLSECTION" | "BEAMGENERALSECTION" | "MEMBRANESECTION" | "COHESIVESECTION" => {
+            Refused("only solids with *SOLID SECTION and beams with *BEAM SECTION (CIRC or RECT) are supported")
+        }
+        "NORMAL" | "TRANSVERSESHEARSTIFFNESS" => {
+            Refused("the direction of a beam is that of its *BEAM SECTION, and its shear stiffness that of its section; remove it")
         }
         "DASHPOT" | "DAMPING" => Refused("the model is undamped; damping comes from the joint analysis"),
         "SECTIONCONTROLS" | "HOURGLASSSTIFFNESS" => {

@@ -7,12 +7,15 @@
 //! | keyword | read as |
 //! |---|---|
 //! | `*NODE`, `*SYSTEM` | global coordinates; rectangular, cylindrical or spherical |
-//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I`, `C3D8R`, `C3D20`, `C3D20R`, `C3D4`, `C3D10`, `C3D6`, `C3D15`; `MASS`, `SPRING1`, `DCOUP3D` |
+//! | `*ELEMENT` | `C3D8` (B-bar), `C3D8I`, `C3D8R`, `C3D20`, `C3D20R`, `C3D4`, `C3D10`, `C3D6`, `C3D15`; `B31`, `B32`; `MASS`, `ROTARYI`, `SPRING1`, `DCOUP3D` |
 //! | `*PART`, `*INSTANCE`, `*ASSEMBLY` | copies, moved, then turned; names become `INSTANCE.NAME` and `INSTANCE.12` |
 //! | `*NSET`, `*ELSET`, `*SURFACE` | sets (listed, generated, nested); element faces `S1`-`S6`, or nodes with weights |
 //! | `*MATERIAL`, `*ELASTIC`, `*DENSITY`, `*SOLID SECTION` | isotropic, at one temperature |
 //! | `*SPRING` | of `SPRING1`: to the ground |
-//! | `*MASS` | of `MASS`: at a node, in all three directions |
+//! | `*BEAM SECTION` | `CIRC` and `RECT` of `B31` and `B32`: shanks between nodes, which gain rotations |
+//! | `*MASS`, `*ROTARY INERTIA` | of `MASS` and `ROTARYI`: at a node; inertia of rotation where the node has rotations |
+//! | `*RIGID BODY` | of a node or element set: kinematic coupling of its reference node |
+//! | `*PRE-TENSION SECTION` | of a beam or of a surface through solids: the overlap at a cut, loaded by `*CLOAD` on component 1 of its node |
 //! | `*TIE` | slave nodes on master faces (node to surface, whatever `TYPE` says) |
 //! | `*COUPLING` with `*DISTRIBUTING` or `*KINEMATIC`; `*DISTRIBUTING COUPLING`, `*KINEMATIC COUPLING` | couplings |
 //! | `*EQUATION`, `*MPC` (`BEAM`, `LINK`, `PIN`, `TIE`) | equations, rigid links |
@@ -38,6 +41,14 @@
 //! to the two middles beside it. On node surfaces it is the second entry of the data line, or one. With
 //! `COUPLING=STRUCTURAL` Abaqus also averages nodal rotations; solids have none, so that it makes no difference here.
 //!
+//! **Beams.** A beam is a [`Shank`](crate::mesh::Shank); `B32` is two of them, which is exact for loads at its nodes. Without a pretension
+//! section its overlap is held. Both codes name circles `CIRC`, with one entry, the radius, in Abaqus, and two, the diameters, in
+//! CalculiX; the number of entries decides. A beam that ends at a node of a solid is hinged there, as in Abaqus:
+//! the node gains rotations that only the beam resists.
+//!
+//! **Pretension sections.** A load on the node is tension, and zero displacement of it holds the section together, as in both codes.
+//! The overlap of a beam holds its own elongation, as in Abaqus; CalculiX takes the beam to be rigid along its axis.
+//!
 //! **Tolerance of ties.** Without `POSITION TOLERANCE`, slaves are tied within 5 % of the typical element size in the
 //! master surface, as in Abaqus; the size is taken to be the mean length of the edges of its faces. Slaves beyond stay
 //! free.
@@ -45,6 +56,7 @@
 //! Sources of the formats: the keyword guides of Abaqus (6.6 to 2024) and CalculiX.
 
 mod assembly;
+mod beams;
 mod connections;
 mod constraints;
 mod deck;
@@ -63,8 +75,9 @@ mod write;
 
 pub use assembly::Choices;
 pub use deck::{
-    AtComponents, Deck, DeckCoupling, DeckCouplingKind, DeckEquation, DeckMass, DeckMaterial, DeckSpring, DeckTie,
-    Ignored, Label, Line, Link, LinkKind, LoadCase, Members, Node, Solid, Step, Surface,
+    AtComponents, Deck, DeckBeam, DeckBeamSection, DeckCoupling, DeckCouplingKind, DeckEquation, DeckInertia, DeckMass,
+    DeckMaterial, DeckPretension, DeckSpring, DeckTie, Ignored, Label, Line, Link, LinkKind, LoadCase, Members, Node,
+    PretensionOf, Solid, Step, Surface,
 };
 pub use model::DeckModel;
 pub use text::Includes;

@@ -24,6 +24,7 @@ pub struct DeckModel {
     pub(super) element_sets: BTreeMap<String, Vec<u32>>,
     pub(super) surfaces: BTreeMap<String, Vec<Face>>,
     pub(super) references: BTreeMap<String, u32>,
+    pub(super) pretensions: BTreeMap<String, Dof>,
 }
 
 impl DeckModel {
@@ -96,6 +97,14 @@ impl DeckModel {
     /// [`Error::NotInDeck`].
     pub fn reference(&self, name: &str) -> Result<u32, Error> {
         look_up(&self.references, "reference node", name).copied()
+    }
+
+    /// The overlap at the pretension section of a node, given by its label or by a set that holds it alone.
+    ///
+    /// # Errors
+    /// [`Error::NotInDeck`].
+    pub fn pretension(&self, name: &str) -> Result<Dof, Error> {
+        look_up(&self.pretensions, "node of a pretension section", name).copied()
     }
 
     /// Index in [`Assembly::loads`] of the loads of `step` or `step/case`.

@@ -52,7 +52,7 @@ pub(super) fn read(source: &Source, extent: Extent) -> Result<Reader<'_>, Error>
         .filter(|(label, _)| !reader.used_points.contains(*label));
     if let Some((label, (.., line))) = idle.min_by_key(|(label, _)| **label) {
         let name = reader.deck.name(*label);
-        let what = "*MASS, *SPRING or *DISTRIBUTING COUPLING of element";
+        let what = "*MASS, *ROTARY INERTIA, *SPRING, *BEAM SECTION or *DISTRIBUTING COUPLING of element";
         return Err(reader.undefined(*line, what, &name));
     }
     Ok(reader)

@@ -10,6 +10,8 @@ impl Reader<'_> {
         match block.key.as_str() {
             "SPRING" => self.spring(instance, block),
             "MASS" => self.mass(instance, block),
+            "ROTARYINERTIA" => self.rotary_inertia(instance, block),
+            "BEAMSECTION" => self.beam_section(instance, block),
             _ => self.section(instance, block),
         }
     }
@@ -74,9 +76,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn section(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
-        block.allow(self.source, &["ELSET", "MATERIAL"])?;
-        let set = self.full_name(instance, block.required(self.source, "ELSET")?);
+    /// Index of the material that a section names.
+    pub(super) fn material_index(&self, block: &Block<'_>) -> Result<u16, Error> {
         let name = block.required(self.source, "MATERIAL")?;
         let found = self
             .deck
@@ -86,16 +87,22 @@ impl Reader<'_> {
         let Some(material) = found else {
             return Err(self.undefined(block.at, "material", name));
         };
-        let Ok(index) = u16::try_from(material) else {
-            return Err(self.error(
+        u16::try_from(material).map_err(|_| {
+            self.error(
                 block.at,
                 DeckProblem::Count {
                     what: "materials".into(),
                     found: material,
                     expected: usize::from(u16::MAX),
                 },
-            ));
-        };
+            )
+        })
+    }
+
+    fn section(&mut self, instance: u32, block: &Block<'_>) -> Result<(), Error> {
+        block.allow(self.source, &["ELSET", "MATERIAL"])?;
+        let set = self.full_name(instance, block.required(self.source, "ELSET")?);
+        let index = self.material_index(block)?;
         if self.facets.sets.contains_key(&set) {
             return Err(self.refused(
                 block,
@@ -188,7 +195,7 @@ impl Reader<'_> {
 
     /// Nodes of the elements in the set of a block, all of one kind, which are in use from now on. `names` are those of
     /// the set and of an element in messages.
-    fn take_up(
+    pub(super) fn take_up(
         &mut self,
         instance: u32,
         block: &Block<'_>,

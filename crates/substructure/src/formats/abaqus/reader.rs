@@ -21,7 +21,7 @@ pub(super) struct Reader<'a> {
     instances: HashMap<String, u32>,
     /// Where each instance stands, and is defined.
     pub(super) frames: Vec<(Isometry3<f64>, Line)>,
-    /// `MASS`, `SPRING1` and `DCOUP3D`: element label to node, and the line.
+    /// Elements that are no solids: label to node, and the line.
     pub(super) points: HashMap<Label, (Point, u32, Line)>,
     /// Those that a `*MASS`, a `*SPRING` or a coupling has taken up.
     pub(super) used_points: HashSet<Label>,
@@ -50,6 +50,9 @@ pub(super) enum Point {
     Mass,
     Spring,
     Coupling,
+    RotaryInertia,
+    /// An element of several nodes: its number among [`Deck::beams`] is in the place of the node.
+    Beam,
 }
 
 impl<'a> Reader<'a> {

@@ -19,7 +19,7 @@ const ENTRIES: usize = 16;
 /// [`crate::mesh::BeyondTolerance`] has no keyword: both codes leave such slaves free.
 ///
 /// # Errors
-/// [`Error::NotWritable`] for shanks and rigid masses, elements without a name in decks ([`crate::elements::ElementType::formulations`]), faces that are no element's, components and nodes
+/// [`Error::NotWritable`] for shanks, cuts and rigid masses, elements without a name in decks ([`crate::elements::ElementType::formulations`]), faces that are no element's, components and nodes
 /// that do not exist; [`Error::NotFinite`]; errors of [`crate::mesh::Mesh::validate`].
 pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u32>]) -> Result<String, Error> {
     let mut deck = Writer {
@@ -30,6 +30,12 @@ pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u
     assembly.mesh.validate()?;
     if let Some(shank) = assembly.shanks.first() {
         return refuse(format!("shank `{}`", shank.name), PRETENSION);
+    }
+    if let Some(cut) = assembly.cuts.first() {
+        return refuse(
+            format!("cut `{}`", cut.name),
+            "write the deck of the uncut bolt, and add *PRE-TENSION SECTION to it",
+        );
     }
     if !assembly.rigid_masses.is_empty() {
         return refuse(
