@@ -5,7 +5,9 @@ use reduction::{Error, InterfacePairs, ReducedModel, RelativeSystem, Settings, c
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
 use substructure::elements::Formulation;
-use substructure::mesh::{Assembly, Cell, Dof, Element, LoadPattern, Material, Mesh};
+use substructure::mesh::{
+    Assembly, Cell, Coupling, CouplingKind, Dof, Element, LoadPattern, Material, Mesh, Section, Shank,
+};
 use substructure::sparse::{numbering, submatrix};
 
 struct Lap {
@@ -572,6 +574,76 @@ fn statics_of_the_locked_model_are_those_of_the_locked_system() {
     // Stuck modes, also of the locked structure: the first follow from 8 modes and two attachment modes.
     for (a, b) in direct.stuck_frequencies.iter().zip(&locked.stuck_frequencies).take(4) {
         assert!(b / a > 1.0 - 1e-8 && b / a < 1.001, "{a} {b}");
+    }
+}
+
+/// The lap with two bolts of 6 mm between rigid patches of 10 x 10 mm on the outer faces.
+fn with_shanks() -> Lap {
+    let mut lap = lap();
+    let assembly = &mut lap.assembly;
+    assembly.loads.clear();
+    for (bolt, i) in (0..).zip([3, 7]) {
+        let patch = |first: u32, i: u32, k: u32| Coupling {
+            name: format!("bolt {bolt}"),
+            reference: assembly.mesh.nodes[(first + node(i, 2, k)) as usize],
+            nodes: (1..4)
+                .flat_map(|j| (i - 1..=i + 1).map(move |i| first + node(i, j, k)))
+                .collect(),
+            kind: CouplingKind::Kinematic([true; 3]),
+        };
+        let ends = [patch(260, i, 3), patch(0, i + 4, 0)];
+        let at = [ends[0].reference, ends[1].reference];
+        assembly.couplings.extend(ends);
+        let material = &assembly.mesh.materials[0];
+        let section = Section::Circle(0.006);
+        let shank = Shank::uniform(
+            format!("bolt {bolt}"),
+            [2 * bolt, 2 * bolt + 1],
+            at,
+            section,
+            material,
+            [1.0, 0.0, 0.0],
+        );
+        assembly.shanks.push(shank);
+        assembly.loads.push(LoadPattern {
+            name: format!("bolt {bolt}"),
+            terms: vec![(Dof::Pretension(bolt), 1.0)],
+        });
+    }
+    lap
+}
+
+#[test]
+fn a_locked_shank_is_one_whose_overlap_is_held() {
+    let lap_of_shanks = with_shanks();
+    let (_, loaded) = relative(&lap_of_shanks);
+    let mut held = with_shanks();
+    held.assembly.loads.clear();
+    held.assembly.supports = vec![Dof::Pretension(0), Dof::Pretension(1)];
+    assert_eq!(held.assembly.rigid_motions().unwrap(), 6);
+    let (_, held) = relative(&held);
+    let penalty = diagonal(&vec![1e6; loaded.n_relative]);
+    let frequencies = |of: &RelativeSystem| checks::full_frequencies(of, Some(&penalty), 10, 1e-8).unwrap();
+    let (zero, expected) = frequencies(&held);
+    assert_eq!(zero, 6);
+    let locked = loaded.locked().unwrap();
+    assert_eq!(locked.stiffness.rows(), held.stiffness.rows());
+    for (a, b) in expected.iter().zip(frequencies(&locked).1) {
+        assert!((b / a - 1.0).abs() < 1e-8, "{a} {b}");
+    }
+    // At constant tension the axial stiffness does not act.
+    let free = frequencies(&loaded).1;
+    assert!(
+        expected.iter().zip(&free).any(|(a, b)| a / b > 1.001),
+        "{expected:?} {free:?}"
+    );
+    let reduced = reduce(&loaded, &[], attached(60), &mut |_, _| {}).unwrap();
+    let of = |model: &ReducedModel| checks::reduced_spectrum(model, &penalty, 4).unwrap().frequencies;
+    for (found, full) in [(of(&reduced), &free), (of(&reduced.locked().unwrap()), &expected)] {
+        for (a, b) in full.iter().zip(found) {
+            println!("{a:.2} {b:.2}");
+            assert!(b / a > 1.0 - 1e-8 && b / a < 1.0 + 5e-3, "{a} {b}");
+        }
     }
 }
 

@@ -493,10 +493,18 @@ fn masses_at_nodes_are_read() {
         &["property of element", "901"],
     );
     assert_defect(
-        &text.replace("903, 7", "903, 100"),
+        &text.replace("903, 7", "903, 101"),
         "*MASS, ELSET=ONE",
-        &["100", "no element"],
+        &["101", "no element"],
     );
+    // At the reference node of a coupling it moves with the mean of the cloud.
+    assembly = model(&text.replace("903, 7", "903, 100")).unwrap().assembly;
+    assert_eq!((assembly.masses.len(), assembly.rigid_masses.len()), (2, 1));
+    assert_eq!(
+        (assembly.rigid_masses[0].coupling, assembly.rigid_masses[0].mass),
+        (0, 0.625)
+    );
+    assert!((mass(&assembly) - mass(&bare) - 0.6266).abs() < 1e-12 * mass(&bare));
 }
 
 #[test]

@@ -462,8 +462,8 @@ fn what_is_no_shank_is_refused_by_name() {
     assert!(refused(&|a| a.shanks[0].mass = -1.0).contains("not negative"));
     assert!(refused(&|a| a.shanks[0].transverse = [0.0, 0.0, 2.0]).contains("deflection"));
     assert!(refused(&|a| a.shanks[0].transverse = [f64::NAN; 3]).contains("deflection"));
-    assert!(refused(&|a| a.supports.push(Dof::Pretension(3))).contains("shank 3"));
-    assert!(refused(&|a| a.loads.push(load(Dof::Pretension(1)))).contains("shank 1"));
+    assert!(refused(&|a| a.supports.push(Dof::Pretension(3))).contains("pretension 3"));
+    assert!(refused(&|a| a.loads.push(load(Dof::Pretension(1)))).contains("pretension 1"));
     let body = RigidMass {
         coupling: 1,
         mass: 1.0,

@@ -21,7 +21,7 @@ impl Reader<'_> {
             "KINEMATICCOUPLING" => self.kinematic_nodes(instance, block),
             "MPC" => self.links(instance, block),
             "RIGIDBODY" => self.rigid_body(instance, block),
-            "PRETENSIONSECTION" => self.pretension(instance, block),
+            "PRE-TENSIONSECTION" => self.pretension(instance, block),
             _ => self.equations(instance, block),
         }
     }

@@ -73,7 +73,7 @@ pub(super) fn fate(key: &str) -> Fate {
         "MATERIAL" | "ELASTIC" | "DENSITY" => Read(Phase::Materials),
         "SOLIDSECTION" | "BEAMSECTION" | "SPRING" | "MASS" | "ROTARYINERTIA" => Read(Phase::Properties),
         "TIE" | "COUPLING" | "DISTRIBUTING" | "KINEMATIC" | "DISTRIBUTINGCOUPLING" | "KINEMATICCOUPLING"
-        | "EQUATION" | "MPC" | "RIGIDBODY" | "PRETENSIONSECTION" => Read(Phase::Constraints),
+        | "EQUATION" | "MPC" | "RIGIDBODY" | "PRE-TENSIONSECTION" => Read(Phase::Constraints),
         "BOUNDARY" | "CLOAD" | "STEP" | "ENDSTEP" | "SUBSTRUCTURELOADCASE" | "LOADCASE" | "ENDLOADCASE" => {
             Read(Phase::History)
         }
