@@ -382,7 +382,7 @@ fn defects_of_bolts_name_their_lines() {
         (
             [
                 "*BOUNDARY",
-                "*NODE\n99, 0., 0., 9.\n*NSET, NSET=N\n53, 54\n*RIGID BODY, NSET=N, REF NODE=99\n*BOUNDARY",
+                "*NODE\n99, 0., 0., 9.\n*NSET, NSET=N\n65, 66\n*RIGID BODY, NSET=N, REF NODE=99\n*BOUNDARY",
             ],
             "*PRE-TENSION",
             "no tie",
@@ -404,4 +404,27 @@ fn loads_may_be_named_by_pretension_nodes() {
     assert_eq!(System::try_new(&found.assembly).unwrap().loads.len(), 1);
     let error = found.pretension("21").unwrap_err().to_string();
     assert!(error.contains("pretension section") && error.contains("30"), "{error}");
+}
+
+#[test]
+fn damaged_bolts_give_errors_and_no_panic() {
+    let fragments: [&[u8]; 7] = [b"*", b",", b"-", b"0.", b"1e300", b"RECT", b"22"];
+    let mut damage = test_support::Damage::new(11, &fragments);
+    let (mut read, mut refused) = (0, 0);
+    for original in [COLUMN, YOKE] {
+        for _ in 0..2000 {
+            let text = damage.of(original.as_bytes());
+            let built = model(&String::from_utf8_lossy(&text))
+                .and_then(|model| Ok((System::try_new(&model.assembly)?, model.assembly.rigid_motions()?)));
+            match built {
+                Ok((system, _)) => {
+                    read += 1;
+                    assert!(system.stiffness.data().iter().all(|entry| !entry.is_nan()));
+                }
+                Err(_) => refused += 1,
+            }
+        }
+    }
+    println!("{read} read, {refused} refused");
+    assert!(read > 100 && refused > 1000, "{read} {refused}");
 }
