@@ -167,6 +167,10 @@ fn spectrum(structure: &Structure) -> Spectrum {
 }
 
 fn compare(a: &Spectrum, b: &Spectrum, bound: f64, about: &str) {
+    println!(
+        "{about}: {:?} {:?} {:?} {:?}",
+        a.stuck.frequencies_hz, b.stuck.frequencies_hz, a.with_linear.frequencies_hz, b.with_linear.frequencies_hz
+    );
     for (a, b) in [(&a.stuck, &b.stuck), (&a.with_linear, &b.with_linear)] {
         assert_eq!((a.zero_energy_modes, b.zero_energy_modes), (6, 6), "{about}");
         for (f, g) in a.frequencies_hz.iter().zip(&b.frequencies_hz) {
@@ -246,6 +250,38 @@ fn place_names_and_numbers_do_not_matter() {
         &written(&turned),
         json!({ "top": "upper face", "bottom": "lower face", "along": along }),
     );
+    for count in [4, 6, 8, 12] {
+        println!(
+            "unstressed {count}: {:?}",
+            found
+                .frequencies(
+                    LinearInterface {
+                        normal_stiffness: 4e13,
+                        tangential_stiffness: 3e13,
+                        points_per_direction: 2
+                    },
+                    |_| false,
+                    count
+                )
+                .map(|f| f.zero_energy_modes)
+                .map_err(|e| e.to_string())
+        );
+        println!(
+            "linear {count}: {:?}",
+            found
+                .frequencies(
+                    LinearInterface {
+                        normal_stiffness: 4e13,
+                        tangential_stiffness: 3e13,
+                        points_per_direction: 2
+                    },
+                    |_| true,
+                    count
+                )
+                .map(|f| f.zero_energy_modes)
+                .map_err(|e| e.to_string())
+        );
+    }
     compare(&spectrum(&found), &reference, 1e-9, "turned");
     // Nodes in the opposite order.
     let mut renumbered = lap([22, 5, 2], [25, 6, 2]);
@@ -269,8 +305,8 @@ fn backbone(run: &Run) -> Vec<[f64; 2]> {
     let points = run.amplitudes().iter();
     points
         .map(|amplitude| {
-            let point = &amplitude.point;
-            [point.frequency, point.damping_ratio]
+            let found = amplitude.point.result.as_ref().expect("converged");
+            [found.omega, found.zeta]
         })
         .collect()
 }

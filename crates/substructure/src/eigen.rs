@@ -21,6 +21,9 @@ const MASSLESS: f64 = 1e-13;
 /// Vectors advanced together: more cost little, because each solve reads the whole factor.
 const BLOCK: usize = 8;
 
+/// Most vectors of a subspace, relative to the number of modes.
+const MOST_VECTORS: usize = 20;
+
 /// Modes of `K phi = omega^2 M phi` in ascending order.
 #[derive(Clone, Debug)]
 pub struct Modes {
@@ -88,10 +91,51 @@ pub fn lowest_modes(
     }
     let sigma = shift(stiffness, mass);
     let factor = SparseCholesky::try_new(&sum(stiffness, sigma, mass), positions, "shifted stiffness")?;
+    // The estimate of what has converged within a subspace may be too good. Then a larger one is needed.
+    let mut least = 0;
+    loop {
+        let found = subspace(stiffness, mass, (&factor, sigma), n_elastic, tolerance, least)?;
+        let wanted = n_elastic.min(found.modes.eigenvalues.len() - found.modes.n_zero);
+        if found.converged >= wanted {
+            return Ok(found.modes);
+        }
+        let next = found.vectors + 6 * BLOCK;
+        if next > n.min(MOST_VECTORS * (n_elastic + 8)) {
+            return Err(Error::EigenNotConverged {
+                converged: found.converged,
+                wanted: n_elastic,
+                tolerance,
+                vectors: found.vectors,
+                worst: found.modes.residual,
+            });
+        }
+        least = next;
+    }
+}
+
+/// Modes from one subspace.
+struct Found {
+    modes: Modes,
+    /// Size of the subspace.
+    vectors: usize,
+    /// Modes that store energy and whose residual is within the tolerance.
+    converged: usize,
+}
+
+/// As [`lowest_modes`], from a subspace of `least` vectors at least, whatever their residuals.
+fn subspace(
+    stiffness: &CsMat<f64>,
+    mass: &CsMat<f64>,
+    (factor, sigma): (&SparseCholesky, f64),
+    n_elastic: usize,
+    tolerance: f64,
+    least: usize,
+) -> Result<Found, Error> {
+    let n = stiffness.rows();
     // Room for the usual six rigid motions and a few mechanisms; more, if more turn up.
     let mut wanted = (n_elastic + 8).min(n);
     let (eigenvalues, shapes, n_zero, vectors) = loop {
-        let (vectors, basis) = krylov_basis(mass, &factor, wanted, tolerance)?;
+        let (vectors, basis) = krylov_basis(mass, factor, wanted, least, tolerance)?;
         let (eigenvalues, shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
         let n_zero = count_zero(&eigenvalues, 1e-4 * sigma);
         if n_zero + n_elastic <= eigenvalues.len() || wanted == n {
@@ -110,27 +154,22 @@ pub fn lowest_modes(
     }
     // Plain lengths would count the round-off of the stiffest components most, which move the least: with nearly
     // incompressible material they would never be small.
-    let (residual_lengths, momentum_lengths) = (lengths(&factor, residual), lengths(&factor, momentum));
+    let (residual_lengths, momentum_lengths) = (lengths(factor, residual), lengths(factor, momentum));
     let (mut worst, mut converged) = (0.0_f64, 0);
     for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
         let relative = residual_lengths[mode] / ((w2 + sigma) * momentum_lengths[mode]);
         worst = worst.max(relative);
         converged += usize::from(relative <= tolerance);
     }
-    if converged < n_elastic.min(keep - n_zero) {
-        return Err(Error::EigenNotConverged {
-            converged,
-            wanted: n_elastic,
-            tolerance,
-            vectors,
-            worst,
-        });
-    }
-    Ok(Modes {
-        eigenvalues: eigenvalues[..keep].to_vec(),
-        shapes: shapes.subcols(0, keep).to_owned(),
-        n_zero,
-        residual: worst,
+    Ok(Found {
+        modes: Modes {
+            eigenvalues: eigenvalues[..keep].to_vec(),
+            shapes: shapes.subcols(0, keep).to_owned(),
+            n_zero,
+            residual: worst,
+        },
+        vectors,
+        converged,
     })
 }
 
@@ -187,21 +226,22 @@ fn all_modes(stiffness: &CsMat<f64>, mass: &CsMat<f64>, n_elastic: usize) -> Res
     Ok(modes)
 }
 
-/// Approximations of the `wanted` lowest modes, and the size of the subspace they come from.
+/// Approximations of the `wanted` lowest modes, and the size of the subspace they come from, `least` vectors if there are so many.
 fn krylov_basis(
     mass: &CsMat<f64>,
     factor: &SparseCholesky,
     wanted: usize,
+    least: usize,
     tolerance: f64,
 ) -> Result<(usize, Mat<f64>), Error> {
     let n = mass.rows();
-    let limit = (6 * wanted + 60).min(n);
+    let limit = (6 * wanted + 60).max(least).min(n);
     let mut krylov = Krylov::new(n, limit);
     let mut block = dense_algebra::scattered(n, BLOCK.min(n));
     loop {
         block = krylov.append(mass, block);
         // The true residual weighs the stiffest components most, the Ritz residual the softest: demand more of it.
-        let done = krylov.size() >= 2 * wanted && krylov.converged(wanted, 1e-3 * tolerance)?;
+        let done = krylov.size() >= least.max(2 * wanted) && krylov.converged(wanted, 1e-3 * tolerance)?;
         if done || krylov.size() >= limit || block.ncols() == 0 {
             break;
         }

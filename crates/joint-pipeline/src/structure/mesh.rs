@@ -1,12 +1,13 @@
 //! Structures from mesh files.
 
+use super::bolt::{Bolt, BoltGeometry, HeadContact, Metric};
 use super::facing::{Facing, Surfaces};
 use super::touching;
 use crate::Error;
 use crate::joint::{Bodies, InterfacePart, Joint, MeshedBodies, ProjectedSide, Sides, quadratic};
 use crate::scene::{
-    self, ContactStiffness, ElementOrder, Forced, Length, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport,
-    Model, PointMass,
+    self, BoltSeat, ContactStiffness, ElementOrder, Forced, Length, MeshBolt, MeshFile, MeshInterface, MeshResponse,
+    MeshSupport, Model, PointMass,
 };
 use nalgebra::Vector3;
 use sprs::CsMat;
@@ -51,7 +52,7 @@ pub(super) fn joint(
         file.support(number, support, &mut assembly)?;
     }
     for (number, bolt) in (1..).zip(&source.bolts) {
-        file.bolt(number, bolt, &mut assembly)?;
+        file.bolt(number, bolt, model, &mut assembly, notes)?;
     }
     assembly.masses = super::masses::at_positions(&assembly.mesh.nodes, masses)?;
     let response_node = file.response(&source.response)?;
@@ -187,12 +188,7 @@ impl File<'_> {
                     );
                 }
             }
-            materials.push(Material {
-                name: name.clone(),
-                youngs_modulus: material.youngs_modulus.si(),
-                poisson_ratio: material.poisson_ratio,
-                density: material.density.map_or(f64::NAN, scene::Density::si),
-            });
+            materials.push(elastic(name, material));
         }
         let elements = self.mesh.cells.iter().zip(of_cell).map(|(&cell, material)| Element {
             cell,
@@ -292,7 +288,14 @@ impl File<'_> {
     }
 
     /// Adds a bolt with its load of unit tension.
-    fn bolt(&self, number: usize, bolt: &MeshBolt, assembly: &mut Assembly) -> Result<(), Error> {
+    fn bolt(
+        &self,
+        number: usize,
+        bolt: &MeshBolt,
+        model: &Model,
+        assembly: &mut Assembly,
+        notes: &mut dyn FnMut(&str),
+    ) -> Result<(), Error> {
         let field = || format!("structure.mesh.bolts, number {number}");
         match (&bolt.axis, &bolt.size, &bolt.head, &bolt.nut) {
             (None, None, Some(head), Some(nut)) => {
@@ -323,6 +326,33 @@ impl File<'_> {
                     terms: pull(first, 1.0).chain(pull(first + 1, -1.0)).collect(),
                 });
                 assembly.couplings.extend([head, nut]);
+                Ok(())
+            }
+            (Some(axis), Some(size), None, None) => {
+                let size = Metric::from_name(size)?;
+                let material = match &bolt.material {
+                    Some(own) => elastic(&format!("bolt {number}"), own),
+                    None => super::material(model),
+                };
+                let axis = axis.map(|point| point.map(Length::si));
+                let mut geometry = BoltGeometry::metric(&format!("bolt {number}"), &size, axis, bolt.washers, material);
+                geometry.contact = match bolt.seat {
+                    BoltSeat::Distributing => HeadContact::Distributing,
+                    BoltSeat::Tied => HeadContact::Tied,
+                };
+                let boundary: Vec<Face> = self.mesh.boundary().into_iter().map(|(face, _)| face).collect();
+                let facts = Bolt::try_new(&self.mesh.nodes, &boundary, &geometry)?.join(assembly);
+                notes(&format!(
+                    "bolt {number}: clamps {:.3} mm, {:.4} kg, {:.4e} N/m axially (VDI 2230); its seats hold {} and {} nodes and cover {:.0} and \
+                     {:.0} % of their rings",
+                    1e3 * facts.clamped,
+                    facts.mass,
+                    1.0 / facts.compliance.axial(),
+                    facts.seats[0].nodes,
+                    facts.seats[1].nodes,
+                    100.0 * facts.seats[0].covered,
+                    100.0 * facts.seats[1].covered,
+                ));
                 Ok(())
             }
             _ => self.fail(
@@ -434,6 +464,15 @@ impl File<'_> {
                 Ok(numbered.collect())
             }
         }
+    }
+}
+
+fn elastic(name: &str, material: &scene::Material) -> Material {
+    Material {
+        name: name.to_owned(),
+        youngs_modulus: material.youngs_modulus.si(),
+        poisson_ratio: material.poisson_ratio,
+        density: material.density.map_or(f64::NAN, scene::Density::si),
     }
 }
 
