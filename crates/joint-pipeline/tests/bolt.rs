@@ -1,5 +1,7 @@
 //! Bolts of described size: tables, torque and compliance against printed values, seats in meshes, and a modelled solid bolt.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
 use faer::Mat;
 use joint_pipeline::structure::bolt::{
     Bolt, BoltGeometry, Compliance, Engagement, Friction, HeadContact, Metric, boundary_faces,

@@ -9,7 +9,7 @@ use joint_pipeline::analysis::mesh_error::ErrorBar;
 use joint_pipeline::interface::ScannedSurface;
 use joint_pipeline::joint::{Bodies, MeshedBodies, Sides};
 use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{ElementOrder, Length, MaterialSource, Surface, SyntheticScan};
+use joint_pipeline::scene::{DeckBolt, ElementOrder, Length, MaterialSource, StructureSource, Surface, SyntheticScan};
 use joint_pipeline::structure::export::{arrays, deck, groups};
 use joint_pipeline::structure::{LinearInterface, Structure};
 use joint_pipeline::{Error, Options, Run, Scene, run};
@@ -458,6 +458,45 @@ fn decks_of_linear_elements_are_made_quadratic_ones() {
                 "{linear}: {a:?} {b:?}"
             );
         }
+    }
+}
+
+#[test]
+fn the_tension_of_a_thin_beam_clamps_as_forces_between_its_ends() {
+    let folder = TemporaryFolder::new("beam-bolt");
+    let forces = bars(["C3D8I"; 2], [8, 2, 2], &|_| {});
+    let beam = format!(
+        "{forces}*NODE, NSET=TENSION\n9003, 0., 0., 0.\n*ELEMENT, TYPE=B31, ELSET=BOLT\n9999, 9001, 9002\n\
+         *BEAM SECTION, ELSET=BOLT, MATERIAL=STEEL, SECTION=CIRC\n1e-4\n*PRE-TENSION SECTION, ELEMENT=9999, NODE=TENSION\n"
+    );
+    let of_forces = written(&folder, "forces.inp", &forces);
+    let of_beam = written(&folder, "beam.inp", &beam);
+    for make in [on_deck, raised] {
+        let expected = run(&make(&of_forces, 2), &Options::default(), &Silent).unwrap();
+        let mut scene = make(&of_beam, 2);
+        let StructureSource::Deck(deck) = &mut scene.structure.source else {
+            panic!("a deck");
+        };
+        deck.bolts = vec![serde_json::from_value(json!({ "pretension": "TENSION" })).unwrap()];
+        let found = run(&scene, &Options::default(), &Silent).unwrap();
+        let [found, expected] = [&found, &expected].map(results);
+        println!("{found:?} {expected:?}");
+        // The tension is held, so that only the bending and the mass of 0.2 mm act.
+        for (found, expected) in found.0.iter().zip(expected.0) {
+            assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+        }
+        for (found, expected) in found.1.iter().zip(&expected.1) {
+            let off = [0, 1].map(|i| (found[i] / expected[i] - 1.0).abs());
+            assert!(off[0] < 1e-5 && off[1] < 1e-3, "{off:?}");
+        }
+    }
+    for wrong in [
+        json!({ "top": "HEAD" }),
+        json!({ "top": "A", "bottom": "B", "pretension": "C" }),
+        json!({}),
+    ] {
+        let error = serde_json::from_value::<DeckBolt>(wrong).unwrap_err().to_string();
+        assert!(error.contains("either `top` and `bottom`"), "{error}");
     }
 }
 

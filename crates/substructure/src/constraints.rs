@@ -15,9 +15,9 @@ type Combination = Vec<(usize, f64)>;
 pub struct DofMap {
     /// `u_nodes = transform * u`, shape `3 n_nodes x n_independent`.
     pub transform: CsMat<f64>,
-    /// Motions of the reference points of kinematic couplings (m, rad) and the overlaps of shanks and cuts (m): `u_reference = references
-    /// * u`, shape `(6 n_couplings + n_pretensions) x n_independent`. Rows of distributing couplings are empty: their reference points
-    /// follow the nodes.
+    /// Motions of the reference points of kinematic couplings (m, rad) and the overlaps of shanks and cuts (m):
+    /// `u_reference = references * u`, shape `(6 n_couplings + n_pretensions) x n_independent`. Rows of distributing couplings
+    /// are empty: their reference points follow the nodes.
     references: CsMat<f64>,
     /// For each independent component `3 node + component` of the displacement that it stands for, or, beyond the nodes,
     /// `3 n_nodes + 6 coupling + component` of a kinematic coupling's reference point, and then `3 n_nodes + 6 n_couplings +
