@@ -228,6 +228,24 @@ impl Assembly {
         self.shanks.len() + self.cuts.len()
     }
 
+    /// Adds a shank and returns its overlap. Overlaps of cuts count after those of shanks: what refers to them in supports, equations and
+    /// loads is numbered anew.
+    pub fn add_shank(&mut self, shank: Shank) -> Dof {
+        let index = self.shanks.len() as u32;
+        let equations = self.equations.iter_mut().flat_map(|equation| &mut equation.terms);
+        let loads = self.loads.iter_mut().flat_map(|load| &mut load.terms);
+        let terms = equations.chain(loads).map(|(dof, _)| dof);
+        for dof in self.supports.iter_mut().chain(terms) {
+            if let Dof::Pretension(of_cut) = dof
+                && *of_cut >= index
+            {
+                *of_cut += 1;
+            }
+        }
+        self.shanks.push(shank);
+        Dof::Pretension(index)
+    }
+
     /// Turns all quantities from units of `length` (m), `mass` (kg) and seconds into SI.
     pub fn convert_units(&mut self, length: f64, mass: f64) {
         let scale = |x: &mut [f64; 3]| x.iter_mut().for_each(|x| *x *= length);

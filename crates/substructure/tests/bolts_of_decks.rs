@@ -407,6 +407,16 @@ fn loads_may_be_named_by_pretension_nodes() {
 }
 
 #[test]
+fn a_shank_beside_a_cut_leaves_the_tension_of_the_cut_where_it_was() {
+    let mut found = model(YOKE).unwrap();
+    let shank = model(COLUMN).unwrap().assembly.shanks.remove(0);
+    found.assembly.supports.push(Dof::Pretension(0));
+    assert_eq!(found.assembly.add_shank(shank), Dof::Pretension(0));
+    assert_eq!(found.assembly.loads[0].terms, [(Dof::Pretension(1), 1000.0)]);
+    assert_eq!(found.assembly.supports.last(), Some(&Dof::Pretension(1)));
+}
+
+#[test]
 fn damaged_bolts_give_errors_and_no_panic() {
     let fragments: [&[u8]; 7] = [b"*", b",", b"-", b"0.", b"1e300", b"RECT", b"22"];
     let mut damage = test_support::Damage::new(11, &fragments);

@@ -16,7 +16,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
 use substructure::mesh::{
-    Assembly, Coupling, CouplingKind, Dof, Face, LoadPattern, Material, Mesh, RigidMass, Section, Shank,
+    Assembly, Coupling, CouplingKind, Face, LoadPattern, Material, Mesh, RigidMass, Section, Shank,
 };
 
 /// Largest angle between a seat and the plane at a right angle to the axis (degrees).
@@ -259,11 +259,12 @@ impl Bolt {
         assembly.couplings.extend(self.couplings);
         let mut shank = self.shank;
         shank.ends = shank.ends.map(|end| first + end);
+        let name = shank.name.clone();
+        let overlap = assembly.add_shank(shank);
         assembly.loads.push(LoadPattern {
-            name: shank.name.clone(),
-            terms: vec![(Dof::Pretension(assembly.shanks.len() as u32), 1.0)],
+            name,
+            terms: vec![(overlap, 1.0)],
         });
-        assembly.shanks.push(shank);
         let masses = self.masses.into_iter().map(|body| RigidMass {
             coupling: first + body.coupling,
             ..body
