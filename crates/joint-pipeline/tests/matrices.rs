@@ -624,7 +624,7 @@ fn gaps_of_any_size_are_closed_or_refused() {
     for gap in [1e-6, 1e-3, 0.06] {
         scene["surface"]["parameters"]["sets"][0]["gap"] = json!(gap);
         let structure = Structure::try_new(&read(&scene), &Silent).unwrap();
-        let interface = SceneInterface::try_new(&read(&scene), &structure.joint.interface, 2000.0).unwrap();
+        let interface = SceneInterface::try_new(&read(&scene), &structure.joint.interface, &[], 2000.0).unwrap();
         assert!(interface.closure > gap && interface.closure < gap + 1e-6, "{gap}");
     }
     for gap in [0.07, 1.7e7, 1e16, 1e300] {

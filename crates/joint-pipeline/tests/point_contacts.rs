@@ -469,7 +469,7 @@ fn curves_of_any_kind_are_preloaded() {
     given["surface"]["parameters"]["sets"][1]["preload"] = json!(60.0);
     let scene = read(&given).unwrap();
     let structure = Structure::try_new(&scene, &Silent).unwrap();
-    let built = SceneInterface::try_new(&scene, structure.interface(), 0.0).unwrap();
+    let built = SceneInterface::try_new(&scene, structure.interface(), &[], 0.0).unwrap();
     let interface = &built.interface;
     let (state, rest) = (interface.initial_state(), vec![0.0; 6]);
     let (mut end, mut workspace, mut force) = (state.clone(), interface.workspace(), vec![0.0; 6]);
@@ -485,7 +485,7 @@ fn curves_of_any_kind_are_preloaded() {
     for (force, preload) in [force[2], force[5]].into_iter().zip([40.0, 60.0]) {
         assert!((force / preload - 1.0_f64).abs() < 1e-12, "{force} {preload}");
     }
-    assert_eq!(built.report.mean_pressure, 50.0);
+    assert_eq!(built.report().mean_pressure, 50.0);
     std::fs::remove_dir_all(folder).unwrap();
 }
 

@@ -8,7 +8,7 @@ use super::periodic::{self, EpmcBackbone, ForcedResponse};
 use super::prestress::{self, bolt_load, linearise, response};
 use super::validity::{self, Validity};
 use crate::Error;
-use crate::interface::{InterfaceForce, LawReport, SceneInterface};
+use crate::interface::{InterfaceForce, LawReport, PartReport, SceneInterface};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
 use crate::progress::{Progress, Stage};
@@ -35,8 +35,10 @@ pub struct Run {
     pub positions: Option<Vec<[f64; 3]>>,
     /// The interface with its law.
     pub interface: Interface,
-    /// About the law.
+    /// About the law of the whole interface, or of its first part.
     pub law: LawReport,
+    /// About the law of each part of the interface; never empty.
+    pub interfaces: Vec<PartReport>,
     /// Points whose gap was set from a negative value to zero.
     pub clipped_gaps: usize,
     /// Static state.
@@ -175,7 +177,7 @@ impl Prepared {
         }
         progress.begin(Stage::Characterise);
         let load = bolt_load(scene, &model);
-        let interface = SceneInterface::try_new(scene, structure.interface(), load)?;
+        let interface = SceneInterface::try_new(scene, structure.interface(), &structure.joint.parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
         progress.end(Stage::Characterise);
         Ok(Self {
@@ -272,7 +274,7 @@ impl Prepared {
             }
         };
         let (members, checkpoints) = ensemble::members(&scene, realisations, checkpoint, progress, |k, progress| {
-            let (interface, closure) = self.interface.realisation(&scene, k, load)?;
+            let (interface, closure) = self.interface.realisation(k, load)?;
             self.analyse(&scene, &interface, closure, progress)
         })?;
         progress.end(Stage::Ensemble);
@@ -296,10 +298,10 @@ impl Prepared {
         let judge = |found: ModeAnalysis| ModeBackbone {
             validity: validity::assess(
                 &self.interface.interface,
-                self.interface.asperities.as_ref(),
+                self.interface.asperities(),
                 &self.scene.model.material,
                 self.interface
-                    .report
+                    .report()
                     .resolved
                     .as_ref()
                     .and_then(|law| law.onset_of_yield),
@@ -319,7 +321,8 @@ impl Prepared {
             frequencies,
             forced,
             prestress,
-            law: self.interface.report,
+            law: self.interface.report().clone(),
+            interfaces: self.interface.reports,
             clipped_gaps: self.interface.clipped_gaps,
             interface: self.interface.interface,
             mesh: self.mesh,

@@ -17,6 +17,7 @@ pub use surface::{
 };
 
 use crate::Error;
+use crate::joint::InterfacePart;
 use crate::scene::{LawKind, Scene, Surface};
 use asperities::population;
 use contact_laws::{
@@ -25,6 +26,7 @@ use contact_laws::{
 };
 use given::GivenLaw;
 use law::{BuiltLaw, NamedLaw, fits_of};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use surface_characterisation::PairAsperities;
 use zte_assembly::{Interface, InterfaceMesh, Operators};
@@ -33,47 +35,69 @@ use zte_assembly::{Interface, InterfaceMesh, Operators};
 pub struct SceneInterface {
     /// Ready for evaluation.
     pub interface: Interface,
-    /// What is reported about its law.
-    pub report: LawReport,
+    /// What is reported about the law of each part of the interface; never empty.
+    pub reports: Vec<PartReport>,
     /// Points whose gap came out negative and was set to zero.
     pub clipped_gaps: usize,
     /// Uniform closure `u_n` above the gap that carries the bolt load (m), zero without one: the guess that prestress starts from.
     pub closure: f64,
-    /// None where the parameters of the law are given.
-    pub(crate) asperities: Option<Asperities>,
     operators: Arc<Operators>,
-    element_of: Vec<u32>,
-    /// Friction coefficients of the points.
-    mu: PointParameters<f64>,
+    /// The parts, in the order of their points.
+    parts: Vec<PartLaw>,
+}
+
+/// What is reported about a part of an interface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PartReport {
+    /// Its name.
+    pub name: String,
+    /// Area that is in contact at most (m^2).
+    pub area: f64,
+    /// Elements.
+    pub elements: usize,
+    /// Friction coefficient (-), where no zone has its own.
+    pub mu: f64,
+    /// Its law.
+    pub law: LawReport,
 }
 
 impl std::fmt::Debug for SceneInterface {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SceneInterface")
             .field("interface", &self.interface)
-            .field("law", &self.report)
+            .field("reports", &self.reports)
             .finish()
     }
 }
 
-impl SceneInterface {
-    /// Builds law and gap; `load` is the sum of the bolt loads (N), zero only for given parameters with a preload.
-    ///
-    /// # Errors
-    /// Of the law, the surface, the interface; [`Error::NoContact`].
-    pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, load: f64) -> Result<Self, Error> {
+/// A part of an interface with its law, before the parts are joined.
+struct PartLaw {
+    /// With the surface, gap, law and friction of the part.
+    scene: Scene,
+    operators: Arc<Operators>,
+    element_of: Vec<u32>,
+    /// Friction coefficients of the points.
+    mu: PointParameters<f64>,
+    from: Source,
+    /// Gap of the points (m), and how many were negative.
+    gap: Vec<f64>,
+    clipped_gaps: usize,
+}
+
+impl PartLaw {
+    /// Builds law and gap over a mesh in its own plane coordinates; `pressure` is the mean one of the bolts (Pa).
+    fn try_new(scene: Scene, mesh: &InterfaceMesh, pressure: f64) -> Result<Self, Error> {
         let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
-        let n = operators.n_points();
         let element_of: Vec<u32> = operators
             .first_point
             .windows(2)
             .enumerate()
             .flat_map(|(e, r)| vec![e as u32; r[1] - r[0]])
             .collect();
-        let mu = friction::coefficients(scene, &operators.positions)?;
+        let mu = friction::coefficients(&scene, &operators.positions)?;
         let law_of = |asperities: Asperities| -> Result<Source, Error> {
-            let pressure = load / operators.area();
-            let built = asperities.law(scene, &operators, &element_of, &mu, pressure)?;
+            let built = asperities.law(&scene, &operators, &element_of, &mu, pressure)?;
             Ok(Source::Asperities(Box::new(built)))
         };
         let from = match &scene.surface {
@@ -82,55 +106,88 @@ impl SceneInterface {
                     place: scene.name.clone(),
                     field: "surface",
                 })?;
-                law_of(Asperities::measured(&measured, scene, mesh)?)?
+                law_of(Asperities::measured(&measured, &scene, mesh)?)?
             }
-            Surface::SyntheticScan(_) | Surface::Scans(_) => law_of(Asperities::scanned(scene, mesh)?)?,
-            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(scene, parameters, &element_of, &mu)?),
+            Surface::SyntheticScan(_) | Surface::Scans(_) => law_of(Asperities::scanned(&scene, mesh)?)?,
+            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?),
         };
-        let (law, kind, gap, clipped_gaps) = match &from {
-            Source::Given(given) => (given.law.clone(), given.kind, given.gap.clone(), 0),
+        let (gap, clipped_gaps) = match &from {
+            Source::Given(given) => (given.gap.clone(), 0),
             Source::Asperities(built) => {
                 let clipped = built.raw_gap.iter().filter(|g| **g < 0.0).count();
-                let gap = built.raw_gap.iter().map(|g| g.max(0.0)).collect();
-                (built.law.clone(), built.kind, gap, clipped)
+                (built.raw_gap.iter().map(|g| g.max(0.0)).collect(), clipped)
             }
         };
         refuse_gap_beyond_the_faces(&gap, mesh)?;
-        let mut interface = Interface::try_new(operators.clone(), vec![(0..n, law)], gap)?;
-        if let Source::Given(given) = &from {
-            interface = interface.with_interference(given.interference.clone())?;
+        Ok(Self {
+            scene,
+            operators,
+            element_of,
+            mu,
+            from,
+            gap,
+            clipped_gaps,
+        })
+    }
+
+    fn law(&self) -> Arc<dyn TractionLaw> {
+        match &self.from {
+            Source::Given(given) => given.law.clone(),
+            Source::Asperities(built) => built.law.clone(),
         }
-        let (closure, mean_closure, mean_pressure) = match &from {
+    }
+
+    /// Interference at each point that a preload belongs to (m).
+    fn interference(&self) -> Vec<f64> {
+        match &self.from {
+            Source::Given(given) => given.interference.clone(),
+            Source::Asperities(_) => vec![0.0; self.gap.len()],
+        }
+    }
+
+    /// The part alone.
+    fn interface(&self) -> Result<Interface, Error> {
+        let n = self.gap.len();
+        let interface = Interface::try_new(self.operators.clone(), vec![(0..n, self.law())], self.gap.clone())?;
+        Ok(match &self.from {
+            Source::Given(given) => interface.with_interference(given.interference.clone())?,
+            Source::Asperities(_) => interface,
+        })
+    }
+
+    /// What is reported about it where the bolts load it by `load` (N).
+    fn report(&self, load: f64) -> Result<LawReport, Error> {
+        let (scene, operators) = (&self.scene, &self.operators);
+        let (mean_closure, mean_pressure) = match &self.from {
             // What the preload holds together moves little from where it is.
             Source::Given(given) if load == 0.0 => {
-                let [closure, pressure] = mean(&operators, |p| [given.interference[p], given.preload[p]]);
-                (0.0, closure, pressure)
+                let [closure, pressure] = mean(operators, |p| [given.interference[p], given.preload[p]]);
+                (closure, pressure)
             }
             _ => {
-                let closure = uniform_closure(&interface, load)?;
-                let flat = interface.with_gap(vec![0.0; n])?;
-                (closure, uniform_closure(&flat, load)?, load / operators.area())
+                let flat = self.interface()?.with_gap(vec![0.0; self.gap.len()])?;
+                (uniform_closure(&flat, load)?, load / operators.area())
             }
         };
-        let resolved = match &from {
-            Source::Given(_) => None,
-            Source::Asperities(built) => built.resolved.clone(),
+        let (kind, resolved) = match &self.from {
+            Source::Given(given) => (given.kind, None),
+            Source::Asperities(built) => (built.kind, built.resolved.clone()),
         };
-        let (stiffness, asperity_report) = match &from {
+        let (stiffness, asperity_report) = match &self.from {
             Source::Given(given) => {
                 let of_curves = |p: usize| stiffnesses(given.at(p), mean_closure);
-                (mean(&operators, of_curves), None)
+                (mean(operators, of_curves), None)
             }
             Source::Asperities(built) => {
-                let (stiffness, report) = built.describe(scene, &operators, &element_of, mean_closure)?;
+                let (stiffness, report) = built.describe(scene, operators, &self.element_of, mean_closure)?;
                 let stiffness = match &resolved {
                     None => stiffness,
-                    Some(_) => mean(&operators, |p| stuck_stiffness(&*built.law, p, mean_closure)),
+                    Some(_) => mean(operators, |p| stuck_stiffness(&*built.law, p, mean_closure)),
                 };
                 (stiffness, Some(report))
             }
         };
-        let report = LawReport {
+        Ok(LawReport {
             kind: kind.to_owned(),
             history: scene.law.history,
             asperities: asperity_report,
@@ -139,20 +196,84 @@ impl SceneInterface {
             mean_pressure,
             normal_stiffness: stiffness[0],
             tangential_stiffness: stiffness[1],
-        };
-        Ok(Self {
-            interface,
-            report,
-            clipped_gaps,
-            closure,
-            asperities: match from {
-                Source::Given(_) => None,
-                Source::Asperities(built) => Some(built.asperities),
-            },
-            operators,
-            element_of,
-            mu,
         })
+    }
+}
+
+impl SceneInterface {
+    /// Builds laws and gaps; `parts` are those of `mesh`, none where it is one whole. `load` is the sum of the bolt loads (N), zero only
+    /// for given parameters with a preload.
+    ///
+    /// # Errors
+    /// Of the law, the surface, the interface; [`Error::NoContact`].
+    pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, parts: &[InterfacePart], load: f64) -> Result<Self, Error> {
+        let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
+        let share = |area: f64| load / operators.area() * area;
+        let built = match parts {
+            [] => vec![(
+                "interface".to_owned(),
+                PartLaw::try_new(scene.clone(), mesh, load / operators.area())?,
+            )],
+            _ => parts
+                .iter()
+                .map(|part| {
+                    let own = scene.of_interface(part.source);
+                    let law = PartLaw::try_new(own, &part.mesh(mesh), load / operators.area())?;
+                    Ok((part.name.clone(), law))
+                })
+                .collect::<Result<Vec<_>, Error>>()?,
+        };
+        let mut laws = Vec::with_capacity(built.len());
+        let mut first = 0;
+        for (_, part) in &built {
+            let range = first..first + part.gap.len();
+            first = range.end;
+            laws.push((range, part.law()));
+        }
+        let gap = built.iter().flat_map(|(_, part)| part.gap.iter().copied()).collect();
+        let mut interface = Interface::try_new(operators.clone(), laws, gap)?;
+        if built.iter().any(|(_, part)| matches!(part.from, Source::Given(_))) {
+            interface =
+                interface.with_interference(built.iter().flat_map(|(_, part)| part.interference()).collect())?;
+        }
+        let is_given = built.iter().all(|(_, part)| matches!(part.from, Source::Given(_)));
+        let closure = match is_given && load == 0.0 {
+            true => 0.0,
+            false => uniform_closure(&interface, load)?,
+        };
+        let reports = built.iter().map(|(name, part)| {
+            let area = part.operators.area();
+            // The whole carries the whole load, to the last bit.
+            let load = if built.len() == 1 { load } else { share(area) };
+            Ok(PartReport {
+                name: name.clone(),
+                area,
+                elements: part.operators.n_elements(),
+                mu: part.scene.mu,
+                law: part.report(load)?,
+            })
+        });
+        Ok(Self {
+            reports: reports.collect::<Result<_, Error>>()?,
+            clipped_gaps: built.iter().map(|(_, part)| part.clipped_gaps).sum(),
+            interface,
+            closure,
+            operators,
+            parts: built.into_iter().map(|(_, part)| part).collect(),
+        })
+    }
+
+    /// The law of the whole interface, or of its first part.
+    pub fn report(&self) -> &LawReport {
+        &self.reports[0].law
+    }
+
+    /// The asperities of the whole interface, or of its first part; none where the parameters of the law are given.
+    pub(crate) fn asperities(&self) -> Option<&Asperities> {
+        match &self.parts.first()?.from {
+            Source::Given(_) => None,
+            Source::Asperities(built) => Some(&built.asperities),
+        }
     }
 
     /// The interface with the laws of bootstrap realisation `k` of all elements, and the closure as in
@@ -160,13 +281,41 @@ impl SceneInterface {
     /// begins at its own tallest, by so much later.
     ///
     /// # Errors
-    /// [`Error::NoSamples`] unless the surface is scanned; else as [`SceneInterface::try_new`].
-    pub fn realisation(&self, scene: &Scene, k: usize, load: f64) -> Result<(Interface, f64), Error> {
-        let measured = self
-            .asperities
-            .as_ref()
-            .and_then(|a| a.scan.as_ref().map(|scan| (a, scan)));
-        let (asperities, (scan, _)) = measured.ok_or(Error::NoSamples)?;
+    /// [`Error::NoSamples`] unless the surface of all parts is scanned; else as [`SceneInterface::try_new`].
+    pub fn realisation(&self, k: usize, load: f64) -> Result<(Interface, f64), Error> {
+        let mut laws = Vec::with_capacity(self.parts.len());
+        let mut gap = Vec::new();
+        let pressure = load / self.operators.area();
+        for part in &self.parts {
+            let (law, of_part) = part.realisation(k, pressure)?;
+            laws.push((gap.len()..gap.len() + of_part.len(), law));
+            gap.extend(of_part);
+        }
+        for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
+            *gap += own;
+        }
+        let interface = Interface::try_new(self.operators.clone(), laws, gap)?;
+        let closure = uniform_closure(&interface, load)?;
+        Ok((interface, closure))
+    }
+
+    /// What the readers of the scans had to settle by convention, one sentence each.
+    pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
+        let reports = self.reports.iter().filter_map(|part| part.law.asperities.as_ref());
+        let scans = reports.flat_map(|report| &report.scans);
+        scans.flat_map(|file| file.notes.iter().map(|note| format!("{}: {note}", file.path.display())))
+    }
+}
+
+impl PartLaw {
+    /// The law of a realisation, and by how much later contact begins at each point (m); `pressure` is the mean one of the bolts (Pa).
+    fn realisation(&self, k: usize, pressure: f64) -> Result<(Arc<dyn TractionLaw>, Vec<f64>), Error> {
+        let scene = &self.scene;
+        let Source::Asperities(built) = &self.from else {
+            return Err(Error::NoSamples);
+        };
+        let asperities = &built.asperities;
+        let (scan, _) = asperities.scan.as_ref().ok_or(Error::NoSamples)?;
         let drawn: Vec<_> = scan
             .realisation(k)?
             .iter()
@@ -184,22 +333,10 @@ impl SceneInterface {
             LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,
             LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
         };
-        let pressure = load / self.operators.area();
         let NamedLaw { law, .. } =
             realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressure)?;
-        let mut gap: Vec<f64> = self.element_of.iter().map(|&e| drawn[e as usize].1).collect();
-        for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
-            *gap += own;
-        }
-        let interface = Interface::try_new(self.operators.clone(), vec![(0..gap.len(), law)], gap)?;
-        let closure = uniform_closure(&interface, load)?;
-        Ok((interface, closure))
-    }
-
-    /// What the readers of the scans had to settle by convention, one sentence each.
-    pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
-        let scans = self.report.asperities.iter().flat_map(|report| &report.scans);
-        scans.flat_map(|file| file.notes.iter().map(|note| format!("{}: {note}", file.path.display())))
+        let later = self.element_of.iter().map(|&e| drawn[e as usize].1).collect();
+        Ok((law, later))
     }
 }
 

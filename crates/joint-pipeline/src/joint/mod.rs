@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sprs::CsMat;
 use std::ops::Range;
 use substructure::mesh::{Assembly, Face};
-use zte_assembly::InterfaceMesh;
+use zte_assembly::{Covered, InterfaceMesh};
 
 /// Two bodies with everything that connects and loads them, before contact, and the interface between them.
 #[derive(Clone, Debug)]
@@ -119,6 +119,38 @@ pub struct MovedPairs {
     pub count: usize,
     /// Largest distance in the plane before (m); each node was moved by half of it at most.
     pub largest_distance: f64,
+}
+
+impl InterfacePart {
+    /// Its mesh in its own plane coordinates, out of that of the whole interface.
+    pub fn mesh(&self, whole: &InterfaceMesh) -> InterfaceMesh {
+        let first = self.nodes.start as u32;
+        let elements = whole.elements[self.elements.clone()].iter().map(|element| {
+            let mut element = *element;
+            element.nodes_mut().iter_mut().for_each(|node| *node -= first);
+            element
+        });
+        let own = |x: &[f64; 2]| [x[0] - self.offset[0], x[1] - self.offset[1]];
+        let covered = whole
+            .covered
+            .iter()
+            .filter(|part| self.elements.contains(&part.element));
+        InterfaceMesh {
+            nodes: whole.nodes[self.nodes.clone()].iter().map(own).collect(),
+            elements: elements.collect(),
+            heights: match whole.heights.is_empty() {
+                true => Vec::new(),
+                false => whole.heights[self.nodes.clone()].to_vec(),
+            },
+            covered: covered
+                .map(|part| Covered {
+                    element: part.element - self.elements.start,
+                    share: part.share,
+                    centroid: own(&part.centroid),
+                })
+                .collect(),
+        }
+    }
 }
 
 impl MeshedBodies {

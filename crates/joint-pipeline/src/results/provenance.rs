@@ -187,9 +187,11 @@ pub fn inputs_of(scene: &Scene) -> Result<Vec<Input>, Error> {
         }
         StructureSource::Benchmark(_) => {}
     }
-    if let Surface::Scans(scans) = &scene.surface {
-        files.push((InputRole::TopScan, scans.top.path.clone()));
-        files.push((InputRole::BottomScan, scans.bottom.path.clone()));
+    for surface in scene.surfaces() {
+        if let Surface::Scans(scans) = surface {
+            files.push((InputRole::TopScan, scans.top.path.clone()));
+            files.push((InputRole::BottomScan, scans.bottom.path.clone()));
+        }
     }
     files.iter().map(|(role, path)| Input::of_file(*role, path)).collect()
 }

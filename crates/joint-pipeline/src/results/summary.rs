@@ -8,7 +8,7 @@ use crate::analysis::methods::MethodPoint;
 use crate::analysis::periodic::{ForcedPoint, ForcedResponse};
 use crate::analysis::validity::Validity;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
-use crate::interface::LawReport;
+use crate::interface::{LawReport, PartReport};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
 use crate::scene::{BoltBehaviour, Method, PRESETS, Preset, Scene, StructureSource, Symmetry};
@@ -38,8 +38,11 @@ pub struct Summary {
     pub response: String,
     /// The structure.
     pub model: ModelSummary,
-    /// The law.
+    /// The law; of the first interface where there are several.
     pub law: LawReport,
+    /// Interfaces, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub interfaces: Vec<PartReport>,
     /// The gap.
     pub gap: GapSummary,
     /// The static state.
@@ -477,6 +480,10 @@ impl Summary {
                 error_bar: ErrorBar::of(&run.scene),
             },
             law: run.law.clone(),
+            interfaces: match run.interfaces.len() {
+                1 => Vec::new(),
+                _ => run.interfaces.clone(),
+            },
             gap: GapSummary {
                 smallest: gaps().fold(f64::INFINITY, f64::min),
                 largest: gaps().fold(0.0, f64::max),

@@ -270,19 +270,61 @@ impl Scene {
         self.bolts.loads.get(bolt).unwrap_or(&self.bolts.load).si()
     }
 
+    /// The scene with the surface, gap, law and friction of one of its interfaces, counted from zero.
+    pub fn of_interface(&self, number: usize) -> Self {
+        let mut own = self.clone();
+        let interfaces = self.structure.mesh().map(|mesh| mesh.interfaces.as_slice());
+        if let Some(interface) = interfaces.unwrap_or_default().get(number) {
+            let MeshInterface {
+                surface, gap, law, mu, ..
+            } = interface;
+            own.surface = surface.clone().unwrap_or(own.surface);
+            own.gap = gap.unwrap_or(own.gap);
+            own.law = law.clone().unwrap_or(own.law);
+            own.mu = mu.unwrap_or(own.mu);
+        }
+        own
+    }
+
+    /// The scene whose interfaces have no physics of their own.
+    fn alone(mut self) -> Self {
+        if let StructureSource::Mesh(mesh) = &mut self.structure.source {
+            for interface in &mut mesh.interfaces {
+                (interface.surface, interface.gap, interface.law, interface.mu) = (None, None, None, None);
+            }
+        }
+        self
+    }
+
     /// All paths in the scene.
     fn paths(&mut self) -> impl Iterator<Item = &mut std::path::PathBuf> {
-        let structure = match &mut self.structure.source {
-            StructureSource::Deck(deck) => Some(&mut deck.path),
-            StructureSource::Mesh(mesh) => Some(&mut mesh.path),
-            StructureSource::Matrices(matrices) => Some(&mut matrices.path),
-            StructureSource::Benchmark(_) => None,
+        let (structure, interfaces) = match &mut self.structure.source {
+            StructureSource::Deck(deck) => (Some(&mut deck.path), None),
+            StructureSource::Mesh(mesh) => (Some(&mut mesh.path), Some(&mut mesh.interfaces)),
+            StructureSource::Matrices(matrices) => (Some(&mut matrices.path), None),
+            StructureSource::Benchmark(_) => (None, None),
         };
-        let scans = match &mut self.surface {
-            Surface::Scans(scans) => vec![&mut scans.top.path, &mut scans.bottom.path],
-            _ => Vec::new(),
-        };
-        structure.into_iter().chain(scans)
+        let own = interfaces
+            .into_iter()
+            .flatten()
+            .filter_map(|interface| interface.surface.as_mut());
+        let scans = std::iter::once(&mut self.surface)
+            .chain(own)
+            .filter_map(|surface| match surface {
+                Surface::Scans(scans) => Some([&mut scans.top.path, &mut scans.bottom.path]),
+                _ => None,
+            });
+        structure.into_iter().chain(scans.flatten())
+    }
+
+    /// The surfaces of the scene and of its interfaces.
+    pub(crate) fn surfaces(&self) -> impl Iterator<Item = &Surface> {
+        let interfaces = self.structure.mesh().map(|mesh| mesh.interfaces.iter());
+        let own = interfaces
+            .into_iter()
+            .flatten()
+            .filter_map(|interface| interface.surface.as_ref());
+        std::iter::once(&self.surface).chain(own)
     }
 
     /// The measured surface that the scene's `surface` stands for; none for scans and given parameters.

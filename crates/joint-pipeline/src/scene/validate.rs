@@ -200,6 +200,14 @@ impl Scene {
     /// [`Error::Value`], [`Error::Symmetry`], [`Error::NoMeasuredSurface`], [`Error::NoSuchFormulation`].
     pub fn validate(&self, place: &str) -> Result<(), Error> {
         let check = Check { place };
+        let interfaces = self.structure.mesh().map_or(0, |mesh| mesh.interfaces.len());
+        for number in 0..interfaces {
+            let own = self.of_interface(number);
+            if own != *self {
+                own.alone()
+                    .validate(&format!("{place}: structure.mesh.interfaces, number {}", number + 1))?;
+            }
+        }
         check.not_negative("mu", self.mu, "")?;
         for zone in &self.friction_zones {
             check.not_negative("friction_zones[].mu", zone.mu, "")?;
