@@ -57,6 +57,9 @@ pub enum Error {
         /// What would be accepted.
         requirement: &'static str,
     },
+    /// Mode shapes of a structure without a mesh.
+    #[error("mode shapes need a mesh, and matrices have none; give the structure as a deck or a benchmark")]
+    NoMesh,
     /// The scene is as fine as the finest measured settings.
     #[error(
         "no measured set of settings is finer than the scene's, so that its error cannot be estimated; choose a coarser mesh, fewer \

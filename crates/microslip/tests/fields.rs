@@ -1,9 +1,9 @@
-//! Fields of the interface in the coordinates of the model.
+//! Fields of the interface in the coordinates of the model, and mode shapes.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 mod common;
 
-use common::{folder, succeeds};
+use common::{exit_code, folder, messages, read_json, run, succeeds};
 use serde_json::json;
 use std::path::Path;
 
@@ -196,4 +196,69 @@ fn maps_have_axes_in_millimetres_and_say_from_where_they_are_seen() {
     for text in [">x [mm]<", ">y [mm]<", ">60<", ">20<"] {
         assert!(page.contains(text), "{text}");
     }
+}
+
+#[test]
+fn modes_about_the_prestress_are_those_of_the_run_and_all_files_are_listed() {
+    let folder = folder("mode-shapes");
+    results(&folder, "elsewhere", ELSEWHERE);
+    let said = succeeds(
+        &folder,
+        &[
+            "model",
+            "elsewhere.json",
+            "--modes",
+            "3",
+            "--prestressed",
+            "--out",
+            "modes",
+            "--no-cache",
+        ],
+    );
+    let summary = read_json(&folder.join("modes/summary.json"));
+    let contacts = summary["modes"]["contacts"].as_array().unwrap();
+    let kinds: Vec<&str> = contacts.iter().map(|of| of["contact"].as_str().unwrap()).collect();
+    assert_eq!(kinds, ["unstressed", "stuck", "linear", "prestressed"]);
+    let run_summary = read_json(&folder.join("elsewhere/summary.json"));
+    let [table, collection] =
+        ["modes.csv", "modes.pvd"].map(|name| std::fs::read_to_string(folder.join("modes").join(name)).unwrap());
+    assert_eq!(table.lines().count(), 13);
+    for (kind, of) in kinds.iter().zip(contacts) {
+        for (i, mode) in of["modes"].as_array().unwrap().iter().enumerate() {
+            let file = format!("modes-{kind}-{:02}.vtu", i + 1);
+            assert!(
+                folder.join("modes").join(&file).exists() && collection.contains(&file),
+                "{file}"
+            );
+            assert!(said.contains(mode["name"].as_str().unwrap()), "{said}");
+        }
+    }
+    // Those of the run are of the reduced model, which lacks the highest modes of this short structure.
+    for i in 0..3 {
+        let expected = run_summary["modes"][i]["frequency_hz"].as_f64().unwrap();
+        let found = contacts[3]["modes"][i]["frequency_hz"].as_f64().unwrap();
+        assert!((found / expected - 1.0).abs() < 5e-4, "{found} instead of {expected}");
+    }
+    let page = std::fs::read_to_string(folder.join("modes/report.html")).unwrap();
+    // A picture per mode and per pair of kinds.
+    assert_eq!(page.matches("<svg").count(), 12 + 6);
+}
+
+#[test]
+fn halves_have_no_mode_shapes() {
+    let folder = folder("half-shapes");
+    let scene = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "benchmark": "brake-reuss-beam" },
+        "model": { "refinement": "quick", "symmetry": "half" },
+        "gap": "flat",
+    });
+    std::fs::write(folder.join("half.json"), scene.to_string()).unwrap();
+    let refused = run(&folder, &["model", "half.json", "--modes", "2"]);
+    assert_eq!(exit_code(&refused), 1);
+    assert!(
+        messages(&refused).contains("leave out model.symmetry"),
+        "{}",
+        messages(&refused)
+    );
 }

@@ -5,7 +5,7 @@ use crate::craig_bampton::ReducedModel;
 use crate::relative::RelativeSystem;
 use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
-use substructure::eigen::{count_zero, lowest_modes};
+use substructure::eigen::{Modes, count_zero, lowest_modes};
 use substructure::sparse::sum;
 
 /// Frequencies of the full system with a linear interface, a stiffness over the jump coordinates (N/m), or without any
@@ -21,6 +21,20 @@ pub fn full_frequencies(
     n: usize,
     tolerance: f64,
 ) -> Result<(usize, Vec<f64>), Error> {
+    let modes = full_modes(system, interface, n, tolerance)?;
+    Ok((modes.n_zero, modes.frequencies()))
+}
+
+/// The same with the mode shapes, over `[jump; rest]`.
+///
+/// # Errors
+/// Failures of the factorisation or of the eigensolver.
+pub fn full_modes(
+    system: &RelativeSystem,
+    interface: Option<&CsMat<f64>>,
+    n: usize,
+    tolerance: f64,
+) -> Result<Modes, Error> {
     let size = system.stiffness.rows();
     let with_springs = interface.map(|interface| {
         let mut spring = TriMat::with_capacity((size, size), interface.nnz());
@@ -30,8 +44,7 @@ pub fn full_frequencies(
         sum(&system.stiffness, 1.0, &spring.to_csr())
     });
     let stiffness = with_springs.as_ref().unwrap_or(&system.stiffness);
-    let modes = lowest_modes(stiffness, &system.mass, &system.positions, n, tolerance)?;
-    Ok((modes.n_zero, modes.frequencies()))
+    Ok(lowest_modes(stiffness, &system.mass, &system.positions, n, tolerance)?)
 }
 
 /// Frequencies of the full system with the interface stuck (Hz), and the number of its zero-energy modes.
@@ -39,9 +52,27 @@ pub fn full_frequencies(
 /// # Errors
 /// Failures of the factorisation or of the eigensolver.
 pub fn stuck_frequencies(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<(usize, Vec<f64>), Error> {
-    let [stiffness, mass] = [&system.stiffness, &system.mass].map(|matrix| system.blocks(matrix).rest);
-    let modes = lowest_modes(&stiffness, &mass, &system.positions[system.n_relative..], n, tolerance)?;
+    let modes = modes_of_rest(system, n, tolerance)?;
     Ok((modes.n_zero, modes.frequencies()))
+}
+
+/// The same with the mode shapes, over `[jump; rest]`.
+///
+/// # Errors
+/// Failures of the factorisation or of the eigensolver.
+pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<Modes, Error> {
+    let mut modes = modes_of_rest(system, n, tolerance)?;
+    let mut shapes = Mat::zeros(system.stiffness.rows(), modes.shapes.ncols());
+    let rest = shapes.nrows() - system.n_relative;
+    shapes.subrows_mut(system.n_relative, rest).copy_from(&modes.shapes);
+    modes.shapes = shapes;
+    Ok(modes)
+}
+
+fn modes_of_rest(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<Modes, Error> {
+    let [stiffness, mass] = [&system.stiffness, &system.mass].map(|matrix| system.blocks(matrix).rest);
+    let positions = &system.positions[system.n_relative..];
+    Ok(lowest_modes(&stiffness, &mass, positions, n, tolerance)?)
 }
 
 /// The reduced model with the same interface: its frequencies, and what they owe to each mode.

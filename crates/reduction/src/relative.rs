@@ -6,7 +6,7 @@ use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
 use std::collections::{BTreeMap, BTreeSet};
 use substructure::assemble::System;
-use substructure::sparse::{congruence, multiply_vector, numbering, submatrix, symmetric_part};
+use substructure::sparse::{congruence, multiply_into, multiply_vector, numbering, submatrix, symmetric_part};
 
 /// Which nodes face each other, and the axes in which their jump is measured.
 #[derive(Clone, Copy, Debug)]
@@ -578,6 +578,13 @@ impl RelativeSystem {
     /// A row over the coordinates before the change (for example a response), over `[jump; rest]` instead.
     pub fn row(&self, over_independent: &[f64]) -> Vec<f64> {
         multiply_vector(&self.transform.transpose_view().to_csr(), over_independent)
+    }
+
+    /// Columns over `[jump; rest]`, over the coordinates before the change instead.
+    pub fn displacements(&self, columns: MatRef<'_, f64>) -> Mat<f64> {
+        let mut before = Mat::zeros(self.transform.rows(), columns.ncols());
+        multiply_into(&self.transform, columns, before.as_mut());
+        before
     }
 
     pub(crate) fn blocks(&self, matrix: &CsMat<f64>) -> Blocks {

@@ -8,7 +8,7 @@ use substructure::elements::Formulation;
 use substructure::mesh::{
     Assembly, Cell, Coupling, CouplingKind, Dof, Element, LoadPattern, Material, Mesh, Section, Shank,
 };
-use substructure::sparse::{numbering, submatrix};
+use substructure::sparse::{multiply_vector, numbering, submatrix};
 
 struct Lap {
     assembly: Assembly,
@@ -715,5 +715,61 @@ fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
         );
+    }
+}
+
+#[test]
+fn mode_shapes_satisfy_the_equations_of_motion() {
+    let lap = lap();
+    let system = System::try_new(&lap.assembly).unwrap();
+    let pairs = InterfacePairs {
+        top: &lap.top,
+        bottom: &lap.bottom,
+        frame: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]],
+    };
+    let relative = RelativeSystem::try_new(&system, pairs).unwrap();
+    let mut springs = sprs::TriMat::new((relative.n_relative, relative.n_relative));
+    (0..relative.n_relative).for_each(|i| springs.add_triplet(i, i, 1e7));
+    let springs: sprs::CsMat<f64> = springs.to_csr();
+    let (n, nd) = (relative.stiffness.rows(), relative.n_relative);
+    let free = checks::full_modes(&relative, None, 6, 1e-8).unwrap();
+    let linear = checks::full_modes(&relative, Some(&springs), 6, 1e-8).unwrap();
+    let stuck = checks::stuck_modes(&relative, 6, 1e-8).unwrap();
+    assert_eq!(
+        (stuck.n_zero, stuck.frequencies()),
+        checks::stuck_frequencies(&relative, 6, 1e-8).unwrap()
+    );
+    assert_eq!(
+        (linear.n_zero, linear.frequencies()),
+        checks::full_frequencies(&relative, Some(&springs), 6, 1e-8).unwrap()
+    );
+    for (modes, spring, first) in [(&free, 0.0, 0), (&linear, 1e7, 0), (&stuck, 0.0, nd)] {
+        let shapes = modes.elastic();
+        for mode in 0..6 {
+            let shape: Vec<f64> = shapes.col(mode).iter().copied().collect();
+            let w2 = modes.eigenvalues[modes.n_zero + mode];
+            let mut elastic = multiply_vector(&relative.stiffness, &shape);
+            elastic[..nd].iter_mut().zip(&shape).for_each(|(f, u)| *f += spring * u);
+            let inertia = multiply_vector(&relative.mass, &shape);
+            // On a stuck interface the forces on the jump are those that hold it.
+            let norm = |v: &dyn Fn(usize) -> f64| (first..n).map(|i| v(i).powi(2)).sum::<f64>().sqrt();
+            let error = norm(&|i| elastic[i] - w2 * inertia[i]) / norm(&|i| w2 * inertia[i]);
+            assert!(error < 1e-6, "mode {mode}: {error:.1e}");
+            for other in 0..6 {
+                let product: f64 = shapes.col(other).iter().zip(&inertia).map(|(a, b)| a * b).sum();
+                assert!(
+                    (product - f64::from(u8::from(mode == other))).abs() < 1e-10,
+                    "{mode} {other}"
+                );
+            }
+        }
+    }
+    // Before the change of coordinates, both sides of a stuck interface move together.
+    let before = relative.displacements(stuck.elastic());
+    for (top, bottom) in lap.top.iter().zip(&lap.bottom) {
+        for component in 0..3 {
+            let rows = [top, bottom].map(|node| system.dofs.independent_index(*node, component).unwrap());
+            assert_eq!(before[(rows[0], 0)], before[(rows[1], 0)]);
+        }
     }
 }

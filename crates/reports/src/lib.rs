@@ -7,6 +7,7 @@ pub mod html;
 pub mod identification;
 pub mod map;
 pub mod markup;
+pub mod modes;
 pub mod overlay;
 pub mod page;
 pub mod periodic;

@@ -5,7 +5,7 @@ use crate::constraints::DofMap;
 use crate::elements;
 use crate::mesh::{Assembly, Mesh};
 use crate::shank::AtReferences;
-use crate::sparse::{congruence, sum};
+use crate::sparse::{congruence, diagonal, sum};
 use rayon::prelude::*;
 use sprs::CsMat;
 
@@ -27,6 +27,8 @@ pub struct System {
     pub positions: Vec<[f64; 3]>,
     /// Total mass of the elements, the shanks and all other masses (kg).
     pub total_mass: f64,
+    /// Mass lumped at each node (kg), in proportion to the diagonal of the consistent mass, so that it is positive for all elements.
+    pub nodal_mass: Vec<f64>,
 }
 
 impl System {
@@ -66,7 +68,10 @@ impl System {
                 None => return Err(fail("no element holds its node")),
             }
         }
-        let mut total_mass = mass.data().iter().sum();
+        let mut total_mass: f64 = mass.data().iter().sum();
+        let mut nodal_mass = diagonal(&mass);
+        let scale = total_mass / nodal_mass.iter().sum::<f64>();
+        nodal_mass.iter_mut().for_each(|mass| *mass *= scale);
         let mut stiffness = congruence(&dofs.transform, &stiffness);
         let mut mass = congruence(&dofs.transform, &for_three_components(&mass));
         if let Some(of) = AtReferences::try_new(assembly, &dofs)? {
@@ -87,6 +92,7 @@ impl System {
             positions: dofs.positions.clone(),
             dofs,
             total_mass,
+            nodal_mass,
         })
     }
 

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::elements::Formulation;
+use std::collections::HashMap;
 
 pub use crate::elements::{Cell, Face};
 pub use crate::material::Material;
@@ -33,6 +34,21 @@ impl Mesh {
         for element in &mut self.elements {
             element.cell.set_formulation(formulation);
         }
+    }
+
+    /// Faces that belong to one element only, in the order of the elements.
+    pub fn boundary(&self) -> Vec<Face> {
+        let corners = |face: &Face| {
+            let mut corners = face.corners().to_vec();
+            corners.sort_unstable();
+            corners
+        };
+        let faces: Vec<Face> = self.elements.iter().flat_map(|element| element.cell.faces()).collect();
+        let mut count: HashMap<Vec<u32>, u32> = HashMap::new();
+        for face in &faces {
+            *count.entry(corners(face)).or_default() += 1;
+        }
+        faces.into_iter().filter(|face| count[&corners(face)] == 1).collect()
     }
 
     /// Checks references, coordinates and materials.

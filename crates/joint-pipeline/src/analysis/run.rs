@@ -18,6 +18,8 @@ use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use crate::structure::{StructuralModel, Structure};
 use cqsma_solver::NewtonSettings;
+use reduction::ReducedModel;
+use sprs::CsMat;
 use zte_assembly::{Interface, InterfaceMesh};
 
 /// A finished run.
@@ -337,6 +339,52 @@ impl Prepared {
         }
     }
 
+    /// Equilibrium of an interface under the bolt loads, of which `closure` carries them (m).
+    fn static_state(
+        &self,
+        scene: &Scene,
+        interface: &Interface,
+        closure: f64,
+        progress: &dyn Progress,
+    ) -> Result<PrestressResult, Error> {
+        let reduced = &self.model.reduced;
+        progress.begin(Stage::Prestress);
+        let start = uniform(reduced, closure);
+        let bolts = bolt_load(scene, &self.model);
+        let assembled = match scene.bolts.assembly {
+            Assembly::WithFriction => InterfaceForce::new(interface),
+            Assembly::Frictionless => InterfaceForce::frictionless(interface),
+        };
+        let load = self.static_load();
+        let prestress = prestress::solve(reduced, &assembled, &load, &start, bolts, &newton_settings(scene))?;
+        progress.end(Stage::Prestress);
+        Ok(prestress)
+    }
+
+    /// The reduced structure with locked bolts, if they are so in vibration.
+    fn locked(&self) -> Result<Option<ReducedModel>, Error> {
+        Ok(match self.scene.bolts.behaviour {
+            BoltBehaviour::DeadLoad => None,
+            BoltBehaviour::Locked => Some(self.model.reduced.locked()?),
+        })
+    }
+
+    /// Stiffness over the jump of the contact under the bolt loads with everything in contact stuck, symmetrised (N/m).
+    ///
+    /// # Errors
+    /// [`Error::Prestress`] and defects of the linear structure.
+    pub fn stuck_tangent(&self, progress: &dyn Progress) -> Result<CsMat<f64>, Error> {
+        let (scene, interface) = (&self.scene, &self.interface);
+        let prestress = self.static_state(scene, &interface.interface, interface.closure, progress)?;
+        let locked = self.locked()?;
+        let vibrating = locked.as_ref().unwrap_or(&self.model.reduced);
+        let force = InterfaceForce::new(&interface.interface);
+        let line = linearise(scene, vibrating, &force, &prestress.solution)?;
+        let (pattern, n) = (interface.interface.pattern(), interface.interface.n_dofs());
+        let indices = (pattern.indptr.clone(), pattern.indices.clone());
+        Ok(CsMat::new((n, n), indices.0, indices.1, line.stuck_tangent().to_vec()))
+    }
+
     /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m).
     fn analyse(
         &self,
@@ -347,27 +395,12 @@ impl Prepared {
     ) -> Result<Analysis, Error> {
         let reduced = &self.model.reduced;
         let force = InterfaceForce::new(interface);
-        let newton = NewtonSettings {
-            tolerance: scene.cqsma.tolerance,
-            ..NewtonSettings::default()
-        };
-
-        progress.begin(Stage::Prestress);
+        let newton = newton_settings(scene);
         let static_load = self.static_load();
-        let start = uniform(reduced, closure);
-        let bolts = bolt_load(scene, &self.model);
-        let assembled = match scene.bolts.assembly {
-            Assembly::WithFriction => InterfaceForce::new(interface),
-            Assembly::Frictionless => InterfaceForce::frictionless(interface),
-        };
-        let prestress = prestress::solve(reduced, &assembled, &static_load, &start, bolts, &newton)?;
-        progress.end(Stage::Prestress);
+        let prestress = self.static_state(scene, interface, closure, progress)?;
 
         progress.begin(Stage::Modes);
-        let locked = match scene.bolts.behaviour {
-            BoltBehaviour::DeadLoad => None,
-            BoltBehaviour::Locked => Some(reduced.locked()?),
-        };
+        let locked = self.locked()?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
         let line = linearise(scene, vibrating, &force, &prestress.solution)?;
         progress.end(Stage::Modes);
@@ -436,5 +469,12 @@ impl Prepared {
             forced,
             checkpoints,
         })
+    }
+}
+
+fn newton_settings(scene: &Scene) -> NewtonSettings {
+    NewtonSettings {
+        tolerance: scene.cqsma.tolerance,
+        ..NewtonSettings::default()
     }
 }

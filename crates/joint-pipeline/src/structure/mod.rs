@@ -8,12 +8,16 @@ mod masses;
 mod matrices;
 mod matrix_contents;
 mod mesh;
+mod mode_names;
+mod modes;
 mod reduce;
 mod reduced;
 mod spectrum;
 mod touching;
 
 pub(crate) use matrix_contents::matrix_files_of;
+pub use mode_names::Shares;
+pub use modes::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
 pub use reduced::{Facts, StructuralModel};
 pub use spectrum::{Description, Frequencies, LinearInterface, Spectrum};
 

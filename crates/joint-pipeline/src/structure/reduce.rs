@@ -3,7 +3,7 @@
 use super::spectrum::CHECK_STIFFNESS;
 use super::{Facts, N_CHECKED, StructuralModel, Structure};
 use crate::Error;
-use crate::joint::{Bodies, ImportedBodies, Sides};
+use crate::joint::{Bodies, ImportedBodies, MeshedBodies, Sides};
 use crate::progress::{Progress, Stage};
 use crate::store::Options;
 use crate::store::cache;
@@ -64,8 +64,7 @@ impl Structure {
             Bodies::Imported(bodies) => return Ok(Assembled::imported(bodies)),
             Bodies::Meshed(bodies) => bodies,
         };
-        let system = System::try_new(&bodies.assembly)?;
-        let relative = self.relative(&system, &bodies.sides)?;
+        let Meshed { system, relative } = self.meshed(bodies)?;
         let row = |what, (node, direction): (u32, [f64; 3])| -> Result<Vec<f64>, Error> {
             let terms: Vec<_> = (0..3_u8).zip(direction).map(|(c, d)| (Dof::Node(node, c), d)).collect();
             Ok(relative.row(&system.dofs.force(&bodies.assembly, what, &terms)?))
@@ -83,6 +82,13 @@ impl Structure {
             n_untied_slaves: system.dofs.untied.len(),
             largest_adjustment: system.dofs.largest_adjustment,
         })
+    }
+
+    /// The system of bodies of finite elements, and the same in relative coordinates.
+    pub(super) fn meshed(&self, bodies: &MeshedBodies) -> Result<Meshed, Error> {
+        let system = System::try_new(&bodies.assembly)?;
+        let relative = self.relative(&system, &bodies.sides)?;
+        Ok(Meshed { system, relative })
     }
 
     /// The system with the jump as coordinates.
@@ -264,6 +270,12 @@ impl Structure {
         }
         key.finish()
     }
+}
+
+/// Matrices of bodies of finite elements.
+pub(super) struct Meshed {
+    pub(super) system: System,
+    pub(super) relative: RelativeSystem,
 }
 
 /// A system in relative coordinates, and what is known of it.

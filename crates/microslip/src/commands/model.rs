@@ -1,12 +1,16 @@
 //! `model`: what a scene's structure is, before anything nonlinear.
 
-use super::{Defaults, SceneArguments, default_directory};
+use super::{Cache, Defaults, SceneArguments, default_directory};
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
 use crate::provenance;
-use anyhow::{Context, Result};
-use joint_pipeline::structure::{Frequencies, LinearInterface, Structure};
+use anyhow::{Context, Result, bail};
+use joint_pipeline::analysis::Prepared;
+use joint_pipeline::joint::Bodies;
+use joint_pipeline::scene::Symmetry;
+use joint_pipeline::structure::{Frequencies, LinearInterface, ModalModel, Structure};
 use reports::Output;
+use reports::modes::{self, LARGEST_VOLUME};
 use reports::run::SUMMARY;
 use serde_json::json;
 use std::fmt::Write;
@@ -29,11 +33,20 @@ pub struct Arguments {
     /// Its tangential stiffness (Pa/m in SI).
     #[arg(long, value_name = "STIFFNESS", requires = "normal_stiffness")]
     tangential_stiffness: Option<f64>,
-    /// Folder for summary.json [default: results/NAME-model].
+    /// Also the N lowest mode shapes of the unstressed assembly, with a stuck and with the linear interface: names, shares of energy,
+    /// effective masses, files for ParaView and a page with pictures.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=200))]
+    modes: Option<u16>,
+    /// Also those about the prestress of the scene, with everything in contact stuck.
+    #[arg(long, requires = "modes")]
+    prestressed: bool,
+    /// Folder for the results [default: results/NAME-model].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
+    #[command(flatten)]
+    cache: Cache,
 }
 
 /// Runs the command.
@@ -41,6 +54,12 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let given = arguments.scene.read(defaults)?;
     let provenance = provenance::of(given.inputs()?)?;
     let scene = given.scene;
+    if arguments.modes.is_some() && scene.model.symmetry == Symmetry::Half {
+        bail!(
+            "the half of the scene {} has only the symmetric modes, with half their masses; leave out model.symmetry for mode shapes",
+            scene.name
+        );
+    }
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&format!("{}-model", scene.name))?,
@@ -57,6 +76,20 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let monitor = Monitor::new()?;
     let structure = Structure::try_new(&scene, &monitor)?;
     let found = structure.describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)?;
+    let modal = match arguments.modes {
+        None => None,
+        Some(count) => {
+            let tangent = match arguments.prestressed {
+                false => None,
+                true => {
+                    let options = arguments.cache.options(defaults);
+                    let prepared = Prepared::try_new(&scene, &structure, &options, &monitor)?;
+                    Some(prepared.stuck_tangent(&monitor)?)
+                }
+            };
+            Some(structure.modes(count.into(), linear, tangent.as_ref(), &monitor)?)
+        }
+    };
     let timings = monitor.finish();
 
     let mesh = match (found.n_nodes, found.n_elements) {
@@ -102,8 +135,78 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         );
         row(&name, &spectrum.with_linear)?;
     }
-    let summary = json!({ "scene": scene, "model": found, "provenance": provenance, "seconds": timings });
+    let mut outputs = Vec::new();
+    if let (Some(modal), Bodies::Meshed(bodies)) = (&modal, &structure.joint.bodies) {
+        let mesh = &bodies.assembly.mesh;
+        let is_large = mesh.elements.len() > LARGEST_VOLUME;
+        text.push_str(&listed(modal));
+        if is_large {
+            writeln!(
+                text,
+                "the mesh has more than {LARGEST_VOLUME} elements: VTK files of the modes hold its surface only"
+            )?;
+        }
+        outputs = modes::outputs(modal, mesh, &format!("{}: modes", scene.name), &about(modal, is_large))?;
+        writeln!(
+            text,
+            "written to {}, with report.html to begin with",
+            directory.display()
+        )?;
+    }
+    let mut summary = json!({ "scene": scene, "model": found, "provenance": provenance, "seconds": timings });
+    if let Some(modal) = &modal {
+        summary["modes"] = json!(modal);
+    }
     let json = serde_json::to_string_pretty(&summary).context("encoding the summary")?;
-    files::publish(folder, &[Output::new(SUMMARY, json + "\n")])?;
+    outputs.push(Output::new(SUMMARY, json + "\n"));
+    files::publish(folder, &outputs)?;
     super::print(&text)
+}
+
+/// The modes with each contact, line by line, and which of them move the joint most.
+fn listed(modal: &ModalModel) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    for of in &modal.contacts {
+        let _ = writeln!(
+            text,
+            "\n{}, {} zero-energy modes",
+            of.contact.name(),
+            of.zero_energy_modes
+        );
+        for mode in &of.modes {
+            let energy = mode.interface_energy.map_or_else(String::new, |share| {
+                format!(", {:.2} % of its energy in the interface", 100.0 * share)
+            });
+            let _ = writeln!(
+                text,
+                "{:>4} {:>12.3} Hz  {}{energy}",
+                mode.number, mode.frequency_hz, mode.name
+            );
+        }
+    }
+    let most: Vec<String> = modal.joint_moved_most_by.iter().take(3).map(usize::to_string).collect();
+    let last = modal.contacts.last().map_or("", |of| of.contact.name());
+    let _ = writeln!(
+        text,
+        "\n{last}: the joint is moved most by the modes {}",
+        most.join(", ")
+    );
+    text
+}
+
+/// What the page of the modes says first.
+fn about(modal: &ModalModel, is_large: bool) -> String {
+    let [x, y, z] = modal.centre;
+    let files = match is_large {
+        true => "VTK files hold the surface of the mesh",
+        false => "VTK files hold the whole mesh",
+    };
+    format!(
+        "{:.4} kg, centre of mass at ({x:.4}, {y:.4}, {z:.4}) m. Names say which share of the mass-weighted square of the motion \
+         the cross-sections along the longest axis have as rigid bodies. Effective masses are those of the three translations and, about \
+         the centre of mass, rotations. In the pictures the largest displacement is 8 % of the length, colours are magnitudes, and \
+         grey lines are the structure at rest. {files}; modes.pvd lists them for ParaView, with a time step per mode.",
+        modal.mass
+    )
 }

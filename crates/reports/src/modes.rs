@@ -1,0 +1,509 @@
+//! Files of mode shapes: table, VTK files for ParaView, and a page with a picture per mode.
+
+use crate::csv::{number, optional, table};
+use crate::html::{Picture, Table, render};
+use crate::map::rgb;
+use crate::markup::escape;
+use crate::{Error, Output};
+use askama::Template;
+use joint_pipeline::structure::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use substructure::formats::vtu::{self, Encoding, Field};
+use substructure::mesh::{Face, Mesh};
+
+/// Elements of a mesh beyond which VTK files hold its surface only.
+pub const LARGEST_VOLUME: usize = 20_000;
+
+/// Name of the table.
+pub const TABLE: &str = "modes.csv";
+
+/// Name of the file that lists the VTK files for ParaView.
+pub const COLLECTION: &str = "modes.pvd";
+
+/// Name of the displacements in VTK files.
+const DISPLACEMENT: &str = "displacement [1/sqrt(kg)]";
+
+/// Largest displacement in a picture over the longest extent of the structure.
+const DEFORMATION: f64 = 0.08;
+
+/// Most faces that a picture fills; of finer meshes it shows edges only.
+const MOST_FACES: usize = 3000;
+
+/// Most edges of a picture.
+const MOST_EDGES: usize = 6000;
+
+/// Cosine of the angle between neighbouring faces below which their edge is drawn.
+const SHARP: f64 = 0.85;
+
+/// Classes of colour: what is of one class shares a path.
+const CLASSES: usize = 16;
+
+/// Direction towards the eye along the principal axes, the longest first.
+const EYE: [f64; 3] = [0.42, -0.72, 0.55];
+
+/// Name of the VTK file of a mode.
+pub fn shape_file(contact: Contact, mode: usize) -> String {
+    format!("modes-{}-{mode:02}.vtu", contact.name())
+}
+
+/// All files but the summary: table, VTK files with their collection, and the page, whose heading is `title` and which says `about` first.
+///
+/// # Errors
+/// [`Error::Table`], [`Error::Shapes`], [`Error::Page`].
+pub fn outputs(model: &ModalModel, mesh: &Mesh, title: &str, about: &str) -> Result<Vec<Output>, Error> {
+    let surface = mesh.boundary();
+    let mut outputs = vec![Output::new(TABLE, modes_table(model)?)];
+    let mut listed = String::new();
+    let mut time = 0;
+    for of in &model.contacts {
+        for mode in &of.modes {
+            let name = shape_file(of.contact, mode.number);
+            time += 1;
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                listed,
+                "<DataSet timestep=\"{time}\" group=\"{}\" part=\"0\" file=\"{name}\"/>",
+                of.contact.name()
+            );
+            outputs.push(Output::new(name, shape(mesh, &surface, mode)?));
+        }
+    }
+    let collection = format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n{listed}\
+         </Collection>\n</VTKFile>\n"
+    );
+    outputs.push(Output::new(COLLECTION, collection));
+    outputs.push(Output::new("report.html", page(model, mesh, &surface, title, about)?));
+    Ok(outputs)
+}
+
+/// One row per mode.
+fn modes_table(model: &ModalModel) -> Result<String, Error> {
+    let headings = [
+        "kind",
+        "number",
+        "frequency [Hz]",
+        "interface_energy [-]",
+        "jump [-]",
+        "effective_mass_x [kg]",
+        "effective_mass_y [kg]",
+        "effective_mass_z [kg]",
+        "effective_inertia_x [kg m^2]",
+        "effective_inertia_y [kg m^2]",
+        "effective_inertia_z [kg m^2]",
+        "name",
+    ];
+    let rows = model.contacts.iter().flat_map(|of| {
+        of.modes.iter().map(move |mode| {
+            let first = [
+                of.contact.name().to_owned(),
+                mode.number.to_string(),
+                number(mode.frequency_hz),
+                optional(mode.interface_energy),
+                number(mode.jump),
+            ];
+            let effective = mode.effective_mass.iter().chain(&mode.effective_inertia);
+            let effective = effective.map(|value| number(*value));
+            let row = first.into_iter().chain(effective).chain([mode.name.clone()]);
+            row.collect::<Vec<_>>()
+        })
+    });
+    table(headings, rows)
+}
+
+/// The displacements on the mesh, or on its surface if the mesh is large.
+fn shape(mesh: &Mesh, surface: &[Face], mode: &ModeShape) -> Result<String, Error> {
+    let field = |values| Field {
+        name: DISPLACEMENT.into(),
+        components: 3,
+        values,
+    };
+    if mesh.elements.len() <= LARGEST_VOLUME {
+        let values = mode.displacement.concat();
+        return vtu::write(mesh, &[field(values)], &[], Encoding::Base64).map_err(Error::Shapes);
+    }
+    let mut place: BTreeMap<u32, u32> = surface
+        .iter()
+        .flat_map(|face| face.nodes())
+        .map(|node| (*node, 0))
+        .collect();
+    place.values_mut().zip(0..).for_each(|(place, number)| *place = number);
+    let nodes: Vec<[f64; 3]> = place.keys().map(|node| mesh.nodes[*node as usize]).collect();
+    let values = place
+        .keys()
+        .flat_map(|node| mode.displacement[*node as usize])
+        .collect();
+    let faces: Vec<Face> = surface
+        .iter()
+        .filter_map(|face| Face::from_nodes(&face.nodes().iter().map(|node| place[node]).collect::<Vec<_>>()))
+        .collect();
+    vtu::write_surface(&nodes, &faces, &[field(values)], &[], Encoding::Base64).map_err(Error::Shapes)
+}
+
+#[derive(Template)]
+#[template(path = "modes.html")]
+struct Page<'a> {
+    title: &'a str,
+    about: &'a str,
+    sections: Vec<Section>,
+    assurance: Vec<Picture<'static>>,
+}
+
+/// The modes with one contact.
+struct Section {
+    heading: String,
+    remark: String,
+    table: Table,
+    pictures: Vec<Picture<'static>>,
+}
+
+fn page(model: &ModalModel, mesh: &Mesh, surface: &[Face], title: &str, about: &str) -> Result<String, Error> {
+    let scenery = Scenery::new(model, mesh, surface);
+    let sections = model.contacts.iter().map(|of| Section {
+        heading: heading(of.contact).into(),
+        remark: remark(model, of),
+        table: numbers(of),
+        pictures: of
+            .modes
+            .iter()
+            .map(|mode| Picture {
+                svg: scenery.svg(mode).into(),
+                caption: format!("{}. {:.2} Hz: {}.", mode.number, mode.frequency_hz, mode.name),
+            })
+            .collect(),
+    });
+    let assurance = model.assurance.iter().map(|pair| Picture {
+        svg: assurance_picture(pair).into(),
+        caption: format!(
+            "Modal assurance criterion in the norm of the mass: modes of the {} structure downwards, of the {} one to the right.",
+            pair.rows.name(),
+            pair.columns.name()
+        ),
+    });
+    render(&Page {
+        title,
+        about,
+        sections: sections.collect(),
+        assurance: assurance.collect(),
+    })
+}
+
+fn heading(contact: Contact) -> &'static str {
+    match contact {
+        Contact::Unstressed => "Unstressed: nothing holds the faces together",
+        Contact::Stuck => "Stuck: the faces move together",
+        Contact::Linear => "Linear interface",
+        Contact::Prestressed => "Linearised about the prestress",
+    }
+}
+
+fn remark(model: &ModalModel, of: &ModesOfContact) -> String {
+    let mut remark = format!(
+        "{} motions without energy. Residual of the modes {:.1e}, error of their orthonormality {:.1e}.",
+        of.zero_energy_modes, of.residual, of.orthonormality_error
+    );
+    if of.contact == Contact::Linear {
+        let _ = write!(
+            remark,
+            " Springs of {:.3e} Pa/m along the normal and {:.3e} Pa/m in the plane.",
+            model.linear.normal_stiffness, model.linear.tangential_stiffness
+        );
+    }
+    if model.contacts.last().is_some_and(|last| last.contact == of.contact) {
+        let most: Vec<String> = model.joint_moved_most_by.iter().take(3).map(usize::to_string).collect();
+        let _ = write!(
+            remark,
+            " Most of their energy in the interface have the modes {}.",
+            most.join(", ")
+        );
+    }
+    remark
+}
+
+fn numbers(of: &ModesOfContact) -> Table {
+    let headings = [
+        "no.",
+        "frequency [Hz]",
+        "shape",
+        "energy in the interface [%]",
+        "jump over motion [-]",
+        "effective mass x, y, z [kg]",
+        "effective inertia x, y, z [kg m²]",
+    ];
+    let three = |values: [f64; 3]| values.map(|v| format!("{v:.3}")).join(", ");
+    let row = |mode: &ModeShape| {
+        vec![
+            mode.number.to_string(),
+            format!("{:.3}", mode.frequency_hz),
+            mode.name.clone(),
+            mode.interface_energy
+                .map_or_else(|| "–".into(), |share| format!("{:.2}", 100.0 * share)),
+            format!("{:.2e}", mode.jump),
+            three(mode.effective_mass),
+            mode.effective_inertia.map(|v| format!("{v:.2e}")).join(", "),
+        ]
+    };
+    Table {
+        headings: headings.map(Into::into).into(),
+        rows: of.modes.iter().map(row).collect(),
+    }
+}
+
+/// The surface of a structure, seen from one side.
+struct Scenery<'a> {
+    surface: &'a [Face],
+    nodes: &'a [[f64; 3]],
+    /// To the right, upwards and to the eye.
+    view: [[f64; 3]; 3],
+    /// Edges between faces at an angle, and at holes of the surface.
+    edges: Vec<[u32; 2]>,
+    /// Corners of the box around the structure in the picture (m).
+    bounds: [[f64; 2]; 2],
+    longest: f64,
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = dot(a, a).sqrt();
+    a.map(|x| if length > 0.0 { x / length } else { 0.0 })
+}
+
+/// Normal of a face whose nodes are at `x`, of length one.
+fn normal(face: &Face, x: &[[f64; 3]]) -> [f64; 3] {
+    let at = |k: usize| x[face.corners()[k] as usize];
+    let way = |a: usize, b: usize| [0, 1, 2].map(|c| at(b)[c] - at(a)[c]);
+    let last = face.corners().len() - 1;
+    unit(if last == 3 {
+        cross(way(0, 2), way(1, 3))
+    } else {
+        cross(way(0, 1), way(0, 2))
+    })
+}
+
+impl<'a> Scenery<'a> {
+    fn new(model: &ModalModel, mesh: &'a Mesh, surface: &'a [Face]) -> Self {
+        let [first, second, third] = model.axes;
+        let mixed = |weights: [f64; 3]| {
+            [0, 1, 2].map(|c| weights[0] * first[c] + weights[1] * second[c] + weights[2] * third[c])
+        };
+        // A right-handed set, whatever the signs of the principal axes are.
+        let sign = dot(cross(first, second), third).signum();
+        let eye = unit(mixed([EYE[0], EYE[1] * sign, EYE[2]]));
+        let right = unit(cross(third, eye));
+        let view = [right, cross(eye, right), eye];
+        let normals: Vec<[f64; 3]> = surface.iter().map(|face| normal(face, &mesh.nodes)).collect();
+        let mut of_edge: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
+        for (number, face) in surface.iter().enumerate() {
+            let corners = face.corners();
+            for (k, &a) in corners.iter().enumerate() {
+                let b = corners[(k + 1) % corners.len()];
+                of_edge.entry([a.min(b), a.max(b)]).or_default().push(number);
+            }
+        }
+        let is_drawn = |faces: &[usize]| match faces {
+            &[a, b] => dot(normals[a], normals[b]) < SHARP,
+            _ => true,
+        };
+        let edges = of_edge
+            .into_iter()
+            .filter(|(_, faces)| is_drawn(faces))
+            .map(|(edge, _)| edge);
+        let edges: Vec<[u32; 2]> = edges.collect();
+        let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        let mut extents = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+        for face in surface {
+            for &node in face.corners() {
+                let x = mesh.nodes[node as usize];
+                let seen = [dot(view[0], x), dot(view[1], x)];
+                for (range, value) in bounds.iter_mut().zip(seen).chain(extents.iter_mut().zip(x)) {
+                    *range = [range[0].min(value), range[1].max(value)];
+                }
+            }
+        }
+        Self {
+            surface,
+            nodes: &mesh.nodes,
+            view,
+            // Evenly thinned, as a picture shows no more.
+            edges: {
+                let step = edges.len().div_ceil(MOST_EDGES).max(1);
+                edges.into_iter().step_by(step).collect()
+            },
+            bounds,
+            longest: extents.iter().map(|[low, high]| high - low).fold(0.0, f64::max),
+        }
+    }
+
+    /// The deformed surface over the edges of the undeformed one; colours are magnitudes of the displacement.
+    fn svg(&self, mode: &ModeShape) -> String {
+        const WIDTH: f64 = 800.0;
+        let size = |u: &[f64; 3]| dot(*u, *u).sqrt();
+        let largest = mode.displacement.iter().map(size).fold(0.0, f64::max);
+        let factor = if largest > 0.0 {
+            DEFORMATION * self.longest / largest
+        } else {
+            0.0
+        };
+        let deformed: Vec<[f64; 3]> = (self.nodes.iter().zip(&mode.displacement))
+            .map(|(x, u)| [0, 1, 2].map(|c| x[c] + factor * u[c]))
+            .collect();
+        let room = DEFORMATION * self.longest;
+        let [[left, right], [bottom, top]] = self.bounds.map(|[low, high]| [low - room, high + room]);
+        let scale = WIDTH / (right - left);
+        let height = scale * (top - bottom);
+        // Whole quarters of a pixel: the shortest text.
+        let seen = |x: [f64; 3]| {
+            let at = [dot(self.view[0], x) - left, top - dot(self.view[1], x)];
+            at.map(|length| (4.0 * scale * length).round() as i64)
+        };
+        let class = |nodes: &[u32]| {
+            let mean = nodes.iter().map(|&n| size(&mode.displacement[n as usize])).sum::<f64>() / nodes.len() as f64;
+            ((mean / largest * CLASSES as f64) as usize).min(CLASSES - 1)
+        };
+        let colour = |class: usize| {
+            let [r, g, b] = rgb((class as f64 + 0.5) / CLASSES as f64);
+            format!("#{r:02x}{g:02x}{b:02x}")
+        };
+        let line = |path: &mut String, nodes: &[u32], x: &[[f64; 3]]| {
+            let mut before: Option<[i64; 2]> = None;
+            for &node in nodes {
+                let at = seen(x[node as usize]);
+                // Writing to a string cannot fail.
+                let _ = match before {
+                    None => write!(path, "M{} {}l", at[0], at[1]),
+                    Some(last) => write!(path, "{} {} ", at[0] - last[0], at[1] - last[1]),
+                };
+                before = Some(at);
+            }
+        };
+        let mut out = String::new();
+        let label = escape(&format!(
+            "mode {}, {:.2} Hz: {}",
+            mode.number, mode.frequency_hz, mode.name
+        ));
+        let _ = writeln!(
+            out,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"{label}\">\n\
+             <g transform=\"scale(.25)\" stroke-linejoin=\"round\">"
+        );
+        let mut resting = String::new();
+        self.edges.iter().for_each(|edge| line(&mut resting, edge, self.nodes));
+        let _ = writeln!(
+            out,
+            "<path d=\"{resting}\" fill=\"none\" stroke=\"#bbb\" stroke-width=\"3\"/>"
+        );
+        let facing: Vec<&Face> = self
+            .surface
+            .iter()
+            .filter(|face| dot(normal(face, &deformed), self.view[2]) > 0.0)
+            .collect();
+        if facing.len() <= MOST_FACES {
+            // The farthest first.
+            let depth = |face: &Face| {
+                let depths = face.corners().iter().map(|&n| dot(self.view[2], deformed[n as usize]));
+                depths.sum::<f64>() / face.corners().len() as f64
+            };
+            let mut sorted: Vec<(f64, &Face)> = facing.into_iter().map(|face| (depth(face), face)).collect();
+            sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut start = 0;
+            while start < sorted.len() {
+                // Neighbours in depth of one colour share a path.
+                let own = class(sorted[start].1.corners());
+                let mut path = String::new();
+                let mut end = start;
+                while end < sorted.len() && class(sorted[end].1.corners()) == own {
+                    line(&mut path, sorted[end].1.corners(), &deformed);
+                    path.push('z');
+                    end += 1;
+                }
+                let _ = writeln!(
+                    out,
+                    "<path d=\"{path}\" fill=\"{}\" stroke=\"#333\" stroke-width=\"1\" stroke-opacity=\".5\"/>",
+                    colour(own)
+                );
+                start = end;
+            }
+        } else {
+            let mut paths = vec![String::new(); CLASSES];
+            self.edges
+                .iter()
+                .for_each(|edge| line(&mut paths[class(edge)], edge, &deformed));
+            for (own, path) in paths.iter().enumerate().filter(|(_, path)| !path.is_empty()) {
+                let _ = writeln!(
+                    out,
+                    "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"6\"/>",
+                    colour(own)
+                );
+            }
+        }
+        let _ = writeln!(out, "</g>\n{}</svg>", self.tripod(height));
+        out
+    }
+
+    /// The axes of the model in the lower left corner.
+    fn tripod(&self, height: f64) -> String {
+        const LENGTH: f64 = 36.0;
+        let (x0, y0) = (LENGTH + 14.0, height - LENGTH - 6.0);
+        let mut out = String::from("<g stroke=\"#444\" font-family=\"sans-serif\" font-size=\"14\">\n");
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let [dx, dy] = [self.view[0][axis], -self.view[1][axis]].map(|part| LENGTH * part);
+            let _ = writeln!(
+                out,
+                "<path d=\"M{x0:.1} {y0:.1}l{dx:.1} {dy:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" stroke=\"none\" \
+                 fill=\"#444\">{name}</text>",
+                x0 + 1.25 * dx,
+                y0 + 1.25 * dy + 5.0
+            );
+        }
+        out + "</g>\n"
+    }
+}
+
+/// A square per pair of modes, with its value in per cent.
+fn assurance_picture(pair: &Assurance) -> String {
+    const CELL: f64 = 44.0;
+    const LEFT: f64 = 40.0;
+    let columns = pair.values.first().map_or(0, Vec::len);
+    let (width, height) = (LEFT + CELL * columns as f64, LEFT + CELL * pair.values.len() as f64);
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"modal assurance criterion\" \
+         style=\"max-width:{width}px\" font-family=\"sans-serif\" font-size=\"14\" text-anchor=\"middle\">"
+    );
+    for column in 0..columns {
+        let x = LEFT + CELL * (column as f64 + 0.5);
+        let _ = writeln!(out, "<text x=\"{x}\" y=\"{}\">{}</text>", LEFT - 10.0, column + 1);
+    }
+    for (row, values) in pair.values.iter().enumerate() {
+        let y = LEFT + CELL * row as f64;
+        let middle = y + 0.5 * CELL + 5.0;
+        let _ = writeln!(out, "<text x=\"{}\" y=\"{middle}\">{}</text>", 0.5 * LEFT, row + 1);
+        for (column, value) in values.iter().enumerate() {
+            let x = LEFT + CELL * column as f64;
+            let [r, g, b] = rgb(*value);
+            let ink = if *value > 0.5 { "#000" } else { "#fff" };
+            let _ = writeln!(
+                out,
+                "<rect x=\"{x}\" y=\"{y}\" width=\"{CELL}\" height=\"{CELL}\" fill=\"#{r:02x}{g:02x}{b:02x}\"/><text x=\"{}\" \
+                 y=\"{middle}\" fill=\"{ink}\">{:.0}</text>",
+                x + 0.5 * CELL,
+                100.0 * value
+            );
+        }
+    }
+    out + "</svg>\n"
+}
