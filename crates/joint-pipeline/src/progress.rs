@@ -67,6 +67,12 @@ pub trait Progress: Sync {
     }
     /// Something the user should know.
     fn note(&self, _text: &str) {}
+    /// Something implausible, in a sentence.
+    fn warn(&self, text: &str) {
+        self.note(&format!("warning: {text}"));
+    }
+    /// A line about what will be computed with, before it is.
+    fn echo(&self, _line: &str) {}
 }
 
 /// Ignores everything.

@@ -7,7 +7,7 @@ use joint_pipeline::scene::StructureSource;
 use reports::Output;
 use reports::run::{
     ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC, amplitude_file, harmonics_file, loops_file, picture_file,
-    table_file,
+    series_file, table_file,
 };
 use std::io::Write;
 use std::path::Path;
@@ -78,7 +78,7 @@ pub(crate) fn is_of_some_run(name: &str) -> bool {
         .strip_prefix("mode-")
         .and_then(|rest| number(rest.split_once('-')?.0))
     {
-        let of_mode = [table_file, picture_file, harmonics_file, loops_file].map(|of| of(Some(mode)));
+        let of_mode = [table_file, picture_file, series_file, harmonics_file, loops_file].map(|of| of(Some(mode)));
         return of_mode.iter().any(|known| known == name);
     }
     let Some(rest) = name.strip_prefix("interface-") else {

@@ -169,6 +169,14 @@ impl Progress for Monitor {
     fn note(&self, text: &str) {
         self.line(&format!("{:>12}     {text}", ""));
     }
+
+    fn warn(&self, text: &str) {
+        self.line(&format!("warning: {text}"));
+    }
+
+    fn echo(&self, line: &str) {
+        self.line(line);
+    }
 }
 
 /// Largest resident memory of this process so far (bytes), where the system tells.

@@ -1,10 +1,10 @@
-//! Fields of the interface in the coordinates of the model, and mode shapes.
+//! What users see of a model: fields of the interface in its coordinates, mode shapes, what is computed with, and warnings.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 mod common;
 
 use common::{exit_code, folder, messages, read_json, run, succeeds};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::Path;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_microslip");
@@ -66,9 +66,14 @@ impl Place {
 
 /// Runs the scene on the deck that is at a place.
 fn results(folder: &Path, name: &str, place: Place) {
+    results_of(folder, name, place, |_| {});
+}
+
+/// Runs the scene with a change on the deck that is at a place; returns what is said on standard error.
+fn results_of(folder: &Path, name: &str, place: Place, change: impl Fn(&mut Value)) -> String {
     std::fs::write(folder.join(format!("{name}.inp")), place.deck()).unwrap();
     let elastic = json!({ "normal_stiffness": 1e12, "tangential_stiffness": [8e11, 8e11] });
-    let scene = json!({
+    let mut scene = json!({
         "name": name,
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "deck": {
@@ -88,9 +93,13 @@ fn results(folder: &Path, name: &str, place: Place) {
         "epmc": { "loops_at": [1, 5] },
         "methods": ["epmc"],
     });
+    change(&mut scene);
     let file = format!("{name}.json");
     std::fs::write(folder.join(&file), scene.to_string()).unwrap();
-    succeeds(folder, &["run", &file, "--out", name, "--no-cache"]);
+    let output = run(folder, &["run", &file, "--out", name, "--no-cache"]);
+    let said = messages(&output);
+    assert_eq!(exit_code(&output), 0, "{said}");
+    said
 }
 
 /// Numbers of an array of a VTK file, by the components of each point or cell.
@@ -261,4 +270,119 @@ fn halves_have_no_mode_shapes() {
         "{}",
         messages(&refused)
     );
+}
+
+/// Kinds of the warnings of a run; each is on standard error and on the page too.
+fn warned(folder: &Path, name: &str, said: &str) -> Vec<String> {
+    let page = std::fs::read_to_string(folder.join(name).join("report.html")).unwrap();
+    let summary = read_json(&folder.join(name).join("summary.json"));
+    let warnings = summary["warnings"].as_array().unwrap();
+    assert_eq!(said.matches("warning: ").count(), warnings.len(), "{said}");
+    assert_eq!(page.matches("class=\"warning\"").count(), warnings.len());
+    let kind = |warning: &Value| {
+        let message = warning["message"].as_str().unwrap();
+        assert!(said.contains(message), "{message} is not in {said}");
+        assert!(warning["value"].is_f64() && warning["limit"].is_f64());
+        warning["kind"].as_str().unwrap().to_owned()
+    };
+    warnings.iter().map(kind).collect()
+}
+
+#[test]
+fn runs_begin_with_what_they_compute_with() {
+    let folder = folder("overview");
+    let said = results_of(&folder, "home", AT_HOME, |_| {});
+    for line in [
+        "structure: 60 x 20 x 20 mm, 0.1872 kg; 32 nodes, 6 elements; read in m, kg, s",
+        "expected with a stuck interface: 6 motions without energy",
+        "material STEEL: E 200 GPa, nu 0.3, 7800 kg/m^3 (of the deck)",
+        "surface: parameters; gap: flat; mu 0.2",
+        "bolts: 1 with 2 kN each, 2 kN together",
+        "interface: 3 elements, 1200 mm^2, nominal pressure 1.6667 MPa",
+    ] {
+        assert!(said.contains(line), "{line} is not in {said}");
+    }
+    assert!(warned(&folder, "home", &said).is_empty());
+    let overview = read_json(&folder.join("home/summary.json"))["overview"].clone();
+    assert_eq!(overview["bolts"]["total_load"], 2000.0);
+    assert_eq!(
+        (&overview["rigid_motions"], &overview["n_elements"]),
+        (&json!(6), &json!(6))
+    );
+    let mass = overview["mass"].as_f64().unwrap();
+    assert!((mass - 0.1872).abs() < 1e-9, "{mass}");
+    // Before the structure is reduced.
+    assert!(said.find("structure: 60") < said.find("assemble"), "{said}");
+    let modelled = run(&folder, &["model", "home.json", "--out", "model"]);
+    assert!(
+        messages(&modelled).contains("bolts: 1 with 2 kN each"),
+        "{}",
+        messages(&modelled)
+    );
+    assert_eq!(
+        read_json(&folder.join("model/summary.json"))["overview"]["bolts"],
+        overview["bolts"]
+    );
+}
+
+#[test]
+fn a_deck_in_millimetres_read_as_metres_is_warned_of() {
+    let folder = folder("wrong-unit");
+    let place = Place {
+        rotation: AT_HOME.rotation.map(|row| row.map(|x| 1e3 * x)),
+        ..AT_HOME
+    };
+    let said = results_of(&folder, "millimetres", place, |scene| {
+        scene["structure"]["deck"]["along"] = json!([1.0, 0.0, 0.0]);
+        scene["structure"]["deck"]["response"]["direction"] = json!([0.0, 0.0, 1.0]);
+        // As stiff against the bodies as before.
+        let elastic = json!({ "normal_stiffness": 1e9, "tangential_stiffness": [8e8, 8e8] });
+        scene["surface"]["parameters"]["sets"][0]["curves"]["elastic"] = elastic;
+        let fields = scene.as_object_mut().unwrap();
+        fields.retain(|name, _| name != "methods" && name != "epmc");
+    });
+    assert!(
+        warned(&folder, "millimetres", &said).contains(&"size".to_owned()),
+        "{said}"
+    );
+    assert!(
+        said.contains("60 m long") && said.contains("is the unit right?"),
+        "{said}"
+    );
+}
+
+#[test]
+fn pressures_above_the_hardness_are_warned_of() {
+    let folder = folder("wrong-load");
+    let said = results_of(&folder, "heavy", AT_HOME, |scene| {
+        scene["bolts"]["load"] = json!("2 MN");
+        scene["model"]["material"]["hardness"] = json!("1.5 GPa");
+        let fields = scene.as_object_mut().unwrap();
+        fields.retain(|name, _| name != "methods" && name != "epmc");
+    });
+    assert_eq!(warned(&folder, "heavy", &said), ["mean-pressure", "peak-pressure"]);
+    assert!(said.contains("is the load right?"), "{said}");
+}
+
+#[test]
+fn stored_fields_are_one_series_over_the_amplitude() {
+    let folder = folder("series");
+    results(&folder, "home", AT_HOME);
+    let read = |name: &str| std::fs::read_to_string(folder.join("home").join(name)).unwrap();
+    let amplitude = read_json(&folder.join("home/summary.json"))["backbone"][1]["response_displacement"].clone();
+    let sets: Vec<String> = read("fields.pvd")
+        .lines()
+        .filter(|line| line.starts_with("<DataSet"))
+        .map(str::to_owned)
+        .collect();
+    assert_eq!(sets.len(), 2);
+    for (set, (time, file)) in sets.iter().zip([
+        (json!(0.0), "interface-prestress.vtu"),
+        (amplitude, "interface-amplitude-02.vtu"),
+    ]) {
+        assert!(set.contains(&format!("file=\"{file}\"")), "{set}");
+        let found = set.split("timestep=\"").nth(1).unwrap().split_once('"').unwrap().0;
+        assert_eq!(found.parse::<f64>().unwrap(), time.as_f64().unwrap());
+        assert!(folder.join("home").join(file).exists());
+    }
 }

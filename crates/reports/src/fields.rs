@@ -1,6 +1,6 @@
 //! Fields of the interface as means over its elements, for pictures and files.
 
-use crate::Error;
+use crate::{Error, csv};
 use contact_laws::Regime;
 use joint_pipeline::Run;
 use joint_pipeline::analysis::Fields;
@@ -146,6 +146,21 @@ pub fn vtu(place: Placed<'_>, cells: Vec<CellField>) -> Result<String, Error> {
         false => (Vec::new(), cells),
     };
     vtu::write_surface(&nodes, &faces, &of_nodes, &of_faces, encoding).map_err(Error::Fields)
+}
+
+/// A list of VTK files for ParaView, each with its time.
+pub fn collection(files: &[(f64, String)]) -> String {
+    let sets = files.iter().map(|(time, file)| {
+        format!(
+            "<DataSet timestep=\"{}\" part=\"0\" file=\"{file}\"/>\n",
+            csv::number(*time)
+        )
+    });
+    format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n{}\
+         </Collection>\n</VTKFile>\n",
+        sets.collect::<String>()
+    )
 }
 
 /// Dissipation per area and cycle over all directions (J/m^2), per element.

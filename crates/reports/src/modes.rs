@@ -4,7 +4,7 @@ use crate::csv::{number, optional, table};
 use crate::html::{Picture, Table, render};
 use crate::map::rgb;
 use crate::markup::escape;
-use crate::{Error, Output};
+use crate::{Error, Output, fields};
 use askama::Template;
 use joint_pipeline::structure::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
 use std::collections::BTreeMap;
@@ -54,26 +54,15 @@ pub fn shape_file(contact: Contact, mode: usize) -> String {
 pub fn outputs(model: &ModalModel, mesh: &Mesh, title: &str, about: &str) -> Result<Vec<Output>, Error> {
     let surface = mesh.boundary();
     let mut outputs = vec![Output::new(TABLE, modes_table(model)?)];
-    let mut listed = String::new();
-    let mut time = 0;
+    let mut listed = Vec::new();
     for of in &model.contacts {
         for mode in &of.modes {
             let name = shape_file(of.contact, mode.number);
-            time += 1;
-            // Writing to a string cannot fail.
-            let _ = writeln!(
-                listed,
-                "<DataSet timestep=\"{time}\" group=\"{}\" part=\"0\" file=\"{name}\"/>",
-                of.contact.name()
-            );
+            listed.push(((listed.len() + 1) as f64, name.clone()));
             outputs.push(Output::new(name, shape(mesh, &surface, mode)?));
         }
     }
-    let collection = format!(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n{listed}\
-         </Collection>\n</VTKFile>\n"
-    );
-    outputs.push(Output::new(COLLECTION, collection));
+    outputs.push(Output::new(COLLECTION, fields::collection(&listed)));
     outputs.push(Output::new("report.html", page(model, mesh, &surface, title, about)?));
     Ok(outputs)
 }

@@ -12,9 +12,9 @@ use joint_pipeline::interface::AsperityReport;
 use joint_pipeline::results::summary::{
     BackboneSummary, ForcedSummary, MethodSummary, ResonanceSummary, Status, Summary,
 };
+use joint_pipeline::results::warnings::Warning;
 use joint_pipeline::scene::Method;
-use serde::Serialize;
-use serde_json::Value;
+use joint_pipeline::structure::{Overview, choice_name};
 
 /// Names with values.
 type Facts = Vec<(String, String)>;
@@ -24,6 +24,8 @@ type Facts = Vec<(String, String)>;
 struct Page<'a> {
     title: &'a str,
     introduction: String,
+    warnings: &'a [Warning],
+    overview: Vec<String>,
     modes: Vec<Mode<'a>>,
     periodic: Option<Periodic<'a>>,
     /// None of points of contact, which cover nothing that could be drawn.
@@ -77,14 +79,16 @@ pub fn document(
              coefficient {}; {}.",
             summary.title,
             modes.join(", "),
-            name(&run.scene.surface),
-            name(&run.scene.gap),
+            choice_name(&run.scene.surface),
+            choice_name(&run.scene.gap),
             run.scene.mu,
             match run.model.reduced.loads.len() {
                 0 => "no bolts".to_owned(),
                 bolts => format!("{bolts} bolts with {}", tensions(run)),
             },
         ),
+        warnings: &summary.warnings,
+        overview: summary.overview.as_ref().map(Overview::lines).unwrap_or_default(),
         modes: of_modes
             .map(|((backbone, (_, of_mode)), picture)| mode(run, backbone, &of_mode, picture))
             .collect(),
@@ -196,16 +200,6 @@ fn levels_table(levels: &[ForcedSummary]) -> Table {
     }
 }
 
-/// The name by which scenes and summaries call a choice.
-fn name(choice: &impl Serialize) -> String {
-    match serde_json::to_value(choice) {
-        Ok(Value::String(text)) => text,
-        // An option with parameters is written as an object with its name as the only key.
-        Ok(Value::Object(map)) => map.keys().next().cloned().unwrap_or_default(),
-        _ => String::new(),
-    }
-}
-
 fn facts<const N: usize>(rows: [(&str, String); N]) -> Facts {
     rows.map(|(name, value)| (name.into(), value)).into()
 }
@@ -298,7 +292,10 @@ fn key_numbers(summary: &Summary) -> Facts {
             "Frequencies without contact",
             frequencies(&model.unstressed_frequencies_hz),
         ),
-        ("Traction law", format!("{}, history {}", law.kind, name(&law.history))),
+        (
+            "Traction law",
+            format!("{}, history {}", law.kind, choice_name(&law.history)),
+        ),
         (
             "Stiffness at mean pressure",
             format!(
@@ -437,7 +434,7 @@ fn asperity_numbers(law: &AsperityReport) -> Facts {
             format!(
                 "{} population(s), tangential stiffness {}",
                 law.n_populations,
-                name(&law.tangential)
+                choice_name(&law.tangential)
             ),
         ),
         ("Largest relative error of the tables", table_error),

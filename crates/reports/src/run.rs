@@ -33,6 +33,15 @@ pub fn amplitude_file(mode: Option<usize>, number: usize) -> String {
     format!("interface-{}amplitude-{number:02}.vtu", of_mode(mode))
 }
 
+/// Name of the interface file of the static state.
+const PRESTRESS: &str = "interface-prestress.vtu";
+
+/// Name of the list of the interface files of a mode over the amplitude, the static state being at zero; `mode` is none for the first mode
+/// followed.
+pub fn series_file(mode: Option<usize>) -> String {
+    of_mode(mode) + "fields.pvd"
+}
+
 /// Name of the table of a backbone; `mode` is none for the first mode followed.
 pub fn table_file(mode: Option<usize>) -> String {
     of_mode(mode) + "backbone.csv"
@@ -67,14 +76,18 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
         let document = fields::vtu(run.into(), fields::cell_fields(run, of))?;
         Ok::<_, Error>(Output::new(name, document))
     };
-    let mut outputs = vec![field_file("interface-prestress.vtu".into(), &run.prestress.fields)?];
+    let mut outputs = vec![field_file(PRESTRESS.into(), &run.prestress.fields)?];
     let mut pictures = Vec::with_capacity(run.backbones.len());
     for (backbone, (mode, of_mode)) in run.backbones.iter().zip(summary.by_mode()) {
+        let mut series = vec![(0.0, PRESTRESS.to_owned())];
         for (index, amplitude) in backbone.amplitudes.iter().enumerate() {
             if let Some(fields) = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref()) {
-                outputs.push(field_file(amplitude_file(mode, index + 1), fields)?);
+                let name = amplitude_file(mode, index + 1);
+                series.extend(amplitude.response_displacement.map(|x| (x, name.clone())));
+                outputs.push(field_file(name, fields)?);
             }
         }
+        outputs.push(Output::new(series_file(mode), fields::collection(&series)));
         outputs.push(Output::new(table_file(mode), csv::backbone(&of_mode)?));
         let picture = plot::backbone(&of_mode, &title(run, backbone.mode))?;
         outputs.push(Output::new(picture_file(mode), picture.clone()));

@@ -12,11 +12,12 @@ use crate::interface::{InterfaceForce, LawReport, PartReport, SceneInterface};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
 use crate::progress::{Progress, Stage};
-use crate::scene::{Assembly, BoltBehaviour, Scene};
+use crate::results::warnings::{self, Findings, Warning};
+use crate::scene::{Assembly, BoltBehaviour, Scene, Stress};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
-use crate::structure::{StructuralModel, Structure};
+use crate::structure::{Overview, StructuralModel, Structure};
 use cqsma_solver::NewtonSettings;
 use reduction::ReducedModel;
 use sprs::CsMat;
@@ -29,6 +30,10 @@ pub struct Run {
     pub scene: Scene,
     /// The structure.
     pub model: StructuralModel,
+    /// What was computed with.
+    pub overview: Overview,
+    /// What is implausible in it or in the results.
+    pub warnings: Vec<Warning>,
     /// The interface mesh.
     pub mesh: InterfaceMesh,
     /// Unit vectors of the relative coordinates as rows, see [`Joint::frame`](crate::joint::Joint::frame).
@@ -103,6 +108,7 @@ pub struct Prepared {
     response: String,
     moved_pairs: Option<MovedPairs>,
     raised: Option<RaisedElements>,
+    overview: Overview,
     mesh: InterfaceMesh,
     frame: [[f64; 3]; 3],
     positions: Option<Vec<[f64; 3]>>,
@@ -143,6 +149,11 @@ pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Res
     progress.begin(Stage::Mesh);
     let structure = Structure::try_new(scene, progress)?;
     progress.end(Stage::Mesh);
+    let overview = structure.overview(scene)?;
+    overview.lines().iter().for_each(|line| progress.echo(line));
+    for warning in warnings::of_input(&overview) {
+        progress.warn(&warning.message);
+    }
     Prepared::try_new(scene, &structure, options, progress)
 }
 
@@ -189,6 +200,7 @@ impl Prepared {
             response: structure.joint.response.clone(),
             moved_pairs: structure.joint.moved_pairs(),
             raised: structure.joint.raised(),
+            overview: structure.overview(scene)?,
             mesh: structure.interface().clone(),
             frame: structure.joint.frame,
             positions: structure.joint.positions.clone(),
@@ -232,7 +244,7 @@ impl Prepared {
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
         let interface = &self.interface;
         let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
-        Ok(self.finish(analysis))
+        Ok(self.finish(analysis, progress))
     }
 
     /// As [`Prepared::solve`], and then the backbones of `realisations` bootstrap realisations of all elements' laws on
@@ -246,7 +258,7 @@ impl Prepared {
         let mut analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
         let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
-        Ok((self.finish(analysis), ensemble))
+        Ok((self.finish(analysis, progress), ensemble))
     }
 
     fn ensemble(
@@ -289,7 +301,7 @@ impl Prepared {
         key
     }
 
-    fn finish(self, analysis: Analysis) -> Run {
+    fn finish(self, analysis: Analysis, progress: &dyn Progress) -> Run {
         let Analysis {
             prestress,
             frequencies,
@@ -318,8 +330,16 @@ impl Prepared {
             methods: found.methods,
             epmc: found.epmc,
         };
+        let backbones: Vec<ModeBackbone> = modes.into_iter().map(judge).collect();
+        let found = self.findings(&prestress, &frequencies, backbones.first().map(|first| &first.validity));
+        let of_results = warnings::of_results(&self.overview, &found);
+        of_results.iter().for_each(|warning| progress.warn(&warning.message));
+        let mut warnings = warnings::of_input(&self.overview);
+        warnings.extend(of_results);
         Run {
-            backbones: modes.into_iter().map(judge).collect(),
+            backbones,
+            warnings,
+            overview: self.overview,
             frequencies,
             forced,
             prestress,
@@ -336,6 +356,23 @@ impl Prepared {
             raised: self.raised,
             scene: self.scene,
             checkpoints,
+        }
+    }
+
+    /// What warnings judge.
+    fn findings(&self, prestress: &PrestressResult, frequencies: &[f64], validity: Option<&Validity>) -> Findings {
+        let pressures = &prestress.fields.traction[2];
+        let hardness = self.scene.model.material.hardness.map(Stress::si);
+        let operators = self.interface.interface.operators();
+        let above = pressures.iter().zip(&operators.weights);
+        let above = above.filter(|(pressure, _)| hardness.is_some_and(|hardness| **pressure > hardness));
+        Findings {
+            hardness,
+            peak_pressure: pressures.iter().copied().fold(0.0, f64::max),
+            share_above_hardness: above.map(|(_, weight)| weight).sum::<f64>() / operators.area(),
+            yielded_asperities: validity.and_then(|validity| validity.yielded_asperity_fraction),
+            in_contact: validity.map_or(1.0, |validity| validity.contact_area_fraction_by_points),
+            first_frequency: frequencies.first().copied(),
         }
     }
 

@@ -3,3 +3,4 @@
 pub mod provenance;
 pub mod summary;
 pub mod trends;
+pub mod warnings;

@@ -1,6 +1,7 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
 use super::provenance::Provenance;
+use super::warnings::Warning;
 use crate::analysis::ensemble::Ensemble;
 use crate::analysis::error_estimate::ErrorEstimate;
 use crate::analysis::mesh_error::{ErrorBar, MeshEstimate};
@@ -12,6 +13,7 @@ use crate::interface::{LawReport, PartReport};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
 use crate::scene::{BoltBehaviour, Method, PRESETS, Preset, Scene, StructureSource, Symmetry};
+use crate::structure::Overview;
 use cqsma_solver::Reason;
 use periodic_motion::backbone::Point;
 use serde::de::Error as _;
@@ -36,6 +38,12 @@ pub struct Summary {
     /// Where and in which direction amplitudes are measured, in words.
     #[serde(default)]
     pub response: String,
+    /// What was computed with: sizes, materials, surface, bolts and units; missing in older summaries.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overview: Option<Overview>,
+    /// What is implausible in the input or the results.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
     /// The structure.
     pub model: ModelSummary,
     /// The law; of the first interface where there are several.
@@ -458,6 +466,11 @@ impl Summary {
                 StructureSource::Matrices(matrices) => matrices.path.display().to_string(),
             },
             response: run.response.clone(),
+            overview: Some(Overview {
+                mass: facts.mass.or(run.overview.mass),
+                ..run.overview.clone()
+            }),
+            warnings: run.warnings.clone(),
             model: ModelSummary {
                 n_nodes: facts.n_nodes,
                 n_elements: facts.n_elements,

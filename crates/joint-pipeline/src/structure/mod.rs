@@ -10,6 +10,7 @@ mod matrix_contents;
 mod mesh;
 mod mode_names;
 mod modes;
+mod overview;
 mod reduce;
 mod reduced;
 mod spectrum;
@@ -18,6 +19,8 @@ mod touching;
 pub(crate) use matrix_contents::matrix_files_of;
 pub use mode_names::Shares;
 pub use modes::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
+pub(crate) use overview::significant;
+pub use overview::{BoltOverview, MaterialOverview, Overview, choice_name};
 pub use reduced::{Facts, StructuralModel};
 pub use spectrum::{Description, Frequencies, LinearInterface, Spectrum};
 

@@ -7,6 +7,8 @@ use crate::provenance;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::analysis::Prepared;
 use joint_pipeline::joint::Bodies;
+use joint_pipeline::progress::Progress;
+use joint_pipeline::results::warnings;
 use joint_pipeline::scene::Symmetry;
 use joint_pipeline::structure::{Frequencies, LinearInterface, ModalModel, Structure};
 use reports::Output;
@@ -75,6 +77,10 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         .open(&directory, &files::of_scene("model", &scene), &[SUMMARY])?;
     let monitor = Monitor::new()?;
     let structure = Structure::try_new(&scene, &monitor)?;
+    let overview = structure.overview(&scene)?;
+    overview.lines().iter().for_each(|line| monitor.echo(line));
+    let warnings = warnings::of_input(&overview);
+    warnings.iter().for_each(|warning| monitor.warn(&warning.message));
     let found = structure.describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)?;
     let modal = match arguments.modes {
         None => None,
@@ -153,7 +159,14 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
             directory.display()
         )?;
     }
-    let mut summary = json!({ "scene": scene, "model": found, "provenance": provenance, "seconds": timings });
+    let mut summary = json!({
+        "scene": scene,
+        "overview": overview,
+        "warnings": warnings,
+        "model": found,
+        "provenance": provenance,
+        "seconds": timings,
+    });
     if let Some(modal) = &modal {
         summary["modes"] = json!(modal);
     }

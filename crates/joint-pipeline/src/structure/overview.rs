@@ -1,0 +1,296 @@
+//! What is computed with: sizes, materials, surface, bolts and units, told before anything is computed.
+
+use super::Structure;
+use crate::Error;
+use crate::joint::Bodies;
+use crate::scene::{Density, MaterialSource, Scene, StructureSource, Surface, Units};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use substructure::mesh::{Cell, Mesh};
+
+/// A structure and what loads it, as read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Overview {
+    /// Units of the file of the structure, of a benchmark those of the scene: length, mass or force, time.
+    pub units: String,
+    /// Extents of the structure along the axes of the model (m); none of matrices.
+    pub size: Option<[f64; 3]>,
+    /// Mass (kg) from the corners of the elements, point masses included; none where it is not known.
+    pub mass: Option<f64>,
+    /// Nodes of the solid mesh.
+    pub n_nodes: Option<usize>,
+    /// Its elements.
+    pub n_elements: Option<usize>,
+    /// Interface elements, or points of contact.
+    pub n_interface_elements: usize,
+    /// Area of the interface (m^2).
+    pub interface_area: f64,
+    /// Materials of the bodies.
+    pub materials: Vec<MaterialOverview>,
+    /// What the asperities and the gap follow from, in words.
+    pub surface: String,
+    /// Bolts.
+    pub bolts: BoltOverview,
+    /// Motions without energy that the structure with a stuck interface should have.
+    pub rigid_motions: usize,
+}
+
+/// A material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MaterialOverview {
+    /// Its name.
+    pub name: String,
+    /// Where it comes from, in words.
+    pub source: String,
+    /// Young's modulus (Pa).
+    pub youngs_modulus: f64,
+    /// Poisson ratio (-).
+    pub poisson_ratio: f64,
+    /// Density (kg/m^3); none where nothing needs it.
+    pub density: Option<f64>,
+}
+
+/// Bolts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct BoltOverview {
+    /// How many.
+    pub count: usize,
+    /// Tension of each (N).
+    pub load_each: f64,
+    /// Tension of all (N).
+    pub total_load: f64,
+    /// All tension over the area of the interface (Pa).
+    pub nominal_pressure: f64,
+}
+
+impl Structure {
+    /// What is known of a structure and of what a scene does with it before anything is computed.
+    ///
+    /// # Errors
+    /// Of the quadrature of the interface.
+    pub fn overview(&self, scene: &Scene) -> Result<Overview, Error> {
+        let area = self.symmetry.operators(&self.joint.interface, 2)?.area();
+        let (mesh, point_masses, count) = match &self.joint.bodies {
+            Bodies::Imported(bodies) => (None, 0.0, bodies.relative.loads.len()),
+            Bodies::Meshed(bodies) => {
+                let assembly = &bodies.assembly;
+                let masses = assembly.masses.iter().map(|point| point.mass);
+                (Some(&assembly.mesh), masses.sum(), assembly.loads.len())
+            }
+        };
+        let mass = match &self.joint.bodies {
+            Bodies::Imported(bodies) => bodies.mass,
+            Bodies::Meshed(bodies) => Some(point_masses + mass(&bodies.assembly.mesh)),
+        };
+        let load_each = scene.bolts.load.si();
+        let total_load = load_each * count as f64;
+        Ok(Overview {
+            units: units(scene),
+            size: mesh.map(size),
+            mass,
+            n_nodes: mesh.map(|mesh| mesh.nodes.len()),
+            n_elements: mesh.map(|mesh| mesh.elements.len()),
+            n_interface_elements: self.joint.interface.elements.len(),
+            interface_area: area,
+            materials: materials(scene, mesh),
+            surface: surface(scene),
+            bolts: BoltOverview {
+                count,
+                load_each,
+                total_load,
+                nominal_pressure: total_load / area,
+            },
+            rigid_motions: self.settings.expected_zem,
+        })
+    }
+}
+
+impl Overview {
+    /// In a few plain lines.
+    pub fn lines(&self) -> Vec<String> {
+        let size = self.size.map_or_else(
+            || "size not known".to_owned(),
+            |size| {
+                let [x, y, z] = size.map(|extent| significant(1e3 * extent));
+                format!("{x} x {y} x {z} mm")
+            },
+        );
+        let mass = self.mass.map_or_else(
+            || "mass not known".to_owned(),
+            |mass| format!("{} kg", significant(mass)),
+        );
+        let mesh = match (self.n_nodes, self.n_elements) {
+            (Some(nodes), Some(elements)) => format!("{nodes} nodes, {elements} elements"),
+            _ => "matrices".to_owned(),
+        };
+        let mut lines = vec![
+            format!("structure: {size}, {mass}; {mesh}; read in {}", self.units),
+            format!(
+                "expected with a stuck interface: {} motions without energy",
+                self.rigid_motions
+            ),
+        ];
+        const MOST: usize = 3;
+        lines.extend(self.materials.iter().take(MOST).map(MaterialOverview::line));
+        if self.materials.len() > MOST {
+            lines.push(format!("and {} more materials", self.materials.len() - MOST));
+        }
+        lines.push(format!("surface: {}", self.surface));
+        let bolts = &self.bolts;
+        lines.push(match bolts.count {
+            0 => "no bolts".to_owned(),
+            count => format!(
+                "bolts: {count} with {} kN each, {} kN together",
+                significant(1e-3 * bolts.load_each),
+                significant(1e-3 * bolts.total_load)
+            ),
+        });
+        lines.push(format!(
+            "interface: {} elements, {} mm^2, nominal pressure {} MPa",
+            self.n_interface_elements,
+            significant(1e6 * self.interface_area),
+            significant(1e-6 * bolts.nominal_pressure)
+        ));
+        lines
+    }
+}
+
+impl MaterialOverview {
+    /// In one line.
+    pub fn line(&self) -> String {
+        let density = self.density.map_or_else(
+            || "density not given".to_owned(),
+            |density| format!("{} kg/m^3", significant(density)),
+        );
+        format!(
+            "material {}: E {} GPa, nu {}, {density} ({})",
+            self.name,
+            significant(1e-9 * self.youngs_modulus),
+            significant(self.poisson_ratio),
+            self.source
+        )
+    }
+}
+
+/// A number with five significant digits, without zeros at its end.
+pub(crate) fn significant(value: f64) -> String {
+    let text = format!("{value:.4e}");
+    let rounded: f64 = text.parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-3..1e7).contains(&size) => rounded.to_string(),
+        _ => format!("{rounded:e}"),
+    }
+}
+
+/// The name by which scenes and summaries call a choice.
+pub fn choice_name(choice: &impl Serialize) -> String {
+    match serde_json::to_value(choice) {
+        Ok(Value::String(text)) => text,
+        // An option with parameters is written as an object with its name as the only key.
+        Ok(Value::Object(map)) => map.keys().next().cloned().unwrap_or_default(),
+        _ => String::new(),
+    }
+}
+
+fn units(scene: &Scene) -> String {
+    let of: &Units = match &scene.structure.source {
+        StructureSource::Benchmark(_) => &scene.units,
+        StructureSource::Deck(deck) => &deck.units,
+        StructureSource::Matrices(matrices) => &matrices.units,
+    };
+    let symbols = serde_json::to_value(of).unwrap_or_default();
+    let symbols = ["length", "mass", "force", "time"].map(|quantity| symbols[quantity].as_str().map(str::to_owned));
+    symbols.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+fn surface(scene: &Scene) -> String {
+    let source = match &scene.surface {
+        Surface::Benchmark(benchmark) => format!("measured statistics of {benchmark:?}"),
+        Surface::Measured => "measured statistics of the benchmark".to_owned(),
+        other => choice_name(other).replace('-', " "),
+    };
+    format!("{source}; gap: {}; mu {}", choice_name(&scene.gap), scene.mu)
+}
+
+fn materials(scene: &Scene, mesh: Option<&Mesh>) -> Vec<MaterialOverview> {
+    let Some(mesh) = mesh else {
+        let material = &scene.model.material;
+        return vec![MaterialOverview {
+            name: "of the contact".into(),
+            source: "scene; the matrices know none".into(),
+            youngs_modulus: material.youngs_modulus.si(),
+            poisson_ratio: material.poisson_ratio,
+            density: material.density.map(Density::si),
+        }];
+    };
+    let source = match &scene.structure.source {
+        StructureSource::Deck(deck) if deck.materials != MaterialSource::Scene => "of the deck",
+        _ => "of the scene",
+    };
+    let mut used = vec![false; mesh.materials.len()];
+    mesh.elements
+        .iter()
+        .for_each(|element| used[usize::from(element.material)] = true);
+    let mut found: Vec<MaterialOverview> = Vec::new();
+    for (material, _) in mesh.materials.iter().zip(used).filter(|(_, used)| *used) {
+        let own = MaterialOverview {
+            name: material.name.clone(),
+            source: source.into(),
+            youngs_modulus: material.youngs_modulus,
+            poisson_ratio: material.poisson_ratio,
+            density: Some(material.density),
+        };
+        if !found.contains(&own) {
+            found.push(own);
+        }
+    }
+    found
+}
+
+/// Extents of the nodes of the elements.
+fn size(mesh: &Mesh) -> [f64; 3] {
+    let nodes = mesh.elements.iter().flat_map(|element| element.cell.nodes());
+    let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+    for node in nodes {
+        for ([low, high], x) in range.iter_mut().zip(mesh.nodes[*node as usize]) {
+            (*low, *high) = (low.min(x), high.max(x));
+        }
+    }
+    range.map(|[low, high]| high - low)
+}
+
+fn mass(mesh: &Mesh) -> f64 {
+    let elements = mesh.elements.iter();
+    elements
+        .map(|element| mesh.materials[usize::from(element.material)].density * volume(&element.cell, &mesh.nodes))
+        .sum()
+}
+
+/// Volume between the corners of an element (m^3), by the divergence theorem over its faces.
+fn volume(cell: &Cell, nodes: &[[f64; 3]]) -> f64 {
+    let origin = nodes[cell.nodes()[0] as usize];
+    let triple = |corners: [u32; 3]| {
+        let [a, b, c] = corners.map(|node| {
+            let x = nodes[node as usize];
+            [0, 1, 2].map(|k| x[k] - origin[k])
+        });
+        (0..3)
+            .map(|k| {
+                let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+                a[k] * (b[next] * c[last] - b[last] * c[next])
+            })
+            .sum::<f64>()
+            / 6.0
+    };
+    let faces = cell.faces().map(|face| match *face.corners() {
+        // The mean of both ways to part a bilinear face is the volume under it.
+        [a, b, c, d] => 0.5 * (triple([a, b, c]) + triple([a, c, d]) + triple([a, b, d]) + triple([b, c, d])),
+        [a, b, c] => triple([a, b, c]),
+        _ => 0.0,
+    });
+    faces.sum::<f64>().abs()
+}
