@@ -338,6 +338,8 @@ fn a_deck_in_millimetres_read_as_metres_is_warned_of() {
         // As stiff against the bodies as before.
         let elastic = json!({ "normal_stiffness": 1e9, "tangential_stiffness": [8e8, 8e8] });
         scene["surface"]["parameters"]["sets"][0]["curves"]["elastic"] = elastic;
+        scene["bolts"]["load"] = json!(2e9);
+        (scene["cqsma"]["amplitude_from"], scene["cqsma"]["amplitude_to"]) = (json!(1e-6), json!(1e-4));
         let fields = scene.as_object_mut().unwrap();
         fields.retain(|name, _| name != "methods" && name != "epmc");
     });
