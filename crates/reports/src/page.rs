@@ -8,11 +8,11 @@ use askama::Template;
 use joint_pipeline::Run;
 use joint_pipeline::analysis::ModeBackbone;
 use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, ModeEstimate};
+use joint_pipeline::analysis::warnings::Warning;
 use joint_pipeline::interface::AsperityReport;
 use joint_pipeline::results::summary::{
     BackboneSummary, ForcedSummary, MethodSummary, ResonanceSummary, Status, Summary,
 };
-use joint_pipeline::results::warnings::Warning;
 use joint_pipeline::scene::Method;
 use joint_pipeline::structure::{Overview, choice_name};
 

@@ -14,6 +14,7 @@ pub mod registration;
 mod run;
 pub mod transient;
 pub mod validity;
+pub mod warnings;
 
 pub use crate::store::checkpoint::Checkpoints;
 pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};

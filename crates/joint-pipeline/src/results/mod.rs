@@ -3,4 +3,3 @@
 pub mod provenance;
 pub mod summary;
 pub mod trends;
-pub mod warnings;

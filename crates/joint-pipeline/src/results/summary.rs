@@ -1,13 +1,13 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
 use super::provenance::Provenance;
-use super::warnings::Warning;
 use crate::analysis::ensemble::Ensemble;
 use crate::analysis::error_estimate::ErrorEstimate;
 use crate::analysis::mesh_error::{ErrorBar, MeshEstimate};
 use crate::analysis::methods::MethodPoint;
 use crate::analysis::periodic::{ForcedPoint, ForcedResponse};
 use crate::analysis::validity::Validity;
+use crate::analysis::warnings::Warning;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
 use crate::interface::{LawReport, PartReport};
 use crate::joint::MovedPairs;
