@@ -99,12 +99,13 @@ pub fn of_input(overview: &Overview) -> Vec<Warning> {
     let largest = overview.size.map(|size| size.into_iter().fold(0.0, f64::max));
     if let Some((size, limit)) = largest.and_then(|size| Some((size, beyond(size, SIZES)?))) {
         let which = if size < limit { "only " } else { "" };
+        let read = overview.units.as_ref().map(|units| format!(" It is read in {units}"));
         let message = format!(
-            "the structure is {which}{} m long (plausible: {} to {} m); is the unit right? Lengths of the file are read in {}",
+            "the structure is {which}{} m long (plausible: {} to {} m); is the unit right?{}",
             significant(size),
             SIZES[0],
             SIZES[1],
-            overview.units
+            read.unwrap_or_default()
         );
         warnings.push(warning(WarningKind::Size, size, limit, message));
     }
@@ -205,7 +206,7 @@ mod tests {
 
     fn sound() -> (Overview, Findings) {
         let overview = Overview {
-            units: "mm, t, s".into(),
+            units: Some("mm, t, s".into()),
             size: Some([0.7, 0.03, 0.03]),
             mass: Some(3.7),
             n_nodes: Some(100),

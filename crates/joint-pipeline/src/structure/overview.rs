@@ -12,8 +12,8 @@ use substructure::mesh::{Cell, Mesh};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Overview {
-    /// Units of the file of the structure, of a benchmark those of the scene: length, mass or force, time.
-    pub units: String,
+    /// Units of the file of the structure: length, mass or force, time; none of a benchmark.
+    pub units: Option<String>,
     /// Extents of the structure along the axes of the model (m); none of matrices.
     pub size: Option<[f64; 3]>,
     /// Mass (kg) from the corners of the elements, point masses included; none where it is not known.
@@ -126,8 +126,9 @@ impl Overview {
             (Some(nodes), Some(elements)) => format!("{nodes} nodes, {elements} elements"),
             _ => "matrices".to_owned(),
         };
+        let read = self.units.as_ref().map(|units| format!("; read in {units}"));
         let mut lines = vec![
-            format!("structure: {size}, {mass}; {mesh}; read in {}", self.units),
+            format!("structure: {size}, {mass}; {mesh}{}", read.unwrap_or_default()),
             format!(
                 "expected with a stuck interface: {} motions without energy",
                 self.rigid_motions
@@ -196,15 +197,15 @@ pub fn choice_name(choice: &impl Serialize) -> String {
     }
 }
 
-fn units(scene: &Scene) -> String {
+fn units(scene: &Scene) -> Option<String> {
     let of: &Units = match &scene.structure.source {
-        StructureSource::Benchmark(_) => &scene.units,
+        StructureSource::Benchmark(_) => return None,
         StructureSource::Deck(deck) => &deck.units,
         StructureSource::Matrices(matrices) => &matrices.units,
     };
     let symbols = serde_json::to_value(of).unwrap_or_default();
     let symbols = ["length", "mass", "force", "time"].map(|quantity| symbols[quantity].as_str().map(str::to_owned));
-    symbols.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    Some(symbols.into_iter().flatten().collect::<Vec<_>>().join(", "))
 }
 
 fn surface(scene: &Scene) -> String {
