@@ -16,6 +16,8 @@ pub struct Placed<'a> {
     /// Unit vectors in the coordinates of the model as rows: two in the interface, and the normal from the top body into the bottom
     /// one.
     pub frame: [[f64; 3]; 3],
+    /// The same at each node, where the interface is curved or has parts in different planes; otherwise empty.
+    pub node_frames: &'a [[[f64; 3]; 3]],
     /// Position of each node in the coordinates of the model (m), where it is known.
     pub positions: Option<&'a [[f64; 3]]>,
 }
@@ -25,15 +27,27 @@ impl<'a> From<&'a Run> for Placed<'a> {
         Self {
             mesh: &run.mesh,
             frame: run.frame,
+            node_frames: &run.node_frames,
             positions: run.positions.as_deref(),
         }
     }
 }
 
 impl Placed<'_> {
-    /// A vector of components along the rows of the frame, in the coordinates of the model.
-    fn turned(&self, local: [f64; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|c| (0..3).map(|axis| local[axis] * self.frame[axis][c]).sum())
+    /// A vector at an element, of components along the rows of its frame, in the coordinates of the model.
+    fn turned(&self, element: usize, local: [f64; 3]) -> [f64; 3] {
+        let along =
+            |frame: &[[f64; 3]; 3]| [0, 1, 2].map(|c| (0..3).map(|axis| local[axis] * frame[axis][c]).sum::<f64>());
+        if self.node_frames.is_empty() {
+            return along(&self.frame);
+        }
+        let nodes = self.mesh.elements[element].nodes();
+        let mut mean = [0.0; 3];
+        for &node in nodes {
+            let at_node = along(&self.node_frames[node as usize]);
+            (0..3).for_each(|c| mean[c] += at_node[c] / nodes.len() as f64);
+        }
+        mean
     }
 
     /// From where a map sees the interface whose first direction is to the right and whose second is upwards.
@@ -109,7 +123,10 @@ impl CellField {
         Self {
             name,
             components: 3,
-            values: local.flat_map(|((&x, &y), &n)| place.turned([x, y, n])).collect(),
+            values: local
+                .enumerate()
+                .flat_map(|(element, ((&x, &y), &n))| place.turned(element, [x, y, n]))
+                .collect(),
         }
     }
 }

@@ -307,6 +307,7 @@ mod tests {
         let place = Placed {
             mesh: &mesh,
             frame: [[1.0, 0.0, 0.0], [0.0, -0.6, 0.8], [0.0, 0.8, 0.6]],
+            node_frames: &[],
             positions: Some(&[[0.0; 3]; 9]),
         };
         let one = svg(place, &[1.0], "pressure", "Pa");

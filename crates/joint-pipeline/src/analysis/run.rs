@@ -38,6 +38,8 @@ pub struct Run {
     pub mesh: InterfaceMesh,
     /// Unit vectors of the relative coordinates as rows, see [`Joint::frame`](crate::joint::Joint::frame).
     pub frame: [[f64; 3]; 3],
+    /// The same at each interface node, see [`Joint::node_frames`](crate::joint::Joint::node_frames).
+    pub node_frames: Vec<[[f64; 3]; 3]>,
     /// Position of each interface node in the coordinates of the model (m), where it is known.
     pub positions: Option<Vec<[f64; 3]>>,
     /// The interface with its law.
@@ -111,6 +113,7 @@ pub struct Prepared {
     overview: Overview,
     mesh: InterfaceMesh,
     frame: [[f64; 3]; 3],
+    node_frames: Vec<[[f64; 3]; 3]>,
     positions: Option<Vec<[f64; 3]>>,
     model: StructuralModel,
     interface: SceneInterface,
@@ -203,6 +206,7 @@ impl Prepared {
             overview: structure.overview(scene)?,
             mesh: structure.interface().clone(),
             frame: structure.joint.frame,
+            node_frames: structure.joint.node_frames.clone(),
             positions: structure.joint.positions.clone(),
             model,
             interface,
@@ -349,6 +353,7 @@ impl Prepared {
             interface: self.interface.interface,
             mesh: self.mesh,
             frame: self.frame,
+            node_frames: self.node_frames,
             positions: self.positions,
             model: self.model,
             response: self.response,

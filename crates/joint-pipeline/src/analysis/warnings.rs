@@ -211,6 +211,7 @@ mod tests {
             mass: Some(3.7),
             n_nodes: Some(100),
             n_elements: Some(50),
+            interfaces: Vec::new(),
             n_interface_elements: 10,
             interface_area: 3e-3,
             materials: vec![MaterialOverview {

@@ -22,6 +22,9 @@ pub struct Overview {
     pub n_nodes: Option<usize>,
     /// Its elements.
     pub n_elements: Option<usize>,
+    /// Names of the interfaces, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub interfaces: Vec<String>,
     /// Interface elements, or points of contact.
     pub n_interface_elements: usize,
     /// Area of the interface (m^2).
@@ -58,7 +61,7 @@ pub struct MaterialOverview {
 pub struct BoltOverview {
     /// How many.
     pub count: usize,
-    /// Tension of each (N).
+    /// Tension of each (N); their mean where they differ.
     pub load_each: f64,
     /// Tension of all (N).
     pub total_load: f64,
@@ -85,14 +88,21 @@ impl Structure {
             Bodies::Imported(bodies) => bodies.mass,
             Bodies::Meshed(bodies) => Some(point_masses + mass(&bodies.assembly.mesh)),
         };
-        let load_each = scene.bolts.load.si();
-        let total_load = load_each * count as f64;
+        let total_load: f64 = (0..count).map(|bolt| scene.tension(bolt)).sum();
+        let load_each = match scene.bolts.loads.is_empty() || count == 0 {
+            true => scene.bolts.load.si(),
+            false => total_load / count as f64,
+        };
         Ok(Overview {
             units: units(scene),
             size: mesh.map(size),
             mass,
             n_nodes: mesh.map(|mesh| mesh.nodes.len()),
             n_elements: mesh.map(|mesh| mesh.elements.len()),
+            interfaces: match self.joint.parts.len() {
+                0 | 1 => Vec::new(),
+                _ => self.joint.parts.iter().map(|part| part.name.clone()).collect(),
+            },
             n_interface_elements: self.joint.interface.elements.len(),
             interface_area: area,
             materials: materials(scene, mesh),
@@ -149,8 +159,12 @@ impl Overview {
                 significant(1e-3 * bolts.total_load)
             ),
         });
+        let name = match self.interfaces.len() {
+            0 => "interface".to_owned(),
+            count => format!("{count} interfaces ({})", self.interfaces.join(", ")),
+        };
         lines.push(format!(
-            "interface: {} elements, {} mm^2, nominal pressure {} MPa",
+            "{name}: {} elements, {} mm^2, nominal pressure {} MPa",
             self.n_interface_elements,
             significant(1e6 * self.interface_area),
             significant(1e-6 * bolts.nominal_pressure)
@@ -201,6 +215,11 @@ fn units(scene: &Scene) -> Option<String> {
     let of: &Units = match &scene.structure.source {
         StructureSource::Benchmark(_) => return None,
         StructureSource::Deck(deck) => &deck.units,
+        StructureSource::Mesh(mesh) => {
+            // Only lengths are read from a mesh.
+            let symbols = serde_json::to_value(mesh.units).unwrap_or_default();
+            return symbols["length"].as_str().map(str::to_owned);
+        }
         StructureSource::Matrices(matrices) => &matrices.units,
     };
     let symbols = serde_json::to_value(of).unwrap_or_default();

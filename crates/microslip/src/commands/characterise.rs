@@ -188,6 +188,7 @@ fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
 struct Mesh {
     plane: InterfaceMesh,
     frame: [[f64; 3]; 3],
+    node_frames: Vec<[[f64; 3]; 3]>,
     positions: Option<Vec<[f64; 3]>>,
 }
 
@@ -196,6 +197,7 @@ impl Mesh {
         Placed {
             mesh: &self.plane,
             frame: self.frame,
+            node_frames: &self.node_frames,
             positions: self.positions.as_deref(),
         }
     }
@@ -217,6 +219,7 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<Mesh> {
             Ok(Mesh {
                 plane,
                 frame: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                node_frames: Vec::new(),
                 positions: None,
             })
         }
@@ -226,9 +229,17 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<Mesh> {
                 scene.structure = StructureSource::Benchmark(BenchmarkRef(benchmark)).into();
             }
             let joint = Structure::try_new(&scene, &Silent)?.joint;
+            if joint.parts.len() > 1 {
+                bail!(
+                    "the scene {} has {} interfaces; characterise them one by one, each in a scene that names it alone",
+                    scene.name,
+                    joint.parts.len()
+                );
+            }
             Ok(Mesh {
                 plane: joint.interface,
                 frame: joint.frame,
+                node_frames: joint.node_frames,
                 positions: joint.positions,
             })
         }

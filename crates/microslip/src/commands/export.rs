@@ -81,6 +81,14 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let monitor = Monitor::new()?;
     let structure = Structure::try_new(&scene, &monitor)?;
     let reduced = || {
+        let joint = &structure.joint;
+        if !joint.node_frames.is_empty() || !joint.interface.covered.is_empty() {
+            bail!(
+                "the interface of the scene {} is curved, faced in part or in several planes, which the matrices of one plane cannot tell; export the \
+                 mesh by --format inp",
+                scene.name
+            );
+        }
         let model = structure.reduce(&arguments.cache.options(defaults), &monitor)?;
         Ok::<_, anyhow::Error>(arrays(&model, &structure.joint)?)
     };
