@@ -16,9 +16,14 @@ pub(crate) struct ShapeValues {
 
 impl ShapeValues {
     pub(crate) fn new(quadrature: &Quadrature, shape: &'static Shape) -> Self {
+        Self::at(shape, quadrature.points(shape).iter().map(|point| point.xi))
+    }
+
+    /// At these natural coordinates.
+    pub(crate) fn at(shape: &'static Shape, points: impl Iterator<Item = [f64; 2]>) -> Self {
         let (mut values, mut products) = (Vec::new(), Vec::new());
-        for point in quadrature.points(shape) {
-            let (row, _) = shape.functions(point.xi);
+        for xi in points {
+            let (row, _) = shape.functions(xi);
             for b in 0..row.len() {
                 products.extend(row[..=b].iter().map(|value| value * row[b]));
             }

@@ -165,6 +165,33 @@ pub struct Covered {
     pub share: f64,
     /// Centre of area of that part in the plane (m).
     pub centroid: [f64; 2],
+    /// Its second moments of area about that centre, over its area: xx, xy, yy (m^2).
+    pub spread: [f64; 3],
+}
+
+impl Covered {
+    /// Points and shares of the part's area of a rule with its area, centre and second moments: that of a rectangle of the same moments, from
+    /// abscissae and weights on -1 to 1 (of sum 2).
+    pub(crate) fn rule(&self, line: &[(f64, f64)]) -> Vec<([f64; 2], f64)> {
+        let [xx, xy, yy] = self.spread;
+        // Principal axes and the half edges along them.
+        let (mean, difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let radius = difference.hypot(xy);
+        let angle = 0.5 * xy.atan2(difference);
+        let (sine, cosine) = angle.sin_cos();
+        let halves = [mean + radius, mean - radius].map(|moment| (3.0 * moment.max(0.0)).sqrt());
+        let along = |&(a, v): &(f64, f64), &(b, w): &(f64, f64)| {
+            let (p, q) = (halves[0] * a, halves[1] * b);
+            let at = [
+                self.centroid[0] + cosine * p - sine * q,
+                self.centroid[1] + sine * p + cosine * q,
+            ];
+            (at, 0.25 * v * w)
+        };
+        line.iter()
+            .flat_map(|second| line.iter().map(move |first| along(first, second)))
+            .collect()
+    }
 }
 
 impl InterfaceMesh {
@@ -233,14 +260,16 @@ impl InterfaceMesh {
             finite("height", index, value)?;
         }
         for part in &self.covered {
-            let sound = part.share > 0.0 && part.share < 1.0 && part.centroid.iter().all(|x| x.is_finite());
+            let finite = part.centroid.iter().chain(&part.spread).all(|x| x.is_finite());
+            let [xx, xy, yy] = part.spread;
+            let sound = part.share > 0.0 && part.share < 1.0 && finite && xx * yy > xy * xy;
             if !sound || part.element >= self.elements.len() {
                 return Err(Error::Value {
                     quantity: "share in contact",
                     place: "interface element",
                     index: part.element,
                     value: part.share,
-                    requirement: "above 0 and below 1, of an element that exists, with a centroid",
+                    requirement: "above 0 and below 1, of an element that exists, with finite moments",
                 });
             }
         }
@@ -353,23 +382,26 @@ impl InterfaceMesh {
     fn areas_in_plane(&self) -> Vec<f64> {
         self.elements
             .iter()
-            .map(|element| {
-                if let Some(contact) = element.contact {
-                    return contact.area;
-                }
-                let (corners, middles) = (element.corners(), element.middles());
-                let at = |i: usize| self.nodes[corners[i % corners.len()] as usize];
-                let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - b[0] * a[1];
-                let edge = |i: usize| match middles.get(i) {
-                    None => cross(at(i), at(i + 1)),
-                    // The integral of x dy - y dx along the parabola through the three nodes.
-                    Some(&middle) => {
-                        let middle = self.nodes[middle as usize];
-                        (4.0 * (cross(at(i), middle) + cross(middle, at(i + 1))) - cross(at(i), at(i + 1))) / 3.0
-                    }
-                };
-                0.5 * (0..corners.len()).map(edge).sum::<f64>()
-            })
+            .map(|element| self.area_in_plane(element))
             .collect()
+    }
+
+    /// Area of an element's projection onto the plane (m^2); of a point that which it stands for.
+    pub(crate) fn area_in_plane(&self, element: &Element) -> f64 {
+        if let Some(contact) = element.contact {
+            return contact.area;
+        }
+        let (corners, middles) = (element.corners(), element.middles());
+        let at = |i: usize| self.nodes[corners[i % corners.len()] as usize];
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - b[0] * a[1];
+        let edge = |i: usize| match middles.get(i) {
+            None => cross(at(i), at(i + 1)),
+            // The integral of x dy - y dx along the parabola through the three nodes.
+            Some(&middle) => {
+                let middle = self.nodes[middle as usize];
+                (4.0 * (cross(at(i), middle) + cross(middle, at(i + 1))) - cross(at(i), at(i + 1))) / 3.0
+            }
+        };
+        0.5 * (0..corners.len()).map(edge).sum::<f64>()
     }
 }

@@ -83,7 +83,7 @@ impl Mortar {
         let mut cut = Cut::default();
         for parts in parts.chunk_by(|a, b| a.element == b.element) {
             let element = parts[0].element;
-            let mut integrals = Integrals::new(&own.elements[element]);
+            let mut integrals = Integrals::new(own, &own.elements[element]);
             for part in parts {
                 let mut failed = None;
                 tree.visit(part.bounds(), &mut |facing: &Polygon| {
@@ -109,11 +109,7 @@ impl Mortar {
             mortar.elements.push(element);
             mortar.largest_distance = mortar.largest_distance.max(integrals.largest_distance);
             if share < WHOLE {
-                mortar.covered.push(Covered {
-                    element,
-                    share,
-                    centroid: integrals.first.map(|moment| moment / integrals.area),
-                });
+                mortar.covered.push(integrals.covered(element, share));
             }
             let whole = integrals_of_functions(own, element, &quadrature);
             integrals.add_dual(&own.elements[element], &whole, &mut sums);
@@ -184,8 +180,12 @@ fn is_transferred(element: &Element) -> bool {
 struct Integrals {
     n: usize,
     area: f64,
+    /// A point of the element, about which moments are taken: the distance from the coordinates' origin would cost digits.
+    origin: [f64; 2],
     /// First moments of the area.
     first: [f64; 2],
+    /// Second moments xx, xy, yy.
+    second: [f64; 3],
     /// Of the products of the own functions, transferred where they are.
     products: Vec<f64>,
     /// Of the own functions.
@@ -197,12 +197,14 @@ struct Integrals {
 }
 
 impl Integrals {
-    fn new(element: &Element) -> Self {
+    fn new(mesh: &InterfaceMesh, element: &Element) -> Self {
         let n = element.nodes().len();
         Self {
             n,
             area: 0.0,
+            origin: mesh.nodes[element.nodes()[0] as usize],
             first: [0.0; 2],
+            second: [0.0; 3],
             products: vec![0.0; n * n],
             functions: vec![0.0; n],
             coupling: BTreeMap::new(),
@@ -241,7 +243,13 @@ impl Integrals {
                 let (flat, curved) = own.area_density(of_own, &derivatives);
                 let in_plane = point.weight * whole;
                 self.area += in_plane;
-                (0..2).for_each(|c| self.first[c] += in_plane * x[c]);
+                let [p, q] = [0, 1].map(|c| x[c] - self.origin[c]);
+                for (sum, moment) in self.first.iter_mut().zip([p, q]) {
+                    *sum += in_plane * moment;
+                }
+                for (sum, moment) in self.second.iter_mut().zip([p * p, p * q, q * q]) {
+                    *sum += in_plane * moment;
+                }
                 let weight = in_plane * curved / flat;
                 if is_transferred(of_own) {
                     transfer(&mut values, of_own.corners().len());
@@ -262,6 +270,18 @@ impl Integrals {
             }
         }
         Ok(())
+    }
+
+    /// The part that is faced.
+    fn covered(&self, element: usize, share: f64) -> Covered {
+        let [x, y] = self.first.map(|moment| moment / self.area);
+        let [xx, xy, yy] = self.second.map(|moment| moment / self.area);
+        Covered {
+            element,
+            share,
+            centroid: [self.origin[0] + x, self.origin[1] + y],
+            spread: [xx - x * x, xy - x * y, yy - y * y],
+        }
     }
 
     /// Adds `int Psi N'` and `int N`, with the dual functions `Psi = diag(int N) (int N N^T)^-1 N` of this part.
@@ -456,7 +476,7 @@ fn height(mesh: &InterfaceMesh, index: usize, values: &[f64]) -> f64 {
 }
 
 /// Natural coordinates of a point of the plane in an element, by Newton's method.
-fn natural(mesh: &InterfaceMesh, index: usize, x: [f64; 2]) -> Result<[f64; 2], Error> {
+pub(crate) fn natural(mesh: &InterfaceMesh, index: usize, x: [f64; 2]) -> Result<[f64; 2], Error> {
     let element = &mesh.elements[index];
     let mut xi = match element.shape().domain {
         Domain::Triangle => [1.0 / 3.0; 2],

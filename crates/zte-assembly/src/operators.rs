@@ -2,9 +2,10 @@
 
 use crate::Error;
 use crate::element_sums::ShapeValues;
-use crate::mesh::{Covered, Element, InterfaceMesh};
+use crate::mesh::{Element, InterfaceMesh};
+use crate::mortar::natural;
 use crate::quadrature::Quadrature;
-use crate::shape::{MAX_NODES, SHAPES};
+use crate::shape::{MAX_NODES, SHAPES, Shape};
 use sprs::{CsMat, TriMat};
 use std::ops::Range;
 
@@ -29,14 +30,14 @@ pub struct Operators {
     /// Coordinates, of three per node, that are held at zero.
     held: Vec<usize>,
     /// Of each element its row in `shapes`.
-    shape_of: Vec<u8>,
-    /// In the order of the table of shapes.
+    shape_of: Vec<u32>,
+    /// In the order of the table of shapes, then of the elements that are faced in part.
     shapes: Vec<ShapeValues>,
 }
 
 impl Operators {
     /// Quadrature points run element by element. A point of contact has one, whatever `points_per_direction` is, with its area as
-    /// weight.
+    /// weight. An element that is faced in part has that part's area, centre and second moments.
     ///
     /// With two points per direction the quadratic shapes have fewer points than nodes: an element by itself then has jumps
     /// that meet no traction. Three are as many as nodes or more.
@@ -46,17 +47,40 @@ impl Operators {
     pub fn try_new(mesh: &InterfaceMesh, points_per_direction: usize) -> Result<Self, Error> {
         mesh.validate()?;
         let quadrature = Quadrature::try_new(points_per_direction)?;
-        let n_points = mesh.elements.iter().map(|e| quadrature.points(e.shape()).len()).sum();
+        let mut shapes = SHAPES.map(|shape| ShapeValues::new(&quadrature, shape)).to_vec();
+        let mut shape_of: Vec<u32> = mesh.elements.iter().map(row).collect();
+        let whole = |shape: &'static Shape| quadrature.points(shape).iter().map(|point| (point.xi, point.weight));
+        // The rule of each element: natural coordinates, and weights over the natural area.
+        let mut rules: Vec<Vec<([f64; 2], f64)>> = mesh
+            .elements
+            .iter()
+            .map(|element| whole(element.shape()).collect())
+            .collect();
+        for part in &mesh.covered {
+            let element = &mesh.elements[part.element];
+            let rule = part.rule(quadrature.line());
+            let places = rule.iter().map(|&(at, _)| natural(mesh, part.element, at));
+            let places = places.collect::<Result<Vec<_>, _>>()?;
+            let area = part.share * mesh.area_in_plane(element);
+            let weights = places.iter().zip(&rule).map(|(&xi, &(_, share))| {
+                let (_, derivatives) = element.shape().functions(xi);
+                (xi, share * area / mesh.area_density(element, &derivatives).0)
+            });
+            shape_of[part.element] = shapes.len() as u32;
+            shapes.push(ShapeValues::at(element.shape(), places.iter().copied()));
+            rules[part.element] = weights.collect();
+        }
+        let n_points = rules.iter().map(Vec::len).sum();
         let size = (n_points, mesh.nodes.len());
         let mut interpolation = TriMat::with_capacity(size, MAX_NODES * n_points);
         let mut integration = TriMat::with_capacity((size.1, size.0), MAX_NODES * n_points);
         let mut weights = Vec::with_capacity(n_points);
         let mut positions = Vec::with_capacity(n_points);
         let mut first_point = Vec::with_capacity(mesh.elements.len() + 1);
-        for (index, element) in mesh.elements.iter().enumerate() {
+        for (index, (element, rule)) in mesh.elements.iter().zip(rules).enumerate() {
             first_point.push(weights.len());
-            for (local, point) in quadrature.points(element.shape()).iter().enumerate() {
-                let (values, derivatives) = element.shape().functions(point.xi);
+            for (local, (xi, natural_weight)) in rule.into_iter().enumerate() {
+                let (values, derivatives) = element.shape().functions(xi);
                 let mut position = [0.0; 2];
                 for (value, &node) in values.iter().zip(element.nodes()) {
                     let x = mesh.nodes[node as usize];
@@ -74,32 +98,26 @@ impl Operators {
                         determinant,
                     });
                 }
+                let weight = natural_weight * density;
                 for (a, &node) in element.nodes().iter().enumerate() {
                     interpolation.add_triplet(weights.len(), node as usize, values[a]);
+                    integration.add_triplet(node as usize, weights.len(), weight * values[a]);
                 }
-                weights.push(point.weight * density);
+                weights.push(weight);
                 positions.push(position);
             }
         }
         first_point.push(weights.len());
-        for part in &mesh.covered {
-            let points = first_point[part.element]..first_point[part.element + 1];
-            cover(part, &positions[points.clone()], &mut weights[points]);
-        }
-        let interpolation: CsMat<f64> = interpolation.to_csr();
-        for (&value, (point, node)) in &interpolation {
-            integration.add_triplet(node, point, weights[point] * value);
-        }
         Ok(Self {
-            interpolation,
+            interpolation: interpolation.to_csr(),
             integration: integration.to_csr(),
             weights,
             positions,
             first_point,
             elements: mesh.elements.clone(),
             held: mesh.held(),
-            shape_of: mesh.elements.iter().map(row).collect(),
-            shapes: SHAPES.map(|shape| ShapeValues::new(&quadrature, shape)).to_vec(),
+            shape_of,
+            shapes,
         })
     }
 
@@ -141,7 +159,7 @@ impl Operators {
     pub(crate) fn elements(&self) -> impl Iterator<Item = (&[u32], Range<usize>, &ShapeValues)> {
         let points = self.first_point.windows(2).map(|ends| ends[0]..ends[1]);
         let elements = self.elements.iter().zip(&self.shape_of).zip(points);
-        elements.map(|((element, &row), points)| (element.nodes(), points, &self.shapes[usize::from(row)]))
+        elements.map(|((element, &row), points)| (element.nodes(), points, &self.shapes[row as usize]))
     }
 
     /// Number of quadrature points.
@@ -237,31 +255,8 @@ impl Operators {
     }
 }
 
-/// Weights of an element of which a part is in contact: they keep that part's area and, where no weight would become negative,
-/// its centre of area too, and change as little as that allows. So resultant and moments of tractions are those of the part.
-fn cover(part: &Covered, positions: &[[f64; 2]], weights: &mut [f64]) {
-    weights.iter_mut().for_each(|w| *w *= part.share);
-    let total: f64 = weights.iter().sum();
-    let mean = [0, 1].map(|i| positions.iter().zip(&*weights).map(|(x, w)| w * x[i]).sum::<f64>() / total);
-    let arms: Vec<[f64; 2]> = positions.iter().map(|x| [x[0] - mean[0], x[1] - mean[1]]).collect();
-    // The factor 1 + a x + b y, whose second moments give the shift of the centre.
-    let moment = |i: usize, j: usize| arms.iter().zip(&*weights).map(|(x, w)| w * x[i] * x[j]).sum::<f64>() / total;
-    let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
-    let shift = [0, 1].map(|i| part.centroid[i] - mean[i]);
-    let determinant = xx * yy - xy * xy;
-    let slope = [
-        (yy * shift[0] - xy * shift[1]) / determinant,
-        (xx * shift[1] - xy * shift[0]) / determinant,
-    ];
-    let factors: Vec<f64> = arms.iter().map(|x| 1.0 + slope[0] * x[0] + slope[1] * x[1]).collect();
-    // A single point has no second moments, which this also catches.
-    if factors.iter().all(|factor| *factor >= 0.0) {
-        weights.iter_mut().zip(&factors).for_each(|(w, factor)| *w *= factor);
-    }
-}
-
 /// Row of an element in the table of shapes.
-fn row(element: &Element) -> u8 {
+fn row(element: &Element) -> u32 {
     let rows = SHAPES.into_iter().zip(0..);
     // Every element's shape is a row of the table.
     rows.filter(|(shape, _)| *shape == element.shape())

@@ -17,6 +17,8 @@ pub struct Point {
 pub struct Quadrature {
     square: Vec<Point>,
     triangle: Vec<Point>,
+    /// Abscissae and weights on -1 to 1.
+    line: Vec<(f64, f64)>,
 }
 
 /// Rule of twelve points on the triangle, exact to degree 6.
@@ -81,7 +83,12 @@ impl Quadrature {
                 })
             })
             .collect();
-        Self { square, triangle }
+        Self { square, triangle, line }
+    }
+
+    /// Abscissae and weights on -1 to 1, whose sum is 2.
+    pub(crate) fn line(&self) -> &[(f64, f64)] {
+        &self.line
     }
 
     /// The rule on the triangle.

@@ -216,6 +216,12 @@ fn partial_contact_keeps_area_and_centre() {
                 .map(|(w, x)| w * x[0])
                 .sum();
             assert!((x / operators.area() - 0.45).abs() < 1e-12);
+            let points = operators.weights.iter().zip(&operators.positions);
+            let moment: f64 = points.map(|(w, x)| w * (x[0] - 0.45) * (x[0] - 0.45)).sum();
+            assert!(
+                (moment / (0.4 * 0.62_f64.powi(3) / 12.0) - 1.0).abs() < 1e-10,
+                "{shape}"
+            );
         }
         let ones = product(&mortar.projection, &vec![1.0; other.nodes.len()]);
         let places = product(&mortar.projection, &coordinate(&other, 0));

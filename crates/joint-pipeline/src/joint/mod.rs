@@ -145,8 +145,8 @@ impl InterfacePart {
             covered: covered
                 .map(|part| Covered {
                     element: part.element - self.elements.start,
-                    share: part.share,
                     centroid: own(&part.centroid),
+                    ..*part
                 })
                 .collect(),
         }

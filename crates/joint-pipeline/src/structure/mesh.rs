@@ -572,8 +572,8 @@ impl Joined<'_> {
                 .covered
                 .extend(mesh.covered.iter().map(|part| zte_assembly::Covered {
                     element: part.element + first_element,
-                    share: part.share,
                     centroid: [part.centroid[0] + offset[0], part.centroid[1] + offset[1]],
+                    ..*part
                 }));
             whole.node_frames.extend(match facing.node_frames.is_empty() {
                 true => vec![facing.frame; nodes.len()],
