@@ -125,7 +125,8 @@ fn lap(upper: [usize; 3], lower: [usize; 3]) -> Lap {
 
 impl Lap {
     fn write(&self, path: &Path) {
-        std::fs::write(path, gmsh::write(&self.mesh, &self.faces, &[]).unwrap()).unwrap();
+        let text = gmsh::write(&self.mesh, &self.faces, &[]).expect("a mesh");
+        std::fs::write(path, text).expect("a temporary file");
     }
 }
 
@@ -146,7 +147,7 @@ fn scene(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> Scene {
         "cqsma": { "amplitudes": 5, "amplitude_from": 2e-6, "amplitude_to": 6e-5, "vertices_per_quarter": 8 },
     });
     change(&mut value);
-    Scene::from_json(&value.to_string(), "lap.json", "lap", &BENCHMARKS).unwrap()
+    Scene::from_json(&value.to_string(), "lap.json", "lap", &BENCHMARKS).expect("a scene")
 }
 
 fn named() -> Value {
@@ -161,9 +162,9 @@ fn spectrum(structure: &Structure) -> Spectrum {
     };
     structure
         .describe(Some((6, Some(linear))), &Silent)
-        .unwrap()
+        .expect("modes")
         .spectrum
-        .unwrap()
+        .expect("modes were asked for")
 }
 
 /// Compares the modes with a linear interface and, within another bound, those with one that sticks.
@@ -445,7 +446,7 @@ fn run_blocks(path: &Path, (mesh, faces): (Mesh, Vec<Group<Face>>), interfaces: 
         value["cqsma"]["amplitudes"] = json!(2);
         value["model"]["modes"] = json!(10);
     });
-    run(&scene, &Options::default(), &Silent).unwrap()
+    run(&scene, &Options::default(), &Silent).expect("a sound scene")
 }
 
 /// Whether one of the linearised frequencies is this one (Hz).

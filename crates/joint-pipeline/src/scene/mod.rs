@@ -280,7 +280,7 @@ impl Scene {
             } = interface;
             own.surface = surface.clone().unwrap_or(own.surface);
             own.gap = gap.unwrap_or(own.gap);
-            own.law = law.clone().unwrap_or(own.law);
+            own.law = law.unwrap_or(own.law);
             own.mu = mu.unwrap_or(own.mu);
         }
         own

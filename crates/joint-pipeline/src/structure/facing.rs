@@ -275,6 +275,12 @@ fn plane_elements(faces: &[Face], nodes: &[u32], reversed: bool) -> Vec<Element>
     faces.iter().filter_map(of_face).collect()
 }
 
+/// Axes x, y, n as rows.
+type Axes = [[f64; 3]; 3];
+
+/// An interface mesh, axes at its nodes if it is not flat, and the largest angle between a normal and the mean one (degrees).
+type Curved = (InterfaceMesh, Vec<Axes>, f64);
+
 /// Nodes seen in the plane of an interface.
 struct Plane<'a> {
     nodes: &'a [u32],
@@ -320,7 +326,7 @@ impl<'a> Plane<'a> {
         faces: &[Face],
         outward: f64,
         label: &dyn Fn(u32) -> String,
-    ) -> Result<(InterfaceMesh, Vec<[[f64; 3]; 3]>, f64), Error> {
+    ) -> Result<Curved, Error> {
         let heights = self.heights(self.mean_height());
         let extent = |axis: usize| {
             let (low, high) = self
