@@ -550,3 +550,43 @@ fn curved_interfaces_are_no_flat_ones_and_need_no_matching_meshes() {
         "{error}"
     );
 }
+
+#[test]
+fn a_response_is_named_by_place_or_by_mode() {
+    let folder = TemporaryFolder::new("lap-response");
+    let path = folder.join("lap.msh");
+    lap([12, 4, 2], [12, 3, 2]).write(&path);
+    let response = |value: Value| {
+        let scene = scene(&path, json!({}), |scene| {
+            scene["structure"]["mesh"]["response"] = value.clone()
+        });
+        Structure::try_new(&scene, &Silent)
+    };
+    let at = |structure: &Structure| match &structure.joint.bodies {
+        Bodies::Meshed(bodies) => (
+            bodies.assembly.mesh.nodes[bodies.response_node as usize],
+            bodies.response_direction,
+        ),
+        Bodies::Imported(_) => panic!("a mesh"),
+    };
+    let near = response(json!({ "nearest": [0.157, 0.001, 0.011], "direction": [0.0, 0.0, 1.0] })).unwrap();
+    assert!(
+        at(&near)
+            .0
+            .iter()
+            .zip([0.16, 0.0, 0.01])
+            .all(|(x, y)| (x - y).abs() < 1e-12)
+    );
+    // The first mode bends the lap: its ends move most, across the plates.
+    let (place, direction) = at(&response(json!({ "mode": 1 })).unwrap());
+    assert!(place[0] == 0.0 || (place[0] - 0.16).abs() < 1e-12, "{place:?}");
+    assert!(direction[2].abs() > 0.9, "{direction:?}");
+    for wrong in [
+        json!({ "mode": 1, "direction": [0.0, 0.0, 1.0] }),
+        json!({ "nearest": [0.0, 0.0, 0.0] }),
+        json!({}),
+    ] {
+        let error = response(wrong).unwrap_err();
+        assert!(error.to_string().contains("structure.mesh.response"), "{error}");
+    }
+}

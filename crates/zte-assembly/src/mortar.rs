@@ -20,11 +20,12 @@
 //! Sources: Wohlmuth 2000, DOI 10.1137/S0036142999350929 (dual multipliers); Popp, Wohlmuth, Gee, Wall 2012, DOI
 //! 10.1137/110848190 (quadratic elements); Puso, Laursen 2004, DOI 10.1016/j.cma.2003.10.010 (segments).
 
+use crate::Error;
 use crate::clip::{Cut, Polygon, area};
 use crate::mesh::{Covered, Element, InterfaceMesh};
 use crate::quadrature::{Point, Quadrature};
+use crate::shape::{Domain, Functions, MAX_NODES};
 use crate::tree::{Bounded, Tree};
-use crate::{Error, shape::Domain};
 use sprs::{CsMat, TriMat};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -223,24 +224,23 @@ impl Integrals {
     ) -> Result<(), Error> {
         let (of_own, of_other) = (&own.elements[element], &other.elements[facing]);
         let centre = mean(polygon);
-        let [own_height, other_height] = [(own, element), (other, facing)].map(|(mesh, index)| {
-            let (values, _) = mesh.elements[index].shape().functions(natural(mesh, index, centre)?);
-            Ok::<f64, Error>(height(mesh, index, &values))
-        });
+        let [own_height, other_height] = [(own, element), (other, facing)]
+            .map(|(mesh, index)| Ok::<f64, Error>(height(mesh, index, locate(mesh, index, centre)?.1.values())));
         let distance = (own_height? - other_height?).abs();
         if distance > reach {
             return Ok(());
         }
         self.largest_distance = self.largest_distance.max(distance);
         self.facing.insert(facing);
+        let mut columns = [[0.0; MAX_NODES]; MAX_NODES];
         let pieces = pieces(centre, polygon, is_affine(own, of_own) && is_affine(other, of_other));
         for [origin, a, b] in pieces {
             let whole = 2.0 * area(&[origin, a, b]);
             for point in rule {
                 let [s, t] = point.xi;
                 let x = [0, 1].map(|c| origin[c] + s * (a[c] - origin[c]) + t * (b[c] - origin[c]));
-                let (mut values, derivatives) = of_own.shape().functions(natural(own, element, x)?);
-                let (flat, curved) = own.area_density(of_own, &derivatives);
+                let (_, at_own) = locate(own, element, x)?;
+                let (flat, curved) = own.area_density(of_own, at_own.derivatives());
                 let in_plane = point.weight * whole;
                 self.area += in_plane;
                 let [p, q] = [0, 1].map(|c| x[c] - self.origin[c]);
@@ -251,8 +251,11 @@ impl Integrals {
                     *sum += in_plane * moment;
                 }
                 let weight = in_plane * curved / flat;
+                let mut memory = [0.0; MAX_NODES];
+                let values = &mut memory[..self.n];
+                values.copy_from_slice(at_own.values());
                 if is_transferred(of_own) {
-                    transfer(&mut values, of_own.corners().len());
+                    transfer(values, of_own.corners().len());
                 }
                 for (i, value) in values.iter().enumerate() {
                     self.functions[i] += weight * value;
@@ -260,14 +263,17 @@ impl Integrals {
                         self.products[i * self.n + j] += weight * value * other;
                     }
                 }
-                let (others, _) = of_other.shape().functions(natural(other, facing, x)?);
-                for (&node, share) in of_other.nodes().iter().zip(&others) {
-                    let column = self.coupling.entry(node).or_insert_with(|| vec![0.0; self.n]);
-                    for (entry, value) in column.iter_mut().zip(&values) {
+                let (_, at_other) = locate(other, facing, x)?;
+                for (column, share) in columns.iter_mut().zip(at_other.values()) {
+                    for (entry, value) in column.iter_mut().zip(&*values) {
                         *entry += weight * value * share;
                     }
                 }
             }
+        }
+        for (&node, column) in of_other.nodes().iter().zip(&columns) {
+            let sums = self.coupling.entry(node).or_insert_with(|| vec![0.0; self.n]);
+            sums.iter_mut().zip(column).for_each(|(sum, value)| *sum += value);
         }
         Ok(())
     }
@@ -475,21 +481,26 @@ fn height(mesh: &InterfaceMesh, index: usize, values: &[f64]) -> f64 {
     heights.zip(values).map(|(height, value)| height * value).sum()
 }
 
-/// Natural coordinates of a point of the plane in an element, by Newton's method.
+/// Natural coordinates of a point of the plane in an element.
 pub(crate) fn natural(mesh: &InterfaceMesh, index: usize, x: [f64; 2]) -> Result<[f64; 2], Error> {
+    Ok(locate(mesh, index, x)?.0)
+}
+
+/// Natural coordinates of a point of the plane in an element, by Newton's method, and the shape functions there.
+fn locate(mesh: &InterfaceMesh, index: usize, x: [f64; 2]) -> Result<([f64; 2], Functions), Error> {
     let element = &mesh.elements[index];
     let mut xi = match element.shape().domain {
         Domain::Triangle => [1.0 / 3.0; 2],
         Domain::Square | Domain::Point => [0.0; 2],
     };
+    let mut at = Functions::new(element.shape(), xi);
     for _ in 0..40 {
-        let (values, derivatives) = element.shape().functions(xi);
         let (mut rest, mut j) = (x, [[0.0; 2]; 2]);
-        for ((value, slope), &node) in values.iter().zip(&derivatives).zip(element.nodes()) {
-            let at = mesh.nodes[node as usize];
+        for ((value, slope), &node) in at.values().iter().zip(at.derivatives()).zip(element.nodes()) {
+            let place = mesh.nodes[node as usize];
             for i in 0..2 {
-                rest[i] -= value * at[i];
-                (0..2).for_each(|k| j[i][k] += at[i] * slope[k]);
+                rest[i] -= value * place[i];
+                (0..2).for_each(|k| j[i][k] += place[i] * slope[k]);
             }
         }
         let determinant = j[0][0] * j[1][1] - j[0][1] * j[1][0];
@@ -497,19 +508,20 @@ pub(crate) fn natural(mesh: &InterfaceMesh, index: usize, x: [f64; 2]) -> Result
             (j[1][1] * rest[0] - j[0][1] * rest[1]) / determinant,
             (j[0][0] * rest[1] - j[1][0] * rest[0]) / determinant,
         ];
-        (0..2).for_each(|i| xi[i] += step[i]);
         let moved = step[0].abs().max(step[1].abs());
         if moved < 1e-14 {
-            return Ok(xi);
+            return Ok((xi, at));
         }
+        (0..2).for_each(|i| xi[i] += step[i]);
         // `!(a < b)` also catches NaN.
         if !(moved < 1e3) {
             break;
         }
+        at = Functions::new(element.shape(), xi);
     }
     // Round-off may keep the last step above the threshold; then the point is known as well as it can be.
     match xi.iter().all(|v| v.abs() < FARTHEST) {
-        true => Ok(xi),
+        true => Ok((xi, at)),
         false => Err(Error::Mapping {
             node: element.nodes()[0] as usize,
         }),

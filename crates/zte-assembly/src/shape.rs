@@ -190,6 +190,34 @@ impl Shape {
     }
 }
 
+/// Shape functions at a point, in memory of fixed size.
+#[derive(Clone, Copy)]
+pub(crate) struct Functions {
+    n: usize,
+    values: [f64; MAX_NODES],
+    derivatives: [[f64; 2]; MAX_NODES],
+}
+
+impl Functions {
+    pub(crate) fn new(shape: &Shape, xi: [f64; 2]) -> Self {
+        let mut at = Self {
+            n: shape.n_nodes,
+            values: [0.0; MAX_NODES],
+            derivatives: [[0.0; 2]; MAX_NODES],
+        };
+        (shape.interpolation)(xi, &mut at.values[..at.n], &mut at.derivatives[..at.n]);
+        at
+    }
+
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values[..self.n]
+    }
+
+    pub(crate) fn derivatives(&self) -> &[[f64; 2]] {
+        &self.derivatives[..self.n]
+    }
+}
+
 /// Shapes are equal if they are the same row of the table.
 impl PartialEq for Shape {
     fn eq(&self, other: &Self) -> bool {

@@ -164,8 +164,12 @@ pub struct MeshResponse {
     /// In its place a group of one node, or the number of a node in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub node: Option<String>,
-    /// Unit vector.
-    pub direction: [f64; 3],
+    /// In its place a mode of the structure with a stuck interface, counted from 1: where and along which this mode moves most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mode: Option<usize>,
+    /// Unit vector; none with a mode.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
 }
 
 fn all() -> [bool; 3] {

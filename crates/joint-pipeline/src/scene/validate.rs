@@ -509,14 +509,25 @@ impl Deck {
 impl MeshFile {
     fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
         let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let direction = size(&self.response.direction);
-        check.that(
-            (direction - 1.0).abs() < 1e-6,
-            "structure.mesh.response.direction",
-            direction,
-            "(length of the vector)",
-            "a unit vector",
-        )?;
+        if let Some(direction) = &self.response.direction {
+            let length = size(direction);
+            check.that(
+                (length - 1.0).abs() < 1e-6,
+                "structure.mesh.response.direction",
+                length,
+                "(length of the vector)",
+                "a unit vector",
+            )?;
+        }
+        if let Some(mode) = self.response.mode {
+            check.that(
+                (1..=50).contains(&mode),
+                "structure.mesh.response.mode",
+                mode as f64,
+                "",
+                "a number from 1 to 50",
+            )?;
+        }
         let count = self.interfaces.len() as f64;
         check.that(
             count > 0.0,

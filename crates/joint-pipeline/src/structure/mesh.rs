@@ -55,7 +55,7 @@ pub(super) fn joint(
         file.bolt(number, bolt, model, &mut assembly, notes)?;
     }
     assembly.masses = super::masses::at_positions(&assembly.mesh.nodes, masses)?;
-    let response_node = file.response(&source.response)?;
+    let (response_node, direction) = file.response(&source.response)?;
     let excitation = match forced.and_then(|forced| Some((forced.node.as_deref()?, forced.direction?))) {
         None => None,
         Some((node, direction)) => Some((file.named_node("forced.node", node)?, direction)),
@@ -113,7 +113,7 @@ pub(super) fn joint(
         assembly,
         sides: joined.sides,
         response_node,
-        response_direction: source.response.direction,
+        response_direction: direction,
         excitation,
         moved_pairs,
         raised,
@@ -128,9 +128,8 @@ pub(super) fn joint(
         parts: joined.parts,
         clearance: source.bolt_hole_clearance.map(Length::si),
         response: format!(
-            "node {} at {position:?} m in direction {:?}",
+            "node {} at {position:?} m in direction {direction:?}",
             file.label(response_node),
-            source.response.direction
         ),
     })
 }
@@ -362,10 +361,11 @@ impl File<'_> {
         }
     }
 
-    fn response(&self, response: &MeshResponse) -> Result<u32, Error> {
+    /// Node and direction of the response; any for a mode, which is not known yet.
+    fn response(&self, response: &MeshResponse) -> Result<(u32, [f64; 3]), Error> {
         let field = "structure.mesh.response";
-        match (&response.nearest, &response.node) {
-            (Some(position), None) => {
+        let node = match (&response.nearest, &response.node, response.mode, response.direction) {
+            (Some(position), None, None, Some(_)) => {
                 let position = Vector3::from(position.map(Length::si));
                 let boundary = self.mesh.boundary();
                 let nodes = boundary.iter().flat_map(|(face, _)| face.corners());
@@ -374,11 +374,18 @@ impl File<'_> {
                 // A mesh without solids was refused.
                 nearest
                     .copied()
-                    .map_or_else(|| self.fail(field.into(), "the mesh has no surface"), Ok)
+                    .map_or_else(|| self.fail(field.into(), "the mesh has no surface"), Ok)?
             }
-            (None, Some(node)) => self.named_node("structure.mesh.response.node", node),
-            _ => self.fail(field.into(), "give either `nearest` or `node`"),
-        }
+            (None, Some(node), None, Some(_)) => self.named_node("structure.mesh.response.node", node)?,
+            (None, None, Some(_), None) => 0,
+            _ => {
+                return self.fail(
+                    field.into(),
+                    "give either `nearest` or `node` with a `direction`, or a `mode` without one",
+                );
+            }
+        };
+        Ok((node, response.direction.unwrap_or([0.0, 0.0, 1.0])))
     }
 
     /// The node of a group of one, or with a number.
@@ -429,10 +436,15 @@ impl File<'_> {
                 if count != 2 {
                     return self.fail(
                         field(),
-                        format!(
-                            "the mesh has {count} bodies that share no nodes, so that the faces in contact must be named: give `top` and \
-                             `bottom`, or the volumes they are `between`"
-                        ),
+                        match count {
+                            0 | 1 => "all solids of the mesh share nodes, so that nothing can slide: mesh the bodies apart, each with nodes of \
+                                      its own where they touch (in Gmsh without BooleanFragments and Coherence between them)"
+                                .to_owned(),
+                            _ => format!(
+                                "the mesh has {count} bodies that share no nodes, so that the faces in contact must be named: give `top` and \
+                                 `bottom`, or the volumes they are `between`"
+                            ),
+                        },
                     );
                 }
                 bodies.into_iter().map(|body| Some(body as usize)).collect()

@@ -29,7 +29,8 @@ use crate::joint::benchmark::MeshSettings;
 use crate::joint::{Bodies, Joint, Sides};
 use crate::progress::Progress;
 use crate::scene::{BoltBehaviour, Density, Model, Scene, StructureSource, Symmetry};
-use reduction::Settings;
+use reduce::Meshed;
+use reduction::{Settings, checks};
 use substructure::mesh::{Assembly, Dof, Equation, GroundSpring, Material};
 use zte_assembly::InterfaceMesh;
 
@@ -93,7 +94,55 @@ impl Structure {
                 joint
             }
         };
-        Ok(Self::from_joint(model, scene.bolts.behaviour, joint))
+        let mut structure = Self::from_joint(model, scene.bolts.behaviour, joint);
+        if let Some(mode) = scene.structure.mesh().and_then(|mesh| mesh.response.mode) {
+            structure.respond_where_a_mode_moves_most(mode, progress)?;
+        }
+        Ok(structure)
+    }
+
+    /// Measures amplitudes at the node that moves most in a mode of the structure with a stuck interface, along its motion.
+    fn respond_where_a_mode_moves_most(&mut self, mode: usize, progress: &dyn Progress) -> Result<(), Error> {
+        let Bodies::Meshed(bodies) = &self.joint.bodies else {
+            return Err(Error::NoMesh);
+        };
+        let Meshed { system, relative } = self.meshed(bodies)?;
+        let found = checks::stuck_modes(&relative, mode, self.settings.mode_tolerance)?;
+        let shapes = found.elastic();
+        let last = shapes.ncols().min(mode);
+        let over = relative.displacements(shapes.subcols(last - 1, 1));
+        let motion = |node: usize| {
+            [0, 1, 2].map(|c| {
+                system
+                    .dofs
+                    .row(3 * node + c)
+                    .map(|(column, value)| value * over[(column, 0)])
+                    .sum::<f64>()
+            })
+        };
+        let size = |x: [f64; 3]| x.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let nodes = &bodies.assembly.mesh.nodes;
+        // The first of equal ones, so that round-off does not choose.
+        let largest = (0..nodes.len()).fold((0, 0.0), |best, node| {
+            let moved = size(motion(node));
+            if moved > best.1 * (1.0 + 1e-6) {
+                (node, moved)
+            } else {
+                best
+            }
+        });
+        let (node, moved) = largest;
+        let direction = motion(node).map(|v| v / moved);
+        let response = format!(
+            "the node at {:?} m that moves most in mode {last} of the stuck structure, along {direction:?}",
+            nodes[node]
+        );
+        progress.note(&format!("amplitudes are measured at {response}"));
+        self.joint.response = response;
+        if let Bodies::Meshed(bodies) = &mut self.joint.bodies {
+            (bodies.response_node, bodies.response_direction) = (node as u32, direction);
+        }
+        Ok(())
     }
 
     /// A joint that is already there, reduced as a scene's `model` says; its bolts may be locked later if they behave so.
