@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum Error {
     /// A quantity is outside its admissible range.
-    #[error("{place}: {field} = {value} {unit} is not admissible; it must be {requirement}")]
+    #[error("{place}: {field} = {} is not admissible; it must be {requirement}", format!("{value} {unit}").trim_end())]
     Value {
         /// What the quantity belongs to.
         place: &'static str,

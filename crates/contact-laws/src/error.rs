@@ -99,7 +99,8 @@ impl fmt::Display for Error {
                 place,
                 requirement,
             } => {
-                write!(f, "{parameter} = {value:e} {unit}{place}: must be {requirement}")
+                let quantity = format!("{value:e} {unit}");
+                write!(f, "{parameter} = {}{place}: must be {requirement}", quantity.trim_end())
             }
             Error::Length { list, expected, found } => {
                 write!(

@@ -44,7 +44,7 @@ pub enum Error {
         message: String,
     },
     /// A value of a scene is outside its range.
-    #[error("{place}: {field} = {value} {unit} is not admissible; it must be {requirement}")]
+    #[error("{place}: {field} = {} is not admissible; it must be {requirement}", quantity(*value, unit))]
     Value {
         /// File name of the scene.
         place: String,
@@ -382,7 +382,7 @@ pub enum Error {
     #[error(transparent)]
     Identification(Box<modal_identification::Error>),
     /// A setting of a computed motion outside its range.
-    #[error("{field} = {value} {unit} is not admissible; it must be {requirement}")]
+    #[error("{field} = {} is not admissible; it must be {requirement}", quantity(*value, unit))]
     Motion {
         /// Setting.
         field: &'static str,
@@ -419,6 +419,15 @@ pub enum Error {
     /// Harmonic balance.
     #[error(transparent)]
     Periodic(#[from] periodic_motion::Error),
+}
+
+/// A value with its unit, if it has one, in a few digits.
+fn quantity(value: f64, unit: &str) -> String {
+    let number = match value.abs() {
+        size if size >= 1e12 && size.is_finite() => format!("{value:e}"),
+        _ => value.to_string(),
+    };
+    format!("{number} {unit}").trim_end().to_owned()
 }
 
 impl From<surface_characterisation::FileError> for Error {

@@ -1,6 +1,7 @@
 //! Checks a finished run against bounds that hold for every sound run.
 
 use crate::benchmarks::BENCHMARKS;
+use crate::files;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::Scene;
 use joint_pipeline::joint::benchmark::{Bounds, Symmetry};
@@ -33,7 +34,7 @@ pub enum Demand {
 pub fn read(directory: &Path) -> Result<(Summary, Scene)> {
     let path = directory.join(SUMMARY);
     let text = input_files::read_text(&path, input_files::Kind::Table)?;
-    let summary: Summary = serde_json::from_str(&text).with_context(|| format!("parsing {}", path.display()))?;
+    let summary: Summary = files::parse(&path, &text, files::A_SUMMARY)?;
     let scene =
         Scene::from_summary(&summary.scene, &BENCHMARKS).with_context(|| format!("reading {}", path.display()))?;
     Ok((summary, scene))

@@ -1,14 +1,15 @@
 //! Folders of results, each written by one command at a time and replaced as a set.
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use durable_files::{Folder, Identity};
 use joint_pipeline::Scene;
-use joint_pipeline::scene::StructureSource;
+use joint_pipeline::scene::{StructureSource, read_json};
 use reports::Output;
 use reports::run::{
     ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC, amplitude_file, harmonics_file, loops_file, picture_file,
     series_file, table_file,
 };
+use serde::de::DeserializeOwned;
 use std::io::Write;
 use std::path::Path;
 
@@ -48,6 +49,17 @@ impl Overwrite {
 pub fn publish(folder: Folder, outputs: &[Output]) -> Result<()> {
     let files: Vec<(&str, &[u8])> = outputs.iter().map(|o| (o.name.as_str(), &o.contents[..])).collect();
     Ok(folder.publish(&files)?)
+}
+
+/// What is read where a run is named.
+pub(crate) const A_SUMMARY: &str = "the summary of a run, which `microslip run` writes";
+
+/// Reads the text of a JSON file as `what`; messages name the field.
+///
+/// # Errors
+/// It is something else.
+pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str, what: &str) -> Result<T> {
+    read_json(text).map_err(|reason| anyhow!("{} is not {what}: {reason}", path.display()))
 }
 
 /// What a command computes for a scene: results of scenes of the same name on the same structure replace one another.

@@ -6,6 +6,7 @@ pub mod commands;
 pub mod files;
 pub mod progress;
 pub mod provenance;
+mod text;
 
 pub use benchmarks::BENCHMARKS;
 pub use commands::{Command, Defaults, Outcome, execute};

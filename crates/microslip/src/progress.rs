@@ -1,5 +1,6 @@
 //! Progress and timing of a run.
 
+use crate::text;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use joint_pipeline::progress::{Progress, Stage};
 use std::collections::BTreeMap;
@@ -92,6 +93,7 @@ fn progress_bar() -> anyhow::Result<Option<ProgressBar>> {
 }
 
 fn line(bar: Option<&ProgressBar>, text: &str) {
+    let text = text::short(&text::visible(text));
     match bar {
         Some(bar) => bar.println(text),
         // Progress that nobody can read must not stop the run.

@@ -57,8 +57,8 @@ pub enum Error {
     },
     /// An interface component depends on others through a constraint.
     #[error(
-        "component {component} of interface node {node} is missing or made dependent by a tie, coupling or equation; \
-         interface nodes must be free"
+        "component {component} of interface node {node} is missing or made dependent by a support, tie, coupling or equation; \
+         interface nodes must be free: take them out of it"
     )]
     DependentInterface {
         /// Node.

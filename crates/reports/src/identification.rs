@@ -1,6 +1,6 @@
 //! The picture of an identification: signal, spectrum, frequency and damping.
 
-use crate::plot::{BLUE, Canvas, Curve, Marks, Points, RED, bounds, log, panel, picture, power, ticks, widen};
+use crate::plot::{BLUE, Canvas, Curve, Marks, Points, RED, bounds, log, panel, picture, plain, power, ticks, widen};
 use crate::{Drawing, Error};
 use modal_identification::average::MeanPoint;
 use modal_identification::backbone::{Identification, Point};
@@ -35,8 +35,6 @@ fn panels(hits: &[Hit<'_>], mean: &[MeanPoint], quantity: Quantity, root: &Canva
     let Some(hit) = hits.first() else {
         return Ok(());
     };
-    // Ticks computed in floating point are off by a unit in the last place.
-    let plain = |v: &f64| format!("{}", (1e6 * v).round() / 1e6);
     let (signal, found) = (hit.signal, hit.found);
 
     let rate = signal.sample_rate;

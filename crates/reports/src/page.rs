@@ -232,7 +232,7 @@ fn maps(run: &Run, backbone: &ModeBackbone) -> Vec<Picture<'static>> {
         };
         let flux = fields::total_flux(run, stored);
         maps.push(Picture {
-            svg: map::svg(run.into(), &flux, "dissipated energy per area and cycle", "J/m^2").into(),
+            svg: map::svg(run.into(), &flux, "dissipated energy per area and cycle", "J/m²").into(),
             caption: format!("Amplitude {} of {all}: {x:.3e} m.", index + 1),
         });
     }
@@ -629,15 +629,24 @@ fn validity(backbone: &ModeBackbone, summary: &Summary) -> Vec<String> {
             ),
         },
     ]);
-    sentences.push(match v.first_not_converged {
-        Some(number) => format!("Amplitude {number} is the first that did not converge."),
-        None => "All amplitudes converged.".into(),
+    let open = summary.backbone.iter().filter(|b| b.closed == Some(false)).count();
+    sentences.push(match (v.first_not_converged, open) {
+        (Some(number), _) => format!("Amplitude {number} is the first that did not converge."),
+        (None, 0) => "All amplitudes converged.".into(),
+        (None, _) => "The equations of all amplitudes were solved, but not all loops closed.".into(),
     });
+    if open > 0 {
+        sentences.push(format!(
+            "{open} of {} loops did not close within the cycles allowed, so that their frequency and damping still depend on the number \
+             of cycles: loop_closure in summary.json says how far their ends are apart; a larger cqsma.until_closed accepts them.",
+            summary.backbone.len()
+        ));
+    }
     if let Some(force) = v.separation_modal_force
         && summary.backbone.iter().any(|b| b.modal_force > force)
     {
         sentences.push(format!(
-            "Beyond a modal force of {force:.3e} sqrt(kg) m/s^2 the inertia of the mode exceeds what the bolts' constant tension holds \
+            "Beyond a modal force of {force:.3e} sqrt(kg) m/s² the inertia of the mode exceeds what the bolts' constant tension holds \
              together: there is no equilibrium. Bolts that are locked would take up the difference."
         ));
     }

@@ -49,7 +49,8 @@ pub fn picture(
             .and_then(|()| root.present());
         drawn.map_err(|source| Error::Picture { picture: name, source })?;
     }
-    Ok(svg)
+    // Units have raised digits in pictures and pages, and `^2` in text, tables and JSON.
+    Ok(svg.replace("^2", "²").replace("^3", "³"))
 }
 
 /// Frequency above, damping below, over a shared logarithmic amplitude axis.
@@ -602,7 +603,6 @@ pub fn stack(x_label: &str, x_log: bool, panels: Vec<Panel>) -> Result<String, E
                     .retain(|(_, x, y)| drawable(*x, *y) && (!diagram.log || *y > 0.0));
             }
             let range = bounds(points(&diagram.curves).map(|p| p.2)).unwrap_or(1.0..10.0);
-            let plain = |v: &f64| format!("{}", (v * 1e6).round() * 1e-6);
             let x_text: &dyn Fn(&f64) -> String = if x_log { &power } else { &plain };
             let (curves, legend, name) = (&diagram.curves, diagram.legend, diagram.y_label);
             let y = if diagram.log {
@@ -642,6 +642,12 @@ pub fn stack(x_label: &str, x_log: bool, panels: Vec<Panel>) -> Result<String, E
         }
         Ok(())
     })
+}
+
+/// A number of a linear axis with six decimals at most: those computed in floating point are off by a unit in the last place.
+pub(crate) fn plain(value: &f64) -> String {
+    // The sum turns a negative zero into a positive one. Multiplying by 1e-6 would be off again.
+    format!("{}", (1e6 * value).round() / 1e6 + 0.0)
 }
 
 /// The range with some air at both ends.
@@ -720,6 +726,17 @@ mod tests {
             assert!(found.iter().all(|t| (start..end).contains(t)));
         }
         assert_eq!(ticks(&(0.5e-7..2e-3)).len(), 5);
+    }
+
+    #[test]
+    fn numbers_of_linear_axes_are_short() {
+        for (start, step) in [(0.0, 0.05), (-0.3, 0.1), (0.0, 0.25), (1.0, 0.002), (-70.0, 0.7)] {
+            for i in 0..200 {
+                let text = plain(&(start + f64::from(i) * step));
+                assert!(text.len() <= 7 && text != "-0", "{start} + {i} {step}: {text}");
+            }
+        }
+        assert_eq!(plain(&0.05), "0.05");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The picture of a computed ring-down: the signal, and its identified backbone beside the quasi-static ones.
 
 use crate::overlay::{self, Series};
-use crate::plot::{BLUE, Canvas, Curve, Marks, bounds, panel, picture};
+use crate::plot::{BLUE, Canvas, Curve, Marks, bounds, panel, picture, plain};
 use crate::{Drawing, Error};
 use joint_pipeline::analysis::comparison::Backbone;
 use plotters::prelude::*;
@@ -26,7 +26,6 @@ fn panels(
     let points: Vec<_> = signal.iter().enumerate().map(|(i, &(t, a))| (i, t, a)).collect();
     let y = bounds(points.iter().map(|p| p.2)).unwrap_or(-1.0..1.0);
     let end = signal.last().map_or(1.0, |sample| sample.0);
-    let plain = |v: &f64| format!("{}", (1e6 * v).round() / 1e6);
     panel(
         &areas[0],
         0.0..end,

@@ -25,7 +25,7 @@ impl fmt::Display for Position {
 #[non_exhaustive]
 pub enum Error {
     /// A material constant is outside its admissible range.
-    #[error("material `{material}`: {field} = {value} {unit} is not admissible; it must be {requirement}")]
+    #[error("material `{material}`: {field} = {} is not admissible; it must be {requirement}", format!("{value} {unit}").trim_end())]
     Material {
         /// Material name.
         material: String,
@@ -110,7 +110,10 @@ pub enum Error {
         component: u8,
     },
     /// An equation adds nothing to the others, or constrains nothing.
-    #[error("equation `{equation}` is redundant: all its coefficients vanish once the other constraints are inserted")]
+    #[error(
+        "equation `{equation}` is redundant: all its coefficients vanish once the other constraints are inserted; remove it, or the \
+         support, tie, coupling or equation that holds its nodes already"
+    )]
     RedundantEquation {
         /// Equation name.
         equation: String,
@@ -252,7 +255,7 @@ pub enum Error {
         reason: &'static str,
     },
     /// A mesh file breaks its format.
-    #[error("{file}, {at}: expected {expected}, found {found}")]
+    #[error("{file}, {at}: expected {expected}, found {found}; save the mesh again, or correct it there")]
     MeshSyntax {
         /// File name.
         file: String,

@@ -12,7 +12,7 @@ use crate::readers::{Declaration, Format, UnknownUnit};
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SurfaceError {
     /// A scalar lies outside the range in which the method is defined.
-    #[error("{field} = {value} {unit}: must be {requirement}")]
+    #[error("{field} = {}: must be {requirement}", format!("{value} {unit}").trim_end())]
     InvalidValue {
         /// Name of the field.
         field: &'static str,
@@ -46,7 +46,7 @@ pub enum SurfaceError {
         value: f64,
     },
     /// An array holds a value that is not finite or not in order.
-    #[error("{field}[{index}] = {value} {unit}: must be {requirement}")]
+    #[error("{field}[{index}] = {}: must be {requirement}", format!("{value} {unit}").trim_end())]
     InvalidSample {
         /// Name of the array.
         field: &'static str,

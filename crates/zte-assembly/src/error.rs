@@ -120,7 +120,8 @@ pub enum Error {
     },
     /// No part of one mesh faces the other.
     #[error(
-        "nowhere do the two meshes face one another within {reach:.3e} m along the normal; check which faces are named, and the          distance that is allowed"
+        "nowhere do the two meshes face one another within {reach:.3e} m along the normal; check which faces are named, and the \
+         distance that is allowed"
     )]
     NotFacing {
         /// Distance that is allowed (m).

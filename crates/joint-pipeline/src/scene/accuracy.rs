@@ -35,6 +35,13 @@ pub struct Preset {
     pub cost: f64,
 }
 
+/// Time of `standard` on the flat Brake-Reuss beam, from nothing to the backbone of [`TIMED_AMPLITUDES`] amplitudes of one mode, on two
+/// cores (s): `docs/accuracy.md`, what the meshes cost.
+const STANDARD_SECONDS: f64 = 12.4;
+
+/// Amplitudes of the runs that were timed.
+const TIMED_AMPLITUDES: usize = 20;
+
 /// From the cheapest to the finest. Errors are against the limit of the mesh and rounded up: those of
 /// [`ErrorBar`](crate::analysis::mesh_error::ErrorBar) with those of the vertices.
 pub static PRESETS: [Preset; 4] = [
@@ -170,6 +177,28 @@ impl Accuracy {
 }
 
 impl Preset {
+    /// What a run with these settings is expected to take, and what that rests on, for the start of a run.
+    pub fn expectation(&self, scene: &Scene) -> String {
+        let seconds = self.cost * STANDARD_SECONDS;
+        let time = match seconds {
+            seconds if seconds < 100.0 => format!("{seconds:.0} s"),
+            seconds => format!("{:.0} min", seconds / 60.0),
+        };
+        let model = &scene.model;
+        let has_mesh = scene.structure.benchmark().is_some()
+            && (model.element_order, model.refinement) == (self.element_order, self.refinement);
+        let loops = scene.cqsma.amplitudes * scene.cqsma.followed().len();
+        let differs = match (has_mesh, loops == TIMED_AMPLITUDES) {
+            (true, true) => String::new(),
+            (true, false) => format!("; this scene has {loops} loops"),
+            (false, _) => "; this scene has another mesh, on which times differ".into(),
+        };
+        format!(
+            "about {time} where nothing is in the cache, as measured on the flat Brake-Reuss beam with \
+             {TIMED_AMPLITUDES} loops on two cores{differs}"
+        )
+    }
+
     /// Where a scene file has the settings, and their values.
     fn settings(&self) -> [([&'static str; 2], Value); 6] {
         [

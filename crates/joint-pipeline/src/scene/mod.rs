@@ -18,6 +18,7 @@ mod validate;
 
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, Method, Output};
+pub use json::read as read_json;
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
 pub use periodic::{AmplitudeRange, Amplitudes, Epmc, Forced, Rayleigh, SamplingAccuracy};
@@ -184,7 +185,10 @@ impl Scene {
                     .into(),
             )
         })?;
-        let units: Units = serde_json::from_value(units.clone()).map_err(|e| syntax(format!("units: {e}")))?;
+        let units: Units = serde_path_to_error::deserialize(units).map_err(|e| {
+            let separator = if e.path().iter().next().is_some() { "." } else { ": " };
+            syntax(format!("units{separator}{}", json::in_words(&e)))
+        })?;
         refuse_former(&given).map_err(syntax)?;
         let source = given.get("structure").ok_or_else(|| {
             let name = benchmarks.first().map_or("NAME", |known| known.name());
@@ -230,7 +234,7 @@ impl Scene {
 
     /// The one place where scenes are deserialised, as every further one would be compiled anew; messages name the field.
     fn understand(value: Value) -> Result<Self, String> {
-        serde_path_to_error::deserialize(value).map_err(|e| e.to_string())
+        serde_path_to_error::deserialize(value).map_err(|e| json::in_words(&e))
     }
 
     /// Reads a scene as [`Serialize`] writes it, such as the one in a summary.

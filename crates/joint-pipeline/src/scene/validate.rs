@@ -506,6 +506,9 @@ impl Deck {
     }
 }
 
+/// Coordinates beyond this are no place on a structure, and their squares may overflow (m).
+const FARTHEST: f64 = 1e9;
+
 impl MeshFile {
     fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
         let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -536,26 +539,59 @@ impl MeshFile {
             "(number)",
             "at least one",
         )?;
-        for interface in &self.interfaces {
-            let along = size(&interface.along);
-            check.positive("structure.mesh.interfaces[].along", along, "(length of the vector)")?;
+        let at = |list: &str, number: usize| format!("{}: structure.mesh.{list}, number {number}", check.place);
+        for (number, interface) in (1..).zip(&self.interfaces) {
+            let place = at("interfaces", number);
+            let check = Check { place: &place };
+            check.positive("along", size(&interface.along), "(length of the vector)")?;
             if let Some(within) = interface.within {
-                check.positive("structure.mesh.interfaces[].within", within.si(), "m")?;
+                check.positive("within", within.si(), "m")?;
             }
-            check.not_negative("structure.mesh.interfaces[].mu", interface.mu.unwrap_or(0.0), "")?;
+            check.not_negative("mu", interface.mu.unwrap_or(0.0), "")?;
         }
-        for tie in &self.ties {
+        for (number, tie) in (1..).zip(&self.ties) {
+            let place = at("ties", number);
             let within = tie.within.map_or(0.0, Length::si);
-            check.not_negative("structure.mesh.ties[].within", within, "m")?;
+            Check { place: &place }.not_negative("within", within, "m")?;
         }
-        for support in &self.supports {
+        for (number, support) in (1..).zip(&self.supports) {
+            let place = at("supports", number);
+            let check = Check { place: &place };
             if let Some(stiffness) = support.stiffness {
-                check.positive("structure.mesh.supports[].stiffness", stiffness.si(), "Pa/m")?;
+                check.positive("stiffness", stiffness.si(), "Pa/m")?;
+            }
+            check.that(
+                support.components.contains(&true),
+                "components",
+                0.0,
+                "(number of components held)",
+                "at least one; remove the support if it holds nothing",
+            )?;
+        }
+        if let Some(nearest) = self.response.nearest {
+            for x in nearest.map(Length::si) {
+                let field = "structure.mesh.response.nearest";
+                check.that(x.abs() < FARTHEST, field, x, "m", "less than 1e9 m in size")?;
             }
         }
-        for material in self.materials.values() {
-            let density = material.density.map_or(f64::NAN, super::Density::si);
-            check.positive("structure.mesh.materials.*.density", density, "kg/m^3")?;
+        for (name, material) in &self.materials {
+            let place = format!("{}: structure.mesh.materials.{name}", check.place);
+            let check = Check { place: &place };
+            let Some(density) = material.density else {
+                return Err(Error::Syntax {
+                    place,
+                    message: "missing field `density`; give it, such as \"density\": \"7800 kg/m^3\"".into(),
+                });
+            };
+            check.positive("density", density.si(), "kg/m^3")?;
+            check.positive("youngs_modulus", material.youngs_modulus.si(), "Pa")?;
+            check.that(
+                material.poisson_ratio > -1.0 && material.poisson_ratio < 0.5,
+                "poisson_ratio",
+                material.poisson_ratio,
+                "",
+                "above -1 and below 0.5",
+            )?;
         }
         Ok(())
     }

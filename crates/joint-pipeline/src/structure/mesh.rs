@@ -97,7 +97,8 @@ pub(super) fn joint(
                 order: model.element_order,
                 label: &label,
             },
-        )?;
+        )
+        .map_err(|error| named.unfit(&error))?;
         let about = match surfaces.len() {
             1 => String::new(),
             _ => format!("interface {}: ", named.name),
@@ -142,6 +143,19 @@ struct Named<'a> {
     index: usize,
     top: Vec<Face>,
     bottom: Vec<Face>,
+}
+
+impl Named<'_> {
+    /// Why the surfaces are no interface, with their place in the scene.
+    fn unfit(&self, error: &Error) -> Error {
+        let reason = match error {
+            Error::Facing { reason } => reason.clone(),
+            other => other.to_string(),
+        };
+        Error::Facing {
+            reason: format!("structure.mesh.interfaces, number {}: {reason}", self.index + 1),
+        }
+    }
 }
 
 /// A mesh in SI, and what the scene says of it.
@@ -372,9 +386,22 @@ impl File<'_> {
                 let distance = |node: &&u32| (self.at(**node) - position).norm();
                 let nearest = nodes.min_by(|a, b| distance(a).total_cmp(&distance(b)));
                 // A mesh without solids was refused.
+                let Some(&nearest) = nearest else {
+                    return self.fail(field.into(), "the mesh has no surface");
+                };
+                let away = distance(&&nearest);
+                let size = self.size();
+                if away > size {
+                    return self.fail(
+                        format!("{field}.nearest"),
+                        format!(
+                            "the node nearest to {:?} m is {away:.3e} m away, more than the size of the mesh, {size:.3e} m; give a position on \
+                             the mesh, and check its unit",
+                            position.as_slice()
+                        ),
+                    );
+                }
                 nearest
-                    .copied()
-                    .map_or_else(|| self.fail(field.into(), "the mesh has no surface"), Ok)?
             }
             (None, Some(node), None, Some(_)) => self.named_node("structure.mesh.response.node", node)?,
             (None, None, Some(_), None) => 0,
@@ -386,6 +413,16 @@ impl File<'_> {
             }
         };
         Ok((node, response.direction.unwrap_or([0.0, 0.0, 1.0])))
+    }
+
+    /// Diagonal of the box about all nodes (m).
+    fn size(&self) -> f64 {
+        let extent = |axis: usize| {
+            let along = self.mesh.nodes.iter().map(|x| x[axis]);
+            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            high - low
+        };
+        Vector3::from([0, 1, 2].map(extent)).norm()
     }
 
     /// The node of a group of one, or with a number.

@@ -211,8 +211,7 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<Mesh> {
     match (&arguments.mesh, named) {
         (Some(path), None) => {
             let text = input_files::read_text(path, input_files::Kind::Table)?;
-            let plane: PlaneMesh =
-                serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
+            let plane: PlaneMesh = files::parse(path, &text, "the mesh of an interface, with `nodes` and `elements`")?;
             let plane = plane
                 .interface(arguments.mesh_units.metres(1.0))
                 .with_context(|| format!("reading {}", path.display()))?;

@@ -11,8 +11,7 @@ use reports::Output;
 use reports::csv::{number, table as csv_table};
 use reports::overlay::{self, Series};
 use reports::run::SUMMARY;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -139,7 +138,6 @@ fn title(path: &Path, usual: &str) -> String {
 #[derive(Deserialize)]
 struct Summary {
     backbone: Vec<Amplitude>,
-    #[serde(default, deserialize_with = "ensemble")]
     ensemble: Option<Ensemble>,
 }
 
@@ -187,11 +185,6 @@ struct Band {
     damping_ratio: [Option<f64>; 3],
 }
 
-/// An ensemble, with its name in errors.
-fn ensemble<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Ensemble>, D::Error> {
-    Option::deserialize(deserializer).map_err(|error| D::Error::custom(format!("`ensemble`: {error}")))
-}
-
 impl Ensemble {
     /// The backbones of 5 and 95 %.
     fn edges(&self) -> Result<[Backbone; 2]> {
@@ -211,8 +204,7 @@ impl Theory {
     fn read(path: &Path) -> Result<Self> {
         let path = file(path, SUMMARY);
         let at = path.display();
-        let summary: Summary =
-            serde_json::from_str(&read(&path)?).with_context(|| format!("{at} is not the summary of a run"))?;
+        let summary: Summary = files::parse(&path, &read(&path)?, files::A_SUMMARY)?;
         let harmonic = summary.backbone.iter().any(|a| a.frequency_first_harmonic_hz.is_some());
         let points: Vec<Point> = summary.backbone.iter().filter_map(|a| a.point(harmonic)).collect();
         ensure!(

@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let identity = files::of_scene(&format!("export --format {format}"), &scene);
     let folder = arguments.overwrite.open(&directory, &identity, &[])?;
     let monitor = Monitor::new()?;
-    let structure = Structure::try_new(&scene, &monitor)?;
+    let structure = Structure::try_new(&scene, &monitor).with_context(|| format!("the scene {}", scene.name))?;
     let reduced = || {
         let joint = &structure.joint;
         if !joint.node_frames.is_empty() || !joint.interface.covered.is_empty() {

@@ -22,25 +22,25 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     channel: Option<String>,
     /// Frequency near which the mode is (Hz) [default: the highest peak of the spectrum].
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, allow_negative_numbers = true, value_name = "HZ")]
     frequency: Option<f64>,
     /// Width of the band (Hz) [default: a ninth of the frequency].
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, allow_negative_numbers = true, value_name = "HZ")]
     bandwidth: Option<f64>,
     /// Start of the backbone (s) [default: a cycle after the hit].
-    #[arg(long, value_name = "S")]
+    #[arg(long, allow_negative_numbers = true, value_name = "S")]
     start: Option<f64>,
     /// Points per window of the smoothing, two per cycle.
     #[arg(long, value_name = "POINTS", default_value_t = Settings::default().smoothing)]
     smoothing: usize,
     /// The backbone ends at this many times the amplitude of the noise.
-    #[arg(long, value_name = "FACTOR", default_value_t = Settings::default().noise_margin)]
+    #[arg(long, allow_negative_numbers = true, value_name = "FACTOR", default_value_t = Settings::default().noise_margin)]
     noise_margin: f64,
     /// Unit of the samples where the file states none, also with a factor: `g`, `mm/s`, `0.5 m/s^2`.
     #[arg(long)]
     unit: Option<String>,
     /// Sample rate where the file states none, or to more digits (Hz).
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, allow_negative_numbers = true, value_name = "HZ")]
     sample_rate: Option<f64>,
     /// What amplitudes are [default: the quantity measured].
     #[arg(long, value_enum)]

@@ -13,7 +13,7 @@ mod schema;
 mod transient;
 mod verify;
 
-use crate::provenance;
+use crate::{provenance, text};
 use anyhow::{Context, Result, bail};
 use joint_pipeline::{Benchmark, Options};
 pub use scene::{GivenScene, SceneArguments};
@@ -153,8 +153,8 @@ pub fn execute(command: impl FnOnce() -> Result<Outcome>) -> ExitCode {
         Ok(Outcome::Success) => ExitCode::SUCCESS,
         Ok(Outcome::Incomplete) => ExitCode::from(3),
         Err(error) => {
-            // `{:#}` prints the chain of causes in one line. A closed standard error leaves nobody to tell.
-            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            // A closed standard error leaves nobody to tell.
+            let _ = writeln!(std::io::stderr(), "error: {}", text::of_error(&error));
             ExitCode::FAILURE
         }
     }
@@ -165,7 +165,7 @@ pub fn execute(command: impl FnOnce() -> Result<Outcome>) -> ExitCode {
 /// # Errors
 /// Standard output cannot be written.
 pub fn print(text: &str) -> Result<()> {
-    match std::io::stdout().write_all(text.as_bytes()) {
+    match std::io::stdout().write_all(text::visible(text).as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
     }

@@ -75,12 +75,15 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         .overwrite
         .open(&directory, &files::of_scene("model", &scene), &[SUMMARY])?;
     let monitor = Monitor::new()?;
-    let structure = Structure::try_new(&scene, &monitor)?;
+    let about = || format!("the scene {}", scene.name);
+    let structure = Structure::try_new(&scene, &monitor).with_context(about)?;
     let overview = structure.overview(&scene)?;
     overview.lines().iter().for_each(|line| monitor.echo(line));
     let warnings = warnings::of_input(&overview);
     warnings.iter().for_each(|warning| monitor.warn(&warning.message));
-    let found = structure.describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)?;
+    let found = structure
+        .describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)
+        .with_context(about)?;
     let modal = match arguments.modes {
         None => None,
         Some(count) => {

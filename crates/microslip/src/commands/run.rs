@@ -4,7 +4,7 @@ use super::{Cache, Defaults, GivenScene, Outcome, Threads, default_directory, fo
 use crate::files::{self, Overwrite};
 use crate::progress::{Monitor, peak_memory};
 use crate::provenance;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use joint_pipeline::analysis::error_estimate::ErrorEstimate;
 use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, MeshEstimate, Partner};
 use joint_pipeline::analysis::registration::{self, Moved};
@@ -16,6 +16,7 @@ use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
 use reports::{Output, csv, plot};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 const REGISTRATION: &str = "registration.csv";
 
@@ -157,7 +158,19 @@ impl Request {
     /// The run and its summary, which lacks only where it comes from. The checkpoints of the run are those of all that was
     /// computed.
     pub(super) fn compute(&self, scene: &Scene, options: &Options) -> Result<(Run, Summary)> {
+        let began = Instant::now();
         let monitor = Monitor::new()?;
+        if let Some(accuracy) = scene.accuracy {
+            // The scene was read with it.
+            let preset = accuracy
+                .preset()
+                .map_err(|reason| anyhow!("{}: {reason}", scene.name))?;
+            monitor.note(&format!(
+                "settings `{}`: expect {}",
+                preset.name,
+                preset.expectation(scene)
+            ));
+        }
         let result = match self.ensemble {
             None => joint_pipeline::run(scene, options, &monitor).map(|run| (run, None)),
             Some(k) => joint_pipeline::run_ensemble(scene, k, options, &monitor).map(|(run, all)| (run, Some(all))),
@@ -169,26 +182,42 @@ impl Request {
         match self.estimate_error {
             Some(ErrorOf::Settings) => {
                 let (preset, finer) = scene::refined(scene)?;
-                let fine = again(&finer, &format!("the settings `{}`", preset.name), options)?;
+                let fine = again(
+                    &finer,
+                    &format!("the settings `{}`", preset.name),
+                    &preset.expectation(&finer),
+                    options,
+                )?;
                 summary.error_estimate = Some(ErrorEstimate::new(&run, preset, &fine));
                 run.checkpoints.extend(fine.checkpoints);
             }
             Some(ErrorOf::Mesh) => {
                 let partner = Partner::try_new(scene)?;
-                let other = again(&partner.scene, "the other formulation of the elements", options)?;
+                let other = again(
+                    &partner.scene,
+                    "the other formulation of the elements",
+                    "as long as the first run",
+                    options,
+                )?;
                 summary.mesh_estimate = Some(MeshEstimate::new(&run, &partner, &other));
                 run.checkpoints.extend(other.checkpoints);
             }
             None => {}
         }
+        if self.estimate_error.is_some() {
+            // The second run is part of what was asked for.
+            let total = began.elapsed().as_secs_f64();
+            let first = summary.timings.insert("total".into(), total).unwrap_or_default();
+            summary.timings.insert("error_estimate".into(), total - first);
+        }
         Ok((run, summary))
     }
 }
 
-/// Runs a variant of a scene that was run before.
-fn again(scene: &Scene, with: &str, options: &Options) -> Result<Run> {
+/// Runs a variant of a scene that was run before; `time` says how long it is expected to take.
+fn again(scene: &Scene, with: &str, time: &str, options: &Options) -> Result<Run> {
     let monitor = Monitor::new()?;
-    monitor.note(&format!("again, with {with}"));
+    monitor.note(&format!("again, with {with}: expect {time}"));
     let result = joint_pipeline::run(scene, options, &monitor);
     monitor.finish();
     result.with_context(|| format!("running the scene {} with {with}", scene.name))

@@ -29,6 +29,17 @@ struct Column {
 /// [`Error::File`].
 pub fn parse(source: Source<'_>) -> Result<Recording, Error> {
     let bytes = source.bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(source.bytes);
+    if let Some(at) = bytes
+        .iter()
+        .position(|b| b.is_ascii_control() && !matches!(b, b'\t' | b'\n' | b'\r' | b'\x0c' | b'\x1a'))
+    {
+        return Err(malformed(
+            source,
+            Place::Byte(at + source.bytes.len() - bytes.len()),
+            format!("{}, which is no text", quoted(&bytes[at..])),
+            "a universal file, a MATLAB, NumPy or WAV file, or columns of numbers as text in UTF-8",
+        ));
+    }
     let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
     let first = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"));
     let first = first.unwrap_or_default();
@@ -82,11 +93,20 @@ pub fn parse(source: Source<'_>) -> Result<Recording, Error> {
             }
         }
         if cells.len() != columns.len() {
+            let separator = match delimiter {
+                b'\t' => "tabulators",
+                b';' => "semicolons",
+                _ => "commas",
+            };
             return Err(malformed(
                 source,
                 line,
-                format!("{} cells", cells.len()),
-                format!("{}, as many as in the first row", columns.len()),
+                format!("{} in {}", cells_of(cells.len()), quoted(&cells.join(&delimiter))),
+                format!(
+                    "{} between {separator}, as in the first row {}, or a record of another format (universal file, MATLAB, NumPy, WAV)",
+                    cells_of(columns.len()),
+                    quoted(first)
+                ),
             ));
         }
         let all_text = numbers.iter().all(Option::is_none) && cells.iter().any(|cell| !cell.is_empty());
@@ -134,6 +154,10 @@ fn take_timing(source: Source<'_>, columns: &mut Vec<Column>) -> Result<Timing, 
             Ok(Timing::Times(times.collect()))
         }
     }
+}
+
+fn cells_of(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "cell" } else { "cells" })
 }
 
 /// Name and unit from the first row.

@@ -6,6 +6,9 @@ use matrix_files::{Place, Source};
 use crate::signal::{Channel, Timing};
 use crate::{Error, Warning};
 
+/// Names of channels in a message.
+const MOST_NAMES: usize = 20;
+
 /// What a file holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
@@ -30,6 +33,11 @@ impl Recording {
         };
         let mut names: Vec<String> = self.channels.iter().map(|c| format!("`{}`", c.name)).collect();
         names.dedup();
+        let more = names.len().saturating_sub(MOST_NAMES);
+        names.truncate(MOST_NAMES);
+        if more > 0 {
+            names.push(format!("and {more} more"));
+        }
         let available = names.join(", ");
         let wanted = match name {
             Some(name) => name,

@@ -51,8 +51,24 @@ pub(crate) fn find(bytes: &[u8], from: usize, needle: &[u8]) -> Option<usize> {
 /// Text for a message: quoted, and not too long.
 pub(crate) fn quoted(text: &[u8]) -> String {
     const LONGEST: usize = 40;
+    if text.is_empty() {
+        return "nothing".into();
+    }
     let more = if text.len() > LONGEST { "..." } else { "" };
-    format!("`{}{more}`", String::from_utf8_lossy(&text[..text.len().min(LONGEST)]))
+    let shown = String::from_utf8_lossy(&text[..text.len().min(LONGEST)]);
+    format!("`{}{more}`", visible(shown.chars()))
+}
+
+/// Text in which control characters are escaped, so that a terminal shows them and does not obey.
+pub(crate) fn visible(text: impl Iterator<Item = char>) -> String {
+    let mut shown = String::new();
+    for c in text {
+        match c.is_control() {
+            true => shown.extend(c.escape_debug()),
+            false => shown.push(c),
+        }
+    }
+    shown
 }
 
 /// Checks what a mesh refers to, and that its coordinates are numbers, before it is written.

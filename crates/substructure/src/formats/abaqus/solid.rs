@@ -19,9 +19,11 @@ impl Reader<'_> {
         } = self;
         if deck.elements.is_empty() {
             let at = source.last_line();
+            // An empty file has no line.
+            let line = at.number.max(1) as usize;
             return Err(Error::MeshContents {
                 file: source.files[at.file as usize].clone(),
-                at: Position::Line(at.number as usize),
+                at: Position::Line(line),
                 problem: "the file holds no solids".into(),
                 remedy: "mesh in three dimensions, and save elements of types C3D4, C3D10, C3D6, C3D15, C3D8 or C3D20",
             });

@@ -2,6 +2,7 @@
 
 use super::Line;
 use crate::error::{DeckProblem, Error};
+use crate::formats::common::visible;
 use std::path::{Component, Path, PathBuf};
 
 /// How deep files may include one another.
@@ -198,7 +199,7 @@ impl Source {
                     at,
                     DeckProblem::Syntax {
                         found: excerpt(line),
-                        reason: "data stand before the first keyword",
+                        reason: "data stand before the first keyword; give an input deck, in which lines with a star come first",
                     },
                 ));
             };
@@ -289,7 +290,9 @@ fn key(text: &str) -> String {
 
 /// The beginning of a text, for messages.
 pub(super) fn excerpt(text: &str) -> String {
-    text.chars().take(60).collect()
+    const SHOWN: usize = 60;
+    let more = text.chars().nth(SHOWN).map_or("", |_| " ...");
+    visible(text.chars().take(SHOWN)) + more
 }
 
 /// Entries between commas outside quotes; a comma at the end adds none.
