@@ -217,7 +217,7 @@ fn wrong_values_name_their_field_and_what_is_expected() {
     );
     refuse(
         interface("top", json!("T".repeat(100_000))),
-        &["bars.inp", "100002 characters", "UP"],
+        &["bars.inp", "100003 characters", "UP"],
     );
     // An interface twice, or where nothing can move.
     refuse(
