@@ -338,8 +338,8 @@ fn quadratic_faces_that_do_not_fit_are_projected_onto_one_another() {
         for (a, b) in [(&found.stuck, &paired.stuck), (&found.with_linear, &paired.with_linear)] {
             assert_eq!((a.zero_energy_modes, b.zero_energy_modes), (6, 6));
             for (f, g) in a.frequencies_hz.iter().zip(&b.frequencies_hz) {
-                // The elements differ too: the linear ones alone are 2 % stiffer.
-                assert!((f / g - 1.0).abs() < 0.03, "{kinds:?}: {f} {g}");
+                // The elements differ too: the coarse linear ones alone are 2 to 4 % stiffer.
+                assert!((f / g - 1.0).abs() < 0.05, "{kinds:?}: {f} {g}");
             }
         }
     }

@@ -120,13 +120,13 @@ fn a_structure_is_named_once_and_where_it_belongs() {
     let both = json!({ "benchmark": "brake-reuss-beam", "deck": on_deck()["structure"]["deck"] });
     let mut scene = on_deck();
     scene["structure"] = both;
-    assert!(refused(&scene).contains("exactly one of `benchmark`, `deck` and `matrices`"));
+    assert!(refused(&scene).contains("exactly one of `benchmark`, `deck`, `mesh` and `matrices`"));
     scene["structure"] = json!({});
-    assert!(refused(&scene).contains("exactly one of `benchmark`, `deck` and `matrices`"));
-    scene["structure"] = json!({ "mesh": "a.msh" });
+    assert!(refused(&scene).contains("exactly one of `benchmark`, `deck`, `mesh` and `matrices`"));
+    scene["structure"] = json!({ "meshes": "a.msh" });
     assert!(
         refused(&scene).contains("structure")
-            && refused(&scene).contains("`mesh`, expected one of `benchmark`, `deck`")
+            && refused(&scene).contains("`meshes`, expected one of `benchmark`, `deck`")
     );
     let mut scene = on_deck();
     scene["model"]["refinement"] = json!("quick");

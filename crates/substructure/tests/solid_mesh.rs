@@ -482,8 +482,8 @@ fn decks_leave_out_facets_without_section() {
             "*SHELL SECTION is not supported",
         ),
         (
-            "*BEAM SECTION,ELSET=L,MATERIAL=M\n1\n",
-            "*BEAM SECTION is not supported",
+            "*BEAM SECTION,ELSET=L,MATERIAL=M,SECTION=CIRC\n1\n",
+            "set of B31 or B32 elements",
         ),
         ("*SURFACE,NAME=T\nF,SPOS\n", "elements without section have no faces"),
         (

@@ -75,15 +75,15 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         .overwrite
         .open(&directory, &files::of_scene("model", &scene), &[SUMMARY])?;
     let monitor = Monitor::new()?;
-    let about = || format!("the scene {}", scene.name);
-    let structure = Structure::try_new(&scene, &monitor).with_context(about)?;
+    let of_scene = || format!("the scene {}", scene.name);
+    let structure = Structure::try_new(&scene, &monitor).with_context(of_scene)?;
     let overview = structure.overview(&scene)?;
     overview.lines().iter().for_each(|line| monitor.echo(line));
     let warnings = warnings::of_input(&overview);
     warnings.iter().for_each(|warning| monitor.warn(&warning.message));
     let found = structure
         .describe(arguments.spectrum.then_some((arguments.count.into(), linear)), &monitor)
-        .with_context(about)?;
+        .with_context(of_scene)?;
     let modal = match arguments.modes {
         None => None,
         Some(count) => {
