@@ -486,6 +486,20 @@ fn interfaces_in_series_and_in_parallel_are_springs_in_series_and_in_parallel() 
         assert!(has(&found, expected), "{expected} is not among {:?}", found.frequencies);
     }
 
+    // Asperities are judged over all interfaces, and not where the law of one is given by its parameters.
+    let stack = || blocks(&[[0.0, 0.0], [0.0, 10.0], [0.0, 20.0]], &[[20.0, 10.0]; 3]);
+    let measured = |other: Value| {
+        let interfaces = json!([
+            { "top": "bottom 1", "bottom": "top 0", "surface": { "benchmark": "brake-reuss-beam" } },
+            { "top": "bottom 2", "bottom": "top 1", "surface": other },
+        ]);
+        let found = run_blocks(&path, stack(), interfaces, ["top 2", "bottom 0"]);
+        found.backbones[0].validity.real_contact_area_fraction
+    };
+    let share = measured(json!({ "benchmark": "brake-reuss-beam" })).unwrap();
+    assert!(share > 0.0 && share < 0.1, "{share}");
+    assert_eq!(measured(elastic(upper)), None);
+
     // A block that stands on another with two feet of its own meshes, glued to it.
     let [left, right] = [3e10, 3e10];
     let places = [[0.0, 0.0], [0.0, 10.0], [40.0, 10.0], [0.0, 20.0]];

@@ -313,10 +313,11 @@ impl Prepared {
             forced,
             checkpoints,
         } = analysis;
+        let asperities = self.interface.asperities();
         let judge = |found: ModeAnalysis| ModeBackbone {
             validity: validity::assess(
                 &self.interface.interface,
-                self.interface.asperities(),
+                asperities.as_ref(),
                 &self.scene.model.material,
                 self.interface
                     .report()

@@ -48,6 +48,24 @@ impl Asperities {
         })
     }
 
+    /// Those of parts that lie side by side, in their order. None of no parts.
+    pub(super) fn joined(parts: Vec<&Self>) -> Option<Self> {
+        let mut joined = Self {
+            populations: Vec::new(),
+            of_element: Vec::new(),
+            material: parts.first()?.material,
+            scan: None,
+        };
+        for part in parts {
+            let first = joined.populations.len() as u32;
+            joined
+                .of_element
+                .extend(part.of_element.iter().map(|population| first + population));
+            joined.populations.extend(part.populations.iter().cloned());
+        }
+        Some(joined)
+    }
+
     pub(super) fn sums(&self, reading: TangentialReading) -> Result<Vec<AsperitySumCurves>, Error> {
         let curves = self
             .populations

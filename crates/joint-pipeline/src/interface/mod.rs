@@ -268,12 +268,13 @@ impl SceneInterface {
         &self.reports[0].law
     }
 
-    /// The asperities of the whole interface, or of its first part; none where the parameters of the law are given.
-    pub(crate) fn asperities(&self) -> Option<&Asperities> {
-        match &self.parts.first()?.from {
+    /// The asperities of all parts together; none where the parameters of the law of a part are given.
+    pub(crate) fn asperities(&self) -> Option<Asperities> {
+        let of_parts = self.parts.iter().map(|part| match &part.from {
             Source::Given(_) => None,
             Source::Asperities(built) => Some(&built.asperities),
-        }
+        });
+        Asperities::joined(of_parts.collect::<Option<Vec<_>>>()?)
     }
 
     /// The interface with the laws of bootstrap realisation `k` of all elements, and the closure as in
