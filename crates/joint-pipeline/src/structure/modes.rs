@@ -277,7 +277,11 @@ fn rigid_motions(system: &System, bodies: &MeshedBodies, centre: [f64; 3]) -> Ma
     for (row, &full) in system.dofs.independent.iter().enumerate() {
         let (at, component) = match full.checked_sub(n_nodal) {
             None => (system.dofs.coordinates[full / 3], full % 3),
-            Some(beyond) => (bodies.assembly.couplings[beyond / 6].reference, beyond % 6),
+            Some(beyond) => match bodies.assembly.couplings.get(beyond / 6) {
+                Some(coupling) => (coupling.reference, beyond % 6),
+                // Overlaps of bolts are zero in rigid motions.
+                None => continue,
+            },
         };
         if component >= 3 {
             motions[(row, component)] = 1.0;
