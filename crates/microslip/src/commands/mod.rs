@@ -8,6 +8,7 @@ mod identify;
 mod model;
 mod new;
 pub mod run;
+mod samples;
 mod scene;
 mod schema;
 mod transient;
@@ -51,8 +52,10 @@ pub enum Command {
     Compare(compare::Arguments),
     /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
     Verify(verify::Arguments),
-    /// Write a commented scene to start from.
+    /// Write a commented scene to start from, or with `--benchmark` a bolted structure with the script that makes its mesh.
     New(new::Arguments),
+    /// Write small files to try the commands with: scans, ring-downs, a deck and a mesh with scenes.
+    Samples(samples::Arguments),
     /// List the benchmarks that scenes may name, with the scenes that come with them.
     Benchmarks,
     /// Print the JSON Schema of scenes or of summaries.
@@ -75,6 +78,7 @@ impl Command {
             Self::Compare(arguments) => compare::run(arguments),
             Self::Verify(arguments) => verify::run(arguments),
             Self::New(arguments) => new::run(arguments),
+            Self::Samples(arguments) => samples::run(arguments),
             Self::Benchmarks => print(&scene::list()),
             Self::Schema(arguments) => schema::run(arguments),
         };
@@ -169,6 +173,23 @@ pub fn print(text: &str) -> Result<()> {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
     }
+}
+
+/// Writes files into a folder that has none of them.
+///
+/// # Errors
+/// One of them is there already, of which none is written then; or a file cannot be written.
+fn write_new(directory: &Path, files: &[(&str, &[u8])]) -> Result<()> {
+    for (name, _) in files {
+        let path = directory.join(name);
+        if path.exists() {
+            bail!("{} is there already; choose another folder", path.display());
+        }
+    }
+    for (name, contents) in files {
+        durable_files::write(&directory.join(name), contents)?;
+    }
+    Ok(())
 }
 
 /// The folder of this name among the results.

@@ -1,0 +1,79 @@
+//! `new`: a commented scene to start from, or a structure with the script that makes its mesh.
+
+use anyhow::{Result, bail};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Options of `new`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folder for the files, made if missing.
+    directory: PathBuf,
+    /// A bolted structure to start from, with a script that makes its mesh by Gmsh: lap-joint (two plates), ring (two flanges), s4 (two
+    /// C-shaped beams).
+    #[arg(long, value_name = "NAME")]
+    benchmark: Option<String>,
+}
+
+/// What all mesh scripts use.
+const BLOCKS: (&str, &str) = ("blocks.py", include_str!("blocks.py"));
+
+/// A structure to start from.
+struct Template {
+    name: &'static str,
+    /// Names and contents of its files.
+    files: [(&'static str, &'static str); 4],
+}
+
+const TEMPLATES: [Template; 3] = [
+    Template {
+        name: "lap-joint",
+        files: [
+            ("README.md", include_str!("lap-joint/README.md")),
+            ("scene.json", include_str!("lap-joint/scene.json")),
+            ("mesh.py", include_str!("lap-joint/mesh.py")),
+            BLOCKS,
+        ],
+    },
+    Template {
+        name: "ring",
+        files: [
+            ("README.md", include_str!("ring/README.md")),
+            ("scene.json", include_str!("ring/scene.json")),
+            ("mesh.py", include_str!("ring/mesh.py")),
+            BLOCKS,
+        ],
+    },
+    Template {
+        name: "s4",
+        files: [
+            ("README.md", include_str!("s4/README.md")),
+            ("scene.json", include_str!("s4/scene.json")),
+            ("mesh.py", include_str!("s4/mesh.py")),
+            BLOCKS,
+        ],
+    },
+];
+
+/// Runs the command.
+pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    let directory = &arguments.directory;
+    let Some(name) = &arguments.benchmark else {
+        super::write_new(directory, &[("scene.json", include_str!("plain.json").as_bytes())])?;
+        return super::print(&format!(
+            "a scene to start from is in {0}/scene.json; run it by\n  microslip run {0}/scene.json\n",
+            directory.display()
+        ));
+    };
+    let Some(template) = TEMPLATES.iter().find(|template| template.name == *name) else {
+        let known = TEMPLATES.map(|template| template.name).join(", ");
+        bail!("there is no structure `{name}` to start from; there are {known}");
+    };
+    let files = template.files.map(|(name, text)| (name, text.as_bytes()));
+    super::write_new(directory, &files)?;
+    let mut text = format!("written to {}:", directory.display());
+    for (name, _) in files {
+        write!(text, " {name}")?;
+    }
+    super::print(&format!("{text}\nREADME.md tells how to go on\n"))
+}
