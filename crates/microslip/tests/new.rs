@@ -135,7 +135,7 @@ fn structures_with_bolts_on_an_axis_have_mode_shapes() {
     succeeds(&folder, &["samples", "."]);
     let scene = std::fs::read_to_string(folder.join("joint-mesh.json")).unwrap();
     let forces = r#"{ "head": "HEAD", "nut": "NUT" }"#;
-    let shank = r#"{ "axis": [[0, 0, 0.006], [0, 0, -0.006]], "size": "M4" }"#;
+    let shank = r#"{ "axis": [[0, 0, 0.006], [0, 0, -0.006]], "size": "M8", "washers": true }"#;
     assert!(scene.contains(forces));
     std::fs::write(folder.join("bolt.json"), scene.replace(forces, shank)).unwrap();
     succeeds(&folder, &["model", "bolt.json", "--modes", "3", "--out", "model"]);
