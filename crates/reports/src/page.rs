@@ -88,7 +88,7 @@ pub fn document(
             },
         ),
         warnings: &summary.warnings,
-        overview: summary.overview.as_ref().map(Overview::lines).unwrap_or_default(),
+        overview: overview(summary),
         modes: of_modes
             .map(|((backbone, (_, of_mode)), picture)| mode(run, backbone, &of_mode, picture))
             .collect(),
@@ -673,4 +673,11 @@ fn effort(summary: &Summary) -> Facts {
         .peak_memory
         .map(|bytes| ("largest memory".into(), format!("{:.0} MB", bytes as f64 / 1e6)));
     times.chain(memory).collect()
+}
+
+/// The overview as on the terminal, with raised digits as in pictures.
+fn overview(summary: &Summary) -> Vec<String> {
+    let lines = summary.overview.as_ref().map(Overview::lines).unwrap_or_default();
+    let raised = |line: String| line.replace("^2", "²").replace("^3", "³");
+    lines.into_iter().map(raised).collect()
 }
