@@ -99,7 +99,7 @@ impl fmt::Display for Error {
                 place,
                 requirement,
             } => {
-                let quantity = format!("{value:e} {unit}");
+                let quantity = alloc::format!("{value:e} {unit}");
                 write!(f, "{parameter} = {}{place}: must be {requirement}", quantity.trim_end())
             }
             Error::Length { list, expected, found } => {
