@@ -3,9 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use faer::Mat;
-use joint_pipeline::structure::bolt::{
-    Bolt, BoltGeometry, Compliance, Engagement, Friction, HeadContact, Metric, boundary_faces,
-};
+use joint_pipeline::structure::bolt::{Bolt, BoltGeometry, Compliance, Engagement, Friction, HeadContact, Metric};
 use nalgebra::{Rotation3, Vector3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -203,7 +201,7 @@ fn described() -> BoltGeometry {
 fn seats_are_found_wherever_the_model_stands() {
     let mut mesh = discs(0.0).mesh;
     let mut geometry = described();
-    let boundary = boundary_faces(&mesh);
+    let boundary = mesh.boundary();
     let bolt = Bolt::try_new(&mesh.nodes, &boundary, &geometry).unwrap();
     let facts = &bolt.facts;
     close(facts.clamped, 2.0 * THICKNESS, 1e-12);
@@ -256,7 +254,7 @@ fn seats_are_found_wherever_the_model_stands() {
 #[test]
 fn what_is_no_seat_is_refused_with_its_measure() {
     let mesh = discs(0.0).mesh;
-    let boundary = boundary_faces(&mesh);
+    let boundary = mesh.boundary();
     let refused = |change: &dyn Fn(&mut BoltGeometry)| {
         let mut geometry = described();
         change(&mut geometry);
@@ -315,7 +313,7 @@ fn solid_compliance() -> f64 {
     let mut rings = Rings::new();
     add_solid_bolt(&mut rings);
     let mesh = rings.mesh;
-    let boundary = boundary_faces(&mesh);
+    let boundary = mesh.boundary();
     let coupling = |height: f64| {
         let mut weights: HashMap<u32, f64> = HashMap::new();
         for face in &boundary {
@@ -369,7 +367,7 @@ fn without_thread(mut bolt: Bolt) -> Bolt {
 fn a_described_bolt_is_close_to_a_solid_one() {
     let solid = solid_compliance();
     let mesh = discs(0.0).mesh;
-    let described_bolt = Bolt::try_new(&mesh.nodes, &boundary_faces(&mesh), &described()).unwrap();
+    let described_bolt = Bolt::try_new(&mesh.nodes, &mesh.boundary(), &described()).unwrap();
     let whole = described_bolt.facts.compliance.axial();
     let cylinder = without_thread(described_bolt).facts.compliance.axial();
     println!("compliance (m/N): solid {solid:.4e}, VDI 2230 {whole:.4e}, without the thread's {cylinder:.4e}");
@@ -394,7 +392,7 @@ fn a_described_bolt_is_close_to_a_solid_one() {
                 ..Assembly::default()
             };
             let geometry = BoltGeometry { contact, ..described() };
-            let bolt = Bolt::try_new(&assembly.mesh.nodes, &boundary_faces(&assembly.mesh), &geometry).unwrap();
+            let bolt = Bolt::try_new(&assembly.mesh.nodes, &assembly.mesh.boundary(), &geometry).unwrap();
             let bolt = if thread { bolt } else { without_thread(bolt) };
             bolt.join(&mut assembly);
             assert_eq!(assembly.rigid_motions().unwrap(), 6);

@@ -109,15 +109,7 @@ pub fn follow<F: PointwiseForce>(
     settings: &Settings,
     observe: &mut dyn FnMut(&Point) -> ControlFlow<()>,
 ) -> Result<Curve, Error> {
-    check(line.shapes.nrows(), row, force, settings)?;
-    let system = System::new(
-        line,
-        law,
-        row,
-        settings.background,
-        settings.rayleigh,
-        settings.sampling,
-    );
+    let system = system(line, law, row, force, settings)?;
     let mut tracer = Tracer {
         system,
         settings,
@@ -150,15 +142,7 @@ pub fn resonances<F: PointwiseForce>(
     curve: &Curve,
     settings: &Settings,
 ) -> Result<Vec<Result<Resonance, Failure>>, Error> {
-    check(line.shapes.nrows(), row, curve.force, settings)?;
-    let system = System::new(
-        line,
-        law,
-        row,
-        settings.background,
-        settings.rayleigh,
-        settings.sampling,
-    );
+    let system = system(line, law, row, curve.force, settings)?;
     let cosine = |point: &Point| -> f64 { point.displacement.along(row)[1] };
     let mut found = Vec::new();
     for (index, pair) in curve.points.windows(2).enumerate() {
@@ -212,6 +196,19 @@ pub fn resonances<F: PointwiseForce>(
         }));
     }
     Ok(found)
+}
+
+/// The system that a force of amplitude `force` (N) along `row` drives.
+fn system<'a, F: PointwiseForce>(
+    line: &'a Linearisation<'a, F::State>,
+    law: &'a F,
+    row: &'a [f64],
+    force: f64,
+    settings: &Settings,
+) -> Result<System<'a, F>, Error> {
+    check(line.shapes.nrows(), row, force, settings)?;
+    let (background, rayleigh, sampling) = (settings.background, settings.rayleigh, settings.sampling);
+    Ok(System::new(line, law, row, background, rayleigh, sampling))
 }
 
 fn check(n: usize, row: &[f64], force: f64, settings: &Settings) -> Result<(), Error> {

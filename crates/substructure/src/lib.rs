@@ -18,6 +18,7 @@ pub mod mesh;
 pub mod ordering;
 mod quadratic;
 mod rigid;
+pub mod sets;
 mod shank;
 pub mod sparse;
 

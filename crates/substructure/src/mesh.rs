@@ -1,8 +1,7 @@
 //! Solid meshes and the assemblies made of them: materials, ties, couplings, shanks, equations, supports, masses and loads.
 
 use crate::Error;
-use crate::elements::Formulation;
-use std::collections::HashMap;
+use crate::elements::{Formulation, Sides};
 
 pub use crate::elements::{Cell, Face};
 pub use crate::material::Material;
@@ -36,19 +35,11 @@ impl Mesh {
         }
     }
 
-    /// Faces that belong to one element only, in the order of the elements.
+    /// Faces that belong to one element only, outward, in the order of the elements.
     pub fn boundary(&self) -> Vec<Face> {
-        let corners = |face: &Face| {
-            let mut corners = face.corners().to_vec();
-            corners.sort_unstable();
-            corners
-        };
-        let faces: Vec<Face> = self.elements.iter().flat_map(|element| element.cell.faces()).collect();
-        let mut count: HashMap<Vec<u32>, u32> = HashMap::new();
-        for face in &faces {
-            *count.entry(corners(face)).or_default() += 1;
-        }
-        faces.into_iter().filter(|face| count[&corners(face)] == 1).collect()
+        let cells: Vec<Cell> = self.elements.iter().map(|element| element.cell).collect();
+        let faces = Sides::of(&cells).boundary(&cells);
+        faces.into_iter().map(|(face, _)| face).collect()
     }
 
     /// Checks references, coordinates and materials.

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::constraints::{DofMap, expand};
 use crate::mesh::{Assembly, CouplingKind, Dof};
+use crate::sets::DisjointSets;
 use crate::shank::deformations;
 use nalgebra::{DVector, Vector3};
 use std::collections::BTreeMap;
@@ -72,14 +73,13 @@ struct Motions {
 impl Motions {
     fn new(assembly: &Assembly, dofs: &DofMap) -> Self {
         let nodes = &dofs.coordinates;
-        let mut parent: Vec<usize> = (0..nodes.len()).collect();
+        let mut bodies = DisjointSets::new(nodes.len());
         let mut used = vec![false; nodes.len()];
         for element in &assembly.mesh.elements {
             let members = element.cell.nodes();
             for &node in members {
                 used[node as usize] = true;
-                let [a, b] = [members[0], node].map(|node| root(&mut parent, node as usize));
-                parent[b] = a;
+                bodies.join(members[0], node);
             }
         }
         let references = assembly.couplings.iter().map(|coupling| &coupling.reference);
@@ -93,7 +93,7 @@ impl Motions {
         let size = extent.iter().map(|(_, size)| *size).fold(0.0, f64::max);
         let scale = if size > 0.0 && size.is_finite() { size } else { 1.0 };
 
-        let mut first: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut first: BTreeMap<u32, usize> = BTreeMap::new();
         let mut count = 0;
         let mut of = Vec::with_capacity(3 * nodes.len() + 6 * assembly.couplings.len() + assembly.n_pretensions());
         for (node, x) in nodes.iter().enumerate() {
@@ -103,7 +103,7 @@ impl Motions {
                 count += 3;
                 continue;
             }
-            let at = *first.entry(root(&mut parent, node)).or_insert_with(|| {
+            let at = *first.entry(bodies.root(node as u32)).or_insert_with(|| {
                 count += 6;
                 count - 6
             });
@@ -128,14 +128,6 @@ impl Motions {
         of.extend(std::iter::repeat_n(Vec::new(), assembly.n_pretensions()));
         Self { of, count }
     }
-}
-
-fn root(parent: &mut [usize], mut node: usize) -> usize {
-    while parent[node] != node {
-        parent[node] = parent[parent[node]];
-        node = parent[node];
-    }
-    node
 }
 
 /// The motions that constraints hold.

@@ -86,9 +86,8 @@ struct PartLaw {
 }
 
 impl PartLaw {
-    /// Builds law and gap over a mesh in its own plane coordinates; `pressure` is the mean one of the bolts (Pa).
-    fn try_new(scene: Scene, mesh: &InterfaceMesh, pressure: f64) -> Result<Self, Error> {
-        let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
+    /// Builds law and gap over a mesh in its own plane coordinates, with its operators; `pressure` is the mean one of the bolts (Pa).
+    fn try_new(scene: Scene, mesh: &InterfaceMesh, operators: Arc<Operators>, pressure: f64) -> Result<Self, Error> {
         let element_of: Vec<u32> = operators
             .first_point
             .windows(2)
@@ -208,17 +207,20 @@ impl SceneInterface {
     /// Of the law, the surface, the interface; [`Error::NoContact`].
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, parts: &[InterfacePart], load: f64) -> Result<Self, Error> {
         let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
-        let share = |area: f64| load / operators.area() * area;
+        let pressure = load / operators.area();
+        let share = |area: f64| pressure * area;
         let built = match parts {
             [] => vec![(
                 "interface".to_owned(),
-                PartLaw::try_new(scene.clone(), mesh, load / operators.area())?,
+                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure)?,
             )],
             _ => parts
                 .iter()
                 .map(|part| {
                     let own = scene.of_interface(part.source);
-                    let law = PartLaw::try_new(own, &part.mesh(mesh), load / operators.area())?;
+                    let mesh = part.mesh(mesh);
+                    let operators = scene.model.symmetry.operators(&mesh, scene.points_per_direction)?;
+                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure)?;
                     Ok((part.name.clone(), law))
                 })
                 .collect::<Result<Vec<_>, Error>>()?,

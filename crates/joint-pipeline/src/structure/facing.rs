@@ -3,13 +3,15 @@
 //! Where both have the same nodes, these are paired. Otherwise the finer side carries the jump, and what faces its nodes follows from the
 //! intersection of both meshes ([`zte_assembly::mortar`]).
 
+use super::touching;
 use crate::Error;
 use crate::joint::benchmark::ElementOrder;
 use crate::joint::{MovedPairs, ProjectedSide, Sides};
 use nalgebra::Vector3;
-use sprs::{CsMat, TriMat};
+use sprs::CsMat;
 use std::collections::{BTreeMap, BTreeSet};
 use substructure::mesh::Face;
+use substructure::sparse::submatrix;
 use zte_assembly::{Covered, Element, InterfaceMesh, Mortar, Operators};
 
 /// How far nodes that face one another may be apart, relative to the shortest edge of the interface.
@@ -132,7 +134,7 @@ impl Facing {
         };
         let second = normal.cross(&first);
         let frame = [first, second, normal];
-        let (top_nodes, of_bottom) = (unique(surfaces.top), unique(surfaces.bottom));
+        let (top_nodes, of_bottom) = (touching::nodes(surfaces.top), touching::nodes(surfaces.bottom));
         let pairs = Pairs {
             coordinates,
             first,
@@ -192,7 +194,7 @@ impl Facing {
                 coordinates,
                 surfaces,
                 frame,
-                [top_nodes, unique(surfaces.bottom)],
+                [top_nodes, touching::nodes(surfaces.bottom)],
                 longest,
             ),
         }
@@ -247,14 +249,6 @@ fn both<'a>(surfaces: &Surfaces<'a>) -> impl Iterator<Item = (&'a Face, f64)> {
 /// Angle between two directions (degrees).
 fn degrees(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b)).to_degrees()
-}
-
-/// The nodes of faces, ascending.
-fn unique(faces: &[Face]) -> Vec<u32> {
-    let mut nodes: Vec<u32> = faces.iter().flat_map(|face| face.nodes().to_vec()).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
 }
 
 /// Faces as elements over the positions of their nodes in `nodes`, in the opposite sense on request.
@@ -453,7 +447,8 @@ fn project(
     let elements: Vec<Element> = elements.filter_map(|element| renumber(element).ok()).collect();
     let kept_faces: Vec<Face> = mortar.elements.iter().map(|&index| own_faces[index]).collect();
     let rows: Vec<usize> = used.iter().map(|&node| node as usize).collect();
-    let projection = rows_of(&mortar.projection, &rows);
+    let all: Vec<Option<usize>> = (0..other.len()).map(Some).collect();
+    let projection = submatrix(&mortar.projection, &rows, &all, other.len());
     let own: Vec<u32> = used.iter().map(|&node| own[node as usize]).collect();
     let mut largest_move = 0.0_f64;
     for (row, &node) in projection.outer_iterator().zip(&own) {
@@ -499,17 +494,6 @@ fn project(
         projected: Some(projected),
         angle,
     })
-}
-
-/// Some rows of a sparse matrix.
-fn rows_of(matrix: &CsMat<f64>, rows: &[usize]) -> CsMat<f64> {
-    let mut found = TriMat::new((rows.len(), matrix.cols()));
-    for (new, &row) in rows.iter().enumerate() {
-        for (column, &value) in matrix.outer_view(row).iter().flat_map(|row| row.iter()) {
-            found.add_triplet(new, column, value);
-        }
-    }
-    found.to_csr()
 }
 
 /// The patch test: a uniform traction on the interface, brought to the other side, against that side's own consistent forces, relative to

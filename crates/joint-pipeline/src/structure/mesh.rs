@@ -11,6 +11,7 @@ use crate::scene::{
 };
 use nalgebra::Vector3;
 use sprs::CsMat;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use substructure::formats::solid_mesh::SolidMesh;
 use substructure::mesh::{
@@ -40,7 +41,11 @@ pub(super) fn joint(
     file.notes.iter().for_each(|note| notes(note));
     let length = source.units.length_in_si();
     file.nodes.iter_mut().flatten().for_each(|x| *x *= length);
-    let file = File { source, mesh: file };
+    let file = File {
+        source,
+        mesh: file,
+        boundary: OnceCell::new(),
+    };
     let mut assembly = Assembly {
         mesh: file.solids(model, notes)?,
         ..Assembly::default()
@@ -162,6 +167,8 @@ impl Named<'_> {
 struct File<'a> {
     source: &'a MeshFile,
     mesh: SolidMesh,
+    /// Faces of one cell only, outward, with their cells, once something asks for them.
+    boundary: OnceCell<Vec<(Face, u32)>>,
 }
 
 impl File<'_> {
@@ -171,6 +178,10 @@ impl File<'_> {
             field,
             reason: reason.into(),
         })
+    }
+
+    fn boundary(&self) -> &[(Face, u32)] {
+        self.boundary.get_or_init(|| self.mesh.boundary())
     }
 
     fn label(&self, node: u32) -> String {
@@ -353,7 +364,7 @@ impl File<'_> {
                     BoltSeat::Distributing => HeadContact::Distributing,
                     BoltSeat::Tied => HeadContact::Tied,
                 };
-                let boundary: Vec<Face> = self.mesh.boundary().into_iter().map(|(face, _)| face).collect();
+                let boundary: Vec<Face> = self.boundary().iter().map(|(face, _)| *face).collect();
                 let facts = Bolt::try_new(&self.mesh.nodes, &boundary, &geometry)?.join(assembly);
                 notes(&format!(
                     "bolt {number}: clamps {:.3} mm, {:.4} kg, {:.4e} N/m axially (VDI 2230); its seats hold {} and {} nodes and cover {:.0} and \
@@ -381,8 +392,7 @@ impl File<'_> {
         let node = match (&response.nearest, &response.node, response.mode, response.direction) {
             (Some(position), None, None, Some(_)) => {
                 let position = Vector3::from(position.map(Length::si));
-                let boundary = self.mesh.boundary();
-                let nodes = boundary.iter().flat_map(|(face, _)| face.corners());
+                let nodes = self.boundary().iter().flat_map(|(face, _)| face.corners());
                 let distance = |node: &&u32| (self.at(**node) - position).norm();
                 let nearest = nodes.min_by(|a, b| distance(a).total_cmp(&distance(b)));
                 // A mesh without solids was refused.
@@ -494,9 +504,9 @@ impl File<'_> {
             }
         };
         let mut sides: [Vec<Face>; 2] = Default::default();
-        for (face, cell) in self.mesh.boundary() {
-            if let Some(side) = cells[cell as usize] {
-                sides[side].push(face);
+        for (face, cell) in self.boundary() {
+            if let Some(side) = cells[*cell as usize] {
+                sides[side].push(*face);
             }
         }
         let patches = touching::patches(&self.mesh.nodes, &sides, interface.within.map(Length::si));

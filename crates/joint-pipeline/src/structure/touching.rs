@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use substructure::mesh::Face;
+use substructure::sets::DisjointSets;
 
 /// How far faces may be apart that touch by default, relative to the longest edge of the smaller one.
 const REACH: f64 = 0.05;
@@ -59,8 +60,8 @@ pub(super) fn patches(coordinates: &[[f64; 3]], bodies: &[Vec<Face>; 2], within:
     // Faces that touch and share nodes form sets; those of the second body are counted after those of the first.
     let n = first.len();
     let touching: BTreeSet<usize> = touches.iter().flat_map(|&[a, b]| [a, n + b]).collect();
-    let mut sets = Sets((0..n + second.len()).collect());
-    touches.iter().for_each(|&[a, b]| sets.join(a, n + b));
+    let mut sets = DisjointSets::new(n + second.len());
+    touches.iter().for_each(|&[a, b]| sets.join(a as u32, (n + b) as u32));
     let face = |index: usize| match index.checked_sub(n) {
         None => &bodies[0][index],
         Some(index) => &bodies[1][index],
@@ -69,12 +70,12 @@ pub(super) fn patches(coordinates: &[[f64; 3]], bodies: &[Vec<Face>; 2], within:
     for &index in &touching {
         for &node in face(index).corners() {
             let other = *of_node.entry(node).or_insert(index);
-            sets.join(index, other);
+            sets.join(index as u32, other as u32);
         }
     }
-    let mut patches: BTreeMap<usize, [Vec<Face>; 2]> = BTreeMap::new();
+    let mut patches: BTreeMap<u32, [Vec<Face>; 2]> = BTreeMap::new();
     for &index in &touching {
-        let patch = patches.entry(sets.root(index)).or_default();
+        let patch = patches.entry(sets.root(index as u32)).or_default();
         patch[usize::from(index >= n)].push(*face(index));
     }
     patches.into_values().collect()
@@ -134,24 +135,5 @@ impl Seen {
             });
             inside && height.abs() <= reach
         })
-    }
-}
-
-/// Disjoint sets, by the least member of each.
-struct Sets(Vec<usize>);
-
-impl Sets {
-    fn root(&mut self, mut member: usize) -> usize {
-        while self.0[member] != member {
-            self.0[member] = self.0[self.0[member]];
-            member = self.0[member];
-        }
-        member
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        let (low, high) = (a.min(b), a.max(b));
-        self.0[high] = low;
     }
 }

@@ -15,9 +15,7 @@ use crate::Error;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
-use substructure::mesh::{
-    Assembly, Coupling, CouplingKind, Face, LoadPattern, Material, Mesh, RigidMass, Section, Shank,
-};
+use substructure::mesh::{Assembly, Coupling, CouplingKind, Face, LoadPattern, Material, RigidMass, Section, Shank};
 
 /// Largest angle between a seat and the plane at a right angle to the axis (degrees).
 const TILT: f64 = 10.0;
@@ -169,7 +167,7 @@ pub struct SeatFacts {
 }
 
 impl Bolt {
-    /// Finds the seats among `boundary` ([`boundary_faces`]) and computes the shank.
+    /// Finds the seats among `boundary` ([`Mesh::boundary`](substructure::mesh::Mesh::boundary)) and computes the shank.
     ///
     /// A node of a seat is one of its faces' within the annulus. Its weight is its share of the area of these faces, each multiplied by
     /// the part of the face that lies inside of the annulus.
@@ -349,21 +347,6 @@ fn ends_mass(seat: &Seat, density: f64, outward: Vector3<f64>, coupling: u32) ->
         mass: total,
         inertia: [0, 1, 2].map(|i| [0, 1, 2].map(|j| inertia[(i, j)])),
     })
-}
-
-/// The faces that belong to one element alone, with their outward sides up.
-pub fn boundary_faces(mesh: &Mesh) -> Vec<Face> {
-    let mut sides: HashMap<Vec<u32>, u32> = HashMap::new();
-    let key = |face: &Face| {
-        let mut corners = face.corners().to_vec();
-        corners.sort_unstable();
-        corners
-    };
-    for face in mesh.elements.iter().flat_map(|element| element.cell.faces()) {
-        *sides.entry(key(&face)).or_default() += 1;
-    }
-    let faces = mesh.elements.iter().flat_map(|element| element.cell.faces());
-    faces.filter(|face| sides.get(&key(face)) == Some(&1)).collect()
 }
 
 /// A seat in the mesh.

@@ -1,7 +1,6 @@
 //! A small bolted joint: two bars that overlap, as a mesh and as an input deck.
 
 use anyhow::{Context, Result};
-use joint_pipeline::structure::bolt::boundary_faces;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use substructure::elements::{Cell, Formulation, HEX8};
@@ -45,7 +44,7 @@ fn joint() -> Result<Joint> {
     // The upper bar ends where the overlap begins, the lower one where it ends.
     add_bar(&mut mesh, 0, [-0.5 * OVERLAP[0], 0.0]).context("the upper bar")?;
     add_bar(&mut mesh, 1, [0.5 * OVERLAP[0] - length, -THICKNESS]).context("the lower bar")?;
-    let boundary = boundary_faces(&mesh);
+    let boundary = mesh.boundary();
     let n = mesh.nodes.len() as u32 / 2;
     let faces = |name: &str, is_upper: bool, height: f64, reach: [f64; 2]| Group {
         name: name.into(),

@@ -3,8 +3,9 @@
 use super::deck::{Ignored, Members};
 use super::reader::Reader;
 use crate::Error;
+use crate::elements::Corners;
 use crate::error::Position;
-use crate::formats::solid_mesh::{Corners, Raw, Side};
+use crate::formats::solid_mesh::{Raw, Side};
 use crate::mesh::Group;
 use std::collections::BTreeMap;
 

@@ -132,12 +132,7 @@ impl Parts {
             }
         }
         if mesh.elements.is_empty() {
-            return Err(reader.contents(
-                end,
-                "the file holds no solids".into(),
-                "mesh in three dimensions (gmsh -3), and put the volumes into a physical group if there are groups at \
-                 all, since Gmsh saves nothing else then",
-            ));
+            return Err(reader.no_solids());
         }
         Ok(Contents {
             orphan_nodes: positions.len() - mesh.nodes.len(),

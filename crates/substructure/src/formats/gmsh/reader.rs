@@ -67,6 +67,16 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Of a file without solids.
+    pub(super) fn no_solids(&self) -> Error {
+        self.contents(
+            self.end_of_file(),
+            "the file holds no solids".into(),
+            "mesh in three dimensions (gmsh -3), and put the volumes into a physical group if there are groups at all, since Gmsh \
+             saves nothing else then",
+        )
+    }
+
     pub(super) fn contents(&self, at: usize, problem: String, remedy: &'static str) -> Error {
         Error::MeshContents {
             file: self.file.into(),

@@ -5,7 +5,8 @@ use super::parts::{Kind, Parts};
 use super::reader::Reader;
 use crate::Error;
 use crate::elements::Cell;
-use crate::formats::solid_mesh::{Corners, Raw, Side};
+use crate::elements::Corners;
+use crate::formats::solid_mesh::{Raw, Side};
 
 impl Parts {
     pub(super) fn solids(self, reader: &Reader) -> Result<Raw, Error> {
@@ -65,12 +66,7 @@ impl Parts {
             }
         }
         if raw.cells.is_empty() {
-            return Err(reader.contents(
-                end,
-                "the file holds no solids".into(),
-                "mesh in three dimensions (gmsh -3), and put the volumes into a physical group if there are groups at \
-                 all, since Gmsh saves nothing else then",
-            ));
+            return Err(reader.no_solids());
         }
         if skipped > 0 {
             raw.notes.push(format!(

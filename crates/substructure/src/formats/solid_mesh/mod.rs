@@ -17,16 +17,15 @@
 
 mod checks;
 mod raw;
-mod sides;
 
 pub(super) use raw::{Raw, Side};
-pub(super) use sides::Corners;
 
 use super::{abaqus, gmsh, vtu};
+use crate::elements::Sides;
 use crate::error::{Error, known_names};
 use crate::mesh::{Cell, Face, Group};
+use crate::sets::DisjointSets;
 use raw::Defect;
-use sides::Sides;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -143,40 +142,21 @@ impl SolidMesh {
 
     /// Faces of one cell only, outward, with their cell: the surface of the bodies. They are in the order of the cells.
     pub fn boundary(&self) -> Vec<(Face, u32)> {
-        let sides = Sides::of(&self.cells);
-        let mut alone: Vec<(u32, u8)> = sides.alone().collect();
-        alone.sort_unstable();
-        let face = |(cell, face): (u32, u8)| (self.cells[cell as usize].face(usize::from(face)), cell);
-        alone.into_iter().map(face).collect()
+        Sides::of(&self.cells).boundary(&self.cells)
     }
 
     /// Sets of cells that share nodes: for each cell the number of its body. Bodies are numbered from zero in the order of
     /// their first cells.
     pub fn bodies(&self) -> Vec<u32> {
-        let mut parent: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        let root = |parent: &mut Vec<u32>, mut node: u32| {
-            while parent[node as usize] != node {
-                let above = parent[parent[node as usize] as usize];
-                parent[node as usize] = above;
-                node = above;
-            }
-            node
-        };
+        let mut sets = DisjointSets::new(self.nodes.len());
         for cell in &self.cells {
             let nodes = cell.nodes();
-            let mut first = root(&mut parent, nodes[0]);
-            for &node in &nodes[1..] {
-                let other = root(&mut parent, node);
-                // The lesser number stays, so that paths are short where meshes are numbered along their bodies.
-                let (low, high) = (first.min(other), first.max(other));
-                parent[high as usize] = low;
-                first = low;
-            }
+            nodes.iter().for_each(|&node| sets.join(nodes[0], node));
         }
         let mut number_of = vec![u32::MAX; self.nodes.len()];
         let mut count = 0;
         let numbers = self.cells.iter().map(|cell| {
-            let number = &mut number_of[root(&mut parent, cell.nodes()[0]) as usize];
+            let number = &mut number_of[sets.root(cell.nodes()[0]) as usize];
             if *number == u32::MAX {
                 *number = count;
                 count += 1;

@@ -2,9 +2,9 @@
 
 use super::SolidMesh;
 use super::checks;
-use super::sides::{Corners, Sides};
 use crate::Error;
 use crate::elements::Face;
+use crate::elements::{Corners, Sides};
 use crate::formats::common::Kept;
 use crate::mesh::{Cell, Group};
 use std::collections::{BTreeMap, HashSet};

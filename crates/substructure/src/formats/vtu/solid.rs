@@ -4,7 +4,8 @@ use super::contents::{Kind, ours};
 use super::document::{Array, Grid, Reader};
 use crate::Error;
 use crate::elements::Cell;
-use crate::formats::solid_mesh::{Corners, Raw, Side};
+use crate::elements::Corners;
+use crate::formats::solid_mesh::{Raw, Side};
 use crate::mesh::Group;
 use std::collections::{BTreeMap, BTreeSet};
 
