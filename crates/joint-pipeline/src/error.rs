@@ -218,6 +218,14 @@ pub enum Error {
         /// What is wrong, and where.
         reason: String,
     },
+    /// A place for loops that is not on the interface.
+    #[error("cqsma.loops_at, number {number}: {reason}")]
+    LoopPlace {
+        /// From 1 on.
+        number: usize,
+        /// What is wrong, and what would be accepted.
+        reason: String,
+    },
     /// A zone of friction that does not fit the interface.
     #[error("friction_zones, number {number}: {reason}")]
     FrictionZone {

@@ -175,6 +175,65 @@ fn dissipation_from_the_points_equals_that_from_the_mode() {
     }
 }
 
+/// Area of a loop of jumps and tractions (J/m^2).
+fn shoelace(vertices: &[([f64; 3], [f64; 3])]) -> f64 {
+    let from_the_first = |of: &[f64; 3], first: &[f64; 3]| [0, 1, 2].map(|c| of[c] - first[c]);
+    let (first_jump, first_traction) = &vertices[0];
+    // The prestress would leave its round-off.
+    let vertices: Vec<_> = vertices
+        .iter()
+        .map(|(jump, traction)| {
+            (
+                from_the_first(jump, first_jump),
+                from_the_first(traction, first_traction),
+            )
+        })
+        .collect();
+    let edges = vertices.iter().zip(vertices.iter().cycle().skip(1));
+    // The polygon of jump and traction runs clockwise where energy is dissipated.
+    edges
+        .flat_map(|((u, t), (v, s))| [0, 1, 2].map(|c| 0.5 * (v[c] * t[c] - u[c] * s[c])))
+        .sum()
+}
+
+#[test]
+fn loops_of_elements_enclose_what_their_points_dissipate() {
+    for points_per_direction in [1, 2] {
+        let mut scene = quick();
+        scene.points_per_direction = points_per_direction;
+        scene.output.fields_at = Some(vec![5, 7]);
+        let run = go(&scene);
+        let operators = run.interface.operators();
+        for (number, amplitude) in (1..).zip(run.amplitudes()) {
+            let found = amplitude.fields.as_ref().unwrap();
+            assert_eq!(found.loops.is_some(), [5, 7].contains(&number));
+            let Some(loops) = &found.loops else { continue };
+            let hysteresis = &amplitude.point.result.as_ref().unwrap().hysteresis;
+            assert_eq!(loops.modal_force, hysteresis.force);
+            assert_eq!(loops.elements, (0..operators.n_elements()).collect::<Vec<_>>());
+            let fields = found.fields.as_ref().unwrap();
+            let fluxes = fields.flux.each_ref().map(|of| operators.element_means(of));
+            let jumps = fields.jump.each_ref().map(|of| operators.element_means(of));
+            let (mut largest, mut worst) = (0.0_f64, 0.0_f64);
+            for element in 0..operators.n_elements() {
+                let vertices: Vec<_> = loops.of_element(element).unwrap().collect();
+                assert_eq!(vertices.len(), loops.modal_force.len());
+                // Fields are those of the last vertex at the peak.
+                assert_eq!(vertices.last().unwrap().0, jumps.each_ref().map(|of| of[element]));
+                let flux: f64 = fluxes.iter().map(|of| of[element]).sum();
+                let area = shoelace(&vertices);
+                largest = largest.max(flux);
+                worst = worst.max((area - flux).abs());
+            }
+            println!("{points_per_direction}, {number}: {worst:e} of {largest:e}");
+            // An element of one point is that point; means of several leave out how jumps and tractions vary within it.
+            let bound = if points_per_direction == 1 { 1e-9 } else { 0.1 };
+            assert!(worst < bound * largest, "{number}: {worst:e} of {largest:e}");
+            assert!(loops.of_element(operators.n_elements()).is_none());
+        }
+    }
+}
+
 #[test]
 fn friction_lowers_the_frequency_and_raises_the_damping_later_for_larger_mu() {
     let onset = |mu: f64| {

@@ -188,14 +188,19 @@ impl Operators {
     /// If the field does not have one value per point.
     pub fn element_means(&self, field: &[f64]) -> Vec<f64> {
         assert_eq!(field.len(), self.n_points());
-        self.first_point
-            .windows(2)
-            .map(|range| {
-                let points = range[0]..range[1];
-                let area: f64 = self.weights[points.clone()].iter().sum();
-                points.map(|p| self.weights[p] * field[p]).sum::<f64>() / area
-            })
+        (0..self.n_elements())
+            .map(|element| self.element_mean(element, field))
             .collect()
+    }
+
+    /// Area-weighted mean over one element of a field given at the points.
+    ///
+    /// # Panics
+    /// If there is no such element, or the field ends before its points.
+    pub fn element_mean(&self, element: usize, field: &[f64]) -> f64 {
+        let points = self.first_point[element]..self.first_point[element + 1];
+        let area: f64 = self.weights[points.clone()].iter().sum();
+        points.map(|p| self.weights[p] * field[p]).sum::<f64>() / area
     }
 
     /// The point of each element that is closest to its centre of area: the centre itself where the rule has a point there.

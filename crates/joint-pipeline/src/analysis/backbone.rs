@@ -30,6 +30,9 @@ const FREE_OF_INERTIA: f64 = 1e-9;
 /// Periodic motions where neither their amplitudes nor those of loops are given.
 const EPMC_AMPLITUDES: usize = 20;
 
+/// Changes whenever [`LoopFields`] holds something else, so that lines of another layout are not taken for finished amplitudes.
+const LAYOUT: u64 = 2;
+
 /// What came of an amplitude.
 type Loop = (BackbonePoint, Option<LoopFields>);
 
@@ -55,6 +58,8 @@ pub(super) struct Request<'a> {
     /// Index of the mode, from 0.
     pub(super) mode: usize,
     pub(super) newton: NewtonSettings,
+    /// Elements whose loops are stored, ascending.
+    pub(super) recorded: &'a [usize],
 }
 
 impl Request<'_> {
@@ -190,6 +195,7 @@ impl Request<'_> {
         key.numbers(self.line.displacement().iter().copied());
         key.numbers(shape.iter().copied());
         key.numbers(forces.iter().copied());
+        key.integers([LAYOUT]);
         let finished = Finished::open(directory, "loops", &key.finish());
         let (found, all) = (finished.len(), forces.len());
         if found > 0 {
@@ -225,13 +231,13 @@ impl Request<'_> {
         };
         let points = cqsma::run(self.line, self.force, &pending_forces, settings, |at| {
             let index = pending[at];
-            let store = stored.contains(&(index + 1));
+            let stored = stored.contains(&(index + 1)).then_some(self.recorded);
             Watcher::new(
                 self.force.interface(),
                 &self.prestress.fields,
                 self.response,
                 index,
-                store,
+                stored,
                 &finish,
             )
         })?;

@@ -1,5 +1,6 @@
 //! Watches hysteresis loops at the quadrature points.
 
+use super::element_loops::ElementLoops;
 use super::outcome::{Fields, LoopFields};
 use contact_laws::{Regime, Sticking};
 use cqsma_solver::{BackbonePoint, LoopObserver};
@@ -21,6 +22,8 @@ pub(super) struct Watcher<'a> {
     response: &'a [f64],
     index: usize,
     store: bool,
+    /// Elements whose loops are stored, ascending.
+    recorded: &'a [usize],
     finish: &'a Finish<'a>,
     /// Smallest and largest displacement at the response point so far (m).
     motion: [f64; 2],
@@ -34,17 +37,19 @@ pub(super) struct Watcher<'a> {
     largest_sliding: f64,
     /// The workspace at the positive peak, if it is to be stored.
     at_peak: Option<Workspace>,
+    loops: Option<ElementLoops>,
     /// What came of the loop, when it is done and has converged.
     pub(super) fields: Option<LoopFields>,
 }
 
 impl<'a> Watcher<'a> {
+    /// `stored` are the elements whose loops are kept beside the fields; none for an amplitude of which neither is.
     pub(super) fn new(
         interface: &'a Interface,
         prestress: &'a Fields,
         response: &'a [f64],
         index: usize,
-        store: bool,
+        stored: Option<&'a [usize]>,
         finish: &'a Finish<'a>,
     ) -> Self {
         Self {
@@ -53,7 +58,8 @@ impl<'a> Watcher<'a> {
             response,
             motion: NO_MOTION,
             index,
-            store,
+            store: stored.is_some(),
+            recorded: stored.unwrap_or_default(),
             finish,
             area: LoopArea::new(interface.operators().n_points()),
             workspace: interface.workspace(),
@@ -64,6 +70,7 @@ impl<'a> Watcher<'a> {
             open_fraction: 0.0,
             largest_sliding: 0.0,
             at_peak: None,
+            loops: None,
             fields: None,
         }
     }
@@ -87,6 +94,7 @@ impl<'a> Watcher<'a> {
                 regime: peak.regime,
                 flux,
             }),
+            loops: self.loops.take(),
         }
     }
 }
@@ -96,6 +104,7 @@ impl LoopObserver<State> for Watcher<'_> {
         self.area = LoopArea::new(self.interface.operators().n_points());
         (self.peak, self.largest_sliding) = (f64::NEG_INFINITY, 0.0);
         self.motion = NO_MOTION;
+        self.loops = (!self.recorded.is_empty()).then(|| ElementLoops::new(self.recorded));
     }
 
     fn done(&mut self, point: &BackbonePoint) -> ControlFlow<()> {
@@ -116,6 +125,9 @@ impl LoopObserver<State> for Watcher<'_> {
             None,
         );
         self.area.add(&self.workspace);
+        if let Some(loops) = &mut self.loops {
+            loops.add(self.interface.operators(), modal_force, &self.workspace);
+        }
         let motion: f64 = displacement.iter().zip(self.response).map(|(u, r)| u * r).sum();
         self.motion = [self.motion[0].min(motion), self.motion[1].max(motion)];
         for p in 0..self.workspace.regime.len() {

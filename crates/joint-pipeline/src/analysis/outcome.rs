@@ -1,5 +1,6 @@
 //! What the analyses find.
 
+use super::element_loops::ElementLoops;
 use super::methods::MethodResult;
 use super::periodic::{EpmcBackbone, ForcedResponse};
 use crate::store::checkpoint::Checkpoints;
@@ -38,6 +39,8 @@ pub struct LoopFields {
     pub response_motion: f64,
     /// Fields at the positive peak, for the amplitudes asked for.
     pub fields: Option<Fields>,
+    /// The loops of the elements, for the same amplitudes; none where no element is recorded.
+    pub loops: Option<ElementLoops>,
 }
 
 /// One amplitude.

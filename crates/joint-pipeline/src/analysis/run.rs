@@ -1,6 +1,7 @@
 //! A scene, run from mesh to backbones.
 
 use super::backbone::{self, uniform};
+use super::element_loops;
 use super::ensemble::{self, Ensemble};
 use super::methods::MethodResult;
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
@@ -58,6 +59,8 @@ pub struct Run {
     pub backbones: Vec<ModeBackbone>,
     /// Forced responses, level by level.
     pub forced: Vec<ForcedResponse>,
+    /// Interface elements at the places of `cqsma.loops_at`, in their order, each once.
+    pub loop_elements: Vec<usize>,
     /// Where and in which direction amplitudes are measured, in words.
     pub response: String,
     /// Pairs of interface nodes that were moved.
@@ -117,6 +120,7 @@ pub struct Prepared {
     positions: Option<Vec<[f64; 3]>>,
     model: StructuralModel,
     interface: SceneInterface,
+    loop_elements: Vec<usize>,
 }
 
 /// Runs a scene.
@@ -171,6 +175,8 @@ impl Prepared {
         options: &Options,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
+        // A place beside the interface is refused before the time for the reduction is spent.
+        loop_elements(scene, structure)?;
         let model = structure.reduce(options, progress)?;
         Self::with_model(scene, structure, model, options, progress)
     }
@@ -210,6 +216,7 @@ impl Prepared {
             positions: structure.joint.positions.clone(),
             model,
             interface,
+            loop_elements: loop_elements(scene, structure)?,
         })
     }
 
@@ -280,6 +287,7 @@ impl Prepared {
         scene.epmc = None;
         scene.forced = None;
         scene.output.fields_at = Some(Vec::new());
+        scene.cqsma.loops_at.clear();
         let load = bolt_load(&scene, &self.model);
         let checkpoint = match &self.options.cache {
             None => Checkpoint::default(),
@@ -357,6 +365,7 @@ impl Prepared {
             node_frames: self.node_frames,
             positions: self.positions,
             model: self.model,
+            loop_elements: self.loop_elements,
             response: self.response,
             moved_pairs: self.moved_pairs,
             raised: self.raised,
@@ -451,6 +460,12 @@ impl Prepared {
         progress.begin(Stage::Backbone);
         let followed = scene.cqsma.followed();
         let response = response(vibrating);
+        let recorded = element_loops::recorded(
+            &scene.cqsma,
+            scene.fields_at().len(),
+            interface.operators().n_elements(),
+            &self.loop_elements,
+        );
         let mut modes = Vec::with_capacity(followed.len());
         let mut checkpoints = Checkpoints::default();
         for (place, mode) in followed.iter().enumerate() {
@@ -466,6 +481,7 @@ impl Prepared {
                 mass: self.model.facts.mass,
                 mode: mode - 1,
                 newton,
+                recorded: &recorded,
             };
             let key = self
                 .options
@@ -513,6 +529,12 @@ impl Prepared {
             checkpoints,
         })
     }
+}
+
+/// The interface elements at the places of `cqsma.loops_at`.
+fn loop_elements(scene: &Scene, structure: &Structure) -> Result<Vec<usize>, Error> {
+    let positions = structure.joint.positions.as_deref();
+    element_loops::elements_at(&scene.cqsma.loops_at, structure.interface(), positions)
 }
 
 fn newton_settings(scene: &Scene) -> NewtonSettings {

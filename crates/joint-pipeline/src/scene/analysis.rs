@@ -79,6 +79,20 @@ pub enum Assembly {
     Frictionless,
 }
 
+/// A place on the interface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(
+    untagged,
+    expecting = "a place [x, y, z] in the coordinates of the model, or [x, y] in the plane of an interface whose place is not known"
+)]
+pub enum InterfacePlace {
+    /// In the coordinates of the model (length).
+    Model([Length; 3]),
+    /// In the plane of the interface, where its place in the model is not known (length).
+    Plane([Length; 2]),
+}
+
 /// Settings of the analysis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -108,6 +122,10 @@ pub struct Cqsma {
     pub commit: Commit,
     /// Residual relative to the load, in the energy norm.
     pub tolerance: f64,
+    /// Places on the interface (length). The hysteresis loops of the elements there are written as a table, at the amplitudes whose
+    /// fields are stored.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub loops_at: Vec<InterfacePlace>,
 }
 
 impl Default for Cqsma {
@@ -124,6 +142,7 @@ impl Default for Cqsma {
             until_closed: None,
             commit: Commit::AtEveryVertex,
             tolerance: 1e-9,
+            loops_at: Vec::new(),
         }
     }
 }

@@ -17,7 +17,7 @@ mod units;
 mod validate;
 
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
-pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, Method, Output};
+pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, InterfacePlace, Method, Output};
 pub use json::read as read_json;
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
@@ -445,6 +445,12 @@ impl Scene {
                 "/gap",
                 json!("flat"),
                 "surfaces; surface.parameters has a gap in each of its sets",
+            ),
+            (
+                self.fields_at().is_empty(),
+                "/cqsma/loops_at",
+                json!([]),
+                "amplitudes whose fields are stored, and output.fields_at or cqsma.amplitudes leaves none",
             ),
             (
                 !self.methods.contains(&Method::Epmc),
