@@ -191,6 +191,152 @@ fn loops_of_points_say_where_the_points_are() {
     assert!(rows > 0);
 }
 
+/// Cells of a table of numbers by the name of the column; empty ones are not numbers.
+fn columns(table: &str) -> std::collections::BTreeMap<String, Vec<f64>> {
+    let mut lines = table.lines().map(|line| line.split(','));
+    let headings = lines.next().unwrap().map(str::to_owned);
+    let rows: Vec<Vec<f64>> = lines
+        .map(|cells| cells.map(|cell| cell.parse().unwrap_or(f64::NAN)).collect())
+        .collect();
+    headings
+        .enumerate()
+        .map(|(i, name)| (name, rows.iter().map(|row| row[i]).collect()))
+        .collect()
+}
+
+#[test]
+fn loops_of_chosen_elements_are_a_table_and_enclose_their_dissipation() {
+    let folder = folder("element-loops");
+    let scene = json!({
+        "units": { "length": "mm", "mass": "kg", "time": "s" },
+        "structure": { "benchmark": "brake-reuss-beam" },
+        "model": { "refinement": "quick" },
+        "gap": "flat",
+        // The mean over an element is then the value at its point.
+        "points_per_direction": 1,
+        "cqsma": {
+            "amplitudes": 2, "amplitude_from": 0.05, "amplitude_to": 0.1, "vertices_per_quarter": 4,
+            "loops_at": [[57.5, 9, 0], ["-0.05 m", -9, 0]],
+        },
+        "output": { "fields_at": [2] },
+    });
+    std::fs::write(folder.join("beam.json"), scene.to_string()).unwrap();
+    succeeds(&folder, &["run", "beam.json", "--out", "beam", "--no-cache"]);
+    let read = |name: &str| std::fs::read_to_string(folder.join("beam").join(name)).unwrap();
+    let of = columns(&read("element-loops.csv"));
+    let point = read_json(&folder.join("beam/summary.json"))["backbone"][1].clone();
+    let flux = array(&read("interface-amplitude-02.vtu"), "flux_total [J/m^2]", 1).concat();
+    let vertices = 4 * 4 + 1;
+    assert_eq!(of["vertex"].len(), 2 * vertices);
+    assert!(of["mode"].iter().all(|mode| *mode == 1.0) && of["number"].iter().all(|number| *number == 2.0));
+    let amplitude = point["modal_amplitude"].as_f64().unwrap();
+    assert!(of["modal_amplitude [sqrt(kg) m]"].iter().all(|q| *q == amplitude));
+    for (first, place) in [(0, [0.0575, 0.009, 0.0]), (vertices, [-0.05, -0.009, 0.0])] {
+        let rows = first..first + vertices;
+        let at = ["x [m]", "y [m]", "z [m]"].map(|name| of[name][first]);
+        // Elements are 6 mm long.
+        assert!((0..3).all(|c| (at[c] - place[c]).abs() < 4e-3), "{at:?}");
+        let numbers: Vec<f64> = (1..=vertices).map(|vertex| vertex as f64).collect();
+        assert_eq!(of["vertex"][rows.clone()], numbers);
+        let force = &of["modal_force [sqrt(kg) m/s^2]"][rows.clone()];
+        let peak = point["modal_force"].as_f64().unwrap();
+        close(&[force[0], force[vertices - 1], -force[vertices / 2]], &[peak; 3], peak);
+        let mut area = 0.0;
+        for (jump, traction) in [
+            ("jump_x [m]", "traction_x [Pa]"),
+            ("jump_y [m]", "traction_y [Pa]"),
+            ("interference [m]", "pressure [Pa]"),
+        ] {
+            let [u, t] = [jump, traction].map(|name| &of[name][rows.clone()]);
+            for a in 0..vertices {
+                let b = (a + 1) % vertices;
+                // The prestress would leave its round-off.
+                area += (0.5 * (t[a] + t[b]) - t[0]) * (u[b] - u[a]);
+            }
+        }
+        let expected = flux[of["element"][first] as usize - 1];
+        println!("{at:?} m: {area:e} instead of {expected:e} J/m^2");
+        assert!(expected > 1e-6 && (area - expected).abs() <= 1e-9 * expected);
+    }
+}
+
+#[test]
+fn loops_of_elements_are_where_the_model_is() {
+    let folder = folder("element-loops-in-place");
+    let without_epmc = |scene: &mut Value| {
+        let fields = scene.as_object_mut().unwrap();
+        fields.retain(|name, _| name != "methods" && name != "epmc");
+    };
+    results_of(&folder, "elsewhere", ELSEWHERE, |scene| {
+        without_epmc(scene);
+        // In the last and in the first of three elements, and once more in the last.
+        let places = [[0.055, 0.003, 0.0], [0.005, 0.01, 0.0], [0.05, 0.01, 0.0]];
+        scene["cqsma"]["loops_at"] = json!(places.map(|x| ELSEWHERE.of(x)));
+    });
+    let of = columns(&std::fs::read_to_string(folder.join("elsewhere/element-loops.csv")).unwrap());
+    let vertices = 4 * 2 + 1;
+    assert_eq!(of["vertex"].len(), 2 * vertices);
+    for (first, centre) in [(0, [0.05, 0.01, 0.0]), (vertices, [0.01, 0.01, 0.0])] {
+        let at = ["x [m]", "y [m]", "z [m]"].map(|name| of[name][first]);
+        close(&at, &ELSEWHERE.of(centre), 1.0);
+    }
+    // Without places there is no table.
+    results_of(&folder, "home", AT_HOME, without_epmc);
+    assert!(!folder.join("home/element-loops.csv").exists());
+}
+
+#[test]
+fn places_of_loops_beside_the_interface_are_refused() {
+    let folder = folder("element-loops-beside");
+    for (name, cqsma, output, expected) in [
+        (
+            "far",
+            json!({ "loops_at": [["50 mm", 0.01, 0.1]] }),
+            json!({}),
+            "cqsma.loops_at, number 1: the element nearest to [0.05, 0.01, 0.1] m is number",
+        ),
+        (
+            "flat",
+            json!({ "loops_at": [[0.05, 0.01]] }),
+            json!({}),
+            "give [x, y, z]",
+        ),
+        (
+            "four",
+            json!({ "loops_at": [[0.05, 0.01, 0.0, 1.0]] }),
+            json!({}),
+            "cqsma.loops_at",
+        ),
+        (
+            "idle",
+            json!({ "loops_at": [[0.05, 0.01, 0.0]] }),
+            json!({ "fields_at": [] }),
+            "cqsma.loops_at belongs to amplitudes whose fields are stored",
+        ),
+    ] {
+        std::fs::write(folder.join("bricks.inp"), AT_HOME.deck()).unwrap();
+        let elastic = json!({ "normal_stiffness": 1e12, "tangential_stiffness": [8e11, 8e11] });
+        let scene = json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
+            "structure": { "deck": {
+                "path": "bricks.inp", "top_surface": "TOP", "bottom_surface": "BOTTOM", "along": [1.0, 0.0, 0.0],
+                "bolts": [{ "top": "HEAD", "bottom": "NUT" }],
+                "response": { "node": "TIP", "direction": [0.0, 0.0, 1.0] },
+            } },
+            "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } },
+            "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": elastic }, "gap": 0.0 }] } },
+            "bolts": { "load": "2 kN" },
+            "mu": 0.2,
+            "cqsma": cqsma,
+            "output": output,
+        });
+        std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
+        let output = run(&folder, &["run", "scene.json", "--out", name, "--no-cache"]);
+        assert_eq!(exit_code(&output), 1, "{name}");
+        assert!(messages(&output).contains(expected), "{name}: {}", messages(&output));
+    }
+}
+
 #[test]
 fn maps_have_axes_in_millimetres_and_say_from_where_they_are_seen() {
     let folder = folder("maps-in-place");

@@ -108,8 +108,14 @@ fn schemas_accept_what_the_program_reads_and_writes() {
     satisfies(&schema, &with_masses).unwrap();
     let scene = read("masses", &with_masses.to_string()).unwrap();
     satisfies(&schema, &serde_json::to_value(scene).unwrap()).unwrap();
+    let mut with_loops = base.clone();
+    with_loops["cqsma"]["loops_at"] = json!([[0.36, 0.0, "1 mm"], ["3 mm", 0.0]]);
+    satisfies(&schema, &with_loops).unwrap();
+    let scene = read("loops", &with_loops.to_string()).unwrap();
+    satisfies(&schema, &serde_json::to_value(scene).unwrap()).unwrap();
     for (field, value) in [
         ("frobnicate", json!(1)),
+        ("cqsma", json!({ "loops_at": [[0.36]] })),
         ("mu", json!("high")),
         ("structure", json!({ "mesh": "a.msh" })),
         ("structure", json!({})),

@@ -1,6 +1,8 @@
 //! Tables as comma-separated values.
 
 use crate::Error;
+use joint_pipeline::Run;
+use joint_pipeline::analysis::element_centres;
 use joint_pipeline::analysis::ensemble::{Ensemble, MemberPoint};
 use joint_pipeline::analysis::periodic::PointLoop;
 use joint_pipeline::analysis::registration::Moved;
@@ -248,6 +250,60 @@ pub fn loops(modes: &[(usize, &[PointLoop])], positions: Option<&[[f64; 3]]>) ->
                     .chain(&history.traction)
                     .map(|values| number(values[sample]));
                 place.into_iter().chain(values).chain(at.clone()).collect::<Vec<_>>()
+            })
+        })
+    });
+    table(headings, rows)
+}
+
+/// Hysteresis loops of the interface elements at the places of `cqsma.loops_at`, one row per vertex, for the amplitudes whose fields are
+/// stored. Values are means over the element; the first and the last vertex of a loop are at the positive peak. Positions are those of
+/// the centres of the elements; where their place in the model is not known, they lie in the plane of the interface and `z` is empty.
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn element_loops(run: &Run) -> Result<String, Error> {
+    let headings = [
+        "mode",
+        "number",
+        "modal_amplitude [sqrt(kg) m]",
+        "element",
+        "x [m]",
+        "y [m]",
+        "z [m]",
+        "vertex",
+        "modal_force [sqrt(kg) m/s^2]",
+        "jump_x [m]",
+        "jump_y [m]",
+        "interference [m]",
+        "traction_x [Pa]",
+        "traction_y [Pa]",
+        "pressure [Pa]",
+    ];
+    let centres = element_centres(&run.mesh, run.positions.as_deref());
+    let centres = &centres;
+    let rows = run.backbones.iter().flat_map(|backbone| {
+        let numbered = (1_usize..).zip(&backbone.amplitudes);
+        let stored = numbered.filter_map(|(index, amplitude)| {
+            let loops = amplitude.fields.as_ref()?.loops.as_ref()?;
+            let result = amplitude.point.result.as_ref().ok()?;
+            Some((index, result.modal_amplitude, loops))
+        });
+        stored.flat_map(move |(index, modal_amplitude, loops)| {
+            run.loop_elements.iter().flat_map(move |&element| {
+                let [x, y, z] = centres[element];
+                let z = run.positions.is_some().then_some(z);
+                let vertices = loops.of_element(element).into_iter().flatten();
+                let vertices = (1_usize..).zip(&loops.modal_force).zip(vertices);
+                vertices.map(move |((vertex, force), (jump, traction))| {
+                    let amplitude = [backbone.mode.to_string(), index.to_string(), number(modal_amplitude)];
+                    let place = [(element + 1).to_string(), number(x), number(y), optional(z)];
+                    let of_vertex = [vertex.to_string(), number(*force)];
+                    let row = amplitude.into_iter().chain(place).chain(of_vertex);
+                    row.chain(jump.map(number))
+                        .chain(traction.map(number))
+                        .collect::<Vec<_>>()
+                })
             })
         })
     });

@@ -19,6 +19,9 @@ pub const EPMC: &str = "epmc.csv";
 /// Name of the table of hysteresis loops of single points.
 pub const LOOPS: &str = "loops.csv";
 
+/// Name of the table of hysteresis loops of interface elements along quasi-static loops.
+pub const ELEMENT_LOOPS: &str = "element-loops.csv";
+
 /// Name of the table of forced responses.
 pub const FORCED: &str = "forced.csv";
 
@@ -92,6 +95,10 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
         let picture = plot::backbone(&of_mode, &title(run, backbone.mode))?;
         outputs.push(Output::new(picture_file(mode), picture.clone()));
         pictures.push(picture);
+    }
+    let is_followed = run.backbones.iter().any(|backbone| !backbone.amplitudes.is_empty());
+    if !run.loop_elements.is_empty() && is_followed {
+        outputs.push(Output::new(ELEMENT_LOOPS, csv::element_loops(run)?));
     }
     if let Some(ensemble) = &summary.ensemble {
         outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)?));

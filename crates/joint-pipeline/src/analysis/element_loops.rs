@@ -13,7 +13,8 @@ pub const MOST_RECORDED: usize = 100_000_000;
 ///
 /// Numbers are of double precision: jumps contain the prestress, beside which single precision would lose the motion of small
 /// amplitudes. A vertex takes 48 bytes per element. An interface of 2352 elements with 16 vertices per quarter takes 7.3 MB per
-/// amplitude, and 29 MB for the four amplitudes that are stored by default; [`MOST_RECORDED`] is the limit of a run.
+/// amplitude, and 29 MB for the four amplitudes that are stored by default; [`MOST_RECORDED`] is the limit of a run. A checkpoint holds them as
+/// text of about three times that size.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ElementLoops {
     /// The elements recorded, ascending: all of the interface, or those of `cqsma.loops_at`.
@@ -105,17 +106,24 @@ fn in_words(place: [f64; 3]) -> String {
     format!("[{}]", place.map(significant).join(", "))
 }
 
-/// The elements whose centres are nearest to the places, each once, in the order of the places.
+/// The elements whose centres are nearest to the places, each once, in the order of the places. A centre is no farther than the size of
+/// its element: the longest distance between two corners, and for a point of contact the side of a square of its area.
 ///
 /// # Errors
-/// [`Error::LoopPlace`] for coordinates of the wrong kind, and for a place farther from the nearest centre than the size of that
-/// element: the longest distance between two of its corners, and for a point of contact the side of a square of its area.
+/// [`Error::LoopPlace`] for coordinates of the wrong kind, and for a place that is farther from every element.
 pub(super) fn elements_at(
     places: &[InterfacePlace],
     mesh: &InterfaceMesh,
     positions: Option<&[[f64; 3]]>,
 ) -> Result<Vec<usize>, Error> {
     let centres = element_centres(mesh, positions);
+    let size = |element: usize| match mesh.elements[element].contact() {
+        Some(contact) => contact.area.sqrt(),
+        None => corners(mesh, positions, element)
+            .flat_map(|a| corners(mesh, positions, element).map(move |b| distance(a, b)))
+            .fold(0.0, f64::max),
+    };
+    let sizes: Vec<f64> = (0..centres.len()).map(size).collect();
     let mut found = Vec::with_capacity(places.len());
     for (number, place) in (1..).zip(places) {
         let refused = |reason: String| Error::LoopPlace { number, reason };
@@ -134,19 +142,15 @@ pub(super) fn elements_at(
             }
         };
         let from = |element: &usize| distance(centres[*element], at);
-        // An interface has elements.
-        let Some(nearest) = (0..centres.len()).min_by(|a, b| from(a).total_cmp(&from(b))) else {
-            continue;
-        };
-        let size = match mesh.elements[nearest].contact() {
-            Some(contact) => contact.area.sqrt(),
-            None => corners(mesh, positions, nearest)
-                .flat_map(|a| corners(mesh, positions, nearest).map(move |b| distance(a, b)))
-                .fold(0.0, f64::max),
-        };
-        let away = from(&nearest);
-        // `!(a <= b)` also catches NaN.
-        if !(away <= size) {
+        let nearest = |elements: &mut dyn Iterator<Item = usize>| elements.min_by(|a, b| from(a).total_cmp(&from(b)));
+        // A small element may be the nearest to a place on its large neighbour, and too small to reach it.
+        let reaching = nearest(&mut (0..centres.len()).filter(|element| from(element) <= sizes[*element]));
+        if let Some(element) = reaching {
+            if !found.contains(&element) {
+                found.push(element);
+            }
+        } else if let Some(nearest) = nearest(&mut (0..centres.len())) {
+            let (away, size) = (from(&nearest), sizes[nearest]);
             return Err(refused(format!(
                 "the element nearest to {} m is number {} with its centre at {} m, {away:.3e} m away and not within its size of \
                  {size:.3e} m; give a place on the interface",
@@ -155,15 +159,11 @@ pub(super) fn elements_at(
                 in_words(centres[nearest])
             )));
         }
-        if !found.contains(&nearest) {
-            found.push(nearest);
-        }
     }
     Ok(found)
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
     use zte_assembly::{Element, PointContact};
@@ -229,6 +229,21 @@ mod tests {
         let unplaced = elements_at(&[model([0.0; 3])], &mesh, None).unwrap_err();
         assert!(unplaced.to_string().contains("give [x, y] in its plane"));
         assert!(elements_at(&[plane([f64::NAN, 0.0])], &mesh, None).is_err());
+    }
+
+    #[test]
+    fn a_place_on_a_large_element_beside_a_small_one_is_found() {
+        // 1 mm wide and 20 mm wide.
+        let nodes = [
+            [0.0, 0.0],
+            [0.001, 0.0],
+            [0.021, 0.0],
+            [0.0, 0.001],
+            [0.001, 0.001],
+            [0.021, 0.001],
+        ];
+        let mesh = InterfaceMesh::try_from_lists(nodes.to_vec(), [[0, 1, 4, 3], [1, 2, 5, 4]]).unwrap();
+        assert_eq!(elements_at(&[plane([0.004, 0.0005])], &mesh, None).unwrap(), [1]);
     }
 
     #[test]

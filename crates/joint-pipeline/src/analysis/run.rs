@@ -466,6 +466,12 @@ impl Prepared {
             interface.operators().n_elements(),
             &self.loop_elements,
         );
+        if recorded.len() < interface.operators().n_elements() {
+            progress.note(&format!(
+                "the loops of all elements would take more than {} MB; only those at cqsma.loops_at are kept",
+                element_loops::MOST_RECORDED / 1_000_000
+            ));
+        }
         let mut modes = Vec::with_capacity(followed.len());
         let mut checkpoints = Checkpoints::default();
         for (place, mode) in followed.iter().enumerate() {

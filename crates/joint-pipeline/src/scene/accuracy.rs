@@ -297,5 +297,8 @@ pub fn refined(scene: &Scene) -> Result<(&'static Preset, Scene), Error> {
         .iter()
         .find(|preset| preset.refines(scene))
         .ok_or(Error::NothingFiner)?;
-    Ok((finer, finer.refine(scene)))
+    let mut refined = finer.refine(scene);
+    // A place beside the interface may be within the size of an element of the scene's mesh, and of none of the finer one.
+    refined.cqsma.loops_at.clear();
+    Ok((finer, refined))
 }
