@@ -8,6 +8,17 @@ pub mod progress;
 pub mod provenance;
 mod text;
 
+/// What the book shows of Rust compiles, and runs unless it says otherwise.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../../../docs/guide/rust-and-c.md")]
+    mod rust_and_c {}
+    #[doc = include_str!("../../../docs/laws/greenwood-williamson.md")]
+    mod greenwood_williamson {}
+    #[doc = include_str!("../../../docs/laws/mindlin-iwan.md")]
+    mod mindlin_iwan {}
+}
+
 pub use benchmarks::BENCHMARKS;
 pub use commands::{Command, Defaults, Outcome, execute};
 pub use joint_pipeline::results::summary::Summary;

@@ -14,7 +14,7 @@ use surface_characterisation::{
 
 /// Two scans from files, characterised element by element. `[TOP, BOTTOM]` stands for both files and all defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = or_both_files))]
 #[serde(remote = "Self", deny_unknown_fields)]
 pub struct Scans {
     /// The top face.
@@ -111,7 +111,7 @@ pub struct Readings {
 
 /// One face: a file, and what it does not say itself. A path alone stands for all defaults.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = or_path))]
 #[serde(remote = "Self", deny_unknown_fields)]
 pub struct ScanFile {
     /// X3P, SDF, SUR, text or NumPy; in a scene file relative to its folder.
@@ -245,6 +245,29 @@ impl Serialize for Scans {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         Self::serialize(self, serializer)
     }
+}
+
+/// Adds the short form of two scans to their schema.
+#[cfg(feature = "schema")]
+fn or_both_files(schema: &mut schemars::Schema) {
+    let file = serde_json::json!({ "$ref": "#/$defs/ScanFile" });
+    or(
+        schema,
+        serde_json::json!({ "type": "array", "items": file, "minItems": 2, "maxItems": 2 }),
+    );
+}
+
+/// Adds the short form of a scan to its schema.
+#[cfg(feature = "schema")]
+fn or_path(schema: &mut schemars::Schema) {
+    or(schema, serde_json::json!({ "type": "string" }));
+}
+
+#[cfg(feature = "schema")]
+fn or(schema: &mut schemars::Schema, short: serde_json::Value) {
+    let full = std::mem::take(schema);
+    let both = [short, full.into()];
+    schema.insert("anyOf".into(), both.to_vec().into());
 }
 
 impl<'de> Deserialize<'de> for Scans {
