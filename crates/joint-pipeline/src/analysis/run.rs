@@ -18,7 +18,7 @@ use crate::scene::{Assembly, BoltBehaviour, Scene, Stress};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
-use crate::structure::{Overview, StructuralModel, Structure};
+use crate::structure::{OuterSurface, Overview, StructuralModel, Structure};
 use cqsma_solver::NewtonSettings;
 use reduction::ReducedModel;
 use sprs::CsMat;
@@ -43,6 +43,8 @@ pub struct Run {
     pub node_frames: Vec<[[f64; 3]; 3]>,
     /// Position of each interface node in the coordinates of the model (m), where it is known.
     pub positions: Option<Vec<[f64; 3]>>,
+    /// The bodies from outside; none of matrices.
+    pub surface: Option<OuterSurface>,
     /// The interface with its law.
     pub interface: Interface,
     /// About the law of the whole interface, or of its first part.
@@ -118,6 +120,7 @@ pub struct Prepared {
     frame: [[f64; 3]; 3],
     node_frames: Vec<[[f64; 3]; 3]>,
     positions: Option<Vec<[f64; 3]>>,
+    surface: Option<OuterSurface>,
     model: StructuralModel,
     interface: SceneInterface,
     loop_elements: Vec<usize>,
@@ -214,6 +217,7 @@ impl Prepared {
             frame: structure.joint.frame,
             node_frames: structure.joint.node_frames.clone(),
             positions: structure.joint.positions.clone(),
+            surface: OuterSurface::of(&structure.joint),
             model,
             interface,
             loop_elements: loop_elements(scene, structure)?,
@@ -364,6 +368,7 @@ impl Prepared {
             frame: self.frame,
             node_frames: self.node_frames,
             positions: self.positions,
+            surface: self.surface,
             model: self.model,
             loop_elements: self.loop_elements,
             response: self.response,

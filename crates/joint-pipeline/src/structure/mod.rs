@@ -14,6 +14,7 @@ mod overview;
 mod reduce;
 mod reduced;
 mod spectrum;
+mod surface;
 mod touching;
 
 pub(crate) use matrix_contents::matrix_files_of;
@@ -23,6 +24,7 @@ pub(crate) use overview::significant;
 pub use overview::{BoltOverview, MaterialOverview, Overview, choice_name};
 pub use reduced::{Facts, StructuralModel};
 pub use spectrum::{Description, Frequencies, LinearInterface, Spectrum};
+pub use surface::OuterSurface;
 
 use crate::Error;
 use crate::joint::benchmark::MeshSettings;
