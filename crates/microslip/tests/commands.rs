@@ -3,6 +3,7 @@
 mod common;
 mod inputs;
 
+use common::page::{DATA, SCRIPT, data_of, scripts_of};
 use common::{assert_same_numbers, exit_code, folder, messages, read_json, run};
 use inputs::{faces, ring_down};
 use serde_json::{Value, json};
@@ -226,9 +227,16 @@ fn the_report_is_one_page_without_outside_help() {
         6,
         "backbone, pressure and four amplitudes"
     );
-    for outside in ["<script", "<link", "src=", "href=", "@import", "url("] {
-        assert!(!report.contains(outside), "{outside}");
+    let (markup, scripts) = scripts_of(&report);
+    for outside in ["<link", "src=", "href=", "@import", "url("] {
+        assert!(!markup.contains(outside), "{outside}");
     }
+    for (tag, _) in &scripts {
+        assert!([SCRIPT, DATA].contains(tag), "{tag}");
+    }
+    let policy = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; ";
+    let name_of_svg = "http://www.w3.org/2000/svg";
+    assert!(markup.contains(policy) && !markup.replace(name_of_svg, "").contains("://"));
     let frequency = format!(
         "{:.4}",
         quick_summary()["backbone"][7]["frequency_hz"].as_f64().unwrap()
@@ -243,6 +251,8 @@ fn the_number_of_threads_does_not_change_a_bit() {
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
     assert!(!folder.join("results/.cache").exists() && !folder.join("caches").exists());
     assert_same_numbers(&folder.join("results/brb-quick"), &quick_results());
+    let data = |results: &Path| data_of(&std::fs::read_to_string(results.join("report.html")).unwrap()).to_owned();
+    assert_eq!(data(&folder.join("results/brb-quick")), data(&quick_results()));
 }
 
 #[test]

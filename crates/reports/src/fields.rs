@@ -35,7 +35,7 @@ impl<'a> From<&'a Run> for Placed<'a> {
 
 impl Placed<'_> {
     /// A vector at an element, of components along the rows of its frame, in the coordinates of the model.
-    fn turned(&self, element: usize, local: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn turned(&self, element: usize, local: [f64; 3]) -> [f64; 3] {
         let along =
             |frame: &[[f64; 3]; 3]| [0, 1, 2].map(|c| (0..3).map(|axis| local[axis] * frame[axis][c]).sum::<f64>());
         if self.node_frames.is_empty() {

@@ -5,6 +5,7 @@ mod error;
 pub mod fields;
 pub mod html;
 pub mod identification;
+mod interactive;
 pub mod map;
 pub mod markup;
 pub mod modes;
@@ -14,6 +15,7 @@ pub mod periodic;
 pub mod plot;
 pub mod ring_down;
 pub mod run;
+pub mod several;
 pub mod study;
 
 pub use error::{Drawing, Error};

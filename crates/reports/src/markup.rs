@@ -74,6 +74,13 @@ pub fn check(text: &str) -> Result<(), String> {
             }
         }
         at = begin + length;
+        // Within scripts nothing is markup but their end.
+        if tag.starts_with("script") && !tag.ends_with('/') {
+            match text[at..].find("</script") {
+                Some(end) => at += end,
+                None => return fail(begin, "<script> is not closed".into()),
+            }
+        }
     }
     match open.pop() {
         Some(name) => fail(text.len(), format!("<{name}> is not closed")),
@@ -122,7 +129,9 @@ mod tests {
             check("<?xml version=\"1.0\"?><!-- <x> --><a><b c=\">\"/>\n</a>"),
             Ok(())
         );
+        assert_eq!(check("<a><script>1 < 2 && \"</a>\"</script></a>"), Ok(()));
         for (text, line) in [
+            ("<a>\n<script>\n</a>", 2),
             ("<a>\n<b></a></b>", 2),
             ("<a>\n\n", 3),
             ("</a>", 1),

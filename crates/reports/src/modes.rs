@@ -2,6 +2,8 @@
 
 use crate::csv::{number, optional, table};
 use crate::html::{Picture, Table, render};
+use crate::interactive::bodies::{normal, sharp_edges};
+use crate::interactive::{Live, Shapes};
 use crate::map::rgb;
 use crate::markup::escape;
 use crate::{Error, Output, fields};
@@ -33,9 +35,6 @@ const MOST_FACES: usize = 3000;
 /// Most edges of a picture.
 const MOST_EDGES: usize = 6000;
 
-/// Cosine of the angle between neighbouring faces below which their edge is drawn.
-const SHARP: f64 = 0.85;
-
 /// Classes of colour: what is of one class shares a path.
 const CLASSES: usize = 16;
 
@@ -50,7 +49,7 @@ pub fn shape_file(contact: Contact, mode: usize) -> String {
 /// All files but the summary: table, VTK files with their collection, and the page, whose heading is `title` and which says `about` first.
 ///
 /// # Errors
-/// [`Error::Table`], [`Error::Shapes`], [`Error::Page`].
+/// [`Error::Table`], [`Error::Shapes`], [`Error::Page`], [`Error::Summary`].
 pub fn outputs(model: &ModalModel, mesh: &Mesh, title: &str, about: &str) -> Result<Vec<Output>, Error> {
     let surface = mesh.boundary();
     let mut outputs = vec![Output::new(TABLE, modes_table(model)?)];
@@ -137,6 +136,7 @@ struct Page<'a> {
     about: &'a str,
     sections: Vec<Section>,
     assurance: Vec<Picture<'static>>,
+    live: Live,
 }
 
 /// The modes with one contact.
@@ -175,6 +175,7 @@ fn page(model: &ModalModel, mesh: &Mesh, surface: &[Face], title: &str, about: &
         about,
         sections: sections.collect(),
         assurance: assurance.collect(),
+        live: Live::shapes(&Shapes::of(model, mesh, surface))?,
     })
 }
 
@@ -269,18 +270,6 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| if length > 0.0 { x / length } else { 0.0 })
 }
 
-/// Normal of a face whose nodes are at `x`, of length one.
-fn normal(face: &Face, x: &[[f64; 3]]) -> [f64; 3] {
-    let at = |k: usize| x[face.corners()[k] as usize];
-    let way = |a: usize, b: usize| [0, 1, 2].map(|c| at(b)[c] - at(a)[c]);
-    let last = face.corners().len() - 1;
-    unit(if last == 3 {
-        cross(way(0, 2), way(1, 3))
-    } else {
-        cross(way(0, 1), way(0, 2))
-    })
-}
-
 impl<'a> Scenery<'a> {
     fn new(model: &ModalModel, mesh: &'a Mesh, surface: &'a [Face]) -> Self {
         let [first, second, third] = model.axes;
@@ -292,24 +281,7 @@ impl<'a> Scenery<'a> {
         let eye = unit(mixed([EYE[0], EYE[1] * sign, EYE[2]]));
         let right = unit(cross(third, eye));
         let view = [right, cross(eye, right), eye];
-        let normals: Vec<[f64; 3]> = surface.iter().map(|face| normal(face, &mesh.nodes)).collect();
-        let mut of_edge: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-        for (number, face) in surface.iter().enumerate() {
-            let corners = face.corners();
-            for (k, &a) in corners.iter().enumerate() {
-                let b = corners[(k + 1) % corners.len()];
-                of_edge.entry([a.min(b), a.max(b)]).or_default().push(number);
-            }
-        }
-        let is_drawn = |faces: &[usize]| match faces {
-            &[a, b] => dot(normals[a], normals[b]) < SHARP,
-            _ => true,
-        };
-        let edges = of_edge
-            .into_iter()
-            .filter(|(_, faces)| is_drawn(faces))
-            .map(|(edge, _)| edge);
-        let edges: Vec<[u32; 2]> = edges.collect();
+        let edges = sharp_edges(surface, &mesh.nodes);
         let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         let mut extents = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
         for face in surface {

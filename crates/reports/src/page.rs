@@ -2,6 +2,7 @@
 
 use crate::fields::Placed;
 use crate::html::{Picture, Table, render};
+use crate::interactive::{Document, Live};
 use crate::run::{damping, tensions};
 use crate::{Error, fields, map, plot};
 use askama::Template;
@@ -36,6 +37,9 @@ struct Page<'a> {
     asperities: Option<Facts>,
     skipped: Vec<&'a str>,
     effort: Facts,
+    /// With all defaults, as JSON.
+    scene: String,
+    live: Live,
 }
 
 /// What the page says of periodic motions.
@@ -63,7 +67,7 @@ struct Mode<'a> {
 /// The page; `pictures` are those of the backbones of the modes followed, `motions` those of periodic motions.
 ///
 /// # Errors
-/// [`Error::Page`].
+/// [`Error::Page`], [`Error::Table`], [`Error::Summary`].
 pub fn document(
     run: &Run,
     summary: &Summary,
@@ -100,6 +104,8 @@ pub fn document(
         asperities: summary.law.asperities.as_ref().map(asperity_numbers),
         skipped: summary.skipped.values().map(String::as_str).collect(),
         effort: effort(summary),
+        scene: serde_json::to_string_pretty(&summary.scene).map_err(Error::Summary)?,
+        live: Live::run(&Document::of(run, summary)?)?,
     })
 }
 
@@ -239,7 +245,7 @@ fn maps(run: &Run, backbone: &ModeBackbone) -> Vec<Picture<'static>> {
     maps
 }
 
-fn frequencies<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
+pub(crate) fn frequencies<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
     let texts: Vec<String> = values.into_iter().map(|f| format!("{f:.2}")).collect();
     texts.join(", ") + " Hz"
 }

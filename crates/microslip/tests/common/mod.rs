@@ -1,6 +1,8 @@
 //! The built program in a folder of its own: what the tests of all commands share.
 #![allow(clippy::unwrap_used)]
 #![allow(dead_code, reason = "no test file needs all of it")]
+pub(crate) mod page;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,0 +1,92 @@
+// Scenes whose reports are tested: those that differ in what a report has to show.
+
+const UNITS = { length: "m", mass: "kg", time: "s" };
+
+/** A coarse Brake-Reuss beam with changes. */
+function beam(changes) {
+  return {
+    units: UNITS,
+    structure: { benchmark: "brake-reuss-beam" },
+    model: { refinement: "quick" },
+    gap: "flat",
+    mu: 0.2,
+    points_per_direction: 2,
+    cqsma: { amplitudes: 8, vertices_per_quarter: 4 },
+    ...changes,
+  };
+}
+
+/** A bar on a plate that it touches at both ends, as a mesh of Gmsh 2.2 in metres. */
+export function bridge() {
+  const [columns, rows, size] = [12, 3, 0.01];
+  const nodes = [];
+  const lines = [];
+  const numbers = new Map();
+  // Bodies have nodes of their own where they touch.
+  const node = (body, i, j, k) => {
+    const key = `${body} ${i} ${j} ${k}`;
+    if (!numbers.has(key)) {
+      nodes.push([i * size, j * size, k * size]);
+      numbers.set(key, nodes.length);
+    }
+    return numbers.get(key);
+  };
+  const add = (type, group, members) => lines.push(`${lines.length + 1} ${type} 2 ${group} ${group} ${members.join(" ")}`);
+  const quad = (group, body, i, j, k, up) => {
+    const around = [[0, 0], [1, 0], [1, 1], [0, 1]].map(([a, b]) => node(body, i + a, j + b, k));
+    add(3, group, up ? around : around.reverse());
+  };
+  const isFoot = (i) => (i < 3 ? 3 : i >= columns - 3 ? 4 : null);
+  for (let i = 0; i < columns; i += 1) {
+    for (let j = 0; j < rows; j += 1) {
+      for (const [body, k] of [[2, 0], [1, 1], [1, 2]]) {
+        if (k === 1 && isFoot(i) === null) {
+          continue;
+        }
+        const corners = [0, 1].flatMap((c) => [[0, 0], [1, 0], [1, 1], [0, 1]].map(([a, b]) => node(body, i + a, j + b, k + c)));
+        add(5, body, corners);
+      }
+      if (isFoot(i) !== null) {
+        quad(isFoot(i), 1, i, j, 1, false);
+        quad(isFoot(i) + 2, 2, i, j, 1, true);
+      }
+      if (isFoot(i) !== null && j === 1 && (i === 1 || i === columns - 2)) {
+        quad(i === 1 ? 7 : 9, 1, i, j, 3, true);
+        quad(i === 1 ? 8 : 10, 2, i, j, 0, false);
+      }
+    }
+  }
+  const names = [[3, 1, "upper"], [3, 2, "lower"], [2, 3, "top left"], [2, 4, "top right"], [2, 5, "bottom left"], [2, 6, "bottom right"],
+    [2, 7, "head left"], [2, 8, "nut left"], [2, 9, "head right"], [2, 10, "nut right"]];
+  return [
+    "$MeshFormat", "2.2 0 8", "$EndMeshFormat",
+    "$PhysicalNames", names.length, ...names.map(([dimension, number, name]) => `${dimension} ${number} "${name}"`), "$EndPhysicalNames",
+    "$Nodes", nodes.length, ...nodes.map((x, i) => `${i + 1} ${x.join(" ")}`), "$EndNodes",
+    "$Elements", lines.length, ...lines, "$EndElements", "",
+  ].join("\n");
+}
+
+/** Scenes of which amplitudes do not converge. */
+export const INCOMPLETE = new Set(["failed", "several"]);
+
+export const SCENES = {
+  plain: beam({ methods: ["rqnma", "epmc"], cqsma: { amplitudes: 8, vertices_per_quarter: 4 }, epmc: { harmonics: 3 } }),
+  single: beam({ cqsma: { amplitudes: 1, amplitude_from: 1e-4, amplitude_to: 1e-4, vertices_per_quarter: 2 } }),
+  failed: beam({ cqsma: { amplitudes: 2, vertices_per_quarter: 1, amplitude_to: 1e6 } }),
+  hostile: beam({ name: "</script><script>document.title='broken'</script><img src=x onerror=alert(1)> & \"quoted\"", cqsma: { amplitudes: 2, vertices_per_quarter: 2 } }),
+  several: {
+    units: UNITS,
+    structure: { mesh: {
+      path: "bridge.msh",
+      interfaces: [{ name: "left <b>", top: "top left", bottom: "bottom left" }, { name: "right", top: "top right", bottom: "bottom right" }],
+      bolts: [{ head: "head left", nut: "nut left" }, { head: "head right", nut: "nut right" }],
+      response: { nearest: [0, 0, 0.03], direction: [0.36, 0.48, 0.8] },
+    } },
+    model: { material: { youngs_modulus: "200 GPa", poisson_ratio: 0.3, density: "7800 kg/m^3" } },
+    surface: { benchmark: "brake-reuss-beam" },
+    gap: "flat",
+    mu: 0.2,
+    bolts: { load: "2 kN" },
+    cqsma: { amplitudes: 4, amplitude_from: "10 nm", amplitude_to: "20 um", modes_of_interest: [1, 2], vertices_per_quarter: 4 },
+  },
+};
