@@ -13,6 +13,7 @@ mod scene;
 mod schema;
 mod transient;
 mod verify;
+mod view;
 
 use crate::{provenance, text};
 use anyhow::{Context, Result, bail};
@@ -50,6 +51,8 @@ pub enum Command {
     Forced(forced::Arguments),
     /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
     Compare(compare::Arguments),
+    /// Show runs beside each other in a browser on this computer, until Ctrl-C ends it.
+    View(view::Arguments),
     /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
     Verify(verify::Arguments),
     /// Write a commented scene to start from, or with `--benchmark` a bolted structure with the script that makes its mesh.
@@ -76,6 +79,7 @@ impl Command {
             Self::Transient(arguments) => transient::run(arguments, defaults),
             Self::Forced(arguments) => return forced::run(arguments, defaults),
             Self::Compare(arguments) => compare::run(arguments),
+            Self::View(arguments) => view::run(arguments),
             Self::Verify(arguments) => verify::run(arguments),
             Self::New(arguments) => new::run(arguments),
             Self::Samples(arguments) => samples::run(arguments),
