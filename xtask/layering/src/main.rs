@@ -107,6 +107,27 @@ const ALLOWED: [(&str, &[&str]); 22] = [
             "durable-files",
         ],
     ),
+    // For Python users; it hands out what the crates below offer.
+    (
+        "microslip-python",
+        &[
+            "reports",
+            "joint-pipeline",
+            "brake-reuss-beam",
+            "contact-laws",
+            "cqsma-solver",
+            "dense-algebra",
+            "durable-files",
+            "input-files",
+            "matrix-files",
+            "modal-identification",
+            "periodic-motion",
+            "reduction",
+            "substructure",
+            "surface-characterisation",
+            "zte-assembly",
+        ],
+    ),
     // Arguments in, files out: what is computed is in the libraries. Its scenes are on the beam unless they say otherwise.
     ("xtask", &["microslip", "reports", "brake-reuss-beam"]),
     // A program of its own, so that `cargo xtask brb` need not compile the studies.

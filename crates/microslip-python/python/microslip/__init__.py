@@ -1,0 +1,1 @@
+"""Frequency and damping of bolted joints against amplitude."""
