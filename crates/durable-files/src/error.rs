@@ -89,6 +89,20 @@ pub enum Error {
 }
 
 impl Error {
+    /// The file or folder.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::File { path, .. }
+            | Self::Unlisted { path, .. }
+            | Self::Obstructed { path }
+            | Self::DamagedManifest { path, .. } => path,
+            Self::Busy { folder, .. }
+            | Self::OtherResults { folder, .. }
+            | Self::NoManifest { folder }
+            | Self::Interrupted { folder } => folder,
+        }
+    }
+
     pub(crate) fn file(path: &Path, operation: &'static str, source: std::io::Error) -> Self {
         Self::File {
             path: path.to_owned(),

@@ -134,6 +134,18 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// The file.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Unreadable { path, .. }
+            | Self::NotRegular { path, .. }
+            | Self::TooLarge { path, .. }
+            | Self::NotText { path, .. } => path,
+        }
+    }
+}
+
 /// The bytes of a regular file.
 ///
 /// # Errors

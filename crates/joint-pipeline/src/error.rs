@@ -40,6 +40,8 @@ pub enum Error {
     Syntax {
         /// File name of the scene.
         place: String,
+        /// Field with its path, where it is one that is wrong.
+        field: Option<String>,
         /// Message with line and column, naming the field.
         message: String,
     },
@@ -427,6 +429,59 @@ pub enum Error {
     /// Harmonic balance.
     #[error(transparent)]
     Periodic(#[from] periodic_motion::Error),
+}
+
+impl Error {
+    /// The field of the scene that is wrong, with its path, where it is one.
+    pub fn field(&self) -> Option<&str> {
+        match self {
+            Self::Syntax { field, .. } => field.as_deref(),
+            Self::MeshScene { field, .. } => Some(field),
+            Self::Value { field, .. }
+            | Self::NodeSet { field, .. }
+            | Self::NoMeasuredSurface { field, .. }
+            | Self::Motion { field, .. } => Some(field),
+            Self::NoSuchFormulation { .. } => Some("model.formulation"),
+            Self::NotRaisable { .. } => Some("model.element_order"),
+            Self::Symmetry { .. } => Some("model.symmetry"),
+            Self::PointsWithoutParameters { .. } | Self::Parameters { .. } => Some("surface.parameters"),
+            Self::BoltLoads { .. } => Some("bolts.loads"),
+            Self::FrictionZone { .. } => Some("friction_zones"),
+            Self::NoNodeNear { .. } => Some("structure.point_masses"),
+            Self::ReductionTarget { .. } => Some("model.reduction_error"),
+            Self::Bins { .. } => Some("law.bins.error"),
+            Self::NoSamples => Some("surface"),
+            Self::NoResponse { .. } => Some("cqsma.mode"),
+            _ => None,
+        }
+    }
+
+    /// The value that is not admissible, with its unit, where it is a number.
+    pub fn value(&self) -> Option<(f64, &'static str)> {
+        match *self {
+            Self::Value { value, unit, .. } | Self::Motion { value, unit, .. } => Some((value, unit)),
+            Self::BoltLoads { given, .. } => Some((given as f64, "(values)")),
+            Self::NoResponse { mode, .. } => Some((mode as f64, "")),
+            Self::ReductionTarget { target, .. } | Self::Bins { target, .. } => Some((target, "")),
+            Self::GapBeyondFaces { smallest, .. } => Some((smallest, "m")),
+            Self::NoContact { load, .. } => Some((load, "N")),
+            _ => None,
+        }
+    }
+
+    /// What can be done about it, where the message says so: what would be accepted, or the part behind the semicolon.
+    pub fn remedy(&self) -> Option<String> {
+        match self {
+            Self::Value { requirement, .. } | Self::Motion { requirement, .. } => {
+                Some(format!("it must be {requirement}"))
+            }
+            Self::Prestress { .. } => None,
+            _ => {
+                let message = self.to_string();
+                message.split_once("; ").map(|(_, remedy)| remedy.to_owned())
+            }
+        }
+    }
 }
 
 /// A value with its unit, if it has one, in a few digits.

@@ -2,6 +2,11 @@
 
 #![cfg(feature = "extension")]
 
+mod error;
+mod run;
+mod scene;
+mod work;
+
 use pyo3::prelude::*;
 
 /// Functions and classes that the Python modules of the package are made of.
@@ -9,9 +14,21 @@ use pyo3::prelude::*;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::run::{Run, run};
+    #[pymodule_export]
+    use crate::scene::{Scene, benchmarks};
+
     /// The version of the package.
     #[pyfunction]
     fn version() -> &'static str {
         env!("CARGO_PKG_VERSION")
+    }
+
+    #[pymodule_init]
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        // Amplitudes and elements already run in parallel; threads within matrix kernels would only compete with them.
+        faer::set_global_parallelism(faer::Par::Seq);
+        Ok(())
     }
 }

@@ -1,6 +1,5 @@
 //! Checks a finished run against bounds that hold for every sound run.
 
-use crate::benchmarks::BENCHMARKS;
 use crate::files;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::Scene;
@@ -8,6 +7,7 @@ use joint_pipeline::joint::benchmark::{Bounds, Symmetry};
 use joint_pipeline::results::summary::Summary;
 use reports::markup;
 use reports::run::{FORCED, FORCED_PICTURE, SUMMARY, amplitude_file};
+use run_environment::BENCHMARKS;
 use std::path::Path;
 
 /// Share of the area that slips beyond which the damping need not rise any more.

@@ -2,8 +2,7 @@
 
 use anyhow::{Result, anyhow};
 use durable_files::{Folder, Identity};
-use joint_pipeline::Scene;
-use joint_pipeline::scene::{StructureSource, read_json};
+use joint_pipeline::scene::read_json;
 use reports::Output;
 use reports::run::{
     ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC, amplitude_file, harmonics_file, loops_file, picture_file,
@@ -60,21 +59,6 @@ pub(crate) const A_SUMMARY: &str = "the summary of a run, which `microslip run` 
 /// It is something else.
 pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str, what: &str) -> Result<T> {
     read_json(text).map_err(|reason| anyhow!("{} is not {what}: {reason}", path.display()))
-}
-
-/// What a command computes for a scene: results of scenes of the same name on the same structure replace one another.
-pub fn of_scene(command: &str, scene: &Scene) -> Identity {
-    let file = |path: &Path| {
-        path.file_name()
-            .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-    };
-    let structure = match &scene.structure.source {
-        StructureSource::Benchmark(benchmark) => benchmark.name().to_owned(),
-        StructureSource::Deck(deck) => file(&deck.path),
-        StructureSource::Mesh(mesh) => file(&mesh.path),
-        StructureSource::Matrices(matrices) => file(&matrices.path),
-    };
-    Identity::new(command, format!("{} on {structure}", scene.name))
 }
 
 /// Whether a run of some scene may write a file of this name beside those that every run writes: the fields of an amplitude,

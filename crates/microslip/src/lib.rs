@@ -1,11 +1,9 @@
 #![doc = include_str!("../README.md")]
 
-pub mod benchmarks;
 pub mod check;
 pub mod commands;
 pub mod files;
 pub mod progress;
-pub mod provenance;
 mod text;
 
 /// What the book shows of Rust compiles, and runs unless it says otherwise.
@@ -19,7 +17,7 @@ mod book {
     mod mindlin_iwan {}
 }
 
-pub use benchmarks::BENCHMARKS;
 pub use commands::{Command, Defaults, Outcome, execute};
 pub use joint_pipeline::results::summary::Summary;
 pub use joint_pipeline::{Error, Options, Run, Scene, run, run_ensemble};
+pub use run_environment::BENCHMARKS;

@@ -1,10 +1,9 @@
 //! The program: `microslip --help`.
 
 use clap::{CommandFactory, Parser, Subcommand};
-use etcetera::base_strategy::BaseStrategy;
 use microslip::commands::{self, EXIT_CODES, SceneArguments};
 use microslip::{Defaults, Outcome};
-use std::path::PathBuf;
+use run_environment::user_cache;
 use std::process::ExitCode;
 
 /// Frequency and damping of bolted joints against amplitude.
@@ -53,10 +52,4 @@ fn main() -> ExitCode {
             }
         }
     })
-}
-
-/// The program's folder among the user's caches; none for a user without a home.
-fn user_cache() -> Option<PathBuf> {
-    let folders = etcetera::base_strategy::choose_native_strategy().ok()?;
-    Some(folders.cache_dir().join("microslip"))
 }

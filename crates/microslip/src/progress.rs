@@ -3,25 +3,10 @@
 use crate::text;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use joint_pipeline::progress::{Progress, Stage};
+use run_environment::StageTimes;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
-
-const STAGES: [Stage; 12] = [
-    Stage::Mesh,
-    Stage::Assemble,
-    Stage::Factor,
-    Stage::Reduce,
-    Stage::Characterise,
-    Stage::Prestress,
-    Stage::Modes,
-    Stage::Backbone,
-    Stage::Methods,
-    Stage::Epmc,
-    Stage::Forced,
-    Stage::Ensemble,
-];
+use std::time::Duration;
 
 /// Parts of a bar.
 const STEPS: f64 = 1000.0;
@@ -29,14 +14,7 @@ const STEPS: f64 = 1000.0;
 /// Shows progress on standard error: a bar with an estimate on a terminal, plain lines elsewhere.
 pub struct Monitor {
     bar: Option<ProgressBar>,
-    began: Instant,
-    stages: Mutex<BTreeMap<Stage, Timing>>,
-}
-
-#[derive(Clone, Copy)]
-struct Timing {
-    began: Instant,
-    seconds: f64,
+    times: StageTimes,
 }
 
 impl Monitor {
@@ -47,8 +25,7 @@ impl Monitor {
     pub fn new() -> anyhow::Result<Self> {
         Ok(Self {
             bar: progress_bar()?,
-            began: Instant::now(),
-            stages: Mutex::new(BTreeMap::new()),
+            times: StageTimes::default(),
         })
     }
 
@@ -57,15 +34,7 @@ impl Monitor {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
-        let stages = self.stages();
-        let seconds = |stage: Stage| stages.get(&stage).map_or(0.0, |timing| timing.seconds);
-        let mut timings: BTreeMap<String, f64> = STAGES.iter().map(|&s| (s.name().into(), seconds(s))).collect();
-        timings.insert("total".into(), self.began.elapsed().as_secs_f64());
-        timings
-    }
-
-    fn stages(&self) -> MutexGuard<'_, BTreeMap<Stage, Timing>> {
-        self.stages.lock().unwrap_or_else(PoisonError::into_inner)
+        self.times.seconds()
     }
 
     fn line(&self, text: &str) {
@@ -145,13 +114,7 @@ impl Progress for Monitor {
             bar.reset();
             bar.set_prefix(stage.name());
         }
-        self.stages().insert(
-            stage,
-            Timing {
-                began: Instant::now(),
-                seconds: 0.0,
-            },
-        );
+        self.times.begin(stage);
     }
 
     fn fraction(&self, _: Stage, done: f64) {
@@ -161,10 +124,7 @@ impl Progress for Monitor {
     }
 
     fn end(&self, stage: Stage) {
-        let seconds = self.stages().get_mut(&stage).map_or(0.0, |timing| {
-            timing.seconds = timing.began.elapsed().as_secs_f64();
-            timing.seconds
-        });
+        let seconds = self.times.end(stage);
         self.line(&format!("{:>12} ... {seconds:.1} s", stage.name()));
     }
 
@@ -179,22 +139,4 @@ impl Progress for Monitor {
     fn echo(&self, line: &str) {
         self.line(line);
     }
-}
-
-/// Largest resident memory of this process so far (bytes), where the system tells.
-pub fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    kilobytes
-        .trim()
-        .strip_suffix("kB")?
-        .trim()
-        .parse::<u64>()
-        .ok()
-        .map(|kb| 1024 * kb)
-}
-
-/// Makes [`peak_memory`] count from now on; false where the system cannot.
-pub fn forget_peak_memory() -> bool {
-    std::fs::write("/proc/self/clear_refs", "5").is_ok()
 }

@@ -1,16 +1,10 @@
 //! Text for terminals: what files hold may be in it, control characters and lines of megabytes included.
 
-/// An error with its causes in one line. A cause that the text before states already is not said again.
+use run_environment::with_causes;
+
+/// An error with its causes in one line, for a terminal.
 pub(crate) fn of_error(error: &anyhow::Error) -> String {
-    let mut text = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if !text.contains(&cause) {
-            let separator = if text.is_empty() { "" } else { ": " };
-            text += separator;
-            text += &cause;
-        }
-    }
-    short(&visible(&text))
+    short(&visible(&with_causes(error.as_ref())))
 }
 
 /// The text with its control characters escaped, but for the ends of lines and tabulators: a terminal shows them, and does not obey.

@@ -5,8 +5,8 @@ mod common;
 
 use boon::{Compiler, Schemas};
 use common::{exit_code, folder, messages, read_json, run, succeeds};
-use microslip::benchmarks::{BENCHMARKS, read};
 use microslip::{Scene, Summary};
+use run_environment::benchmarks::{BENCHMARKS, read};
 use serde_json::{Value, json};
 use std::path::Path;
 

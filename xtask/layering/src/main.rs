@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// Every crate of the workspace with the crates of the workspace it may use, also for its tests.
-const ALLOWED: [(&str, &[&str]); 22] = [
+const ALLOWED: [(&str, &[&str]); 23] = [
     // For tests alone, see `FOR_TESTS`.
     (FOR_TESTS, &[]),
     // Dense kernels that must not depend on units or threads, shared by all that factorise.
@@ -89,6 +89,11 @@ const ALLOWED: [(&str, &[&str]); 22] = [
             "durable-files",
         ],
     ),
+    // What programs share and libraries do without: clock, commit, folders of the user, and the benchmarks that scenes may name.
+    (
+        "run-environment",
+        &["joint-pipeline", "brake-reuss-beam", "durable-files"],
+    ),
     (
         "microslip",
         &[
@@ -98,8 +103,8 @@ const ALLOWED: [(&str, &[&str]); 22] = [
             "surface-characterisation",
             "zte-assembly",
             "substructure",
-            // Among the benchmarks that scenes may name.
-            "brake-reuss-beam",
+            // What it shares with the Python package.
+            "run-environment",
             "input-files",
             "matrix-files",
             "modal-identification",
@@ -111,6 +116,7 @@ const ALLOWED: [(&str, &[&str]); 22] = [
     (
         "microslip-python",
         &[
+            "run-environment",
             "reports",
             "joint-pipeline",
             "brake-reuss-beam",
@@ -133,7 +139,14 @@ const ALLOWED: [(&str, &[&str]); 22] = [
     // A program of its own, so that `cargo xtask brb` need not compile the studies.
     (
         "xtask-studies",
-        &["xtask", "studies", "microslip", "reports", "durable-files"],
+        &[
+            "xtask",
+            "studies",
+            "microslip",
+            "run-environment",
+            "reports",
+            "durable-files",
+        ],
     ),
     // It reads what Cargo says about the others.
     ("xtask-layering", &[]),

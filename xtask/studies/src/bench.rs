@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result};
 use microslip::commands::{RESULTS, print};
-use microslip::progress::{Monitor, forget_peak_memory, peak_memory};
+use microslip::progress::Monitor;
+use run_environment::{forget_peak_memory, peak_memory};
 use serde_json::json;
 use std::path::Path;
 use studies::bench::{Instruments, kernel, periodic, processor, scaling, solver};

@@ -2,8 +2,9 @@
 
 use anyhow::{Context, Result};
 use microslip::commands::print;
-use microslip::files::{of_scene, publish};
+use microslip::files::publish;
 use microslip::{Defaults, Outcome};
+use run_environment::results_of;
 use std::io::Write;
 use studies::trade::{Launcher, Plan};
 use xtask::study;
@@ -11,7 +12,7 @@ use xtask::study;
 /// Runs the command.
 pub(crate) fn run(arguments: &study::Trade, defaults: &Defaults) -> Result<Outcome> {
     let scene = arguments.scene.read(defaults)?.scene;
-    let identity = of_scene("trade", &scene);
+    let identity = results_of("trade", &scene);
     let plan = Plan::try_new(scene, &arguments.only, arguments.quick)?;
     let results = arguments.overwrite.open(&arguments.out, &identity, &[])?;
     let runs = arguments.out.join("runs");

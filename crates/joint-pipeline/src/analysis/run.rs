@@ -20,6 +20,7 @@ use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use crate::structure::{OuterSurface, Overview, StructuralModel, Structure};
 use cqsma_solver::NewtonSettings;
+use faer::Mat;
 use reduction::ReducedModel;
 use sprs::CsMat;
 use zte_assembly::{Interface, InterfaceMesh};
@@ -103,6 +104,14 @@ impl Run {
     /// Limits of the model for the first mode followed.
     pub fn validity(&self) -> &Validity {
         &self.first().validity
+    }
+
+    /// Without the reduced matrices, which are most of its memory, and which neither tables nor pictures need.
+    #[must_use]
+    pub fn without_matrices(mut self) -> Self {
+        let reduced = &mut self.model.reduced;
+        (reduced.mass, reduced.stiffness, reduced.recovery) = (Mat::new(), Mat::new(), Mat::new());
+        self
     }
 }
 

@@ -6,6 +6,39 @@ use serde_json::{Map, Number, Value};
 use std::fmt;
 use std::io::Read;
 
+/// Why a scene is not understood.
+pub(super) struct Refusal {
+    /// Field with its path, where it is one that is wrong.
+    pub(super) field: Option<String>,
+    /// In words, with the field.
+    pub(super) message: String,
+}
+
+impl Refusal {
+    /// Of a field.
+    pub(super) fn of(field: impl Into<String>, message: impl Into<String>) -> Self {
+        Self {
+            field: Some(field.into()),
+            message: message.into(),
+        }
+    }
+}
+
+impl From<String> for Refusal {
+    fn from(message: String) -> Self {
+        Self { field: None, message }
+    }
+}
+
+impl From<&serde_path_to_error::Error<serde_json::Error>> for Refusal {
+    fn from(error: &serde_path_to_error::Error<serde_json::Error>) -> Self {
+        Self {
+            field: error.path().iter().next().map(|_| error.path().to_string()),
+            message: in_words(error),
+        }
+    }
+}
+
 /// Parses a scene file; lines and columns in messages are those of the file.
 ///
 /// # Errors

@@ -39,6 +39,7 @@ pub use crate::joint::benchmark::{ElementOrder, RefinementLevel, Symmetry};
 pub use cqsma_solver::cqsma::Commit;
 pub use substructure::elements::Formulation;
 
+use self::json::Refusal;
 use crate::Error;
 use crate::joint::benchmark::{self, Benchmark, BenchmarkRef, Benchmarks, MeasuredSurface};
 use contact_laws::AsperityLimit;
@@ -142,10 +143,7 @@ impl Scene {
     pub fn read_filled(path: &Path, benchmarks: Benchmarks<'_>, fill: &dyn Fn(&mut Value)) -> Result<Self, Error> {
         let text = input_files::read_text(path, input_files::Kind::Scene)?;
         let place = path.display().to_string();
-        let mut value = json::parse(&text).map_err(|message| Error::Syntax {
-            place: place.clone(),
-            message,
-        })?;
+        let mut value = json::parse(&text).map_err(|message| refused(&place, message.into()))?;
         fill(&mut value);
         let stem = path
             .file_stem()
@@ -167,39 +165,39 @@ impl Scene {
     /// # Errors
     /// [`Error::Syntax`] for malformed JSON, unknown and missing fields, [`Error::Value`] for values outside their range.
     pub fn from_json(text: &str, place: &str, name: &str, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
-        let value = json::parse(text).map_err(|message| Error::Syntax {
-            place: place.into(),
-            message,
-        })?;
+        let value = json::parse(text).map_err(|message| refused(place, message.into()))?;
         Self::from_value(value, place, name, benchmarks)
     }
 
     fn from_value(given: Value, place: &str, name: &str, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
-        let syntax = |message: String| Error::Syntax {
-            place: place.into(),
-            message,
-        };
+        let syntax = |refusal: Refusal| refused(place, refusal);
         let units = given.get("units").ok_or_else(|| {
-            syntax(
-                "`units` is missing, such as \"units\": { \"length\": \"m\", \"mass\": \"kg\", \"time\": \"s\" }"
-                    .into(),
-            )
+            syntax(Refusal::of(
+                "units",
+                "`units` is missing, such as \"units\": { \"length\": \"m\", \"mass\": \"kg\", \"time\": \"s\" }",
+            ))
         })?;
         let units: Units = serde_path_to_error::deserialize(units).map_err(|e| {
-            let separator = if e.path().iter().next().is_some() { "." } else { ": " };
-            syntax(format!("units{separator}{}", json::in_words(&e)))
+            let Refusal { field, message } = Refusal::from(&e);
+            let within = field
+                .as_ref()
+                .map_or_else(|| "units".into(), |field| format!("units.{field}"));
+            let separator = if field.is_some() { "." } else { ": " };
+            syntax(Refusal::of(within, format!("units{separator}{message}")))
         })?;
         refuse_former(&given).map_err(syntax)?;
         let source = given.get("structure").ok_or_else(|| {
             let name = benchmarks.first().map_or("NAME", |known| known.name());
-            syntax(format!(
+            let message = format!(
                 "`structure` is missing: say where the structure comes from, such as \"structure\": {{ \"benchmark\": \
                  \"{name}\" }}, {{ \"deck\": {{ ... }} }}, {{ \"mesh\": {{ ... }} }} or {{ \"matrices\": {{ ... }} }}"
-            ))
+            );
+            syntax(Refusal::of("structure", message))
         })?;
         let mut filled = given.clone();
         if let Some(name) = source.get("benchmark").and_then(Value::as_str) {
-            let known = benchmark::find(name, benchmarks).map_err(syntax)?;
+            let known = benchmark::find(name, benchmarks);
+            let known = known.map_err(|message| syntax(Refusal::of("structure.benchmark", message)))?;
             fill(&mut filled, known.defaults());
         }
         let limit = filled.pointer("/law/limit");
@@ -217,11 +215,14 @@ impl Scene {
             benchmark::scope(benchmarks, || units.scope(read)).map_err(syntax)
         };
         let mut scene = read(filled.clone())?;
-        let own = serde_json::to_value(&scene).map_err(|e| syntax(e.to_string()))?;
+        let own = serde_json::to_value(&scene).map_err(|e| syntax(e.to_string().into()))?;
         refuse_lists(&given, &own, "").map_err(syntax)?;
         scene.refuse_idle(&given).map_err(syntax)?;
         if let Some(accuracy) = scene.accuracy {
-            accuracy.preset().map_err(syntax)?.fill(&mut filled);
+            let preset = accuracy.preset();
+            preset
+                .map_err(|message| syntax(Refusal::of("accuracy", message)))?
+                .fill(&mut filled);
             scene = read(filled)?;
         }
         scene.units = Units::SI;
@@ -233,8 +234,8 @@ impl Scene {
     }
 
     /// The one place where scenes are deserialised, as every further one would be compiled anew; messages name the field.
-    fn understand(value: Value) -> Result<Self, String> {
-        serde_path_to_error::deserialize(value).map_err(|e| json::in_words(&e))
+    fn understand(value: Value) -> Result<Self, Refusal> {
+        serde_path_to_error::deserialize(value).map_err(|e| Refusal::from(&e))
     }
 
     /// Reads a scene as [`Serialize`] writes it, such as the one in a summary.
@@ -243,10 +244,7 @@ impl Scene {
     /// [`Error::Syntax`].
     pub fn from_summary(value: &Value, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
         let read = || Self::understand(value.clone());
-        benchmark::scope(benchmarks, read).map_err(|message| Error::Syntax {
-            place: "the scene of a summary".into(),
-            message,
-        })
+        benchmark::scope(benchmarks, read).map_err(|refusal| refused("the scene of a summary", refusal))
     }
 
     /// The default scene on a benchmark, in SI.
@@ -261,10 +259,8 @@ impl Scene {
         });
         fill(&mut value, benchmark.defaults());
         let read = || Self::understand(value);
-        let mut scene = benchmark::scope(&[benchmark], read).map_err(|message| Error::Syntax {
-            place: format!("the defaults of {}", benchmark.name()),
-            message,
-        })?;
+        let scene = benchmark::scope(&[benchmark], read);
+        let mut scene = scene.map_err(|refusal| refused(&format!("the defaults of {}", benchmark.name()), refusal))?;
         scene.units = Units::SI;
         Ok(scene)
     }
@@ -362,7 +358,7 @@ impl Scene {
     }
 
     /// Refuses what is given but would be without effect.
-    fn refuse_idle(&self, given: &Value) -> Result<(), String> {
+    fn refuse_idle(&self, given: &Value) -> Result<(), Refusal> {
         let (deck, matrices) = (self.structure.deck(), self.structure.matrices());
         let over_jump = matrices.is_some_and(|matrices| matrices.coordinates == Coordinates::Jump);
         let other = self.structure.benchmark().is_none();
@@ -470,22 +466,32 @@ impl Scene {
             .iter()
             .find(|(idle, path, default, _)| *idle && differs(path, default))
         {
-            Some((_, path, _, owner)) => Err(format!(
-                "{} belongs to {owner}; leave one of them out",
-                path[1..].replace('/', ".")
-            )),
+            Some((_, path, _, owner)) => {
+                let field = path[1..].replace('/', ".");
+                let message = format!("{field} belongs to {owner}; leave one of them out");
+                Err(Refusal::of(field, message))
+            }
             None => Ok(()),
         }
     }
 }
 
+fn refused(place: &str, Refusal { field, message }: Refusal) -> Error {
+    Error::Syntax {
+        place: place.into(),
+        field,
+        message,
+    }
+}
+
 /// Where bolts have loads of their own, that of all is the first of them.
-fn one_load_per_bolt(given: &Value, filled: &mut Value) -> Result<(), String> {
+fn one_load_per_bolt(given: &Value, filled: &mut Value) -> Result<(), Refusal> {
     let Some(loads) = given.pointer("/bolts/loads") else {
         return Ok(());
     };
     if given.pointer("/bolts/load").is_some() {
-        return Err("bolts.load is that of all bolts, and bolts.loads has one for each; leave one of them out".into());
+        let message = "bolts.load is that of all bolts, and bolts.loads has one for each; leave one of them out";
+        return Err(Refusal::of("bolts.load", message));
     }
     if let Some(first) = loads.get(0) {
         filled["bolts"]["load"] = first.clone();
@@ -494,24 +500,26 @@ fn one_load_per_bolt(given: &Value, filled: &mut Value) -> Result<(), String> {
 }
 
 /// Refuses fields that were understood once and have moved.
-fn refuse_former(given: &Value) -> Result<(), String> {
+fn refuse_former(given: &Value) -> Result<(), Refusal> {
     for name in ["deck", "matrices"] {
         if given.pointer(&format!("/model/{name}")).is_some() {
-            return Err(format!(
+            let message = format!(
                 "model.{name} is not a field; the structure is given by \"structure\": {{ \"{name}\": {{ ... }} }}"
-            ));
+            );
+            return Err(Refusal::of(format!("model.{name}"), message));
         }
     }
     Ok(())
 }
 
-fn listed(path: &str) -> String {
-    format!("{path} is a list, but its fields have names; write it as {{ \"NAME\": VALUE, ... }}")
+fn listed(path: &str) -> Refusal {
+    let message = format!("{path} is a list, but its fields have names; write it as {{ \"NAME\": VALUE, ... }}");
+    Refusal::of(path, message)
 }
 
 /// Refuses lists in the place of blocks: which field a value belongs to, and in which unit it is, would depend on its place.
 /// `own` is the scene as it was understood, with all fields by name.
-fn refuse_lists(given: &Value, own: &Value, path: &str) -> Result<(), String> {
+fn refuse_lists(given: &Value, own: &Value, path: &str) -> Result<(), Refusal> {
     let within = |name: &str| match path {
         "" => name.to_owned(),
         _ => format!("{path}.{name}"),
@@ -548,7 +556,7 @@ fn is_preloaded(scene: &Value) -> bool {
 }
 
 /// Names the first thing that the physics depends on and that nothing says.
-fn require_physics(scene: &Value) -> Result<(), String> {
+fn require_physics(scene: &Value) -> Result<(), Refusal> {
     for (path, _) in PHYSICS {
         let parents = path.match_indices('/').skip(1).map(|(end, _)| &path[..end]);
         if let Some(block) = parents
@@ -560,10 +568,12 @@ fn require_physics(scene: &Value) -> Result<(), String> {
     }
     let missing = |path: &str| scene.pointer(path).is_none_or(Value::is_null);
     match PHYSICS.iter().find(|(path, _)| missing(path)) {
-        Some((path, line)) => Err(format!(
-            "{} is missing, and the structure has no default for it; add for example {line}",
-            path[1..].replace('/', ".")
-        )),
+        Some((path, line)) => {
+            let field = path[1..].replace('/', ".");
+            let message =
+                format!("{field} is missing, and the structure has no default for it; add for example {line}");
+            Err(Refusal::of(field, message))
+        }
         None => Ok(()),
     }
 }

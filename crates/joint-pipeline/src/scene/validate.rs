@@ -580,6 +580,7 @@ impl MeshFile {
             let Some(density) = material.density else {
                 return Err(Error::Syntax {
                     place,
+                    field: Some(format!("structure.mesh.materials.{name}.density")),
                     message: "missing field `density`; give it, such as \"density\": \"7800 kg/m^3\"".into(),
                 });
             };

@@ -14,6 +14,7 @@ use joint_pipeline::structure::Structure;
 use reports::Output;
 use reports::fields::{CellField, Placed};
 use reports::{csv, fields, map, plot};
+use run_environment::{benchmarks, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use surface_characterisation::readers::{FirstRow, LengthUnit};
@@ -138,7 +139,7 @@ fn identity(scene: &Scene) -> Identity {
             let names = files.map(|path| path.file_name().unwrap_or_default().to_string_lossy());
             Identity::new("characterise", names.join(" and "))
         }
-        _ => files::of_scene("characterise", scene),
+        _ => results_of("characterise", scene),
     }
 }
 
@@ -207,7 +208,7 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<Mesh> {
     let named = arguments
         .mesh
         .as_ref()
-        .and_then(|name| scene::find_benchmark(name.to_str()?));
+        .and_then(|name| benchmarks::find(name.to_str()?));
     match (&arguments.mesh, named) {
         (Some(path), None) => {
             let text = input_files::read_text(path, input_files::Kind::Table)?;

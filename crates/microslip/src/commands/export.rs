@@ -12,6 +12,7 @@ use joint_pipeline::structure::export::{ABOUT, arrays, deck, groups};
 use matrix_files::value::Array;
 use matrix_files::{mat, matrix_market, npz};
 use reports::Output;
+use run_environment::results_of;
 use std::path::{Path, PathBuf};
 use substructure::formats::vtu::{self, Encoding};
 use substructure::formats::{abaqus, gmsh};
@@ -76,7 +77,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
             scene.name
         );
     }
-    let identity = files::of_scene(&format!("export --format {format}"), &scene);
+    let identity = results_of(&format!("export --format {format}"), &scene);
     let folder = arguments.overwrite.open(&directory, &identity, &[])?;
     let monitor = Monitor::new()?;
     let structure = Structure::try_new(&scene, &monitor).with_context(|| format!("the scene {}", scene.name))?;

@@ -3,12 +3,12 @@
 use super::run::{Request, is_complete};
 use super::{Cache, Defaults, Outcome, SceneArguments, Threads, default_directory, print, scene};
 use crate::files::{self, Overwrite};
-use crate::provenance;
 use anyhow::Result;
 use joint_pipeline::results::summary::{ForcedSummary, ResonanceSummary, Summary};
 use joint_pipeline::scene::{Force, Forced, Method};
 use joint_pipeline::{Error, Scene};
 use reports::run::{FORCED, SUMMARY, outputs};
+use run_environment::{provenance, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome>
         None => default_directory(&format!("{}-forced", scene.name))?,
     };
     let names = [SUMMARY, "report.html", FORCED];
-    let folder = (arguments.overwrite).open(&directory, &files::of_scene("forced", scene), &names)?;
+    let folder = (arguments.overwrite).open(&directory, &results_of("forced", scene), &names)?;
     arguments.threads.start()?;
     let provenance = provenance::of(given.inputs()?)?;
     let request = Request {
@@ -91,6 +91,7 @@ impl Arguments {
                 let missing: Vec<&str> = wanted.iter().filter(|(_, is)| *is).map(|(name, _)| *name).collect();
                 return Err(Error::Syntax {
                     place: scene.name,
+                    field: Some("forced".into()),
                     message: format!(
                         "the block `forced` is missing; pass {}, or add \"forced\": {{ \"levels\": [1.0], \"from_hz\": 140, \"to_hz\": \
                          190 }} with the forces and frequencies wanted",
@@ -219,7 +220,7 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::benchmarks;
+    use run_environment::benchmarks;
 
     fn arguments(levels: Option<&[f64]>, from_hz: Option<f64>, to_hz: Option<f64>) -> Arguments {
         let mut arguments = parsed();

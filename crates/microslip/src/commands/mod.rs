@@ -15,10 +15,12 @@ mod transient;
 mod verify;
 mod view;
 
-use crate::{provenance, text};
+use crate::text;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::{Benchmark, Options};
-pub use scene::{GivenScene, SceneArguments};
+pub use run_environment::GivenScene;
+use run_environment::provenance;
+pub use scene::SceneArguments;
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;

@@ -3,7 +3,6 @@
 use super::{Cache, Defaults, SceneArguments, default_directory};
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
-use crate::provenance;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::analysis::{Prepared, warnings};
 use joint_pipeline::joint::Bodies;
@@ -13,6 +12,7 @@ use joint_pipeline::structure::{Frequencies, LinearInterface, ModalModel, Struct
 use reports::Output;
 use reports::modes::{self, LARGEST_VOLUME};
 use reports::run::SUMMARY;
+use run_environment::{provenance, results_of};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     });
     let folder = arguments
         .overwrite
-        .open(&directory, &files::of_scene("model", &scene), &[SUMMARY])?;
+        .open(&directory, &results_of("model", &scene), &[SUMMARY])?;
     let monitor = Monitor::new()?;
     let of_scene = || format!("the scene {}", scene.name);
     let structure = Structure::try_new(&scene, &monitor).with_context(of_scene)?;

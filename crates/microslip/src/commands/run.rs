@@ -2,8 +2,7 @@
 
 use super::{Cache, Defaults, GivenScene, Outcome, Threads, default_directory, forced, print};
 use crate::files::{self, Overwrite};
-use crate::progress::{Monitor, peak_memory};
-use crate::provenance;
+use crate::progress::Monitor;
 use anyhow::{Context, Result, anyhow};
 use joint_pipeline::analysis::error_estimate::ErrorEstimate;
 use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, MeshEstimate, Partner};
@@ -14,6 +13,7 @@ use joint_pipeline::scene::{self, Length};
 use joint_pipeline::{Options, Run, Scene};
 use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
 use reports::{Output, csv, plot};
+use run_environment::{peak_memory, provenance, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -95,7 +95,7 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
         None => default_directory(&format!("{}{suffix}", scene.name))?,
     };
     // Before the computation: it would be a pity to find out only afterwards.
-    let folder = (arguments.overwrite).open(&directory, &files::of_scene(command, scene), names)?;
+    let folder = (arguments.overwrite).open(&directory, &results_of(command, scene), names)?;
     arguments.threads.start()?;
     let provenance = provenance::of(given.inputs()?)?;
 

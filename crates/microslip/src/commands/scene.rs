@@ -1,39 +1,13 @@
 //! Which scene a command works on.
 
 use super::Defaults;
-use crate::benchmarks::{self, BENCHMARKS};
-use anyhow::{Result, anyhow, bail};
-use joint_pipeline::results::provenance::{Input, InputRole, inputs_of};
+use anyhow::{Result, bail};
+use joint_pipeline::Benchmark;
 use joint_pipeline::scene::StructureSource;
-use joint_pipeline::{Benchmark, Scene};
+use run_environment::{BENCHMARKS, GivenScene};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use substructure::formats::abaqus::Includes;
-
-/// A scene and where it is from.
-#[derive(Clone, Debug)]
-pub struct GivenScene {
-    /// The scene, in SI.
-    pub scene: Scene,
-    /// Its file, as it was read.
-    pub source: Input,
-}
-
-impl GivenScene {
-    fn built_in(name: &str, text: &str) -> Result<Self> {
-        Ok(Self {
-            scene: benchmarks::read(name, text)?,
-            source: Input::of_built_in_scene(name, text),
-        })
-    }
-
-    /// All files that a run of the scene reads, as they stand.
-    pub(super) fn inputs(&self) -> Result<Vec<Input>> {
-        let mut inputs = vec![self.source.clone()];
-        inputs.extend(inputs_of(&self.scene)?);
-        Ok(inputs)
-    }
-}
 
 /// The scene that a command works on.
 #[derive(clap::Args)]
@@ -87,7 +61,7 @@ impl SceneArguments {
 pub(super) fn read(path: Option<&Path>, benchmark: Option<&str>, defaults: &Defaults) -> Result<GivenScene> {
     match (path, benchmark) {
         (Some(path), _) => read_file(path, defaults),
-        (None, Some(name)) => of_benchmark(name),
+        (None, Some(name)) => Ok(GivenScene::of_benchmark(name)?),
         (None, None) => default_scene(false, defaults),
     }
 }
@@ -106,12 +80,6 @@ fn default_scene(on_deck: bool, defaults: &Defaults) -> Result<GivenScene> {
     bail!("{} has no scene that reads a deck; give a scene file", benchmark.name())
 }
 
-/// The benchmark of a name or a short name.
-pub(super) fn find_benchmark(name: &str) -> Option<&'static dyn Benchmark> {
-    let mut known = BENCHMARKS.iter().copied();
-    known.find(|known| known.name() == name || known.short_name() == name)
-}
-
 /// The scene of a file; one that names no structure is on the default benchmark, if there is one.
 fn read_file(path: &Path, defaults: &Defaults) -> Result<GivenScene> {
     let fill = |scene: &mut Value| {
@@ -120,30 +88,13 @@ fn read_file(path: &Path, defaults: &Defaults) -> Result<GivenScene> {
             scene.entry("structure").or_insert_with(|| json!({ "benchmark": name }));
         }
     };
-    Ok(GivenScene {
-        // The error of a scene that cannot be read comes first.
-        scene: Scene::read_filled(path, &BENCHMARKS, &fill)?,
-        source: Input::of_file(InputRole::Scene, path)?,
-    })
-}
-
-/// The scene of a benchmark's name, `NAME` or `NAME/SCENE`.
-fn of_benchmark(name: &str) -> Result<GivenScene> {
-    let (benchmark, scene) = match name.split_once('/') {
-        Some((benchmark, scene)) => (benchmark, Some(scene)),
-        None => (name, None),
-    };
-    let known = find_benchmark(benchmark).ok_or_else(|| {
-        let names: Vec<&str> = BENCHMARKS.iter().map(|known| known.name()).collect();
-        anyhow!("there is no benchmark `{benchmark}`; there are {}", names.join(", "))
-    })?;
-    let (name, text) = benchmarks::scene_text(known, scene).map_err(|reason| anyhow!(reason))?;
-    GivenScene::built_in(name, text)
+    Ok(GivenScene::of_file(path, &fill)?)
 }
 
 /// The scene of a benchmark on its coarse mesh, which takes seconds.
 pub(super) fn coarse(benchmark: &'static dyn Benchmark) -> Result<GivenScene> {
-    of_benchmark(&format!("{}/{}-quick", benchmark.name(), benchmark.short_name()))
+    let name = format!("{}/{}-quick", benchmark.name(), benchmark.short_name());
+    Ok(GivenScene::of_benchmark(&name)?)
 }
 
 /// What `microslip benchmarks` prints.

@@ -15,6 +15,7 @@ use modal_identification::backbone::Identification;
 use modal_identification::signal::Quantity;
 use reports::Output;
 use reports::{csv, ring_down as ring_down_picture};
+use run_environment::results_of;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -90,7 +91,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     };
     let folder = arguments
         .overwrite
-        .open(&directory, &files::of_scene("transient", &scene), &[REPORT])?;
+        .open(&directory, &results_of("transient", &scene), &[REPORT])?;
     let settings = Settings {
         excitation: match (arguments.impulse, arguments.contact_time) {
             (Some(impulse), Some(duration)) => Excitation::Impact { impulse, duration },

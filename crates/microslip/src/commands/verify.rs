@@ -4,13 +4,13 @@ use super::print;
 use super::run::{ErrorOf, Request};
 use crate::check::{self, Demand};
 use crate::files::is_of_some_run;
-use crate::provenance;
 use anyhow::{Context, Result, bail, ensure};
 use durable_files::Manifest;
 use joint_pipeline::Options;
 use joint_pipeline::results::provenance::{Provenance, arithmetic_fingerprint};
 use joint_pipeline::results::summary::Summary;
 use reports::run::outputs;
+use run_environment::provenance;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

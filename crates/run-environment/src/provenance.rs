@@ -1,8 +1,11 @@
-//! What only the program knows about where its results come from.
+//! What only programs know about where their results come from.
 
-use anyhow::{Context, Result};
+use crate::Error;
 use joint_pipeline::results::provenance::{Input, ProgramBuild, Provenance};
 use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Name of the program, whichever of its faces was used.
+const PROGRAM: &str = "microslip";
 
 /// The commit that the program is built from, if it is known.
 pub fn commit() -> Option<String> {
@@ -11,9 +14,9 @@ pub fn commit() -> Option<String> {
 }
 
 /// The build of this program.
-pub(crate) fn program() -> ProgramBuild {
+pub fn program() -> ProgramBuild {
     ProgramBuild {
-        name: env!("CARGO_PKG_NAME").to_owned(),
+        name: PROGRAM.to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         commit: commit(),
     }
@@ -23,18 +26,18 @@ pub(crate) fn program() -> ProgramBuild {
 /// set.
 ///
 /// # Errors
-/// The variable is no number of seconds; the working directory is gone.
-pub(crate) fn of(inputs: Vec<Input>) -> Result<Provenance> {
+/// [`Error::Date`] if the variable is no number of seconds; [`Error::WorkingDirectory`].
+pub fn of(inputs: Vec<Input>) -> Result<Provenance, Error> {
     let seconds = match std::env::var("SOURCE_DATE_EPOCH") {
-        Ok(text) => text
-            .trim()
-            .parse()
-            .with_context(|| format!("SOURCE_DATE_EPOCH = `{text}` is no whole number of seconds since 1970"))?,
+        Ok(text) => match text.trim().parse() {
+            Ok(seconds) => seconds,
+            Err(source) => return Err(Error::Date { text, source }),
+        },
         Err(_) => SystemTime::now()
             .duration_since(UNIX_EPOCH)
             .map_or(0, |since| since.as_secs()),
     };
-    let directory = std::env::current_dir().context("finding the working directory")?;
+    let directory = std::env::current_dir().map_err(Error::WorkingDirectory)?;
     let command = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
     Ok(Provenance::new(
         program(),

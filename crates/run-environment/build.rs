@@ -1,4 +1,4 @@
-//! Tells the program the commit that it is built from, as `MICROSLIP_COMMIT`; empty if that is not known.
+//! Tells the library the commit that it is built from, as `MICROSLIP_COMMIT`; empty if that is not known.
 
 use std::path::Path;
 use std::process::Command;
@@ -20,13 +20,15 @@ fn packaged() -> Option<String> {
 /// The commit of the checkout that this is a part of, if there is one and the program `git` is there.
 fn checked_out() -> Option<String> {
     // A copy within somebody else's repository is not of its commit.
-    if git(&["rev-parse", "--show-prefix"])? != "crates/microslip/" || git(&["ls-files", "Cargo.toml"])?.is_empty() {
+    if git(&["rev-parse", "--show-prefix"])? != "crates/run-environment/"
+        || git(&["ls-files", "Cargo.toml"])?.is_empty()
+    {
         return None;
     }
     let commit = git(&["rev-parse", "HEAD"])?;
     let sources = ["--", "..", "../../Cargo.lock"];
     let changes = git(&[&["status", "--porcelain", "--untracked-files=no"][..], &sources].concat())?;
-    // Every commit is appended to the log of HEAD, and whatever changes a source compiles the program anew anyway.
+    // Every commit is appended to the log of HEAD, and whatever changes a source compiles programs anew anyway.
     let log = git(&["rev-parse", "--git-path", "logs/HEAD"])?;
     if Path::new(&log).exists() {
         println!("cargo::rerun-if-changed={log}");

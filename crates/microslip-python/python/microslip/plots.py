@@ -1,0 +1,57 @@
+"""Pictures of results, by matplotlib."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from microslip.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from microslip.results import Backbone, MethodBackbone, Run
+
+_AMPLITUDES = {
+    "response_displacement": "displacement amplitude (m)",
+    "response_acceleration": "acceleration amplitude (m/s$^2$)",
+    "modal_amplitude": "modal amplitude (kg$^{1/2}$ m)",
+}
+_MARKERS = {"cqsma": "o", "epmc": "s", "masing": "^", "rqnma": "v", "qsma": "D", "qsma-twice": "d"}
+
+
+def backbones(run: Run, amplitude: str) -> Figure:
+    """Frequency above damping against amplitude, see :meth:`microslip.Run.plot`."""
+    if amplitude not in _AMPLITUDES:
+        remedy = f"it must be one of {', '.join(_AMPLITUDES)}"
+        raise InputError(f"there is no amplitude {amplitude!r}; {remedy}", field="amplitude", value=amplitude, remedy=remedy)
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise ImportError("plot needs matplotlib; install it by `pip install microslip[plot]`") from error
+    # Not by pyplot, which would keep the figure and choose a window.
+    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    for mode in run.modes:
+        tables: dict[str, Backbone | MethodBackbone] = {"cqsma": mode.backbone, **mode.methods}
+        for method, table in tables.items():
+            at = getattr(table, amplitude, None)
+            if at is None or not np.isfinite(at).any():
+                continue
+            label = f"mode {mode.number}, {method.upper()}" if len(run.modes) > 1 else method.upper()
+            style = {"marker": _MARKERS.get(method, "."), "markersize": 4, "linewidth": 1.2, "label": label}
+            above.plot(at, table.frequency_hz, **style)
+            below.plot(at, table.damping_ratio, **style)
+    above.set_xscale("log")
+    below.set_yscale("log")
+    above.set_ylabel("frequency (Hz)")
+    below.set_ylabel("damping ratio (-)")
+    below.set_xlabel(_AMPLITUDES[amplitude])
+    above.set_title(run.scene.name)
+    for axes in (above, below):
+        axes.grid(visible=True, which="major", linewidth=0.5)
+        axes.grid(visible=True, which="minor", linewidth=0.25, alpha=0.5)
+    if above.lines and (len(above.lines) > 1):
+        above.legend(frameon=False)
+    return figure

@@ -1,0 +1,175 @@
+//! Errors of the libraries as exceptions of `microslip.errors`.
+
+use joint_pipeline::Error as PipelineError;
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict};
+use run_environment::with_causes;
+use std::path::{Path, PathBuf};
+
+/// An exception to be raised.
+#[derive(Debug, Default)]
+pub(crate) struct Exception {
+    /// Name of its class in `microslip.errors`.
+    class: &'static str,
+    message: String,
+    field: Option<String>,
+    value: Option<Value>,
+    unit: Option<String>,
+    remedy: Option<String>,
+    path: Option<PathBuf>,
+    history: Vec<f64>,
+}
+
+#[derive(Debug)]
+enum Value {
+    Number(f64),
+    Text(String),
+}
+
+/// An argument that cannot be what it is meant for.
+pub(crate) fn input(message: impl Into<String>) -> Exception {
+    Exception {
+        class: "InputError",
+        message: message.into(),
+        ..Exception::default()
+    }
+}
+
+impl Exception {
+    /// With the argument that is wrong, and what would be accepted.
+    pub(crate) fn of(self, argument: &str, remedy: &str) -> Self {
+        Self {
+            field: Some(argument.into()),
+            remedy: Some(remedy.into()),
+            ..self
+        }
+    }
+
+    fn file(error: &dyn std::error::Error, path: Option<&Path>) -> Self {
+        // Messages are written for users of the program; here its options are arguments.
+        let message = with_causes(error)
+            .replace("pass --overwrite", "pass overwrite=True")
+            .replace("with --overwrite", "with overwrite=True")
+            .replace("with --out", "with `out`");
+        Self {
+            class: "FileError",
+            remedy: message.split_once("; ").map(|(_, remedy)| remedy.to_owned()),
+            message,
+            path: path.map(Path::to_owned),
+            ..Self::default()
+        }
+    }
+}
+
+impl From<PipelineError> for Exception {
+    fn from(error: PipelineError) -> Self {
+        use PipelineError as E;
+        let class = match &error {
+            E::InputFile(source) => return source.into(),
+            E::Store(source) => return source.into(),
+            E::File { path, .. } | E::InputChanged { path, .. } => return Self::file(&error, Some(path)),
+            E::MatrixFile(_) | E::ScanFile(_) => return Self::file(&error, None),
+            E::Prestress { .. } | E::Transient { .. } | E::Unbalanced { .. } | E::NothingInContact => {
+                "ConvergenceError"
+            }
+            E::Reduction(_) | E::Solver(_) | E::Periodic(_) => "SolverError",
+            _ => "SceneError",
+        };
+        let value = error.value();
+        Self {
+            class,
+            message: with_causes(&error),
+            field: error.field().map(str::to_owned),
+            value: value.map(|(value, _)| Value::Number(value)),
+            unit: value.and_then(|(_, unit)| (!unit.is_empty()).then(|| unit.to_owned())),
+            remedy: error.remedy(),
+            path: None,
+            history: match error {
+                E::Prestress { history, .. } | E::Transient { history, .. } => history,
+                _ => Vec::new(),
+            },
+        }
+    }
+}
+
+impl From<&input_files::Error> for Exception {
+    fn from(error: &input_files::Error) -> Self {
+        Self::file(error, Some(error.path()))
+    }
+}
+
+impl From<&durable_files::Error> for Exception {
+    fn from(error: &durable_files::Error) -> Self {
+        Self::file(error, Some(error.path()))
+    }
+}
+
+impl From<durable_files::Error> for Exception {
+    fn from(error: durable_files::Error) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<run_environment::Error> for Exception {
+    fn from(error: run_environment::Error) -> Self {
+        use run_environment::Error as E;
+        let message = with_causes(&error);
+        match error {
+            E::Scene(source) => source.into(),
+            E::NoBenchmark { name, known } | E::NoScene { name, known, .. } => Self {
+                class: "SceneError",
+                message,
+                field: Some("structure.benchmark".into()),
+                value: Some(Value::Text(name)),
+                remedy: Some(format!("it must be one of {known}")),
+                ..Self::default()
+            },
+            E::Date { text, .. } => Self {
+                value: Some(Value::Text(text)),
+                ..input(message).of("SOURCE_DATE_EPOCH", "it must be whole seconds since 1970, or unset")
+            },
+            _ => Self::file(&error, None),
+        }
+    }
+}
+
+impl From<reports::Error> for Exception {
+    fn from(error: reports::Error) -> Self {
+        Self::file(&error, None)
+    }
+}
+
+impl From<serde_json::Error> for Exception {
+    fn from(error: serde_json::Error) -> Self {
+        input(error.to_string())
+    }
+}
+
+impl From<Exception> for PyErr {
+    fn from(exception: Exception) -> Self {
+        Python::attach(|py| exception.raised(py).map_or_else(|error| error, PyErr::from_value))
+    }
+}
+
+impl Exception {
+    fn raised(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        let class = py.import("microslip.errors")?.getattr(self.class)?;
+        let value = match self.value {
+            None => None,
+            Some(Value::Number(number)) => Some(number.into_bound_py_any(py)?),
+            Some(Value::Text(text)) => Some(text.into_bound_py_any(py)?),
+        };
+        let path = self.path.map(|path| path.display().to_string());
+        let attributes: Bound<'_, PyDict> = [
+            ("field", self.field.into_bound_py_any(py)?),
+            ("value", value.into_bound_py_any(py)?),
+            ("unit", self.unit.into_bound_py_any(py)?),
+            ("remedy", self.remedy.into_bound_py_any(py)?),
+            ("path", path.into_bound_py_any(py)?),
+            ("history", self.history.into_bound_py_any(py)?),
+        ]
+        .into_py_dict(py)?;
+        class.call((self.message,), Some(&attributes))
+    }
+}

@@ -1,0 +1,243 @@
+//! Runs of scenes.
+
+use crate::error::{Exception, input};
+use crate::scene::Scene;
+use crate::work::{Monitor, pool, supervise};
+use contact_laws::Regime;
+use durable_files::Folder;
+use joint_pipeline::analysis::Fields;
+use joint_pipeline::results::summary::Summary;
+use joint_pipeline::{Options, Run as PipelineRun};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use reports::run::{SUMMARY, outputs};
+use run_environment::{GivenScene, peak_memory, provenance, results_of, user_cache};
+use std::path::{Path, PathBuf};
+
+/// Files that every run writes.
+const FILES: [&str; 3] = [SUMMARY, "report.html", "backbone.csv"];
+
+/// A finished run.
+#[pyclass(frozen, module = "microslip._native")]
+pub(crate) struct Run {
+    run: PipelineRun,
+    summary: Summary,
+}
+
+/// Numbers in rows of `N`.
+type Rows<'py> = Bound<'py, PyArray2<f64>>;
+
+/// Geometry: positions of nodes in the plane and in the model, nodes of elements padded by -1, positions of points in the plane and in
+/// the model, their areas, their elements, their gaps, the frame, and the frames of the nodes.
+type Geometry<'py> = (
+    Rows<'py>,
+    Option<Rows<'py>>,
+    Bound<'py, PyArray2<i64>>,
+    Rows<'py>,
+    Option<Rows<'py>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i64>>,
+    Option<Bound<'py, PyArray1<f64>>>,
+    Rows<'py>,
+    Option<Bound<'py, PyArray3<f64>>>,
+);
+
+/// At the points: jump, traction, regime and flux.
+type PointFields<'py> = (Rows<'py>, Rows<'py>, Bound<'py, PyArray1<u8>>, Rows<'py>);
+
+#[pymethods]
+impl Run {
+    /// The summary as JSON.
+    fn summary(&self) -> Result<String, Exception> {
+        Ok(serde_json::to_string(&self.summary)?)
+    }
+
+    /// The interface: nodes in its plane and in the model, nodes of elements, points in its plane and in the model, their areas, elements
+    /// and gaps, the frame and the frames of the nodes.
+    #[pyo3(signature = () -> "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None, numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64] | None, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None]")]
+    fn geometry<'py>(&self, py: Python<'py>) -> PyResult<Geometry<'py>> {
+        let (run, operators) = (&self.run, self.run.interface.operators());
+        let longest = run.mesh.elements.iter().map(|e| e.nodes().len()).max().unwrap_or(0);
+        let mut elements = Vec::with_capacity(longest * run.mesh.elements.len());
+        for element in &run.mesh.elements {
+            let nodes = element.nodes().iter().map(|node| i64::from(*node));
+            elements.extend(nodes.chain(std::iter::repeat(-1)).take(longest));
+        }
+        let mut of_point = Vec::with_capacity(operators.n_points());
+        for element in 0..operators.n_elements() {
+            let points = operators.first_point[element]..operators.first_point[element + 1];
+            of_point.extend(points.map(|_| element as i64));
+        }
+        let frames = run.node_frames.as_flattened().as_flattened();
+        Ok((
+            rows(py, &run.mesh.nodes)?,
+            run.positions.as_deref().map(|all| rows(py, all)).transpose()?,
+            PyArray1::from_vec(py, elements).reshape([run.mesh.elements.len(), longest])?,
+            rows(py, &operators.positions)?,
+            reports::fields::point_positions(run)
+                .map(|all| rows(py, &all))
+                .transpose()?,
+            PyArray1::from_slice(py, &operators.weights),
+            PyArray1::from_vec(py, of_point),
+            run.interface.gap().map(|gap| PyArray1::from_slice(py, gap)),
+            rows(py, &run.frame)?,
+            match frames {
+                [] => None,
+                _ => Some(PyArray1::from_slice(py, frames).reshape([run.node_frames.len(), 3, 3])?),
+            },
+        ))
+    }
+
+    /// Fields of the static state: jump, traction, regime, flux.
+    #[pyo3(signature = () -> "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.float64]]")]
+    fn prestress<'py>(&self, py: Python<'py>) -> PyResult<PointFields<'py>> {
+        of_points(py, &self.run.prestress.fields)
+    }
+
+    /// Per mode followed, the amplitudes of which fields were stored: their numbers from 1, and the fields as in `prestress`.
+    #[pyo3(signature = () -> "list[list[tuple[int, tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.float64]]]]]")]
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Vec<Vec<(usize, PointFields<'py>)>>> {
+        let of_mode = |mode: &joint_pipeline::analysis::ModeBackbone| {
+            let stored = (1..).zip(&mode.amplitudes).filter_map(|(number, amplitude)| {
+                let fields = amplitude.fields.as_ref()?.fields.as_ref()?;
+                Some((number, fields))
+            });
+            stored
+                .map(|(number, fields)| Ok((number, of_points(py, fields)?)))
+                .collect()
+        };
+        self.run.backbones.iter().map(of_mode).collect()
+    }
+
+    /// Writes the files of the run into a folder.
+    #[pyo3(signature = (directory: "str", overwrite: "bool"))]
+    fn save(&self, py: Python<'_>, directory: PathBuf, overwrite: bool) -> Result<(), Exception> {
+        py.detach(|| publish(open(&directory, &self.run.scene, overwrite)?, &self.run, &self.summary))
+    }
+}
+
+/// Runs a scene.
+///
+/// `cache` is a folder, `True` for that of the user, or `False` for none.
+#[pyfunction]
+#[pyo3(signature = (
+    scene: "Scene",
+    progress: "collections.abc.Callable[[str, float], object] | None",
+    threads: "int | None",
+    cache: "bool | str",
+    ensemble: "int | None",
+    out: "str | None",
+    overwrite: "bool"
+) -> "Run")]
+pub(crate) fn run(
+    py: Python<'_>,
+    scene: Py<Scene>,
+    progress: Option<Py<PyAny>>,
+    threads: Option<usize>,
+    cache: Cache,
+    ensemble: Option<usize>,
+    out: Option<PathBuf>,
+    overwrite: bool,
+) -> PyResult<Run> {
+    if ensemble.is_some_and(|k| !(1..=10_000).contains(&k)) {
+        const RANGE: &str = "it must be from 1 to 10000, or None for no ensemble";
+        let given = ensemble.unwrap_or_default();
+        let refusal = input(format!("ensemble = {given} is not admissible; {RANGE}"));
+        return Err(refusal.of("ensemble", RANGE).into());
+    }
+    let given = &scene.get().0;
+    let options = Options {
+        cache: match cache {
+            Cache::OfUser(true) => user_cache(),
+            Cache::OfUser(false) => None,
+            Cache::Folder(folder) => Some(folder),
+        },
+        build: provenance::commit(),
+    };
+    let pool = pool(threads)?;
+    // Before the computation: it would be a pity to find out only afterwards.
+    let folder = match &out {
+        Some(directory) => Some(open(directory, &given.scene, overwrite)?),
+        None => None,
+    };
+    let done = supervise(py, &pool, progress.as_ref(), |monitor| {
+        compute(given, &options, ensemble, folder, monitor)
+    })?;
+    let run = done?;
+    run.run.checkpoints.remove();
+    Ok(run)
+}
+
+/// Where reduced models and finished amplitudes are kept.
+#[derive(FromPyObject)]
+pub(crate) enum Cache {
+    /// The user's, or none.
+    OfUser(bool),
+    /// A folder.
+    Folder(PathBuf),
+}
+
+fn compute(
+    given: &GivenScene,
+    options: &Options,
+    ensemble: Option<usize>,
+    folder: Option<Folder>,
+    monitor: &Monitor<'_>,
+) -> Result<Run, Exception> {
+    let provenance = provenance::of(given.inputs()?)?;
+    let (run, ensemble) = match ensemble {
+        None => (joint_pipeline::run(&given.scene, options, monitor)?, None),
+        Some(k) => {
+            let (run, ensemble) = joint_pipeline::run_ensemble(&given.scene, k, options, monitor)?;
+            (run, Some(ensemble))
+        }
+    };
+    let mut summary = Summary::new(&run, monitor.times.seconds(), peak_memory());
+    summary.ensemble = ensemble;
+    // What was hashed before must be what was read since.
+    let here = Path::new(&provenance.working_directory);
+    provenance.inputs.iter().try_for_each(|input| input.check(here))?;
+    summary.provenance = Some(provenance);
+    let run = run.without_matrices();
+    if let Some(folder) = folder {
+        publish(folder, &run, &summary)?;
+    }
+    Ok(Run { run, summary })
+}
+
+/// Takes hold of a folder for the results of a scene.
+fn open(directory: &Path, scene: &joint_pipeline::Scene, overwrite: bool) -> Result<Folder, Exception> {
+    let folder = Folder::open(directory, &results_of("run", scene), overwrite)?;
+    folder.expect(FILES)?;
+    Ok(folder)
+}
+
+fn publish(folder: Folder, run: &PipelineRun, summary: &Summary) -> Result<(), Exception> {
+    let outputs = outputs(run, summary)?;
+    let files: Vec<(&str, &[u8])> = outputs.iter().map(|o| (o.name.as_str(), &o.contents[..])).collect();
+    Ok(folder.publish(&files)?)
+}
+
+/// An array of rows.
+fn rows<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> PyResult<Rows<'py>> {
+    PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
+}
+
+fn of_points<'py>(py: Python<'py>, fields: &Fields) -> PyResult<PointFields<'py>> {
+    let together = |[x, y, n]: &[Vec<f64>; 3]| {
+        let values: Vec<f64> = x.iter().zip(y).zip(n).flat_map(|((x, y), n)| [*x, *y, *n]).collect();
+        PyArray1::from_vec(py, values).reshape([x.len(), 3])
+    };
+    let regime = fields.regime.iter().map(|regime| match regime {
+        Regime::Stick => 0,
+        Regime::Slip => 1,
+        Regime::Open => 2,
+        Regime::Invalid => 3,
+    });
+    Ok((
+        together(&fields.jump)?,
+        together(&fields.traction)?,
+        PyArray1::from_vec(py, regime.collect()),
+        together(&fields.flux)?,
+    ))
+}

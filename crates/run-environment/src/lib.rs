@@ -1,0 +1,16 @@
+#![doc = include_str!("../README.md")]
+
+pub mod benchmarks;
+mod error;
+mod folders;
+mod given_scene;
+mod memory;
+pub mod provenance;
+mod stage_times;
+
+pub use benchmarks::BENCHMARKS;
+pub use error::{Error, with_causes};
+pub use folders::{results_of, user_cache};
+pub use given_scene::GivenScene;
+pub use memory::{forget_peak_memory, peak_memory};
+pub use stage_times::StageTimes;
