@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import doctest
 import inspect
+import os
 import pkgutil
 import re
 import subprocess
@@ -39,6 +41,19 @@ def test_every_public_name_has_a_description_with_an_example(name: str) -> None:
     text = inspect.getdoc(public()[name]) or ""
     assert len(text.splitlines()[0]) > 10 if text else False, f"{name} has no description"
     assert ">>> " in text, f"{name} has no example"
+
+
+EXAMPLES = {
+    test.name: test for name in MODULES for test in doctest.DocTestFinder().find(import_module(name)) if test.examples
+}
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_examples_run(name: str) -> None:
+    said: list[str] = []
+    runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
+    result = runner.run(EXAMPLES[name], out=said.append)
+    assert result.attempted and not result.failed, "".join(said)
 
 
 def test_every_public_name_is_exported_once() -> None:
@@ -94,8 +109,22 @@ def test_the_command_that_scripts_use(quick_run: microslip.Run) -> None:
     assert (float(first), float(last)) == (backbone[0]["frequency_hz"], backbone[-1]["damping_ratio"])
 
 
-@pytest.mark.parametrize("arguments", [["mypy", "--strict", "-p", "microslip"], ["mypy.stubtest", "microslip._native"]])
-def test_types_are_as_declared(arguments: list[str]) -> None:
+CONFIGURATION = str(HERE.parent / "pyproject.toml")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["mypy", "--config-file", CONFIGURATION, "-p", "microslip"],
+        ["mypy.stubtest", "microslip._native", "--mypy-config-file", CONFIGURATION],
+    ],
+    ids=["mypy", "stubtest"],
+)
+def test_types_are_as_declared(arguments: list[str], tmp_path: Path) -> None:
     pytest.importorskip("mypy")
-    done = subprocess.run([sys.executable, "-m", *arguments], cwd=HERE, capture_output=True, text=True)
+    # Where the package is not installed but lies in a folder, types are looked for there.
+    place = Path(microslip.__file__).parents[1]
+    environment = dict(os.environ) if place.name == "site-packages" else {**os.environ, "MYPYPATH": str(place)}
+    command = [sys.executable, "-m", *arguments]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -47,9 +47,9 @@ class Scene:
     0.3
     """
 
-    __slots__ = ("_native", "_state")
+    __slots__ = ("_handle", "_state")
 
-    _native: _native.Scene
+    _handle: _native.Scene
     _state: tuple[str, str]
 
     def __init__(self, native: _native.Scene) -> None:
@@ -58,7 +58,7 @@ class Scene:
                 "a scene is made by Scene.from_file, Scene.from_dict, Scene.from_json or Scene.benchmark",
                 remedy="call one of Scene.from_file, Scene.from_dict, Scene.from_json and Scene.benchmark",
             )
-        self._native = native
+        self._handle = native
         self._state = native.state()
 
     @classmethod
@@ -178,7 +178,7 @@ class Scene:
         >>> microslip.Scene.benchmark("brake-reuss-beam/brb-quick").name
         'brb-quick'
         """
-        return self._native.name
+        return self._handle.name
 
     def to_dict(self) -> dict[str, Any]:
         """All fields with all defaults, in SI.
