@@ -41,6 +41,42 @@ fn on_deck() -> Value {
 }
 
 #[test]
+fn errors_give_field_value_and_remedy_beside_their_message() {
+    let on_beam = |rest: Value| {
+        let mut scene = json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" } });
+        scene.as_object_mut().unwrap().extend(rest.as_object().unwrap().clone());
+        read(&scene).unwrap_err()
+    };
+    let value = on_beam(json!({ "cqsma": { "amplitude_from": -1.0 } }));
+    assert_eq!(value.field(), Some("cqsma.amplitude_from"));
+    assert_eq!(value.value(), Some((-1.0, "m")));
+    assert_eq!(value.remedy().unwrap(), "it must be positive and finite");
+    for (wrong, field) in [
+        (json!({ "units": { "length": "ell" } }), "units.length"),
+        (json!({ "bolts": { "load": "12 parsec" } }), "bolts.load"),
+        (json!({ "bolts": [12e3] }), "bolts"),
+        (json!({ "structure": { "benchmark": "none" } }), "structure.benchmark"),
+        (json!({ "accuracy": { "damping": 1e-9 } }), "accuracy"),
+    ] {
+        let error = on_beam(wrong);
+        assert_eq!((error.field(), error.value()), (Some(field), None), "{error}");
+    }
+    let idle = on_beam(json!({ "epmc": {} }));
+    assert_eq!(idle.field(), Some("epmc"));
+    assert_eq!(idle.remedy().unwrap(), "leave one of them out");
+    let mut scene = on_deck();
+    scene.as_object_mut().unwrap().remove("mu");
+    assert_eq!(read(&scene).unwrap_err().field(), Some("mu"));
+    assert_eq!(read(&json!([])).unwrap_err().field(), Some("units"));
+    assert_eq!(
+        Scene::from_json("{", "scene.json", "scene", &BENCHMARKS)
+            .unwrap_err()
+            .field(),
+        None
+    );
+}
+
+#[test]
 fn what_a_deck_does_not_say_is_asked_for_with_a_line_to_add() {
     read(&on_deck()).unwrap();
     for (path, name) in [

@@ -1,8 +1,8 @@
 //! Runs of scenes.
 
-use crate::error::{Exception, input};
+use crate::error::Exception;
 use crate::scene::Scene;
-use crate::work::{Monitor, pool, supervise};
+use crate::work::{Monitor, pool, supervise, within};
 use contact_laws::Regime;
 use durable_files::Folder;
 use joint_pipeline::analysis::Fields;
@@ -133,18 +133,14 @@ pub(crate) fn run(
     py: Python<'_>,
     scene: Py<Scene>,
     progress: Option<Py<PyAny>>,
-    threads: Option<usize>,
+    threads: Option<i64>,
     cache: Cache,
-    ensemble: Option<usize>,
+    ensemble: Option<i64>,
     out: Option<PathBuf>,
     overwrite: bool,
 ) -> PyResult<Run> {
-    if ensemble.is_some_and(|k| !(1..=10_000).contains(&k)) {
-        const RANGE: &str = "it must be from 1 to 10000, or None for no ensemble";
-        let given = ensemble.unwrap_or_default();
-        let refusal = input(format!("ensemble = {given} is not admissible; {RANGE}"));
-        return Err(refusal.of("ensemble", RANGE).into());
-    }
+    let range = "it must be from 1 to 10000, or None for no ensemble";
+    let ensemble = within("ensemble", ensemble, 10_000, range)?;
     let given = &scene.get().0;
     let options = Options {
         cache: match cache {

@@ -18,6 +18,10 @@ const SIGNALS: Duration = Duration::from_millis(50);
 /// Pools of a process by their number of threads; zero stands for one per processor.
 type Pools = BTreeMap<usize, Arc<ThreadPool>>;
 
+/// Memory of the stack of each thread (bytes), which the system gives as it is used. What a program does in its main thread is done
+/// by one of the pool here.
+const STACK: usize = 16 << 20;
+
 /// The pools and the process that they belong to: the child of a fork has none of its parent's threads.
 static POOLS: Mutex<(u32, Pools)> = Mutex::new((0, Pools::new()));
 
@@ -25,13 +29,9 @@ static POOLS: Mutex<(u32, Pools)> = Mutex::new((0, Pools::new()));
 ///
 /// # Errors
 /// `InputError` for a number out of range, or of threads that the system does not give.
-pub(crate) fn pool(threads: Option<usize>) -> Result<Arc<ThreadPool>, Exception> {
+pub(crate) fn pool(threads: Option<i64>) -> Result<Arc<ThreadPool>, Exception> {
     const RANGE: &str = "it must be from 1 to 1024, or None for one per processor";
-    if threads.is_some_and(|threads| !(1..=1024).contains(&threads)) {
-        let given = threads.unwrap_or_default();
-        return Err(input(format!("threads = {given} is not admissible; {RANGE}")).of("threads", RANGE));
-    }
-    let number = threads.unwrap_or(0);
+    let number = within("threads", threads, 1024, RANGE)?.unwrap_or(0);
     let mut held = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let process = std::process::id();
     if held.0 != process {
@@ -41,10 +41,22 @@ pub(crate) fn pool(threads: Option<usize>) -> Result<Arc<ThreadPool>, Exception>
     if let Some(pool) = held.1.get(&number) {
         return Ok(Arc::clone(pool));
     }
-    let pool = ThreadPoolBuilder::new().num_threads(number).build();
+    let pool = ThreadPoolBuilder::new().num_threads(number).stack_size(STACK).build();
     let pool = Arc::new(pool.map_err(|error| input(format!("starting the threads: {error}")).of("threads", RANGE))?);
     held.1.insert(number, Arc::clone(&pool));
     Ok(pool)
+}
+
+/// An argument that counts something, from 1 to `most`; `range` says so in words.
+///
+/// # Errors
+/// `InputError`.
+pub(crate) fn within(argument: &str, given: Option<i64>, most: usize, range: &str) -> Result<Option<usize>, Exception> {
+    let Some(given) = given else { return Ok(None) };
+    match usize::try_from(given) {
+        Ok(number) if (1..=most).contains(&number) => Ok(Some(number)),
+        _ => Err(input(format!("{argument} = {given} is not admissible; {range}")).of(argument, range)),
+    }
 }
 
 /// A part of a stage that is done, from 0 to 1.

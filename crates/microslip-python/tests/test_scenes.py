@@ -59,7 +59,7 @@ def test_wrong_scenes_name_field_value_and_remedy(
 
 def test_wrong_arguments_are_input_errors(beam_file: Path, tmp_path: Path) -> None:
     scene = microslip.Scene.from_file(beam_file)
-    for arguments, field in [({"threads": 0}, "threads"), ({"threads": 5000}, "threads"), ({"ensemble": 0}, "ensemble"), ({"progress": 3}, "progress")]:
+    for arguments, field in [({"threads": 0}, "threads"), ({"threads": -1}, "threads"), ({"threads": 5000}, "threads"), ({"ensemble": 0}, "ensemble"), ({"progress": 3}, "progress")]:
         with pytest.raises(microslip.InputError) as caught:
             microslip.run(scene, **arguments)
         assert caught.value.field == field and caught.value.message
@@ -96,13 +96,25 @@ def test_files_that_cannot_be_used_are_file_errors(tmp_path: Path, beam_file: Pa
         microslip.load(tmp_path / "nowhere")
 
 
-def test_a_prestress_that_does_not_exist_is_a_convergence_error(beam_file: Path) -> None:
-    scene = microslip.Scene.from_file(beam_file)
-    sets = scene.to_dict()["surface"]["parameters"]["sets"]
-    for one in sets:
-        one["curves"]["elastic"]["normal_stiffness"] = 1e-3
-    with pytest.raises((microslip.ConvergenceError, microslip.SceneError)):
-        microslip.run(scene.replace({"surface.parameters.sets": sets}), cache=False)
+def test_a_prestress_that_does_not_exist_is_a_convergence_error(tmp_path: Path) -> None:
+    # Nothing holds a node without stiffness against its preload.
+    np.savez(tmp_path / "beam.npz", K=np.diag([1e4, 1e4, 0.0]), M=np.eye(3), dofs=np.array([[10, 1], [10, 2], [10, 3]]))
+    fields = copy.deepcopy(beam.SCENE)
+    fields["structure"]["matrices"]["points"] = [{"node": 10}]
+    del fields["surface"]["parameters"]["sets"][1]
+    with pytest.raises(microslip.ConvergenceError, match="nothing is in contact") as caught:
+        microslip.run(microslip.Scene.from_dict(fields, tmp_path), cache=False)
+    assert caught.value.remedy == "give a structure that does, or bolts with a load"
+    assert isinstance(caught.value, ArithmeticError)
+
+
+def test_matrices_that_cannot_be_solved_are_a_solver_error(tmp_path: Path) -> None:
+    np.savez(tmp_path / "beam.npz", K=np.diag([1e4, 1e4, 1e-6]), M=np.eye(3), dofs=np.array([[10, 1], [10, 2], [10, 3]]))
+    fields = copy.deepcopy(beam.SCENE)
+    fields["structure"]["matrices"]["points"] = [{"node": 10}]
+    del fields["surface"]["parameters"]["sets"][1]
+    with pytest.raises(microslip.SolverError):
+        microslip.run(microslip.Scene.from_dict(fields, tmp_path), cache=False)
 
 
 @pytest.mark.parametrize("path", sorted((REPOSITORY / "fixtures" / "scenes").glob("*.json")), ids=lambda path: path.stem)

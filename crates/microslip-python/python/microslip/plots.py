@@ -18,6 +18,7 @@ _AMPLITUDES = {
     "response_acceleration": "acceleration amplitude (m/s$^2$)",
     "modal_amplitude": "modal amplitude (kg$^{1/2}$ m)",
 }
+_NAMES = {"masing": "Masing", "qsma-twice": "QSMA, twice"}
 _MARKERS = {"cqsma": "o", "epmc": "s", "masing": "^", "rqnma": "v", "qsma": "D", "qsma-twice": "d"}
 
 
@@ -39,10 +40,13 @@ def backbones(run: Run, amplitude: str) -> Figure:
             at = getattr(table, amplitude, None)
             if at is None or not np.isfinite(at).any():
                 continue
-            label = f"mode {mode.number}, {method.upper()}" if len(run.modes) > 1 else method.upper()
+            name = _NAMES.get(method, method.upper())
+            label = f"mode {mode.number}, {name}" if len(run.modes) > 1 else name
+            # Zero has no place on a logarithmic axis.
+            damping = np.where(table.damping_ratio > 0.0, table.damping_ratio, np.nan)
             style = {"marker": _MARKERS.get(method, "."), "markersize": 4, "linewidth": 1.2, "label": label}
             above.plot(at, table.frequency_hz, **style)
-            below.plot(at, table.damping_ratio, **style)
+            below.plot(at, damping, **style)
     above.set_xscale("log")
     below.set_yscale("log")
     above.set_ylabel("frequency (Hz)")
@@ -52,6 +56,6 @@ def backbones(run: Run, amplitude: str) -> Figure:
     for axes in (above, below):
         axes.grid(visible=True, which="major", linewidth=0.5)
         axes.grid(visible=True, which="minor", linewidth=0.25, alpha=0.5)
-    if above.lines and (len(above.lines) > 1):
+    if len(above.lines) > 1:
         above.legend(frameon=False)
     return figure
