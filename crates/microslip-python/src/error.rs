@@ -8,8 +8,11 @@ use run_environment::with_causes;
 use std::path::{Path, PathBuf};
 
 /// An exception to be raised.
+#[derive(Debug)]
+pub(crate) struct Exception(Box<Details>);
+
 #[derive(Debug, Default)]
-pub(crate) struct Exception {
+struct Details {
     /// Name of its class in `microslip.errors`.
     class: &'static str,
     message: String,
@@ -29,21 +32,19 @@ enum Value {
 
 /// An argument that cannot be what it is meant for.
 pub(crate) fn input(message: impl Into<String>) -> Exception {
-    Exception {
+    let details = Details {
         class: "InputError",
         message: message.into(),
-        ..Exception::default()
-    }
+        ..Details::default()
+    };
+    details.into()
 }
 
 impl Exception {
     /// With the argument that is wrong, and what would be accepted.
-    pub(crate) fn of(self, argument: &str, remedy: &str) -> Self {
-        Self {
-            field: Some(argument.into()),
-            remedy: Some(remedy.into()),
-            ..self
-        }
+    pub(crate) fn of(mut self, argument: &str, remedy: &str) -> Self {
+        (self.0.field, self.0.remedy) = (Some(argument.into()), Some(remedy.into()));
+        self
     }
 
     fn file(error: &dyn std::error::Error, path: Option<&Path>) -> Self {
@@ -52,13 +53,20 @@ impl Exception {
             .replace("pass --overwrite", "pass overwrite=True")
             .replace("with --overwrite", "with overwrite=True")
             .replace("with --out", "with `out`");
-        Self {
+        let details = Details {
             class: "FileError",
             remedy: message.split_once("; ").map(|(_, remedy)| remedy.to_owned()),
             message,
             path: path.map(Path::to_owned),
-            ..Self::default()
-        }
+            ..Details::default()
+        };
+        details.into()
+    }
+}
+
+impl From<Details> for Exception {
+    fn from(details: Details) -> Self {
+        Self(Box::new(details))
     }
 }
 
@@ -77,7 +85,7 @@ impl From<PipelineError> for Exception {
             _ => "SceneError",
         };
         let value = error.value();
-        Self {
+        let details = Details {
             class,
             message: with_causes(&error),
             field: error.field().map(str::to_owned),
@@ -89,7 +97,8 @@ impl From<PipelineError> for Exception {
                 E::Prestress { history, .. } | E::Transient { history, .. } => history,
                 _ => Vec::new(),
             },
-        }
+        };
+        details.into()
     }
 }
 
@@ -117,18 +126,23 @@ impl From<run_environment::Error> for Exception {
         let message = with_causes(&error);
         match error {
             E::Scene(source) => source.into(),
-            E::NoBenchmark { name, known } | E::NoScene { name, known, .. } => Self {
-                class: "SceneError",
-                message,
-                field: Some("structure.benchmark".into()),
-                value: Some(Value::Text(name)),
-                remedy: Some(format!("it must be one of {known}")),
-                ..Self::default()
-            },
-            E::Date { text, .. } => Self {
-                value: Some(Value::Text(text)),
-                ..input(message).of("SOURCE_DATE_EPOCH", "it must be whole seconds since 1970, or unset")
-            },
+            E::NoBenchmark { name, known } | E::NoScene { name, known, .. } => {
+                let details = Details {
+                    class: "SceneError",
+                    message,
+                    field: Some("structure.benchmark".into()),
+                    value: Some(Value::Text(name)),
+                    remedy: Some(format!("it must be one of {known}")),
+                    ..Details::default()
+                };
+                details.into()
+            }
+            E::Date { text, .. } => {
+                let mut refusal =
+                    input(message).of("SOURCE_DATE_EPOCH", "it must be whole seconds since 1970, or unset");
+                refusal.0.value = Some(Value::Text(text));
+                refusal
+            }
             _ => Self::file(&error, None),
         }
     }
@@ -148,11 +162,11 @@ impl From<serde_json::Error> for Exception {
 
 impl From<Exception> for PyErr {
     fn from(exception: Exception) -> Self {
-        Python::attach(|py| exception.raised(py).map_or_else(|error| error, PyErr::from_value))
+        Python::attach(|py| exception.0.raised(py).map_or_else(|error| error, PyErr::from_value))
     }
 }
 
-impl Exception {
+impl Details {
     fn raised(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         let class = py.import("microslip.errors")?.getattr(self.class)?;
         let value = match self.value {
