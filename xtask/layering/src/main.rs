@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// Every crate of the workspace with the crates of the workspace it may use, also for its tests.
-const ALLOWED: [(&str, &[&str]); 23] = [
+const ALLOWED: [(&str, &[&str]); 24] = [
     // For tests alone, see `FOR_TESTS`.
     (FOR_TESTS, &[]),
     // Dense kernels that must not depend on units or threads, shared by all that factorise.
