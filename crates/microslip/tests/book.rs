@@ -20,7 +20,8 @@
 //!
 //! `<!-- book: merge PATH JSON -->` needs no block. `BOOK_PAGE=docs/tutorial.md` checks one page alone.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![expect(clippy::print_stdout, reason = "tests say what they skip, and this one what it did")]
 mod common;
 
 use boon::{Compiler, SchemaIndex, Schemas};
