@@ -40,6 +40,16 @@ pub(crate) fn input(message: impl Into<String>) -> Exception {
     details.into()
 }
 
+/// Matrices that a solver cannot work on.
+pub(crate) fn solver(message: impl Into<String>) -> Exception {
+    let details = Details {
+        class: "SolverError",
+        message: message.into(),
+        ..Details::default()
+    };
+    details.into()
+}
+
 impl Exception {
     /// With the argument that is wrong, and what would be accepted.
     pub(crate) fn of(mut self, argument: &str, remedy: &str) -> Self {

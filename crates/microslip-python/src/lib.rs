@@ -2,7 +2,10 @@
 
 #![cfg(feature = "extension")]
 
+mod analyses;
+mod arrays;
 mod error;
+mod laws;
 mod run;
 mod scene;
 mod work;
@@ -14,6 +17,10 @@ use pyo3::prelude::*;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::analyses::{Structure, run_cqsma, run_epmc, run_transient};
+    #[pymodule_export]
+    use crate::laws::{Curves, Law, time_law};
     #[pymodule_export]
     use crate::run::{Run, run};
     #[pymodule_export]

@@ -410,7 +410,10 @@ fn refuse_gap_beyond_the_faces(gap: &[f64], mesh: &InterfaceMesh) -> Result<(), 
 }
 
 /// The rigid approach of the two faces at which the interface carries `load` (N); bisection on a rising function.
-fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
+///
+/// # Errors
+/// [`Error::NoContact`] if a closure of 1 m does not carry it.
+pub fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
     let state = interface.initial_state();
     let mut end = state.clone();
     let mut workspace = interface.workspace();

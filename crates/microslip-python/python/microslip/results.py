@@ -27,7 +27,7 @@ __all__ = [
     "Ensemble",
     "Fields",
     "ForcedResponse",
-    "Interface",
+    "InterfaceMesh",
     "MethodBackbone",
     "Mode",
     "ModelWarning",
@@ -253,7 +253,7 @@ def _table(kind: type[_Table], rows: Sequence[_Row]) -> _Table:
 
 
 @dataclass(frozen=True, eq=False)
-class Interface(_Comparable):
+class InterfaceMesh(_Comparable):
     """Where the points of an interface lie.
 
     Examples
@@ -504,7 +504,7 @@ class Run(_LikeFirstBackbone, _Comparable):
     """What is implausible in the scene or the results."""
     timings: dict[str, float]
     """Seconds per stage, and in total."""
-    _interface: Interface | None = field(default=None)
+    _interface: InterfaceMesh | None = field(default=None)
     _prestress: Fields | None = field(default=None)
     _handle: _native.Run | None = field(default=None, compare=False)
 
@@ -549,7 +549,7 @@ class Run(_LikeFirstBackbone, _Comparable):
         return self.modes[0].fields
 
     @property
-    def interface(self) -> Interface:
+    def interface(self) -> InterfaceMesh:
         """Where the points of the interface lie.
 
         Raises
@@ -851,7 +851,7 @@ def _of_summary(scene: Scene, summary: dict[str, Any], native: _native.Run | Non
         ensemble=None if ensemble is None else _ensemble(ensemble),
         warnings=tuple(ModelWarning(**warning) for warning in summary["warnings"]),
         timings=summary["timings"],
-        _interface=None if native is None else Interface(*native.geometry()),
+        _interface=None if native is None else InterfaceMesh(*native.geometry()),
         _prestress=None if native is None else Fields(*native.prestress()),
         _handle=native,
     )
