@@ -59,8 +59,10 @@ pub enum Error {
         /// What would be accepted.
         requirement: &'static str,
     },
-    /// Mode shapes of a structure without a mesh.
-    #[error("mode shapes need a mesh, and matrices have none; give the structure as a deck or a benchmark")]
+    /// Shapes of a structure without a mesh.
+    #[error(
+        "mode shapes and deformed bodies need a mesh, and matrices have none; give the structure as a mesh, a deck or a benchmark"
+    )]
     NoMesh,
     /// The scene is as fine as the finest measured settings.
     #[error(

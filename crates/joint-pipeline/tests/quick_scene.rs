@@ -7,7 +7,7 @@ use common::{BENCHMARKS, beam};
 use cqsma_solver::{NewtonSettings, prestress};
 use joint_pipeline::analysis::{Prepared, prepare};
 use joint_pipeline::interface::InterfaceForce;
-use joint_pipeline::joint::Bodies;
+use joint_pipeline::joint::{Bodies, Sides};
 use joint_pipeline::progress::{Progress, Silent, Stage};
 use joint_pipeline::results::summary::{Status, Summary};
 use joint_pipeline::scene::{BoltBehaviour, Commit, Gap, LawKind, RefinementLevel, Surface, SyntheticScan};
@@ -346,6 +346,70 @@ fn locked_bolts_leave_the_prestress_alone_and_stiffen_the_vibration() {
     }
     let cached = go(&scene);
     assert_eq!(locked.frequencies, cached.frequencies, "from the cache");
+}
+
+#[test]
+fn faces_of_deformed_bodies_are_apart_by_the_jump() {
+    for behaviour in [BoltBehaviour::DeadLoad, BoltBehaviour::Locked] {
+        let mut scene = quick();
+        scene.bolts.behaviour = behaviour;
+        scene.output.deformed = true;
+        scene.output.fields_at = Some(vec![2, 7]);
+        let run = go(&scene);
+        let structure = Structure::try_new(&scene, &Silent).unwrap();
+        let Bodies::Meshed(bodies) = &structure.joint.bodies else {
+            panic!("the benchmark has bodies");
+        };
+        let Sides::Pairs { top, bottom } = &bodies.sides else {
+            panic!("the meshes of the benchmark match");
+        };
+        let deformed = run.deformed.as_ref().unwrap();
+        assert_eq!(deformed.prestress.len(), bodies.assembly.mesh.nodes.len());
+        let stored: Vec<bool> = deformed.peaks[0].iter().map(Option::is_some).collect();
+        let expected: Vec<bool> = (1..=run.amplitudes().len())
+            .map(|number| [2, 7].contains(&number))
+            .collect();
+        assert_eq!(stored, expected);
+        let peak = |number: usize| {
+            let fields = run.amplitudes()[number - 1].fields.as_ref().unwrap();
+            let jump = fields.displacement.as_deref().unwrap();
+            (jump, deformed.peaks[0][number - 1].as_deref().unwrap())
+        };
+        let at_rest = (
+            run.prestress.solution.displacement.as_slice(),
+            deformed.prestress.as_slice(),
+        );
+        for (jump, displacement) in [at_rest, peak(2), peak(7)] {
+            let (mut error, mut size) = (0.0_f64, 0.0_f64);
+            for (pair, (top, bottom)) in top.iter().zip(bottom).enumerate() {
+                let apart = [0, 1, 2].map(|c| displacement[*top as usize][c] - displacement[*bottom as usize][c]);
+                for (component, direction) in run.frame.iter().enumerate() {
+                    let along: f64 = (0..3).map(|c| apart[c] * direction[c]).sum();
+                    error = error.max((along - jump[3 * pair + component]).abs());
+                    size = size.max(along.abs());
+                }
+            }
+            println!("{behaviour:?}: {error:.1e} of {size:.1e} m");
+            assert!(error < 1e-9 * size, "{error:e} of {size:e}");
+        }
+        // The response from rest to the peak is the amplitude of the loop and what moves beside the mode.
+        let (node, along) = (bodies.response_node as usize, bodies.response_direction);
+        let response = |of: &[[f64; 3]]| (0..3).map(|c| of[node][c] * along[c]).sum::<f64>();
+        for number in [2, 7] {
+            let loop_of = &run.amplitudes()[number - 1];
+            let moved = (response(peak(number).1) - response(&deformed.prestress)).abs();
+            let range = loop_of.fields.as_ref().unwrap().response_motion;
+            assert!((moved / range - 1.0).abs() < 0.1, "{moved:e} {range:e}");
+        }
+    }
+    // Nothing is kept or computed unasked.
+    let run = go(&quick());
+    assert!(run.deformed.is_none());
+    assert!(
+        run.amplitudes()
+            .iter()
+            .all(|a| a.fields.as_ref().is_none_or(|f| f.displacement.is_none()))
+    );
 }
 
 #[test]

@@ -5,8 +5,8 @@ use durable_files::{Folder, Identity};
 use joint_pipeline::scene::read_json;
 use reports::Output;
 use reports::run::{
-    ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC, amplitude_file, harmonics_file, loops_file, picture_file,
-    series_file, table_file,
+    BODIES_PRESTRESS, ELEMENT_LOOPS, ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC, amplitude_file,
+    bodies_file, harmonics_file, loops_file, picture_file, series_file, table_file,
 };
 use serde::de::DeserializeOwned;
 use std::io::Write;
@@ -62,10 +62,21 @@ pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str, what: &str) ->
 }
 
 /// Whether a run of some scene may write a file of this name beside those that every run writes: the fields of an amplitude,
-/// the backbone of a further mode, an ensemble, or periodic motions.
+/// the bodies deformed at it, loops of elements, the backbone of a further mode, an ensemble, or periodic motions.
 pub(crate) fn is_of_some_run(name: &str) -> bool {
     let of_first = [harmonics_file(None), loops_file(None)];
-    if [ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC].contains(&name) || of_first.iter().any(|of| name == of)
+    if [
+        BODIES_PRESTRESS,
+        ELEMENT_LOOPS,
+        ENSEMBLE,
+        EPMC,
+        FORCED,
+        FORCED_PICTURE,
+        LOOPS,
+        PERIODIC,
+    ]
+    .contains(&name)
+        || of_first.iter().any(|of| name == of)
     {
         return true;
     }
@@ -77,7 +88,8 @@ pub(crate) fn is_of_some_run(name: &str) -> bool {
         let of_mode = [table_file, picture_file, series_file, harmonics_file, loops_file].map(|of| of(Some(mode)));
         return of_mode.iter().any(|known| known == name);
     }
-    let Some(rest) = name.strip_prefix("interface-") else {
+    let of_amplitude = ["interface-", "bodies-"].map(|prefix| name.strip_prefix(prefix));
+    let Some(rest) = of_amplitude.into_iter().flatten().next() else {
         return false;
     };
     let (mode, rest) = match rest.strip_prefix("mode-").and_then(|rest| rest.split_once('-')) {
@@ -87,5 +99,9 @@ pub(crate) fn is_of_some_run(name: &str) -> bool {
     let amplitude = rest
         .strip_prefix("amplitude-")
         .and_then(|rest| number(rest.strip_suffix(".vtu")?));
-    amplitude.is_some_and(|amplitude| amplitude_file(mode, amplitude) == name)
+    amplitude.is_some_and(|amplitude| {
+        [amplitude_file, bodies_file]
+            .iter()
+            .any(|of| of(mode, amplitude) == name)
+    })
 }

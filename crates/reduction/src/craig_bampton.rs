@@ -19,6 +19,9 @@ use substructure::sparse::multiply_into;
 /// Columns of the condensed matrices that are found again by solves.
 const N_COMPARED: usize = 8;
 
+/// Largest difference of a quantity that a model recovers from the same quantity of displacements, relative to the terms of its sum.
+const LARGEST_DEVIATION: f64 = 1e-6;
+
 /// What to retain and what to expect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -119,48 +122,19 @@ pub fn reduce(
     progress: &mut dyn FnMut(Step, f64),
 ) -> Result<ReducedModel, Error> {
     let nd = system.n_relative;
-    let k = system.blocks(&system.stiffness);
-    let m = system.blocks(&system.mass);
-    let positions = &system.positions[nd..];
-    let n_reported = settings.n_reported.max(settings.n_modes);
-    let stuck = lowest_modes(&k.rest, &m.rest, positions, n_reported, settings.mode_tolerance)?;
-    if stuck.n_zero != settings.expected_zem {
-        return Err(Error::ZeroEnergyModes {
-            found: stuck.n_zero,
-            expected: settings.expected_zem,
-        });
-    }
-    for (index, load) in system.loads.iter().enumerate() {
-        check_equilibrium(index, &load[nd..], &stuck)?;
-    }
-    progress(Step::Factor, 1.0);
-    let (supported, condensed) = Supported::try_new(system, &m.rest, stuck.zero_energy())?;
-    progress(Step::Stream, 0.8);
-    let static_part = StaticPart {
-        k: &k,
-        m: &m,
-        supported: &supported,
-    };
-    let asymmetry = static_part.asymmetry(&condensed)?;
-    let mut interior = Interior::modes(&stuck, settings.n_modes.min(stuck.elastic().ncols()));
-    let over_rest = |rows: &[Vec<f64>]| Mat::from_fn(k.rest.rows(), rows.len(), |i, j| rows[j][nd + i]);
-    // Where no mode is left out, the flexibility at the loads is complete without them.
-    let complete = interior.eigenvalues.len() + stuck.n_zero == k.rest.rows();
-    let n_attachment = match settings.attachment_modes {
-        true if complete => system.loads.len().min(interior.eigenvalues.len()),
-        true => system.loads.len(),
-        false => 0,
-    };
-    if n_attachment > 0 && !complete {
-        let loads = over_rest(&system.loads);
-        let (responses, momentum) = static_responses(&loads, &m.rest, &supported);
-        interior.attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())?;
-    }
-    let phi = interior.shapes;
+    let (basis, condensed) = Basis::try_new(system, settings, progress)?;
+    let asymmetry = basis.static_part.asymmetry(&condensed)?;
+    let Basis {
+        static_part,
+        stuck,
+        interior,
+        n_attachment,
+        momentum,
+    } = &basis;
+    let supported = &static_part.supported;
+    let phi = &interior.shapes;
     let n_modes = phi.ncols();
     let n = nd + n_modes;
-    // The held rest follows the jump with this momentum along the zero-energy modes, which is taken out.
-    let momentum = static_part.momentum(supported.modes.as_ref());
     let mut stiffness = Mat::<f64>::zeros(n, n);
     let mut mass = Mat::<f64>::zeros(n, n);
     stiffness.submatrix_mut(0, 0, nd, nd).copy_from(&condensed.stiffness);
@@ -175,27 +149,15 @@ pub fn reduce(
         mass[(nd + i, nd + i)] = 1.0;
         stiffness[(nd + i, nd + i)] = interior.eigenvalues[i];
     }
-    let onto_basis = |rows: &[Vec<f64>]| {
-        let rest = over_rest(rows);
-        let own = Mat::from_fn(nd, rows.len(), |i, j| rows[j][i]);
-        let rigid = product(supported.modes.transpose(), rest.as_ref());
-        let jump = own + static_part.work(rest.clone()) - product(momentum.as_ref(), rigid.as_ref());
-        let modal = product(phi.transpose(), rest.as_ref());
-        Mat::from_fn(
-            rows.len(),
-            n,
-            |i, j| if j < nd { jump[(j, i)] } else { modal[(j - nd, i)] },
-        )
-    };
-    let loads = onto_basis(&system.loads);
-    let recovery = onto_basis(rows);
+    let loads = basis.onto(&system.loads);
+    let recovery = basis.onto(rows);
     progress(Step::Stream, 1.0);
     Ok(ReducedModel {
         mass,
         stiffness,
         loads: loads.row_iter().map(|load| load.iter().copied().collect()).collect(),
         n_relative: nd,
-        n_attachment,
+        n_attachment: *n_attachment,
         recovery,
         stuck_frequencies: stuck.frequencies(),
         zem_stuck: stuck.n_zero,
@@ -203,14 +165,152 @@ pub fn reduce(
     })
 }
 
-/// Products with the static responses `x` of the held rest to the jump.
-struct StaticPart<'a> {
-    k: &'a Blocks,
-    m: &'a Blocks,
-    supported: &'a Supported,
+/// Displacements over `[jump; rest]` in motions of a reduced model, which are the columns of `motions`.
+///
+/// The basis is not part of the model: it is found again, which takes as long as the reduction. `system`, `rows` and `settings` are those that
+/// `model` was made of; it may have been truncated since.
+///
+/// # Errors
+/// As [`reduce`]; [`Error::OtherModel`] if what `rows` recover from the displacements is not what the model recovers.
+pub fn displacements(
+    system: &RelativeSystem,
+    rows: &[Vec<f64>],
+    settings: Settings,
+    model: &ReducedModel,
+    motions: MatRef<'_, f64>,
+) -> Result<Mat<f64>, Error> {
+    let (basis, _) = Basis::try_new(system, settings, &mut |_, _| ())?;
+    let found = basis.displacements(model, motions)?;
+    let recovered = product(model.recovery.as_ref(), motions);
+    for (i, row) in rows.iter().enumerate() {
+        for (j, motion) in found.col_iter().enumerate() {
+            let (mut again, mut size) = (0.0_f64, 0.0_f64);
+            for (factor, u) in row.iter().zip(motion.iter()) {
+                again += factor * u;
+                size += (factor * u).abs();
+            }
+            let deviation = (again - recovered[(i, j)]).abs();
+            // `!(a <= b)` also catches NaN.
+            if !(deviation <= LARGEST_DEVIATION * size) {
+                return Err(Error::OtherModel {
+                    deviation: deviation / size,
+                });
+            }
+        }
+    }
+    Ok(found)
 }
 
-impl StaticPart<'_> {
+/// The basis, in the form in which it is applied: by solves.
+struct Basis {
+    static_part: StaticPart,
+    stuck: Modes,
+    /// Modes of the stuck structure, with the attachment modes last.
+    interior: Interior,
+    n_attachment: usize,
+    /// The held rest follows the jump with this momentum along the zero-energy modes, which is taken out.
+    momentum: Mat<f64>,
+}
+
+impl Basis {
+    fn try_new(
+        system: &RelativeSystem,
+        settings: Settings,
+        progress: &mut dyn FnMut(Step, f64),
+    ) -> Result<(Self, Condensed), Error> {
+        let nd = system.n_relative;
+        let k = system.blocks(&system.stiffness);
+        let m = system.blocks(&system.mass);
+        let positions = &system.positions[nd..];
+        let n_reported = settings.n_reported.max(settings.n_modes);
+        let stuck = lowest_modes(&k.rest, &m.rest, positions, n_reported, settings.mode_tolerance)?;
+        if stuck.n_zero != settings.expected_zem {
+            return Err(Error::ZeroEnergyModes {
+                found: stuck.n_zero,
+                expected: settings.expected_zem,
+            });
+        }
+        for (index, load) in system.loads.iter().enumerate() {
+            check_equilibrium(index, &load[nd..], &stuck)?;
+        }
+        progress(Step::Factor, 1.0);
+        let (supported, condensed) = Supported::try_new(system, &m.rest, stuck.zero_energy())?;
+        progress(Step::Stream, 0.8);
+        let mut interior = Interior::modes(&stuck, settings.n_modes.min(stuck.elastic().ncols()));
+        // Where no mode is left out, the flexibility at the loads is complete without them.
+        let complete = interior.eigenvalues.len() + stuck.n_zero == k.rest.rows();
+        let n_attachment = match settings.attachment_modes {
+            true if complete => system.loads.len().min(interior.eigenvalues.len()),
+            true => system.loads.len(),
+            false => 0,
+        };
+        if n_attachment > 0 && !complete {
+            let loads = over_rest(nd, k.rest.rows(), &system.loads);
+            let (responses, momentum) = static_responses(&loads, &m.rest, &supported);
+            interior.attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())?;
+        }
+        let static_part = StaticPart { k, m, supported };
+        let momentum = static_part.momentum(static_part.supported.modes.as_ref());
+        let basis = Self {
+            static_part,
+            stuck,
+            interior,
+            n_attachment,
+            momentum,
+        };
+        Ok((basis, condensed))
+    }
+
+    /// Rows over `[jump; rest]` times the basis.
+    fn onto(&self, rows: &[Vec<f64>]) -> Mat<f64> {
+        let (nd, phi) = (self.momentum.nrows(), &self.interior.shapes);
+        let rest = over_rest(nd, self.static_part.k.rest.rows(), rows);
+        let own = Mat::from_fn(nd, rows.len(), |i, j| rows[j][i]);
+        let rigid = product(self.static_part.supported.modes.transpose(), rest.as_ref());
+        let jump = own + self.static_part.work(rest.clone()) - product(self.momentum.as_ref(), rigid.as_ref());
+        let modal = product(phi.transpose(), rest.as_ref());
+        Mat::from_fn(rows.len(), nd + phi.ncols(), |i, j| {
+            if j < nd { jump[(j, i)] } else { modal[(j - nd, i)] }
+        })
+    }
+
+    /// The basis times columns over the coordinates of a model, which may lack the highest modes.
+    fn displacements(&self, model: &ReducedModel, motions: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
+        let (nd, phi) = (self.momentum.nrows(), &self.interior.shapes);
+        let is_truncated = model.n_modes() + self.n_attachment <= phi.ncols();
+        if model.n_relative != nd || model.n_attachment != self.n_attachment || !is_truncated {
+            return Err(Error::OtherModel { deviation: 1.0 });
+        }
+        let (jump, modal) = motions.split_at_row(nd);
+        let (modes, attached) = modal.split_at_row(model.n_modes());
+        let mut rest = self.static_part.follow(jump);
+        let rigid = product(self.momentum.transpose(), jump);
+        rest -= product(self.static_part.supported.modes.as_ref(), rigid.as_ref());
+        rest += product(phi.subcols(0, model.n_modes()), modes);
+        rest += product(
+            phi.subcols(phi.ncols() - self.n_attachment, self.n_attachment),
+            attached,
+        );
+        let mut all = Mat::zeros(nd + rest.nrows(), motions.ncols());
+        all.subrows_mut(0, nd).copy_from(jump);
+        all.subrows_mut(nd, rest.nrows()).copy_from(&rest);
+        Ok(all)
+    }
+}
+
+/// The part of rows beyond the first `nd` entries, as columns.
+fn over_rest(nd: usize, n_rest: usize, rows: &[Vec<f64>]) -> Mat<f64> {
+    Mat::from_fn(n_rest, rows.len(), |i, j| rows[j][nd + i])
+}
+
+/// Products with the static responses `x` of the held rest to the jump.
+struct StaticPart {
+    k: Blocks,
+    m: Blocks,
+    supported: Supported,
+}
+
+impl StaticPart {
     /// `x^T f` for forces on the rest.
     fn work(&self, mut forces: Mat<f64>) -> Mat<f64> {
         self.supported.solve_in_place(forces.as_mut());
@@ -220,6 +320,14 @@ impl StaticPart<'_> {
     /// `[I; x]^T M [0; c]` for columns `c` over the rest.
     fn momentum(&self, columns: MatRef<'_, f64>) -> Mat<f64> {
         multiply(&self.m.jump_rest, columns) + self.work(multiply(&self.m.rest, columns))
+    }
+
+    /// `x d` for jumps `d`.
+    fn follow(&self, jump: MatRef<'_, f64>) -> Mat<f64> {
+        let mut rest = multiply(&self.k.jump_rest.transpose_view().to_csr(), jump);
+        self.supported.solve_in_place(rest.as_mut());
+        rest *= faer::Scale(-1.0);
+        rest
     }
 
     /// Compares some of the condensed rows with columns found by solves.
@@ -237,9 +345,7 @@ impl StaticPart<'_> {
             }
             columns
         };
-        let mut x = spread(&self.k.jump_rest);
-        self.supported.solve_in_place(x.as_mut());
-        x *= faer::Scale(-1.0);
+        let x = self.follow(unit.as_ref());
         let stiffness = multiply(&self.k.jump, unit.as_ref()) + multiply(&self.k.jump_rest, x.as_ref());
         let momentum = multiply(&self.m.rest, x.as_ref()) + spread(&self.m.jump_rest);
         let mass =

@@ -157,6 +157,15 @@ pub enum Error {
         /// Attachment modes.
         attachment: usize,
     },
+    /// A model that was not made of the system and the settings given with it.
+    #[error(
+        "what the reduced model recovers differs by {deviation:.1e} from what the displacements of its system give; it was made of another \
+         system or with other settings"
+    )]
+    OtherModel {
+        /// Largest difference over the size of the terms that are summed.
+        deviation: f64,
+    },
     /// Rows of the reduced matrices from condensation and columns from solves differ, so neither is accurate enough.
     #[error(
         "reduced {matrix} is unsymmetric by {asymmetry:.1e} of its largest entry between condensation and solves; the \

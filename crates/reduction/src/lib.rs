@@ -13,6 +13,6 @@ mod locked;
 pub mod relative;
 mod zem;
 
-pub use craig_bampton::{ReducedModel, Settings, Step, reduce};
+pub use craig_bampton::{ReducedModel, Settings, Step, displacements, reduce};
 pub use error::Error;
 pub use relative::{FacingNodes, InterfacePairs, RelativeSystem, SystemMatrices};

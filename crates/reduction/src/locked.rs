@@ -83,6 +83,14 @@ impl ReducedModel {
     /// modes hold little of the flexibility at the loads. [`Error::DependentLoad`]; failures of the eigenvalue
     /// decomposition.
     pub fn locked(&self) -> Result<Self, Error> {
+        Ok(self.locked_with_motions()?.0)
+    }
+
+    /// As [`ReducedModel::locked`], with the motion of this model's coordinates in unit motions of those of the locked one, column by column.
+    ///
+    /// # Errors
+    /// As [`ReducedModel::locked`].
+    pub fn locked_with_motions(&self) -> Result<(Self, Mat<f64>), Error> {
         let n_loads = self.loads.len();
         if self.n_attachment != n_loads {
             return Err(Error::NoAttachmentModes {
@@ -156,7 +164,10 @@ impl ReducedModel {
         recovery
             .subcols_mut(nd, n_modes)
             .copy_from(product(recovered, shapes.as_ref()));
-        Ok(Self {
+        let mut motions = Mat::identity(nd + n_rest, n);
+        motions.submatrix_mut(nd, 0, n_rest, nd).copy_from(&follow);
+        motions.submatrix_mut(nd, nd, n_rest, n_modes).copy_from(&shapes);
+        let locked = Self {
             mass,
             stiffness,
             loads: Vec::new(),
@@ -169,6 +180,7 @@ impl ReducedModel {
                 .collect(),
             zem_stuck: self.zem_stuck,
             asymmetry: self.asymmetry,
-        })
+        };
+        Ok((locked, motions))
     }
 }

@@ -719,6 +719,71 @@ fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
 }
 
 #[test]
+fn displacements_have_the_energies_of_the_reduced_motions() {
+    use dense_algebra::product;
+    let (_, relative) = relative(&bolted());
+    let (n, nd) = (relative.stiffness.rows(), relative.n_relative);
+    let row: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == n - 1))).collect();
+    let rows = [row];
+    let times = |a: &sprs::CsMat<f64>, x: &faer::Mat<f64>| {
+        let mut y = faer::Mat::zeros(n, x.ncols());
+        substructure::sparse::multiply_into(a, x.as_ref(), y.as_mut());
+        y
+    };
+    for (settings, kept) in [(Settings::default(), 20), (attached(12), 12), (attached(12), 7)] {
+        let mut model = reduce(&relative, &rows, settings, &mut |_, _| {}).unwrap();
+        model.truncate(kept);
+        // No entry is like another.
+        let coordinates = |model: &ReducedModel| {
+            faer::Mat::from_fn(model.mass.nrows(), 3, |i, j| 1e-6 * ((1 + i * (7 + j)) as f64).sin())
+        };
+        let motions = coordinates(&model);
+        let found = reduction::displacements(&relative, &rows, settings, &model, motions.as_ref()).unwrap();
+        assert_eq!(found.subrows(0, nd), motions.subrows(0, nd));
+        for (name, full, reduced) in [
+            ("stiffness", &relative.stiffness, &model.stiffness),
+            ("mass", &relative.mass, &model.mass),
+        ] {
+            let of_full = product(found.transpose(), times(full, &found).as_ref());
+            let of_reduced = product(
+                motions.transpose(),
+                product(reduced.as_ref(), motions.as_ref()).as_ref(),
+            );
+            let error = difference(of_reduced.as_ref(), of_full.as_ref());
+            println!("{kept} {name} {error:.1e}");
+            assert!(error < 1e-9, "{kept} {name} {error:.1e}");
+        }
+        if model.n_attachment > 0 {
+            // Motions of the locked model do no work at the loads, and have its energies.
+            let (locked, basis) = model.locked_with_motions().unwrap();
+            let motions = coordinates(&locked);
+            let of_model = product(basis.as_ref(), motions.as_ref());
+            let found = reduction::displacements(&relative, &rows, settings, &model, of_model.as_ref()).unwrap();
+            for load in &relative.loads {
+                for motion in found.col_iter() {
+                    let [work, size] = motion.iter().zip(load).fold([0.0_f64; 2], |[work, size], (u, f)| {
+                        [work + u * f, size + (u * f).abs()]
+                    });
+                    assert!(work.abs() < 1e-9 * size, "{work:e} of {size:e}");
+                }
+            }
+            let of_full = product(found.transpose(), times(&relative.mass, &found).as_ref());
+            let of_locked = product(
+                motions.transpose(),
+                product(locked.mass.as_ref(), motions.as_ref()).as_ref(),
+            );
+            let error = difference(of_locked.as_ref(), of_full.as_ref());
+            assert!(error < 1e-9, "{error:.1e}");
+        }
+        // Another system, and another number of modes.
+        let other = reduce(&relative, &rows, attached(9), &mut |_, _| {}).unwrap();
+        let motions = coordinates(&other);
+        let refused = reduction::displacements(&relative, &rows, Settings::default(), &other, motions.as_ref());
+        assert!(matches!(refused, Err(Error::OtherModel { .. })), "{refused:?}");
+    }
+}
+
+#[test]
 fn mode_shapes_satisfy_the_equations_of_motion() {
     let lap = lap();
     let system = System::try_new(&lap.assembly).unwrap();

@@ -165,11 +165,14 @@ pub fn vtu(place: Placed<'_>, cells: Vec<CellField>) -> Result<String, Error> {
     vtu::write_surface(&nodes, &faces, &of_nodes, &of_faces, encoding).map_err(Error::Fields)
 }
 
-/// A list of VTK files for ParaView, each with its time.
+/// A list of VTK files for ParaView, each with its time; files of one time are its parts.
 pub fn collection(files: &[(f64, String)]) -> String {
+    let mut before: Option<(f64, usize)> = None;
     let sets = files.iter().map(|(time, file)| {
+        let part = before.filter(|(last, _)| last == time).map_or(0, |(_, part)| part + 1);
+        before = Some((*time, part));
         format!(
-            "<DataSet timestep=\"{}\" part=\"0\" file=\"{file}\"/>\n",
+            "<DataSet timestep=\"{}\" part=\"{part}\" file=\"{file}\"/>\n",
             csv::number(*time)
         )
     });

@@ -6,16 +6,11 @@ use crate::interactive::bodies::{normal, sharp_edges};
 use crate::interactive::{Live, Shapes};
 use crate::map::rgb;
 use crate::markup::escape;
-use crate::{Error, Output, fields};
+use crate::{Error, Output, bodies, fields};
 use askama::Template;
 use joint_pipeline::structure::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
-use std::collections::BTreeMap;
 use std::fmt::Write;
-use substructure::formats::vtu::{self, Encoding, Field};
 use substructure::mesh::{Face, Mesh};
-
-/// Elements of a mesh beyond which VTK files hold its surface only.
-pub const LARGEST_VOLUME: usize = 20_000;
 
 /// Name of the table.
 pub const TABLE: &str = "modes.csv";
@@ -58,7 +53,8 @@ pub fn outputs(model: &ModalModel, mesh: &Mesh, title: &str, about: &str) -> Res
         for mode in &of.modes {
             let name = shape_file(of.contact, mode.number);
             listed.push(((listed.len() + 1) as f64, name.clone()));
-            outputs.push(Output::new(name, shape(mesh, &surface, mode)?));
+            let document = bodies::vtu(mesh, &surface, DISPLACEMENT, &mode.displacement).map_err(Error::Shapes)?;
+            outputs.push(Output::new(name, document));
         }
     }
     outputs.push(Output::new(COLLECTION, fields::collection(&listed)));
@@ -98,35 +94,6 @@ fn modes_table(model: &ModalModel) -> Result<String, Error> {
         })
     });
     table(headings, rows)
-}
-
-/// The displacements on the mesh, or on its surface if the mesh is large.
-fn shape(mesh: &Mesh, surface: &[Face], mode: &ModeShape) -> Result<String, Error> {
-    let field = |values| Field {
-        name: DISPLACEMENT.into(),
-        components: 3,
-        values,
-    };
-    if mesh.elements.len() <= LARGEST_VOLUME {
-        let values = mode.displacement.concat();
-        return vtu::write(mesh, &[field(values)], &[], Encoding::Base64).map_err(Error::Shapes);
-    }
-    let mut place: BTreeMap<u32, u32> = surface
-        .iter()
-        .flat_map(|face| face.nodes())
-        .map(|node| (*node, 0))
-        .collect();
-    place.values_mut().zip(0..).for_each(|(place, number)| *place = number);
-    let nodes: Vec<[f64; 3]> = place.keys().map(|node| mesh.nodes[*node as usize]).collect();
-    let values = place
-        .keys()
-        .flat_map(|node| mode.displacement[*node as usize])
-        .collect();
-    let faces: Vec<Face> = surface
-        .iter()
-        .filter_map(|face| Face::from_nodes(&face.nodes().iter().map(|node| place[node]).collect::<Vec<_>>()))
-        .collect();
-    vtu::write_surface(&nodes, &faces, &[field(values)], &[], Encoding::Base64).map_err(Error::Shapes)
 }
 
 #[derive(Template)]

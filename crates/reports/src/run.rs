@@ -2,10 +2,11 @@
 
 use crate::html::Picture;
 use crate::periodic::{self, PeriodicMotions};
-use crate::{Error, Output, csv, fields, page, plot};
+use crate::{Error, Output, bodies, csv, fields, page, plot};
 use joint_pipeline::Run;
-use joint_pipeline::analysis::Fields;
+use joint_pipeline::analysis::{Deformed, Fields};
 use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
+use substructure::mesh::Face;
 
 /// Name of the machine-readable account of a run.
 pub const SUMMARY: &str = "summary.json";
@@ -35,6 +36,14 @@ pub const PERIODIC: &str = "periodic.npz";
 pub fn amplitude_file(mode: Option<usize>, number: usize) -> String {
     format!("interface-{}amplitude-{number:02}.vtu", of_mode(mode))
 }
+
+/// Name of the file of the deformed bodies at an amplitude, counted from 1; `mode` is none for the first mode followed.
+pub fn bodies_file(mode: Option<usize>, number: usize) -> String {
+    format!("bodies-{}amplitude-{number:02}.vtu", of_mode(mode))
+}
+
+/// Name of the file of the deformed bodies in the static state.
+pub const BODIES_PRESTRESS: &str = "bodies-prestress.vtu";
 
 /// Name of the interface file of the static state.
 const PRESTRESS: &str = "interface-prestress.vtu";
@@ -80,14 +89,24 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
         Ok::<_, Error>(Output::new(name, document))
     };
     let mut outputs = vec![field_file(PRESTRESS.into(), &run.prestress.fields)?];
+    let bodies = Bodies::of(run);
+    if let Some(bodies) = &bodies {
+        outputs.push(bodies.file(BODIES_PRESTRESS.into(), &bodies.of.prestress)?);
+    }
     let mut pictures = Vec::with_capacity(run.backbones.len());
-    for (backbone, (mode, of_mode)) in run.backbones.iter().zip(summary.by_mode()) {
+    for (place, (backbone, (mode, of_mode))) in run.backbones.iter().zip(summary.by_mode()).enumerate() {
         let mut series = vec![(0.0, PRESTRESS.to_owned())];
+        series.extend(bodies.as_ref().map(|_| (0.0, BODIES_PRESTRESS.to_owned())));
         for (index, amplitude) in backbone.amplitudes.iter().enumerate() {
             if let Some(fields) = amplitude.fields.as_ref().and_then(|f| f.fields.as_ref()) {
                 let name = amplitude_file(mode, index + 1);
                 series.extend(amplitude.response_displacement.map(|x| (x, name.clone())));
                 outputs.push(field_file(name, fields)?);
+                if let Some((bodies, peak)) = bodies.as_ref().and_then(|b| Some((b, b.peak(place, index)?))) {
+                    let name = bodies_file(mode, index + 1);
+                    series.extend(amplitude.response_displacement.map(|x| (x, name.clone())));
+                    outputs.push(bodies.file(name, peak)?);
+                }
             }
         }
         outputs.push(Output::new(series_file(mode), fields::collection(&series)));
@@ -117,6 +136,32 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     let json = serde_json::to_string_pretty(summary).map_err(Error::Summary)?;
     outputs.push(Output::new(SUMMARY, json + "\n"));
     Ok(outputs)
+}
+
+/// The bodies of a run that are shown deformed.
+struct Bodies<'a> {
+    of: &'a Deformed,
+    surface: Vec<Face>,
+}
+
+impl<'a> Bodies<'a> {
+    fn of(run: &'a Run) -> Option<Self> {
+        let of = run.deformed.as_ref()?;
+        let surface = of.mesh.boundary();
+        Some(Self { of, surface })
+    }
+
+    /// Displacements at the positive peak of an amplitude, by places of the mode and of the amplitude.
+    fn peak(&self, mode: usize, amplitude: usize) -> Option<&'a [[f64; 3]]> {
+        self.of.peaks.get(mode)?.get(amplitude)?.as_deref()
+    }
+
+    fn file(&self, name: String, displacement: &[[f64; 3]]) -> Result<Output, Error> {
+        let document = bodies::vtu(&self.of.mesh, &self.surface, "displacement [m]", displacement);
+        document
+            .map(|document| Output::new(name, document))
+            .map_err(Error::Shapes)
+    }
 }
 
 /// Tables, arrays and pictures of periodic motions, and the pictures for the page.

@@ -1,6 +1,6 @@
 //! The backbone of one mode: hysteresis loops over amplitudes, and the methods beside CQSMA.
 
-use super::observer::Watcher;
+use super::observer::{Stored, Watcher};
 use super::outcome::{AmplitudeResult, LoopFields, ModeAnalysis, PrestressResult};
 use super::{methods, periodic};
 use crate::Error;
@@ -31,7 +31,7 @@ const FREE_OF_INERTIA: f64 = 1e-9;
 const EPMC_AMPLITUDES: usize = 20;
 
 /// Changes whenever [`LoopFields`] holds something else, so that lines of another layout are not taken for finished amplitudes.
-const LAYOUT: u64 = 2;
+const LAYOUT: u64 = 3;
 
 /// What came of an amplitude.
 type Loop = (BackbonePoint, Option<LoopFields>);
@@ -231,7 +231,10 @@ impl Request<'_> {
         };
         let points = cqsma::run(self.line, self.force, &pending_forces, settings, |at| {
             let index = pending[at];
-            let stored = stored.contains(&(index + 1)).then_some(self.recorded);
+            let stored = stored.contains(&(index + 1)).then_some(Stored {
+                elements: self.recorded,
+                deformed: self.scene.output.deformed,
+            });
             Watcher::new(
                 self.force.interface(),
                 &self.prestress.fields,

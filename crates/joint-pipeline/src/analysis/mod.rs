@@ -2,6 +2,7 @@
 
 mod backbone;
 pub mod comparison;
+mod deformed;
 mod element_loops;
 pub mod ensemble;
 pub mod error_estimate;
@@ -18,6 +19,7 @@ pub mod validity;
 pub mod warnings;
 
 pub use crate::store::checkpoint::Checkpoints;
+pub use deformed::Deformed;
 pub use element_loops::{ElementLoops, MOST_RECORDED, element_centres};
 pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};
 pub use run::{ModeBackbone, Prepared, Run, prepare, run, run_ensemble};

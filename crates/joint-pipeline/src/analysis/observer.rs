@@ -14,6 +14,15 @@ pub(super) type Finish<'a> = dyn Fn(usize, &BackbonePoint, Option<&LoopFields>) 
 /// Range of a motion that has not begun.
 const NO_MOTION: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
+/// What is kept of an amplitude beside its fields.
+#[derive(Clone, Copy)]
+pub(super) struct Stored<'a> {
+    /// Elements whose loops are kept, ascending.
+    pub(super) elements: &'a [usize],
+    /// Whether the displacement at the positive peak is.
+    pub(super) deformed: bool,
+}
+
 /// Watches one loop at the quadrature points.
 pub(super) struct Watcher<'a> {
     interface: &'a Interface,
@@ -37,19 +46,22 @@ pub(super) struct Watcher<'a> {
     largest_sliding: f64,
     /// The workspace at the positive peak, if it is to be stored.
     at_peak: Option<Workspace>,
+    /// Whether the displacement at the positive peak is stored as well, and the displacement.
+    deformed: bool,
+    displacement_at_peak: Option<Vec<f64>>,
     loops: Option<ElementLoops>,
     /// What came of the loop, when it is done and has converged.
     pub(super) fields: Option<LoopFields>,
 }
 
 impl<'a> Watcher<'a> {
-    /// `stored` are the elements whose loops are kept beside the fields; none for an amplitude of which neither is.
+    /// `stored` is what is kept beside the fields; none for an amplitude whose fields are not.
     pub(super) fn new(
         interface: &'a Interface,
         prestress: &'a Fields,
         response: &'a [f64],
         index: usize,
-        stored: Option<&'a [usize]>,
+        stored: Option<Stored<'a>>,
         finish: &'a Finish<'a>,
     ) -> Self {
         Self {
@@ -59,7 +71,7 @@ impl<'a> Watcher<'a> {
             motion: NO_MOTION,
             index,
             store: stored.is_some(),
-            recorded: stored.unwrap_or_default(),
+            recorded: stored.map_or(&[], |stored| stored.elements),
             finish,
             area: LoopArea::new(interface.operators().n_points()),
             workspace: interface.workspace(),
@@ -70,6 +82,8 @@ impl<'a> Watcher<'a> {
             open_fraction: 0.0,
             largest_sliding: 0.0,
             at_peak: None,
+            deformed: stored.is_some_and(|stored| stored.deformed),
+            displacement_at_peak: None,
             loops: None,
             fields: None,
         }
@@ -94,6 +108,7 @@ impl<'a> Watcher<'a> {
                 regime: peak.regime,
                 flux,
             }),
+            displacement: self.displacement_at_peak.take(),
             loops: self.loops.take(),
         }
     }
@@ -150,6 +165,9 @@ impl LoopObserver<State> for Watcher<'_> {
             (self.slip_fraction, self.open_fraction) = (fraction(Regime::Slip), fraction(Regime::Open));
             if self.store {
                 self.at_peak = Some(self.workspace.clone());
+            }
+            if self.deformed {
+                self.displacement_at_peak = Some(displacement.to_vec());
             }
         }
     }

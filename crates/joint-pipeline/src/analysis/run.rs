@@ -1,6 +1,7 @@
 //! A scene, run from mesh to backbones.
 
 use super::backbone::{self, uniform};
+use super::deformed::Deformed;
 use super::element_loops;
 use super::ensemble::{self, Ensemble};
 use super::methods::MethodResult;
@@ -62,6 +63,8 @@ pub struct Run {
     pub backbones: Vec<ModeBackbone>,
     /// Forced responses, level by level.
     pub forced: Vec<ForcedResponse>,
+    /// The bodies deformed, if the scene asks for them.
+    pub deformed: Option<Deformed>,
     /// Interface elements at the places of `cqsma.loops_at`, in their order, each once.
     pub loop_elements: Vec<usize>,
     /// Where and in which direction amplitudes are measured, in words.
@@ -133,6 +136,8 @@ pub struct Prepared {
     model: StructuralModel,
     interface: SceneInterface,
     loop_elements: Vec<usize>,
+    /// The structure, if its bodies are to be shown deformed.
+    structure: Option<Structure>,
 }
 
 /// Runs a scene.
@@ -230,6 +235,7 @@ impl Prepared {
             model,
             interface,
             loop_elements: loop_elements(scene, structure)?,
+            structure: scene.output.deformed.then(|| structure.clone()),
         })
     }
 
@@ -268,7 +274,8 @@ impl Prepared {
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
         let interface = &self.interface;
         let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
-        Ok(self.finish(analysis, progress))
+        let deformed = self.deformed(&analysis, progress)?;
+        Ok(self.finish(analysis, deformed, progress))
     }
 
     /// As [`Prepared::solve`], and then the backbones of `realisations` bootstrap realisations of all elements' laws on
@@ -282,7 +289,17 @@ impl Prepared {
         let mut analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
         let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
-        Ok((self.finish(analysis, progress), ensemble))
+        let deformed = self.deformed(&analysis, progress)?;
+        Ok((self.finish(analysis, deformed, progress), ensemble))
+    }
+
+    /// The bodies deformed, if the scene asks for them.
+    fn deformed(&self, analysis: &Analysis, progress: &dyn Progress) -> Result<Option<Deformed>, Error> {
+        let Some(structure) = &self.structure else {
+            return Ok(None);
+        };
+        progress.note("the structure is factored again, to find displacements of the bodies");
+        Deformed::new(structure, &self.model, self.scene.bolts.behaviour, analysis).map(Some)
     }
 
     fn ensemble(
@@ -326,7 +343,7 @@ impl Prepared {
         key
     }
 
-    fn finish(self, analysis: Analysis, progress: &dyn Progress) -> Run {
+    fn finish(self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
         let Analysis {
             prestress,
             frequencies,
@@ -379,6 +396,7 @@ impl Prepared {
             positions: self.positions,
             surface: self.surface,
             model: self.model,
+            deformed,
             loop_elements: self.loop_elements,
             response: self.response,
             moved_pairs: self.moved_pairs,

@@ -165,4 +165,8 @@ pub struct Output {
     /// Numbers of the amplitudes (from 1) whose interface fields are stored; by default the first, the last and two
     /// between. The prestress is always stored.
     pub fields_at: Option<Vec<usize>>,
+    /// Whether the bodies are written deformed beside the interface, under the bolt loads and at these amplitudes. The structure is factored
+    /// a second time for it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub deformed: bool,
 }

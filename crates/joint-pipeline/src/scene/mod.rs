@@ -405,6 +405,12 @@ impl Scene {
                 Value::Null,
                 "bodies of the scene's material, and these have the deck's; for the scene's give structure.deck.materials = \"scene\"",
             ),
+            (
+                matrices.is_some(),
+                "/output/deformed",
+                json!(false),
+                "meshes, and structure.matrices has none",
+            ),
             (points, "/structure/matrices/interface", Value::Null, meshed),
             (points, "/points_per_direction", json!(two()), meshed),
             (over_jump, "/model/modes", Value::Null, reductions),

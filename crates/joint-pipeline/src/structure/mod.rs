@@ -2,6 +2,7 @@
 
 pub mod bolt;
 mod deck;
+mod displacements;
 pub mod export;
 mod facing;
 mod masses;

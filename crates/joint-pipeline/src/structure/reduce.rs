@@ -64,15 +64,9 @@ impl Structure {
             Bodies::Imported(bodies) => return Ok(Assembled::imported(bodies)),
             Bodies::Meshed(bodies) => bodies,
         };
-        let Meshed { system, relative } = self.meshed(bodies)?;
-        let row = |what, (node, direction): (u32, [f64; 3])| -> Result<Vec<f64>, Error> {
-            let terms: Vec<_> = (0..3_u8).zip(direction).map(|(c, d)| (Dof::Node(node, c), d)).collect();
-            Ok(relative.row(&system.dofs.force(&bodies.assembly, what, &terms)?))
-        };
-        let mut rows = vec![row("the response", (bodies.response_node, bodies.response_direction))?];
-        if let Some(excitation) = bodies.excitation {
-            rows.push(row("the force", excitation)?);
-        }
+        let meshed = self.meshed(bodies)?;
+        let rows = meshed.rows(bodies)?;
+        let Meshed { system, relative } = meshed;
         Ok(Assembled {
             relative: Cow::Owned(relative),
             rows,
@@ -276,6 +270,23 @@ impl Structure {
 pub(super) struct Meshed {
     pub(super) system: System,
     pub(super) relative: RelativeSystem,
+}
+
+impl Meshed {
+    /// What is recovered from reduced coordinates, over those of the relative system.
+    pub(super) fn rows(&self, bodies: &MeshedBodies) -> Result<Vec<Vec<f64>>, Error> {
+        let row = |what, (node, direction): (u32, [f64; 3])| -> Result<Vec<f64>, Error> {
+            let terms: Vec<_> = (0..3_u8).zip(direction).map(|(c, d)| (Dof::Node(node, c), d)).collect();
+            Ok(self
+                .relative
+                .row(&self.system.dofs.force(&bodies.assembly, what, &terms)?))
+        };
+        let mut rows = vec![row("the response", (bodies.response_node, bodies.response_direction))?];
+        if let Some(excitation) = bodies.excitation {
+            rows.push(row("the force", excitation)?);
+        }
+        Ok(rows)
+    }
 }
 
 /// A system in relative coordinates, and what is known of it.
