@@ -11,11 +11,14 @@ import time
 
 import numpy as np
 import pytest
-import scipy.linalg
-import scipy.sparse
 
 import microslip
 from microslip import laws
+
+pytest.importorskip("scipy")
+
+import scipy.linalg  # noqa: E402
+import scipy.sparse  # noqa: E402
 
 TAU = 2 * np.pi
 

@@ -11,6 +11,8 @@ import pytest
 
 import microslip
 
+pytest.importorskip("scipy")
+
 EXAMPLE = Path(__file__).parents[1] / "examples" / "harmonic_balance.py"
 
 

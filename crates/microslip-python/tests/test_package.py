@@ -50,6 +50,9 @@ EXAMPLES = {
 
 @pytest.mark.parametrize("name", sorted(EXAMPLES))
 def test_examples_run(name: str) -> None:
+    for optional in ("matplotlib", "pandas", "scipy"):
+        if optional in (EXAMPLES[name].docstring or ""):
+            pytest.importorskip(optional)
     said: list[str] = []
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
     result = runner.run(EXAMPLES[name], out=said.append)
