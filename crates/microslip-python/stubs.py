@@ -24,7 +24,9 @@ def made() -> str:
         text = path.read_text(encoding="utf-8")
     # Types that are given as texts are texts, and modules with initialisers count as open.
     text = re.sub(r'((?:->|:) )"([^"\n]+)"', r"\1\2", text)
-    text = text.replace("from _typeshed import Incomplete\n", "").replace("\ndef __getattr__(name: str) -> Incomplete: ...\n", "")
+    text = text.replace("from _typeshed import Incomplete\n", "").replace("import Incomplete, ", "import ").replace("\ndef __getattr__(name: str) -> Incomplete: ...\n", "")
+    # Dictionaries hold what is named.
+    text = re.sub(r"(-> )dict(:)", r"\1dict[str, Any]\2", text)
     modules = [m for m in ("collections.abc", "numpy", "numpy.typing") if re.search(rf"\b{re.escape(m)}\.", text)]
     imports = "".join(f"import {module}\n" for module in modules)
     assert "Incomplete" not in text, "a type is not known: annotate it in the signature"

@@ -52,7 +52,10 @@ fn errors_give_field_value_and_remedy_beside_their_message() {
     assert_eq!(value.value(), Some((-1.0, "m")));
     assert_eq!(value.remedy().unwrap(), "it must be positive and finite");
     for (wrong, field) in [
-        (json!({ "units": { "length": "ell" } }), "units.length"),
+        (
+            json!({ "units": { "length": "ell", "mass": "kg", "time": "s" } }),
+            "units.length",
+        ),
         (json!({ "bolts": { "load": "12 parsec" } }), "bolts.load"),
         (json!({ "bolts": [12e3] }), "bolts"),
         (json!({ "structure": { "benchmark": "none" } }), "structure.benchmark"),

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use run_environment::with_causes;
 use std::path::{Path, PathBuf};
+use surface_characterisation::SurfaceError;
 
 /// An exception to be raised.
 #[derive(Debug)]
@@ -54,6 +55,22 @@ impl Exception {
     /// With the argument that is wrong, and what would be accepted.
     pub(crate) fn of(mut self, argument: &str, remedy: &str) -> Self {
         (self.0.field, self.0.remedy) = (Some(argument.into()), Some(remedy.into()));
+        self
+    }
+
+    /// What a library says of an argument.
+    fn argument(error: &dyn std::error::Error) -> Self {
+        let message = with_causes(error);
+        let remedy = message.split_once("; ").map(|(_, remedy)| remedy.to_owned());
+        let mut refusal = input(message);
+        refusal.0.remedy = remedy;
+        refusal
+    }
+
+    /// A number that is given for an argument, in a unit.
+    fn number(mut self, value: f64, unit: &str) -> Self {
+        self.0.value = Some(Value::Number(value));
+        self.0.unit = (!unit.is_empty()).then(|| unit.into());
         self
     }
 
@@ -127,6 +144,80 @@ impl From<&durable_files::Error> for Exception {
 impl From<durable_files::Error> for Exception {
     fn from(error: durable_files::Error) -> Self {
         Self::from(&error)
+    }
+}
+
+impl From<matrix_files::Error> for Exception {
+    fn from(error: matrix_files::Error) -> Self {
+        use matrix_files::Error as E;
+        match &error {
+            E::File(source) => source.into(),
+            E::Shape { .. } | E::Unwritable { .. } => Self::argument(&error),
+            _ => Self::file(&error, None),
+        }
+    }
+}
+
+impl From<surface_characterisation::FileError> for Exception {
+    fn from(error: surface_characterisation::FileError) -> Self {
+        match error {
+            surface_characterisation::FileError::Layout(source) => source.into(),
+            _ => Self::file(&error, None),
+        }
+    }
+}
+
+impl From<SurfaceError> for Exception {
+    fn from(error: SurfaceError) -> Self {
+        match &error {
+            SurfaceError::InvalidValue {
+                field,
+                value,
+                unit,
+                requirement,
+            } => input(error.to_string())
+                .of(field, &format!("it must be {requirement}"))
+                .number(*value, if *unit == "1" { "" } else { unit }),
+            _ => Self::argument(&error),
+        }
+    }
+}
+
+impl From<modal_identification::Error> for Exception {
+    fn from(error: modal_identification::Error) -> Self {
+        use modal_identification::Error as E;
+        match error {
+            E::File(source) => source.into(),
+            E::NoChannels { .. } => Self::file(&error, None),
+            E::Setting(setting) => {
+                let remedy = format!("it must be {}", setting.allowed);
+                let unit = if setting.unit == "(1)" { "" } else { setting.unit };
+                // Arguments are called as settings are, but for this one.
+                let name = setting.name.strip_suffix(" window").unwrap_or(setting.name);
+                let (field, value) = (name.replace(' ', "_"), setting.value);
+                input(E::Setting(setting).to_string())
+                    .of(&field, &remedy)
+                    .number(value, unit)
+            }
+            _ => Self::argument(&error),
+        }
+    }
+}
+
+impl From<substructure::Error> for Exception {
+    fn from(error: substructure::Error) -> Self {
+        use substructure::Error as E;
+        match &error {
+            E::InputFile(source) => source.into(),
+            E::MeshUnwritable { .. } | E::Dangling { .. } | E::NotFinite { .. } => Self::argument(&error),
+            _ => Self::file(&error, None),
+        }
+    }
+}
+
+impl From<zte_assembly::Error> for Exception {
+    fn from(error: zte_assembly::Error) -> Self {
+        Self::argument(&error)
     }
 }
 

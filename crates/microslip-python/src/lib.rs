@@ -5,9 +5,12 @@
 mod analyses;
 mod arrays;
 mod error;
+mod formats;
 mod laws;
+mod records;
 mod run;
 mod scene;
+mod surfaces;
 mod work;
 
 use pyo3::prelude::*;
@@ -20,11 +23,17 @@ mod _native {
     #[pymodule_export]
     use crate::analyses::{Structure, run_cqsma, run_epmc, run_transient};
     #[pymodule_export]
+    use crate::formats::{read_matrices, read_mesh, reduced_model, write_matrices, write_mesh};
+    #[pymodule_export]
     use crate::laws::{Curves, Law, time_law};
+    #[pymodule_export]
+    use crate::records::{identify, misfit, read_record, synthetic_ring_down};
     #[pymodule_export]
     use crate::run::{Run, run};
     #[pymodule_export]
     use crate::scene::{Scene, benchmarks};
+    #[pymodule_export]
+    use crate::surfaces::{characterise, read_scan, synthetic_face, write_scan};
 
     /// The version of the package.
     #[pyfunction]

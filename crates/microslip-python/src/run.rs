@@ -142,14 +142,7 @@ pub(crate) fn run(
     let range = "it must be from 1 to 10000, or None for no ensemble";
     let ensemble = within("ensemble", ensemble, 10_000, range)?;
     let given = &scene.get().0;
-    let options = Options {
-        cache: match cache {
-            Cache::OfUser(true) => user_cache(),
-            Cache::OfUser(false) => None,
-            Cache::Folder(folder) => Some(folder),
-        },
-        build: provenance::commit(),
-    };
+    let options = cache.options();
     let pool = pool(threads)?;
     // Before the computation: it would be a pity to find out only afterwards.
     let folder = match &out {
@@ -171,6 +164,19 @@ pub(crate) enum Cache {
     OfUser(bool),
     /// A folder.
     Folder(PathBuf),
+}
+
+impl Cache {
+    pub(crate) fn options(self) -> Options {
+        Options {
+            cache: match self {
+                Self::OfUser(true) => user_cache(),
+                Self::OfUser(false) => None,
+                Self::Folder(folder) => Some(folder),
+            },
+            build: provenance::commit(),
+        }
+    }
 }
 
 fn compute(

@@ -91,7 +91,7 @@ def test_nothing_is_printed(beam_file: Path) -> None:
     assert (done.stdout, done.stderr) == ("", "")
 
 
-@pytest.mark.parametrize("document", ["README.md", "../../docs/guide/python.md", "../../README.md"])
+@pytest.mark.parametrize("document", ["README.md", "../../docs/guide/python.md", "../../docs/guide/python-data.md", "../../README.md"])
 def test_examples_of_documents_run(document: str, tmp_path: Path, beam_file: Path) -> None:
     text = (HERE.parent / document).read_text(encoding="utf-8")
     blocks = re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)

@@ -316,6 +316,7 @@ def test_tables_and_pictures(quick_run: microslip.Run, beam_file: Path, tmp_path
 def test_what_is_missing_is_asked_for(beam_run: microslip.Run, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("pandas", "matplotlib", "matplotlib.figure"):
         monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.delitem(sys.modules, "microslip._figure", raising=False)
     with pytest.raises(ImportError, match=r"pip install microslip\[pandas\]"):
         beam_run.to_pandas()
     with pytest.raises(ImportError, match=r"pip install microslip\[plot\]"):

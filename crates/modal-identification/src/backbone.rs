@@ -138,8 +138,8 @@ pub struct Identification {
 /// difference of the frequencies by 5 % or more, or upsets the order of the extrema; [`Error::TooFewCycles`].
 pub fn identify(signal: &Signal, settings: &Settings) -> Result<Identification, Error> {
     let rate = signal.sample_rate;
-    let smoother = SavitzkyGolay::try_new(settings.smoothing)?;
     check(signal, settings)?;
+    let smoother = SavitzkyGolay::try_new(settings.smoothing)?;
     let mean = signal.samples.iter().sum::<f64>() / signal.samples.len() as f64;
     let samples: Vec<f64> = signal.samples.iter().map(|v| v - mean).collect();
     let hit = loudest(&samples).unwrap_or(0).max(signal.last_clipped.unwrap_or(0));
@@ -327,6 +327,11 @@ fn check(signal: &Signal, settings: &Settings) -> Result<(), Error> {
     {
         let allowed = format!("from 0 to the length of the record, {}", signal.duration());
         return refuse("start", start, "s", allowed);
+    }
+    // Memory is taken for the whole window.
+    if settings.smoothing > signal.samples.len() {
+        let allowed = format!("odd and at most the number of samples, {}", signal.samples.len());
+        return refuse("smoothing window", settings.smoothing as f64, "points", allowed);
     }
     if !(settings.noise_margin >= 1.0 && settings.noise_margin.is_finite()) {
         return refuse("noise margin", settings.noise_margin, "(1)", "at least 1".into());

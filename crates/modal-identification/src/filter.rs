@@ -22,6 +22,9 @@ pub const NOISE_BANDWIDTH: f64 = 1.026_172_152_977_031;
 /// Band edges beyond this fraction of the sample rate are refused.
 pub const HIGHEST_EDGE: f64 = 0.4;
 
+/// Bands narrower than this fraction of the sample rate are refused: rounding would put poles on the unit circle.
+const NARROWEST_BAND: f64 = 1e-9;
+
 /// `gain (1 - w^2)/(1 + a1 w + a2 w^2)` with `w = 1/z`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
@@ -55,7 +58,7 @@ impl BandPass {
     /// The filter with half-power points `low` and `high` (Hz) for samples at `sample_rate` (Hz).
     ///
     /// # Errors
-    /// [`Error::Setting`] unless `0 < low < high <= 0.4 sample_rate`.
+    /// [`Error::Setting`] unless `0 < low < high <= 0.4 sample_rate`, and for bands narrower than 1e-9 of the sample rate.
     pub fn try_new(low: f64, high: f64, sample_rate: f64) -> Result<Self, Error> {
         let refuse = |name, value, allowed: String| {
             Err(Error::Setting(Setting {
@@ -74,6 +77,10 @@ impl BandPass {
         if !(high > low && high <= HIGHEST_EDGE * sample_rate) {
             let most = HIGHEST_EDGE * sample_rate;
             return refuse("upper band edge", high, format!("above {low} and at most {most}"));
+        }
+        let narrowest = NARROWEST_BAND * sample_rate;
+        if !(high - low >= narrowest) {
+            return refuse("bandwidth", high - low, format!("at least {narrowest:e}"));
         }
         // The bilinear transformation moves frequencies; the edges are moved the other way first.
         let warped = |f: f64| 2.0 * sample_rate * (PI * f / sample_rate).tan();

@@ -393,6 +393,12 @@ fn what_cannot_be_identified_is_an_error() {
             ..base.clone()
         },
         Settings {
+            // Rounding would make the filter unstable.
+            frequency: None,
+            bandwidth: Some(1e-11),
+            ..base.clone()
+        },
+        Settings {
             bandwidth: Some(400.0),
             ..base.clone()
         },
@@ -402,6 +408,11 @@ fn what_cannot_be_identified_is_an_error() {
         },
         Settings {
             smoothing: 20,
+            ..base.clone()
+        },
+        Settings {
+            // No memory could hold it.
+            smoothing: usize::MAX,
             ..base.clone()
         },
         Settings {

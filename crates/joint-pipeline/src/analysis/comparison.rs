@@ -28,6 +28,19 @@ pub struct Backbone {
     points: Vec<Point>,
 }
 
+/// How far a backbone lies from another, the reference, at one amplitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointDifference {
+    /// Amplitude (SI unit of its quantity).
+    pub amplitude: f64,
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Frequency relative to the reference (%).
+    pub frequency_percent: f64,
+    /// Natural logarithm of the ratio of the damping ratios, where both have one.
+    pub damping_ln: Option<f64>,
+}
+
 /// How far a backbone lies from another, the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
@@ -175,28 +188,37 @@ impl Backbone {
         Some(inside.map(|count| count as f64 / POINTS as f64))
     }
 
-    /// This backbone minus `reference` at [`POINTS`] amplitudes; none if they share no range.
-    pub fn misfit(&self, reference: &Self) -> Option<Misfit> {
-        let ([a, b], [c, d]) = (self.range(), reference.range());
+    /// Smallest and largest amplitude that both backbones cover.
+    fn shared_range(&self, other: &Self) -> Option<[f64; 2]> {
+        let ([a, b], [c, d]) = (self.range(), other.range());
         let (low, high) = (a.max(c), b.min(d));
-        if !(low < high) {
-            return None;
-        }
-        let [mut hertz, mut percent, mut logarithms] = [const { Vec::new() }; 3];
-        for amplitude in spaced(low, high) {
-            let (Some((f, zeta)), Some((f0, zeta0))) = (self.at(amplitude), reference.at(amplitude)) else {
-                continue;
-            };
-            hertz.push(f - f0);
-            percent.push(100.0 * (f / f0 - 1.0));
-            if let (Some(zeta), Some(zeta0)) = (zeta, zeta0) {
-                logarithms.push((zeta / zeta0).ln());
-            }
-        }
+        (low < high).then_some([low, high])
+    }
+
+    /// This backbone minus `reference` at [`POINTS`] amplitudes; none if they share no range.
+    pub fn differences(&self, reference: &Self) -> Option<Vec<PointDifference>> {
+        let [low, high] = self.shared_range(reference)?;
+        let difference = |amplitude| {
+            let ((f, zeta), (f0, zeta0)) = (self.at(amplitude)?, reference.at(amplitude)?);
+            Some(PointDifference {
+                amplitude,
+                frequency_hz: f - f0,
+                frequency_percent: 100.0 * (f / f0 - 1.0),
+                damping_ln: zeta.zip(zeta0).map(|(zeta, zeta0)| (zeta / zeta0).ln()),
+            })
+        };
+        Some(spaced(low, high).filter_map(difference).collect())
+    }
+
+    /// The misfit of this backbone to `reference`; none if they share no range.
+    pub fn misfit(&self, reference: &Self) -> Option<Misfit> {
+        let all = self.differences(reference)?;
+        let of = |value: fn(&PointDifference) -> f64| Difference::of(&all.iter().map(value).collect::<Vec<_>>());
+        let logarithms: Vec<f64> = all.iter().filter_map(|d| d.damping_ln).collect();
         Some(Misfit {
-            amplitudes: [low, high],
-            frequency_hz: Difference::of(&hertz)?,
-            frequency_percent: Difference::of(&percent)?,
+            amplitudes: self.shared_range(reference)?,
+            frequency_hz: of(|d| d.frequency_hz)?,
+            frequency_percent: of(|d| d.frequency_percent)?,
             damping_ln: Difference::of(&logarithms),
             damping_points: logarithms.len(),
         })

@@ -13,7 +13,7 @@ pub use force::InterfaceForce;
 pub use law::{AsperityReport, LawReport};
 pub use resolved::ResolvedReport;
 pub use surface::{
-    FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport, synthetic,
+    FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport, in_frame, synthetic,
 };
 
 use crate::Error;

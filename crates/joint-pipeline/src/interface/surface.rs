@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use surface_characterisation::readers::{self, Declaration, Format};
 use surface_characterisation::{
     Alignment, Bootstrap, Characterisation, ElementOutlines, ElementSurface, FaceSummary, GapChange, HeightMap,
-    LinePeak, Options, Registration, Summary, SyntheticFace, Waviness, align, characterise, line_peaks,
+    LinePeak, Options, Registration, Summary, SurfaceError, SyntheticFace, Waviness, align, characterise, line_peaks,
     registration_study,
 };
 use zte_assembly::{Element, InterfaceMesh};
@@ -93,8 +93,8 @@ impl ScannedSurface {
             Surface::Scans(scans) => {
                 set(&mut options, scans);
                 let (top, bottom) = rayon::join(
-                    || face(&scans.top, scans.align.map(Length::si), mesh, &outlines),
-                    || face(&scans.bottom, scans.align.map(Length::si), mesh, &outlines),
+                    || face(&scans.top, scans.align.map(Length::si), &outlines),
+                    || face(&scans.bottom, scans.align.map(Length::si), &outlines),
                 );
                 let ((top, about_top), (bottom, about_bottom)) = (top?, bottom?);
                 ([top, bottom], vec![about_top, about_bottom])
@@ -261,12 +261,7 @@ fn bounds(mesh: &InterfaceMesh, axis: usize) -> (f64, f64) {
 }
 
 /// A scanned face in the frame of the interface.
-fn face(
-    file: &ScanFile,
-    reach: Option<f64>,
-    mesh: &InterfaceMesh,
-    outlines: &ElementOutlines,
-) -> Result<(HeightMap, FileReport), Error> {
+fn face(file: &ScanFile, reach: Option<f64>, outlines: &ElementOutlines) -> Result<(HeightMap, FileReport), Error> {
     let scan = readers::read(
         &file.path,
         &readers::Options {
@@ -286,34 +281,7 @@ fn face(
         source,
     };
     let mut notes = scan.notes;
-    let mut map = scan.map;
-    let middle = [0, 1].map(|axis| {
-        let (low, high) = bounds(mesh, axis);
-        0.5 * (low + high)
-    });
-    if file.mirrored {
-        map = map.mirrored_x(middle[0]);
-    }
-    let target = match file.place {
-        Place::AsStated => None,
-        Place::Centred => {
-            let n = [map.nx(), map.ny()];
-            Some([0, 1].map(|k| middle[k] - 0.5 * (n[k] - 1) as f64 * map.step()[k]))
-        }
-        Place::Origin(origin) => Some(origin.map(Length::si)),
-    };
-    if let Some(target) = target {
-        let origin = map.origin();
-        map = map.shifted([0, 1].map(|k| target[k] - origin[k])).map_err(failed)?;
-    }
-    let alignment = match reach {
-        None => None,
-        Some(reach) => {
-            let found = align(&map, outlines, reach).map_err(failed)?;
-            map = map.shifted(found.shift).map_err(failed)?;
-            Some(found)
-        }
-    };
+    let (mut map, alignment) = in_frame(scan.map, outlines, file.mirrored, file.place, reach).map_err(failed)?;
     let height_step = file.height_step.map(Length::si).or(scan.stated_step);
     match height_step {
         Some(step) => map = map.with_height_step(step).map_err(failed)?,
@@ -341,6 +309,42 @@ fn face(
         notes,
     };
     Ok((map, report))
+}
+
+/// A scan in the frame of the interface: turned over about the middle of the elements if it was `mirrored`, brought to its
+/// `place`, and moved by at most `reach` (m) along x and y to where the edges and holes of its mask fit the elements.
+///
+/// # Errors
+/// Positions that are not finite; those of [`align`].
+pub fn in_frame(
+    mut map: HeightMap,
+    outlines: &ElementOutlines,
+    mirrored: bool,
+    place: Place,
+    reach: Option<f64>,
+) -> Result<(HeightMap, Option<Alignment>), SurfaceError> {
+    let (low, high) = outlines.bounds();
+    let middle = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
+    if mirrored {
+        map = map.mirrored_x(middle[0]);
+    }
+    let target = match place {
+        Place::AsStated => None,
+        Place::Centred => {
+            let n = [map.nx(), map.ny()];
+            Some([0, 1].map(|k| middle[k] - 0.5 * (n[k] - 1) as f64 * map.step()[k]))
+        }
+        Place::Origin(origin) => Some(origin.map(Length::si)),
+    };
+    if let Some(target) = target {
+        let origin = map.origin();
+        map = map.shifted([0, 1].map(|k| target[k] - origin[k]))?;
+    }
+    let Some(reach) = reach else {
+        return Ok((map, None));
+    };
+    let found = align(&map, outlines, reach)?;
+    Ok((map.shifted(found.shift)?, Some(found)))
 }
 
 /// The faces of a synthetic scan as they are measured, over the bounding box of the interface, without data where the

@@ -120,35 +120,95 @@ class Interface(Described):
 
     @property
     def n_points(self) -> int:
-        """Number of points."""
+        """Number of points.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import microslip
+        >>> law = microslip.laws.FrictionalLaw(microslip.laws.ElasticCurves(k_n=1e10, k_x=1e10), mu=0.3)
+        >>> interface = microslip.Interface(np.eye(3), areas=1e-4, law=law)
+        >>> interface.n_points
+        1
+        """
         return self.law.n_points
 
     @property
     def jump(self) -> Matrix:
-        """Rows of the jump, ``(3 * n_points, n)``."""
+        """Rows of the jump, ``(3 * n_points, n)``.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import microslip
+        >>> law = microslip.laws.FrictionalLaw(microslip.laws.ElasticCurves(k_n=1e10, k_x=1e10), mu=0.3)
+        >>> interface = microslip.Interface(np.eye(3), areas=1e-4, law=law)
+        >>> interface.jump.shape
+        (3, 3)
+        """
         return self._arguments["jump"]
 
     @property
     def areas(self) -> Array:
-        """Areas [m^2], one or ``(n_points,)``."""
+        """Areas [m^2], one or ``(n_points,)``.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import microslip
+        >>> law = microslip.laws.FrictionalLaw(microslip.laws.ElasticCurves(k_n=1e10, k_x=1e10), mu=0.3)
+        >>> interface = microslip.Interface(np.eye(3), areas=1e-4, law=law)
+        >>> print(interface.areas)
+        [0.0001]
+        """
         found: Array = self._arguments["areas"]
         return found
 
     @property
     def law(self) -> Law:
-        """The traction law."""
+        """The traction law.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import microslip
+        >>> law = microslip.laws.FrictionalLaw(microslip.laws.ElasticCurves(k_n=1e10, k_x=1e10), mu=0.3)
+        >>> interface = microslip.Interface(np.eye(3), areas=1e-4, law=law)
+        >>> interface.law is law
+        True
+        """
         found: Law = self._arguments["law"]
         return found
 
     @property
     def gap(self) -> Array:
-        """Gaps [m], one or ``(n_points,)``."""
+        """Gaps [m], one or ``(n_points,)``.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import microslip
+        >>> law = microslip.laws.FrictionalLaw(microslip.laws.ElasticCurves(k_n=1e10, k_x=1e10), mu=0.3)
+        >>> interface = microslip.Interface(np.eye(3), areas=1e-4, law=law, gap=1e-6)
+        >>> print(interface.gap)
+        [1.e-06]
+        """
         found: Array = self._arguments["gap"]
         return found
 
     @property
     def interference(self) -> Array:
-        """Interferences at rest [m], one or ``(n_points,)``."""
+        """Interferences at rest [m], one or ``(n_points,)``.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import microslip
+        >>> law = microslip.laws.FrictionalLaw(microslip.laws.ElasticCurves(k_n=1e10, k_x=1e10), mu=0.3)
+        >>> interface = microslip.Interface(np.eye(3), areas=1e-4, law=law, interference=2e-6)
+        >>> print(interface.interference)
+        [2.e-06]
+        """
         found: Array = self._arguments["interference"]
         return found
 

@@ -131,7 +131,14 @@ class Curves(Described):
 
     @property
     def n_sets(self) -> int:
-        """Number of parameter sets."""
+        """Number of parameter sets.
+
+        Examples
+        --------
+        >>> from microslip import laws
+        >>> laws.ElasticCurves(k_n=[1e12, 2e12], k_x=1e12).n_sets
+        2
+        """
         return len(self._made)
 
 
@@ -437,7 +444,19 @@ class TabulatedCurves(Curves):
 
     @property
     def errors(self) -> tuple[float, float]:
-        """Largest relative errors in the range, of normal traction and of tangential stiffnesses."""
+        """Largest relative errors in the range, of normal traction and of tangential stiffnesses.
+
+        Examples
+        --------
+        >>> from microslip import laws
+        >>> curves = laws.GreenwoodWilliamsonCurves(
+        ...     heights="gaussian", scale=2e-6, reference_height=7e-6, asperity_density=1.4e6, beta_x=1.4e-3,
+        ...     youngs_modulus=192.85e9, poisson_ratio=0.29,
+        ... )
+        >>> table = laws.TabulatedCurves(curves, range=(1e-8, 2e-5))
+        >>> table.errors[0] <= 1e-5
+        True
+        """
         return self._made.table_errors() or (0.0, 0.0)
 
 
@@ -461,17 +480,41 @@ class Law(Described):
 
     @property
     def n_points(self) -> int:
-        """Number of points."""
+        """Number of points.
+
+        Examples
+        --------
+        >>> from microslip import laws
+        >>> law = laws.FrictionalLaw(laws.ElasticCurves(k_n=[2e12, 3e12], k_x=1.5e12), mu=0.3)
+        >>> law.n_points
+        2
+        """
         return self._made.n_points
 
     @property
     def n_state(self) -> int:
-        """Numbers that the state of a point has."""
+        """Numbers that the state of a point has.
+
+        Examples
+        --------
+        >>> from microslip import laws
+        >>> law = laws.FrictionalLaw(laws.ElasticCurves(k_n=[2e12, 3e12], k_x=1.5e12), mu=0.3)
+        >>> law.initial_state().shape == (law.n_state, law.n_points)
+        True
+        """
         return self._made.n_state
 
     @property
     def info(self) -> LawInfo:
-        """Name, source, state and parameters of the law."""
+        """Name, source, state and parameters of the law.
+
+        Examples
+        --------
+        >>> from microslip import laws
+        >>> law = laws.FrictionalLaw(laws.ElasticCurves(k_n=[2e12, 3e12], k_x=1.5e12), mu=0.3)
+        >>> law.info.name
+        'elastic dry friction'
+        """
         name, reference, state, parameters = self._made.info()
         return LawInfo(
             name,

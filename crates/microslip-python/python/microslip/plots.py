@@ -27,12 +27,9 @@ def backbones(run: Run, amplitude: str) -> Figure:
     if amplitude not in _AMPLITUDES:
         remedy = f"it must be one of {', '.join(_AMPLITUDES)}"
         raise InputError(f"there is no amplitude {amplitude!r}; {remedy}", field="amplitude", value=amplitude, remedy=remedy)
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise ImportError("plot needs matplotlib; install it by `pip install microslip[plot]`") from error
-    # Not by pyplot, which would keep the figure and choose a window.
-    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    from microslip._figure import picture
+
+    figure = picture(6.4, 6.4)
     above, below = figure.subplots(2, 1, sharex=True)
     for mode in run.modes:
         tables: dict[str, Backbone | MethodBackbone] = {"cqsma": mode.backbone, **mode.methods}

@@ -77,6 +77,10 @@ def _equal(left: Any, right: Any) -> bool:
         if not isinstance(right, np.ndarray):
             return False
         return np.array_equal(left, right, equal_nan=left.dtype.kind == "f")
+    if isinstance(left, tuple) and isinstance(right, tuple):
+        return len(left) == len(right) and all(map(_equal, left, right))
+    if isinstance(left, dict) and isinstance(right, dict):
+        return left.keys() == right.keys() and all(_equal(left[key], right[key]) for key in left)
     return bool(left == right)
 
 

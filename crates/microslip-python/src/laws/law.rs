@@ -276,6 +276,7 @@ impl Law {
     }
 
     /// What [`Self::linearised`] takes, of this law about a static state.
+    #[pyo3(signature = (jump: "numpy.typing.NDArray[numpy.float64]", state: "numpy.typing.NDArray[numpy.float64]") -> "tuple[list[numpy.typing.NDArray[numpy.float64]], list[bool]]")]
     fn about<'py>(
         &self,
         py: Python<'py>,
@@ -397,6 +398,7 @@ impl Law {
     }
 
     /// Regimes of the points: 0 stick, 1 slip, 2 open, 3 input that is not finite.
+    #[pyo3(signature = (jump: "numpy.typing.NDArray[numpy.float64]", begin: "numpy.typing.NDArray[numpy.float64]") -> "numpy.typing.NDArray[numpy.uint8]")]
     fn regimes<'py>(
         &self,
         py: Python<'py>,
