@@ -53,8 +53,9 @@ fn errors_give_field_value_and_remedy_beside_their_message() {
     assert_eq!(value.remedy().unwrap(), "it must be positive and finite");
     for (wrong, field) in [
         (
+            // A block of its own kind: its message says which of its units is wrong.
             json!({ "units": { "length": "ell", "mass": "kg", "time": "s" } }),
-            "units.length",
+            "units",
         ),
         (json!({ "bolts": { "load": "12 parsec" } }), "bolts.load"),
         (json!({ "bolts": [12e3] }), "bolts"),
