@@ -116,6 +116,10 @@ pub(super) fn elements_at(
     mesh: &InterfaceMesh,
     positions: Option<&[[f64; 3]]>,
 ) -> Result<Vec<usize>, Error> {
+    // Also because a mesh may still turn out to be unsound.
+    if places.is_empty() {
+        return Ok(Vec::new());
+    }
     let centres = element_centres(mesh, positions);
     let size = |element: usize| match mesh.elements[element].contact() {
         Some(contact) => contact.area.sqrt(),
