@@ -83,7 +83,7 @@ pub use curves::fitted::{FittedCurves, NormalFit, TangentialEnds, TangentialFit}
 pub use curves::fitted_points::FittedPoints;
 pub use curves::greenwood_williamson::{GreenwoodWilliamsonCurves, GreenwoodWilliamsonSurface};
 pub use curves::table::{TableOptions, Tabulated};
-pub use curves::{ContactCurves, CurveBlock, CurvesInfo, Exponents, PointCurves};
+pub use curves::{ContactCurves, CurveBlock, CurveFactors, CurvesInfo, Exponents, PointCurves};
 pub use error::{Error, Place};
 pub use friction::linearised::{LinearisedContact, StaticPoint};
 pub use friction::mindlin_iwan::MindlinIwan;

@@ -59,6 +59,14 @@ pub enum Error {
         /// What would be accepted.
         requirement: &'static str,
     },
+    /// A path that is asked for as a parameter is no number of the scene that can be varied.
+    #[error("{path} is not a parameter of this scene: {reason}")]
+    Parameter {
+        /// The path.
+        path: String,
+        /// Why, and what can be done.
+        reason: String,
+    },
     /// Shapes of a structure without a mesh.
     #[error(
         "mode shapes and deformed bodies need a mesh, and matrices have none; give the structure as a mesh, a deck or a benchmark"
@@ -439,6 +447,7 @@ impl Error {
         match self {
             Self::Syntax { field, .. } => field.as_deref(),
             Self::MeshScene { field, .. } => Some(field),
+            Self::Parameter { path, .. } => Some(path),
             Self::Value { field, .. }
             | Self::NodeSet { field, .. }
             | Self::NoMeasuredSurface { field, .. }

@@ -5,7 +5,9 @@ mod common;
 
 use common::{BENCHMARKS, beam};
 use joint_pipeline::analysis::mesh_error::{ErrorBar, Partner};
-use joint_pipeline::scene::{Accuracy, ElementOrder, Length, PRESETS, RefinementLevel, Surface, Target, refined};
+use joint_pipeline::scene::{
+    Accuracy, ElementOrder, Influence, Length, PRESETS, Parameter, RefinementLevel, Surface, Target, refined,
+};
 use joint_pipeline::{Error, Scene};
 use serde_json::{Value, json};
 use substructure::elements::Formulation;
@@ -743,4 +745,62 @@ fn the_error_of_a_mesh_is_known_where_it_was_measured() {
         matches!(error, Error::OneFormulation { .. }) && error.to_string().contains("matrices"),
         "{error}"
     );
+}
+
+#[test]
+fn numbers_of_a_scene_are_named_by_their_paths() {
+    let scene = beam("paths");
+    let value = |path: &str| Parameter::new(path).value(&scene);
+    assert_eq!(value("mu").unwrap(), scene.mu);
+    assert_eq!(value("bolts.load").unwrap(), scene.bolts.load.si());
+    assert_eq!(value("scale.gap_tilt.1").unwrap_or(0.0), 0.0);
+    for (path, unit, influence) in [
+        ("mu", "", Influence::Interface),
+        ("bolts.load", "N", Influence::Loads),
+        ("model.material.youngs_modulus", "Pa", Influence::Structure),
+        ("model.material.density", "kg/m^3", Influence::Structure),
+        ("model.material.poisson_ratio", "", Influence::Structure),
+        ("scale.asperity_radius", "", Influence::Interface),
+        ("scale.gap_tilt.0", "", Influence::Interface),
+    ] {
+        let parameter = Parameter::new(path);
+        assert_eq!(parameter.unit(&scene).unwrap(), unit, "{path}");
+        assert_eq!(parameter.influence(), influence);
+        let before = parameter.value(&scene).unwrap();
+        let varied = parameter.with(&scene, before * 1.01 + 1e-3).unwrap();
+        assert_eq!(parameter.value(&varied).unwrap(), before * 1.01 + 1e-3, "{path}");
+        assert_eq!(parameter.with(&varied, before).unwrap(), scene, "nothing else changes");
+    }
+    // Of bolts with loads of their own the common load is a factor on all.
+    let mut own = scene.clone();
+    own.bolts.loads = [10e3, 12e3, 14e3].map(joint_pipeline::scene::Force::from_si).to_vec();
+    own.bolts.load = own.bolts.loads[0];
+    let doubled = Parameter::new("bolts.load").with(&own, 20e3).unwrap();
+    assert_eq!(doubled.bolts.loads[2].si(), 28e3);
+    let one = Parameter::new("bolts.loads.0").with(&own, 11e3).unwrap();
+    assert_eq!(
+        (one.tension(0), one.tension(1), one.bolts.load.si()),
+        (11e3, 12e3, 11e3)
+    );
+    for (path, why) in [
+        ("cqsma.tolerance", "it is no number that the physics depends on"),
+        ("mus", "it is no number that the physics depends on"),
+        ("bolts.loads.1", "bolts has assembly, behaviour, load"),
+        ("model.material.density.x", "the scene has no number there"),
+        ("scale.gap_tilt.2", "scale.gap_tilt has 2 elements, counted from 0"),
+        ("law.yield.strength", "the scene has no such number; law has bins"),
+    ] {
+        let message = value(path).unwrap_err().to_string();
+        assert!(message.contains(why), "{path}: {message}");
+    }
+    assert!(Parameter::new("mu").with(&scene, -0.1).is_err());
+    let asking = |parameters: Value| {
+        let mut scene = json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" } });
+        scene["sensitivities"] = parameters;
+        read(&scene)
+    };
+    assert_eq!(asking(json!(["mu", "bolts.load"])).unwrap().sensitivities.len(), 2);
+    let twice = asking(json!(["mu", "mu"])).unwrap_err();
+    assert!(twice.to_string().contains("names it twice") && twice.field() == Some("mu"));
+    assert!(asking(json!(["friction"])).is_err());
 }

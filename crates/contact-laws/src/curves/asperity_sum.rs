@@ -62,7 +62,7 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use crate::curves::{ContactCurves, CurvesInfo, Exponents};
+use crate::curves::{ContactCurves, CurveFactors, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require};
 use crate::jet::Jet;
 use crate::law::{PAPER_DOI, Quantity};
@@ -146,6 +146,20 @@ impl AsperitySumCurves {
             normal_factor,
             tangential_factors,
         })
+    }
+
+    /// Factors from these curves to those of the same reading whose population has its gaps multiplied by `gaps`, and may have other
+    /// densities, radii and materials.
+    pub fn factors_to(&self, other: &Self, gaps: f64) -> CurveFactors {
+        let power = match self.reading {
+            TangentialReading::Mindlin => gaps.sqrt(),
+            TangentialReading::Paper => 1.0,
+        };
+        CurveFactors {
+            interference: gaps,
+            normal: other.normal_factor / self.normal_factor * gaps * gaps.sqrt(),
+            tangential: core::array::from_fn(|q| other.tangential_factors[q] / self.tangential_factors[q] * power),
+        }
     }
 
     /// The population.

@@ -22,6 +22,15 @@ impl End {
         Self { u, value, log_slope }
     }
 
+    /// The end of the curve `value * f(u / interference)`.
+    pub(crate) fn scaled(self, interference: f64, value: f64) -> Self {
+        Self {
+            u: self.u * interference,
+            value: self.value * value,
+            ..self
+        }
+    }
+
     /// Below the range: with `v = u / u_end`, the log-slope moves linearly in `v` from its end value to `exponent`,
     /// so `f = f_end v^exponent exp((log_slope - exponent) (v - 1))`.
     #[inline]

@@ -111,7 +111,7 @@
 #![doc = include_str!("../../katex.html")]
 
 use crate::curves::continuation::End;
-use crate::curves::{ContactCurves, CurvesInfo, Exponents};
+use crate::curves::{ContactCurves, CurveFactors, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require, require_positive};
 use crate::jet::Jet;
 use crate::law::{PAPER_DOI, Quantity};
@@ -424,6 +424,28 @@ impl FittedCurves {
             normal_ends,
             tangential_ends,
         })
+    }
+
+    /// These curves with interferences and values multiplied by factors: `t_n(u_n) = f_n t_n0(u_n / f_u)`, and so on.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for factors that are not positive and finite, or that lead out of the bounds of the references.
+    pub fn scaled(&self, factors: CurveFactors) -> Result<Self, Error> {
+        factors.validate()?;
+        let by = |range: Option<[f64; 2]>| range.map(|range| range.map(|u| u * factors.interference));
+        let normal = NormalFit {
+            u_ref: self.normal.u_ref * factors.interference,
+            t_ref: self.normal.t_ref * factors.normal,
+            range: by(self.normal.range),
+            ..self.normal
+        };
+        let tangential = core::array::from_fn(|q| TangentialFit {
+            u_ref: self.tangential[q].u_ref * factors.interference,
+            k_ref: self.tangential[q].k_ref * factors.tangential[q],
+            range: by(self.tangential[q].range),
+            ..self.tangential[q]
+        });
+        Self::try_new(normal, tangential)
     }
 
     /// The normal fit.

@@ -9,6 +9,7 @@ pub(crate) mod fitted_points;
 pub mod greenwood_williamson;
 pub mod table;
 
+use crate::error::{Error, require_positive};
 use crate::jet::Jet;
 use crate::law::Quantity;
 use crate::parameters::PointParameters;
@@ -21,6 +22,32 @@ pub struct Exponents {
     pub normal: f64,
     /// Exponents of the tangential stiffnesses along x and y: 1/2 where single Mindlin contacts touch first.
     pub tangential: [f64; 2],
+}
+
+/// Factors between contact curves of the same form.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveFactors {
+    /// Of interferences.
+    pub interference: f64,
+    /// Of normal tractions.
+    pub normal: f64,
+    /// Of tangential stiffnesses along x and y.
+    pub tangential: [f64; 2],
+}
+
+impl CurveFactors {
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        let [x, y] = self.tangential;
+        for (name, factor) in [
+            ("factor of interferences", self.interference),
+            ("factor of normal tractions", self.normal),
+            ("factor of tangential stiffnesses along x", x),
+            ("factor of tangential stiffnesses along y", y),
+        ] {
+            require_positive(name, factor, "(no unit)")?;
+        }
+        Ok(())
+    }
 }
 
 /// Description of contact curves.

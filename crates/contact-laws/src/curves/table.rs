@@ -66,7 +66,7 @@
 use alloc::vec::Vec;
 
 use crate::curves::continuation::End;
-use crate::curves::{ContactCurves, CurvesInfo, Exponents};
+use crate::curves::{ContactCurves, CurveFactors, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require, require_positive};
 use crate::jet::Jet;
 use crate::law::{PAPER_DOI, Quantity};
@@ -218,6 +218,39 @@ impl<C: ContactCurves> Tabulated<C> {
             max_relative_error_tangential: errors[1].error.max(errors[2].error),
             grid: table.grid,
         }
+    }
+
+    /// The table of `source`, whose curves are those of this table's source with interferences and values multiplied by factors:
+    /// `t_n(u_n) = f_n t_n0(u_n / f_u)`, and so on. Nothing is tabulated anew, so that the table changes smoothly with the factors.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for factors that are not positive and finite.
+    pub fn scaled(&self, source: C, factors: CurveFactors) -> Result<Self, Error> {
+        factors.validate()?;
+        let CurveFactors {
+            interference,
+            normal,
+            tangential,
+        } = factors;
+        let lower = self.grid.lower * interference;
+        let end = |end: End, value: f64| end.scaled(interference, value);
+        Ok(Self {
+            source,
+            grid: Grid {
+                lower,
+                per_lower: 1.0 / lower,
+                ..self.grid
+            },
+            normal: self.normal.iter().map(|cell| cell.map(|c| c * normal)).collect(),
+            tangential: self
+                .tangential
+                .iter()
+                .map(|cell| core::array::from_fn(|q| cell[q].map(|c| c * tangential[q])))
+                .collect(),
+            normal_ends: self.normal_ends.map(|of| end(of, normal)),
+            tangential_ends: core::array::from_fn(|q| self.tangential_ends[q].map(|of| end(of, tangential[q]))),
+            ..*self
+        })
     }
 
     /// The curves that were tabulated.

@@ -138,6 +138,19 @@ impl GapDistribution {
         Self { pieces, before }
     }
 
+    /// The same distribution with all gaps multiplied by `factor`.
+    fn scaled(&self, factor: f64) -> Self {
+        let pieces = self.pieces.iter().map(|piece| Piece {
+            start: piece.start * factor,
+            width: piece.width * factor,
+            ..*piece
+        });
+        Self {
+            pieces: pieces.collect(),
+            before: self.before.clone(),
+        }
+    }
+
     /// Gap of the first asperity to touch (m).
     pub fn smallest(&self) -> f64 {
         self.pieces[0].start
@@ -298,6 +311,20 @@ impl AsperityPopulation {
         require_positive("beta_x", radii[0], "m")?;
         require_positive("beta_y", radii[1], "m")?;
         Ok(Self { gaps, density, radii })
+    }
+
+    /// The population with its gaps, its density and both radii multiplied by factors.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when a factor, or what it leaves, is not above zero and finite.
+    pub fn scaled(&self, gaps: f64, density: f64, radii: f64) -> Result<Self, Error> {
+        require_positive("factor of the asperity gaps", gaps, "(no unit)")?;
+        require_gap(self.gaps.largest() * gaps, 0)?;
+        Self::try_new(
+            self.gaps.scaled(gaps),
+            self.density * density,
+            self.radii.map(|beta| beta * radii),
+        )
     }
 
     /// Distribution of the initial gaps.

@@ -296,3 +296,65 @@ fn the_measured_surface_meets_the_default_tolerances() {
     );
     assert!(table.n_knots() < 20_000 && paper.n_knots() < 20_000);
 }
+
+/// Curves of a scaled population are those of the population with interferences and values scaled; so are its table and its fit.
+#[test]
+fn scaled_curves_are_those_of_scaled_populations() {
+    let material = ElasticPair {
+        youngs_modulus: 70e9,
+        poisson_ratio: 0.33,
+    };
+    for reading in [TangentialReading::Mindlin, TangentialReading::Paper] {
+        let source = asperities(reading);
+        let population = source.population().scaled(1.7, 0.4, 2.5).unwrap();
+        assert_eq!(population.density(), 0.4 * source.population().density());
+        assert!(
+            relative(
+                population.effective_radius(),
+                2.5 * source.population().effective_radius()
+            ) < 1e-15
+        );
+        let scaled = AsperitySumCurves::try_new(population, material, reading).unwrap();
+        let factors = source.factors_to(&scaled, 1.7);
+        let tabulated = Tabulated::try_new(
+            source.clone(),
+            [1e-8, 3e-5],
+            TableOptions {
+                tolerance_tangential: 1e-1,
+                ..TableOptions::default()
+            },
+        );
+        let table = tabulated.unwrap().scaled(scaled.clone(), factors).unwrap();
+        let (fit, wide) = (fitted(), fitted().scaled(factors).unwrap());
+        for u in sweep([1e-9, 1e-4], 1000) {
+            let from_source = factors.normal * source.normal(u / 1.7).0;
+            assert!(relative(scaled.normal(u).0, from_source) < 1e-13, "{u}");
+            let k = factors.tangential[1] * source.tangential(u / 1.7)[1].value;
+            assert!(relative(scaled.tangential(u)[1].value, k) < 1e-13);
+            assert!(relative(wide.normal(u).0, factors.normal * fit.normal(u / 1.7).0) < 1e-12);
+            let k = factors.tangential[0] * fit.tangential(u / 1.7)[0].value;
+            assert!(relative(wide.tangential(u)[0].value, k) < 1e-12);
+            if (2e-8..4e-5).contains(&u) {
+                assert!(relative(table.normal(u).0, scaled.normal(u).0) < 2e-5, "{u}");
+                assert!(relative(table.normal(u).1, scaled.normal(u).1) < 1e-2, "{u}");
+            }
+        }
+        let [lower, upper] = table.range();
+        assert!(relative(lower, 1.7e-8) < 1e-15 && upper > 5e-5);
+    }
+    let source = asperities(TangentialReading::Mindlin);
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(source.population().scaled(bad, 1.0, 1.0).is_err());
+        assert!(source.population().scaled(1.0, bad, 1.0).is_err());
+        assert!(source.population().scaled(1.0, 1.0, bad).is_err());
+        assert!(
+            fitted()
+                .scaled(CurveFactors {
+                    interference: bad,
+                    normal: 1.0,
+                    tangential: [1.0; 2]
+                })
+                .is_err()
+        );
+    }
+}

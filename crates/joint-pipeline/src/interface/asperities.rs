@@ -3,17 +3,25 @@
 use super::surface::{FileReport, ScannedSurface, material};
 use crate::Error;
 use crate::joint::benchmark::MeasuredSurface;
-use crate::scene::{Gap, LawKind, Scene};
-use contact_laws::{AsperityPopulation, AsperitySumCurves, ElasticPair, GapDistribution, TangentialReading};
+use crate::scene::{Gap, LawKind, Scale, Scene};
+use contact_laws::{
+    AsperityPopulation, AsperitySumCurves, CurveFactors, ElasticPair, GapDistribution, TangentialReading,
+};
+use std::sync::Arc;
 use surface_characterisation::{Characterisation, PairAsperities};
 use zte_assembly::{InterfaceMesh, Operators};
 
 /// Asperities of the interface: populations, and which one each element has.
 pub(crate) struct Asperities {
+    /// As the scene scales them.
     pub(crate) populations: Vec<AsperityPopulation>,
+    /// As they are known, where the scene scales them.
+    known: Option<Vec<AsperityPopulation>>,
+    /// Factor of the scene on differences in height.
+    height: f64,
     pub(crate) of_element: Vec<u32>,
     pub(crate) material: ElasticPair,
-    pub(super) scan: Option<(Characterisation, Vec<FileReport>)>,
+    pub(super) scan: Option<Arc<(Characterisation, Vec<FileReport>)>>,
 }
 
 impl Asperities {
@@ -28,30 +36,99 @@ impl Asperities {
             surface.asperities_per_area,
             [radius, radius],
         )?;
-        Ok(Self {
+        Self {
             populations: vec![population],
+            known: None,
+            height: 1.0,
             of_element: vec![0; mesh.elements.len()],
             material: material(scene),
             scan: None,
-        })
+        }
+        .scaled(&scene.scale)
     }
 
     /// Those of two scans, element by element.
     pub(super) fn scanned(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
         let ScannedSurface { found, files, .. } = ScannedSurface::try_new(scene, mesh)?;
         let populations = found.elements.iter().map(|e| population(scene, &e.population));
-        Ok(Self {
+        Self {
             populations: populations.collect::<Result<_, Error>>()?,
+            known: None,
+            height: 1.0,
             of_element: (0..mesh.elements.len() as u32).collect(),
             material: material(scene),
-            scan: Some((found, files)),
-        })
+            scan: Some(Arc::new((found, files))),
+        }
+        .scaled(&scene.scale)
+    }
+
+    /// Other populations on the same elements.
+    pub(super) fn with_populations(&self, populations: Vec<AsperityPopulation>, scale: &Scale) -> Result<Self, Error> {
+        Self {
+            populations,
+            known: None,
+            height: 1.0,
+            of_element: self.of_element.clone(),
+            material: self.material,
+            scan: None,
+        }
+        .scaled(scale)
+    }
+
+    /// The same asperities in a scene with another scale and material.
+    pub(super) fn varied(&self, scene: &Scene) -> Result<Self, Error> {
+        Self {
+            populations: self.known().to_vec(),
+            known: None,
+            height: 1.0,
+            of_element: self.of_element.clone(),
+            material: material(scene),
+            scan: self.scan.clone(),
+        }
+        .scaled(&scene.scale)
+    }
+
+    /// The populations before the scene scales them.
+    fn known(&self) -> &[AsperityPopulation] {
+        self.known.as_deref().unwrap_or(&self.populations)
+    }
+
+    fn scaled(mut self, scale: &Scale) -> Result<Self, Error> {
+        if scale.keeps_asperities() {
+            return Ok(self);
+        }
+        let scaled = self
+            .populations
+            .iter()
+            .map(|known| known.scaled(scale.asperity_height, scale.asperity_density, scale.asperity_radius));
+        let scaled = scaled.collect::<Result<_, _>>()?;
+        self.known = Some(std::mem::replace(&mut self.populations, scaled));
+        self.height = scale.asperity_height;
+        Ok(self)
+    }
+
+    /// The sums of the populations as they are known, each with the factors from its curves to those of the scaled one; none where the
+    /// scene does not scale them. Tables and fits are made of these, so that they change smoothly with the scale.
+    pub(super) fn known_sums(
+        &self,
+        reading: TangentialReading,
+        scaled: &[AsperitySumCurves],
+    ) -> Result<Option<Vec<(AsperitySumCurves, CurveFactors)>>, Error> {
+        let Some(known) = &self.known else { return Ok(None) };
+        let sums = known.iter().zip(scaled).map(|(known, scaled)| {
+            let known = AsperitySumCurves::try_new(known.clone(), self.material, reading)?;
+            let factors = known.factors_to(scaled, self.height);
+            Ok((known, factors))
+        });
+        sums.collect::<Result<_, Error>>().map(Some)
     }
 
     /// Those of parts that lie side by side, in their order. None of no parts.
     pub(super) fn joined(parts: Vec<&Self>) -> Option<Self> {
         let mut joined = Self {
             populations: Vec::new(),
+            known: None,
+            height: 1.0,
             of_element: Vec::new(),
             material: parts.first()?.material,
             scan: None,
@@ -74,10 +151,10 @@ impl Asperities {
         Ok(curves.collect::<Result<_, _>>()?)
     }
 
-    /// Gap per point (m).
+    /// Gap per point as it is known (m).
     pub(super) fn gap(&self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> Vec<f64> {
         let measured = scene.measured_gap();
-        let gap = |(&[x, y], &element): (&[f64; 2], &u32)| match (&measured, scene.gap, &self.scan) {
+        let gap = |(&[x, y], &element): (&[f64; 2], &u32)| match (&measured, scene.gap, self.scan.as_deref()) {
             (Some(measured), ..) => (measured.gap)([x, y]),
             (None, Gap::Scan, Some((scan, _))) => scan.elements[element as usize].gap.at([x, y]),
             _ => 0.0,

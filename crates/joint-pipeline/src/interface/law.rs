@@ -104,8 +104,8 @@ pub(super) struct BuiltLaw {
     pub(super) asperities: Asperities,
     pub(super) law: Arc<dyn TractionLaw>,
     pub(super) kind: &'static str,
-    /// Gap at each point (m), negative values included.
-    pub(super) raw_gap: Vec<f64>,
+    /// Gap at each point as it is known (m), negative values included.
+    pub(super) known_gap: Vec<f64>,
     sums: Vec<AsperitySumCurves>,
     fits: Vec<Fit>,
     /// Largest relative errors of the tables, normal and tangential.
@@ -123,10 +123,7 @@ impl Asperities {
         pressure: f64,
     ) -> Result<BuiltLaw, Error> {
         let sums = self.sums(scene.law.tangential)?;
-        let fits = match &self.scan {
-            Some((scan, _)) => scan.elements.iter().map(Fit::of_element).collect::<Result<_, _>>()?,
-            None => fits_of(&sums, scene.law.tangential, FIT_RANGE)?,
-        };
+        let fits = self.fits(scene.law.tangential, &sums)?;
         let NamedLaw {
             kind,
             law,
@@ -134,7 +131,7 @@ impl Asperities {
             resolved,
         } = self.traction_law(scene, element_of, mu, &sums, &fits, pressure)?;
         Ok(BuiltLaw {
-            raw_gap: self.gap(scene, operators, element_of),
+            known_gap: self.gap(scene, operators, element_of),
             asperities: self,
             law,
             kind,
@@ -143,6 +140,23 @@ impl Asperities {
             table_errors,
             resolved,
         })
+    }
+
+    /// Fits of eqs. (28) and (29): those of the scans, or to the sums, as the scene scales them.
+    fn fits(&self, reading: TangentialReading, sums: &[AsperitySumCurves]) -> Result<Vec<Fit>, Error> {
+        let known = self.known_sums(reading, sums)?;
+        let of_sums = |sums: &[AsperitySumCurves]| fits_of(sums, reading, FIT_RANGE);
+        let fits: Vec<Fit> = match (self.scan.as_deref(), &known) {
+            (Some((scan, _)), _) => scan.elements.iter().map(Fit::of_element).collect::<Result<_, _>>()?,
+            (None, None) => of_sums(sums)?,
+            (None, Some(known)) => of_sums(&known.iter().map(|(sum, _)| sum.clone()).collect::<Vec<_>>())?,
+        };
+        let Some(known) = known else { return Ok(fits) };
+        let scaled = fits.into_iter().zip(&known).map(|(fit, (_, factors))| {
+            let curves = fit.curves.scaled(*factors)?;
+            Ok(Fit { curves, ..fit })
+        });
+        scaled.collect()
     }
 
     /// The law of the scene's kind from the sums or the fits of all populations; `pressure` is the mean pressure of the bolts
@@ -192,10 +206,15 @@ impl Asperities {
                 } else {
                     TableOptions::default()
                 };
-                let tables = sums
-                    .par_iter()
-                    .map(|curves| Tabulated::try_new(curves.clone(), TABLE_RANGE, options))
-                    .collect::<Result<Vec<_>, _>>()?;
+                let table = |curves: &AsperitySumCurves| Tabulated::try_new(curves.clone(), TABLE_RANGE, options);
+                let tables = match self.known_sums(scene.law.tangential, sums)? {
+                    None => sums.par_iter().map(table).collect::<Result<Vec<_>, _>>()?,
+                    Some(known) => known
+                        .par_iter()
+                        .zip(sums)
+                        .map(|((known, factors), scaled)| table(known)?.scaled(scaled.clone(), *factors))
+                        .collect::<Result<Vec<_>, _>>()?,
+                };
                 let worst =
                     |of: &dyn Fn(&Tabulated<AsperitySumCurves>) -> f64| tables.iter().map(of).fold(0.0, f64::max);
                 let errors = [
@@ -240,7 +259,7 @@ impl BuiltLaw {
             tangential: scene.law.tangential,
             scans: asperities
                 .scan
-                .as_ref()
+                .as_deref()
                 .map_or_else(Vec::new, |(_, files)| files.clone()),
             n_populations: asperities.populations.len(),
             fit_rms_normal: median(fits.iter().map(|f| f.rms[0]).collect()),

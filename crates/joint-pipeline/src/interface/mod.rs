@@ -87,7 +87,14 @@ struct PartLaw {
 
 impl PartLaw {
     /// Builds law and gap over a mesh in its own plane coordinates, with its operators; `pressure` is the mean one of the bolts (Pa).
-    fn try_new(scene: Scene, mesh: &InterfaceMesh, operators: Arc<Operators>, pressure: f64) -> Result<Self, Error> {
+    /// Asperities that are known already are those of `known`, a part whose surface is the same.
+    fn try_new(
+        scene: Scene,
+        mesh: &InterfaceMesh,
+        operators: Arc<Operators>,
+        pressure: f64,
+        known: Option<&Self>,
+    ) -> Result<Self, Error> {
         let element_of: Vec<u32> = operators
             .first_point
             .windows(2)
@@ -99,22 +106,30 @@ impl PartLaw {
             let built = asperities.law(&scene, &operators, &element_of, &mu, pressure)?;
             Ok(Source::Asperities(Box::new(built)))
         };
-        let from = match &scene.surface {
-            Surface::Measured | Surface::Benchmark(_) => {
+        let known = known.and_then(|part| match &part.from {
+            Source::Given(_) => None,
+            Source::Asperities(built) => Some(&built.asperities),
+        });
+        let from = match (&scene.surface, known) {
+            (Surface::Parameters(parameters), _) => {
+                Source::Given(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?)
+            }
+            (_, Some(known)) => law_of(known.varied(&scene)?)?,
+            (Surface::Measured | Surface::Benchmark(_), None) => {
                 let measured = scene.measured_surface().ok_or_else(|| Error::NoMeasuredSurface {
                     place: scene.name.clone(),
                     field: "surface",
                 })?;
                 law_of(Asperities::measured(&measured, &scene, mesh)?)?
             }
-            Surface::SyntheticScan(_) | Surface::Scans(_) => law_of(Asperities::scanned(&scene, mesh)?)?,
-            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?),
+            (Surface::SyntheticScan(_) | Surface::Scans(_), None) => law_of(Asperities::scanned(&scene, mesh)?)?,
         };
         let (gap, clipped_gaps) = match &from {
             Source::Given(given) => (given.gap.clone(), 0),
             Source::Asperities(built) => {
-                let clipped = built.raw_gap.iter().filter(|g| **g < 0.0).count();
-                (built.raw_gap.iter().map(|g| g.max(0.0)).collect(), clipped)
+                let clipped = built.known_gap.iter().filter(|g| **g < 0.0).count();
+                let known = built.known_gap.iter().map(|g| g.max(0.0));
+                (scene.scale.gaps(known, &operators.positions), clipped)
             }
         };
         refuse_gap_beyond_the_faces(&gap, mesh)?;
@@ -206,21 +221,47 @@ impl SceneInterface {
     /// # Errors
     /// Of the law, the surface, the interface; [`Error::NoContact`].
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, parts: &[InterfacePart], load: f64) -> Result<Self, Error> {
+        Self::build(scene, mesh, parts, load, None)
+    }
+
+    /// The interface of a scene of which only numbers are others, so that the surface is not measured again.
+    ///
+    /// # Errors
+    /// As [`SceneInterface::try_new`].
+    pub fn varied(
+        &self,
+        scene: &Scene,
+        mesh: &InterfaceMesh,
+        parts: &[InterfacePart],
+        load: f64,
+    ) -> Result<Self, Error> {
+        Self::build(scene, mesh, parts, load, Some(self))
+    }
+
+    fn build(
+        scene: &Scene,
+        mesh: &InterfaceMesh,
+        parts: &[InterfacePart],
+        load: f64,
+        known: Option<&Self>,
+    ) -> Result<Self, Error> {
+        let known_part = |number: usize| known.and_then(|known| known.parts.get(number));
         let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
         let pressure = load / operators.area();
         let share = |area: f64| pressure * area;
         let built = match parts {
             [] => vec![(
                 "interface".to_owned(),
-                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure)?,
+                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure, known_part(0))?,
             )],
             _ => parts
                 .iter()
-                .map(|part| {
+                .enumerate()
+                .map(|(number, part)| {
                     let own = scene.of_interface(part.source);
                     let mesh = part.mesh(mesh);
                     let operators = scene.model.symmetry.operators(&mesh, scene.points_per_direction)?;
-                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure)?;
+                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number))?;
                     Ok((part.name.clone(), law))
                 })
                 .collect::<Result<Vec<_>, Error>>()?,
@@ -318,19 +359,15 @@ impl PartLaw {
             return Err(Error::NoSamples);
         };
         let asperities = &built.asperities;
-        let (scan, _) = asperities.scan.as_ref().ok_or(Error::NoSamples)?;
+        let (scan, _) = asperities.scan.as_deref().ok_or(Error::NoSamples)?;
         let drawn: Vec<_> = scan
             .realisation(k)?
             .iter()
             .map(PairAsperities::from_own_tallest)
             .collect();
         let populations = drawn.iter().map(|(pair, _)| population(scene, pair));
-        let realisation = Asperities {
-            populations: populations.collect::<Result<_, Error>>()?,
-            of_element: asperities.of_element.clone(),
-            material: asperities.material,
-            scan: None,
-        };
+        let populations = populations.collect::<Result<_, Error>>()?;
+        let realisation = asperities.with_populations(populations, &scene.scale)?;
         let sums = realisation.sums(scene.law.tangential)?;
         let fits = match scene.law.kind {
             LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,
@@ -338,7 +375,8 @@ impl PartLaw {
         };
         let NamedLaw { law, .. } =
             realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressure)?;
-        let later = self.element_of.iter().map(|&e| drawn[e as usize].1).collect();
+        let height = scene.scale.asperity_height;
+        let later = self.element_of.iter().map(|&e| height * drawn[e as usize].1).collect();
         Ok((law, later))
     }
 }

@@ -9,7 +9,9 @@ mod analysis;
 mod json;
 mod law;
 mod mesh;
+mod parameter;
 mod periodic;
+mod scale;
 mod scans;
 mod structure;
 mod surface;
@@ -21,7 +23,9 @@ pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, InterfacePlace, Method
 pub use json::read as read_json;
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
+pub use parameter::{Influence, Parameter};
 pub use periodic::{AmplitudeRange, Amplitudes, Epmc, Forced, Rayleigh, SamplingAccuracy};
+pub use scale::Scale;
 pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use structure::{
     ContactPoint, Coordinates, Deck, DeckBolt, DeckResponse, Material, MaterialSource, Matrices, MatrixVector, Model,
@@ -69,6 +73,9 @@ pub struct Scene {
     /// Gap between the faces before they are loaded.
     #[serde(default)]
     pub gap: Gap,
+    /// Factors on what is known of the faces.
+    #[serde(default)]
+    pub scale: Scale,
     /// Traction law.
     #[serde(default)]
     pub law: Law,
@@ -94,6 +101,9 @@ pub struct Scene {
     /// Settings of the method `epmc`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epmc: Option<Epmc>,
+    /// Numbers of the scene, by their paths, that frequency and damping are differentiated by along every backbone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivities: Vec<Parameter>,
     /// Responses to harmonic forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forced: Option<Forced>,
@@ -294,6 +304,25 @@ impl Scene {
             }
         }
         self
+    }
+
+    /// The benchmarks that it names.
+    pub(crate) fn benchmarks(&self) -> impl Iterator<Item = &'static dyn Benchmark> {
+        let surfaces = self.surfaces().map(|surface| match surface {
+            Surface::Benchmark(benchmark) => Some(*benchmark),
+            _ => None,
+        });
+        let own = self
+            .structure
+            .mesh()
+            .map(|mesh| mesh.interfaces.iter().map(|own| own.gap));
+        let gaps = std::iter::once(Some(self.gap)).chain(own.into_iter().flatten());
+        let gaps = gaps.map(|gap| match gap {
+            Some(Gap::Benchmark(benchmark)) => Some(benchmark),
+            _ => None,
+        });
+        let all = surfaces.chain(gaps).chain([self.structure.benchmark()]);
+        all.flatten().map(|benchmark| benchmark.0)
     }
 
     /// All paths in the scene.

@@ -133,6 +133,9 @@ macro_rules! dimensions {
             $(#[$doc])*
             pub type $quantity = Quantity<dimension::$dimension>;
         )*
+
+        /// The SI unit of each dimension.
+        pub(super) const SI_SYMBOLS: &[&str] = &[$(<dimension::$dimension as Dimension>::UNITS[0].symbol),*];
     };
 }
 

@@ -2,9 +2,12 @@
 
 use super::{
     Amplitudes, Bins, ContactPoint, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, MaterialSource, MeshFile,
-    ParameterSet, Parameters, Per, RadialRule, Scene, Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
+    ParameterSet, Parameters, Per, RadialRule, Scale, Scene, Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
 };
 use crate::Error;
+
+/// Largest slope between faces that are still taken for parallel (rad).
+const STEEPEST: f64 = 0.1;
 
 /// Refuses values outside their range, naming the file of the scene.
 struct Check<'a> {
@@ -244,8 +247,62 @@ impl Scene {
         self.validate_model(&check)?;
         self.validate_law(&check)?;
         self.validate_surface(&check)?;
+        self.validate_scale(&check)?;
         self.cqsma.validate(&check)?;
-        self.validate_requests(&check)
+        self.validate_requests(&check)?;
+        self.validate_sensitivities()
+    }
+
+    fn validate_scale(&self, check: &Check<'_>) -> Result<(), Error> {
+        let Scale {
+            asperity_radius,
+            asperity_density,
+            asperity_height,
+            gap,
+            gap_tilt,
+        } = self.scale;
+        check.positive("scale.asperity_radius", asperity_radius, "")?;
+        check.positive("scale.asperity_density", asperity_density, "")?;
+        check.positive("scale.asperity_height", asperity_height, "")?;
+        check.not_negative("scale.gap", gap, "")?;
+        for slope in gap_tilt {
+            check.that(
+                slope.abs() <= STEEPEST,
+                "scale.gap_tilt",
+                slope,
+                "rad",
+                "at most 0.1 in size: faces are nearly parallel",
+            )?;
+        }
+        let is_given = matches!(self.surface, Surface::Parameters(_));
+        check.that(
+            !is_given || self.scale.is_one(),
+            "scale",
+            1.0,
+            "(given)",
+            "left out where surface.parameters has the numbers themselves",
+        )
+    }
+
+    /// What can only be asked of a scene that is right otherwise.
+    fn validate_sensitivities(&self) -> Result<(), Error> {
+        for (number, parameter) in self.sensitivities.iter().enumerate() {
+            parameter.value(self)?;
+            let refused = |reason: &str| Error::Parameter {
+                path: parameter.path().into(),
+                reason: reason.into(),
+            };
+            if parameter.is_drawn() {
+                return Err(refused(
+                    "results do not change smoothly with what peaks are found in; take scale.asperity_radius, \
+                     scale.asperity_density and scale.asperity_height",
+                ));
+            }
+            if self.sensitivities[..number].contains(parameter) {
+                return Err(refused("sensitivities names it twice; leave one out"));
+            }
+        }
+        Ok(())
     }
 
     fn validate_model(&self, check: &Check<'_>) -> Result<(), Error> {
