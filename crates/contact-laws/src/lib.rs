@@ -89,6 +89,7 @@ pub use friction::linearised::{LinearisedContact, StaticPoint};
 pub use friction::mindlin_iwan::MindlinIwan;
 pub use friction::radii::Radii;
 pub use friction::resolved::{AsperityFriction, ResolvedLaw};
+pub use friction::similarity::{Scaling, Similarity};
 pub use friction::{
     AsperityLaw, Cone, ElasticDryFriction, FrictionalLaw, GreenwoodWilliamsonLaw, HistoryRule, RoughLaw, TableLaw,
 };

@@ -7,6 +7,7 @@ use crate::linear::{Motion, dot, multiply};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
+use crate::sensitivity::{Derivatives, DifferentiableForce, Follower, LoopRate, loop_rates};
 use contact_laws::{RegimeCounts, Sticking};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -149,6 +150,9 @@ pub struct LoopResult {
     pub counts: RegimeCounts,
     /// The loop itself.
     pub hysteresis: Loop,
+    /// Derivatives, parameter by parameter; none if they were not asked for, or a linear system for them could not be solved.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub rates: Option<Vec<LoopRate>>,
 }
 
 /// What a loop's polygon does not tell.
@@ -160,6 +164,8 @@ struct Circumstances {
     residual: f64,
     shape_deviation: f64,
     counts: RegimeCounts,
+    /// Changes of the amplitudes of all vertices.
+    vertices: Option<Vec<Vec<f64>>>,
 }
 
 impl LoopResult {
@@ -188,6 +194,7 @@ impl LoopResult {
             closure: found.closure,
             residual: found.residual,
             counts: found.counts,
+            rates: found.vertices.map(|vertices| loop_rates(&hysteresis, &vertices)),
             hysteresis,
         }
     }
@@ -235,6 +242,44 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
     settings: &Settings,
     observer: impl Fn(usize) -> O + Sync,
 ) -> Result<Vec<(BackbonePoint, O)>, Error> {
+    run_followed(structure, force, modal_forces, settings, &observer, &|| None)
+}
+
+/// The same with the derivatives of every loop with respect to parameters ([`LoopResult::rates`]).
+///
+/// # Errors
+/// As [`run`], and derivatives that belong to another mode.
+pub fn run_differentiated<F: DifferentiableForce, O: LoopObserver<F::State>>(
+    structure: &Linearisation<'_, F::State>,
+    force: &F,
+    modal_forces: &[f64],
+    settings: &Settings,
+    derivatives: &Derivatives<'_, F>,
+    observer: impl Fn(usize) -> O + Sync,
+) -> Result<Vec<(BackbonePoint, O)>, Error> {
+    if derivatives.mode() != settings.mode {
+        return Err(Error::Setting {
+            field: "mode",
+            value: settings.mode as f64,
+            requirement: "that of the derivatives",
+        });
+    }
+    run_followed(structure, force, modal_forces, settings, &observer, &|| {
+        Some(Box::new(derivatives.companion()))
+    })
+}
+
+/// What goes along with a loop, made anew for each.
+type Followers<'a, F> = dyn Fn() -> Option<Box<dyn Follower<F> + 'a>> + Sync + 'a;
+
+fn run_followed<F: HystereticForce, O: LoopObserver<F::State>>(
+    structure: &Linearisation<'_, F::State>,
+    force: &F,
+    modal_forces: &[f64],
+    settings: &Settings,
+    observer: &(impl Fn(usize) -> O + Sync),
+    followers: &Followers<'_, F>,
+) -> Result<Vec<(BackbonePoint, O)>, Error> {
     let positive = |field, value: usize| {
         let requirement = "at least 1";
         if value == 0 {
@@ -281,7 +326,7 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
                 return None;
             }
             let mut observer = observer(index);
-            let point = run_loop(structure, force, &mode, peak, settings, &mut observer);
+            let point = run_loop(structure, force, &mode, peak, settings, &mut observer, followers());
             if observer.done(&point).is_break() {
                 interrupted.store(true, Ordering::Relaxed);
             }
@@ -299,8 +344,10 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
     peak: f64,
     settings: &Settings,
     observer: &mut O,
+    follower: Option<Box<dyn Follower<F> + '_>>,
 ) -> BackbonePoint {
     let mut tracer = LoopTracer::new(structure, force, mode, peak, settings);
+    tracer.follower = follower;
     let mut result = tracer.measure(structure, observer);
     let mut effort = tracer.path.sequence.effort;
     if let Ok(found) = &mut result
@@ -330,6 +377,8 @@ struct LoopTracer<'a, F: HystereticForce> {
     most_slipping: usize,
     /// Fewest and most points that were open at a vertex.
     open: Option<[usize; 2]>,
+    /// Goes along.
+    follower: Option<Box<dyn Follower<F> + 'a>>,
 }
 
 /// What comes before the measured loop.
@@ -358,6 +407,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, sequence),
             most_slipping: 0,
             open: None,
+            follower: None,
         }
     }
 
@@ -388,6 +438,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
         let mut hysteresis = Loop::default();
+        let mut vertices = self.follower.is_some().then(Vec::new);
         let mut deviation = 0.0_f64;
         // Without dissipation the way back passes the same vertices, which are kept for it.
         let quiet = settled.is_quiet;
@@ -402,6 +453,14 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             let q = dot(&tracer.mode.unit.p, v);
             hysteresis.force.push(tracer.path.at);
             hysteresis.amplitude.push(q);
+            if let Some(follower) = &tracer.follower {
+                // Once they are lost they do not come back.
+                vertices = follower.amplitudes().and_then(|rates| {
+                    let mut known = vertices.take()?;
+                    known.push(rates);
+                    Some(known)
+                });
+            }
             for ((t, u), v) in total.iter_mut().zip(&structure.displacement).zip(v) {
                 *t = u + v;
             }
@@ -432,6 +491,9 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 let (force, amplitude) = (hysteresis.force[vertex], hysteresis.amplitude[vertex]);
                 hysteresis.force.push(force);
                 hysteresis.amplitude.push(amplitude);
+                if let Some(vertices) = &mut vertices {
+                    vertices.push(vertices[vertex].clone());
+                }
                 observer.vertex(force, total, begin);
             }
             (settled.counts, 0.0)
@@ -450,6 +512,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 residual: self.path.residual,
                 shape_deviation: deviation,
                 counts,
+                vertices,
             },
         ))
     }
@@ -556,18 +619,27 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 start + (target - start) * step as f64 / steps as f64
             };
             counts = self.path.advance(goal)?;
+            if let Some(follower) = &mut self.follower {
+                follower.vertex(&self.path);
+            }
             self.most_slipping = self.most_slipping.max(counts.slip);
             let [fewest, most] = self.open.unwrap_or([counts.open; 2]);
             self.open = Some([fewest.min(counts.open), most.max(counts.open)]);
             if step < steps {
                 record(self);
                 if self.settings.commit == Commit::AtEveryVertex {
+                    if let Some(follower) = &mut self.follower {
+                        follower.commit(&self.path);
+                    }
                     self.path.sequence.commit();
                 }
             }
         }
         // The end of the branch is recorded with the history that led to it.
         record(self);
+        if let Some(follower) = &mut self.follower {
+            follower.commit(&self.path);
+        }
         self.path.turn();
         Ok(counts)
     }

@@ -26,6 +26,7 @@ pub mod newton;
 mod path;
 pub mod prestress;
 pub mod rqnma;
+pub mod sensitivity;
 pub mod test_problems;
 pub mod transient;
 
@@ -36,3 +37,4 @@ pub use force::{HystereticForce, PatternView};
 pub use loading::{LoadingPoint, LoadingResult};
 pub use modes::Linearisation;
 pub use newton::{Failure, LinearSolver, NewtonSettings, Reason};
+pub use sensitivity::DifferentiableForce;

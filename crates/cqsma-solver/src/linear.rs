@@ -10,6 +10,9 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 /// Most GMRES steps before the direct solve takes over.
 const MAX_KRYLOV: usize = 100;
 
+/// Most directions that are kept for right-hand sides that share a matrix.
+const MOST_SEARCHED: usize = 400;
+
 /// `y = a x`.
 pub(crate) fn multiply(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
     let x = MatRef::from_column_major_slice(x, x.len(), 1);
@@ -131,7 +134,7 @@ impl Stuck {
     }
 }
 
-fn symmetrised(pattern: PatternView<'_>, values: &[f64]) -> Vec<f64> {
+pub(crate) fn symmetrised(pattern: PatternView<'_>, values: &[f64]) -> Vec<f64> {
     let mut out = values.to_vec();
     for row in 0..pattern.indptr.len() - 1 {
         for k in pattern.indptr[row]..pattern.indptr[row + 1] {
@@ -277,4 +280,70 @@ pub(crate) fn solve_krylov(
         basis.push(scaled(&image, length));
     }
     None
+}
+
+/// Solutions of `(P + dT) x = r` for several right-hand sides: conjugate residuals (GCR) on `1 + P^-1 dT` in the inner product of `P`.
+/// What was searched for one right-hand side serves the next ones, which have much in common: points that slip.
+pub(crate) struct Solves<'a> {
+    stuck: &'a Stuck,
+    pattern: PatternView<'a>,
+    difference: Vec<f64>,
+    /// Directions and their images under the operator; the images are orthonormal.
+    searched: Vec<[Motion; 2]>,
+}
+
+impl<'a> Solves<'a> {
+    pub(crate) fn new(stuck: &'a Stuck, pattern: PatternView<'a>, tangent: &[f64]) -> Self {
+        Self {
+            stuck,
+            pattern,
+            difference: tangent.iter().zip(&stuck.tangent).map(|(a, b)| a - b).collect(),
+            searched: Vec::new(),
+        }
+    }
+
+    /// The solution for the force `right`, or `None` if `tolerance` (relative, energy norm) is not reached.
+    pub(crate) fn solve(&mut self, right: &[f64], tolerance: f64) -> Option<Motion> {
+        let mut rest = self.stuck.response(right);
+        let mut found = Motion::zero(right.len());
+        let norm = rest.norm();
+        if norm == 0.0 {
+            return Some(found);
+        }
+        let take = |[direction, image]: &[Motion; 2], rest: &mut Motion, found: &mut Motion| {
+            let c = dot(&rest.p, &image.v);
+            rest.add(-c, image);
+            found.add(c, direction);
+        };
+        for pair in &self.searched {
+            take(pair, &mut rest, &mut found);
+        }
+        while rest.norm() > tolerance * norm {
+            if self.searched.len() >= MOST_SEARCHED {
+                return None;
+            }
+            let mut direction = rest.clone();
+            let mut image = Motion::zero(right.len());
+            self.pattern.add_product(&self.difference, &direction.v, &mut image.p);
+            self.stuck.solve_into(&image.p, &mut image.v);
+            image.add(1.0, &direction);
+            let before = image.norm();
+            // Twice, as the first pass leaves what rounding leaves.
+            for [known, image_of_known] in self.searched.iter().chain(&self.searched) {
+                let c = dot(&image.p, &image_of_known.v);
+                image.add(-c, image_of_known);
+                direction.add(-c, known);
+            }
+            let length = image.norm();
+            if !(length > f64::EPSILON * before && length.is_finite()) {
+                return None;
+            }
+            image.scale(1.0 / length);
+            direction.scale(1.0 / length);
+            let pair = [direction, image];
+            take(&pair, &mut rest, &mut found);
+            self.searched.push(pair);
+        }
+        Some(found)
+    }
 }

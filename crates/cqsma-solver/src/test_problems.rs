@@ -1,6 +1,7 @@
 //! Small structures with known answers, shared by tests and benches.
 
 use crate::force::{HystereticForce, PatternView};
+use crate::sensitivity::DifferentiableForce;
 use contact_laws::{RegimeCounts, Sticking};
 use faer::Mat;
 
@@ -68,6 +69,65 @@ impl HystereticForce for Jenkins {
             if slips { counts.slip += 1 } else { counts.stick += 1 }
         }
         counts
+    }
+}
+
+impl DifferentiableForce for Jenkins {
+    /// Changes of stiffness and slip force of each element.
+    type Parameter = Vec<(f64, f64)>;
+
+    fn derivative(
+        &self,
+        u: &[f64],
+        sticking: Sticking,
+        begin: &Self::State,
+        d_u: &[f64],
+        d_begin: &Self::State,
+        parameter: Option<&Self::Parameter>,
+        end: &mut Self::State,
+        d_end: &mut Self::State,
+        workspace: &mut (),
+        force: &mut [f64],
+        d_force: &mut [f64],
+    ) {
+        self.evaluate(u, sticking, begin, end, workspace, force, Some(d_force));
+        for (i, &(k, _)) in self.elements.iter().enumerate() {
+            let (d_k, d_limit) = parameter.map_or((0.0, 0.0), |parameter| parameter[i]);
+            let sticks = d_force[i] != 0.0;
+            d_force[i] = if sticks {
+                d_begin[i].1 + k * (d_u[i] - d_begin[i].0) + d_k * (u[i] - begin[i].0)
+            } else {
+                d_limit.copysign(d_limit * force[i])
+            };
+            d_end[i] = (d_u[i], d_force[i]);
+        }
+    }
+
+    fn initial_change(&self, _: &Self::Parameter) -> Self::State {
+        self.no_change()
+    }
+
+    fn stuck_tangent(
+        &self,
+        _: &[f64],
+        _: &Self::State,
+        parameter: Option<(&Self::Parameter, f64)>,
+        (): &mut (),
+        tangent: &mut [f64],
+    ) {
+        for (i, (tangent, &(k, _))) in tangent.iter_mut().zip(&self.elements).enumerate() {
+            *tangent = k + parameter.map_or(0.0, |(parameter, step)| step * parameter[i].0);
+        }
+    }
+
+    fn no_change(&self) -> Self::State {
+        self.initial_state()
+    }
+
+    fn add_change(&self, state: &mut Self::State, factor: f64, change: &Self::State) {
+        for ((u, f), (d_u, d_f)) in state.iter_mut().zip(change) {
+            (*u, *f) = (*u + factor * d_u, *f + factor * d_f);
+        }
     }
 }
 

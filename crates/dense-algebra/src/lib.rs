@@ -158,12 +158,20 @@ pub fn add_product_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f
 ///
 /// # Panics
 /// If the shapes do not fit.
-pub fn solve_general(mut a: Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
+pub fn solve_general(a: Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
+    solve_general_all(a, &[b]).and_then(|mut all| all.pop())
+}
+
+/// The same for several right-hand sides with one factorisation.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn solve_general_all(mut a: Mat<f64>, b: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
     let n = a.nrows();
     let (mut forward, mut backward) = (vec![0_usize; n], vec![0_usize; n]);
     let mut memory = MemBuffer::new(faer::dyn_stack::StackReq::any_of(&[
         lu::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()),
-        lu_solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq),
+        lu_solve::solve_in_place_scratch::<usize, f64>(n, b.len(), Par::Seq),
     ]));
     let stack = MemStack::new(&mut memory);
     let (_, order) = lu::lu_in_place(
@@ -174,8 +182,8 @@ pub fn solve_general(mut a: Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
         stack,
         Spec::default(),
     );
-    let mut x = b.to_vec();
-    let columns = MatMut::from_column_major_slice_mut(&mut x, n, 1);
+    let mut x = b.concat();
+    let columns = MatMut::from_column_major_slice_mut(&mut x, n, b.len());
     lu_solve::solve_in_place(
         a.as_ref(),
         a.as_ref(),
@@ -184,7 +192,8 @@ pub fn solve_general(mut a: Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
         Par::Seq,
         MemStack::new(&mut memory),
     );
-    x.iter().all(|v| v.is_finite()).then_some(x)
+    let all = x.chunks_exact(n.max(1)).map(<[f64]>::to_vec).collect();
+    x.iter().all(|v| v.is_finite()).then_some(all)
 }
 
 /// Ascending eigenvalues and orthonormal eigenvectors of a symmetric matrix; only the lower triangle is read.

@@ -4,8 +4,8 @@ use crate::Error;
 use crate::kernels::Blocks;
 use crate::operators::Operators;
 use contact_laws::{
-    Components, ComponentsMut, LinearisedContact, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw,
+    Components, ComponentsMut, LinearisedContact, Regime, RegimeCounts, Scaling, Similarity, StateView, StateViewMut,
+    Sticking, TangentMut, TractionLaw,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,6 +15,18 @@ use std::sync::Arc;
 pub struct State {
     /// One block `[component][point]` per law, one after the other.
     pub(crate) values: Vec<f64>,
+}
+
+impl State {
+    /// `self += factor * change`.
+    ///
+    /// # Panics
+    /// If they belong to different interfaces.
+    pub fn add(&mut self, factor: f64, change: &Self) {
+        assert_eq!(self.values.len(), change.values.len());
+        let pairs = self.values.iter_mut().zip(&change.values);
+        pairs.for_each(|(value, change)| *value += factor * change);
+    }
 }
 
 /// Quantities at the quadrature points, filled by [`Interface::evaluate`]; one value per point.
@@ -28,6 +40,17 @@ pub struct Workspace {
     pub regime: Vec<Regime>,
     /// Row-major 3 x 3 tangent entries, one vector per entry (Pa/m).
     tangent: [Vec<f64>; 9],
+    /// A history, or a change of it, in other coordinates; empty until a parameter is asked for.
+    history: Vec<f64>,
+}
+
+/// Change of an interface with a parameter, per unit of the parameter.
+#[derive(Clone, Debug)]
+pub struct Variation {
+    /// Law by law.
+    scalings: Vec<Scaling>,
+    /// Of the gap at each point (m); empty if it does not change.
+    gap: Vec<f64>,
 }
 
 /// Sparse pattern of the tangent over `3 n_nodes` coordinates: compressed rows.
@@ -224,19 +247,36 @@ impl Interface {
             traction: std::array::from_fn(|_| zeros()),
             regime: vec![Regime::Open; n],
             tangent: std::array::from_fn(|_| zeros()),
+            history: Vec::new(),
         }
+    }
+
+    /// A parameter that scales the laws as `points` has it for each point, and changes the gap by `gap` (m per unit of the parameter; empty if
+    /// it does not). `None` where a law is not scaled by such factors.
+    ///
+    /// # Errors
+    /// Lists of another length than the points.
+    pub fn variation(&self, points: &[Similarity], gap: Vec<f64>) -> Result<Option<Variation>, Error> {
+        let expected = self.operators.n_points();
+        for (what, found) in [
+            ("the similarities", points.len()),
+            ("the changes of the gap", gap.len()),
+        ] {
+            if found != expected && !(what == "the changes of the gap" && found == 0) {
+                return Err(Error::Coverage { what, found, expected });
+            }
+        }
+        let scalings = self.laws.iter().map(|(range, law)| {
+            let points = points[range.clone()].to_vec();
+            Scaling::try_new(law.as_ref(), points)
+        });
+        let scalings: Option<Vec<Scaling>> = scalings.collect();
+        Ok(scalings.map(|scalings| Variation { scalings, gap }))
     }
 
     /// The history of bodies that rest at zero jump, separated by the gap or pressed into one another.
     pub fn initial_state(&self) -> State {
-        let size = self
-            .laws
-            .iter()
-            .map(|(range, law)| range.len() * law.info().n_state())
-            .sum();
-        let untouched = State {
-            values: vec![0.0; size],
-        };
+        let untouched = self.no_change();
         let mut state = untouched.clone();
         let (mut workspace, mut force) = (self.workspace(), vec![0.0; self.n_dofs()]);
         let rest = vec![0.0; self.n_dofs()];
@@ -293,6 +333,140 @@ impl Interface {
             self.assemble_tangent(workspace.tangent.each_ref().map(Vec::as_slice), values);
         }
         counts
+    }
+
+    /// What [`Interface::evaluate`] gives, and its change along a direction of nodal jumps `d_jump` (m) and history `d_begin`: `d_force` and
+    /// `d_end` ([`TractionLaw::derivative`]). With a `variation` the parameter changes by one beside them.
+    ///
+    /// # Panics
+    /// As [`Interface::evaluate`].
+    pub fn derivative(
+        &self,
+        jump: &[f64],
+        sticking: Sticking,
+        begin: &State,
+        d_jump: &[f64],
+        d_begin: &State,
+        variation: Option<&Variation>,
+        end: &mut State,
+        d_end: &mut State,
+        workspace: &mut Workspace,
+        force: &mut [f64],
+        d_force: &mut [f64],
+    ) {
+        assert_eq!(jump.len(), self.n_dofs());
+        assert_eq!(d_jump.len(), self.n_dofs());
+        self.interpolate_jump(jump, workspace);
+        let Workspace {
+            jump: at_points,
+            traction,
+            tangent: [d_x, d_y, d_n, d_tx, d_ty, d_tn, ..],
+            history,
+            ..
+        } = workspace;
+        self.interpolate(d_jump, [&mut *d_x, &mut *d_y, &mut *d_n]);
+        if let Some(variation) = variation {
+            d_n.iter_mut().zip(&variation.gap).for_each(|(n, gap)| *n -= gap);
+            history.clear();
+            history.extend_from_slice(&d_begin.values);
+        }
+        let mut block = 0;
+        for (index, (range, law)) in self.laws.iter().enumerate() {
+            let stride = range.len();
+            let states = block..block + stride * law.info().n_state();
+            block = states.end;
+            let [x, y, n] = at_points.each_ref().map(|v| &v[range.clone()]);
+            let [tx, ty, tn] = traction.each_mut().map(|v| &mut v[range.clone()]);
+            let [dx, dy, dn] = [&mut *d_x, &mut *d_y, &mut *d_n].map(|v| &mut v[range.clone()]);
+            let [dtx, dty, dtn] = [&mut *d_tx, &mut *d_ty, &mut *d_tn].map(|v| &mut v[range.clone()]);
+            let begin = StateView::new(&begin.values[states.clone()], stride, 0);
+            let end = StateViewMut::new(&mut end.values[states.clone()], stride, 0);
+            let changed = StateViewMut::new(&mut d_end.values[states.clone()], stride, 0);
+            match variation {
+                Some(variation) => variation.scalings[index].derivative(
+                    law.as_ref(),
+                    0..stride,
+                    sticking,
+                    Components { x, y, n },
+                    begin,
+                    ComponentsMut::new(dx, dy, dn),
+                    &mut history[states],
+                    end,
+                    changed,
+                    ComponentsMut { x: tx, y: ty, n: tn },
+                    ComponentsMut::new(dtx, dty, dtn),
+                ),
+                None => {
+                    law.derivative(
+                        0..stride,
+                        sticking,
+                        Components { x, y, n },
+                        begin,
+                        Components::new(dx, dy, dn),
+                        StateView::new(&d_begin.values[states], stride, 0),
+                        end,
+                        changed,
+                        ComponentsMut { x: tx, y: ty, n: tn },
+                        ComponentsMut::new(dtx, dty, dtn),
+                    );
+                }
+            }
+        }
+        self.integrate(traction.each_ref().map(Vec::as_slice), force);
+        self.integrate([&*d_tx, &*d_ty, &*d_tn], d_force);
+    }
+
+    /// The tangent (N/m) with everything stuck at nodal jumps (m), a history, and the value of a parameter plus `step`.
+    ///
+    /// # Panics
+    /// As [`Interface::evaluate`].
+    pub fn stuck_tangent_at(
+        &self,
+        jump: &[f64],
+        begin: &State,
+        variation: Option<(&Variation, f64)>,
+        workspace: &mut Workspace,
+        values: &mut [f64],
+    ) {
+        self.interpolate_jump(jump, workspace);
+        let mut begin = begin.clone();
+        let mut end = self.no_change();
+        let mut block = 0;
+        for (index, (range, law)) in self.laws.iter().enumerate() {
+            let first = block;
+            block += range.len() * law.info().n_state();
+            if let Some((variation, step)) = variation {
+                let part = workspace.jump.each_mut().map(|v| &mut v[range.clone()]);
+                if !variation.gap.is_empty() {
+                    let gap = &variation.gap[range.clone()];
+                    part[2].iter_mut().zip(gap).for_each(|(n, gap)| *n -= step * gap);
+                }
+                variation.scalings[index].transform(step, part, &mut begin.values[first..block]);
+            }
+            evaluate_law(
+                law.as_ref(),
+                range,
+                first,
+                Sticking::Full,
+                &begin,
+                &mut end,
+                workspace,
+                true,
+            );
+            if let Some((variation, step)) = variation {
+                let part = workspace.tangent.each_mut().map(|v| &mut v[range.clone()]);
+                variation.scalings[index].transform_tangent(step, part);
+            }
+        }
+        self.assemble_tangent(workspace.tangent.each_ref().map(Vec::as_slice), values);
+    }
+
+    /// A history of zeros: no change, as a direction.
+    pub fn no_change(&self) -> State {
+        let sizes = self.laws.iter().map(|(range, law)| range.len() * law.info().n_state());
+        State {
+            values: vec![0.0; sizes.sum()],
+        }
     }
 
     /// `Q u - gap`.
@@ -409,6 +583,7 @@ fn evaluate_law(
         traction,
         regime,
         tangent,
+        ..
     } = workspace;
     let stride = range.len();
     let states = block..block + stride * law.info().n_state();

@@ -21,7 +21,7 @@ pub mod shape;
 mod tree;
 
 pub use error::Error;
-pub use interface::{Interface, State, Workspace};
+pub use interface::{Interface, State, Variation, Workspace};
 pub use mesh::{Covered, Element, InterfaceMesh, PointContact};
 pub use mortar::Mortar;
 pub use operators::Operators;

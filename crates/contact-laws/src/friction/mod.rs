@@ -120,6 +120,7 @@ pub mod radii;
 pub mod resolved;
 mod return_map;
 pub(crate) mod rule;
+pub mod similarity;
 
 pub use cone::Cone;
 pub use frictional_law::FrictionalLaw;

@@ -1,10 +1,10 @@
 //! The adapter through which the solver sees an interface.
 
 use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
-use cqsma_solver::{HystereticForce, PatternView};
+use cqsma_solver::{DifferentiableForce, HystereticForce, PatternView};
 use periodic_motion::PointwiseForce;
 use std::ops::Range;
-use zte_assembly::{Batches, Interface, State, Workspace};
+use zte_assembly::{Batches, Interface, State, Variation, Workspace};
 
 /// The interface as the solver sees it.
 pub struct InterfaceForce<'a> {
@@ -29,6 +29,14 @@ impl<'a> InterfaceForce<'a> {
         Self {
             friction: Sticking::Frictionless,
             ..Self::new(interface)
+        }
+    }
+
+    /// What is evaluated where the solver asks for `wanted`.
+    fn sticking(&self, wanted: Sticking) -> Sticking {
+        match wanted {
+            Sticking::Full => Sticking::Full,
+            Sticking::Coulomb | Sticking::Frictionless => self.friction,
         }
     }
 
@@ -80,12 +88,80 @@ impl HystereticForce for InterfaceForce<'_> {
         force: &mut [f64],
         tangent: Option<&mut [f64]>,
     ) -> RegimeCounts {
-        let sticking = match sticking {
-            Sticking::Full => Sticking::Full,
-            Sticking::Coulomb | Sticking::Frictionless => self.friction,
-        };
         self.interface
-            .evaluate(u, sticking, begin, end, workspace, force, tangent)
+            .evaluate(u, self.sticking(sticking), begin, end, workspace, force, tangent)
+    }
+}
+
+impl DifferentiableForce for InterfaceForce<'_> {
+    type Parameter = Variation;
+
+    fn derivative(
+        &self,
+        u: &[f64],
+        sticking: Sticking,
+        begin: &State,
+        d_u: &[f64],
+        d_begin: &State,
+        parameter: Option<&Variation>,
+        end: &mut State,
+        d_end: &mut State,
+        workspace: &mut Workspace,
+        force: &mut [f64],
+        d_force: &mut [f64],
+    ) {
+        self.interface.derivative(
+            u,
+            self.sticking(sticking),
+            begin,
+            d_u,
+            d_begin,
+            parameter,
+            end,
+            d_end,
+            workspace,
+            force,
+            d_force,
+        );
+    }
+
+    fn initial_change(&self, parameter: &Variation) -> State {
+        let (none, mut end, mut change) = (self.no_change(), self.no_change(), self.no_change());
+        let at_rest = vec![0.0; self.n_dofs()];
+        let (mut force, mut d_force) = (at_rest.clone(), at_rest.clone());
+        self.interface.derivative(
+            &at_rest,
+            Sticking::Coulomb,
+            &none,
+            &at_rest,
+            &none,
+            Some(parameter),
+            &mut end,
+            &mut change,
+            &mut self.workspace(),
+            &mut force,
+            &mut d_force,
+        );
+        change
+    }
+
+    fn stuck_tangent(
+        &self,
+        u: &[f64],
+        begin: &State,
+        parameter: Option<(&Variation, f64)>,
+        workspace: &mut Workspace,
+        tangent: &mut [f64],
+    ) {
+        self.interface.stuck_tangent_at(u, begin, parameter, workspace, tangent);
+    }
+
+    fn no_change(&self) -> State {
+        self.interface.no_change()
+    }
+
+    fn add_change(&self, state: &mut State, factor: f64, change: &State) {
+        state.add(factor, change);
     }
 }
 
