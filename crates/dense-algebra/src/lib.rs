@@ -214,6 +214,25 @@ pub fn symmetric_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<f64>, Error> {
     eigen(a, None)
 }
 
+/// The orthogonal matrix nearest to `a`, `a (a^T a)^(-1/2)`. With `a = x^T y` it turns the columns of `x` onto those of `y` as well as a rotation
+/// can. Of one number it is its sign.
+///
+/// # Errors
+/// [`Error::NoConvergence`].
+pub fn nearest_rotation(a: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
+    let size = a.nrows();
+    if size == 1 {
+        return Ok(Mat::from_fn(1, 1, |_, _| 1.0_f64.copysign(a[(0, 0)])));
+    }
+    let (values, vectors) = symmetric_eigen(product(a.transpose(), a).as_ref())?;
+    // a (a^T a)^(-1/2).
+    let root = Mat::from_fn(size, size, |i, j| {
+        let terms = (0..size).map(|k| vectors[(i, k)] * vectors[(j, k)] / values[k].max(f64::MIN_POSITIVE).sqrt());
+        terms.sum::<f64>()
+    });
+    Ok(product(a, root.as_ref()))
+}
+
 /// Rank of a symmetric positive semi-definite matrix: how many of its eigenvalues are above round-off once its diagonal is one.
 /// Only the lower triangle is read.
 ///

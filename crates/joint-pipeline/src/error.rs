@@ -67,6 +67,12 @@ pub enum Error {
         /// Why, and what can be done.
         reason: String,
     },
+    /// Derivatives that do not exist, or cannot be told.
+    #[error("there are no derivatives of {of}; leave `sensitivities` out")]
+    Derivatives {
+        /// Of what, and why.
+        of: &'static str,
+    },
     /// Shapes of a structure without a mesh.
     #[error(
         "mode shapes and deformed bodies need a mesh, and matrices have none; give the structure as a mesh, a deck or a benchmark"
@@ -448,6 +454,7 @@ impl Error {
             Self::Syntax { field, .. } => field.as_deref(),
             Self::MeshScene { field, .. } => Some(field),
             Self::Parameter { path, .. } => Some(path),
+            Self::Derivatives { .. } => Some("sensitivities"),
             Self::Value { field, .. }
             | Self::NodeSet { field, .. }
             | Self::NoMeasuredSurface { field, .. }

@@ -2,6 +2,7 @@
 
 use super::observer::{Stored, Watcher};
 use super::outcome::{AmplitudeResult, LoopFields, ModeAnalysis, PrestressResult};
+use super::sensitivities::Sensitivities;
 use super::{methods, periodic};
 use crate::Error;
 use crate::interface::InterfaceForce;
@@ -10,6 +11,7 @@ use crate::scene::{Length, Method, Scene};
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use cqsma_solver::cqsma::{self, Cycles, Settings};
+use cqsma_solver::sensitivity::Derivatives;
 use cqsma_solver::{BackbonePoint, Linearisation, NewtonSettings};
 use faer::Mat;
 use reduction::ReducedModel;
@@ -60,9 +62,11 @@ pub(super) struct Request<'a> {
     pub(super) newton: NewtonSettings,
     /// Elements whose loops are stored, ascending.
     pub(super) recorded: &'a [usize],
+    /// What derivatives start from, if the scene asks for any.
+    pub(super) sensitivities: Option<&'a Sensitivities<'a>>,
 }
 
-impl Request<'_> {
+impl<'a> Request<'a> {
     /// Loops at all amplitudes, and the other methods, with what lets the run resume until its results are safe. `key` is the folder of checkpoints and what all loops of the run
     /// depend on; `share` maps the part of this backbone that is done to that of all backbones.
     ///
@@ -88,7 +92,18 @@ impl Request<'_> {
             Some((directory, key)) => self.finished(directory, key, &shape, &forces, progress),
             None => Finished::default(),
         };
-        let (done, checkpoints) = self.loops(finished, &forces, &settings, share, progress)?;
+        let derivatives = match self.sensitivities {
+            Some(sensitivities) => Some((sensitivities, sensitivities.of_mode(self.line, self.force, self.mode)?)),
+            None => None,
+        };
+        let along = derivatives.as_ref().map(|(_, derivatives)| derivatives);
+        let (done, checkpoints) = self.loops(finished, &forces, &settings, along, share, progress)?;
+        let sensitivities = derivatives
+            .as_ref()
+            .map_or_else(Vec::new, |(sensitivities, derivatives)| {
+                let loops = done.iter().map(|(point, _)| point.result.as_ref().ok());
+                sensitivities.of_loops(derivatives, &shape, self.response, loops)
+            });
         let amplitude = |(point, fields): Loop| {
             let result = point.result.as_ref().ok();
             let motion = result.map(|r| (r.modal_amplitude * phi.abs(), r.omega));
@@ -131,6 +146,7 @@ impl Request<'_> {
             }
         };
         let analysis = ModeAnalysis {
+            sensitivities,
             epmc,
             mode: self.mode + 1,
             separation: self.separation(&shape),
@@ -212,6 +228,7 @@ impl Request<'_> {
         finished: Finished,
         forces: &[f64],
         settings: &Settings,
+        derivatives: Option<&Derivatives<'_, InterfaceForce<'a>>>,
         share: &(dyn Fn(f64) -> f64 + Sync),
         progress: &dyn Progress,
     ) -> Result<(Vec<Loop>, Checkpoints), Error> {
@@ -229,7 +246,7 @@ impl Request<'_> {
                 ControlFlow::Continue(())
             }
         };
-        let points = cqsma::run(self.line, self.force, &pending_forces, settings, |at| {
+        let watch = |at: usize| {
             let index = pending[at];
             let stored = stored.contains(&(index + 1)).then_some(Stored {
                 elements: self.recorded,
@@ -243,7 +260,13 @@ impl Request<'_> {
                 stored,
                 &finish,
             )
-        })?;
+        };
+        let points = match derivatives {
+            Some(derivatives) => {
+                cqsma::run_differentiated(self.line, self.force, &pending_forces, settings, derivatives, watch)?
+            }
+            None => cqsma::run(self.line, self.force, &pending_forces, settings, watch)?,
+        };
         let points: Vec<_> = points
             .into_iter()
             .map(|(point, watcher)| (point, watcher.fields))

@@ -3,6 +3,7 @@
 use super::element_loops::ElementLoops;
 use super::methods::MethodResult;
 use super::periodic::{EpmcBackbone, ForcedResponse};
+use super::sensitivities::Sensitivity;
 use crate::store::checkpoint::Checkpoints;
 use contact_laws::Regime;
 use cqsma_solver::BackbonePoint;
@@ -79,6 +80,7 @@ pub(crate) struct ModeAnalysis {
     pub(crate) amplitudes: Vec<AmplitudeResult>,
     pub(crate) methods: Vec<MethodResult>,
     pub(crate) epmc: Option<EpmcBackbone>,
+    pub(crate) sensitivities: Vec<Sensitivity>,
 }
 
 /// What the nonlinear solves made of an interface.

@@ -8,6 +8,7 @@ use super::methods::MethodResult;
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
 use super::periodic::{self, EpmcBackbone, ForcedResponse};
 use super::prestress::{self, bolt_load, linearise, response};
+use super::sensitivities::{Neighbours, Sensitivities, Sensitivity};
 use super::validity::{self, Validity};
 use super::warnings::{self, Findings, Warning};
 use crate::Error;
@@ -89,6 +90,8 @@ pub struct ModeBackbone {
     pub methods: Vec<MethodResult>,
     /// Free periodic motions, if the scene asks for them.
     pub epmc: Option<EpmcBackbone>,
+    /// Derivatives with respect to the parameters of the scene's `sensitivities`, in their order.
+    pub sensitivities: Vec<Sensitivity>,
     /// Limits of the model.
     pub validity: Validity,
 }
@@ -135,6 +138,7 @@ pub struct Prepared {
     surface: Option<OuterSurface>,
     model: StructuralModel,
     interface: SceneInterface,
+    neighbours: Vec<Neighbours>,
     loop_elements: Vec<usize>,
     /// The structure, if its bodies are to be shown deformed.
     structure: Option<Structure>,
@@ -219,6 +223,7 @@ impl Prepared {
         let interface = SceneInterface::try_new(scene, structure.interface(), &structure.joint.parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
         progress.end(Stage::Characterise);
+        let neighbours = Neighbours::of(scene, &model, progress)?;
         Ok(Self {
             scene: scene.clone(),
             options: options.clone(),
@@ -234,6 +239,7 @@ impl Prepared {
             surface: OuterSurface::of(&structure.joint),
             model,
             interface,
+            neighbours,
             loop_elements: loop_elements(scene, structure)?,
             structure: scene.output.deformed.then(|| structure.clone()),
         })
@@ -316,6 +322,7 @@ impl Prepared {
         scene.methods.clear();
         scene.epmc = None;
         scene.forced = None;
+        scene.sensitivities.clear();
         scene.output.fields_at = Some(Vec::new());
         scene.cqsma.loops_at.clear();
         let load = bolt_load(&scene, &self.model);
@@ -372,6 +379,7 @@ impl Prepared {
             amplitudes: found.amplitudes,
             methods: found.methods,
             epmc: found.epmc,
+            sensitivities: found.sensitivities,
         };
         let backbones: Vec<ModeBackbone> = modes.into_iter().map(judge).collect();
         let found = self.findings(&prestress, &frequencies, backbones.first().map(|first| &first.validity));
@@ -435,10 +443,7 @@ impl Prepared {
         progress.begin(Stage::Prestress);
         let start = uniform(reduced, closure);
         let bolts = bolt_load(scene, &self.model);
-        let assembled = match scene.bolts.assembly {
-            Assembly::WithFriction => InterfaceForce::new(interface),
-            Assembly::Frictionless => InterfaceForce::frictionless(interface),
-        };
+        let assembled = assembled(scene, interface);
         let load = self.static_load();
         let prestress = prestress::solve(reduced, &assembled, &load, &start, bolts, &newton_settings(scene))?;
         progress.end(Stage::Prestress);
@@ -487,6 +492,16 @@ impl Prepared {
         let locked = self.locked()?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
         let line = linearise(scene, vibrating, &force, &prestress.solution)?;
+        let sensitivities = match scene.sensitivities.as_slice() {
+            [] => None,
+            _ => Some(Sensitivities::try_new(
+                &self.neighbours,
+                &self.interface,
+                reduced,
+                &assembled(scene, interface),
+                &prestress.solution,
+            )?),
+        };
         progress.end(Stage::Modes);
 
         progress.begin(Stage::Backbone);
@@ -520,6 +535,7 @@ impl Prepared {
                 mode: mode - 1,
                 newton,
                 recorded: &recorded,
+                sensitivities: sensitivities.as_ref(),
             };
             let key = self
                 .options
@@ -573,6 +589,14 @@ impl Prepared {
 fn loop_elements(scene: &Scene, structure: &Structure) -> Result<Vec<usize>, Error> {
     let positions = structure.joint.positions.as_deref();
     element_loops::elements_at(&scene.cqsma.loops_at, structure.interface(), positions)
+}
+
+/// The interface while the bolts are tightened.
+fn assembled<'a>(scene: &Scene, interface: &'a Interface) -> InterfaceForce<'a> {
+    match scene.bolts.assembly {
+        Assembly::WithFriction => InterfaceForce::new(interface),
+        Assembly::Frictionless => InterfaceForce::frictionless(interface),
+    }
 }
 
 fn newton_settings(scene: &Scene) -> NewtonSettings {

@@ -7,6 +7,7 @@ mod given;
 mod law;
 mod resolved;
 mod surface;
+mod variation;
 
 pub(crate) use asperities::Asperities;
 pub use force::InterfaceForce;
@@ -75,6 +76,8 @@ impl std::fmt::Debug for SceneInterface {
 struct PartLaw {
     /// With the surface, gap, law and friction of the part.
     scene: Scene,
+    /// Number of the interface in the scene that it belongs to, where the scene has several.
+    source: Option<usize>,
     operators: Arc<Operators>,
     element_of: Vec<u32>,
     /// Friction coefficients of the points.
@@ -136,6 +139,7 @@ impl PartLaw {
         Ok(Self {
             scene,
             operators,
+            source: None,
             element_of,
             mu,
             from,
@@ -262,7 +266,8 @@ impl SceneInterface {
                     let mesh = part.mesh(mesh);
                     let operators = scene.model.symmetry.operators(&mesh, scene.points_per_direction)?;
                     let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number))?;
-                    Ok((part.name.clone(), law))
+                    let source = Some(part.source);
+                    Ok((part.name.clone(), PartLaw { source, ..law }))
                 })
                 .collect::<Result<Vec<_>, Error>>()?,
         };

@@ -9,7 +9,7 @@ use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use reduction::checks::{self, ReducedSpectrum};
-use reduction::{FacingNodes, InterfacePairs, ReducedModel, RelativeSystem, Step, reduce};
+use reduction::{FacingNodes, InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, reduce};
 use sprs::CsMat;
 use std::borrow::Cow;
 use substructure::assemble::System;
@@ -17,6 +17,9 @@ use substructure::mesh::{Cell, Dof};
 
 /// Residual that modes reach where only their frequencies matter, whose error is of the order of its square.
 const FREQUENCY_TOLERANCE: f64 = 1e-4;
+
+/// Residual of the modes of structures whose differences are wanted.
+const NEIGHBOUR_TOLERANCE: f64 = 1e-10;
 
 impl Structure {
     /// The reduced model, from the cache if it holds one for the same inputs.
@@ -56,6 +59,23 @@ impl Structure {
         }
         progress.end(Stage::Reduce);
         Ok(model)
+    }
+
+    /// The reduced model of a structure that differs little from that of `model`, over the same coordinates: modes in the same order, with the
+    /// same signs.
+    ///
+    /// # Errors
+    /// As [`Structure::reduce`]; [`reduction::Error::OtherModel`] for a structure with other coordinates.
+    pub(crate) fn neighbour_of(&self, model: &ReducedModel) -> Result<ReducedModel, Error> {
+        let assembled = self.assemble()?;
+        let settings = Settings {
+            n_modes: model.n_modes(),
+            mode_tolerance: NEIGHBOUR_TOLERANCE,
+            ..self.settings
+        };
+        let mut own = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| ())?;
+        own.align_with(model)?;
+        Ok(own)
     }
 
     /// The system in relative coordinates.

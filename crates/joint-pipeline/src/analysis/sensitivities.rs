@@ -1,0 +1,309 @@
+//! Derivatives of backbones with respect to numbers of the scene.
+
+use super::prestress::response;
+use crate::Error;
+use crate::interface::{InterfaceForce, SceneInterface};
+use crate::progress::Progress;
+use crate::scene::{BoltBehaviour, Influence, Parameter, Scene};
+use crate::structure::{StructuralModel, Structure};
+use cqsma_solver::Linearisation;
+use cqsma_solver::cqsma::LoopResult;
+use cqsma_solver::prestress::Prestress;
+use cqsma_solver::sensitivity::{Change, Derivatives, StaticRate, static_rates};
+use faer::Mat;
+use reduction::ReducedModel;
+use serde::{Deserialize, Serialize};
+use zte_assembly::{State, Variation};
+
+/// Relative distance of neighbouring values over which ingredients that change smoothly are differenced.
+const STEP: f64 = 1e-4;
+
+/// The same for matrices, whose modes are known to less than round-off.
+const STRUCTURAL_STEP: f64 = 1e-3;
+
+/// Distance of neighbouring values of a number that is zero, in its unit: only slopes of gaps are (rad).
+const STEP_FROM_ZERO: f64 = 1e-6;
+
+/// What a derivative is with respect to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Per {
+    /// The logarithm of the parameter.
+    Logarithm,
+    /// The parameter, whose value is zero, in its SI unit.
+    Value,
+}
+
+/// Derivatives of the backbone of a mode with respect to a parameter, amplitude by amplitude: none where there is no result, and of the
+/// damping where it is not resolved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Sensitivity {
+    /// Path of the parameter in the scene.
+    pub parameter: Parameter,
+    /// Its value (SI).
+    pub value: f64,
+    /// Its SI unit; empty for a pure number.
+    pub unit: String,
+    /// What the derivatives are with respect to.
+    pub per: Per,
+    /// Modal amplitudes (sqrt(kg) m).
+    pub modal_amplitude: Vec<Option<f64>>,
+    /// Of the logarithm of the frequency, at the same modal amplitude (-).
+    pub dln_frequency: Vec<Option<f64>>,
+    /// Of the logarithm of the damping ratio of the contact, at the same modal amplitude (-).
+    pub dln_damping: Vec<Option<f64>>,
+    /// Of the logarithm of the energy dissipated per cycle, at the same modal amplitude (-).
+    pub dln_dissipation: Vec<Option<f64>>,
+    /// Of the logarithm of the displacement at the response point, at the same modal force (-).
+    pub dln_response: Vec<Option<f64>>,
+}
+
+/// A parameter with its scenes on both sides.
+#[derive(Debug)]
+pub(super) struct Neighbours {
+    parameter: Parameter,
+    value: f64,
+    unit: &'static str,
+    per: Per,
+    /// Distance to both sides: of the logarithm, or of the value.
+    step: f64,
+    above: Scene,
+    below: Scene,
+    /// Reduced structures above and below, where the parameter changes the structure.
+    models: Option<[ReducedModel; 2]>,
+}
+
+impl Neighbours {
+    /// Those of all parameters that a scene asks for.
+    ///
+    /// # Errors
+    /// Values beside that of the scene which are not admissible; of the structure and its reduction.
+    pub(super) fn of(scene: &Scene, model: &StructuralModel, progress: &dyn Progress) -> Result<Vec<Self>, Error> {
+        let parameters = scene.sensitivities.iter();
+        parameters
+            .map(|parameter| Self::one(scene, parameter, model, progress))
+            .collect()
+    }
+
+    fn one(
+        scene: &Scene,
+        parameter: &Parameter,
+        model: &StructuralModel,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let value = parameter.value(scene)?;
+        let is_structural = parameter.influence() == Influence::Structure;
+        let relative = if is_structural { STRUCTURAL_STEP } else { STEP };
+        let (per, step, [above, below]) = match value == 0.0 {
+            true => (Per::Value, STEP_FROM_ZERO, [STEP_FROM_ZERO, -STEP_FROM_ZERO]),
+            false => (
+                Per::Logarithm,
+                relative,
+                [relative, -relative].map(|step: f64| value * step.exp()),
+            ),
+        };
+        let mut bare = scene.clone();
+        bare.sensitivities.clear();
+        let [above, below] = [parameter.with(&bare, above)?, parameter.with(&bare, below)?];
+        let models = match is_structural {
+            false => None,
+            true if scene.bolts.behaviour == BoltBehaviour::Locked => {
+                return Err(Error::Parameter {
+                    path: parameter.path().into(),
+                    reason: "numbers of the structure are differentiated for bolts under dead load alone; leave it out, or take \
+                             bolts.behaviour = \"dead-load\""
+                        .into(),
+                });
+            }
+            true => {
+                progress.note(&format!(
+                    "the structure is reduced twice more, for the derivative by {parameter}"
+                ));
+                let reduced = |scene: &Scene| -> Result<ReducedModel, Error> {
+                    Structure::try_new(scene, progress)?.neighbour_of(&model.reduced)
+                };
+                Some([reduced(&above)?, reduced(&below)?])
+            }
+        };
+        Ok(Self {
+            unit: parameter.unit(scene)?,
+            parameter: parameter.clone(),
+            value,
+            per,
+            step,
+            above,
+            below,
+            models,
+        })
+    }
+
+    /// Static load of one of the scenes (N).
+    fn load(scene: &Scene, model: &ReducedModel) -> Vec<f64> {
+        let mut load = vec![0.0; model.mass.nrows()];
+        for (bolt, unit) in model.loads.iter().enumerate() {
+            let tension = scene.tension(bolt);
+            load.iter_mut()
+                .zip(unit)
+                .for_each(|(sum, value)| *sum += tension * value);
+        }
+        load
+    }
+
+    /// What the parameter changes in the static and the vibrating structure.
+    fn ingredients(&self, interface: &SceneInterface, reduced: &ReducedModel) -> Result<Ingredients, Error> {
+        let apart = 2.0 * self.step;
+        let variation = match self.parameter.influence() {
+            Influence::Loads => None,
+            Influence::Structure | Influence::Interface => {
+                let found = interface.variation([&self.above, &self.below], apart)?;
+                Some(found.ok_or_else(|| Error::Parameter {
+                    path: self.parameter.path().into(),
+                    reason: "the law depends on it otherwise than through factors of its curves, of its gaps and of its friction \
+                             coefficients, and is not differentiated with respect to it; leave it out"
+                        .into(),
+                })?)
+            }
+        };
+        let [above, below] = self
+            .models
+            .as_ref()
+            .map_or([reduced; 2], |[above, below]| [above, below]);
+        let matrix = |of: &dyn Fn(&ReducedModel) -> &Mat<f64>| {
+            self.models.as_ref().map(|_| {
+                let (a, b) = (of(above), of(below));
+                Mat::from_fn(a.nrows(), a.ncols(), |i, j| (a[(i, j)] - b[(i, j)]) / apart)
+            })
+        };
+        let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) / apart).collect();
+        Ok(Ingredients {
+            step: self.step,
+            stiffness: matrix(&|model| &model.stiffness),
+            mass: matrix(&|model| &model.mass),
+            load: difference(&Self::load(&self.above, above), &Self::load(&self.below, below)),
+            response: difference(&response(above), &response(below)),
+            variation,
+        })
+    }
+}
+
+/// Change of all that a solve is made of, per unit of the parameter or of its logarithm.
+struct Ingredients {
+    step: f64,
+    variation: Option<Variation>,
+    stiffness: Option<Mat<f64>>,
+    mass: Option<Mat<f64>>,
+    load: Vec<f64>,
+    response: Vec<f64>,
+}
+
+impl Ingredients {
+    fn change<'a>(&'a self) -> Change<'a, InterfaceForce<'a>> {
+        Change {
+            step: self.step,
+            force: self.variation.as_ref(),
+            stiffness: self.stiffness.as_ref().map(Mat::as_ref),
+            mass: self.mass.as_ref().map(Mat::as_ref),
+            load: Some(&self.load),
+        }
+    }
+}
+
+/// What the derivatives of all modes of a scene start from.
+pub(super) struct Sensitivities<'a> {
+    neighbours: &'a [Neighbours],
+    ingredients: Vec<Ingredients>,
+    statics: Vec<StaticRate<State>>,
+}
+
+impl<'a> Sensitivities<'a> {
+    /// Differentiates the static state under `assembled`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a number that is not differentiated; [`Error::Derivatives`] where the static state has a singular tangent.
+    pub(super) fn try_new(
+        neighbours: &'a [Neighbours],
+        interface: &SceneInterface,
+        reduced: &ReducedModel,
+        assembled: &InterfaceForce<'_>,
+        prestress: &Prestress<State>,
+    ) -> Result<Self, Error> {
+        let ingredients = neighbours.iter().map(|one| one.ingredients(interface, reduced));
+        let ingredients = ingredients.collect::<Result<Vec<_>, Error>>()?;
+        let changes: Vec<_> = ingredients.iter().map(Ingredients::change).collect();
+        let statics = static_rates(reduced.stiffness.as_ref(), assembled, prestress, &changes);
+        let statics = statics.ok_or(Error::Derivatives {
+            of: "the static state, whose tangent is singular",
+        })?;
+        Ok(Self {
+            neighbours,
+            ingredients,
+            statics,
+        })
+    }
+
+    /// What the loops of a mode, counted from 0, carry along.
+    ///
+    /// # Errors
+    /// [`Error::Derivatives`] for a mode that is not alone at its frequency.
+    pub(super) fn of_mode<'b>(
+        &'b self,
+        line: &Linearisation<'_, State>,
+        force: &'b InterfaceForce<'b>,
+        mode: usize,
+    ) -> Result<Derivatives<'b, InterfaceForce<'b>>, Error> {
+        let changes = self.ingredients.iter().map(Ingredients::change).collect();
+        let found = Derivatives::try_new(line, force, mode, changes, &self.statics)?;
+        found.ok_or(Error::Derivatives {
+            of: "the mode, which is not alone at its frequency",
+        })
+    }
+
+    /// The derivatives of a backbone; `response` recovers the displacement at the response point.
+    pub(super) fn of_loops<'r>(
+        &self,
+        derivatives: &Derivatives<'_, InterfaceForce<'_>>,
+        shape: &[f64],
+        response: &[f64],
+        loops: impl Iterator<Item = Option<&'r LoopResult>> + Clone,
+    ) -> Vec<Sensitivity> {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let phi = dot(shape, response);
+        let of_parameter = |(number, ((one, ingredients), mode)): (usize, ((&Neighbours, &Ingredients), _))| {
+            let mode: &cqsma_solver::sensitivity::ModeRate = mode;
+            let dln_phi = (dot(&mode.shape, response) + dot(shape, &ingredients.response)) / phi;
+            let rates = loops.clone().map(|found| {
+                let found = found?;
+                Some((found, *found.rates.as_ref()?.get(number)?))
+            });
+            let rates: Vec<Option<(&LoopResult, _)>> = rates.collect();
+            let each = |of: &dyn Fn(&LoopResult, cqsma_solver::sensitivity::LoopRate) -> Option<f64>| {
+                let values = rates
+                    .iter()
+                    .map(|found| found.as_ref().and_then(|(found, rate)| of(found, *rate)));
+                values.map(|value| value.filter(|value| value.is_finite())).collect()
+            };
+            Sensitivity {
+                parameter: one.parameter.clone(),
+                value: one.value,
+                unit: one.unit.into(),
+                per: one.per,
+                modal_amplitude: loops
+                    .clone()
+                    .map(|found| found.map(|found| found.modal_amplitude))
+                    .collect(),
+                dln_frequency: each(&|_, rate| Some(rate.ln_omega)),
+                dln_damping: each(&|found, rate| found.is_resolved().then_some(rate.ln_zeta)),
+                dln_dissipation: each(&|found, rate| found.is_resolved().then_some(rate.ln_dissipation)),
+                dln_response: each(&|_, rate| Some(rate.ln_amplitude + dln_phi)),
+            }
+        };
+        let parameters = self.neighbours.iter().zip(&self.ingredients);
+        parameters
+            .zip(derivatives.modes())
+            .enumerate()
+            .map(of_parameter)
+            .collect()
+    }
+}

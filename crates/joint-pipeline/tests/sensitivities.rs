@@ -1,0 +1,146 @@
+//! Derivatives of backbones of scenes against central differences of whole runs.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that fails may panic")]
+
+mod common;
+
+use common::BENCHMARKS;
+use joint_pipeline::analysis::{Per, Prepared, Sensitivity};
+use joint_pipeline::progress::Silent;
+use joint_pipeline::scene::{Influence, Length, Parameter};
+use joint_pipeline::structure::{StructuralModel, Structure};
+use joint_pipeline::{Options, Scene};
+use serde_json::{Value, json};
+
+const AMPLITUDES: usize = 10;
+/// Relative distance of the loops that are interpolated.
+const NEAR: f64 = 3e-4;
+
+/// A small beam with the measured gap, whose runs are exact to round-off.
+fn scene(more: &Value) -> Scene {
+    let mut scene = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "benchmark": "brake-reuss-beam" },
+        "model": { "refinement": "quick" },
+        "gap": "measured",
+        "mu": 0.2,
+        "points_per_direction": 1,
+        "cqsma": {
+            "amplitudes": AMPLITUDES, "vertices_per_quarter": 3, "tolerance": 1e-12, "cycles": 3,
+            "amplitude_from": "3 um", "amplitude_to": "0.6 mm",
+        },
+        "output": { "fields_at": [] },
+    });
+    let fields = scene.as_object_mut().unwrap();
+    fields.extend(more.as_object().unwrap().clone());
+    Scene::from_json(&scene.to_string(), "scene", "scene", &BENCHMARKS).unwrap()
+}
+
+/// `ln omega` and `ln zeta` at the modal amplitude `ln_q`, from three loops about a displacement.
+fn beside(scene: &Scene, model: Option<&StructuralModel>, displacement: f64, ln_q: f64) -> [f64; 2] {
+    let mut near = scene.clone();
+    near.cqsma.amplitudes = 3;
+    near.cqsma.amplitude_from = Length::from_si(displacement * (1.0 - NEAR));
+    near.cqsma.amplitude_to = Length::from_si(displacement * (1.0 + NEAR));
+    let structure = Structure::try_new(&near, &Silent).unwrap();
+    let prepared = match model {
+        Some(model) => Prepared::with_model(&near, &structure, model.clone(), &Options::default(), &Silent),
+        None => Prepared::try_new(&near, &structure, &Options::default(), &Silent),
+    };
+    let found = prepared.unwrap().solve(&Silent).unwrap();
+    let points: Vec<[f64; 3]> = found
+        .amplitudes()
+        .iter()
+        .map(|one| {
+            let found = one.point.result.as_ref().unwrap();
+            [found.modal_amplitude.ln(), found.omega.ln(), found.zeta.ln()]
+        })
+        .collect();
+    // Lagrange's polynomial.
+    let weight = |i: usize| {
+        let others = (0..3).filter(|j| *j != i);
+        others
+            .map(|j| (ln_q - points[j][0]) / (points[i][0] - points[j][0]))
+            .product::<f64>()
+    };
+    [1, 2].map(|which| (0..3).map(|i| weight(i) * points[i][which]).sum())
+}
+
+/// Largest differences of the derivatives of frequency and damping to central differences, over amplitudes whose numbers are given, each relative
+/// to the largest derivative of the parameter over all amplitudes.
+fn compare(scene: &Scene, amplitudes: &[usize]) -> Vec<(Parameter, [f64; 2])> {
+    let structure = Structure::try_new(scene, &Silent).unwrap();
+    let model = structure.reduce(&Options::default(), &Silent).unwrap();
+    let prepared = Prepared::with_model(scene, &structure, model.clone(), &Options::default(), &Silent);
+    let found = prepared.unwrap().solve(&Silent).unwrap();
+    let sensitivities = &found.first().sensitivities;
+    assert_eq!(sensitivities.len(), scene.sensitivities.len());
+    let mut bare = scene.clone();
+    bare.sensitivities.clear();
+    let of_one = |one: &Sensitivity| {
+        let is_structural = one.parameter.influence() == Influence::Structure;
+        let step = match one.per {
+            Per::Logarithm if is_structural => 1e-3,
+            Per::Logarithm => 1e-4,
+            Per::Value => 1e-7,
+        };
+        let varied = |side: f64| {
+            let value = match one.per {
+                Per::Logarithm => one.value * (side * step).exp(),
+                Per::Value => side * step,
+            };
+            one.parameter.with(&bare, value).unwrap()
+        };
+        let scenes = [varied(1.0), varied(-1.0)];
+        let known = (!is_structural).then_some(&model);
+        let largest = |of: &[Option<f64>]| of.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let scale = [largest(&one.dln_frequency), largest(&one.dln_damping)];
+        let mut worst = [0.0_f64; 2];
+        for &number in amplitudes {
+            let result = found.amplitudes()[number].point.result.as_ref().unwrap();
+            let ln_q = result.modal_amplitude.ln();
+            let displacement = displacements(scene)[number];
+            let [above, below] = scenes.each_ref().map(|scene| beside(scene, known, displacement, ln_q));
+            let own = [one.dln_frequency[number], one.dln_damping[number]];
+            for which in 0..2 {
+                let central = (above[which] - below[which]) / (2.0 * step);
+                let Some(own) = own[which] else { continue };
+                let error = (own - central).abs() / scale[which];
+                println!(
+                    "{:32} {number:2} {which} {own:+.9e} {central:+.9e} {error:.1e}",
+                    one.parameter.path()
+                );
+                worst[which] = worst[which].max(error);
+            }
+        }
+        (one.parameter.clone(), worst)
+    };
+    sensitivities.iter().map(of_one).collect()
+}
+
+/// Displacements that the amplitudes of a scene are chosen for (m).
+fn displacements(scene: &Scene) -> Vec<f64> {
+    let [from, to] = [scene.cqsma.amplitude_from, scene.cqsma.amplitude_to].map(Length::si);
+    let last = (scene.cqsma.amplitudes - 1) as f64;
+    (0..scene.cqsma.amplitudes)
+        .map(|i| from * (to / from).powf(i as f64 / last))
+        .collect()
+}
+
+#[test]
+fn derivatives_of_the_beam_are_those_of_whole_runs() {
+    let parameters = [
+        "mu",
+        "bolts.load",
+        "scale.asperity_radius",
+        "scale.asperity_height",
+        "scale.gap",
+        "scale.gap_tilt.0",
+    ];
+    let scene = scene(&json!({ "sensitivities": parameters }));
+    for (parameter, [frequency, damping]) in compare(&scene, &[0, 5, 9]) {
+        assert!(
+            frequency < 1e-5 && damping < 1e-5,
+            "{parameter}: {frequency:e}, {damping:e}"
+        );
+    }
+}
