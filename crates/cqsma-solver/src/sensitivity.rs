@@ -201,18 +201,21 @@ pub struct ModeRate {
 pub struct Derivatives<'a, F: DifferentiableForce> {
     force: &'a F,
     mode: usize,
-    parameters: Vec<Parameter<'a, F>>,
+    parameters: Vec<ParameterRate<'a, F>>,
 }
 
-/// A parameter of the loops.
-struct Parameter<'a, F: DifferentiableForce> {
-    change: Change<'a, F>,
-    state: StaticRate<F::State>,
-    mode: ModeRate,
-    /// Of the load of unit modal force, `M phi`.
-    unit: Vec<f64>,
-    /// Of the contact force of the static state.
-    reference: Vec<f64>,
+/// How what motions of a mode start from changes with a parameter, per unit of it.
+pub struct ParameterRate<'a, F: DifferentiableForce> {
+    /// The structure and the force.
+    pub change: Change<'a, F>,
+    /// The static state, over the leading coordinates.
+    pub state: StaticRate<F::State>,
+    /// The mode.
+    pub mode: ModeRate,
+    /// The load of unit modal force, `M phi`.
+    pub unit: Vec<f64>,
+    /// The contact force of the static state, over the leading coordinates (N).
+    pub reference: Vec<f64>,
 }
 
 impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
@@ -252,7 +255,7 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
             let (d_u, d_begin) = (&state.displacement, &state.state);
             let reference = local.along(u, &structure.state, d_u, d_begin, change.force, &mut d_end);
             let reference = reference.to_vec();
-            Parameter {
+            ParameterRate {
                 change,
                 state,
                 mode,
@@ -273,9 +276,9 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
         self.mode
     }
 
-    /// Changes of the mode, parameter by parameter.
-    pub fn modes(&self) -> impl Iterator<Item = &ModeRate> {
-        self.parameters.iter().map(|parameter| &parameter.mode)
+    /// Parameter by parameter.
+    pub fn parameters(&self) -> &[ParameterRate<'a, F>] {
+        &self.parameters
     }
 
     /// A companion of a loop.

@@ -80,7 +80,7 @@ fn compare(scene: &Scene, amplitudes: &[usize]) -> Vec<(Parameter, [f64; 2])> {
         let is_structural = one.parameter.influence() == Influence::Structure;
         let step = match one.per {
             Per::Logarithm if is_structural => 1e-3,
-            Per::Logarithm => 1e-4,
+            Per::Logarithm => 2e-5,
             Per::Value => 1e-7,
         };
         let varied = |side: f64| {
@@ -143,4 +143,108 @@ fn derivatives_of_the_beam_are_those_of_whole_runs() {
             "{parameter}: {frequency:e}, {damping:e}"
         );
     }
+}
+
+#[test]
+fn derivatives_by_the_material_are_those_of_whole_runs() {
+    let parameters = [
+        "model.material.youngs_modulus",
+        "model.material.poisson_ratio",
+        "model.material.density",
+    ];
+    let scene = scene(&json!({ "sensitivities": parameters }));
+    for (parameter, [frequency, damping]) in compare(&scene, &[1, 6]) {
+        assert!(
+            frequency < 1e-5 && damping < 1e-5,
+            "{parameter}: {frequency:e}, {damping:e}"
+        );
+    }
+}
+
+/// Frequency and damping of free periodic motions at given amplitudes.
+fn free_motions(scene: &Scene, model: Option<&StructuralModel>) -> (Vec<Sensitivity>, Vec<[f64; 2]>) {
+    let structure = Structure::try_new(scene, &Silent).unwrap();
+    let prepared = match model {
+        Some(model) => Prepared::with_model(scene, &structure, model.clone(), &Options::default(), &Silent),
+        None => Prepared::try_new(scene, &structure, &Options::default(), &Silent),
+    };
+    let found = prepared.unwrap().solve(&Silent).unwrap();
+    let epmc = found.first().epmc.as_ref().unwrap();
+    let points = epmc.points.iter().map(|point| {
+        let motion = point.result.as_ref().unwrap();
+        [motion.omega.ln(), motion.zeta.unwrap().ln()]
+    });
+    (epmc.sensitivities.clone(), points.collect())
+}
+
+fn compare_free_motions(parameters: &[&str], number: usize) {
+    let scene = scene(&json!({
+        "sensitivities": parameters,
+        "methods": ["epmc"],
+        "cqsma": { "amplitudes": 0 },
+        "epmc": {
+            "harmonics": 3, "samples": 64, "tolerance": 1e-12,
+            "modal_amplitudes": { "from": 3e-5, "to": 1e-3, "number": number },
+        },
+    }));
+    let structure = Structure::try_new(&scene, &Silent).unwrap();
+    let model = structure.reduce(&Options::default(), &Silent).unwrap();
+    let (sensitivities, _) = free_motions(&scene, Some(&model));
+    assert_eq!(sensitivities.len(), parameters.len());
+    let mut bare = scene.clone();
+    bare.sensitivities.clear();
+    for one in &sensitivities {
+        let is_structural = one.parameter.influence() == Influence::Structure;
+        let step = if is_structural { 1e-3 } else { 2e-5 };
+        let [above, below] = [step, -step].map(|step: f64| {
+            let varied = one.parameter.with(&bare, one.value * step.exp()).unwrap();
+            free_motions(&varied, (!is_structural).then_some(&model)).1
+        });
+        for (which, own) in [&one.dln_frequency, &one.dln_damping].into_iter().enumerate() {
+            let own: Vec<f64> = own.iter().map(|value| value.unwrap()).collect();
+            let scale = own.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            for (at, own) in own.iter().enumerate() {
+                let central = (above[at][which] - below[at][which]) / (2.0 * step);
+                let error = (own - central).abs() / scale;
+                println!(
+                    "{:32} {at:2} {which} {own:+.9e} {central:+.9e} {error:.1e}",
+                    one.parameter.path()
+                );
+                assert!(error < 1e-5, "{} {at} {which}: {own:e} {central:e}", one.parameter);
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_free_motions_are_those_of_whole_backbones() {
+    compare_free_motions(&["mu", "bolts.load", "scale.asperity_height"], 3);
+}
+
+/// Ten amplitudes for every parameter, both methods.
+#[test]
+#[ignore = "takes minutes"]
+fn derivatives_by_all_parameters_are_those_of_whole_runs() {
+    let parameters = [
+        "mu",
+        "bolts.load",
+        "scale.asperity_radius",
+        "scale.asperity_density",
+        "scale.asperity_height",
+        "scale.gap",
+        "scale.gap_tilt.0",
+        "model.material.youngs_modulus",
+        "model.material.poisson_ratio",
+        "model.material.density",
+    ];
+    let all: Vec<usize> = (0..AMPLITUDES).collect();
+    let scene = scene(&json!({ "sensitivities": parameters }));
+    for (parameter, [frequency, damping]) in compare(&scene, &all) {
+        assert!(
+            frequency < 1e-5 && damping < 1e-5,
+            "{parameter}: {frequency:e}, {damping:e}"
+        );
+    }
+    let without_tilt: Vec<&str> = parameters.into_iter().filter(|path| !path.contains("tilt")).collect();
+    compare_free_motions(&without_tilt, AMPLITUDES);
 }

@@ -7,9 +7,10 @@
 //! The derivative along a change of the motion goes along the same samples, with the derivative of the law's update, so that it is that
 //! of the sampled problem to rounding: Newton's method converges as it would with the whole Jacobian, which is never formed.
 
-use crate::force::PointwiseForce;
+use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::Harmonics;
 use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut};
+use cqsma_solver::sensitivity::ParameterRate;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -435,6 +436,95 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             .map(|(index, (range, (jumps, changes)))| self.follow_change(index, range, jumps, changes))
             .collect();
         self.collect(&answers, motion.size())
+    }
+
+    /// Change of the contact forces at `motion` with a parameter, per unit of it, from that of the static state.
+    pub(crate) fn parameter_change(&self, motion: &Harmonics, rate: &ParameterRate<'_, F>) -> Harmonics
+    where
+        F: DifferentiablePointwiseForce,
+    {
+        let jumps = self.jumps(motion);
+        let mut at_rest: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
+        self.force
+            .jumps(&rate.state.displacement, at_rest.each_mut().map(Vec::as_mut_slice));
+        let answers: Vec<Answer> = self
+            .force
+            .batches()
+            .par_iter()
+            .zip(&jumps)
+            .enumerate()
+            .map(|(index, (range, jumps))| self.follow_parameter(index, range, jumps, rate, &at_rest))
+            .collect();
+        let mut change = self.collect(&answers, motion.size());
+        let mean = change.column_mut(0).iter_mut();
+        mean.zip(&rate.reference).for_each(|(change, own)| *change -= own);
+        change
+    }
+
+    /// The same of the tractions of one batch.
+    fn follow_parameter(
+        &self,
+        index: usize,
+        range: &Range<usize>,
+        jumps: &[f64],
+        rate: &ParameterRate<'_, F>,
+        at_rest: &[Vec<f64>; 3],
+    ) -> Answer
+    where
+        F: DifferentiablePointwiseForce,
+    {
+        let (n, n_state) = (range.len(), self.force.n_state(index));
+        let mut batch = Batch::new(n, n_state);
+        let mut change = Batch::new(n, n_state);
+        self.force.state_of(index, self.state, &mut batch.begin);
+        self.force.state_of(index, &rate.state.state, &mut change.begin);
+        let mut coefficients = vec![0.0; jumps.len()];
+        for period in 1..=self.sampling.periods {
+            for sample in 0..self.sampling.samples {
+                self.place(jumps, sample, range, &mut batch);
+                for (jump, at_rest) in change.jump.iter_mut().zip(at_rest) {
+                    jump.copy_from_slice(&at_rest[range.clone()]);
+                }
+                let [x, y, normal] = &batch.jump;
+                let jump = Components { x, y, n: normal };
+                let begin = StateView::new(&batch.begin, n, 0);
+                let end = StateViewMut::new(&mut batch.end, n, 0);
+                let d_end = StateViewMut::new(&mut change.end, n, 0);
+                let traction = components_mut(&mut batch.traction);
+                let d_traction = components_mut(&mut change.traction);
+                match rate.change.force {
+                    Some(parameter) => self.force.parameter_batch(
+                        index,
+                        parameter,
+                        jump,
+                        begin,
+                        components_mut(&mut change.jump),
+                        &mut change.begin,
+                        end,
+                        d_end,
+                        traction,
+                        d_traction,
+                    ),
+                    None => {
+                        let [x, y, normal] = &change.jump;
+                        let d_begin = StateView::new(&change.begin, n, 0);
+                        let d_jump = Components { x, y, n: normal };
+                        self.force
+                            .derivative_batch(index, jump, begin, d_jump, d_begin, end, d_end, traction, d_traction);
+                    }
+                }
+                std::mem::swap(&mut batch.begin, &mut batch.end);
+                std::mem::swap(&mut change.begin, &mut change.end);
+                if period == self.sampling.periods {
+                    self.analyse(&change.traction, sample, &mut coefficients);
+                }
+            }
+        }
+        Answer {
+            coefficients,
+            histories: Vec::new(),
+            drift: [0.0; 2],
+        }
     }
 
     /// Derivative of one batch along all periods. The static state does not change.

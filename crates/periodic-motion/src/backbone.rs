@@ -10,11 +10,12 @@
 use crate::Error;
 use crate::aft::Sampling;
 use crate::error::require;
-use crate::force::PointwiseForce;
+use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::Harmonics;
-use crate::solve::{Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, solve};
+use crate::solve::{Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, parameter_rates, solve};
 use crate::system::{Parameter, System, Unknown};
 use cqsma_solver::Linearisation;
+use cqsma_solver::sensitivity::Derivatives;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -198,6 +199,91 @@ pub fn follow<F: PointwiseForce>(
     Ok(points)
 }
 
+/// Derivatives of a free motion with respect to a parameter, per unit of the parameter and at the same amplitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionRate {
+    /// Of the logarithm of the frequency.
+    pub ln_omega: f64,
+    /// Of the logarithm of the damping ratio.
+    pub ln_zeta: f64,
+}
+
+/// Accuracy of the linear solves for derivatives, relative in the energy norm.
+const RATE_TOLERANCE: f64 = 1e-9;
+
+/// Derivatives of a free motion with respect to all parameters, of the discrete motion with its harmonics, samples and periods. `None` if a
+/// linear system could not be solved, or for a motion that is not free.
+///
+/// With the residual `R(V, a, b; p)` of the motion, the changes `V'`, `a'`, `b'` solve `J (V', a', b') = -dR/dp` with the Jacobian of Newton's
+/// method, bordered by the conditions of amplitude and phase; `dR/dp` carries the changes of the static state and its history along.
+pub fn rates<F: DifferentiablePointwiseForce>(
+    line: &Linearisation<'_, F::State>,
+    force: &F,
+    derivatives: &Derivatives<'_, F>,
+    motion: &Motion,
+) -> Option<Vec<MotionRate>> {
+    let zeta = motion.zeta?;
+    let none = vec![0.0; line.shapes.nrows()];
+    let settings = Settings {
+        mode: derivatives.mode(),
+        sampling: motion.sampling,
+        accuracy: None,
+        newton: NewtonSettings::default(),
+    };
+    let mut follower = Follower {
+        system: System::new(line, force, &none, 0.0, [0.0; 2], motion.sampling),
+        free: true,
+        settings: &settings,
+        found: Vec::new(),
+        reported: Vec::new(),
+        sampling: motion.sampling,
+        is_hard: false,
+    };
+    let unknown = follower.unknown_of(motion);
+    let amplitude = motion.modal_amplitude;
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let changes = || {
+        let system = &follower.system;
+        let changes = derivatives.parameters().iter().map(|rate| {
+            let [c, s] = unknown.v.pair(1);
+            let inertia = system.inertia_change(&unknown, rate);
+            let of_amplitude = inertia.map_or(0.0, |inertia| {
+                let [mc, ms] = inertia.pair(1);
+                0.5 * (dot(c, mc) + dot(s, ms)) / (amplitude * amplitude)
+            });
+            let of_phase = dot(s, &rate.unit) / amplitude;
+            (system.parameter_change(&unknown, rate), vec![of_amplitude, of_phase])
+        });
+        changes.collect::<Vec<_>>()
+    };
+    let solve = |follower: &Follower<'_, '_, F>, changes| {
+        let free = follower.parameters();
+        let conditions = |unknown: &Unknown, inertia: &Harmonics| follower.conditions(amplitude, unknown, inertia);
+        let closure = Closure {
+            free: &free,
+            conditions: &conditions,
+        };
+        parameter_rates(&follower.system, &unknown, &closure, changes, RATE_TOLERANCE)
+    };
+    let found = match solve(&follower, changes()) {
+        Some(found) => found,
+        None => {
+            let changes = changes();
+            follower.system.adapt(&motion.displacement);
+            solve(&follower, changes)?
+        }
+    };
+    let [a, b] = [Parameter::Square, Parameter::Damping].map(|parameter| unknown.at(parameter));
+    let rates = found.into_iter().map(|changes| {
+        let [of_a, of_b] = [changes[0] / a, changes[1] / b];
+        MotionRate {
+            ln_omega: 0.5 * of_a,
+            ln_zeta: if zeta == 0.0 { f64::NAN } else { of_b - of_a },
+        }
+    });
+    Some(rates.collect())
+}
+
 fn check(n_modes: usize, amplitudes: &[f64], settings: &Settings) -> Result<(), Error> {
     require(
         settings.mode < n_modes,
@@ -281,8 +367,8 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         self.is_hard |= point.result.is_ok() && krylov_steps > HARD * iterations;
     }
 
-    /// Makes a motion one that later ones are extrapolated from, as it is stored.
-    fn accept(&mut self, motion: &Motion) {
+    /// A motion as it was found.
+    fn unknown_of(&self, motion: &Motion) -> Unknown {
         let mut unknown = Unknown {
             v: motion.displacement.clone(),
             p: motion.displacement.clone(),
@@ -293,6 +379,12 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         *unknown.at_mut(Parameter::Square) = square;
         *unknown.at_mut(Parameter::Damping) = motion.zeta.map_or(0.0, |zeta| 2.0 * zeta * square);
         *unknown.at_mut(Parameter::Force) = motion.force.unwrap_or(0.0);
+        unknown
+    }
+
+    /// Makes a motion one that later ones are extrapolated from, as it is stored.
+    fn accept(&mut self, motion: &Motion) {
+        let unknown = self.unknown_of(motion);
         self.sampling = motion.sampling;
         push(&mut self.reported, motion.modal_amplitude, unknown);
     }

@@ -1,7 +1,7 @@
 //! What harmonic balance needs to know of a hysteretic force beyond what equilibria need: its points.
 
 use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut};
-use cqsma_solver::HystereticForce;
+use cqsma_solver::{DifferentiableForce, HystereticForce};
 use std::ops::Range;
 
 /// A force that is the sum over points with a history each: the jump at a point is linear in the coordinates, and the law of a
@@ -47,6 +47,25 @@ pub trait PointwiseForce: HystereticForce {
         begin: StateView<'_>,
         d_jump: Components<'_>,
         d_begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
+    );
+}
+
+/// A force whose points can be differentiated with respect to parameters too.
+pub trait DifferentiablePointwiseForce: PointwiseForce + DifferentiableForce {
+    /// [`PointwiseForce::derivative_batch`] with the change of a parameter by one beside those of jump and begin state, which are used up;
+    /// `d_begin` is stored `[component][point]`.
+    fn parameter_batch(
+        &self,
+        batch: usize,
+        parameter: &Self::Parameter,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        d_jump: ComponentsMut<'_>,
+        d_begin: &mut [f64],
         end: StateViewMut<'_>,
         d_end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,

@@ -20,6 +20,6 @@ mod system;
 
 pub use aft::Sampling;
 pub use error::Error;
-pub use force::PointwiseForce;
+pub use force::{DifferentiablePointwiseForce, PointwiseForce};
 pub use harmonics::Harmonics;
 pub use solve::{Effort, Failure, NewtonSettings, Reason};

@@ -128,6 +128,9 @@ pub(crate) struct Converged {
     pub(crate) evaluation: Evaluation,
 }
 
+/// Most directions that are kept for right-hand sides that share a Jacobian.
+const MOST_SEARCHED: usize = 600;
+
 /// The bordered Jacobian at a motion.
 struct Bordered<'s, 'a, F: PointwiseForce> {
     system: &'s System<'a, F>,
@@ -280,6 +283,53 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
         None
     }
 
+    /// Steps that take each of `starts` away: conjugate residuals (GCR), where what was searched for one serves the next ones. `None` if
+    /// `tolerance` (relative) is not reached.
+    fn solve_all(&self, starts: Vec<Direction>, tolerance: f64) -> Option<Vec<Step>> {
+        let mut searched: Vec<(Step, Direction)> = Vec::new();
+        let free = self.columns.len();
+        let take = |(step, image): &(Step, Direction), rest: &mut Direction, found: &mut Step| {
+            let c = rest.dot(image);
+            rest.add(-c, image);
+            found.add(c, step);
+        };
+        let solve = |mut rest: Direction| {
+            let mut found = Step {
+                v: Harmonics::zeros(rest.force.size(), rest.force.count()),
+                p: Harmonics::zeros(rest.force.size(), rest.force.count()),
+                parameters: vec![0.0; free],
+            };
+            let size = |direction: &Direction| direction.dot(direction).max(0.0).sqrt();
+            let norm = size(&rest);
+            searched.iter().for_each(|pair| take(pair, &mut rest, &mut found));
+            while size(&rest) > tolerance * norm {
+                if searched.len() >= MOST_SEARCHED {
+                    return None;
+                }
+                let mut step = self.precondition(&rest);
+                let mut image = self.product(&step, &rest.conditions);
+                let before = size(&image);
+                // Twice, as the first pass leaves what rounding leaves.
+                for (known, image_of_known) in searched.iter().chain(&searched) {
+                    let c = image.dot(image_of_known);
+                    image.add(-c, image_of_known);
+                    step.add(-c, known);
+                }
+                let length = size(&image);
+                if !(length > f64::EPSILON * before && length.is_finite()) {
+                    return None;
+                }
+                image.scale(1.0 / length);
+                step.scale(1.0 / length);
+                let pair = (step, image);
+                take(&pair, &mut rest, &mut found);
+                searched.push(pair);
+            }
+            Some(found)
+        };
+        starts.into_iter().map(solve).collect()
+    }
+
     /// The step from the triangular system.
     fn combine(&self, basis: &[Direction], columns: &[Vec<f64>], rhs: &[f64]) -> Step {
         let n = columns.len();
@@ -299,6 +349,32 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
         }
         self.precondition(&sum)
     }
+}
+
+/// Changes of the free parameters that keep residual and conditions where they are, where these change by `changes`: of the residual, and of the
+/// values of the conditions.
+pub(crate) fn parameter_rates<F: PointwiseForce>(
+    system: &System<'_, F>,
+    unknown: &Unknown,
+    closure: &Closure<'_>,
+    changes: Vec<(Harmonics, Vec<f64>)>,
+    tolerance: f64,
+) -> Option<Vec<Vec<f64>>> {
+    let evaluation = system.evaluate(unknown);
+    let conditions = (closure.conditions)(unknown, &evaluation.inertia);
+    let scale = system.scale(unknown);
+    let bordered = Bordered::try_new(system, unknown, &evaluation, closure, conditions, scale)?;
+    let starts = changes.into_iter().map(|(force, conditions)| {
+        let mut start = Direction {
+            response: system.solve_stuck(&force),
+            force,
+            conditions: conditions.iter().map(|value| value * scale).collect(),
+        };
+        start.scale(-1.0);
+        start
+    });
+    let steps = bordered.solve_all(starts.collect(), tolerance)?;
+    Some(steps.into_iter().map(|step| step.parameters).collect())
 }
 
 /// Inverse of a matrix of one or two rows; `None` if it is singular.

@@ -19,11 +19,12 @@
 //! Residuals are measured in the energy norm `sqrt(sum_h R_h^T P^-1 R_h)`.
 
 use crate::aft::{Contact, Forces, Sampling};
-use crate::force::PointwiseForce;
+use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::{Harmonics, add_rotated};
 use cqsma_solver::Linearisation;
+use cqsma_solver::sensitivity::ParameterRate;
 use dense_algebra::Symmetric;
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 /// Denominators of modes closer to resonance than this, relative to their eigenvalue, are kept away from zero.
 const CLOSEST: f64 = 1e-3;
@@ -78,6 +79,23 @@ pub(crate) struct Step {
     pub(crate) parameters: Vec<f64>,
 }
 
+impl Step {
+    /// `self += factor * other`.
+    pub(crate) fn add(&mut self, factor: f64, other: &Self) {
+        self.v.add(factor, &other.v);
+        self.p.add(factor, &other.p);
+        let parameters = self.parameters.iter_mut().zip(&other.parameters);
+        parameters.for_each(|(a, b)| *a += factor * b);
+    }
+
+    /// `self *= factor`.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.v.scale(factor);
+        self.p.scale(factor);
+        self.parameters.iter_mut().for_each(|p| *p *= factor);
+    }
+}
+
 /// Share of the stuck tangent in that of [`Averaged`], so that nothing can move freely.
 const STUCK_SHARE: f64 = 0.02;
 
@@ -111,6 +129,13 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     /// Direction of the exciting force.
     pub(crate) row: &'a [f64],
     sampling: Sampling,
+}
+
+/// `y += a x`.
+fn add_product(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
+    for (j, &x) in x.iter().enumerate() {
+        y.iter_mut().zip(a.col(j).iter()).for_each(|(y, a)| *y += a * x);
+    }
 }
 
 /// What an evaluation leaves.
@@ -355,15 +380,44 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         }
     }
 
+    /// Change of the residual at a free motion with a parameter, per unit of it.
+    pub(crate) fn parameter_change(&self, unknown: &Unknown, rate: &ParameterRate<'_, F>) -> Harmonics
+    where
+        F: DifferentiablePointwiseForce,
+    {
+        let mut change = self.contact.parameter_change(&unknown.v, rate);
+        if let Some(stiffness) = rate.change.stiffness {
+            change.each_column(|column, y| add_product(stiffness, unknown.v.column(column), y));
+        }
+        if let Some(inertia) = self.inertia_change(unknown, rate) {
+            let [a, b, _] = unknown.parameters;
+            self.add_inertia(&inertia, a, b, &mut change);
+        }
+        change
+    }
+
+    /// `M' v` of the harmonics of a motion, if the mass changes with a parameter.
+    pub(crate) fn inertia_change(&self, unknown: &Unknown, rate: &ParameterRate<'_, F>) -> Option<Harmonics>
+    where
+        F: DifferentiablePointwiseForce,
+    {
+        let mass = rate.change.mass?;
+        let mut inertia = Harmonics::zeros(unknown.v.size(), unknown.v.count());
+        inertia.each_column(|column, y| {
+            if column > 0 {
+                add_product(mass, unknown.v.column(column), y);
+            }
+        });
+        Some(inertia)
+    }
+
     /// Computes `p` from `v` and the stiffness.
     pub(crate) fn restore(&self, unknown: &mut Unknown) {
         let (stiffness, Unknown { v, p, .. }) = (self.line.stiffness(), unknown);
         p.each_column(|column, p| {
             p.fill(0.0);
             let v = v.column(column);
-            for (j, &v) in v.iter().enumerate() {
-                p.iter_mut().zip(stiffness.col(j).iter()).for_each(|(p, k)| *p += k * v);
-            }
+            add_product(stiffness, v, p);
             self.force.pattern().add_product(self.line.stuck_tangent(), v, p);
         });
     }

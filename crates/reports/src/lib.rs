@@ -16,6 +16,7 @@ pub mod periodic;
 pub mod plot;
 pub mod ring_down;
 pub mod run;
+pub mod sensitivity;
 pub mod several;
 pub mod study;
 

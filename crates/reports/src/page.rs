@@ -4,7 +4,7 @@ use crate::fields::Placed;
 use crate::html::{Picture, Table, render};
 use crate::interactive::{Document, Live};
 use crate::run::{damping, tensions};
-use crate::{Error, fields, map, plot};
+use crate::{Error, fields, map, plot, sensitivity};
 use askama::Template;
 use joint_pipeline::Run;
 use joint_pipeline::analysis::ModeBackbone;
@@ -28,6 +28,7 @@ struct Page<'a> {
     warnings: &'a [Warning],
     overview: Vec<String>,
     modes: Vec<Mode<'a>>,
+    sensitivities: Option<Picture<'a>>,
     periodic: Option<Periodic<'a>>,
     /// None of points of contact, which cover nothing that could be drawn.
     pressure: Option<Picture<'a>>,
@@ -96,6 +97,7 @@ pub fn document(
         modes: of_modes
             .map(|((backbone, (_, of_mode)), picture)| mode(run, backbone, &of_mode, picture))
             .collect(),
+        sensitivities: sensitivity::figure(&summary.sensitivities)?,
         periodic: periodic(summary, motions),
         pressure: pressure(run),
         key_numbers: key_numbers(summary),

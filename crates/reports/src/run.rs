@@ -2,7 +2,7 @@
 
 use crate::html::Picture;
 use crate::periodic::{self, PeriodicMotions};
-use crate::{Error, Output, bodies, csv, fields, page, plot};
+use crate::{Error, Output, bodies, csv, fields, page, plot, sensitivity};
 use joint_pipeline::Run;
 use joint_pipeline::analysis::{Deformed, Fields};
 use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
@@ -121,6 +121,13 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     }
     if let Some(ensemble) = &summary.ensemble {
         outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)?));
+    }
+    let sensitivities = &summary.sensitivities;
+    if !sensitivities.is_empty() {
+        outputs.push(Output::new(sensitivity::TABLE, sensitivity::rows(sensitivities)?));
+        if let Some(picture) = sensitivity::picture(sensitivities)? {
+            outputs.push(Output::new(sensitivity::PICTURE, picture));
+        }
     }
     let motions = PeriodicMotions::of(run, summary);
     let periodic = motions

@@ -48,9 +48,9 @@ pub struct Workspace {
 #[derive(Clone, Debug)]
 pub struct Variation {
     /// Law by law.
-    scalings: Vec<Scaling>,
+    pub(crate) scalings: Vec<Scaling>,
     /// Of the gap at each point (m); empty if it does not change.
-    gap: Vec<f64>,
+    pub(crate) gap: Vec<f64>,
 }
 
 /// Sparse pattern of the tangent over `3 n_nodes` coordinates: compressed rows.

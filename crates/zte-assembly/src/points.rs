@@ -1,6 +1,6 @@
 //! The interface point by point: for methods that follow each point through many load states by itself, such as harmonic balance.
 
-use crate::interface::{Interface, State};
+use crate::interface::{Interface, State, Variation};
 use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, Sticking, TangentMut};
 use std::ops::Range;
 
@@ -132,6 +132,35 @@ impl Interface {
         let (law, of_law) = self.batch_law(batches, batch);
         law.derivative(
             of_law, sticking, jump, begin, d_jump, d_begin, end, d_end, traction, d_traction,
+        );
+    }
+
+    /// The same with the change of a parameter by one beside them. `d_jump` and `d_begin` are used up.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn parameter_batch(
+        &self,
+        batches: &Batches,
+        batch: usize,
+        sticking: Sticking,
+        variation: &Variation,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        d_jump: ComponentsMut<'_>,
+        d_begin: &mut [f64],
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
+    ) {
+        let (law, of_law) = self.batch_law(batches, batch);
+        if !variation.gap.is_empty() {
+            let gap = &variation.gap[batches.points[batch].clone()];
+            d_jump.n.iter_mut().zip(gap).for_each(|(n, gap)| *n -= gap);
+        }
+        variation.scalings[batches.places[batch].0].derivative(
+            law, of_law, sticking, jump, begin, d_jump, d_begin, end, d_end, traction, d_traction,
         );
     }
 

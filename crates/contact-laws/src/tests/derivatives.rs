@@ -416,3 +416,109 @@ proptest! {
         }
     }
 }
+
+/// A law with scaled curves and friction is its neighbour on a path that sticks, slips, opens and closes again; the derivative by the parameter is the
+/// difference of the two.
+#[test]
+fn scaled_laws_change_as_their_neighbours_do() {
+    let n = 3;
+    let build = |p: f64, history: HistoryRule| {
+        let factors = CurveFactors {
+            interference: (0.7 * p).exp(),
+            normal: (1.3 * p).exp(),
+            tangential: [(-0.4 * p).exp(), (0.9 * p).exp()],
+        };
+        let curves = PointParameters::uniform(fitted().scaled(factors).unwrap(), n);
+        let mu = PointParameters::uniform(0.3 * (0.6 * p).exp(), n);
+        FrictionalLaw::try_new(curves, mu, history).unwrap()
+    };
+    let similarity = Similarity {
+        interference: 0.7,
+        normal: 1.3,
+        tangential: [-0.4, 0.9],
+        friction: 0.6,
+        density: 0.0,
+    };
+    // Jumps of the three points along the path, in um.
+    let path = [
+        [[0.0, 0.0, 2.0], [0.0, 0.1, 1.0], [0.0, 0.0, 0.5]],
+        [[0.3, 0.1, 2.1], [3.0, 0.5, 1.1], [0.1, 0.0, -0.2]],
+        [[-0.2, 0.0, 1.9], [-2.0, 0.4, 1.2], [0.2, 0.1, 0.6]],
+        [[0.4, 0.2, 2.2], [1.0, -1.5, 0.9], [0.4, -0.3, 0.7]],
+    ];
+    for history in [HistoryRule::Incremental, HistoryRule::EndPoint, HistoryRule::Paper] {
+        let tractions = |p: f64| -> Vec<[f64; 3]> {
+            let law = build(p, history);
+            let (mut begin, mut end) = (vec![0.0; 5 * n], vec![0.0; 5 * n]);
+            let mut all = Vec::new();
+            for step in path {
+                let jump: [Vec<f64>; 3] = core::array::from_fn(|c| step.iter().map(|u| 1e-6 * u[c]).collect());
+                let mut t: [Vec<f64>; 3] = core::array::from_fn(|_| vec![0.0; n]);
+                let [x, y, z] = t.each_mut();
+                law.evaluate(
+                    0..n,
+                    Sticking::Coulomb,
+                    Components::new(&jump[0], &jump[1], &jump[2]),
+                    StateView::new(&begin, n, 0),
+                    StateViewMut::new(&mut end, n, 0),
+                    ComponentsMut::new(x, y, z),
+                    None,
+                    None,
+                );
+                std::mem::swap(&mut begin, &mut end);
+                all.extend((0..n).map(|i| [t[0][i], t[1][i], t[2][i]]));
+            }
+            all
+        };
+        let law = build(0.0, history);
+        let scaling = Scaling::try_new(&law, vec![similarity; n]).unwrap();
+        let (mut begin, mut end) = (vec![0.0; 5 * n], vec![0.0; 5 * n]);
+        let (mut d_begin, mut d_end) = (vec![0.0; 5 * n], vec![0.0; 5 * n]);
+        let mut found = Vec::new();
+        for step in path {
+            let jump: [Vec<f64>; 3] = core::array::from_fn(|c| step.iter().map(|u| 1e-6 * u[c]).collect());
+            let fields = || -> [Vec<f64>; 3] { core::array::from_fn(|_| vec![0.0; n]) };
+            let (mut d_jump, mut t, mut d_t) = (fields(), fields(), fields());
+            let mut changes = d_begin.clone();
+            let [dx, dy, dz] = d_jump.each_mut();
+            let [tx, ty, tz] = t.each_mut();
+            let [rx, ry, rz] = d_t.each_mut();
+            scaling.derivative(
+                &law,
+                0..n,
+                Sticking::Coulomb,
+                Components::new(&jump[0], &jump[1], &jump[2]),
+                StateView::new(&begin, n, 0),
+                ComponentsMut::new(dx, dy, dz),
+                &mut changes,
+                StateViewMut::new(&mut end, n, 0),
+                StateViewMut::new(&mut d_end, n, 0),
+                ComponentsMut::new(tx, ty, tz),
+                ComponentsMut::new(rx, ry, rz),
+            );
+            std::mem::swap(&mut begin, &mut end);
+            std::mem::swap(&mut d_begin, &mut d_end);
+            found.extend((0..n).map(|i| [d_t[0][i], d_t[1][i], d_t[2][i]]));
+        }
+        let h = 1e-6;
+        let (above, below) = (tractions(h), tractions(-h));
+        for (at, ((found, above), below)) in found.iter().zip(&above).zip(&below).enumerate() {
+            for c in 0..3 {
+                let central = (above[c] - below[c]) / (2.0 * h);
+                let size = above.iter().fold(1.0_f64, |m, t| m.max(t.abs()));
+                assert!((found[c] - central).abs() < 1e-7 * size, "{history:?} {at} {c}: {} {central}", found[c]);
+            }
+        }
+    }
+    // What has a length of its own, and a potential, are not scaled.
+    let with_potential = build(0.0, HistoryRule::Potential);
+    assert!(Scaling::try_new(&with_potential, vec![similarity; n]).is_none());
+    let alone = Similarity {
+        normal: 1.0,
+        tangential: [1.0; 2],
+        density: 1.0,
+        ..Similarity::default()
+    };
+    assert!(Scaling::try_new(&with_potential, vec![alone; n]).is_some());
+    assert!(Scaling::try_new(&with_potential, vec![alone; n - 1]).is_none());
+}

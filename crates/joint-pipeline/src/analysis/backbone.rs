@@ -140,8 +140,11 @@ impl<'a> Request<'a> {
                     .iter()
                     .map(|x| x / phi.abs())
                     .collect();
-                let (found, resume) = request.epmc(&settings, self.mode, amplitudes, epmc_key, progress)?;
+                let (mut found, resume) = request.epmc(&settings, self.mode, amplitudes, epmc_key, progress)?;
                 checkpoints.extend(resume);
+                if let Some((sensitivities, derivatives)) = &derivatives {
+                    found.sensitivities = sensitivities.of_motions(derivatives, self.line, self.force, &found.points);
+                }
                 Some(found)
             }
         };

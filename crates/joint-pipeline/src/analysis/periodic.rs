@@ -1,6 +1,7 @@
 //! Periodic motions about the static state of a scene: EPMC backbones, forced responses and their resonances.
 
 use super::prestress::response;
+use super::sensitivities::Sensitivity;
 use crate::Error;
 use crate::interface::InterfaceForce;
 use crate::progress::{Progress, Stage};
@@ -42,6 +43,8 @@ pub struct EpmcBackbone {
     pub response_displacement: Vec<Option<f64>>,
     /// Hysteresis loops of single points, amplitude by amplitude, at a few amplitudes.
     pub loops: Vec<PointLoop>,
+    /// Derivatives with respect to the parameters of the scene's `sensitivities`, in their order.
+    pub sensitivities: Vec<Sensitivity>,
 }
 
 /// The loop of a point at an amplitude.
@@ -133,6 +136,7 @@ impl Request<'_> {
                 points,
                 response_displacement,
                 loops,
+                sensitivities: Vec::new(),
             },
             checkpoints,
         ))

@@ -223,7 +223,7 @@ impl Prepared {
         let interface = SceneInterface::try_new(scene, structure.interface(), &structure.joint.parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
         progress.end(Stage::Characterise);
-        let neighbours = Neighbours::of(scene, &model, progress)?;
+        let neighbours = Neighbours::of(scene, structure, &model, progress)?;
         Ok(Self {
             scene: scene.clone(),
             options: options.clone(),

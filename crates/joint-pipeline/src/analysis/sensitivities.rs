@@ -4,13 +4,14 @@ use super::prestress::response;
 use crate::Error;
 use crate::interface::{InterfaceForce, SceneInterface};
 use crate::progress::Progress;
-use crate::scene::{BoltBehaviour, Influence, Parameter, Scene};
+use crate::scene::{BoltBehaviour, Influence, Method, Parameter, Scene};
 use crate::structure::{StructuralModel, Structure};
 use cqsma_solver::Linearisation;
 use cqsma_solver::cqsma::LoopResult;
 use cqsma_solver::prestress::Prestress;
-use cqsma_solver::sensitivity::{Change, Derivatives, StaticRate, static_rates};
+use cqsma_solver::sensitivity::{Change, Derivatives, LoopRate, ParameterRate, StaticRate, static_rates};
 use faer::Mat;
+use periodic_motion::backbone::{self, Motion, MotionRate, Point};
 use reduction::ReducedModel;
 use serde::{Deserialize, Serialize};
 use zte_assembly::{State, Variation};
@@ -40,6 +41,10 @@ pub enum Per {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sensitivity {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Method that found the backbone: `cqsma` or `epmc`.
+    pub method: String,
     /// Path of the parameter in the scene.
     pub parameter: Parameter,
     /// Its value (SI).
@@ -54,9 +59,9 @@ pub struct Sensitivity {
     pub dln_frequency: Vec<Option<f64>>,
     /// Of the logarithm of the damping ratio of the contact, at the same modal amplitude (-).
     pub dln_damping: Vec<Option<f64>>,
-    /// Of the logarithm of the energy dissipated per cycle, at the same modal amplitude (-).
+    /// Of the logarithm of the energy dissipated per cycle, at the same modal amplitude (-); not of free periodic motions.
     pub dln_dissipation: Vec<Option<f64>>,
-    /// Of the logarithm of the displacement at the response point, at the same modal force (-).
+    /// Of the logarithm of the displacement at the response point, at the same modal force (-); not of free periodic motions.
     pub dln_response: Vec<Option<f64>>,
 }
 
@@ -80,16 +85,22 @@ impl Neighbours {
     ///
     /// # Errors
     /// Values beside that of the scene which are not admissible; of the structure and its reduction.
-    pub(super) fn of(scene: &Scene, model: &StructuralModel, progress: &dyn Progress) -> Result<Vec<Self>, Error> {
+    pub(super) fn of(
+        scene: &Scene,
+        structure: &Structure,
+        model: &StructuralModel,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Self>, Error> {
         let parameters = scene.sensitivities.iter();
         parameters
-            .map(|parameter| Self::one(scene, parameter, model, progress))
+            .map(|parameter| Self::one(scene, parameter, structure, model, progress))
             .collect()
     }
 
     fn one(
         scene: &Scene,
         parameter: &Parameter,
+        structure: &Structure,
         model: &StructuralModel,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
@@ -270,21 +281,23 @@ impl<'a> Sensitivities<'a> {
     ) -> Vec<Sensitivity> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let phi = dot(shape, response);
-        let of_parameter = |(number, ((one, ingredients), mode)): (usize, ((&Neighbours, &Ingredients), _))| {
-            let mode: &cqsma_solver::sensitivity::ModeRate = mode;
-            let dln_phi = (dot(&mode.shape, response) + dot(shape, &ingredients.response)) / phi;
+        let of_parameter = |(number, ((one, ingredients), rate)): (usize, ((&Neighbours, &Ingredients), _))| {
+            let rate: &ParameterRate<'_, _> = rate;
+            let dln_phi = (dot(&rate.mode.shape, response) + dot(shape, &ingredients.response)) / phi;
             let rates = loops.clone().map(|found| {
                 let found = found?;
                 Some((found, *found.rates.as_ref()?.get(number)?))
             });
             let rates: Vec<Option<(&LoopResult, _)>> = rates.collect();
-            let each = |of: &dyn Fn(&LoopResult, cqsma_solver::sensitivity::LoopRate) -> Option<f64>| {
+            let each = |of: &dyn Fn(&LoopResult, LoopRate) -> Option<f64>| {
                 let values = rates
                     .iter()
                     .map(|found| found.as_ref().and_then(|(found, rate)| of(found, *rate)));
                 values.map(|value| value.filter(|value| value.is_finite())).collect()
             };
             Sensitivity {
+                mode: derivatives.mode() + 1,
+                method: "cqsma".into(),
                 parameter: one.parameter.clone(),
                 value: one.value,
                 unit: one.unit.into(),
@@ -301,9 +314,52 @@ impl<'a> Sensitivities<'a> {
         };
         let parameters = self.neighbours.iter().zip(&self.ingredients);
         parameters
-            .zip(derivatives.modes())
+            .zip(derivatives.parameters())
             .enumerate()
             .map(of_parameter)
+            .collect()
+    }
+
+    /// The derivatives of a backbone of free motions. Dissipation and response are not differentiated.
+    pub(super) fn of_motions<'f>(
+        &self,
+        derivatives: &Derivatives<'_, InterfaceForce<'f>>,
+        line: &Linearisation<'_, State>,
+        force: &InterfaceForce<'f>,
+        points: &[Point],
+    ) -> Vec<Sensitivity> {
+        let rates: Vec<Option<(&Motion, Vec<MotionRate>)>> = points
+            .iter()
+            .map(|point| {
+                let motion = point.result.as_ref().ok()?;
+                Some((motion, backbone::rates(line, force, derivatives, motion)?))
+            })
+            .collect();
+        let none = || vec![None; points.len()];
+        let each = |of: &dyn Fn(&Motion, &[MotionRate]) -> Option<f64>| -> Vec<Option<f64>> {
+            let values = rates
+                .iter()
+                .map(|found| found.as_ref().and_then(|(motion, rates)| of(motion, rates)));
+            values.map(|value| value.filter(|value| value.is_finite())).collect()
+        };
+        let neighbours = self.neighbours.iter().enumerate();
+        neighbours
+            .map(|(number, one)| Sensitivity {
+                mode: derivatives.mode() + 1,
+                method: Method::Epmc.name().into(),
+                parameter: one.parameter.clone(),
+                value: one.value,
+                unit: one.unit.into(),
+                per: one.per,
+                modal_amplitude: each(&|motion, _| Some(motion.modal_amplitude)),
+                dln_frequency: each(&|_, rates| Some(rates.get(number)?.ln_omega)),
+                dln_damping: each(&|motion, rates| {
+                    let is_resolved = motion.zeta.is_some_and(|zeta| zeta.abs() > motion.energy_error.abs());
+                    is_resolved.then_some(rates.get(number)?.ln_zeta)
+                }),
+                dln_dissipation: none(),
+                dln_response: none(),
+            })
             .collect()
     }
 }

@@ -2,7 +2,7 @@
 
 use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 use cqsma_solver::{DifferentiableForce, HystereticForce, PatternView};
-use periodic_motion::PointwiseForce;
+use periodic_motion::{DifferentiablePointwiseForce, PointwiseForce};
 use std::ops::Range;
 use zte_assembly::{Batches, Interface, State, Variation, Workspace};
 
@@ -233,6 +233,37 @@ impl PointwiseForce for InterfaceForce<'_> {
             &self.batches,
             batch,
             self.friction,
+            jump,
+            begin,
+            d_jump,
+            d_begin,
+            end,
+            d_end,
+            traction,
+            d_traction,
+        );
+    }
+}
+
+impl DifferentiablePointwiseForce for InterfaceForce<'_> {
+    fn parameter_batch(
+        &self,
+        batch: usize,
+        parameter: &Variation,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        d_jump: ComponentsMut<'_>,
+        d_begin: &mut [f64],
+        end: StateViewMut<'_>,
+        d_end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        d_traction: ComponentsMut<'_>,
+    ) {
+        self.interface.parameter_batch(
+            &self.batches,
+            batch,
+            self.friction,
+            parameter,
             jump,
             begin,
             d_jump,

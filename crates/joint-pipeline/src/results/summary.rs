@@ -8,7 +8,7 @@ use crate::analysis::methods::MethodPoint;
 use crate::analysis::periodic::{ForcedPoint, ForcedResponse};
 use crate::analysis::validity::Validity;
 use crate::analysis::warnings::Warning;
-use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
+use crate::analysis::{AmplitudeResult, ModeBackbone, Run, Sensitivity};
 use crate::interface::{LawReport, PartReport};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
@@ -64,6 +64,9 @@ pub struct Summary {
     /// Where several modes are followed: each of them. `backbone`, `methods` and `validity` are those of the first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub backbones: Vec<ModeBackboneSummary>,
+    /// Derivatives of all backbones with respect to the numbers that the scene's `sensitivities` name; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivities: Vec<Sensitivity>,
     /// Backbones of bootstrap realisations; left out unless asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Ensemble>,
@@ -524,6 +527,7 @@ impl Summary {
                 [_] => Vec::new(),
                 several => several.iter().map(|of| mode_backbone(of, run)).collect(),
             },
+            sensitivities: run.backbones.iter().flat_map(sensitivities).cloned().collect(),
             ensemble: None,
             accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.preset().ok()),
             error_estimate: None,
@@ -553,6 +557,7 @@ impl Summary {
             methods: mode.methods.clone(),
             validity: mode.validity.clone(),
             backbones: Vec::new(),
+            sensitivities: Vec::new(),
             ensemble: None,
             error_estimate: None,
             mesh_estimate: None,
@@ -668,6 +673,12 @@ fn mode_backbone(of: &ModeBackbone, run: &Run) -> ModeBackboneSummary {
         methods: methods(of, &run.scene),
         validity: of.validity.clone(),
     }
+}
+
+/// Those of the loops, then those of free motions.
+fn sensitivities(of: &ModeBackbone) -> impl Iterator<Item = &Sensitivity> {
+    let free = of.epmc.iter().flat_map(|found| &found.sensitivities);
+    of.sensitivities.iter().chain(free)
 }
 
 fn methods(of: &ModeBackbone, scene: &Scene) -> BTreeMap<String, Vec<MethodSummary>> {

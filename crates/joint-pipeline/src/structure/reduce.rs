@@ -8,6 +8,7 @@ use crate::progress::{Progress, Stage};
 use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
+use faer::Mat;
 use reduction::checks::{self, ReducedSpectrum};
 use reduction::{FacingNodes, InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, reduce};
 use sprs::CsMat;
@@ -17,6 +18,23 @@ use substructure::mesh::{Cell, Dof};
 
 /// Residual that modes reach where only their frequencies matter, whose error is of the order of its square.
 const FREQUENCY_TOLERANCE: f64 = 1e-4;
+
+/// The factor between two matrices, if one is a multiple of the other but for round-off.
+fn multiple(a: &CsMat<f64>, of: &CsMat<f64>) -> Option<f64> {
+    if a.indptr() != of.indptr() || a.indices() != of.indices() {
+        return None;
+    }
+    let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+    let factor = (square(a.data()) / square(of.data())).sqrt();
+    let largest = of.data().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let mut pairs = a.data().iter().zip(of.data());
+    // Also catches NaN.
+    let holds = pairs.all(|(a, b)| (a - factor * b).abs() <= SAME * factor * largest);
+    (factor > 0.0 && holds).then_some(factor)
+}
+
+/// Difference of the entries of matrices, relative to the largest, that is round-off of their assembly.
+const SAME: f64 = 1e-13;
 
 /// Residual of the modes of structures whose differences are wanted.
 const NEIGHBOUR_TOLERANCE: f64 = 1e-10;
@@ -61,21 +79,42 @@ impl Structure {
         Ok(model)
     }
 
-    /// The reduced model of a structure that differs little from that of `model`, over the same coordinates: modes in the same order, with the
-    /// same signs.
+    /// Reduced models of structures that differ little from this one, whose own is `model`, over the same coordinates: modes in the same order,
+    /// with the same signs. Structures whose matrices are multiples of this one's are not reduced: their basis is the same.
     ///
     /// # Errors
     /// As [`Structure::reduce`]; [`reduction::Error::OtherModel`] for a structure with other coordinates.
-    pub(crate) fn neighbour_of(&self, model: &ReducedModel) -> Result<ReducedModel, Error> {
-        let assembled = self.assemble()?;
-        let settings = Settings {
-            n_modes: model.n_modes(),
-            mode_tolerance: NEIGHBOUR_TOLERANCE,
-            ..self.settings
+    pub(crate) fn neighbours(
+        &self,
+        model: &ReducedModel,
+        others: [&Self; 2],
+        progress: &dyn Progress,
+    ) -> Result<[ReducedModel; 2], Error> {
+        let middle = self.assemble()?;
+        let neighbour = |other: &Self| {
+            let assembled = other.assemble()?;
+            let (own, known) = (&assembled.relative, &middle.relative);
+            let multiples = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass));
+            if let Some((stiffness, mass)) = multiples.filter(|_| own.loads == known.loads) {
+                let scaled = |a: &Mat<f64>, factor: f64| Mat::from_fn(a.nrows(), a.ncols(), |i, j| factor * a[(i, j)]);
+                return Ok(ReducedModel {
+                    stiffness: scaled(&model.stiffness, stiffness),
+                    mass: scaled(&model.mass, mass),
+                    ..model.clone()
+                });
+            }
+            progress.note("the structure is reduced again, for a derivative");
+            let settings = Settings {
+                n_modes: model.n_modes(),
+                mode_tolerance: NEIGHBOUR_TOLERANCE,
+                ..other.settings
+            };
+            let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| ())?;
+            reduced.align_with(model)?;
+            Ok(reduced)
         };
-        let mut own = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| ())?;
-        own.align_with(model)?;
-        Ok(own)
+        let [above, below] = others;
+        Ok([neighbour(above)?, neighbour(below)?])
     }
 
     /// The system in relative coordinates.

@@ -12,7 +12,7 @@ use joint_pipeline::results::summary::Summary;
 use joint_pipeline::scene::{self, Length};
 use joint_pipeline::{Options, Run, Scene};
 use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
-use reports::{Output, csv, plot};
+use reports::{Output, csv, plot, sensitivity};
 use run_environment::{peak_memory, provenance, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -344,6 +344,7 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
         };
         table(&mut out, &of_mode);
     }
+    out.push_str(&sensitivity::most_influential(summary));
     let _ = writeln!(out, "\namplitude: {}", plot::amplitude_label(&summary.response));
     for level in &summary.forced {
         let _ = writeln!(out, "{}", forced::line(level));
