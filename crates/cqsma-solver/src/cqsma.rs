@@ -7,7 +7,7 @@ use crate::linear::{Motion, dot, multiply};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
-use crate::sensitivity::{Derivatives, DifferentiableForce, Follower, LoopRate, loop_rates};
+use crate::sensitivity::{Derivatives, DifferentiableForce, Follower, LoopRate};
 use contact_laws::{RegimeCounts, Sticking};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -164,8 +164,7 @@ struct Circumstances {
     residual: f64,
     shape_deviation: f64,
     counts: RegimeCounts,
-    /// Changes of the amplitudes of all vertices.
-    vertices: Option<Vec<Vec<f64>>>,
+    rates: Option<Vec<LoopRate>>,
 }
 
 impl LoopResult {
@@ -194,7 +193,7 @@ impl LoopResult {
             closure: found.closure,
             residual: found.residual,
             counts: found.counts,
-            rates: found.vertices.map(|vertices| loop_rates(&hysteresis, &vertices)),
+            rates: found.rates,
             hysteresis,
         }
     }
@@ -438,7 +437,8 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
         let mut hysteresis = Loop::default();
-        let mut vertices = self.follower.is_some().then(Vec::new);
+        // Numbers of the vertices by which a follower knows them.
+        let mut numbers = Vec::new();
         let mut deviation = 0.0_f64;
         // Without dissipation the way back passes the same vertices, which are kept for it.
         let quiet = settled.is_quiet;
@@ -453,14 +453,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             let q = dot(&tracer.mode.unit.p, v);
             hysteresis.force.push(tracer.path.at);
             hysteresis.amplitude.push(q);
-            if let Some(follower) = &tracer.follower {
-                // Once they are lost they do not come back.
-                vertices = follower.amplitudes().and_then(|rates| {
-                    let mut known = vertices.take()?;
-                    known.push(rates);
-                    Some(known)
-                });
-            }
+            numbers.extend(tracer.follower.as_ref().map(|follower| follower.last()));
             for ((t, u), v) in total.iter_mut().zip(&structure.displacement).zip(v) {
                 *t = u + v;
             }
@@ -491,9 +484,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 let (force, amplitude) = (hysteresis.force[vertex], hysteresis.amplitude[vertex]);
                 hysteresis.force.push(force);
                 hysteresis.amplitude.push(amplitude);
-                if let Some(vertices) = &mut vertices {
-                    vertices.push(vertices[vertex].clone());
-                }
+                numbers.extend(numbers.get(vertex).copied());
                 observer.vertex(force, total, begin);
             }
             (settled.counts, 0.0)
@@ -501,6 +492,8 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             (self.branch(self.peak, edges, &mut record)?, self.distance(&start))
         };
         let closed = self.is_closed(&hysteresis);
+        let follower = self.follower.as_ref();
+        let rates = follower.and_then(|follower| follower.rates(&hysteresis, &numbers, &self.path));
         Ok(LoopResult::new(
             self.peak,
             hysteresis,
@@ -512,7 +505,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 residual: self.path.residual,
                 shape_deviation: deviation,
                 counts,
-                vertices,
+                rates,
             },
         ))
     }
@@ -629,7 +622,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 record(self);
                 if self.settings.commit == Commit::AtEveryVertex {
                     if let Some(follower) = &mut self.follower {
-                        follower.commit(&self.path);
+                        follower.commit();
                     }
                     self.path.sequence.commit();
                 }
@@ -638,7 +631,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         // The end of the branch is recorded with the history that led to it.
         record(self);
         if let Some(follower) = &mut self.follower {
-            follower.commit(&self.path);
+            follower.commit();
         }
         self.path.turn();
         Ok(counts)

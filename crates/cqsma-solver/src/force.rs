@@ -37,6 +37,17 @@ impl PatternView<'_> {
     }
 }
 
+impl PatternView<'_> {
+    /// `y += matrix^T * x` over the leading coordinates.
+    pub(crate) fn add_transposed_product(self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        for (row, x) in x.iter().enumerate().take(self.indptr.len() - 1) {
+            for k in self.indptr[row]..self.indptr[row + 1] {
+                y[self.indices[k]] += values[k] * x;
+            }
+        }
+    }
+}
+
 /// A force with memory acting on the leading coordinates of a structure.
 ///
 /// Evaluation is pure in the `begin` state; the solver alone decides when an `end` state becomes the next `begin`.

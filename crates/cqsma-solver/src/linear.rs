@@ -282,9 +282,9 @@ pub(crate) fn solve_krylov(
     None
 }
 
-/// Solutions of `(P + dT) x = r` for several right-hand sides: conjugate residuals (GCR) on `1 + P^-1 dT` in the inner product of `P`.
+/// Solutions of `(P + dT)^T x = r` for several right-hand sides: conjugate residuals (GCR) on `1 + P^-1 dT^T` in the inner product of `P`.
 /// What was searched for one right-hand side serves the next ones, which have much in common: points that slip.
-pub(crate) struct Solves<'a> {
+pub(crate) struct TransposedSolves<'a> {
     stuck: &'a Stuck,
     pattern: PatternView<'a>,
     difference: Vec<f64>,
@@ -292,7 +292,7 @@ pub(crate) struct Solves<'a> {
     searched: Vec<[Motion; 2]>,
 }
 
-impl<'a> Solves<'a> {
+impl<'a> TransposedSolves<'a> {
     pub(crate) fn new(stuck: &'a Stuck, pattern: PatternView<'a>, tangent: &[f64]) -> Self {
         Self {
             stuck,
@@ -324,7 +324,8 @@ impl<'a> Solves<'a> {
             }
             let mut direction = rest.clone();
             let mut image = Motion::zero(right.len());
-            self.pattern.add_product(&self.difference, &direction.v, &mut image.p);
+            self.pattern
+                .add_transposed_product(&self.difference, &direction.v, &mut image.p);
             self.stuck.solve_into(&image.p, &mut image.v);
             image.add(1.0, &direction);
             let before = image.norm();

@@ -223,11 +223,6 @@ impl<F: HystereticForce> Sequence<F> {
         }
     }
 
-    /// Tangent of the contact at the last evaluation: that at the solution, after a solve.
-    pub(crate) fn tangent(&self) -> &[f64] {
-        &self.tangent
-    }
-
     /// Makes the history reached by the last solve the one that later solves start from.
     pub(crate) fn commit(&mut self) {
         std::mem::swap(&mut self.begin, &mut self.end);

@@ -2,19 +2,29 @@
 //!
 //! At an equilibrium `K u + F(u; s, p) = load` the change of the displacement with a parameter `p` solves
 //! `(K + dF/du) u' = load' - K' u - dF/ds s' - dF/dp`, with the tangent that Newton's method has left there. The history `s` carries its own
-//! change along: `s_end' = dS/du u' + dS/ds s' + dS/dp`. So the derivative of a loop is that of its vertices, one linear solve per
-//! parameter and vertex, and it belongs to the discrete loop: to its vertices and its number of cycles, which are held.
+//! change along: `s_end' = dS/du u' + dS/ds s' + dS/dp`. That is how static states are differentiated.
+//!
+//! Of a loop two numbers are wanted, half its range `Q` and its area `A`, both linear in the modal amplitudes `q_k` of the vertices, and of many
+//! parameters. So its vertices are gone through backwards. With the weight `w_k` of a vertex and the adjoint `l` of the history that it leaves,
+//!
+//! ```text
+//! (K + dF/du)^T m = w_k M phi + (dS/du)^T l,      l before it = (dS/ds)^T l - (dF/ds)^T m,
+//! Q' or A' = sum over vertices of  w_k (M phi)' v_k + m^T (load' - K' v - dF/dp) + l^T dS/dp,   plus  l^T s' of the static state :
+//! ```
+//!
+//! two linear solves per vertex, whatever the number of parameters. The result belongs to the discrete loop: to its vertices and its number of cycles,
+//! which are held.
 //!
 //! All of `F` and `S` is differentiated by the force itself, on the branch that it takes. That matters more than it seems: a point that slipped
 //! on first loading and shakes down returns to its slip limit to rounding, at every peak. A difference between neighbouring values of the
 //! parameter would take it half as sticking and half as slipping, and the tangent as one of them.
 //!
-//! A loop is computed for a given modal force; its derivatives are given at the same modal amplitude `Q`. The logarithm of the modal force is one
+//! A loop is computed for a given modal force; its derivatives are given at the same modal amplitude. The logarithm of the modal force is one
 //! more parameter of the loop, so that `d/dp` at constant `Q` is `d/dp - (dQ/dp) / (dQ/d ln alpha) d/d ln alpha`.
 
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
-use crate::linear::{Motion, Solves, dot, multiply};
+use crate::linear::{TransposedSolves, dot, multiply};
 use crate::modes::{Linearisation, Mode};
 use crate::path::Path;
 use crate::prestress::Prestress;
@@ -22,7 +32,7 @@ use contact_laws::Sticking;
 use faer::{Mat, MatRef};
 
 /// Accuracy of the linear solves, relative in the energy norm. Damping is the small difference of large parts, and so is its derivative.
-const TOLERANCE: f64 = 1e-11;
+const TOLERANCE: f64 = 1e-9;
 
 /// A force that can be differentiated along a change of displacements, history and a parameter.
 pub trait DifferentiableForce: HystereticForce {
@@ -56,6 +66,27 @@ pub trait DifferentiableForce: HystereticForce {
         workspace: &mut Self::Workspace,
         tangent: &mut [f64],
     );
+    /// `(dS/du)^T l` for adjoints `l` of the end state, each into a list over the leading coordinates.
+    fn to_displacements(
+        &self,
+        u: &[f64],
+        begin: &Self::State,
+        adjoints: &[Self::State],
+        workspace: &mut Self::Workspace,
+        into: &mut [Vec<f64>],
+    );
+    /// `(dS/ds)^T l - (dF/ds)^T m` for adjoints `l` of the end state and `m` of the force.
+    fn to_begin(
+        &self,
+        u: &[f64],
+        begin: &Self::State,
+        adjoints: &[Self::State],
+        forces: &[Vec<f64>],
+        workspace: &mut Self::Workspace,
+        into: &mut [Self::State],
+    );
+    /// Product of an adjoint of a history with a change of one.
+    fn product(&self, adjoint: &Self::State, change: &Self::State) -> f64;
     /// No change of the history.
     fn no_change(&self) -> Self::State;
     /// `state += factor * change`.
@@ -283,13 +314,9 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
 
     /// A companion of a loop.
     pub(crate) fn companion(&self) -> Companion<'_, F> {
-        let carried = self.parameters.iter().map(|parameter| parameter.state.state.clone());
         Companion {
             shared: self,
-            local: Local::new(self.force),
-            begin: carried.chain([self.force.no_change()]).collect(),
-            vertex: Vec::new(),
-            is_lost: false,
+            vertices: Vec::new(),
         }
     }
 }
@@ -362,24 +389,21 @@ fn mode_rates<F: DifferentiableForce>(
     Some(rates.collect())
 }
 
-/// Follows a loop and carries its derivatives along: those of all parameters, then that of the logarithm of the modal force.
+/// Remembers a loop for its derivatives.
 pub(crate) struct Companion<'a, F: DifferentiableForce> {
     shared: &'a Derivatives<'a, F>,
-    local: Local<'a, F>,
-    /// Changes of the history at the last commit.
-    begin: Vec<F::State>,
-    /// At the last vertex.
-    vertex: Vec<VertexRate>,
-    /// A linear system could not be solved.
-    is_lost: bool,
+    vertices: Vec<Vertex<F::State>>,
 }
 
-/// Changes at a vertex.
-struct VertexRate {
-    /// Of the jump in all, the static state included.
-    total: Vec<f64>,
-    /// Of the modal amplitude.
-    amplitude: f64,
+/// A vertex of a path.
+struct Vertex<S> {
+    /// Modal force.
+    at: f64,
+    /// Displacements from the static state.
+    v: Vec<f64>,
+    begin: S,
+    /// Whether the history that it leads to is the one that later vertices start from.
+    is_committed: bool,
 }
 
 /// What goes along with a loop; whether it differentiates is not the loop's business.
@@ -387,98 +411,175 @@ pub(crate) trait Follower<F: HystereticForce> {
     /// A vertex has been found.
     fn vertex(&mut self, path: &Path<'_, F>);
     /// The history of the last vertex becomes the one that later vertices start from.
-    fn commit(&mut self, path: &Path<'_, F>);
-    /// Changes of the modal amplitude at the last vertex; none if they were lost.
-    fn amplitudes(&self) -> Option<Vec<f64>>;
+    fn commit(&mut self);
+    /// Number of the last vertex.
+    fn last(&self) -> usize;
+    /// Derivatives of a loop whose vertices have the given numbers; none if a linear system could not be solved.
+    fn rates(&self, hysteresis: &Loop, numbers: &[usize], path: &Path<'_, F>) -> Option<Vec<LoopRate>>;
 }
 
-impl<F: DifferentiableForce> Companion<'_, F> {
-    /// Total displacements of the contact at the vertex.
-    fn total(path: &Path<'_, F>) -> Vec<f64> {
-        let reference = path.equilibrium.reference.iter();
-        reference.zip(&path.sequence.motion.v).map(|(u, v)| u + v).collect()
-    }
+/// What is differentiated of a loop: half its range, and its area.
+const GOALS: usize = 2;
 
-    /// Derivatives at the vertex that the path has reached; `None` if a linear system could not be solved.
-    fn differentiate(&mut self, path: &Path<'_, F>) -> Option<Vec<VertexRate>> {
-        let (sequence, equilibrium) = (&path.sequence, &path.equilibrium);
-        let u = Self::total(path);
-        let Motion { v, .. } = &sequence.motion;
-        let begin = &sequence.begin;
-        let mut solves = Solves::new(equilibrium.stuck, equilibrium.force.pattern(), sequence.tangent());
-        let mut unused = self.shared.force.no_change();
-        let none = vec![0.0; u.len()];
-        let parameters = self.shared.parameters.iter().map(Some).chain([None]);
-        let mut rates = Vec::with_capacity(self.begin.len());
-        for (parameter, carried) in parameters.zip(&self.begin) {
-            let still = parameter.map_or(none.as_slice(), |p| &p.state.displacement);
-            let mut right = vec![0.0; v.len()];
-            let own = parameter.and_then(|parameter| parameter.change.force);
-            let along = self.local.along(&u, begin, still, carried, own, &mut unused);
-            right.iter_mut().zip(along).for_each(|(r, f)| *r -= f);
-            match parameter {
-                Some(parameter) => {
-                    right.iter_mut().zip(&parameter.reference).for_each(|(r, f)| *r += f);
-                    right
-                        .iter_mut()
-                        .zip(&parameter.unit)
-                        .for_each(|(r, unit)| *r += path.at * unit);
-                    subtract_product(parameter.change.stiffness, v, &mut right);
-                }
-                // All forces of the loop grow with its peak.
-                None => right
-                    .iter_mut()
-                    .zip(&path.unit.p)
-                    .for_each(|(r, unit)| *r += path.at * unit),
+impl<F: DifferentiableForce> Companion<'_, F> {
+    /// Derivatives of half the range and of the area with respect to all parameters at the same force, and last to the logarithm of the force,
+    /// but for what the area grows by as it is a product with the force. `weights` are those of the amplitudes of all vertices.
+    fn sweep(&self, weights: &[[f64; GOALS]], path: &Path<'_, F>) -> Option<Vec<[f64; GOALS]>> {
+        let Derivatives { force, parameters, .. } = self.shared;
+        let equilibrium = &path.equilibrium;
+        let (n, nc, pattern) = (path.unit.p.len(), force.n_dofs(), force.pattern());
+        let mut local = Local::new(*force);
+        let mut tangent = vec![0.0; pattern.indices.len()];
+        let (still, mut d_end) = (force.no_change(), force.no_change());
+        let mut sums = vec![[0.0; GOALS]; parameters.len() + 1];
+        let mut adjoints: Vec<F::State> = (0..GOALS).map(|_| force.no_change()).collect();
+        let mut earlier = adjoints.clone();
+        let mut through_history = vec![vec![0.0; nc]; GOALS];
+        for (vertex, weight) in self.vertices.iter().zip(weights).rev() {
+            let u: Vec<f64> = equilibrium
+                .reference
+                .iter()
+                .zip(&vertex.v)
+                .map(|(u, v)| u + v)
+                .collect();
+            force.evaluate(
+                &u,
+                Sticking::Coulomb,
+                &vertex.begin,
+                &mut local.end,
+                &mut local.workspace,
+                &mut local.contact,
+                Some(&mut tangent),
+            );
+            through_history.iter_mut().for_each(|values| values.fill(0.0));
+            if vertex.is_committed {
+                let (workspace, into) = (&mut local.workspace, &mut through_history);
+                force.to_displacements(&u, &vertex.begin, &adjoints, workspace, into);
             }
-            let found = match solves.solve(&right, TOLERANCE) {
-                Some(found) => found.v,
-                None => {
-                    let matrix = equilibrium
-                        .force
-                        .pattern()
-                        .added_to(equilibrium.stiffness, sequence.tangent());
-                    dense_algebra::solve_general(matrix, &right)?
+            let mut solves = TransposedSolves::new(equilibrium.stuck, pattern, &tangent);
+            let mut forces = Vec::with_capacity(GOALS);
+            for (goal, history) in through_history.iter().enumerate() {
+                let mut right: Vec<f64> = path.unit.p.iter().map(|unit| weight[goal] * unit).collect();
+                right.iter_mut().zip(history).for_each(|(r, own)| *r += own);
+                let found = match solves.solve(&right, TOLERANCE) {
+                    Some(found) => found.v,
+                    None => {
+                        let matrix = pattern.added_to(equilibrium.stiffness, &tangent);
+                        dense_algebra::solve_general(matrix.transpose().to_owned(), &right)?
+                    }
+                };
+                forces.push(found);
+            }
+            for (sum, parameter) in sums.iter_mut().zip(parameters) {
+                let own = parameter.change.force;
+                let along = local.along(
+                    &u,
+                    &vertex.begin,
+                    &parameter.state.displacement,
+                    &still,
+                    own,
+                    &mut d_end,
+                );
+                let mut right: Vec<f64> = parameter.unit.iter().map(|unit| vertex.at * unit).collect();
+                let terms = right.iter_mut().zip(along).zip(&parameter.reference);
+                terms.for_each(|((r, f), reference)| *r += reference - f);
+                subtract_product(parameter.change.stiffness, &vertex.v, &mut right);
+                let amplitude = dot(&parameter.unit, &vertex.v);
+                for (goal, sum) in sum.iter_mut().enumerate() {
+                    *sum += weight[goal] * amplitude + dot(&forces[goal], &right);
+                    if vertex.is_committed {
+                        *sum += force.product(&adjoints[goal], &d_end);
+                    }
+                }
+            }
+            if let Some(by_force) = sums.last_mut() {
+                // All forces of the loop grow with its peak.
+                for (sum, m) in by_force.iter_mut().zip(&forces) {
+                    *sum += vertex.at * dot(m, &path.unit.p);
+                }
+            }
+            let unmoved;
+            let ends = match vertex.is_committed {
+                true => &adjoints,
+                false => {
+                    unmoved = vec![force.no_change(); GOALS];
+                    &unmoved
                 }
             };
-            let amplitude = dot(&path.unit.p, &found) + parameter.map_or(0.0, |p| dot(&p.unit, v));
-            rates.push(VertexRate {
-                total: still.iter().zip(&found).map(|(a, b)| a + b).collect(),
-                amplitude,
-            });
+            debug_assert_eq!(n, vertex.v.len());
+            let (workspace, into) = (&mut local.workspace, &mut earlier);
+            force.to_begin(&u, &vertex.begin, ends, &forces, workspace, into);
+            if !vertex.is_committed {
+                for (earlier, kept) in earlier.iter_mut().zip(&adjoints) {
+                    force.add_change(earlier, 1.0, kept);
+                }
+            }
+            std::mem::swap(&mut adjoints, &mut earlier);
         }
-        Some(rates)
+        for (sum, parameter) in sums.iter_mut().zip(parameters) {
+            for (sum, adjoint) in sum.iter_mut().zip(&adjoints) {
+                *sum += force.product(adjoint, &parameter.state.state);
+            }
+        }
+        Some(sums)
     }
 }
 
 impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
     fn vertex(&mut self, path: &Path<'_, F>) {
-        if self.is_lost {
-            return;
-        }
-        match self.differentiate(path) {
-            Some(rates) => self.vertex = rates,
-            None => self.is_lost = true,
+        self.vertices.push(Vertex {
+            at: path.at,
+            v: path.sequence.motion.v.clone(),
+            begin: path.sequence.begin.clone(),
+            is_committed: false,
+        });
+    }
+
+    fn commit(&mut self) {
+        if let Some(last) = self.vertices.last_mut() {
+            last.is_committed = true;
         }
     }
 
-    fn commit(&mut self, path: &Path<'_, F>) {
-        if self.is_lost {
-            return;
-        }
-        let u = Self::total(path);
-        let mut end = self.shared.force.no_change();
-        let own = self.shared.parameters.iter().map(|parameter| parameter.change.force);
-        let own = own.chain([None]);
-        for ((begin, rate), own) in self.begin.iter_mut().zip(&self.vertex).zip(own) {
-            self.local
-                .along(&u, &path.sequence.begin, &rate.total, begin, own, &mut end);
-            std::mem::swap(begin, &mut end);
-        }
+    fn last(&self) -> usize {
+        self.vertices.len().saturating_sub(1)
     }
 
-    fn amplitudes(&self) -> Option<Vec<f64>> {
-        (!self.is_lost).then(|| self.vertex.iter().map(|rate| rate.amplitude).collect())
+    fn rates(&self, hysteresis: &Loop, numbers: &[usize], path: &Path<'_, F>) -> Option<Vec<LoopRate>> {
+        let (low, high) = hysteresis.extremes();
+        let mut weights = vec![[0.0; GOALS]; self.vertices.len()];
+        let number = |wanted: f64| {
+            let at = hysteresis.amplitude.iter().position(|q| *q == wanted)?;
+            numbers.get(at).copied()
+        };
+        weights[number(high)?][0] += 0.5;
+        weights[number(low)?][0] -= 0.5;
+        // The area of the closed polygon, edge by edge.
+        let first = *hysteresis.force.first()?;
+        for (at, &from) in numbers.iter().enumerate() {
+            let next = (at + 1) % numbers.len();
+            let force = 0.5 * (hysteresis.force[at] + hysteresis.force[next]) - first;
+            weights[numbers[next]][1] += force;
+            weights[from][1] -= force;
+        }
+        let mut sums = self.sweep(&weights, path)?;
+        let [half, area] = [0.5 * (high - low), hysteresis.area()];
+        let [by_force, area_by_force] = sums.pop()?;
+        let [by_force, area_by_force] = [by_force / half, area_by_force / area + 1.0];
+        let rates = sums.into_iter().map(|[of_half, of_area]| {
+            let ln_amplitude = of_half / half;
+            // How much less force brings the amplitude back.
+            let back = ln_amplitude / by_force;
+            let ln_dissipation = of_area / area - back * area_by_force;
+            LoopRate {
+                // omega^2 Q is the force, and Q is held; zeta is the area over 2 pi Q times the force.
+                ln_omega: -0.5 * back,
+                ln_zeta: ln_dissipation + back,
+                ln_dissipation,
+                ln_amplitude,
+            }
+        });
+        Some(rates.collect())
     }
 }
 
@@ -494,43 +595,4 @@ pub struct LoopRate {
     pub ln_dissipation: f64,
     /// Of the logarithm of the modal amplitude, at the same modal force.
     pub ln_amplitude: f64,
-}
-
-/// Derivatives of a loop from those of the amplitudes of its vertices, of which the last one in each list is with respect to the logarithm of the
-/// modal force.
-pub(crate) fn loop_rates(hysteresis: &Loop, vertices: &[Vec<f64>]) -> Vec<LoopRate> {
-    let n = vertices.first().map_or(0, Vec::len);
-    let position = |wanted: f64| hysteresis.amplitude.iter().position(|q| *q == wanted).unwrap_or(0);
-    let (low, high) = hysteresis.extremes();
-    let (at_low, at_high) = (position(low), position(high));
-    let area = hysteresis.area();
-    // Of amplitude and area, both logarithmic and at the same force.
-    let plain = |which: usize| {
-        let of = |vertex: usize| vertices.get(vertex).map_or(0.0, |rates| rates[which]);
-        let varied = Loop {
-            force: hysteresis.force.clone(),
-            amplitude: (0..vertices.len()).map(of).collect(),
-        };
-        [(of(at_high) - of(at_low)) / (high - low), varied.area() / area]
-    };
-    let Some(last) = n.checked_sub(1) else {
-        return Vec::new();
-    };
-    let [amplitude_by_force, area_by_force] = plain(last);
-    let area_by_force = area_by_force + 1.0;
-    (0..last)
-        .map(|which| {
-            let [ln_amplitude, ln_area] = plain(which);
-            // How much less force brings the amplitude back.
-            let back = ln_amplitude / amplitude_by_force;
-            let ln_dissipation = ln_area - back * area_by_force;
-            LoopRate {
-                // omega^2 Q is the force, and Q is held; zeta is the area over 2 pi Q times the force.
-                ln_omega: -0.5 * back,
-                ln_zeta: ln_dissipation + back,
-                ln_dissipation,
-                ln_amplitude,
-            }
-        })
-        .collect()
 }

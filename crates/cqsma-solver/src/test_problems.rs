@@ -120,6 +120,45 @@ impl DifferentiableForce for Jenkins {
         }
     }
 
+    fn to_displacements(
+        &self,
+        u: &[f64],
+        begin: &Self::State,
+        adjoints: &[Self::State],
+        (): &mut (),
+        into: &mut [Vec<f64>],
+    ) {
+        for (adjoint, into) in adjoints.iter().zip(into) {
+            for (i, &(k, limit)) in self.elements.iter().enumerate() {
+                let sticks = (begin[i].1 + k * (u[i] - begin[i].0)).abs() <= limit;
+                into[i] = adjoint[i].0 + if sticks { k * adjoint[i].1 } else { 0.0 };
+            }
+        }
+    }
+
+    fn to_begin(
+        &self,
+        u: &[f64],
+        begin: &Self::State,
+        adjoints: &[Self::State],
+        forces: &[Vec<f64>],
+        (): &mut (),
+        into: &mut [Self::State],
+    ) {
+        for ((adjoint, force), into) in adjoints.iter().zip(forces).zip(into) {
+            for (i, &(k, limit)) in self.elements.iter().enumerate() {
+                let sticks = (begin[i].1 + k * (u[i] - begin[i].0)).abs() <= limit;
+                let of_force = if sticks { adjoint[i].1 - force[i] } else { 0.0 };
+                into[i] = (-k * of_force, of_force);
+            }
+        }
+    }
+
+    fn product(&self, adjoint: &Self::State, change: &Self::State) -> f64 {
+        let pairs = adjoint.iter().zip(change);
+        pairs.map(|((a, b), (x, y))| a * x + b * y).sum()
+    }
+
     fn no_change(&self) -> Self::State {
         self.initial_state()
     }

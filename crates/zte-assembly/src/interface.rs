@@ -18,6 +18,15 @@ pub struct State {
 }
 
 impl State {
+    /// Sum of the products of all numbers: of an adjoint with a change.
+    ///
+    /// # Panics
+    /// If they belong to different interfaces.
+    pub fn product(&self, change: &Self) -> f64 {
+        assert_eq!(self.values.len(), change.values.len());
+        self.values.iter().zip(&change.values).map(|(a, b)| a * b).sum()
+    }
+
     /// `self += factor * change`.
     ///
     /// # Panics
@@ -357,6 +366,26 @@ impl Interface {
         assert_eq!(jump.len(), self.n_dofs());
         assert_eq!(d_jump.len(), self.n_dofs());
         self.interpolate_jump(jump, workspace);
+        let [d_x, d_y, d_n, ..] = &mut workspace.tangent;
+        self.interpolate(d_jump, [d_x, d_y, d_n]);
+        self.change_points(sticking, begin, d_begin, variation, end, d_end, workspace);
+        let [_, _, _, d_tx, d_ty, d_tn, ..] = &workspace.tangent;
+        self.integrate(workspace.traction.each_ref().map(Vec::as_slice), force);
+        self.integrate([d_tx, d_ty, d_tn], d_force);
+    }
+
+    /// Changes of tractions and end state of all points, from the jumps and their changes, the first three tangent fields, in the workspace; the
+    /// changes of the tractions are left in the next three.
+    fn change_points(
+        &self,
+        sticking: Sticking,
+        begin: &State,
+        d_begin: &State,
+        variation: Option<&Variation>,
+        end: &mut State,
+        d_end: &mut State,
+        workspace: &mut Workspace,
+    ) {
         let Workspace {
             jump: at_points,
             traction,
@@ -364,7 +393,6 @@ impl Interface {
             history,
             ..
         } = workspace;
-        self.interpolate(d_jump, [&mut *d_x, &mut *d_y, &mut *d_n]);
         if let Some(variation) = variation {
             d_n.iter_mut().zip(&variation.gap).for_each(|(n, gap)| *n -= gap);
             history.clear();
@@ -412,8 +440,100 @@ impl Interface {
                 }
             }
         }
-        self.integrate(traction.each_ref().map(Vec::as_slice), force);
-        self.integrate([&*d_tx, &*d_ty, &*d_tn], d_force);
+    }
+
+    /// For each adjoint of the end state, what it is multiplied with a change of the nodal jumps: the transposed derivative of the end state
+    /// under friction, applied to it.
+    ///
+    /// # Panics
+    /// As [`Interface::evaluate`].
+    pub fn end_to_jumps(
+        &self,
+        jump: &[f64],
+        begin: &State,
+        adjoints: &[State],
+        workspace: &mut Workspace,
+        into: &mut [Vec<f64>],
+    ) {
+        let n = self.operators.n_points();
+        let mut fields: Vec<[Vec<f64>; 3]> = adjoints.iter().map(|_| std::array::from_fn(|_| vec![0.0; n])).collect();
+        let none = self.no_change();
+        let mut columns = Columns::new(self, jump, begin, workspace);
+        for axis in 0..3 {
+            columns.along(Some(axis), &none);
+            for (adjoint, field) in adjoints.iter().zip(&mut fields) {
+                columns.end_products(adjoint, &mut field[axis]);
+            }
+        }
+        for (field, into) in fields.iter_mut().zip(into) {
+            // The forces of tractions are weighted sums.
+            for values in field.iter_mut() {
+                values
+                    .iter_mut()
+                    .zip(&self.operators.weights)
+                    .for_each(|(v, w)| *v /= w);
+            }
+            self.integrate(field.each_ref().map(Vec::as_slice), into);
+        }
+    }
+
+    /// For each pair of adjoints of the end state and of the nodal forces, the adjoint of the begin state: the transposed derivatives
+    /// of the end state and, with the opposite sign, of the forces.
+    ///
+    /// # Panics
+    /// As [`Interface::evaluate`].
+    pub fn to_begin(
+        &self,
+        jump: &[f64],
+        begin: &State,
+        adjoints: &[State],
+        forces: &[Vec<f64>],
+        workspace: &mut Workspace,
+        into: &mut [State],
+    ) {
+        let n = self.operators.n_points();
+        let tractions: Vec<[Vec<f64>; 3]> = forces
+            .iter()
+            .map(|force| {
+                let mut fields: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; n]);
+                self.interpolate(&force[..self.n_dofs()], fields.each_mut().map(Vec::as_mut_slice));
+                for values in &mut fields {
+                    values
+                        .iter_mut()
+                        .zip(&self.operators.weights)
+                        .for_each(|(v, w)| *v *= w);
+                }
+                fields
+            })
+            .collect();
+        let components = self.laws.iter().map(|(_, law)| law.info().n_state()).max().unwrap_or(0);
+        let mut unit = self.no_change();
+        let mut products = vec![0.0; n];
+        let mut columns = Columns::new(self, jump, begin, workspace);
+        for component in 0..components {
+            let places = || self.places(component);
+            places().for_each(|(_, at)| unit.values[at].fill(1.0));
+            columns.along(None, &unit);
+            for ((adjoint, traction), into) in adjoints.iter().zip(&tractions).zip(&mut *into) {
+                products.fill(0.0);
+                columns.end_products(adjoint, &mut products);
+                columns.subtract_traction_products(traction, &mut products);
+                for (range, at) in places() {
+                    into.values[at].copy_from_slice(&products[range]);
+                }
+            }
+            places().for_each(|(_, at)| unit.values[at].fill(0.0));
+        }
+    }
+
+    /// Points of each law that has the component of the history, and where that is in a [`State`].
+    fn places(&self, component: usize) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+        let mut block = 0;
+        self.laws.iter().filter_map(move |(range, law)| {
+            let (first, count) = (block + component * range.len(), law.info().n_state());
+            block += range.len() * count;
+            (component < count).then(|| (range.clone(), first..first + range.len()))
+        })
     }
 
     /// The tangent (N/m) with everything stuck at nodal jumps (m), a history, and the value of a parameter plus `step`.
@@ -495,6 +615,66 @@ impl Interface {
         }
         for &value in &*self.held_values {
             values[value] = 0.0;
+        }
+    }
+}
+
+/// Derivatives of all points along one component of jump or history at a time.
+struct Columns<'a> {
+    interface: &'a Interface,
+    begin: &'a State,
+    workspace: &'a mut Workspace,
+    end: State,
+    d_end: State,
+}
+
+impl<'a> Columns<'a> {
+    fn new(interface: &'a Interface, jump: &[f64], begin: &'a State, workspace: &'a mut Workspace) -> Self {
+        interface.interpolate_jump(jump, workspace);
+        Self {
+            interface,
+            begin,
+            workspace,
+            end: interface.no_change(),
+            d_end: interface.no_change(),
+        }
+    }
+
+    /// Along a component of the jump at all points, or along `d_begin`.
+    fn along(&mut self, axis: Option<usize>, d_begin: &State) {
+        for (c, field) in self.workspace.tangent.iter_mut().take(3).enumerate() {
+            field.fill(if axis == Some(c) { 1.0 } else { 0.0 });
+        }
+        self.interface.change_points(
+            Sticking::Coulomb,
+            self.begin,
+            d_begin,
+            None,
+            &mut self.end,
+            &mut self.d_end,
+            self.workspace,
+        );
+    }
+
+    /// Adds, at each point, the product of an adjoint of the end state with the change of that.
+    fn end_products(&self, adjoint: &State, into: &mut [f64]) {
+        let components = self.interface.laws.iter().map(|(_, law)| law.info().n_state()).max();
+        for component in 0..components.unwrap_or(0) {
+            for (range, at) in self.interface.places(component) {
+                let pairs = adjoint.values[at.clone()].iter().zip(&self.d_end.values[at]);
+                into[range]
+                    .iter_mut()
+                    .zip(pairs)
+                    .for_each(|(sum, (a, b))| *sum += a * b);
+            }
+        }
+    }
+
+    /// Takes the products of an adjoint of the tractions with the change of those off.
+    fn subtract_traction_products(&self, adjoint: &[Vec<f64>; 3], into: &mut [f64]) {
+        for (adjoint, change) in adjoint.iter().zip(&self.workspace.tangent[3..6]) {
+            let pairs = adjoint.iter().zip(change);
+            into.iter_mut().zip(pairs).for_each(|(sum, (a, b))| *sum -= a * b);
         }
     }
 }

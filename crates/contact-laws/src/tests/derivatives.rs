@@ -506,7 +506,11 @@ fn scaled_laws_change_as_their_neighbours_do() {
             for c in 0..3 {
                 let central = (above[c] - below[c]) / (2.0 * h);
                 let size = above.iter().fold(1.0_f64, |m, t| m.max(t.abs()));
-                assert!((found[c] - central).abs() < 1e-7 * size, "{history:?} {at} {c}: {} {central}", found[c]);
+                assert!(
+                    (found[c] - central).abs() < 1e-7 * size,
+                    "{history:?} {at} {c}: {} {central}",
+                    found[c]
+                );
             }
         }
     }

@@ -129,13 +129,8 @@ impl Neighbours {
                 });
             }
             true => {
-                progress.note(&format!(
-                    "the structure is reduced twice more, for the derivative by {parameter}"
-                ));
-                let reduced = |scene: &Scene| -> Result<ReducedModel, Error> {
-                    Structure::try_new(scene, progress)?.neighbour_of(&model.reduced)
-                };
-                Some([reduced(&above)?, reduced(&below)?])
+                let [high, low] = [&above, &below].map(|scene| Structure::try_new(scene, progress));
+                Some(structure.neighbours(&model.reduced, [&high?, &low?], progress)?)
             }
         };
         Ok(Self {

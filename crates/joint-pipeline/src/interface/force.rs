@@ -156,6 +156,33 @@ impl DifferentiableForce for InterfaceForce<'_> {
         self.interface.stuck_tangent_at(u, begin, parameter, workspace, tangent);
     }
 
+    fn to_displacements(
+        &self,
+        u: &[f64],
+        begin: &State,
+        adjoints: &[State],
+        workspace: &mut Workspace,
+        into: &mut [Vec<f64>],
+    ) {
+        self.interface.end_to_jumps(u, begin, adjoints, workspace, into);
+    }
+
+    fn to_begin(
+        &self,
+        u: &[f64],
+        begin: &State,
+        adjoints: &[State],
+        forces: &[Vec<f64>],
+        workspace: &mut Workspace,
+        into: &mut [State],
+    ) {
+        self.interface.to_begin(u, begin, adjoints, forces, workspace, into);
+    }
+
+    fn product(&self, adjoint: &State, change: &State) -> f64 {
+        adjoint.product(change)
+    }
+
     fn no_change(&self) -> State {
         self.interface.no_change()
     }

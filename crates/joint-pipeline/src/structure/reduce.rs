@@ -91,7 +91,7 @@ impl Structure {
         progress: &dyn Progress,
     ) -> Result<[ReducedModel; 2], Error> {
         let middle = self.assemble()?;
-        let neighbour = |other: &Self| {
+        let neighbour = |other: &Self| -> Result<ReducedModel, Error> {
             let assembled = other.assemble()?;
             let (own, known) = (&assembled.relative, &middle.relative);
             let multiples = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass));
