@@ -427,7 +427,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
     fn sweep(&self, weights: &[[f64; GOALS]], path: &Path<'_, F>) -> Option<Vec<[f64; GOALS]>> {
         let Derivatives { force, parameters, .. } = self.shared;
         let equilibrium = &path.equilibrium;
-        let (n, nc, pattern) = (path.unit.p.len(), force.n_dofs(), force.pattern());
+        let (nc, pattern) = (force.n_dofs(), force.pattern());
         let mut local = Local::new(*force);
         let mut tangent = vec![0.0; pattern.indices.len()];
         let (still, mut d_end) = (force.no_change(), force.no_change());
@@ -506,7 +506,6 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                     &unmoved
                 }
             };
-            debug_assert_eq!(n, vertex.v.len());
             let (workspace, into) = (&mut local.workspace, &mut earlier);
             force.to_begin(&u, &vertex.begin, ends, &forces, workspace, into);
             if !vertex.is_committed {

@@ -1064,3 +1064,92 @@ fn points_of_contact_without_an_area_and_twice_at_a_node_are_refused() {
     let error = InterfaceMesh::try_from_lists(vec![[0.0; 2]], [[0]]).unwrap_err();
     assert!(matches!(error, Error::NodeCount { element: 0, found: 1 }), "{error}");
 }
+
+/// Transposed derivatives against derivatives: the product of an adjoint with a change is the same on both sides.
+#[test]
+fn adjoints_are_the_transposes_of_derivatives() {
+    let plain = interface(2, 0.2);
+    let gap = (0..plain.operators().n_points()).map(|i| 1e-7 * (i % 5) as f64);
+    let interface = plain.with_gap(gap.collect()).unwrap();
+    let mut random = numbers(7);
+    let nd = interface.n_dofs();
+    let mut vector = |size: f64, normal: f64| -> Vec<f64> {
+        (0..nd)
+            .map(|i| size * random() + if i % 3 == 2 { normal } else { 0.0 })
+            .collect()
+    };
+    let (first, second) = (vector(1e-7, 4e-7), vector(4e-7, 4e-7));
+    let mut workspace = interface.workspace();
+    let (mut begin, mut end) = (interface.initial_state(), interface.no_change());
+    let mut force = vec![0.0; nd];
+    // The history of a path that slips in part.
+    for jump in [&first, &second] {
+        interface.evaluate(
+            jump,
+            Sticking::Coulomb,
+            &begin,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
+        std::mem::swap(&mut begin, &mut end);
+    }
+    let jump = vector(3e-7, 5e-7);
+    let states = |interface: &Interface, jump: &[f64]| {
+        // Histories as good as random ones: those of other motions, which have the right units.
+        let (mut end, mut force) = (interface.no_change(), vec![0.0; nd]);
+        let mut workspace = interface.workspace();
+        let (none, rest) = (interface.no_change(), Sticking::Full);
+        interface.evaluate(jump, rest, &none, &mut end, &mut workspace, &mut force, None);
+        end
+    };
+    let (d_begin, adjoint) = (
+        states(&interface, &vector(1e-7, 2e-7)),
+        states(&interface, &vector(1e-7, 3e-7)),
+    );
+    let (d_jump, of_force) = (vector(1e-7, 0.0), vector(1e-3, 0.0));
+    let (mut d_end, mut d_force) = (interface.no_change(), vec![0.0; nd]);
+    interface.derivative(
+        &jump,
+        Sticking::Coulomb,
+        &begin,
+        &d_jump,
+        &d_begin,
+        None,
+        &mut end,
+        &mut d_end,
+        &mut workspace,
+        &mut force,
+        &mut d_force,
+    );
+    let adjoints = [adjoint];
+    let mut to_jump = vec![vec![0.0; nd]];
+    interface.end_to_jumps(&jump, &begin, &adjoints, &mut workspace, &mut to_jump);
+    let mut to_begin = vec![interface.no_change()];
+    let forces = [of_force.clone()];
+    interface.to_begin(&jump, &begin, &adjoints, &forces, &mut workspace, &mut to_begin);
+    // The part of the force that comes from the history alone.
+    let (mut unused, mut by_history) = (interface.no_change(), vec![0.0; nd]);
+    let still = vec![0.0; nd];
+    interface.derivative(
+        &jump,
+        Sticking::Coulomb,
+        &begin,
+        &still,
+        &d_begin,
+        None,
+        &mut end,
+        &mut unused,
+        &mut workspace,
+        &mut force,
+        &mut by_history,
+    );
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let forwards = adjoints[0].product(&d_end) - dot(&of_force, &by_history);
+    let backwards = dot(&to_jump[0], &d_jump) + to_begin[0].product(&d_begin);
+    assert!(
+        forwards != 0.0 && (backwards / forwards - 1.0).abs() < 1e-12,
+        "{backwards} {forwards}"
+    );
+}

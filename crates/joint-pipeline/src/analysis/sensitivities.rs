@@ -349,7 +349,8 @@ impl<'a> Sensitivities<'a> {
                 modal_amplitude: each(&|motion, _| Some(motion.modal_amplitude)),
                 dln_frequency: each(&|_, rates| Some(rates.get(number)?.ln_omega)),
                 dln_damping: each(&|motion, rates| {
-                    let is_resolved = motion.zeta.is_some_and(|zeta| zeta.abs() > motion.energy_error.abs());
+                    let floor = motion.energy_error.abs().max(motion.residual);
+                    let is_resolved = motion.zeta.is_some_and(|zeta| zeta.abs() > floor);
                     is_resolved.then_some(rates.get(number)?.ln_zeta)
                 }),
                 dln_dissipation: none(),
