@@ -55,6 +55,22 @@ pub fn solve<F: HystereticForce>(
     start: &[f64],
     settings: &NewtonSettings,
 ) -> Result<Result<Prestress<F::State>, Failure>, Error> {
+    solve_after(&force.initial_state(), stiffness, force, load, start, settings)
+}
+
+/// As [`solve`], of a structure that has a `history` already: friction of earlier static states, committed. The
+/// load is the whole one, not its change.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_after<F: HystereticForce>(
+    history: &F::State,
+    stiffness: MatRef<'_, f64>,
+    force: &F,
+    load: &[f64],
+    start: &[f64],
+    settings: &NewtonSettings,
+) -> Result<Result<Prestress<F::State>, Failure>, Error> {
     let n = stiffness.nrows();
     check_size("the static load", load.len(), n)?;
     check_size("the starting guess", start.len(), n)?;
@@ -70,6 +86,7 @@ pub fn solve<F: HystereticForce>(
     let mut is_refined = false;
     for _ in 0..MOST_SEARCHES {
         match search(
+            history,
             stiffness,
             force,
             load,
@@ -92,6 +109,7 @@ pub fn solve<F: HystereticForce>(
         }
     }
     let last = search(
+        history,
         stiffness,
         force,
         load,
@@ -187,6 +205,7 @@ impl Lost {
 
 /// One search from `start`, whose work is added up; `load` is that less the forces `rest` of the contact at rest.
 fn search<F: HystereticForce>(
+    history: &F::State,
     stiffness: MatRef<'_, f64>,
     force: &F,
     load: &[f64],
@@ -198,14 +217,13 @@ fn search<F: HystereticForce>(
 ) -> Result<Result<Found<F::State>, Lost>, Error> {
     let n = stiffness.nrows();
     let nc = force.n_dofs();
-    let initial = force.initial_state();
     let mut tangent = vec![0.0; force.pattern().indices.len()];
     let mut contact = vec![0.0; nc];
-    let mut state = initial.clone();
+    let mut state = history.clone();
     force.evaluate(
         &start[..nc],
         Sticking::Full,
-        &initial,
+        history,
         &mut state,
         &mut force.workspace(),
         &mut contact,
@@ -226,7 +244,7 @@ fn search<F: HystereticForce>(
         reference_force: rest,
         round_off: stuck.round_off(force.pattern(), &start[..nc], &contact),
     };
-    let sequence = Sequence::<F>::new(force, guess, initial);
+    let sequence = Sequence::<F>::new(force, guess, history.clone());
     let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), sequence);
     let mut counts = RegimeCounts::default();
     for (stage, sticking) in [Sticking::Full, Sticking::Coulomb].into_iter().enumerate() {

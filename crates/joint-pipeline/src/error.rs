@@ -187,6 +187,39 @@ pub enum Error {
         /// What is wrong, and what would be accepted.
         reason: String,
     },
+    /// A step of tightening without equilibrium.
+    #[error(
+        "no equilibrium was found while bolt {bolt} was tightened in pass {pass} (residuals {history:?}): {reason}; tighten in more passes, \
+         such as \"passes\": [0.3, 0.6, 1.0], or in more increments per step, \"increments\": 4, of bolts.tightening"
+    )]
+    Tightening {
+        /// Pass, counted from 1.
+        pass: usize,
+        /// Bolt, counted from 1.
+        bolt: usize,
+        /// Why the solve gave up.
+        reason: cqsma_solver::Reason,
+        /// Residuals relative to the load.
+        history: Vec<f64>,
+    },
+    /// Bolts of which nothing gives way.
+    #[error(
+        "{} forces without a bolt between them: no elongation can be held while other bolts are tightened, because only that of the clamped \
+         parts is known; give it a shank with axial compliance (structure.mesh.bolts with `axis` and `size`, or a bolt in the mesh), or leave \
+         out bolts.tightening", bolt.map_or_else(|| "a bolt is a pair of".to_owned(), |bolt| format!("bolt {bolt} is a pair of"))
+    )]
+    NoElongation {
+        /// The bolt, counted from 1, where it is known.
+        bolt: Option<usize>,
+    },
+    /// Bolts of a sequence that are not those of the structure.
+    #[error("bolts.tightening.order {reason}; the structure has {bolts} bolts, so write for example \"order\": {}", in_turn(*bolts))]
+    TighteningOrder {
+        /// What is wrong.
+        reason: String,
+        /// Bolts there are.
+        bolts: usize,
+    },
     /// Another number of bolts than the structure has.
     #[error(
         "bolts.loads has {given} values, and the structure has {bolts} bolts; give one for each, in their order, or bolts.load for all"
@@ -464,6 +497,8 @@ impl Error {
             Self::Symmetry { .. } => Some("model.symmetry"),
             Self::PointsWithoutParameters { .. } | Self::Parameters { .. } => Some("surface.parameters"),
             Self::BoltLoads { .. } => Some("bolts.loads"),
+            Self::Tightening { .. } | Self::NoElongation { .. } => Some("bolts.tightening"),
+            Self::TighteningOrder { .. } => Some("bolts.tightening.order"),
             Self::FrictionZone { .. } => Some("friction_zones"),
             Self::NoNodeNear { .. } => Some("structure.point_masses"),
             Self::ReductionTarget { .. } => Some("model.reduction_error"),
@@ -500,6 +535,11 @@ impl Error {
             }
         }
     }
+}
+
+/// The numbers of all bolts.
+fn in_turn(bolts: usize) -> String {
+    format!("{:?}", (1..=bolts).collect::<Vec<_>>())
 }
 
 /// A value with its unit, if it has one, in a few digits.

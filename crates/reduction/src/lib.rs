@@ -3,11 +3,12 @@
 //! [`relative::RelativeSystem`] replaces the motion of the top side of an interface by the jump across it;
 //! [`craig_bampton::reduce`] keeps the jump and the first modes of the stuck structure, and drops the rigid-body
 //! motions in a way that leaves the jump untouched, so that contact forces act on the leading coordinates alone.
-//! `locked`, of either, holds the displacement of every load.
+//! `locked`, of either, holds the displacement of every load; [`LoadCompliance`] holds that of some in static states.
 //! Nothing here knows about contact.
 pub mod checks;
 pub mod craig_bampton;
 mod error;
+mod held;
 mod interior;
 mod locked;
 pub mod relative;
@@ -15,4 +16,5 @@ mod zem;
 
 pub use craig_bampton::{ReducedModel, Settings, Step, displacements, reduce};
 pub use error::Error;
+pub use held::{HeldSystem, Hold, LoadCompliance};
 pub use relative::{FacingNodes, InterfacePairs, RelativeSystem, SystemMatrices};

@@ -62,6 +62,13 @@ pub struct Variation {
     pub(crate) gap: Vec<f64>,
 }
 
+impl Workspace {
+    /// Row-major 3 x 3 tangent entries, one slice per entry (Pa/m), of the last evaluation that was asked for a tangent.
+    pub fn tangent(&self) -> [&[f64]; 9] {
+        self.tangent.each_ref().map(Vec::as_slice)
+    }
+}
+
 /// Sparse pattern of the tangent over `3 n_nodes` coordinates: compressed rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {

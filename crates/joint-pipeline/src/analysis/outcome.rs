@@ -4,6 +4,7 @@ use super::element_loops::ElementLoops;
 use super::methods::MethodResult;
 use super::periodic::{EpmcBackbone, ForcedResponse};
 use super::sensitivities::Sensitivity;
+use super::tightening::TighteningResult;
 use crate::store::checkpoint::Checkpoints;
 use contact_laws::Regime;
 use cqsma_solver::BackbonePoint;
@@ -70,6 +71,10 @@ pub struct PrestressResult {
     pub equilibrium_error: f64,
     /// Fields.
     pub fields: Fields,
+    /// Tension of each bolt (N).
+    pub tensions: Vec<f64>,
+    /// How the bolts came to it, where they are tightened one after the other.
+    pub tightening: Option<TighteningResult>,
 }
 
 /// One mode, before its validity is judged.

@@ -7,7 +7,7 @@ use crate::scene::{BoltBehaviour, Scene};
 use crate::structure::StructuralModel;
 use contact_laws::Sticking;
 use cqsma_solver::prestress::{self, Prestress};
-use cqsma_solver::{Linearisation, NewtonSettings, modes};
+use cqsma_solver::{Failure, Linearisation, NewtonSettings, modes};
 use reduction::ReducedModel;
 use zte_assembly::{Interface, State};
 
@@ -18,28 +18,42 @@ const LARGEST_IMBALANCE: f64 = 1e-3;
 /// Largest normal traction relative to that of the preload at rest that is round-off of faces that have just parted.
 const PARTED: f64 = 1e-9;
 
-/// The equilibrium of the interface and the static load (N), from the guess `start`; `bolts` is the sum of the bolt loads
-/// along the normal (N).
+/// The equilibrium of the interface and the static load (N), from the guess `start`.
 ///
 /// # Errors
-/// [`Error::Prestress`]; [`Error::Unbalanced`] if the forces of the equilibrium do not balance; [`Error::NothingInContact`].
+/// [`Error::Prestress`].
 pub(super) fn solve(
     reduced: &ReducedModel,
     force: &InterfaceForce<'_>,
     static_load: &[f64],
     start: &[f64],
-    bolts: f64,
     newton: &NewtonSettings,
+) -> Result<Prestress<State>, Error> {
+    prestress::solve(reduced.stiffness.as_ref(), force, static_load, start, newton)?.map_err(failed)
+}
+
+pub(super) fn failed(failure: Failure) -> Error {
+    Error::Prestress {
+        reason: failure.reason,
+        history: failure.history,
+    }
+}
+
+/// A static state under bolts of these tensions (N), whose sum along the normal is `bolts` (N) and whose load over all
+/// coordinates is `static_load` (N), with its balance.
+///
+/// # Errors
+/// [`Error::Unbalanced`] if the forces of the equilibrium do not balance; [`Error::NothingInContact`].
+pub(super) fn checked(
+    reduced: &ReducedModel,
+    force: &InterfaceForce<'_>,
+    solution: Prestress<State>,
+    static_load: &[f64],
+    tensions: Vec<f64>,
+    bolts: f64,
 ) -> Result<PrestressResult, Error> {
-    let solution =
-        prestress::solve(reduced.stiffness.as_ref(), force, static_load, start, newton)?.map_err(|failure| {
-            Error::Prestress {
-                reason: failure.reason,
-                history: failure.history,
-            }
-        })?;
     let rest = Rest::new(force.interface());
-    let found = describe(reduced, force, &rest.force, solution, static_load, bolts);
+    let found = describe(reduced, force, &rest.force, solution, static_load, tensions, bolts);
     if !(found.residual_ratio <= LARGEST_IMBALANCE) {
         return Err(Error::Unbalanced {
             residual_ratio: found.residual_ratio,
@@ -86,6 +100,7 @@ fn describe(
     rest: &[f64],
     solution: Prestress<State>,
     static_load: &[f64],
+    tensions: Vec<f64>,
     bolts: f64,
 ) -> PrestressResult {
     let interface = force.interface();
@@ -134,6 +149,8 @@ fn describe(
             regime: workspace.regime,
             flux: std::array::from_fn(|_| vec![0.0; interface.operators().n_points()]),
         },
+        tensions,
+        tightening: None,
     }
 }
 
@@ -200,11 +217,15 @@ pub(crate) fn response(model: &ReducedModel) -> Vec<f64> {
 
 /// Generalised force of all bolts at their load on a uniform closure of the interface (N).
 pub(super) fn bolt_load(scene: &Scene, model: &StructuralModel) -> f64 {
-    let reduced = &model.reduced;
-    let of_one = |load: &Vec<f64>| load[2..reduced.n_relative].iter().step_by(3).sum::<f64>();
-    let ones = reduced.loads.iter().map(of_one);
+    let ones = closing(&model.reduced);
     match scene.bolts.loads.is_empty() {
         true => scene.bolts.load.si() * ones.sum::<f64>(),
         false => ones.enumerate().map(|(bolt, one)| scene.tension(bolt) * one).sum(),
     }
+}
+
+/// Generalised force of unit tension of each bolt on a uniform closure of the interface (-).
+pub(super) fn closing(reduced: &ReducedModel) -> impl Iterator<Item = f64> {
+    let of_one = |load: &Vec<f64>| load[2..reduced.n_relative].iter().step_by(3).sum::<f64>();
+    reduced.loads.iter().map(of_one)
 }

@@ -7,8 +7,9 @@ use super::ensemble::{self, Ensemble};
 use super::methods::MethodResult;
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
 use super::periodic::{self, EpmcBackbone, ForcedResponse};
-use super::prestress::{self, bolt_load, linearise, response};
+use super::prestress::{self, bolt_load, closing, linearise, response};
 use super::sensitivities::{Neighbours, Sensitivities, Sensitivity};
+use super::tightening::tighten;
 use super::validity::{self, Validity};
 use super::warnings::{self, Findings, Warning};
 use crate::Error;
@@ -218,6 +219,9 @@ impl Prepared {
         if given > 0 && given != bolts {
             return Err(Error::BoltLoads { given, bolts });
         }
+        if let Some(plan) = &scene.bolts.tightening {
+            plan.check_bolts(bolts)?;
+        }
         progress.begin(Stage::Characterise);
         let load = bolt_load(scene, &model);
         let interface = SceneInterface::try_new(scene, structure.interface(), &structure.joint.parts, load)?;
@@ -257,10 +261,20 @@ impl Prepared {
 
     /// Static load on the reduced coordinates (N).
     pub fn static_load(&self) -> Vec<f64> {
+        self.load_of(&self.tensions())
+    }
+
+    /// Tension of each bolt in the scene (N).
+    fn tensions(&self) -> Vec<f64> {
+        let bolts = 0..self.model.reduced.loads.len();
+        bolts.map(|bolt| self.scene.tension(bolt)).collect()
+    }
+
+    /// Load of tensions of the bolts on the reduced coordinates (N).
+    fn load_of(&self, tensions: &[f64]) -> Vec<f64> {
         let reduced = &self.model.reduced;
         let mut load = vec![0.0; reduced.mass.nrows()];
-        for (bolt, unit) in reduced.loads.iter().enumerate() {
-            let tension = self.scene.tension(bolt);
+        for (tension, unit) in tensions.iter().zip(&reduced.loads) {
             load.iter_mut()
                 .zip(unit)
                 .for_each(|(sum, value)| *sum += tension * value);
@@ -442,10 +456,27 @@ impl Prepared {
         let reduced = &self.model.reduced;
         progress.begin(Stage::Prestress);
         let start = uniform(reduced, closure);
-        let bolts = bolt_load(scene, &self.model);
         let assembled = assembled(scene, interface);
-        let load = self.static_load();
-        let prestress = prestress::solve(reduced, &assembled, &load, &start, bolts, &newton_settings(scene))?;
+        let (tensions, newton) = (self.tensions(), newton_settings(scene));
+        let prestress = match &scene.bolts.tightening {
+            None => {
+                let load = self.load_of(&tensions);
+                let solution = prestress::solve(reduced, &assembled, &load, &start, &newton)?;
+                let bolts = bolt_load(scene, &self.model);
+                prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?
+            }
+            Some(plan) => {
+                let told = |done| progress.fraction(Stage::Prestress, done);
+                let jump = &start[..reduced.n_relative];
+                let (solution, found) = tighten(reduced, &assembled, &tensions, plan, jump, &newton, &told)?;
+                let tensions = found.residual_preloads.clone();
+                let bolts = closing(reduced).zip(&tensions).map(|(one, tension)| tension * one).sum();
+                let load = self.load_of(&tensions);
+                let mut checked = prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?;
+                checked.tightening = Some(found);
+                checked
+            }
+        };
         progress.end(Stage::Prestress);
         Ok(prestress)
     }
@@ -485,8 +516,8 @@ impl Prepared {
         let reduced = &self.model.reduced;
         let force = InterfaceForce::new(interface);
         let newton = newton_settings(scene);
-        let static_load = self.static_load();
         let prestress = self.static_state(scene, interface, closure, progress)?;
+        let static_load = self.load_of(&prestress.tensions);
 
         progress.begin(Stage::Modes);
         let locked = self.locked()?;

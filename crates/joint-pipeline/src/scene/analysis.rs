@@ -1,6 +1,8 @@
 //! Bolts, analyses and outputs of a scene.
 
-use super::units::{Force, Length};
+use super::tightening::Tightening;
+use super::torque::ThreadSize;
+use super::units::{Force, Length, Torque};
 use cqsma_solver::cqsma::Commit;
 use serde::{Deserialize, Serialize};
 
@@ -40,11 +42,35 @@ impl Method {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Bolts {
-    /// Tension of each bolt (force).
+    /// Tension of each bolt (force); where a file gives a torque, the one that follows from it.
     pub load: Force,
     /// In its place, the tension of each bolt in the order of the structure's bolts (force).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Force>,
+    /// In the place of both, the torque that each bolt is tightened with (torque).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque: Option<Torque>,
+    /// In its place, the torque of each bolt in the order of the structure's bolts (torque).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub torques: Vec<Torque>,
+    /// Size of the thread, such as `"M8"` or `"M10x1.25"`, with a hexagon head; by default that of `structure.mesh.bolts`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<String>,
+    /// In its place, the thread.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thread: Option<ThreadSize>,
+    /// Coefficient of friction in the thread while it is tightened (-).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thread_friction: Option<f64>,
+    /// Coefficient of friction below the head or nut that turns (-).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub head_friction: Option<f64>,
+    /// Inner and outer diameter of the face that turns (length); by default clearance hole and face below the head of the size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bearing_diameters: Option<[Length; 2]>,
+    /// In which order the bolts are tightened; by default all at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tightening: Option<Tightening>,
     /// What the bolts do in vibration.
     #[serde(default)]
     pub behaviour: BoltBehaviour,

@@ -15,6 +15,8 @@ mod scale;
 mod scans;
 mod structure;
 mod surface;
+mod tightening;
+mod torque;
 mod units;
 mod validate;
 
@@ -34,9 +36,11 @@ pub use structure::{
 pub use surface::{
     Curves, Elastic, Fitted, Gap, GreenwoodWilliamson, Heights, ParameterSet, Parameters, Per, Surface, SyntheticScan,
 };
+pub use tightening::Tightening;
+pub use torque::{ThreadSize, TorqueReport};
 pub use units::{
     Area, ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,
-    SurfaceEnergy, Unit, Units, dimension,
+    SurfaceEnergy, Torque, Unit, Units, dimension,
 };
 
 pub use crate::joint::benchmark::{ElementOrder, RefinementLevel, Symmetry};
@@ -218,7 +222,7 @@ impl Scene {
         if is_preloaded(&filled) {
             fill(&mut filled, json!({ "bolts": { "load": 0.0 } }));
         }
-        one_load_per_bolt(&given, &mut filled).map_err(syntax)?;
+        torque::prepare(&given, &mut filled).map_err(syntax)?;
         require_physics(&filled).map_err(syntax)?;
         let read = |value: Value| {
             let read = || Self::understand(value);
@@ -235,6 +239,8 @@ impl Scene {
                 .fill(&mut filled);
             scene = read(filled)?;
         }
+        let mesh = scene.structure.mesh().map_or(&[][..], |mesh| &mesh.bolts);
+        scene.bolts.follow_torque(mesh).map_err(syntax)?;
         scene.units = Units::SI;
         if scene.name.is_empty() {
             scene.name = name.into();
@@ -517,21 +523,6 @@ fn refused(place: &str, Refusal { field, message }: Refusal) -> Error {
         field,
         message,
     }
-}
-
-/// Where bolts have loads of their own, that of all is the first of them.
-fn one_load_per_bolt(given: &Value, filled: &mut Value) -> Result<(), Refusal> {
-    let Some(loads) = given.pointer("/bolts/loads") else {
-        return Ok(());
-    };
-    if given.pointer("/bolts/load").is_some() {
-        let message = "bolts.load is that of all bolts, and bolts.loads has one for each; leave one of them out";
-        return Err(Refusal::of("bolts.load", message));
-    }
-    if let Some(first) = loads.get(0) {
-        filled["bolts"]["load"] = first.clone();
-    }
-    Ok(())
 }
 
 /// Refuses fields that were understood once and have moved.

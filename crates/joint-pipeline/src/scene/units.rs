@@ -65,6 +65,17 @@ const FORCES: [Unit; 6] = [
     unit("lbf", POUND_FORCE),
     unit("kip", 1e3 * POUND_FORCE),
 ];
+const TORQUES: [Unit; 9] = [
+    unit("N m", 1.0),
+    unit("Nm", 1.0),
+    unit("N mm", 1e-3),
+    unit("kN m", 1e3),
+    unit("kN mm", 1.0),
+    unit("lbf ft", 12.0 * INCH * POUND_FORCE),
+    unit("ft lbf", 12.0 * INCH * POUND_FORCE),
+    unit("lbf in", INCH * POUND_FORCE),
+    unit("in lbf", INCH * POUND_FORCE),
+];
 const STRESSES: [Unit; 7] = [
     unit("Pa", 1.0),
     unit("kPa", 1e3),
@@ -148,6 +159,8 @@ dimensions! {
     Mass, OfMass, "mass", [0, 1, 0], MASSES;
     /// Force (N).
     Force, OfForce, "force", [1, 1, -2], FORCES;
+    /// Torque (N m).
+    Torque, OfTorque, "torque", [2, 1, -2], TORQUES;
     /// Stress, pressure or modulus (Pa).
     Stress, OfStress, "stress", [-1, 1, -2], STRESSES;
     /// Density (kg/m^3).
@@ -502,6 +515,12 @@ mod tests {
         assert_eq!(read::<Length>(inches, r#""3 um""#).unwrap().si(), 3e-6);
         let wrong = read::<Force>(inches, r#""12.5 mm""#).unwrap_err();
         assert!(wrong.contains("not a force") && wrong.contains("kN"), "{wrong}");
+        let torque: Torque = read(inches, r#""15 lbf ft""#).unwrap();
+        assert!((torque.si() / 20.337_269 - 1.0).abs() < 1e-7, "{torque:?}");
+        assert_eq!(read::<Torque>(inches, r#""20 N m""#).unwrap().si(), 20.0);
+        // Numbers are lbf in.
+        assert!((read::<Torque>(inches, "180").unwrap().si() / torque.si() - 1.0).abs() < 1e-14);
+        assert!(read::<Torque>(inches, r#""20 N""#).unwrap_err().contains("lbf ft"));
         assert!(read::<Length>(inches, r#""twelve mm""#).is_err());
         assert!(read::<Length>(inches, r#""12""#).is_err(), "a text without a unit");
     }

@@ -10,12 +10,12 @@ use crate::Error;
 const STEEPEST: f64 = 0.1;
 
 /// Refuses values outside their range, naming the file of the scene.
-struct Check<'a> {
+pub(super) struct Check<'a> {
     place: &'a str,
 }
 
 impl Check<'_> {
-    fn that(
+    pub(super) fn that(
         &self,
         holds: bool,
         field: &'static str,
@@ -35,11 +35,11 @@ impl Check<'_> {
         })
     }
 
-    fn positive(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
+    pub(super) fn positive(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
         self.that(is_positive(value), field, value, unit, "positive and finite")
     }
 
-    fn not_negative(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
+    pub(super) fn not_negative(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
         let holds = value.is_finite() && value >= 0.0;
         self.that(holds, field, value, unit, "finite and not negative")
     }
@@ -236,6 +236,10 @@ impl Scene {
             )?,
             (false, _) => check.positive("bolts.load", load, "N")?,
         }
+        self.bolts.validate_torque(&check)?;
+        if let Some(tightening) = &self.bolts.tightening {
+            tightening.validate(&check)?;
+        }
         let damping = self.background_damping;
         check.that(
             (0.0..1.0).contains(&damping),
@@ -292,6 +296,11 @@ impl Scene {
                 path: parameter.path().into(),
                 reason: reason.into(),
             };
+            if self.bolts.tightening.is_some() {
+                return Err(refused(
+                    "the static state after bolts.tightening is not differentiated; leave sensitivities or bolts.tightening out",
+                ));
+            }
             if parameter.is_drawn() {
                 return Err(refused(
                     "results do not change smoothly with what peaks are found in; take scale.asperity_radius, \

@@ -49,6 +49,8 @@ pub struct Structure {
     /// What it is made of.
     pub joint: Joint,
     settings: Settings,
+    /// Whether the bolts are locked in vibration.
+    locks: bool,
     symmetry: Symmetry,
     reduction_error: Option<f64>,
     youngs_modulus: f64,
@@ -98,6 +100,12 @@ impl Structure {
             }
         };
         let mut structure = Self::from_joint(model, scene.bolts.behaviour, joint);
+        if scene.bolts.tightening.is_some() {
+            if let Some(bolt) = scene.structure.mesh().and_then(|mesh| mesh.bolts.iter().position(|bolt| bolt.axis.is_none())) {
+                return Err(Error::NoElongation { bolt: Some(bolt + 1) });
+            }
+            structure.settings.attachment_modes = true;
+        }
         if let Some(mode) = scene.structure.mesh().and_then(|mesh| mesh.response.mode) {
             structure.respond_where_a_mode_moves_most(mode, progress)?;
         }
@@ -171,6 +179,7 @@ impl Structure {
         Self {
             joint,
             settings,
+            locks: bolts == BoltBehaviour::Locked,
             symmetry: model.symmetry,
             reduction_error: model.reduction_error,
             youngs_modulus: model.material.youngs_modulus.si(),

@@ -162,7 +162,7 @@ impl Structure {
         let (mut contacts, mut shapes) = (Vec::new(), Vec::new());
         for (place, (contact, interface)) in all.enumerate() {
             progress.fraction(Stage::Factor, place as f64 / 4.0);
-            let locked = match contact == Contact::Prestressed && self.settings.attachment_modes {
+            let locked = match contact == Contact::Prestressed && self.locks {
                 true => Some(relative.locked()?),
                 false => None,
             };

@@ -195,7 +195,7 @@ impl Structure {
         let relative: &RelativeSystem = &assembled.relative;
         let springs = self.springs(self.check_interface(), |_| true)?;
         // The check is of the model that vibrates.
-        let is_locked = self.settings.attachment_modes;
+        let is_locked = self.locks;
         let (unstressed, full) = rayon::join(
             || checks::unstressed_spectrum(reduced, N_CHECKED),
             || match is_locked {
@@ -265,6 +265,7 @@ impl Structure {
             self.reduction_error,
             (N_CHECKED, CHECK_STIFFNESS)
         ));
+        key.integers([u64::from(self.locks)]);
         // The springs of the spectrum check depend on these.
         key.numbers(self.joint.interface.nodes.iter().flatten().copied());
         key.text(&format!("{:?}{:?}", self.joint.interface.elements, self.youngs_modulus));

@@ -93,8 +93,17 @@ impl Thread {
     /// `M_A / F = 0.16 P + 0.58 d2 mu_thread + D_Km / 2 mu_head`, with `D_Km` the mean of `bearing`, the inner and the outer
     /// diameter of the face that turns (m).
     pub fn lever(&self, friction: Friction, bearing: [f64; 2]) -> f64 {
+        self.lever_parts(friction, bearing).iter().sum()
+    }
+
+    /// The terms of [`Thread::lever`] (m): what strains the bolt along the pitch, what friction takes in the thread, and below the head.
+    pub fn lever_parts(&self, friction: Friction, bearing: [f64; 2]) -> [f64; 3] {
         let mean_diameter = 0.5 * (bearing[0] + bearing[1]);
-        0.16 * self.pitch + 0.58 * self.pitch_diameter() * friction.thread + 0.5 * mean_diameter * friction.head
+        [
+            0.16 * self.pitch,
+            0.58 * self.pitch_diameter() * friction.thread,
+            0.5 * mean_diameter * friction.head,
+        ]
     }
 
     /// Torque that tightens to a preload (N): N m.
