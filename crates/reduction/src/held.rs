@@ -139,7 +139,10 @@ impl LoadCompliance<'_> {
     /// All coordinates of the model where the jump and all tensions (N) are known.
     pub fn displacement(&self, jump: &[f64], tensions: &[f64]) -> Vec<f64> {
         let rest = (0..self.responses.nrows()).map(|i| {
-            let terms = tensions.iter().enumerate().map(|(j, tension)| self.responses[(i, j)] * tension);
+            let terms = tensions
+                .iter()
+                .enumerate()
+                .map(|(j, tension)| self.responses[(i, j)] * tension);
             terms.sum::<f64>()
         });
         jump.iter().copied().chain(rest).collect()
@@ -159,7 +162,16 @@ impl LoadCompliance<'_> {
 impl HeldSystem {
     /// Tension of every load where the jump is known (N).
     pub fn tensions(&self, jump: &[f64]) -> Vec<f64> {
-        let change = |i: usize| jump.iter().enumerate().map(|(j, u)| self.change[(i, j)] * u).sum::<f64>();
-        self.tension.iter().enumerate().map(|(i, tension)| tension + change(i)).collect()
+        let change = |i: usize| {
+            jump.iter()
+                .enumerate()
+                .map(|(j, u)| self.change[(i, j)] * u)
+                .sum::<f64>()
+        };
+        self.tension
+            .iter()
+            .enumerate()
+            .map(|(i, tension)| tension + change(i))
+            .collect()
     }
 }

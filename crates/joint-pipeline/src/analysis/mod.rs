@@ -24,6 +24,6 @@ pub use crate::store::checkpoint::Checkpoints;
 pub use deformed::Deformed;
 pub use element_loops::{ElementLoops, MOST_RECORDED, element_centres};
 pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};
-pub use tightening::{ENERGY_TOLERANCE, TighteningEnergy, TighteningResult, TighteningStep};
 pub use run::{ModeBackbone, Prepared, Run, prepare, run, run_ensemble};
 pub use sensitivities::{Per, Sensitivity};
+pub use tightening::{ENERGY_TOLERANCE, TighteningEnergy, TighteningResult, TighteningStep};

@@ -470,7 +470,10 @@ impl Prepared {
                 let jump = &start[..reduced.n_relative];
                 let (solution, found) = tighten(reduced, &assembled, &tensions, plan, jump, &newton, &told)?;
                 let tensions = found.residual_preloads.clone();
-                let bolts = closing(reduced).zip(&tensions).map(|(one, tension)| tension * one).sum();
+                let bolts = closing(reduced)
+                    .zip(&tensions)
+                    .map(|(one, tension)| tension * one)
+                    .sum();
                 let load = self.load_of(&tensions);
                 let mut checked = prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?;
                 checked.tightening = Some(found);

@@ -105,7 +105,11 @@ pub(super) fn tighten(
             let (before, work, iterations) = (way.tensions.clone(), way.external_work, way.iterations());
             for increment in 1..=plan.increments {
                 let part = increment as f64 / plan.increments as f64;
-                let tension = if increment == plan.increments { to } else { from + part * (to - from) };
+                let tension = if increment == plan.increments {
+                    to
+                } else {
+                    from + part * (to - from)
+                };
                 way.proceed(bolt, tension).map_err(|failure| match failure {
                     Stop::Failure(reason, history) => Error::Tightening {
                         pass,
@@ -121,7 +125,9 @@ pub(super) fn tighten(
                 pass,
                 bolt: number,
                 target: to,
-                interaction: change.map(|(other, (now, before))| if other == bolt { 0.0 } else { now - before }).collect(),
+                interaction: change
+                    .map(|(other, (now, before))| if other == bolt { 0.0 } else { now - before })
+                    .collect(),
                 tensions: way.tensions.clone(),
                 advances: way.advances.clone(),
                 external_work: way.external_work - work,
@@ -227,7 +233,10 @@ impl<'a> Way<'a> {
             (false, false) => Hold::Tension(0.0),
         };
         let holds: Vec<Hold> = (0..self.tensions.len()).map(hold).collect();
-        let system = self.compliance.held(&holds).map_err(|error| Stop::Error(error.into()))?;
+        let system = self
+            .compliance
+            .held(&holds)
+            .map_err(|error| Stop::Error(error.into()))?;
         let nd = self.reduced.n_relative;
         let from = |start: &[f64]| {
             let (history, stiffness) = (&self.solution.state, system.stiffness.as_ref());
@@ -244,7 +253,9 @@ impl<'a> Way<'a> {
         };
         let mut solution = found.map_err(|failure| Stop::Failure(failure.reason, failure.history))?;
         let tensions = system.tensions(&solution.displacement);
-        let mut advances = self.compliance.displacements_of_loads(&solution.displacement, &tensions);
+        let mut advances = self
+            .compliance
+            .displacements_of_loads(&solution.displacement, &tensions);
         let (points, _) = points(self.force, &solution);
         let weights = &self.force.interface().operators().weights;
         let [x, y, n] = points.work_since(&self.points, weights);
@@ -314,7 +325,15 @@ fn points(force: &InterfaceForce<'_>, solution: &Prestress<State>) -> (Points, f
     let mut tangent = vec![0.0; interface.pattern().indices.len()];
     let jump = &solution.displacement[..nd];
     let mut evaluate = |sticking, tangent: Option<&mut [f64]>| {
-        interface.evaluate(jump, sticking, &solution.state, &mut end, &mut workspace, &mut contact, tangent)
+        interface.evaluate(
+            jump,
+            sticking,
+            &solution.state,
+            &mut end,
+            &mut workspace,
+            &mut contact,
+            tangent,
+        )
     };
     evaluate(Sticking::Full, Some(&mut tangent));
     evaluate(Sticking::Coulomb, None);

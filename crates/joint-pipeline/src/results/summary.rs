@@ -8,11 +8,11 @@ use crate::analysis::methods::MethodPoint;
 use crate::analysis::periodic::{ForcedPoint, ForcedResponse};
 use crate::analysis::validity::Validity;
 use crate::analysis::warnings::Warning;
-use crate::analysis::{AmplitudeResult, ModeBackbone, Run, Sensitivity};
+use crate::analysis::{AmplitudeResult, ModeBackbone, Run, Sensitivity, TighteningResult};
 use crate::interface::{LawReport, PartReport};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
-use crate::scene::{BoltBehaviour, Method, PRESETS, Preset, Scene, StructureSource, Symmetry};
+use crate::scene::{BoltBehaviour, Method, PRESETS, Preset, Scene, StructureSource, Symmetry, TorqueReport};
 use crate::structure::Overview;
 use cqsma_solver::Reason;
 use periodic_motion::backbone::Point;
@@ -55,6 +55,12 @@ pub struct Summary {
     pub gap: GapSummary,
     /// The static state.
     pub prestress: PrestressSummary,
+    /// Torque of the bolts; left out unless the scene knows their thread.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque: Option<TorqueReport>,
+    /// How the bolts were tightened one after the other; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tightening: Option<TighteningResult>,
     /// Modes about it.
     pub modes: Vec<ModeSummary>,
     /// Amplitudes in ascending order.
@@ -196,7 +202,7 @@ pub struct GapSummary {
 pub struct PrestressSummary {
     /// Tension of each bolt (N); of the first where they differ.
     pub bolt_load: f64,
-    /// Tension of each bolt where the scene gives them one by one (N).
+    /// Tension of each bolt where the scene gives them one by one (N), and the residual one where bolts are tightened one after the other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bolt_loads: Vec<f64>,
     /// Newton iterations with everything stuck and with friction, together.
@@ -453,11 +459,11 @@ impl Summary {
         let (reduced, facts) = (&run.model.reduced, &run.model.facts);
         let operators = run.interface.operators();
         let prestress = &run.prestress;
-        let all = run.scene.bolts.load.si();
-        let bolts = all
-            * (0..reduced.loads.len())
-                .map(|bolt| run.scene.tension(bolt) / all)
-                .sum::<f64>();
+        let residual = prestress.tightening.is_some().then_some(&prestress.tensions);
+        let all = residual
+            .and_then(|tensions| tensions.first().copied())
+            .unwrap_or_else(|| run.scene.bolts.load.si());
+        let bolts = all * prestress.tensions.iter().map(|tension| tension / all).sum::<f64>();
         let gaps = || run.interface.gap().unwrap_or(&[0.0]).iter().copied();
         Self {
             schema_version: SCHEMA_VERSION,
@@ -506,8 +512,11 @@ impl Summary {
                 clipped_points: run.clipped_gaps,
             },
             prestress: PrestressSummary {
-                bolt_load: run.scene.bolts.load.si(),
-                bolt_loads: run.scene.bolts.loads.iter().map(|load| load.si()).collect(),
+                bolt_load: all,
+                bolt_loads: match residual {
+                    Some(tensions) => tensions.clone(),
+                    None => run.scene.bolts.loads.iter().map(|load| load.si()).collect(),
+                },
                 iterations: prestress.solution.iterations.iter().sum(),
                 residual_ratio: prestress.residual_ratio,
                 equilibrium_error: prestress.equilibrium_error,
@@ -516,6 +525,8 @@ impl Summary {
                 mean_pressure: bolts / operators.area(),
                 converged: true,
             },
+            torque: run.scene.torque_report(reduced.loads.len()),
+            tightening: prestress.tightening.clone(),
             modes: run
                 .frequencies
                 .iter()
@@ -594,7 +605,7 @@ fn skipped(run: &Run) -> BTreeMap<String, String> {
                       coordinates and fields are those of its half y >= 0";
         skipped.insert("half_of_the_structure".to_owned(), reason.to_owned());
     }
-    if scene.bolts.behaviour == BoltBehaviour::DeadLoad {
+    if scene.bolts.behaviour == BoltBehaviour::DeadLoad && scene.bolts.tightening.is_none() {
         let reason = "bolts.behaviour is dead-load: no static responses to the bolt loads join the modes";
         skipped.insert("attachment_modes".to_owned(), reason.to_owned());
     }

@@ -42,7 +42,13 @@ impl Tightening {
         )?;
         for &share in &self.passes {
             let holds = share > 0.0 && share <= 2.0;
-            check.that(holds, "bolts.tightening.passes", share, "(share)", "above 0 and at most 2")?;
+            check.that(
+                holds,
+                "bolts.tightening.passes",
+                share,
+                "(share)",
+                "above 0 and at most 2",
+            )?;
         }
         let last = self.passes.last().copied().unwrap_or_default();
         check.that(

@@ -68,7 +68,10 @@ const TIGHTENED: [&str; 4] = ["load", "loads", "torque", "torques"];
 
 /// What a torque needs beside it: the field, and a line that gives it.
 const LINES: [(&str, &str); 3] = [
-    ("size", r#""size": "M8", or "thread": { "diameter": "8 mm", "pitch": "1.25 mm" }"#),
+    (
+        "size",
+        r#""size": "M8", or "thread": { "diameter": "8 mm", "pitch": "1.25 mm" }"#,
+    ),
     ("thread_friction", r#""thread_friction": 0.12"#),
     ("head_friction", r#""head_friction": 0.12"#),
 ];
@@ -139,7 +142,9 @@ impl Bolts {
             (None, None) => None,
         };
         let metric = own
-            .map(|size| Metric::from_name(size).map_err(|error| Refusal::of("bolts.size", format!("bolts.size: {error}"))))
+            .map(|size| {
+                Metric::from_name(size).map_err(|error| Refusal::of("bolts.size", format!("bolts.size: {error}")))
+            })
             .transpose()?;
         if let (Some(metric), Some(shared)) = (&metric, shared)
             && Metric::from_name(shared).is_ok_and(|of_mesh| of_mesh.thread != metric.thread)
@@ -159,14 +164,19 @@ impl Bolts {
                 (true, _) => Err(missing(0, "the preload of a torque depends on the thread")),
                 (false, Some((field, _))) => Err(Refusal::of(
                     format!("bolts.{field}"),
-                    format!("bolts.{field} belongs to a thread; leave it out, or add for example {}", LINES[0].1),
+                    format!(
+                        "bolts.{field} belongs to a thread; leave it out, or add for example {}",
+                        LINES[0].1
+                    ),
                 )),
                 (false, None) => Ok(None),
             };
         };
         let why = match self.has_torque() {
             true => "the preload of a torque depends on it",
-            false => "the torque that the load of a thread needs depends on it; leave out bolts.size or bolts.thread if it is of no interest",
+            false => {
+                "the torque that the load of a thread needs depends on it; leave out bolts.size or bolts.thread if it is of no interest"
+            }
         };
         let friction = Friction {
             thread: self.thread_friction.ok_or_else(|| missing(1, why))?,
@@ -195,7 +205,8 @@ impl Bolts {
     /// Turns torques into the loads that they give.
     pub(super) fn follow_torque(&mut self, mesh: &[MeshBolt]) -> Result<(), Refusal> {
         let Some(screw) = self.screw(mesh)? else { return Ok(()) };
-        let preload = |torque: &Torque| Force::from_si(screw.thread.preload(torque.si(), screw.friction, screw.bearing));
+        let preload =
+            |torque: &Torque| Force::from_si(screw.thread.preload(torque.si(), screw.friction, screw.bearing));
         if let Some(torque) = &self.torque {
             self.load = preload(torque);
         }
@@ -224,7 +235,13 @@ impl Bolts {
             check.positive("bolts.thread.diameter", diameter, "m")?;
             check.positive("bolts.thread.pitch", pitch, "m")?;
             let has_core = Thread { diameter, pitch }.core_diameter() > 0.0;
-            check.that(has_core, "bolts.thread.pitch", pitch, "m", "less than 0.8 of the diameter")?;
+            check.that(
+                has_core,
+                "bolts.thread.pitch",
+                pitch,
+                "m",
+                "less than 0.8 of the diameter",
+            )?;
         }
         if let Some([inner, outer]) = self.bearing_diameters.map(|ends| ends.map(Length::si)) {
             check.not_negative("bolts.bearing_diameters", inner, "m")?;
@@ -244,7 +261,9 @@ impl Bolts {
 /// The size of the bolts of a mesh, where all have the same.
 fn shared_size(mesh: &[MeshBolt]) -> Option<&String> {
     let first = mesh.first()?.size.as_ref()?;
-    mesh.iter().all(|bolt| bolt.size.as_ref() == Some(first)).then_some(first)
+    mesh.iter()
+        .all(|bolt| bolt.size.as_ref() == Some(first))
+        .then_some(first)
 }
 
 impl Scene {
@@ -261,7 +280,10 @@ impl Scene {
         let lever = thread.lever(friction, bearing);
         let [pitch_share, thread_share, head_share] = thread.lever_parts(friction, bearing).map(|part| part / lever);
         Some(TorqueReport {
-            torques: preloads.iter().map(|load| thread.torque(*load, friction, bearing)).collect(),
+            torques: preloads
+                .iter()
+                .map(|load| thread.torque(*load, friction, bearing))
+                .collect(),
             preloads,
             is_given: self.bolts.has_torque(),
             thread_diameter: thread.diameter,

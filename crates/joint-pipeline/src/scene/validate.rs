@@ -220,6 +220,10 @@ impl Scene {
                 check.that(to.is_finite() && to > from, field, to, "m", "above the first number")?;
             }
         }
+        self.bolts.validate_torque(&check)?;
+        if let Some(tightening) = &self.bolts.tightening {
+            tightening.validate(&check)?;
+        }
         for load in &self.bolts.loads {
             check.positive("bolts.loads", load.si(), "N")?;
         }
@@ -235,10 +239,6 @@ impl Scene {
                 "positive and finite, or a set of surface.parameters must have a preload: nothing would be in contact",
             )?,
             (false, _) => check.positive("bolts.load", load, "N")?,
-        }
-        self.bolts.validate_torque(&check)?;
-        if let Some(tightening) = &self.bolts.tightening {
-            tightening.validate(&check)?;
         }
         let damping = self.background_damping;
         check.that(

@@ -101,7 +101,11 @@ impl Structure {
         };
         let mut structure = Self::from_joint(model, scene.bolts.behaviour, joint);
         if scene.bolts.tightening.is_some() {
-            if let Some(bolt) = scene.structure.mesh().and_then(|mesh| mesh.bolts.iter().position(|bolt| bolt.axis.is_none())) {
+            if let Some(bolt) = scene
+                .structure
+                .mesh()
+                .and_then(|mesh| mesh.bolts.iter().position(|bolt| bolt.axis.is_none()))
+            {
                 return Err(Error::NoElongation { bolt: Some(bolt + 1) });
             }
             structure.settings.attachment_modes = true;

@@ -35,6 +35,9 @@ pub struct Overview {
     pub surface: String,
     /// Bolts.
     pub bolts: BoltOverview,
+    /// Torque of the bolts, where the scene knows their thread, and the order in which they are tightened, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tightening: Vec<String>,
     /// Motions without energy that the structure with a stuck interface should have.
     pub rigid_motions: usize,
 }
@@ -113,6 +116,7 @@ impl Structure {
                 total_load,
                 nominal_pressure: total_load / area,
             },
+            tightening: tightening(scene, count),
             rigid_motions: self.settings.expected_zem,
         })
     }
@@ -159,6 +163,7 @@ impl Overview {
                 significant(1e-3 * bolts.total_load)
             ),
         });
+        lines.extend(self.tightening.iter().cloned());
         let name = match self.interfaces.len() {
             0 => "interface".to_owned(),
             count => format!("{count} interfaces ({})", self.interfaces.join(", ")),
@@ -209,6 +214,24 @@ pub fn choice_name(choice: &impl Serialize) -> String {
         Ok(Value::Object(map)) => map.keys().next().cloned().unwrap_or_default(),
         _ => String::new(),
     }
+}
+
+fn tightening(scene: &Scene, bolts: usize) -> Vec<String> {
+    let torque = scene.torque_report(bolts).map(|report| report.line());
+    let order = scene.bolts.tightening.as_ref().map(|plan| {
+        let order: Vec<String> = plan.order.iter().map(usize::to_string).collect();
+        let passes: Vec<String> = plan
+            .passes
+            .iter()
+            .map(|share| format!("{} %", significant(100.0 * share)))
+            .collect();
+        format!(
+            "tightened in the order {}, to {} of the load",
+            order.join(", "),
+            passes.join(", ")
+        )
+    });
+    torque.into_iter().chain(order).collect()
 }
 
 fn units(scene: &Scene) -> Option<String> {
