@@ -87,6 +87,8 @@ fn a_thread_of_given_sizes_in_other_units_follows_iso_16047() {
     // What is written is read again as it was understood.
     let written = serde_json::to_value(&scene).unwrap();
     assert_eq!(Scene::from_summary(&written, &BENCHMARKS).unwrap(), scene);
+    let again = Scene::from_json(&written.to_string(), "written", "torque", &BENCHMARKS).unwrap();
+    assert_eq!(again, scene);
 }
 
 #[test]
@@ -140,6 +142,46 @@ fn torques_that_say_too_little_or_too_much_are_refused_with_the_line_to_add() {
     two.cqsma.amplitudes = 0;
     two.bolts.loads = vec![two.bolts.load; 2];
     assert!(matches!(go(&two), Err(Error::BoltLoads { given: 2, bolts: 3 })));
+}
+
+fn on_mesh(mesh_bolts: &Value, bolts: &Value) -> Result<Scene, Error> {
+    let scene = json!({
+        "units": { "length": "mm", "mass": "t", "time": "s" },
+        "structure": { "mesh": {
+            "path": "none.msh", "interfaces": [{}], "bolts": mesh_bolts, "response": { "mode": 1 },
+        } },
+        "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3" } },
+        "surface": { "benchmark": "brake-reuss-beam" },
+        "mu": 0.2,
+        "bolts": bolts,
+    });
+    Scene::from_json(&scene.to_string(), "the test's scene", "mesh", &BENCHMARKS)
+}
+
+#[test]
+fn bolts_of_a_mesh_have_their_size_already() {
+    let axis = [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
+    let of = |size: &str| json!({ "axis": axis, "size": size });
+    let torque = json!({ "torque": "36.1 N m", "thread_friction": 0.12, "head_friction": 0.12 });
+    let scene = on_mesh(&json!([of("M8"), of("M8")]), &torque).unwrap();
+    close(scene.tension(1), 27.3e3, 1.5e-2);
+    let different = on_mesh(&json!([of("M8"), of("M10")]), &torque).unwrap_err();
+    assert_eq!(different.field(), Some("bolts.size"), "{different}");
+    let mut other = torque.clone();
+    other["size"] = json!("M10");
+    let contradiction = on_mesh(&json!([of("M8")]), &other).unwrap_err().to_string();
+    assert!(
+        contradiction.contains("M10") && contradiction.contains("M8 of structure.mesh.bolts"),
+        "{contradiction}"
+    );
+    // A load needs no torque, and a mesh with sizes no friction.
+    on_mesh(&json!([of("M8")]), &json!({ "load": "12 kN" })).unwrap();
+    // Forces on two surfaces have no shank that would hold an elongation.
+    let pair = json!([of("M8"), { "head": "a", "nut": "b" }]);
+    let scene = on_mesh(&pair, &json!({ "load": "12 kN", "tightening": { "order": [1, 2] } })).unwrap();
+    let error = go(&scene).unwrap_err();
+    assert!(matches!(error, Error::NoElongation { bolt: Some(2) }), "{error}");
+    assert_eq!(error.field(), Some("bolts.tightening"));
 }
 
 #[test]
@@ -408,7 +450,7 @@ fn mirrored_orders_of_a_symmetric_structure_leave_mirrored_loads() {
         }
     }
     // All others are different states.
-    assert!((all[0][0] / all[1][0] - 1.0).abs() > 1e-3 && (all[1][1] / all[2][1] - 1.0).abs() > 1e-3);
+    assert!((all[0][0] / all[1][0] - 1.0).abs() > 5e-4 && (all[1][1] / all[2][1] - 1.0).abs() > 1e-3);
     std::fs::remove_dir_all(folder).unwrap();
 }
 

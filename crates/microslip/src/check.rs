@@ -7,6 +7,7 @@ use joint_pipeline::joint::benchmark::{Bounds, Symmetry};
 use joint_pipeline::results::summary::Summary;
 use reports::markup;
 use reports::run::{FORCED, FORCED_PICTURE, SUMMARY, amplitude_file};
+use reports::tightening::{TIGHTENING, TIGHTENING_PICTURE};
 use run_environment::BENCHMARKS;
 use std::path::Path;
 
@@ -100,6 +101,10 @@ impl Checks {
         let bound = (1e3 * scene.cqsma.tolerance).clamp(1e-6, 1e-3);
         self.between("prestress.residual_ratio", residual, 0.0, bound);
         self.between("prestress.equilibrium_error", equilibrium, 0.0, 10.0 * residual + 1e-12);
+        if let Some(result) = &summary.tightening {
+            let energy = &result.energy;
+            self.between("tightening.energy.imbalance", energy.imbalance, 0.0, energy.tolerance);
+        }
         for (_, of_mode) in summary.by_mode() {
             self.backbone(scene, &of_mode)?;
         }
@@ -230,6 +235,7 @@ impl Checks {
         if summary.forced.iter().any(|level| !level.frequency.is_empty()) {
             documents.push(FORCED_PICTURE.into());
         }
+        documents.extend(summary.tightening.as_ref().map(|_| TIGHTENING_PICTURE.to_owned()));
         documents.extend(stored(scene, summary).map(|number| amplitude_file(None, number)));
         for name in documents {
             let text = std::fs::read_to_string(directory.join(&name));
@@ -242,6 +248,9 @@ impl Checks {
         if !summary.forced.is_empty() {
             let points = summary.forced.iter().map(|level| level.frequency.len());
             tables.push((FORCED, points.sum(), "points"));
+        }
+        if let Some(result) = &summary.tightening {
+            tables.push((TIGHTENING, result.steps.len(), "steps of tightening"));
         }
         for (name, expected, what) in tables {
             let table = std::fs::read_to_string(directory.join(name)).unwrap_or_default();

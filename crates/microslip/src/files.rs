@@ -8,6 +8,7 @@ use reports::run::{
     BODIES_PRESTRESS, ELEMENT_LOOPS, ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC, amplitude_file,
     bodies_file, harmonics_file, loops_file, picture_file, series_file, table_file,
 };
+use reports::tightening::{TIGHTENING, TIGHTENING_PICTURE};
 use serde::de::DeserializeOwned;
 use std::io::Write;
 use std::path::Path;
@@ -74,6 +75,8 @@ pub(crate) fn is_of_some_run(name: &str) -> bool {
         FORCED_PICTURE,
         LOOPS,
         PERIODIC,
+        TIGHTENING,
+        TIGHTENING_PICTURE,
     ]
     .contains(&name)
         || of_first.iter().any(|of| name == of)

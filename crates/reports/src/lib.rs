@@ -19,6 +19,7 @@ pub mod run;
 pub mod sensitivity;
 pub mod several;
 pub mod study;
+pub mod tightening;
 
 pub use error::{Drawing, Error};
 

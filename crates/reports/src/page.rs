@@ -5,6 +5,8 @@ use crate::html::{Picture, Table, render};
 use crate::interactive::{Document, Live};
 use crate::run::{damping, tensions};
 use crate::{Error, fields, map, plot, sensitivity};
+use crate::tightening::Section;
+use crate::{Error, fields, map, plot};
 use askama::Template;
 use joint_pipeline::Run;
 use joint_pipeline::analysis::ModeBackbone;
@@ -32,6 +34,7 @@ struct Page<'a> {
     periodic: Option<Periodic<'a>>,
     /// None of points of contact, which cover nothing that could be drawn.
     pressure: Option<Picture<'a>>,
+    tightening: Option<Section<'a>>,
     key_numbers: Facts,
     accuracy: Facts,
     mesh_estimates: Vec<(String, Table)>,
@@ -100,6 +103,7 @@ pub fn document(
         sensitivities: sensitivity::figure(&summary.sensitivities)?,
         periodic: periodic(summary, motions),
         pressure: pressure(run),
+        tightening: summary.tightening.as_ref().map(Section::of).transpose()?,
         key_numbers: key_numbers(summary),
         accuracy: accuracy(summary),
         mesh_estimates: mesh_estimates(summary),

@@ -468,7 +468,7 @@ fn lag(phase: f64) -> f64 {
 }
 
 /// Colours of an ordered series, from blue to red.
-fn shade(index: usize, n: usize) -> RGBColor {
+pub(crate) fn shade(index: usize, n: usize) -> RGBColor {
     const STOPS: [[f64; 3]; 5] = [
         [31.0, 93.0, 153.0],
         [33.0, 145.0, 140.0],

@@ -2,7 +2,7 @@
 
 use crate::html::Picture;
 use crate::periodic::{self, PeriodicMotions};
-use crate::{Error, Output, bodies, csv, fields, page, plot, sensitivity};
+use crate::{Error, Output, bodies, csv, fields, page, plot, sensitivity, tightening};
 use joint_pipeline::Run;
 use joint_pipeline::analysis::{Deformed, Fields};
 use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
@@ -118,6 +118,9 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     let is_followed = run.backbones.iter().any(|backbone| !backbone.amplitudes.is_empty());
     if !run.loop_elements.is_empty() && is_followed {
         outputs.push(Output::new(ELEMENT_LOOPS, csv::element_loops(run)?));
+    }
+    if let Some(result) = &summary.tightening {
+        outputs.extend(tightening::outputs(result)?);
     }
     if let Some(ensemble) = &summary.ensemble {
         outputs.push(Output::new(ENSEMBLE, csv::ensemble(ensemble)?));
@@ -238,7 +241,7 @@ fn title(run: &Run, mode: usize) -> String {
 
 /// Tension of the bolts as text.
 pub(crate) fn tensions(run: &Run) -> String {
-    let all = (0..run.model.reduced.loads.len()).map(|bolt| run.scene.tension(bolt) / 1e3);
+    let all = run.prestress.tensions.iter().map(|tension| tension / 1e3);
     let (low, high) = all.fold((f64::INFINITY, 0.0_f64), |(l, h), load| (l.min(load), h.max(load)));
     match low < high {
         true => format!("{low:.3} to {high:.3} kN"),

@@ -7,6 +7,7 @@ use super::validate::Check;
 use super::{MeshBolt, Scene};
 use crate::Error;
 use crate::structure::bolt::{Friction, Metric, Thread};
+use crate::structure::significant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -63,8 +64,8 @@ struct Screw {
     bearing_source: String,
 }
 
-/// The four ways to say how far bolts are tightened.
-const TIGHTENED: [&str; 4] = ["load", "loads", "torque", "torques"];
+/// Relative difference of loads that are the same but for the digits they are written with.
+const ROUND_OFF: f64 = 1e-9;
 
 /// What a torque needs beside it: the field, and a line that gives it.
 const LINES: [(&str, &str); 3] = [
@@ -76,38 +77,39 @@ const LINES: [(&str, &str); 3] = [
     ("head_friction", r#""head_friction": 0.12"#),
 ];
 
-/// Brings the block `bolts` of a file into the form in which it is understood: loads are there, if only as zeros in the place of those
-/// that follow from torques ([`Bolts::follow_torque`]).
+/// Brings the block `bolts` of a file into the form in which it is understood: a load is there, if only as a zero in the place of
+/// the one that follows from torques ([`Bolts::follow_torque`]).
 pub(super) fn prepare(given: &Value, filled: &mut Value) -> Result<(), Refusal> {
     let Some(bolts) = given.get("bolts").and_then(Value::as_object) else {
         return Ok(());
     };
-    let mut said = TIGHTENED.into_iter().filter(|name| bolts.contains_key(*name));
-    let Some(first) = said.next() else {
-        return Ok(());
-    };
-    if let Some(second) = said.next() {
-        let message = match (first, second) {
-            ("load", "loads") => {
-                "bolts.load is that of all bolts, and bolts.loads has one for each; leave one of them out".to_owned()
-            }
-            _ => format!(
-                "bolts.{first} and bolts.{second} both say how far the bolts are tightened; leave one of them out, and write for example \
-                 \"bolts\": {{ \"{first}\": ... }}"
-            ),
-        };
-        return Err(Refusal::of(format!("bolts.{first}"), message));
+    let has = |name: &str| bolts.contains_key(name);
+    if has("torque") && has("torques") {
+        return Err(both("torque", "torques"));
     }
-    match first {
-        "loads" => {
-            if let Some(first) = bolts["loads"].get(0) {
-                filled["bolts"]["load"] = first.clone();
-            }
+    if has("torque") || has("torques") {
+        if !has("load") {
+            filled["bolts"]["load"] = json!(0.0);
         }
-        "torque" | "torques" => filled["bolts"]["load"] = json!(0.0),
-        _ => {}
+    } else if let Some(loads) = bolts.get("loads") {
+        if has("load") {
+            let message = "bolts.load is that of all bolts, and bolts.loads has one for each; leave one of them out";
+            return Err(Refusal::of("bolts.load", message));
+        }
+        if let Some(first) = loads.get(0) {
+            filled["bolts"]["load"] = first.clone();
+        }
     }
     Ok(())
+}
+
+/// Two fields that differ in what they say of the same.
+fn both(first: &str, second: &str) -> Refusal {
+    let message = format!(
+        "bolts.{first} and bolts.{second} both say how far the bolts are tightened; leave one of them out, so that there is for example \
+         \"bolts\": {{ \"{second}\": ... }} alone"
+    );
+    Refusal::of(format!("bolts.{first}"), message)
 }
 
 impl Bolts {
@@ -202,18 +204,33 @@ impl Bolts {
         }))
     }
 
-    /// Turns torques into the loads that they give.
+    /// Turns torques into the loads that they give. Scenes that were written by this program have both, and then they agree.
     pub(super) fn follow_torque(&mut self, mesh: &[MeshBolt]) -> Result<(), Refusal> {
-        let Some(screw) = self.screw(mesh)? else { return Ok(()) };
+        let Some(screw) = self.screw(mesh)? else {
+            return Ok(());
+        };
         let preload =
             |torque: &Torque| Force::from_si(screw.thread.preload(torque.si(), screw.friction, screw.bearing));
-        if let Some(torque) = &self.torque {
-            self.load = preload(torque);
+        let (field, loads): (_, Vec<Force>) = match &self.torque {
+            Some(torque) => ("torque", vec![preload(torque)]),
+            None => ("torques", self.torques.iter().map(preload).collect()),
+        };
+        let Some(first) = loads.first().copied() else {
+            return Ok(());
+        };
+        let differs = |given: &Force, own: &Force| (given.si() - own.si()).abs() > ROUND_OFF * own.si().abs();
+        if self.load.si() != 0.0 && differs(&self.load, &first) {
+            return Err(both("load", field));
         }
-        if let Some(first) = self.torques.first() {
-            self.load = preload(first);
-            self.loads = self.torques.iter().map(preload).collect();
+        let own = match self.torque {
+            Some(_) => Vec::new(),
+            None => loads,
+        };
+        let same = self.loads.len() == own.len() && !self.loads.iter().zip(&own).any(|(a, b)| differs(a, b));
+        if !self.loads.is_empty() && !same {
+            return Err(both("loads", field));
         }
+        (self.load, self.loads) = (first, own);
         Ok(())
     }
 
@@ -308,8 +325,8 @@ impl TorqueReport {
             let sizes = values.iter().map(|value| factor * value);
             let (low, high) = sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
             match high > low * (1.0 + 1e-9) {
-                true => format!("{low:.4} to {high:.4}"),
-                false => format!("{high:.4}"),
+                true => format!("{} to {}", significant(low), significant(high)),
+                false => significant(high),
             }
         };
         let (torque, preload) = (range(&self.torques, 1.0), range(&self.preloads, 1e-3));

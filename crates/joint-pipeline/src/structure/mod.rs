@@ -70,6 +70,11 @@ impl Structure {
                 what: "a deck or matrices",
             });
         }
+        if let (Some(_), Some(mesh)) = (&scene.bolts.tightening, scene.structure.mesh())
+            && let Some(bolt) = mesh.bolts.iter().position(|bolt| bolt.axis.is_none())
+        {
+            return Err(Error::NoElongation { bolt: Some(bolt + 1) });
+        }
         let notes = &mut |note: &str| progress.note(note);
         let masses = &scene.structure.point_masses;
         let joint = match &scene.structure.source {
@@ -100,16 +105,7 @@ impl Structure {
             }
         };
         let mut structure = Self::from_joint(model, scene.bolts.behaviour, joint);
-        if scene.bolts.tightening.is_some() {
-            if let Some(bolt) = scene
-                .structure
-                .mesh()
-                .and_then(|mesh| mesh.bolts.iter().position(|bolt| bolt.axis.is_none()))
-            {
-                return Err(Error::NoElongation { bolt: Some(bolt + 1) });
-            }
-            structure.settings.attachment_modes = true;
-        }
+        structure.settings.attachment_modes |= scene.bolts.tightening.is_some();
         if let Some(mode) = scene.structure.mesh().and_then(|mesh| mesh.response.mode) {
             structure.respond_where_a_mode_moves_most(mode, progress)?;
         }

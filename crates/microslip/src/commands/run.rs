@@ -13,6 +13,8 @@ use joint_pipeline::scene::{self, Length};
 use joint_pipeline::{Options, Run, Scene};
 use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
 use reports::{Output, csv, plot, sensitivity};
+use reports::tightening::TIGHTENING;
+use reports::{Output, csv, plot};
 use run_environment::{peak_memory, provenance, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -354,6 +356,23 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
         let _ = writeln!(
             out,
             "first frequency about the prestress: {first:.3} Hz (interface stuck: {stuck:.3} Hz)"
+        );
+    }
+    if let Some(result) = &summary.tightening {
+        let residual: Vec<String> = result
+            .residual_preloads
+            .iter()
+            .map(|load| format!("{:.3}", 1e-3 * load))
+            .collect();
+        let lowest = result.residual_ratios.iter().copied().fold(f64::INFINITY, f64::min);
+        let _ = writeln!(
+            out,
+            "tightened in {} steps: {} kN are left, at least {:.2} % of the load; {:.2e} of the work on the bolts is dissipated; table in \
+             {TIGHTENING}",
+            result.steps.len(),
+            residual.join(", "),
+            100.0 * lowest,
+            result.energy.dissipated / result.energy.external_work
         );
     }
     if let Some(ensemble) = &summary.ensemble {
