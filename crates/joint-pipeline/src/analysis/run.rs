@@ -197,7 +197,8 @@ impl Prepared {
         options: &Options,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        // A place beside the interface is refused before the time for the reduction is spent.
+        // Bolts and places that do not fit are refused before the time for the reduction is spent.
+        check_bolts(scene, structure.n_bolts())?;
         loop_elements(scene, structure)?;
         let model = structure.reduce(options, progress)?;
         Self::with_model(scene, structure, model, options, progress)
@@ -215,13 +216,7 @@ impl Prepared {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         scene.validate(&scene.name)?;
-        let (given, bolts) = (scene.bolts.loads.len(), model.reduced.loads.len());
-        if given > 0 && given != bolts {
-            return Err(Error::BoltLoads { given, bolts });
-        }
-        if let Some(plan) = &scene.bolts.tightening {
-            plan.check_bolts(bolts)?;
-        }
+        check_bolts(scene, model.reduced.loads.len())?;
         progress.begin(Stage::Characterise);
         let load = bolt_load(scene, &model);
         let interface = SceneInterface::try_new(scene, structure.interface(), &structure.joint.parts, load)?;
@@ -616,6 +611,18 @@ impl Prepared {
             forced,
             checkpoints,
         })
+    }
+}
+
+/// Refuses loads and orders of other bolts than there are.
+fn check_bolts(scene: &Scene, bolts: usize) -> Result<(), Error> {
+    let given = scene.bolts.loads.len();
+    if given > 0 && given != bolts {
+        return Err(Error::BoltLoads { given, bolts });
+    }
+    match &scene.bolts.tightening {
+        Some(plan) => plan.check_bolts(bolts),
+        None => Ok(()),
     }
 }
 

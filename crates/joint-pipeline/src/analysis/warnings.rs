@@ -228,6 +228,7 @@ mod tests {
                 total_load: 3e4,
                 nominal_pressure: 1e7,
             },
+            tightening: Vec::new(),
             rigid_motions: 6,
         };
         let findings = Findings {

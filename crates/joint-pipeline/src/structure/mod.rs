@@ -186,6 +186,14 @@ impl Structure {
         }
     }
 
+    /// How many bolts it has.
+    pub fn n_bolts(&self) -> usize {
+        match &self.joint.bodies {
+            Bodies::Imported(bodies) => bodies.relative.loads.len(),
+            Bodies::Meshed(bodies) => bodies.assembly.loads.len(),
+        }
+    }
+
     /// The interface mesh.
     pub fn interface(&self) -> &InterfaceMesh {
         &self.joint.interface

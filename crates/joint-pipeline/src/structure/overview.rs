@@ -79,14 +79,15 @@ impl Structure {
     /// Of the quadrature of the interface.
     pub fn overview(&self, scene: &Scene) -> Result<Overview, Error> {
         let area = self.symmetry.operators(&self.joint.interface, 2)?.area();
-        let (mesh, point_masses, count) = match &self.joint.bodies {
-            Bodies::Imported(bodies) => (None, 0.0, bodies.relative.loads.len()),
+        let (mesh, point_masses) = match &self.joint.bodies {
+            Bodies::Imported(_) => (None, 0.0),
             Bodies::Meshed(bodies) => {
                 let assembly = &bodies.assembly;
                 let masses = assembly.masses.iter().map(|point| point.mass);
-                (Some(&assembly.mesh), masses.sum(), assembly.loads.len())
+                (Some(&assembly.mesh), masses.sum())
             }
         };
+        let count = self.n_bolts();
         let mass = match &self.joint.bodies {
             Bodies::Imported(bodies) => bodies.mass,
             Bodies::Meshed(bodies) => Some(point_masses + mass(&bodies.assembly.mesh)),

@@ -358,6 +358,9 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
             "first frequency about the prestress: {first:.3} Hz (interface stuck: {stuck:.3} Hz)"
         );
     }
+    if let Some(torque) = &summary.torque {
+        let _ = writeln!(out, "{}", torque.line());
+    }
     if let Some(result) = &summary.tightening {
         let residual: Vec<String> = result
             .residual_preloads
