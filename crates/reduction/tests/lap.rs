@@ -1,7 +1,7 @@
 //! Reduction of a small lap of two blocks against the full model.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use reduction::{Error, InterfacePairs, ReducedModel, RelativeSystem, Settings, checks, reduce};
+use reduction::{Error, Hold, InterfacePairs, ReducedModel, RelativeSystem, Settings, checks, reduce};
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
 use substructure::elements::Formulation;
@@ -539,6 +539,66 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
     let locked = errors.map(|(locked, _)| locked);
     assert!(locked[1][1] < 0.5 * locked[0][1] && locked[2][1] < 0.5 * locked[1][1]);
     assert!(locked[1][0] < 1e-3 && locked[2][0] < 2e-5, "{locked:?}");
+}
+
+#[test]
+fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
+    let (_, relative) = relative(&bolted());
+    let nd = relative.n_relative;
+    let reduced = reduce(&relative, &[], attached(8), &mut |_, _| {}).unwrap();
+    let compliance = reduced.load_compliance().unwrap();
+    let (held, tension) = (3e-6, 2e3);
+    let system = compliance
+        .held(&[Hold::Displacement(held), Hold::Tension(tension)])
+        .unwrap();
+    // Stiffness over the jump, from the full system.
+    let mut first = relative.clone();
+    first.loads.truncate(1);
+    let eliminated = first.locked().unwrap();
+    let direct = reduce(&eliminated, &[], Settings::default(), &mut |_, _| {}).unwrap();
+    let size = (0..nd).map(|i| direct.stiffness[(i, i)]).fold(0.0, f64::max);
+    for j in 0..nd {
+        for i in 0..nd {
+            let difference = (direct.stiffness[(i, j)] - system.stiffness[(i, j)]).abs();
+            assert!(difference < 1e-9 * size, "{i} {j}: {difference:e} of {size:e}");
+        }
+    }
+    // At any jump the first load has moved as it is held, and forces balance beside the jump.
+    let jump: Vec<f64> = (0..nd).map(|i| 1e-6 * (i as f64).sin()).collect();
+    let tensions = system.tensions(&jump);
+    assert_eq!(tensions[1], tension);
+    let all = compliance.displacement(&jump, &tensions);
+    let work = |load: &[f64]| load.iter().zip(&all).map(|(l, u)| l * u).sum::<f64>();
+    assert!((work(&reduced.loads[0]) / held - 1.0).abs() < 1e-9);
+    let moved = compliance.displacements_of_loads(&jump, &tensions);
+    for (load, moved) in reduced.loads.iter().zip(moved) {
+        assert!((work(load) - moved).abs() < 1e-12 * held);
+    }
+    let force = |i: usize| -> (f64, f64) {
+        let elastic = (0..all.len()).map(|j| reduced.stiffness[(i, j)] * all[j]).sum::<f64>();
+        (
+            elastic,
+            tensions.iter().zip(&reduced.loads).map(|(t, load)| t * load[i]).sum(),
+        )
+    };
+    for i in nd..all.len() {
+        let (elastic, load) = force(i);
+        assert!(
+            (elastic - load).abs() < 1e-9 * load.abs().max(1e-3),
+            "{i}: {elastic} {load}"
+        );
+    }
+    // Over the jump what is left is what the held system leaves.
+    for i in 0..nd {
+        let (elastic, load) = force(i);
+        let own = (0..nd).map(|j| system.stiffness[(i, j)] * jump[j]).sum::<f64>() - system.load[i];
+        assert!((elastic - load - own).abs() < 1e-9 * size * 1e-6, "{i}");
+    }
+    let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}).unwrap();
+    assert!(matches!(
+        without.load_compliance(),
+        Err(Error::NoAttachmentModes { .. })
+    ));
 }
 
 #[test]
