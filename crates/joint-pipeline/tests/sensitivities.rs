@@ -202,7 +202,10 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
         });
         for (which, own) in [&one.dln_frequency, &one.dln_damping].into_iter().enumerate() {
             let scale = own.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-            assert!(own.iter().flatten().count() > number / 2, "most amplitudes have a value");
+            assert!(
+                own.iter().flatten().count() > number / 2,
+                "most amplitudes have a value"
+            );
             for (at, own) in own.iter().enumerate() {
                 let Some(own) = own else { continue };
                 let central = (above[at][which] - below[at][which]) / (2.0 * step);
