@@ -34,10 +34,10 @@ fn multiple(a: &CsMat<f64>, of: &CsMat<f64>) -> Option<f64> {
 }
 
 /// Difference of the entries of matrices, relative to the largest, that is round-off of their assembly.
-const SAME: f64 = 1e-13;
+const SAME: f64 = 1e-11;
 
 /// Residual of the modes of structures whose differences are wanted.
-const NEIGHBOUR_TOLERANCE: f64 = 1e-10;
+const NEIGHBOUR_TOLERANCE: f64 = 1e-9;
 
 impl Structure {
     /// The reduced model, from the cache if it holds one for the same inputs.
