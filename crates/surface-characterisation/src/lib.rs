@@ -16,6 +16,7 @@ mod detrend;
 mod error;
 mod evolution;
 mod face;
+pub mod finish;
 mod fits;
 mod gap;
 mod noise;

@@ -25,6 +25,18 @@ pub enum PairRadius {
     Eq6Literal,
 }
 
+impl PairRadius {
+    /// Pair radii along x and y and the effective radius (m) of the sums of both faces' curvatures (1/m).
+    pub(crate) fn of(self, curvature: [f64; 2]) -> ([f64; 2], f64) {
+        let radius = curvature.map(|c| 1.0 / c);
+        let effective = match self {
+            Self::PerDirection => (radius[0] * radius[1]).sqrt(),
+            Self::Eq6Literal => 1.0 / (curvature[0] + curvature[1]),
+        };
+        (radius, effective)
+    }
+}
+
 /// How the peak heights of two faces combine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -317,11 +329,7 @@ pub(crate) fn combine(
             curvature[1 - q]
         }
     });
-    let radius = curvature.map(|c| 1.0 / c);
-    let effective = match options.radius {
-        PairRadius::PerDirection => (radius[0] * radius[1]).sqrt(),
-        PairRadius::Eq6Literal => 1.0 / (curvature[0] + curvature[1]),
-    };
+    let (radius, effective) = options.radius.of(curvature);
     let [top, bottom] = faces.map(|f| f.heights.as_slice());
     let heights = match options.heights {
         HeightCombination::Pooled => [top, bottom].concat(),

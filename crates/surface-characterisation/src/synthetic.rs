@@ -1,11 +1,9 @@
 //! Seeded synthetic faces: Gaussian roughness, waviness, tilt, quantisation and missing data.
 
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
 use crate::error::{SurfaceError, finite, not_negative, positive};
-use crate::random::mix;
+use crate::random::{NormalDeviates, mix};
 use crate::topography::HeightMap;
 
 /// A sinusoidal undulation of a face.
@@ -137,33 +135,6 @@ fn moving_average(length: f64) -> Vec<f64> {
         .collect();
     let norm = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
     weights.into_iter().map(|w| w / norm).collect()
-}
-
-/// Standard normal deviates in pairs (Box and Muller).
-struct NormalDeviates {
-    rng: Pcg64,
-    spare: Option<f64>,
-}
-
-impl NormalDeviates {
-    fn new(seed: u64) -> Self {
-        Self {
-            rng: Pcg64::seed_from_u64(seed),
-            spare: None,
-        }
-    }
-
-    fn next(&mut self) -> f64 {
-        if let Some(z) = self.spare.take() {
-            return z;
-        }
-        // Never zero, so the logarithm exists.
-        let mut uniform = || ((self.rng.next_u64() >> 11) as f64 + 0.5) * 2f64.powi(-53);
-        let radius = (-2.0 * uniform().ln()).sqrt();
-        let (sin, cos) = (std::f64::consts::TAU * uniform()).sin_cos();
-        self.spare = Some(radius * sin);
-        radius * cos
-    }
 }
 
 #[cfg(test)]
