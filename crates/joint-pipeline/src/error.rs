@@ -372,10 +372,20 @@ pub enum Error {
         /// Response of the mass-normalised mode times the root of the total mass.
         participation: f64,
     },
+    /// Roughness parameters that describe no face, or a pair of faces of which no patch can be made.
+    #[error("{place}: {field}: {source}")]
+    Finish {
+        /// File name of the scene.
+        place: String,
+        /// Face, or the pair.
+        field: String,
+        /// What is wrong with it.
+        source: Box<surface_characterisation::finish::FinishError>,
+    },
     /// Samples of heights are asked for of a surface that has none.
     #[error(
-        "the surface has no samples of heights to draw from: measured quantiles and given parameters have none; describe it by \
-         surface.scans or surface.synthetic-scan"
+        "the surface has no samples of heights to draw from: measured quantiles, roughness parameters and given parameters of the \
+         law have none; describe it by surface.scans or surface.synthetic-scan"
     )]
     NoSamples,
     /// No number of bins is exact enough.
@@ -504,6 +514,7 @@ impl Error {
             Self::ReductionTarget { .. } => Some("model.reduction_error"),
             Self::Bins { .. } => Some("law.bins.error"),
             Self::NoSamples => Some("surface"),
+            Self::Finish { field, .. } => Some(field),
             Self::NoResponse { .. } => Some("cqsma.mode"),
             _ => None,
         }

@@ -1,5 +1,6 @@
 //! Asperities of an interface: populations, which one each element has, and the gap of the surface they belong to.
 
+use super::finish::{FinishReport, FinishedSurface};
 use super::surface::{FileReport, ScannedSurface, material};
 use crate::Error;
 use crate::joint::benchmark::MeasuredSurface;
@@ -8,6 +9,9 @@ use contact_laws::{
     AsperityPopulation, AsperitySumCurves, CurveFactors, ElasticPair, GapDistribution, TangentialReading,
 };
 use std::sync::Arc;
+use crate::scene::{Gap, LawKind, Scene};
+use contact_laws::{AsperityPopulation, AsperitySumCurves, ElasticPair, GapDistribution, TangentialReading};
+use surface_characterisation::finish::FlatnessForm;
 use surface_characterisation::{Characterisation, PairAsperities};
 use zte_assembly::{InterfaceMesh, Operators};
 
@@ -22,6 +26,9 @@ pub(crate) struct Asperities {
     pub(crate) of_element: Vec<u32>,
     pub(crate) material: ElasticPair,
     pub(super) scan: Option<Arc<(Characterisation, Vec<FileReport>)>>,
+    pub(super) scan: Option<(Characterisation, Vec<FileReport>)>,
+    /// Of faces by their roughness parameters: what is reported, and the forms within their flatness.
+    pub(super) finish: Option<(FinishReport, Option<[FlatnessForm; 2]>)>,
 }
 
 impl Asperities {
@@ -45,6 +52,26 @@ impl Asperities {
             scan: None,
         }
         .scaled(&scene.scale)
+            finish: None,
+        })
+    }
+
+    /// Those of two faces by their roughness parameters.
+    pub(super) fn finished(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
+        let FinishedSurface {
+            populations,
+            of_element,
+            forms,
+            report,
+            ..
+        } = FinishedSurface::try_new(scene, mesh)?;
+        Ok(Self {
+            populations,
+            of_element,
+            material: material(scene),
+            scan: None,
+            finish: Some((report, forms)),
+        })
     }
 
     /// Those of two scans, element by element.
@@ -121,6 +148,9 @@ impl Asperities {
             Ok((known, factors))
         });
         sums.collect::<Result<_, Error>>().map(Some)
+            scan: Some((found, files)),
+            finish: None,
+        })
     }
 
     /// Those of parts that lie side by side, in their order. None of no parts.
@@ -132,6 +162,7 @@ impl Asperities {
             of_element: Vec::new(),
             material: parts.first()?.material,
             scan: None,
+            finish: None,
         };
         for part in parts {
             let first = joined.populations.len() as u32;
@@ -159,6 +190,12 @@ impl Asperities {
             (None, Gap::Scan, Some((scan, _))) => scan.elements[element as usize].gap.at([x, y]),
             _ => 0.0,
         };
+        if let Some((_, Some(forms))) = &self.finish {
+            let approach = |&x: &[f64; 2]| forms[0].height(x) + forms[1].height(x);
+            let heights: Vec<f64> = operators.positions.iter().map(approach).collect();
+            let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            return heights.into_iter().map(|z| highest - z).collect();
+        }
         operators.positions.iter().zip(element_of).map(gap).collect()
     }
 }

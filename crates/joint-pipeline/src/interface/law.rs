@@ -1,6 +1,7 @@
 //! Traction laws from asperities: sums, tables and fits, and what is reported about them.
 
 use super::asperities::Asperities;
+use super::finish::FinishReport;
 use super::resolved::ResolvedReport;
 use super::surface::{FileReport, U_REF};
 use super::{mean, stiffnesses};
@@ -61,6 +62,9 @@ pub struct AsperityReport {
     /// Files that the surface was scanned from; left out if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scans: Vec<FileReport>,
+    /// Faces by their roughness parameters: assumptions and the interval of the law; left out of others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub finish: Option<Box<FinishReport>>,
     /// Different asperity populations.
     pub n_populations: usize,
     /// Median rms residual of the fits of eq. (28) to the sums, in ln.
@@ -124,6 +128,13 @@ impl Asperities {
     ) -> Result<BuiltLaw, Error> {
         let sums = self.sums(scene.law.tangential)?;
         let fits = self.fits(scene.law.tangential, &sums)?;
+        let fits = match &self.scan {
+            Some((scan, _)) => scan.elements.iter().map(Fit::of_element).collect::<Result<_, _>>()?,
+            None => {
+                let range = self.finish.as_ref().map_or(FIT_RANGE, |(report, _)| report.range());
+                fits_of(&sums, scene.law.tangential, range)?
+            }
+        };
         let NamedLaw {
             kind,
             law,
@@ -261,6 +272,7 @@ impl BuiltLaw {
                 .scan
                 .as_deref()
                 .map_or_else(Vec::new, |(_, files)| files.clone()),
+            finish: asperities.finish.as_ref().map(|(report, _)| Box::new(report.clone())),
             n_populations: asperities.populations.len(),
             fit_rms_normal: median(fits.iter().map(|f| f.rms[0]).collect()),
             fit_rms_tangential: median(fits.iter().map(|f| f.rms[1]).collect()),

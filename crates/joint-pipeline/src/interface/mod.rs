@@ -1,6 +1,7 @@
 //! From a scene's surface and law to the interface.
 
 mod asperities;
+mod finish;
 mod force;
 mod friction;
 mod given;
@@ -10,6 +11,7 @@ mod surface;
 mod variation;
 
 pub(crate) use asperities::Asperities;
+pub use finish::{FinishReport, FinishedFace, FinishedSurface, GreenwoodWilliamsonParameters};
 pub use force::InterfaceForce;
 pub use law::{AsperityReport, LawReport};
 pub use resolved::ResolvedReport;
@@ -126,6 +128,9 @@ impl PartLaw {
                 law_of(Asperities::measured(&measured, &scene, mesh)?)?
             }
             (Surface::SyntheticScan(_) | Surface::Scans(_), None) => law_of(Asperities::scanned(&scene, mesh)?)?,
+            Surface::SyntheticScan(_) | Surface::Scans(_) => law_of(Asperities::scanned(&scene, mesh)?)?,
+            Surface::Finish(_) => law_of(Asperities::finished(&scene, mesh)?)?,
+            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?),
         };
         let (gap, clipped_gaps) = match &from {
             Source::Given(given) => (given.gap.clone(), 0),
@@ -373,6 +378,13 @@ impl PartLaw {
         let populations = drawn.iter().map(|(pair, _)| population(scene, pair));
         let populations = populations.collect::<Result<_, Error>>()?;
         let realisation = asperities.with_populations(populations, &scene.scale)?;
+        let realisation = Asperities {
+            populations: populations.collect::<Result<_, Error>>()?,
+            of_element: asperities.of_element.clone(),
+            material: asperities.material,
+            scan: None,
+            finish: None,
+        };
         let sums = realisation.sums(scene.law.tangential)?;
         let fits = match scene.law.kind {
             LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,

@@ -1,7 +1,7 @@
 //! From a scene's scans to characterised faces, with an account of the files.
 
 use crate::Error;
-use crate::scene::{Length, Place, ScanFile, Scans, Scene, Surface, SyntheticScan};
+use crate::scene::{Length, Place, Readings, ScanFile, Scans, Scene, Surface, SyntheticScan};
 use contact_laws::ElasticPair;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -99,7 +99,9 @@ impl ScannedSurface {
                 let ((top, about_top), (bottom, about_bottom)) = (top?, bottom?);
                 ([top, bottom], vec![about_top, about_bottom])
             }
-            Surface::Measured | Surface::Benchmark(_) | Surface::Parameters(_) => return Err(Error::NoSamples),
+            Surface::Measured | Surface::Benchmark(_) | Surface::Finish(_) | Surface::Parameters(_) => {
+                return Err(Error::NoSamples);
+            }
         };
         let found = characterise(&faces[0], &faces[1], &outlines, &options)?;
         Ok(Self {
@@ -240,11 +242,7 @@ fn set(options: &mut Options, scans: &Scans) {
     options.noise = scans.noise.into();
     options.registration = scans.registration.into();
     options.detrend = scans.detrend;
-    options.radius = scans.readings.radius;
-    options.pair_radius = scans.readings.pair_radius;
-    options.packing_height = scans.readings.packing_height;
-    options.count = scans.readings.count;
-    options.heights = scans.readings.heights;
+    set_readings(options, &scans.readings);
     options.bootstrap = Bootstrap {
         realisations: scans.bootstrap,
         seed: scans.seed,
@@ -252,8 +250,17 @@ fn set(options: &mut Options, scans: &Scans) {
     };
 }
 
+/// Takes over the readings of a scene.
+pub(super) fn set_readings(options: &mut Options, readings: &Readings) {
+    options.radius = readings.radius;
+    options.pair_radius = readings.pair_radius;
+    options.packing_height = readings.packing_height;
+    options.count = readings.count;
+    options.heights = readings.heights;
+}
+
 /// Lowest and highest coordinate of the interface along an axis (m).
-fn bounds(mesh: &InterfaceMesh, axis: usize) -> (f64, f64) {
+pub(super) fn bounds(mesh: &InterfaceMesh, axis: usize) -> (f64, f64) {
     mesh.nodes
         .iter()
         .map(|x| x[axis])

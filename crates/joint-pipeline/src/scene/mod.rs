@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod analysis;
+mod finish;
 mod json;
 mod law;
 mod mesh;
@@ -22,6 +23,7 @@ mod validate;
 
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, InterfacePlace, Method, Output};
+pub use finish::{Finish, FinishFace, Lengths, PowerLaw, Route};
 pub use json::read as read_json;
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
@@ -367,7 +369,7 @@ impl Scene {
         match &self.surface {
             Surface::Measured => self.structure.benchmark()?.surface(),
             Surface::Benchmark(benchmark) => benchmark.surface(),
-            Surface::SyntheticScan(_) | Surface::Scans(_) | Surface::Parameters(_) => None,
+            Surface::SyntheticScan(_) | Surface::Scans(_) | Surface::Finish(_) | Surface::Parameters(_) => None,
         }
     }
 

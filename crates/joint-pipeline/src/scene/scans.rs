@@ -264,7 +264,7 @@ fn or_path(schema: &mut schemars::Schema) {
 }
 
 #[cfg(feature = "schema")]
-fn or(schema: &mut schemars::Schema, short: serde_json::Value) {
+pub(super) fn or(schema: &mut schemars::Schema, short: serde_json::Value) {
     let full = std::mem::take(schema);
     let both = [short, full.into()];
     schema.insert("anyOf".into(), both.to_vec().into());

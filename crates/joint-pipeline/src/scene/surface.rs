@@ -1,5 +1,6 @@
 //! What the traction law of a scene follows from, and the gap between the faces.
 
+use super::finish::Finish;
 use super::scans::{Registration, Scans};
 use super::units::{ArealDensity, ContactStiffness, Length, Stress};
 use crate::joint::benchmark::BenchmarkRef;
@@ -19,6 +20,8 @@ pub enum Surface {
     SyntheticScan(SyntheticScan),
     /// Two scans from files, characterised element by element.
     Scans(Box<Scans>),
+    /// Two faces by their roughness parameters, as a drawing or a roughness report gives them.
+    Finish(Box<Finish>),
     /// No asperities: the parameters of the law themselves.
     Parameters(Parameters),
 }
@@ -42,7 +45,7 @@ impl Surface {
         match self {
             Self::SyntheticScan(scan) => Some(&mut scan.registration),
             Self::Scans(scans) => Some(&mut scans.registration),
-            Self::Measured | Self::Benchmark(_) | Self::Parameters(_) => None,
+            Self::Measured | Self::Benchmark(_) | Self::Finish(_) | Self::Parameters(_) => None,
         }
     }
 }

@@ -449,6 +449,7 @@ impl Scene {
         let of_parts = match &self.surface {
             Surface::Measured | Surface::Benchmark(_) => false,
             Surface::SyntheticScan(_) | Surface::Scans(_) => true,
+            Surface::Finish(finish) => finish.is_random(),
             Surface::Parameters(parameters) => parameters.per != Per::Interface,
         };
         let asymmetric = [
@@ -476,6 +477,19 @@ impl Scene {
                 for (field, value, unit, requirement, ok) in scans.requirements() {
                     check.that(ok, field, value, unit, requirement)?;
                 }
+            }
+            Surface::Finish(finish) => {
+                for (field, value, unit, requirement, ok) in finish.requirements() {
+                    check.that(ok, field, value, unit, requirement)?;
+                }
+                finish.faces(check.place)?;
+                check.that(
+                    finish.flatness.is_none() || self.gap == Gap::Flat,
+                    "surface.finish.flatness",
+                    finish.flatness.map_or(f64::NAN, Length::si),
+                    "m",
+                    "left out where `gap` says what the gap is",
+                )?;
             }
             Surface::Measured | Surface::Benchmark(_) if self.measured_surface().is_none() => {
                 return Err(Error::NoMeasuredSurface {

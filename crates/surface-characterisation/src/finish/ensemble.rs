@@ -1,5 +1,7 @@
 //! Pairs of synthesised patches, characterised like scans.
 
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
 use super::error::{FinishError, positive};
@@ -11,7 +13,7 @@ use crate::characterise::{ElementSurface, characterise};
 use crate::detrend::Detrend;
 use crate::options::Options;
 use crate::partition::ElementOutlines;
-use crate::random::mix;
+use crate::random::{draw, mix};
 use crate::topography::HeightMap;
 
 /// Fewest points of a patch along an axis.
@@ -23,6 +25,11 @@ const STEPS_PER_LENGTH: f64 = 8.0;
 const STEPS_PER_CUTOFF: f64 = 4.0;
 /// Correlation lengths in a patch, unless its size is given.
 const LEAST_LENGTHS: f64 = 8.0;
+
+/// Which of `realisations` patches an element takes by lot: depends on the arguments alone. Zero of none.
+pub fn patch_of_element(seed: u64, element: usize, realisations: usize) -> usize {
+    draw(&mut Pcg64::seed_from_u64(mix(seed, element as u64, 5)), realisations)
+}
 
 /// Two faces, and the patch of them that stands for an interface element.
 #[derive(Debug, Clone, PartialEq)]

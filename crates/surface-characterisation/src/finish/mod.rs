@@ -20,7 +20,7 @@ mod synthesis;
 mod theory;
 mod translation;
 
-pub use ensemble::PairFinish;
+pub use ensemble::{PairFinish, patch_of_element};
 pub use error::FinishError;
 pub use face::{FaceFinish, FaceReport, Process};
 pub use flatness::FlatnessForm;
