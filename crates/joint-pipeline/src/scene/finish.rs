@@ -133,7 +133,10 @@ impl Lengths {
 #[cfg(feature = "schema")]
 fn or_one(schema: &mut schemars::Schema) {
     let one = schema.as_value().pointer("/items").cloned();
-    or(schema, one.unwrap_or_else(|| serde_json::json!({ "type": ["number", "string"] })));
+    or(
+        schema,
+        one.unwrap_or_else(|| serde_json::json!({ "type": ["number", "string"] })),
+    );
 }
 
 impl<'de> Deserialize<'de> for Lengths {
@@ -231,7 +234,13 @@ impl Finish {
             (LEAST_REALISATIONS..=10_000).contains(&number),
         )];
         let mut positive = |field, value: f64| {
-            all.push((field, value, "m", "positive and finite", value.is_finite() && value > 0.0));
+            all.push((
+                field,
+                value,
+                "m",
+                "positive and finite",
+                value.is_finite() && value > 0.0,
+            ));
         };
         if let Some(tolerance) = self.flatness {
             positive("surface.finish.flatness", tolerance.si());

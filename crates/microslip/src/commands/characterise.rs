@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use contact_laws::FittedCurves;
 use durable_files::Identity;
 use joint_pipeline::Scene;
-use joint_pipeline::interface::ScannedSurface;
+use joint_pipeline::interface::{FinishReport, FinishedSurface, SURFACE_SCHEMA_VERSION, ScannedSurface};
 use joint_pipeline::joint::benchmark::BenchmarkRef;
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{Length, Place, PlaneMesh, ScanFile, Scans, StructureSource, Surface};
@@ -17,6 +17,7 @@ use reports::{csv, fields, map, plot};
 use run_environment::{benchmarks, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use surface_characterisation::finish::PERCENTILES;
 use surface_characterisation::readers::{FirstRow, LengthUnit};
 use surface_characterisation::{ElementSurface, GapChange};
 use zte_assembly::InterfaceMesh;
@@ -120,6 +121,18 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     // Before the computation: it would be a pity to find out only afterwards.
     let directory = &arguments.out;
     let folder = arguments.overwrite.open(directory, &identity(&scene), &[REPORT])?;
+    if let Surface::Finish(_) = scene.surface {
+        if arguments.registration_study || arguments.element.is_some() {
+            bail!(
+                "--registration-study and --element belong to scans; the surface of the scene {} is given by roughness parameters",
+                scene.name
+            );
+        }
+        let surface = FinishedSurface::try_new(&scene, &mesh.plane)?;
+        let outputs = finished_outputs(&surface)?;
+        files::publish(folder, &outputs)?;
+        return super::print(&finished_account(&surface, &outputs, directory));
+    }
     let surface = ScannedSurface::try_new(&scene, &mesh.plane)?;
     let study = match arguments.registration_study {
         true => Some(surface.registration_study().context("moving the bottom face")?),
@@ -361,6 +374,75 @@ fn registration(study: &[GapChange]) -> Result<String> {
         [x, y, tx, ty, change.mean, change.rms, change.largest].map(csv::number)
     });
     Ok(csv::table(headings, rows)?)
+}
+
+/// The machine-readable account of faces by their roughness parameters.
+#[derive(serde::Serialize)]
+struct FinishAccount<'a> {
+    schema_version: u32,
+    finish: &'a FinishReport,
+    /// The patches of the ensemble.
+    elements: &'a [ElementSurface],
+}
+
+fn finished_outputs(surface: &FinishedSurface) -> Result<Vec<Output>> {
+    let account = FinishAccount {
+        schema_version: SURFACE_SCHEMA_VERSION,
+        finish: &surface.report,
+        elements: &surface.patches,
+    };
+    let json = serde_json::to_string(&account).context("encoding the surface")?;
+    Ok(vec![
+        Output::new("law.csv", interval(&surface.report)?),
+        Output::new(REPORT, json + "\n"),
+    ])
+}
+
+/// The interval of the law as a table.
+fn interval(report: &FinishReport) -> Result<String> {
+    let law = &report.interval;
+    let quantities = [
+        ("normal [Pa]", &law.normal),
+        ("normal_stiffness [Pa/m]", &law.normal_stiffness),
+        ("tangential_x [Pa/m]", &law.tangential[0]),
+        ("tangential_y [Pa/m]", &law.tangential[1]),
+    ];
+    let mut headings = vec!["interference [m]".to_owned()];
+    for (name, _) in &quantities {
+        headings.extend(PERCENTILES.map(|p| format!("{name} {p} %")));
+    }
+    let rows = law.interference.iter().enumerate().map(|(k, u)| {
+        let values = quantities
+            .iter()
+            .flat_map(|(_, bounds)| bounds.iter().map(move |bound| bound[k]));
+        std::iter::once(*u).chain(values).map(csv::number).collect::<Vec<_>>()
+    });
+    Ok(csv::table(headings, rows)?)
+}
+
+fn finished_account(surface: &FinishedSurface, outputs: &[Output], directory: &Path) -> String {
+    let (report, mut out) = (&surface.report, String::new());
+    // Writing to a string cannot fail.
+    for line in &report.assumptions {
+        let _ = writeln!(out, "assumed: {line}");
+    }
+    let law = &report.interval;
+    let rms = report.sum.m0.sqrt();
+    for part in [0.5, 1.0, 2.0, 4.0] {
+        let k = law
+            .interference
+            .partition_point(|u| *u < part * rms)
+            .min(law.interference.len() - 1);
+        let [low, median, high] = law.normal.each_ref().map(|bound| bound[k]);
+        let _ = writeln!(
+            out,
+            "at {:.2e} m: normal traction {median:.3e} Pa, from {low:.2e} to {high:.2e} Pa in nine of ten patches",
+            law.interference[k]
+        );
+    }
+    let names: Vec<&str> = outputs.iter().map(|o| o.name.as_str()).collect();
+    let _ = writeln!(out, "written to {}: {}", directory.display(), names.join(", "));
+    out
 }
 
 /// What is printed at the end.

@@ -187,10 +187,7 @@ impl PairFinish {
         options: &Options,
     ) -> Result<Vec<ElementSurface>, FinishError> {
         let [x, y] = self.window();
-        let outline = ElementOutlines::try_new(
-            vec![[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]],
-            vec![vec![0, 1, 2, 3]],
-        )?;
+        let outline = ElementOutlines::try_new(vec![[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]], vec![vec![0, 1, 2, 3]])?;
         let found: Vec<Result<ElementSurface, FinishError>> = self
             .patches(realisations, seed)?
             .par_iter()

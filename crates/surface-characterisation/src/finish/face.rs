@@ -235,7 +235,9 @@ impl FaceReport {
             }
             (Some(rms), None, _) => Ok(rms),
             (None, Some(ra), _) => {
-                assumed.push(format!("rq = ra/{ratio:.4}, as the assumed distribution of heights has it"));
+                assumed.push(format!(
+                    "rq = ra/{ratio:.4}, as the assumed distribution of heights has it"
+                ));
                 Ok(ra / ratio)
             }
             (None, None, Some(process)) => {
@@ -355,7 +357,11 @@ mod tests {
         };
         let (face, assumed) = class.face().unwrap();
         assert!((face.rms() / (0.4e-6 * (std::f64::consts::FRAC_PI_2).sqrt()) - 1.0).abs() < 1e-3);
-        assert!(assumed.iter().any(|line| line.contains("ASME B46.1") && line.contains("ground")));
+        assert!(
+            assumed
+                .iter()
+                .any(|line| line.contains("ASME B46.1") && line.contains("ground"))
+        );
         let width = FaceReport {
             correlation_length: None,
             rsm: Some([4.44e-4, 2.22e-4]),
@@ -383,25 +389,128 @@ mod tests {
     fn every_contradiction_is_refused_by_its_name() {
         let error = |report: FaceReport| report.face().unwrap_err().to_string();
         let cases = [
-            (FaceReport { ra: None, ..report() }, "a roughness is not given; add \"ra\""),
-            (FaceReport { ra: Some(-1e-6), ..report() }, "ra = -0.000001 m; it must be positive and finite"),
-            (FaceReport { ra: None, rq: Some(0.0), ..report() }, "rq = 0 m"),
-            (FaceReport { rq: Some(0.7e-6), ..report() }, "ra = 8.0000e-7 m is above rq = 7.0000e-7 m"),
-            (FaceReport { ra: None, sq: Some(2e-6), rz: Some(1e-6), ..report() }, "rq = 2.0000e-6 m is above rz"),
-            (FaceReport { rz: Some(f64::NAN), ..report() }, "rz = NaN m"),
-            (FaceReport { rq: Some(1e-6), sq: Some(1e-6), ..report() }, "`rq` is given together with `sq`"),
-            (FaceReport { correlation_length: None, ..report() }, "the spacing of the roughness is not given; add \"rsm\""),
-            (FaceReport { correlation_length: Some([0.0; 2]), ..report() }, "correlation_length = 0 m"),
-            (FaceReport { correlation_length: None, rsm: Some([-1e-4; 2]), ..report() }, "rsm = -0.0001 m"),
-            (FaceReport { rsm: Some([1e-4; 2]), ..report() }, "rsm = 1.0000e-4 m with correlation_length = 1.0000e-4 m"),
-            (FaceReport { lay: Some(0.1), ..report() }, "`lay_degrees` is given together with `one length for all directions`"),
-            (FaceReport { correlation_length: Some([1e-3, 1e-4]), ..report() }, "the direction of the lay"),
-            (FaceReport { skewness: Some(1.0), kurtosis: Some(1.9), ..report() }, "kurtosis = 1.9 with skewness = 1"),
-            (FaceReport { kurtosis: Some(-1.0), ..report() }, "kurtosis = -1"),
-            (FaceReport { kurtosis: Some(1.01), ..report() }, "beyond what the sinh-arcsinh distribution reaches"),
+            (
+                FaceReport { ra: None, ..report() },
+                "a roughness is not given; add \"ra\"",
+            ),
             (
                 FaceReport {
-                    psd: Some(Spectrum::PowerLaw { hurst: 0.8, rolloff: 1e-3, cutoff: 1e-5 }),
+                    ra: Some(-1e-6),
+                    ..report()
+                },
+                "ra = -0.000001 m; it must be positive and finite",
+            ),
+            (
+                FaceReport {
+                    ra: None,
+                    rq: Some(0.0),
+                    ..report()
+                },
+                "rq = 0 m",
+            ),
+            (
+                FaceReport {
+                    rq: Some(0.7e-6),
+                    ..report()
+                },
+                "ra = 8.0000e-7 m is above rq = 7.0000e-7 m",
+            ),
+            (
+                FaceReport {
+                    ra: None,
+                    sq: Some(2e-6),
+                    rz: Some(1e-6),
+                    ..report()
+                },
+                "rq = 2.0000e-6 m is above rz",
+            ),
+            (
+                FaceReport {
+                    rz: Some(f64::NAN),
+                    ..report()
+                },
+                "rz = NaN m",
+            ),
+            (
+                FaceReport {
+                    rq: Some(1e-6),
+                    sq: Some(1e-6),
+                    ..report()
+                },
+                "`rq` is given together with `sq`",
+            ),
+            (
+                FaceReport {
+                    correlation_length: None,
+                    ..report()
+                },
+                "the spacing of the roughness is not given; add \"rsm\"",
+            ),
+            (
+                FaceReport {
+                    correlation_length: Some([0.0; 2]),
+                    ..report()
+                },
+                "correlation_length = 0 m",
+            ),
+            (
+                FaceReport {
+                    correlation_length: None,
+                    rsm: Some([-1e-4; 2]),
+                    ..report()
+                },
+                "rsm = -0.0001 m",
+            ),
+            (
+                FaceReport {
+                    rsm: Some([1e-4; 2]),
+                    ..report()
+                },
+                "rsm = 1.0000e-4 m with correlation_length = 1.0000e-4 m",
+            ),
+            (
+                FaceReport {
+                    lay: Some(0.1),
+                    ..report()
+                },
+                "`lay_degrees` is given together with `one length for all directions`",
+            ),
+            (
+                FaceReport {
+                    correlation_length: Some([1e-3, 1e-4]),
+                    ..report()
+                },
+                "the direction of the lay",
+            ),
+            (
+                FaceReport {
+                    skewness: Some(1.0),
+                    kurtosis: Some(1.9),
+                    ..report()
+                },
+                "kurtosis = 1.9 with skewness = 1",
+            ),
+            (
+                FaceReport {
+                    kurtosis: Some(-1.0),
+                    ..report()
+                },
+                "kurtosis = -1",
+            ),
+            (
+                FaceReport {
+                    kurtosis: Some(1.01),
+                    ..report()
+                },
+                "beyond what the sinh-arcsinh distribution reaches",
+            ),
+            (
+                FaceReport {
+                    psd: Some(Spectrum::PowerLaw {
+                        hurst: 0.8,
+                        rolloff: 1e-3,
+                        cutoff: 1e-5,
+                    }),
                     ..report()
                 },
                 "`psd` is given together with `correlation_length`",

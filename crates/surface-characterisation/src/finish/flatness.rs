@@ -50,7 +50,11 @@ impl FlatnessForm {
     pub fn height(&self, position: [f64; 2]) -> f64 {
         self.value([0, 1].map(|k| {
             let width = self.high[k] - self.low[k];
-            if width > 0.0 { 2.0 * (position[k] - self.low[k]) / width - 1.0 } else { 0.0 }
+            if width > 0.0 {
+                2.0 * (position[k] - self.low[k]) / width - 1.0
+            } else {
+                0.0
+            }
         }))
     }
 
@@ -58,7 +62,8 @@ impl FlatnessForm {
         let legendre = |x: f64| [1.0, x, 0.5 * (3.0 * x * x - 1.0), 0.5 * (5.0 * x * x - 3.0) * x];
         let [along, across] = at.map(legendre);
         let rows = self.coefficients.iter().zip(along);
-        rows.map(|(row, x)| x * row.iter().zip(across).map(|(c, y)| c * y).sum::<f64>()).sum()
+        rows.map(|(row, x)| x * row.iter().zip(across).map(|(c, y)| c * y).sum::<f64>())
+            .sum()
     }
 }
 
@@ -83,7 +88,10 @@ mod tests {
                     (slope[0], slope[1]) = (slope[0] + z * at[0], slope[1] + z * at[1]);
                 }
             }
-            assert!((greatest - least) / 5e-6 > 0.95 && (greatest - least) / 5e-6 < 1.001, "{seed}");
+            assert!(
+                (greatest - least) / 5e-6 > 0.95 && (greatest - least) / 5e-6 < 1.001,
+                "{seed}"
+            );
             for sum in [mean, slope[0], slope[1]] {
                 assert!((sum / f64::from(n * n)).abs() < 1e-3 * 5e-6);
             }

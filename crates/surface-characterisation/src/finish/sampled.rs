@@ -17,10 +17,10 @@ const LEANS: usize = 16;
 /// Nodes of the height of the middle point for the curvature of translated heights.
 const MIDDLES: usize = 24;
 /// Heights in standard deviations at which the summits are counted, and points of the lattice for each.
-const LOWEST: f64 = -3.0;
-const LEVELS: usize = 64;
-const LEVEL_STEP: f64 = 0.15;
-const LATTICE: usize = 256;
+const LOWEST: f64 = -2.6;
+const LEVELS: usize = 46;
+const LEVEL_STEP: f64 = 0.2;
+const LATTICE: usize = 1024;
 
 /// Upper tail of the standard normal distribution.
 pub(super) fn upper_tail(x: f64) -> f64 {
@@ -84,6 +84,13 @@ impl LinePeaks {
         }
     }
 
+    /// Variance of the bend given the height of the middle, over its mean squared at a height of one standard deviation:
+    /// bandwidth less one, as the squared correlation of height and curvature is one over the bandwidth.
+    pub(super) fn scatter(&self) -> f64 {
+        let variance = self.deviation * self.deviation;
+        variance / (1.0 - variance).max(f64::MIN_POSITIVE)
+    }
+
     /// Share of the peaks above a standard normal value.
     pub(super) fn above(&self, y: f64) -> f64 {
         let tail = |&[weight, mean]: &[f64; 2]| weight * upper_tail((y - mean) / self.deviation);
@@ -124,9 +131,8 @@ impl Summits {
             [1.0, -1.0],
             [-1.0, 1.0],
         ];
-        let correlation = |a: [f64; 2], b: [f64; 2]| {
-            face.normal_correlation([(a[0] - b[0]) * step[0], (a[1] - b[1]) * step[1]])
-        };
+        let correlation =
+            |a: [f64; 2], b: [f64; 2]| face.normal_correlation([(a[0] - b[0]) * step[0], (a[1] - b[1]) * step[1]]);
         let with_middle = AROUND.map(|a| correlation(a, [0.0; 2]));
         let root = cholesky(|i, j| correlation(AROUND[i], AROUND[j]) - with_middle[i] * with_middle[j]);
         let density = |y: f64| {
@@ -159,7 +165,10 @@ impl Summits {
     /// Standard normal value above which `number` of the summits of `points` points lie in the mean.
     pub(super) fn level(&self, points: f64, number: f64) -> f64 {
         let wanted = (number / points).min(self.share());
-        let k = self.above.partition_point(|share| *share >= wanted).clamp(1, LEVELS - 1);
+        let k = self
+            .above
+            .partition_point(|share| *share >= wanted)
+            .clamp(1, LEVELS - 1);
         let [upper, lower] = [self.above[k], self.above[k - 1]].map(|share| share.max(1e-300).ln());
         let part = ((lower - wanted.ln()) / (lower - upper)).clamp(0.0, 1.0);
         LOWEST + (k as f64 - 1.0 + part) * LEVEL_STEP

@@ -184,9 +184,9 @@ impl Spectrum {
                 }
             }
             Self::PowerLaw { .. } => {
-                let [all, second, fourth] = self.shells().fold([0.0; 3], |[a, b, c], (q, w)| {
-                    [a + w, b + w * q * q, c + w * q.powi(4)]
-                });
+                let [all, second, fourth] = self
+                    .shells()
+                    .fold([0.0; 3], |[a, b, c], (q, w)| [a + w, b + w * q * q, c + w * q.powi(4)]);
                 let (second, fourth) = (m0 * second / all, m0 * fourth / all);
                 SpectralMoments {
                     m0,
@@ -343,9 +343,18 @@ mod tests {
             ),
         ] {
             let moments = spectrum.moments(1.0);
-            let expected = [moments.m2[0], moments.m2[2], moments.m2[1], moments.m4[0], moments.m4[4]];
+            let expected = [
+                moments.m2[0],
+                moments.m2[2],
+                moments.m2[1],
+                moments.m4[0],
+                moments.m4[4],
+            ];
             for (found, expected) in from_correlation(&spectrum, h).into_iter().zip(expected) {
-                assert!((found - expected).abs() <= 5e-3 * expected.abs() + 1e-3, "{spectrum:?}: {found} {expected}");
+                assert!(
+                    (found - expected).abs() <= 5e-3 * expected.abs() + 1e-3,
+                    "{spectrum:?}: {found} {expected}"
+                );
             }
         }
     }
@@ -379,10 +388,25 @@ mod tests {
     fn impossible_spectra_are_refused() {
         let law = |hurst, rolloff, cutoff| Spectrum::PowerLaw { hurst, rolloff, cutoff }.validated();
         assert!(law(0.8, 1e-4, 1e-5).is_ok());
-        assert!(matches!(law(1.2, 1e-4, 1e-5), Err(FinishError::Value { field: "psd.hurst", .. })));
+        assert!(matches!(
+            law(1.2, 1e-4, 1e-5),
+            Err(FinishError::Value { field: "psd.hurst", .. })
+        ));
         assert!(matches!(law(0.8, 1e-4, 1e-4), Err(FinishError::Order { .. })));
-        assert!(matches!(law(0.8, 1e-4, 0.0), Err(FinishError::Value { field: "psd.cutoff", .. })));
-        let gaussian = |l| Spectrum::Gaussian { lengths: [l, 1e-4], lay: 0.0 }.validated();
+        assert!(matches!(
+            law(0.8, 1e-4, 0.0),
+            Err(FinishError::Value {
+                field: "psd.cutoff",
+                ..
+            })
+        ));
+        let gaussian = |l| {
+            Spectrum::Gaussian {
+                lengths: [l, 1e-4],
+                lay: 0.0,
+            }
+            .validated()
+        };
         assert!(gaussian(-1e-4).is_err() && gaussian(f64::NAN).is_err() && gaussian(1e-4).is_ok());
     }
 }

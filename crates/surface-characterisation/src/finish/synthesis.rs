@@ -65,8 +65,9 @@ impl Synthesis {
                 };
                 let density = |k: usize| power.density(q(k % size[0], 0).hypot(q(k / size[0], 1)));
                 // The mean height is no roughness.
-                let mut density: Vec<Complex64> =
-                    (0..total).map(|k| if k == 0 { 0.0 } else { density(k) }.into()).collect();
+                let mut density: Vec<Complex64> = (0..total)
+                    .map(|k| if k == 0 { 0.0 } else { density(k) }.into())
+                    .collect();
                 transform(&mut density, size, FftDirection::Inverse);
                 let variance = density[0].re;
                 density
@@ -101,7 +102,11 @@ impl Synthesis {
         let mut field: Vec<Complex64> = Vec::with_capacity(self.amplitudes.len());
         for (row, amplitudes) in self.amplitudes.chunks(self.size[0]).enumerate() {
             let mut normal = NormalDeviates::new(mix(seed, row as u64, 0));
-            field.extend(amplitudes.iter().map(|a| Complex64::new(a * normal.next(), a * normal.next())));
+            field.extend(
+                amplitudes
+                    .iter()
+                    .map(|a| Complex64::new(a * normal.next(), a * normal.next())),
+            );
         }
         transform(&mut field, self.size, FftDirection::Inverse);
         let part = |of: fn(&Complex64) -> f64| {

@@ -14,7 +14,7 @@ use crate::face::{AsperityCount, PackingHeight, packing_count};
 use crate::options::Options;
 use crate::pair::HeightCombination;
 use crate::peaks::RadiusStatistic;
-use crate::random::{mix, uniform};
+use crate::random::{NormalDeviates, mix, uniform};
 
 /// Step of heights, in standard deviations of the rougher face, and of summits, in standard normal values.
 const STEP: f64 = 0.05;
@@ -111,6 +111,19 @@ impl Face {
         self.finish.height(self.summits.level(self.points, number)) - self.datum
     }
 
+    /// The same with the share of its cluster in the mean of those as tall: a summit of curvature c has `1/sqrt(c)` of a ridge
+    /// above a height, along either axis, and curvatures at a height scatter. `deviate` is standard normal.
+    fn drawn_top(&self, number: f64, deviate: f64) -> [f64; 2] {
+        let y = self.summits.level(self.points, number);
+        let [a, b] = self.lines.each_ref().map(LinePeaks::scatter);
+        // Of the mean of two independent ridges; low summits scatter as those at one standard deviation.
+        let width = 0.25 * (a + b).sqrt() / y.max(1.0);
+        [
+            self.finish.height(y) - self.datum,
+            (width * (deviate - 0.5 * width)).exp(),
+        ]
+    }
+
     /// Highest minus lowest point where these numbers of summits are expected beyond each (m).
     fn total_roughness(&self, numbers: [f64; 2]) -> f64 {
         let [top, bottom] = numbers.map(|number| self.summits.level(self.points, number));
@@ -118,7 +131,10 @@ impl Face {
     }
 
     fn tabulate(&mut self, heights: &[f64]) {
-        self.above = heights.iter().map(|z| self.points * self.peaks_above(self.normal(*z))).collect();
+        self.above = heights
+            .iter()
+            .map(|z| self.points * self.peaks_above(self.normal(*z)))
+            .collect();
         // Heights of summits, and how many are expected about each.
         let bins = ((SUMMITS[1] - SUMMITS[0]) / STEP).round() as usize;
         let tops: Vec<[f64; 2]> = (0..bins)
@@ -128,7 +144,11 @@ impl Face {
                 [self.finish.height(y + 0.5 * STEP) - self.datum, number]
             })
             .collect();
-        let of_summits = |z: f64| tops.iter().map(|[t, number]| number * (t - z).max(0.0).sqrt()).sum::<f64>();
+        let of_summits = |z: f64| {
+            tops.iter()
+                .map(|[t, number]| number * (t - z).max(0.0).sqrt())
+                .sum::<f64>()
+        };
         self.weight = heights
             .iter()
             .zip(&self.above)
@@ -280,6 +300,7 @@ impl Theory {
     pub fn realisations(&self, realisations: usize, seed: u64) -> Result<Vec<AsperityPopulation>, FinishError> {
         let drawn = |k: usize| {
             let mut rng = Pcg64::seed_from_u64(mix(seed, k as u64, 4));
+            let mut normal = NormalDeviates::new(mix(seed, k as u64, 6));
             let mut exponential = || -uniform(&mut rng).ln();
             let (mut tops, mut total, mut summits) = (Vec::new(), [0.0; 2], [0.0; 2]);
             for (side, face) in self.faces.iter().enumerate() {
@@ -290,7 +311,7 @@ impl Theory {
                 // Ordered arrivals: the summits from the tallest on.
                 let (mut arrival, mut own) = (first, Vec::new());
                 while arrival < expected {
-                    own.push([face.top(arrival), 1.0]);
+                    own.push(face.drawn_top(arrival, normal.next()));
                     arrival += exponential();
                 }
                 if own.is_empty() {

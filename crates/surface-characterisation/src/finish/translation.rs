@@ -245,11 +245,25 @@ mod tests {
 
     #[test]
     fn heights_have_the_moments_asked_for() {
-        for (s, k) in [(0.0, 3.0), (0.0, 2.7), (-0.8, 4.0), (0.5, 3.2), (-1.5, 7.0), (0.0, 6.0), (1.0, 5.0), (-2.0, 10.0)] {
+        for (s, k) in [
+            (0.0, 3.0),
+            (0.0, 2.7),
+            (-0.8, 4.0),
+            (0.5, 3.2),
+            (-1.5, 7.0),
+            (0.0, 6.0),
+            (1.0, 5.0),
+            (-2.0, 10.0),
+        ] {
             let g = Translation::try_new(s, k).unwrap();
             let moment = |n: i32| normal_nodes().map(|(y, w)| w * g.height(y).powi(n)).sum::<f64>();
             assert!(moment(1).abs() < 1e-10 && (moment(2) - 1.0).abs() < 1e-10, "{s} {k}");
-            assert!((moment(3) - s).abs() < 1e-7 && (moment(4) - k).abs() < 1e-6, "{s} {k}: {} {}", moment(3), moment(4));
+            assert!(
+                (moment(3) - s).abs() < 1e-7 && (moment(4) - k).abs() < 1e-6,
+                "{s} {k}: {} {}",
+                moment(3),
+                moment(4)
+            );
             for y in [-4.0, -0.3, 0.0, 2.0] {
                 assert!((g.normal(g.height(y)) - y).abs() < 1e-9);
                 assert!(g.height(y) < g.height(y + 1e-3));
@@ -274,9 +288,18 @@ mod tests {
 
     #[test]
     fn impossible_moments_are_refused() {
-        assert!(matches!(Translation::try_new(1.0, 2.0), Err(FinishError::Kurtosis { .. })));
-        assert!(matches!(Translation::try_new(0.0, -3.0), Err(FinishError::Kurtosis { .. })));
-        assert!(matches!(Translation::try_new(f64::NAN, 3.0), Err(FinishError::Value { .. })));
+        assert!(matches!(
+            Translation::try_new(1.0, 2.0),
+            Err(FinishError::Kurtosis { .. })
+        ));
+        assert!(matches!(
+            Translation::try_new(0.0, -3.0),
+            Err(FinishError::Kurtosis { .. })
+        ));
+        assert!(matches!(
+            Translation::try_new(f64::NAN, 3.0),
+            Err(FinishError::Value { .. })
+        ));
         let error = Translation::try_new(0.0, 1.05).unwrap_err();
         assert!(matches!(error, FinishError::Translation { .. }), "{error:?}");
     }
