@@ -25,6 +25,8 @@ const STEPS_PER_LENGTH: f64 = 8.0;
 const STEPS_PER_CUTOFF: f64 = 4.0;
 /// Correlation lengths in a patch, unless its size is given.
 const LEAST_LENGTHS: f64 = 8.0;
+/// Correlation lengths in a patch whose size is given.
+const FEWEST_LENGTHS: f64 = 4.0;
 
 /// Which of `realisations` patches an element takes by lot: depends on the arguments alone. Zero of none.
 pub fn patch_of_element(seed: u64, element: usize, realisations: usize) -> usize {
@@ -50,7 +52,8 @@ impl PairFinish {
     /// wavelength, of the face with the finer detail.
     ///
     /// # Errors
-    /// Lengths that are not positive, a correlation length below two steps, too few or too many points.
+    /// Lengths that are not positive, a correlation length below two steps, too few or too many points, a window of fewer than 4
+    /// correlation lengths.
     pub fn try_new(
         faces: [FaceFinish; 2],
         step: Option<[f64; 2]>,
@@ -123,6 +126,15 @@ impl PairFinish {
                     points: count,
                     least: LEAST_POINTS,
                     most: MOST_POINTS,
+                });
+            }
+            let longest = faces.iter().map(|f| f.spectrum().extent()[k]).fold(0.0, f64::max);
+            if wanted[k] < FEWEST_LENGTHS * longest {
+                return Err(FinishError::Value {
+                    field: "window",
+                    value: wanted[k],
+                    unit: "m",
+                    requirement: "at least 4 correlation lengths, or 4/5 of a roll-off wavelength: a patch holds several asperities",
                 });
             }
             points[k] = count as usize;

@@ -311,15 +311,17 @@ impl FaceReport {
                 lengths
             }
         };
+        // The same length in two units may differ in its last bits.
+        let isotropic = (lengths[0] / lengths[1] - 1.0).abs() < 1e-9;
         let lay = match self.lay {
-            Some(_) if lengths[0] == lengths[1] => {
+            Some(_) if isotropic => {
                 return Err(FinishError::Conflict {
                     field: "lay_degrees",
                     other: "one length for all directions",
                     remedy: "give two lengths, along and across the lay, or leave the lay out",
                 });
             }
-            None if lengths[0] != lengths[1] => {
+            None if !isotropic => {
                 return Err(FinishError::Missing {
                     what: "the direction of the lay, along which the first of two lengths is,",
                     remedy: "add \"lay_degrees\", from x towards y, such as \"lay_degrees\": 90",
