@@ -187,7 +187,9 @@ fn laws_of_every_kind_have_nearly_the_same_stiffness() {
             interface(&scene).unwrap().report().normal_stiffness
         };
         let table = stiffness(LawKind::Tabulated);
-        assert!((stiffness(LawKind::AsperitySum) / table - 1.0).abs() < 0.1);
+        if route == "fast" {
+            assert!((stiffness(LawKind::AsperitySum) / table - 1.0).abs() < 0.01);
+        }
         // Eq. (28) has five parameters for a range of three decades.
         assert!((stiffness(LawKind::Fitted) / table - 1.0).abs() < 0.3);
     }

@@ -26,7 +26,7 @@ const SUMMITS: [f64; 2] = [-3.0, 6.5];
 /// Peaks of profiles come in clusters: about a summit of height `t` the lines of the grid cross a ridge that falls as a
 /// parabola, so that `sqrt(t - z)` of them lie above `z`, but for a factor. With the summits as a Poisson process of intensity
 /// `Lambda`, `N(z) = w(z) sum_i sqrt(t_i - z)` peaks lie above `z`, and `w` follows from the expected number of peaks, which is
-/// known at any height ([`LinePeaks`]).
+/// known at any height.
 #[derive(Debug, Clone)]
 pub struct Theory {
     faces: [Face; 2],
