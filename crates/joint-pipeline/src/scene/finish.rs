@@ -230,8 +230,8 @@ impl Finish {
             "surface.finish.realisations",
             number as f64,
             "",
-            "from 19 (fewer do not hold 90 % between them) to 10000",
-            (LEAST_REALISATIONS..=10_000).contains(&number),
+            "from 19 (fewer do not hold 90 % between them) to 1000",
+            (LEAST_REALISATIONS..=1000).contains(&number),
         )];
         let mut positive = |field, value: f64| {
             all.push((

@@ -14,12 +14,11 @@ use crate::detrend::Detrend;
 use crate::options::Options;
 use crate::partition::ElementOutlines;
 use crate::random::{draw, mix};
-use crate::topography::HeightMap;
 
 /// Fewest points of a patch along an axis.
 pub(super) const LEAST_POINTS: usize = 16;
 /// Most points of a patch along an axis.
-const MOST_POINTS: usize = 2048;
+pub(super) const MOST_POINTS: usize = 2048;
 /// Grid steps in a correlation length, and in a cut-off wavelength, unless the step is given.
 const STEPS_PER_LENGTH: f64 = 8.0;
 const STEPS_PER_CUTOFF: f64 = 4.0;
@@ -163,61 +162,45 @@ impl PairFinish {
         x * y
     }
 
-    /// `realisations` independent pairs of patches, top and bottom. Each depends on the pair, the seed and its number alone.
+    /// `realisations` independent pairs of patches as elements, by the characterisation that scans go through; `options` give
+    /// material, readings and interferences. Each depends on the pair, the options, the seed and its number alone.
     ///
     /// # Errors
-    /// Those of [`Synthesis`].
-    pub fn patches(&self, realisations: usize, seed: u64) -> Result<Vec<[HeightMap; 2]>, FinishError> {
-        let syntheses = [0, 1].map(|side| Synthesis::try_new(&self.faces[side], self.step, self.points));
-        let [top, bottom] = syntheses;
-        let sides = [top?, bottom?];
-        let twos: Vec<Result<[[HeightMap; 2]; 2], FinishError>> = (0..realisations.div_ceil(2))
-            .into_par_iter()
-            .map(|k| {
-                let of = |side: usize| sides[side].pair(mix(seed, k as u64, side as u64));
-                let ([top_a, top_b], [bottom_a, bottom_b]) = (of(0)?, of(1)?);
-                Ok([[top_a, bottom_a], [top_b, bottom_b]])
-            })
-            .collect();
-        let mut patches = Vec::with_capacity(realisations + 1);
-        for two in twos {
-            patches.extend(two?);
-        }
-        patches.truncate(realisations);
-        Ok(patches)
-    }
-
-    /// The same pairs as elements, by the characterisation that scans go through; `options` give material, readings and
-    /// interferences.
-    ///
-    /// # Errors
-    /// Those of [`PairFinish::patches`] and [`characterise`].
+    /// Those of [`Synthesis`] and [`characterise`].
     pub fn characterised(
         &self,
         realisations: usize,
         seed: u64,
         options: &Options,
     ) -> Result<Vec<ElementSurface>, FinishError> {
+        let [top, bottom] = [0, 1].map(|side| Synthesis::try_new(&self.faces[side], self.step, self.points));
+        let (top, bottom) = (top?, bottom?);
         let [x, y] = self.window();
         let outline = ElementOutlines::try_new(vec![[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]], vec![vec![0, 1, 2, 3]])?;
-        let found: Vec<Result<ElementSurface, FinishError>> = self
-            .patches(realisations, seed)?
-            .par_iter()
-            .enumerate()
-            .map(|(k, [top, bottom])| {
-                let options = Options {
-                    detrend: Detrend::WholeFace,
-                    bootstrap: Bootstrap {
-                        realisations: 0,
-                        seed: mix(seed, k as u64, 2),
-                        ..options.bootstrap
-                    },
-                    ..*options
-                };
-                let mut found = characterise(top, bottom, &outline, &options)?;
-                Ok(found.elements.swap_remove(0))
-            })
-            .collect();
-        found.into_iter().collect()
+        // A transform makes two patches of a face: two realisations at a time, whose maps are dropped once characterised.
+        let two = |k: usize| {
+            let tops = top.pair(mix(seed, k as u64, 0))?;
+            let bottoms = bottom.pair(mix(seed, k as u64, 1))?;
+            let number = |part: usize| 2 * k + part;
+            let pairs = tops.iter().zip(&bottoms).enumerate();
+            let found = pairs
+                .filter(|(part, _)| number(*part) < realisations)
+                .map(|(part, (top, bottom))| {
+                    let options = Options {
+                        detrend: Detrend::WholeFace,
+                        bootstrap: Bootstrap {
+                            realisations: 0,
+                            seed: mix(seed, number(part) as u64, 2),
+                            ..options.bootstrap
+                        },
+                        ..*options
+                    };
+                    let mut found = characterise(top, bottom, &outline, &options)?;
+                    Ok(found.elements.swap_remove(0))
+                });
+            found.collect::<Result<Vec<_>, FinishError>>()
+        };
+        let found: Vec<_> = (0..realisations.div_ceil(2)).into_par_iter().map(two).collect();
+        Ok(found.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }
 }

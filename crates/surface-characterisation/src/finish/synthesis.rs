@@ -13,7 +13,7 @@ use crate::topography::HeightMap;
 /// Correlation lengths between the patch and its periodic image, beyond which a Gaussian correlation is below 1e-6.
 const APART: f64 = 4.0;
 /// Greatest number of points of the periodic grid.
-const MOST: usize = 1 << 24;
+const MOST: usize = 1 << 22;
 
 /// Makes faces of one finish on one grid: circulant embedding (Dietrich and Newsam, SIAM J. Sci. Comput. 18, 1997,
 /// doi 10.1137/S1064827592240555) of the correlation that the translation turns into the prescribed one.
@@ -32,7 +32,7 @@ impl Synthesis {
     /// For patches of `points` along x and y at distances `step` (m).
     ///
     /// # Errors
-    /// [`FinishError::Points`] if the periodic grid around the patch has more than 2^24 points.
+    /// [`FinishError::Points`] if the periodic grid around the patch has more than 2^22 points.
     pub fn try_new(face: &FaceFinish, step: [f64; 2], points: [usize; 2]) -> Result<Self, FinishError> {
         let extent = face.spectrum().extent();
         let wanted = [0, 1].map(|axis| {
@@ -128,7 +128,7 @@ fn too_many(axis: usize, step: [f64; 2], wanted: [f64; 2]) -> FinishError {
         step: step[axis],
         points: wanted[axis],
         least: super::ensemble::LEAST_POINTS,
-        most: MOST / 2,
+        most: super::ensemble::MOST_POINTS,
     }
 }
 
