@@ -56,7 +56,7 @@ fn both_routes_give_a_law_its_interval_and_every_assumption() {
             "top face: skewness 0",
             "bottom face: kurtosis 3",
             "top face: Gaussian autocorrelation",
-            "bottom face: rq = ra/0.79",
+            "bottom face: rq = ra/0.7979",
             "top face: correlation length l = rsm/4.443",
             "window ",
             "grid steps ",
