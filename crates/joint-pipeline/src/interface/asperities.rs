@@ -9,8 +9,6 @@ use contact_laws::{
     AsperityPopulation, AsperitySumCurves, CurveFactors, ElasticPair, GapDistribution, TangentialReading,
 };
 use std::sync::Arc;
-use crate::scene::{Gap, LawKind, Scene};
-use contact_laws::{AsperityPopulation, AsperitySumCurves, ElasticPair, GapDistribution, TangentialReading};
 use surface_characterisation::finish::FlatnessForm;
 use surface_characterisation::{Characterisation, PairAsperities};
 use zte_assembly::{InterfaceMesh, Operators};
@@ -26,9 +24,8 @@ pub(crate) struct Asperities {
     pub(crate) of_element: Vec<u32>,
     pub(crate) material: ElasticPair,
     pub(super) scan: Option<Arc<(Characterisation, Vec<FileReport>)>>,
-    pub(super) scan: Option<(Characterisation, Vec<FileReport>)>,
     /// Of faces by their roughness parameters: what is reported, and the forms within their flatness.
-    pub(super) finish: Option<(FinishReport, Option<[FlatnessForm; 2]>)>,
+    pub(super) finish: Option<Arc<(FinishReport, Option<[FlatnessForm; 2]>)>>,
 }
 
 impl Asperities {
@@ -50,10 +47,9 @@ impl Asperities {
             of_element: vec![0; mesh.elements.len()],
             material: material(scene),
             scan: None,
+            finish: None,
         }
         .scaled(&scene.scale)
-            finish: None,
-        })
     }
 
     /// Those of two faces by their roughness parameters.
@@ -65,13 +61,16 @@ impl Asperities {
             report,
             ..
         } = FinishedSurface::try_new(scene, mesh)?;
-        Ok(Self {
+        Self {
             populations,
+            known: None,
+            height: 1.0,
             of_element,
             material: material(scene),
             scan: None,
-            finish: Some((report, forms)),
-        })
+            finish: Some(Arc::new((report, forms))),
+        }
+        .scaled(&scene.scale)
     }
 
     /// Those of two scans, element by element.
@@ -85,6 +84,7 @@ impl Asperities {
             of_element: (0..mesh.elements.len() as u32).collect(),
             material: material(scene),
             scan: Some(Arc::new((found, files))),
+            finish: None,
         }
         .scaled(&scene.scale)
     }
@@ -98,6 +98,7 @@ impl Asperities {
             of_element: self.of_element.clone(),
             material: self.material,
             scan: None,
+            finish: self.finish.clone(),
         }
         .scaled(scale)
     }
@@ -111,6 +112,7 @@ impl Asperities {
             of_element: self.of_element.clone(),
             material: material(scene),
             scan: self.scan.clone(),
+            finish: self.finish.clone(),
         }
         .scaled(&scene.scale)
     }
@@ -148,9 +150,6 @@ impl Asperities {
             Ok((known, factors))
         });
         sums.collect::<Result<_, Error>>().map(Some)
-            scan: Some((found, files)),
-            finish: None,
-        })
     }
 
     /// Those of parts that lie side by side, in their order. None of no parts.
@@ -190,7 +189,7 @@ impl Asperities {
             (None, Gap::Scan, Some((scan, _))) => scan.elements[element as usize].gap.at([x, y]),
             _ => 0.0,
         };
-        if let Some((_, Some(forms))) = &self.finish {
+        if let Some((_, Some(forms))) = self.finish.as_deref() {
             let approach = |&x: &[f64; 2]| forms[0].height(x) + forms[1].height(x);
             let heights: Vec<f64> = operators.positions.iter().map(approach).collect();
             let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);

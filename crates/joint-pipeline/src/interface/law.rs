@@ -128,13 +128,6 @@ impl Asperities {
     ) -> Result<BuiltLaw, Error> {
         let sums = self.sums(scene.law.tangential)?;
         let fits = self.fits(scene.law.tangential, &sums)?;
-        let fits = match &self.scan {
-            Some((scan, _)) => scan.elements.iter().map(Fit::of_element).collect::<Result<_, _>>()?,
-            None => {
-                let range = self.finish.as_ref().map_or(FIT_RANGE, |(report, _)| report.range());
-                fits_of(&sums, scene.law.tangential, range)?
-            }
-        };
         let NamedLaw {
             kind,
             law,
@@ -156,7 +149,8 @@ impl Asperities {
     /// Fits of eqs. (28) and (29): those of the scans, or to the sums, as the scene scales them.
     fn fits(&self, reading: TangentialReading, sums: &[AsperitySumCurves]) -> Result<Vec<Fit>, Error> {
         let known = self.known_sums(reading, sums)?;
-        let of_sums = |sums: &[AsperitySumCurves]| fits_of(sums, reading, FIT_RANGE);
+        let range = self.finish.as_deref().map_or(FIT_RANGE, |(report, _)| report.range());
+        let of_sums = |sums: &[AsperitySumCurves]| fits_of(sums, reading, range);
         let fits: Vec<Fit> = match (self.scan.as_deref(), &known) {
             (Some((scan, _)), _) => scan.elements.iter().map(Fit::of_element).collect::<Result<_, _>>()?,
             (None, None) => of_sums(sums)?,
@@ -272,7 +266,7 @@ impl BuiltLaw {
                 .scan
                 .as_deref()
                 .map_or_else(Vec::new, |(_, files)| files.clone()),
-            finish: asperities.finish.as_ref().map(|(report, _)| Box::new(report.clone())),
+            finish: asperities.finish.as_deref().map(|(report, _)| Box::new(report.clone())),
             n_populations: asperities.populations.len(),
             fit_rms_normal: median(fits.iter().map(|f| f.rms[0]).collect()),
             fit_rms_tangential: median(fits.iter().map(|f| f.rms[1]).collect()),

@@ -111,7 +111,9 @@ impl PartLaw {
             let built = asperities.law(&scene, &operators, &element_of, &mu, pressure)?;
             Ok(Source::Asperities(Box::new(built)))
         };
-        let known = known.and_then(|part| match &part.from {
+        // Populations depend on the surface, and on how the law takes them.
+        let is_same = |part: &&Self| part.scene.surface == scene.surface && part.scene.law.kind == scene.law.kind;
+        let known = known.filter(is_same).and_then(|part| match &part.from {
             Source::Given(_) => None,
             Source::Asperities(built) => Some(&built.asperities),
         });
@@ -128,9 +130,7 @@ impl PartLaw {
                 law_of(Asperities::measured(&measured, &scene, mesh)?)?
             }
             (Surface::SyntheticScan(_) | Surface::Scans(_), None) => law_of(Asperities::scanned(&scene, mesh)?)?,
-            Surface::SyntheticScan(_) | Surface::Scans(_) => law_of(Asperities::scanned(&scene, mesh)?)?,
-            Surface::Finish(_) => law_of(Asperities::finished(&scene, mesh)?)?,
-            Surface::Parameters(parameters) => Source::Given(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?),
+            (Surface::Finish(_), None) => law_of(Asperities::finished(&scene, mesh)?)?,
         };
         let (gap, clipped_gaps) = match &from {
             Source::Given(given) => (given.gap.clone(), 0),
@@ -378,13 +378,6 @@ impl PartLaw {
         let populations = drawn.iter().map(|(pair, _)| population(scene, pair));
         let populations = populations.collect::<Result<_, Error>>()?;
         let realisation = asperities.with_populations(populations, &scene.scale)?;
-        let realisation = Asperities {
-            populations: populations.collect::<Result<_, Error>>()?,
-            of_element: asperities.of_element.clone(),
-            material: asperities.material,
-            scan: None,
-            finish: None,
-        };
         let sums = realisation.sums(scene.law.tangential)?;
         let fits = match scene.law.kind {
             LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,
