@@ -72,6 +72,13 @@ pub enum Error {
     Derivatives {
         /// Of what, and why.
         of: &'static str,
+    /// Uncertain inputs that cannot be sampled.
+    #[error("uncertain.{field}: {reason}")]
+    Uncertain {
+        /// Field within `uncertain`.
+        field: String,
+        /// Why, and what can be done.
+        reason: String,
     },
     /// Shapes of a structure without a mesh.
     #[error(
@@ -498,6 +505,7 @@ impl Error {
             Self::MeshScene { field, .. } => Some(field),
             Self::Parameter { path, .. } => Some(path),
             Self::Derivatives { .. } => Some("sensitivities"),
+            Self::Uncertain { field, .. } => Some(field),
             Self::Value { field, .. }
             | Self::NodeSet { field, .. }
             | Self::NoMeasuredSurface { field, .. }

@@ -14,6 +14,7 @@ mod scoped;
 mod store;
 pub mod structure;
 
+pub use analysis::uncertainty::run_samples;
 pub use analysis::{Run, run, run_ensemble};
 pub use error::Error;
 pub use joint::benchmark::{Benchmark, Benchmarks};

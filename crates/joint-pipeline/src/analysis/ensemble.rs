@@ -10,6 +10,7 @@ use crate::progress::{Progress, Stage};
 use crate::scene::Scene;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use rayon::prelude::*;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -75,66 +76,94 @@ pub struct Ensemble {
     pub members: Vec<Member>,
 }
 
-/// Runs the realisations that `checkpoint` does not hold, and gives all of them with what lets the run resume.
-pub(crate) fn members(
-    scene: &Scene,
-    realisations: usize,
-    checkpoint: Checkpoint<Member>,
-    progress: &dyn Progress,
-    analyse: impl Fn(usize, &dyn Progress) -> Result<Analysis, Error> + Sync,
-) -> Result<(Vec<Member>, Checkpoints), Error> {
-    let pending: Vec<usize> = (0..realisations).filter(|k| !checkpoint.holds(*k)).collect();
-    let found = realisations - pending.len();
-    if found > 0 {
-        progress.note(&format!(
-            "{found} of {realisations} realisations were taken from an interrupted run"
-        ));
+/// The scene with the loops of its first mode followed alone, or of all: fields, other methods and what else is asked for are left to the
+/// run of the scene itself.
+pub(super) fn loops_alone(scene: &Scene, all_modes: bool) -> Scene {
+    let mut scene = scene.clone();
+    if !all_modes {
+        scene.cqsma.mode = scene.cqsma.followed()[0];
+        scene.cqsma.modes_of_interest.clear();
     }
-    let loops = scene.cqsma.amplitudes.max(1);
-    let inner = Within {
-        progress,
-        finished: AtomicUsize::new(found * loops),
-        all: realisations * loops,
-    };
-    let member = |&k: &usize| {
-        let mut loops = Checkpoints::default();
-        let member = match analyse(k, &inner) {
-            Ok(analysis) => {
-                loops = analysis.checkpoints;
-                Member::new(k, &analysis.modes[0].amplitudes, scene.background_damping)
-            }
-            Err(Error::Solver(cqsma_solver::Error::Interrupted)) => {
-                return Err(Error::Solver(cqsma_solver::Error::Interrupted));
-            }
-            Err(error) => Member {
-                realisation: k,
-                points: Vec::new(),
-                not_converged: 0,
-                failure: Some(error.to_string()),
-            },
-        };
-        // The loops go first: nobody looks for those of a realisation that the checkpoint holds.
-        let left = loops.try_remove();
-        if left.is_empty() {
-            checkpoint.add(k, &member);
-        }
-        Ok((k, member, left))
-    };
-    let mut fresh = Vec::with_capacity(pending.len());
-    // As many at a time as there are threads: a thread that waits for the loops of one may begin another, and so on without
-    // end.
-    for some in pending.chunks(rayon::current_num_threads().max(1)) {
-        fresh.extend(some.par_iter().map(member).collect::<Result<Vec<_>, Error>>()?);
-    }
-    let (mut done, mut checkpoints) = checkpoint.complete();
-    for (k, member, left) in fresh {
-        done.insert(k, member);
-        checkpoints.extend(left);
-    }
-    Ok((done.into_values().take(realisations).collect(), checkpoints))
+    scene.methods.clear();
+    scene.epmc = None;
+    scene.forced = None;
+    scene.sensitivities.clear();
+    scene.uncertain = None;
+    scene.output.fields_at = Some(Vec::new());
+    scene.output.deformed = false;
+    scene.cqsma.loops_at.clear();
+    scene
 }
 
-/// Shows the loops of all realisations as the progress of one stage.
+/// Analyses many variants of a scene.
+pub(super) struct Batch<'a> {
+    /// What they are called in messages.
+    pub(super) name: &'a str,
+    /// How many.
+    pub(super) number: usize,
+    /// Loops of each.
+    pub(super) loops: usize,
+    pub(super) progress: &'a dyn Progress,
+}
+
+impl Batch<'_> {
+    /// Analyses those that `checkpoint` does not hold, and gives what `describe` makes of each, with what lets the run resume.
+    ///
+    /// # Errors
+    /// An interruption; whatever else ends a variant is described.
+    pub(super) fn run<M: Serialize + DeserializeOwned + Send + Sync>(
+        &self,
+        checkpoint: Checkpoint<M>,
+        analyse: impl Fn(usize, &dyn Progress) -> Result<Analysis, Error> + Sync,
+        describe: impl Fn(usize, Result<&Analysis, Error>) -> M + Sync,
+    ) -> Result<(Vec<M>, Checkpoints), Error> {
+        let (all, name, progress) = (self.number, self.name, self.progress);
+        let pending: Vec<usize> = (0..all).filter(|k| !checkpoint.holds(*k)).collect();
+        let found = all - pending.len();
+        if found > 0 {
+            progress.note(&format!("{found} of {all} {name} were taken from an interrupted run"));
+        }
+        let inner = Within {
+            progress,
+            finished: AtomicUsize::new(found * self.loops),
+            all: all * self.loops,
+        };
+        let member = |&k: &usize| {
+            let mut loops = Checkpoints::default();
+            let member = match analyse(k, &inner) {
+                Ok(analysis) => {
+                    let member = describe(k, Ok(&analysis));
+                    loops = analysis.checkpoints;
+                    member
+                }
+                Err(Error::Solver(cqsma_solver::Error::Interrupted)) => {
+                    return Err(Error::Solver(cqsma_solver::Error::Interrupted));
+                }
+                Err(error) => describe(k, Err(error)),
+            };
+            // The loops go first: nobody looks for those of a variant that the checkpoint holds.
+            let left = loops.try_remove();
+            if left.is_empty() {
+                checkpoint.add(k, &member);
+            }
+            Ok((k, member, left))
+        };
+        let mut fresh = Vec::with_capacity(pending.len());
+        // As many at a time as there are threads: a thread that waits for the loops of one may begin another, and so on without
+        // end.
+        for some in pending.chunks(rayon::current_num_threads().max(1)) {
+            fresh.extend(some.par_iter().map(member).collect::<Result<Vec<_>, Error>>()?);
+        }
+        let (mut done, mut checkpoints) = checkpoint.complete();
+        for (k, member, left) in fresh {
+            done.insert(k, member);
+            checkpoints.extend(left);
+        }
+        Ok((done.into_values().take(all).collect(), checkpoints))
+    }
+}
+
+/// Shows the loops of all variants as the progress of one stage.
 struct Within<'a> {
     progress: &'a dyn Progress,
     finished: AtomicUsize,
@@ -155,7 +184,20 @@ impl Progress for Within<'_> {
 }
 
 impl Member {
-    pub(crate) fn new(realisation: usize, amplitudes: &[AmplitudeResult], background: f64) -> Self {
+    /// What a realisation is, or why it is none.
+    pub(super) fn new(realisation: usize, found: Result<&Analysis, Error>, background: f64) -> Self {
+        match found {
+            Ok(analysis) => Self::of(realisation, &analysis.modes[0].amplitudes, background),
+            Err(error) => Self {
+                realisation,
+                points: Vec::new(),
+                not_converged: 0,
+                failure: Some(error.to_string()),
+            },
+        }
+    }
+
+    pub(crate) fn of(realisation: usize, amplitudes: &[AmplitudeResult], background: f64) -> Self {
         let points: Vec<MemberPoint> = amplitudes
             .iter()
             .filter_map(|a| {
@@ -255,7 +297,7 @@ fn bands(members: &[Member], amplitudes: impl Iterator<Item = f64>) -> Vec<BandP
 }
 
 /// Percentile of sorted values with linear interpolation between order statistics.
-fn percentile(sorted: &[f64], p: f64) -> f64 {
+pub(super) fn percentile(sorted: &[f64], p: f64) -> f64 {
     let position = p * (sorted.len() - 1) as f64;
     let below = position.floor() as usize;
     let part = position - below as f64;

@@ -3,7 +3,7 @@
 use super::backbone::{self, uniform};
 use super::deformed::Deformed;
 use super::element_loops;
-use super::ensemble::{self, Ensemble};
+use super::ensemble::{self, Ensemble, Member};
 use super::methods::MethodResult;
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
 use super::periodic::{self, EpmcBackbone, ForcedResponse};
@@ -174,6 +174,15 @@ pub fn run_ensemble(
 /// # Errors
 /// Of the mesher, the finite elements, the reduction, the surface and the laws.
 pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Prepared, Error> {
+    prepare_on(scene, options, progress).map(|(_, prepared)| prepared)
+}
+
+/// As [`prepare`], with the structure.
+pub(super) fn prepare_on(
+    scene: &Scene,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<(Structure, Prepared), Error> {
     scene.validate(&scene.name)?;
     progress.begin(Stage::Mesh);
     let structure = Structure::try_new(scene, progress)?;
@@ -183,7 +192,8 @@ pub fn prepare(scene: &Scene, options: &Options, progress: &dyn Progress) -> Res
     for warning in warnings::of_input(&overview) {
         progress.warn(&warning.message);
     }
-    Prepared::try_new(scene, &structure, options, progress)
+    let prepared = Prepared::try_new(scene, &structure, options, progress)?;
+    Ok((structure, prepared))
 }
 
 impl Prepared {
@@ -270,6 +280,11 @@ impl Prepared {
         let reduced = &self.model.reduced;
         let mut load = vec![0.0; reduced.mass.nrows()];
         for (tension, unit) in tensions.iter().zip(&reduced.loads) {
+        self.load_of(&self.scene)
+    /// The same in a scene with other bolt loads.
+    fn load_of(&self, scene: &Scene) -> Vec<f64> {
+        for (bolt, unit) in reduced.loads.iter().enumerate() {
+            let tension = scene.tension(bolt);
             load.iter_mut()
                 .zip(unit)
                 .for_each(|(sum, value)| *sum += tension * value);
@@ -288,7 +303,7 @@ impl Prepared {
     /// [`Error::Prestress`] and defects of the linear structure.
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
         let interface = &self.interface;
-        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
+        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, 1.0, progress)?;
         let deformed = self.deformed(&analysis, progress)?;
         Ok(self.finish(analysis, deformed, progress))
     }
@@ -301,7 +316,7 @@ impl Prepared {
     /// ends a realisation is part of the result.
     pub fn solve_ensemble(self, realisations: usize, progress: &dyn Progress) -> Result<(Run, Ensemble), Error> {
         let interface = &self.interface;
-        let mut analysis = self.analyse(&self.scene, &interface.interface, interface.closure, progress)?;
+        let mut analysis = self.analyse(&self.scene, &interface.interface, interface.closure, 1.0, progress)?;
         let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
         let deformed = self.deformed(&analysis, progress)?;
@@ -309,7 +324,7 @@ impl Prepared {
     }
 
     /// The bodies deformed, if the scene asks for them.
-    fn deformed(&self, analysis: &Analysis, progress: &dyn Progress) -> Result<Option<Deformed>, Error> {
+    pub(super) fn deformed(&self, analysis: &Analysis, progress: &dyn Progress) -> Result<Option<Deformed>, Error> {
         let Some(structure) = &self.structure else {
             return Ok(None);
         };
@@ -334,6 +349,7 @@ impl Prepared {
         scene.sensitivities.clear();
         scene.output.fields_at = Some(Vec::new());
         scene.cqsma.loops_at.clear();
+        let scene = ensemble::loops_alone(&self.scene, false);
         let load = bolt_load(&scene, &self.model);
         let checkpoint = match &self.options.cache {
             None => Checkpoint::default(),
@@ -345,21 +361,29 @@ impl Prepared {
                 Checkpoint::open(directory, "ensemble", &key.finish())
             }
         };
-        let (members, checkpoints) = ensemble::members(&scene, realisations, checkpoint, progress, |k, progress| {
+        let realisations = ensemble::Batch {
+            name: "realisations",
+            number: realisations,
+            loops: scene.cqsma.amplitudes.max(1),
+            progress,
+        };
+        let analyse = |k, progress: &dyn Progress| {
             let (interface, closure) = self.interface.realisation(k, load)?;
-            self.analyse(&scene, &interface, closure, progress)
-        })?;
+            self.analyse(&scene, &interface, closure, 1.0, progress)
+        };
+        let describe = |k, found: Result<&Analysis, Error>| Member::new(k, found, scene.background_damping);
+        let (members, checkpoints) = realisations.run(checkpoint, analyse, describe)?;
         progress.end(Stage::Ensemble);
         Ok((Ensemble::new(members, &analysis.modes[0].amplitudes), checkpoints))
     }
 
-    fn key(&self, scene: &Scene) -> KeyBuilder {
+    pub(super) fn key(&self, scene: &Scene) -> KeyBuilder {
         let mut key = KeyBuilder::new(self.options.build.as_deref());
         key.text(&serde_json::to_string(scene).unwrap_or_default());
         key
     }
 
-    fn finish(self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
+    pub(super) fn finish(self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
         let Analysis {
             prestress,
             frequencies,
@@ -475,6 +499,8 @@ impl Prepared {
                 checked
             }
         };
+        let load = self.load_of(scene);
+        let prestress = prestress::solve(reduced, &assembled, &load, &start, bolts, &newton_settings(scene))?;
         progress.end(Stage::Prestress);
         Ok(prestress)
     }
@@ -503,17 +529,20 @@ impl Prepared {
         Ok(CsMat::new((n, n), indices.0, indices.1, line.stuck_tangent().to_vec()))
     }
 
-    /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m).
-    fn analyse(
+    /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m). With `beyond` above 1 there are two
+    /// amplitudes more than the scene asks for, beyond its ends by this factor.
+    pub(super) fn analyse(
         &self,
         scene: &Scene,
         interface: &Interface,
         closure: f64,
+        beyond: f64,
         progress: &dyn Progress,
     ) -> Result<Analysis, Error> {
         let reduced = &self.model.reduced;
         let force = InterfaceForce::new(interface);
         let newton = newton_settings(scene);
+        let static_load = self.load_of(scene);
         let prestress = self.static_state(scene, interface, closure, progress)?;
         let static_load = self.load_of(&prestress.tensions);
 
@@ -565,6 +594,7 @@ impl Prepared {
                 newton,
                 recorded: &recorded,
                 sensitivities: sensitivities.as_ref(),
+                beyond,
             };
             let key = self
                 .options

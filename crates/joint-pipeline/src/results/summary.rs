@@ -9,6 +9,8 @@ use crate::analysis::periodic::{ForcedPoint, ForcedResponse};
 use crate::analysis::validity::Validity;
 use crate::analysis::warnings::Warning;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run, Sensitivity, TighteningResult};
+use crate::analysis::uncertainty::Uncertainty;
+use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
 use crate::interface::{LawReport, PartReport};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
@@ -76,6 +78,9 @@ pub struct Summary {
     /// Backbones of bootstrap realisations; left out unless asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Ensemble>,
+    /// Bands from uncertain inputs; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Uncertainty>,
     /// The measured set of settings that the accuracy asked for led to; left out of scenes that ask for none.
     #[serde(
         default,
@@ -540,6 +545,7 @@ impl Summary {
             },
             sensitivities: run.backbones.iter().flat_map(sensitivities).cloned().collect(),
             ensemble: None,
+            uncertainty: None,
             accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.preset().ok()),
             error_estimate: None,
             mesh_estimate: None,

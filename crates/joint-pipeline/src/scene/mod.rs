@@ -7,6 +7,7 @@
 mod accuracy;
 mod analysis;
 mod finish;
+pub(crate) mod distribution;
 mod json;
 mod law;
 mod mesh;
@@ -18,12 +19,14 @@ mod structure;
 mod surface;
 mod tightening;
 mod torque;
+pub(crate) mod uncertain;
 mod units;
 mod validate;
 
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, InterfacePlace, Method, Output};
 pub use finish::{Finish, FinishFace, Lengths, PowerLaw, Route};
+pub use distribution::{Marginal, Shape};
 pub use json::read as read_json;
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
@@ -40,6 +43,9 @@ pub use surface::{
 };
 pub use tightening::Tightening;
 pub use torque::{ThreadSize, TorqueReport};
+pub use uncertain::{
+    Distribution, Given, Lognormal, Normal, SamplingMethod, TIGHTENING_SIGMAS, Tightening, Uncertain,
+};
 pub use units::{
     Area, ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,
     SurfaceEnergy, Torque, Unit, Units, dimension,
@@ -110,6 +116,9 @@ pub struct Scene {
     /// Numbers of the scene, by their paths, that frequency and damping are differentiated by along every backbone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivities: Vec<Parameter>,
+    /// Numbers of the scene that are not known exactly; samples of them give bands of frequency and damping.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertain: Option<Uncertain>,
     /// Responses to harmonic forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forced: Option<Forced>,
@@ -243,6 +252,10 @@ impl Scene {
         }
         let mesh = scene.structure.mesh().map_or(&[][..], |mesh| &mesh.bolts);
         scene.bolts.follow_torque(mesh).map_err(syntax)?;
+        if let Some(mut uncertain) = scene.uncertain.take() {
+            uncertain.convert(&scene, units)?;
+            scene.uncertain = Some(uncertain);
+        }
         scene.units = Units::SI;
         if scene.name.is_empty() {
             scene.name = name.into();

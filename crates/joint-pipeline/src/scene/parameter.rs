@@ -1,7 +1,7 @@
 //! Numbers of a scene by their path: what sensitivities, calibrations and uncertain inputs vary.
 
 use super::json::Refusal;
-use super::units::SI_SYMBOLS;
+use super::units::{SI_SYMBOLS, Units};
 use super::{Scene, StructureSource};
 use crate::Error;
 use crate::joint::benchmark;
@@ -129,6 +129,18 @@ impl Parameter {
             understood(scene, value.clone()).is_ok()
         };
         Ok(SI_SYMBOLS.iter().find(takes).copied().unwrap_or(""))
+    }
+
+    /// A value of it (SI), as a scene file in these units gives it: a number or a text with a unit.
+    pub(super) fn read(&self, scene: &Scene, given: Value, units: Units) -> Result<f64, Refusal> {
+        let mut value = serialised(scene).map_err(|error| Refusal::from(error.to_string()))?;
+        if let Some(field) = value.pointer_mut(&self.pointer()) {
+            *field = given;
+        }
+        let read = units.scope(|| understood(scene, value));
+        // Whole numbers of the file are numbers like others once they are understood.
+        let read = read.and_then(|read| self.value(&read));
+        read.map_err(|error| Refusal::from(error.to_string()))
     }
 
     fn pointer(&self) -> String {

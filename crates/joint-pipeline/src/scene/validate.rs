@@ -254,7 +254,12 @@ impl Scene {
         self.validate_scale(&check)?;
         self.cqsma.validate(&check)?;
         self.validate_requests(&check)?;
-        self.validate_sensitivities()
+        self.validate_sensitivities()?;
+        let Some(uncertain) = &self.uncertain else {
+            return Ok(());
+        };
+        let known = Scene { uncertain: None, ..self.clone() };
+        uncertain.validate(&known)
     }
 
     fn validate_scale(&self, check: &Check<'_>) -> Result<(), Error> {

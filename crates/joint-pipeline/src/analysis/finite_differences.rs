@@ -1,0 +1,92 @@
+//! Derivatives of backbones by central differences: what is there of parameters that have no gradient.
+
+use super::variants::{Abscissa, Variant};
+use crate::scene::Parameter;
+use serde::{Deserialize, Serialize};
+
+/// Step relative to the value of a parameter. The error of central differences is its square times the third derivative; half of it is lost
+/// to the round-off of loops that converge to 1e-9.
+const STEP: f64 = 0.01;
+
+/// Derivatives of a backbone by a parameter, at fixed modal amplitude.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Sensitivity {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// Modal amplitudes (sqrt(kg) m); 0 of the linearised mode.
+    pub modal_amplitude: Vec<f64>,
+    /// Derivatives of the logarithm of the frequency by that of the parameter, or by the parameter (per its SI unit) where its value is 0.
+    pub dln_frequency: Vec<Option<f64>>,
+    /// The same of the damping ratio; none where it is below its floor.
+    pub dln_damping: Vec<Option<f64>>,
+}
+
+impl Sensitivity {
+    /// Derivatives of frequency and damping at one of its amplitudes.
+    pub fn at(&self, modal_amplitude: f64) -> [Option<f64>; 2] {
+        let place = self.modal_amplitude.iter().position(|known| *known == modal_amplitude);
+        let of = |values: &[Option<f64>]| place.and_then(|place| values.get(place).copied().flatten());
+        [of(&self.dln_frequency), of(&self.dln_damping)]
+    }
+}
+
+/// Step (SI) of a parameter with this value and, where it is 0, this standard deviation.
+pub(super) fn step(nominal: f64, sd: f64) -> f64 {
+    if nominal == 0.0 { 0.1 * sd } else { STEP * nominal.abs() }
+}
+
+/// The inputs of the runs that [`sensitivity`] takes: above and below of every parameter in turn.
+pub(super) fn inputs(nominal: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
+    let moved = |place: usize, by: f64| {
+        let mut inputs = nominal.to_vec();
+        inputs[place] += by;
+        inputs
+    };
+    let pairs = steps.iter().enumerate().map(|(place, step)| [moved(place, *step), moved(place, -*step)]);
+    pairs.flatten().collect()
+}
+
+/// Frequency and damping of a mode at an amplitude; amplitude 0 is the linearised mode. Damping below its floor is none.
+pub(super) fn values(variant: &Variant, mode: usize, amplitude: f64) -> [Option<f64>; 2] {
+    let Some(curve) = variant.curves.get(mode) else {
+        return [None; 2];
+    };
+    if amplitude == 0.0 {
+        return [Some(curve.linear_frequency_hz), None];
+    }
+    match curve.at(Abscissa::Modal, amplitude) {
+        Some([frequency, damping]) => [Some(frequency), damping.is_finite().then_some(damping)],
+        None => [None; 2],
+    }
+}
+
+/// Derivatives by the parameter at `place` from the runs above and below its value; from one of them and the scene's own where the other
+/// has no value.
+pub(super) fn sensitivity(
+    parameter: &Parameter,
+    place: usize,
+    nominal: &Variant,
+    [above, below]: [&Variant; 2],
+    mode: usize,
+    amplitudes: &[f64],
+) -> Sensitivity {
+    let is_relative = nominal.inputs[place] != 0.0;
+    let coordinate = |variant: &Variant| {
+        let value = variant.inputs[place];
+        if is_relative { value.abs().ln() } else { value }
+    };
+    let derivative = |amplitude: f64, which: usize| {
+        let of = |variant| Some((values(variant, mode, amplitude)[which]?.ln(), coordinate(variant)));
+        let (up, down) = (of(above).or_else(|| of(nominal))?, of(below).or_else(|| of(nominal))?);
+        let width = up.1 - down.1;
+        (width != 0.0).then(|| (up.0 - down.0) / width)
+    };
+    let all = |which: usize| amplitudes.iter().map(|amplitude| derivative(*amplitude, which)).collect();
+    Sensitivity {
+        parameter: parameter.clone(),
+        modal_amplitude: amplitudes.to_vec(),
+        dln_frequency: all(0),
+        dln_damping: all(1),
+    }
+}

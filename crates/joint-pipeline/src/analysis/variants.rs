@@ -1,0 +1,363 @@
+//! A scene with other numbers, over and over: what samples, finite differences and calibrations run.
+
+use super::ensemble::{self, Batch};
+use super::outcome::{Analysis, ModeAnalysis};
+use super::prestress::bolt_load;
+use super::run::{Prepared, prepare_on};
+use crate::Error;
+use crate::interface::SceneInterface;
+use crate::progress::{Progress, Stage};
+use crate::scene::{Influence, Parameter, Scene};
+use crate::store::Options;
+use crate::store::checkpoint::{Checkpoint, Checkpoints};
+use crate::structure::Structure;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// How far beyond the amplitudes of a scene those of its variants reach at either end, so that all of them reach where the scene does.
+const BEYOND: f64 = 1.5;
+
+/// Part of the step between two amplitudes within which damping is continued beyond the last amplitude where it is above its floor.
+const BESIDE: f64 = 0.1;
+
+/// Changes whenever [`Variant`] means something else.
+const LAYOUT: u64 = 1;
+
+/// An amplitude of a backbone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VariantPoint {
+    /// Modal amplitude (sqrt(kg) m).
+    pub modal_amplitude: f64,
+    /// Displacement amplitude at the response point (m).
+    pub response_displacement: f64,
+    /// Secant frequency (Hz).
+    pub frequency_hz: f64,
+    /// Total damping ratio, friction plus background; none below its floor.
+    pub damping_ratio: Option<f64>,
+}
+
+/// The backbone of a mode of a variant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Its linearised frequency (Hz).
+    pub linear_frequency_hz: f64,
+    /// The amplitudes that converged, ascending.
+    pub points: Vec<VariantPoint>,
+}
+
+/// What became of a variant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Variant {
+    /// Values of the parameters (SI).
+    pub inputs: Vec<f64>,
+    /// Its modes, in the order of the scene; empty if it failed.
+    pub curves: Vec<Curve>,
+    /// Why it has none, if so.
+    pub failure: Option<String>,
+}
+
+/// Which amplitude a curve is asked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Abscissa {
+    /// Modal amplitude.
+    Modal,
+    /// Displacement at the response point.
+    Response,
+}
+
+impl Curve {
+    fn new(found: &ModeAnalysis, frequencies: &[f64], background: f64) -> Self {
+        let points = found.amplitudes.iter().filter_map(|amplitude| {
+            let result = amplitude.point.result.as_ref().ok()?;
+            Some(VariantPoint {
+                modal_amplitude: result.modal_amplitude,
+                response_displacement: amplitude.response_displacement?,
+                frequency_hz: result.omega / TAU,
+                damping_ratio: result.is_resolved().then_some(result.zeta + background),
+            })
+        });
+        let mut points: Vec<VariantPoint> = points.collect();
+        points.sort_by(|a, b| a.modal_amplitude.total_cmp(&b.modal_amplitude));
+        points.dedup_by_key(|point| point.modal_amplitude);
+        Self {
+            mode: found.mode,
+            linear_frequency_hz: frequencies.get(found.mode - 1).copied().unwrap_or(f64::NAN),
+            points,
+        }
+    }
+
+    /// Frequency (Hz) and damping ratio at an amplitude, by monotone cubics through the logarithms; none beyond the amplitudes of the
+    /// curve. Damping below its floor is minus infinity, below every other.
+    pub fn at(&self, abscissa: Abscissa, amplitude: f64) -> Option<[f64; 2]> {
+        let of = |point: &VariantPoint| match abscissa {
+            Abscissa::Modal => point.modal_amplitude,
+            Abscissa::Response => point.response_displacement,
+        };
+        let x: Vec<f64> = self.points.iter().map(|point| of(point).ln()).collect();
+        let at = amplitude.ln();
+        if !(*x.first()? <= at && at <= *x.last()?) {
+            return None;
+        }
+        let frequencies: Vec<f64> = self.points.iter().map(|point| point.frequency_hz.ln()).collect();
+        let frequency = monotone_cubic(&x, &frequencies, at).exp();
+        Some([frequency, self.damping(&x, at).unwrap_or(f64::NEG_INFINITY)])
+    }
+
+    /// Damping at the logarithm of an amplitude, from the neighbouring amplitudes where it is above its floor.
+    fn damping(&self, x: &[f64], at: f64) -> Option<f64> {
+        let logarithm = |k: usize| self.points[k].damping_ratio.filter(|zeta| *zeta > 0.0).map(f64::ln);
+        let nearest = (0..x.len()).min_by(|a, b| (x[*a] - at).abs().total_cmp(&(x[*b] - at).abs()))?;
+        logarithm(nearest)?;
+        let first = (0..nearest).rev().take_while(|k| logarithm(*k).is_some()).last().unwrap_or(nearest);
+        let last = (nearest..x.len()).take_while(|k| logarithm(*k).is_some()).last().unwrap_or(nearest);
+        let within = x[first] <= at && at <= x[last];
+        let step = if at < x[first] { x[first] - x[first - 1] } else { x[(last + 1).min(x.len() - 1)] - x[last] };
+        let distance = (x[first] - at).max(at - x[last]);
+        let values: Vec<f64> = (first..=last).filter_map(logarithm).collect();
+        (within || distance <= BESIDE * step).then(|| monotone_cubic(&x[first..=last], &values, at).exp())
+    }
+}
+
+/// Value at `at` of the cubic Hermite interpolant with the slopes of Fritsch and Butland (1984, doi:10.1137/0905021), which has no extremes
+/// of its own; beyond its ends the line with the slope there. `x` rises and is not empty.
+fn monotone_cubic(x: &[f64], y: &[f64], at: f64) -> f64 {
+    let n = x.len();
+    if n == 1 {
+        return y[0];
+    }
+    let step = |k: usize| x[k + 1] - x[k];
+    let secant = |k: usize| (y[k + 1] - y[k]) / step(k);
+    let slope = |k: usize| {
+        if n == 2 {
+            return secant(0);
+        }
+        if k == 0 || k == n - 1 {
+            // The parabola through three points, but without a turn.
+            let (near, far) = if k == 0 { (0, 1) } else { (n - 2, n - 3) };
+            let (h, g, a, b) = (step(near), step(far), secant(near), secant(far));
+            let end = ((2.0 * h + g) * a - h * b) / (h + g);
+            return if end * a <= 0.0 {
+                0.0
+            } else if a * b <= 0.0 && end.abs() > 3.0 * a.abs() {
+                3.0 * a
+            } else {
+                end
+            };
+        }
+        let (a, b, h, g) = (secant(k - 1), secant(k), step(k - 1), step(k));
+        if a * b <= 0.0 {
+            return 0.0;
+        }
+        let (wa, wb) = (2.0 * g + h, g + 2.0 * h);
+        (wa + wb) / (wa / a + wb / b)
+    };
+    if at <= x[0] {
+        return y[0] + slope(0) * (at - x[0]);
+    }
+    if at >= x[n - 1] {
+        return y[n - 1] + slope(n - 1) * (at - x[n - 1]);
+    }
+    let k = x.partition_point(|node| *node <= at).clamp(1, n - 1) - 1;
+    let (h, t) = (step(k), (at - x[k]) / step(k));
+    let (left, right) = (h * slope(k), h * slope(k + 1));
+    let rest = 1.0 - t;
+    y[k] * rest * rest * (1.0 + 2.0 * t) + left * t * rest * rest + y[k + 1] * t * t * (3.0 - 2.0 * t) - right * t * t * rest
+}
+
+/// A scene whose numbers vary.
+pub(super) struct Study<'a> {
+    prepared: &'a Prepared,
+    structure: &'a Structure,
+    scene: Scene,
+    options: Options,
+    parameters: Vec<Parameter>,
+}
+
+impl<'a> Study<'a> {
+    pub(super) fn new(
+        scene: &Scene,
+        parameters: Vec<Parameter>,
+        structure: &'a Structure,
+        prepared: &'a Prepared,
+        options: &Options,
+    ) -> Self {
+        Self {
+            prepared,
+            structure,
+            scene: ensemble::loops_alone(scene, true),
+            options: options.clone(),
+            parameters,
+        }
+    }
+
+    pub(super) fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    pub(super) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The scene with these values (SI).
+    pub(super) fn with(&self, inputs: &[f64]) -> Result<Scene, Error> {
+        let values = self.parameters.iter().zip(inputs);
+        values.fold(Ok(self.scene.clone()), |scene, (parameter, value)| parameter.with(&scene?, *value))
+    }
+
+    /// Whether the structure is built and reduced for every variant.
+    pub(super) fn reduces_again(&self) -> bool {
+        self.parameters.iter().any(|parameter| parameter.influence() == Influence::Structure)
+    }
+
+    fn analyse(&self, inputs: &[f64], progress: &dyn Progress) -> Result<Analysis, Error> {
+        let scene = self.with(inputs)?;
+        if self.reduces_again() {
+            // A stored model would never be asked for again.
+            let options = Options { cache: None, build: self.options.build.clone() };
+            let structure = Structure::try_new(&scene, progress)?;
+            let prepared = Prepared::try_new(&scene, &structure, &options, progress)?;
+            let interface = prepared.interface();
+            return prepared.analyse(&scene, &interface.interface, interface.closure, BEYOND, progress);
+        }
+        let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
+        let load = bolt_load(&scene, self.prepared.model());
+        let interface = match self.parameters.iter().any(Parameter::is_drawn) {
+            true => SceneInterface::try_new(&scene, mesh, parts, load)?,
+            false => self.prepared.interface().varied(&scene, mesh, parts, load)?,
+        };
+        self.prepared.analyse(&scene, &interface.interface, interface.closure, BEYOND, progress)
+    }
+
+    /// The backbone of the scene itself.
+    pub(super) fn nominal(&self, analysis: &Analysis, inputs: Vec<f64>) -> Variant {
+        self.variant(inputs, Ok(analysis))
+    }
+
+    fn variant(&self, inputs: Vec<f64>, found: Result<&Analysis, Error>) -> Variant {
+        let background = self.scene.background_damping;
+        match found {
+            Ok(analysis) => Variant {
+                inputs,
+                curves: analysis.modes.iter().map(|mode| Curve::new(mode, &analysis.frequencies, background)).collect(),
+                failure: None,
+            },
+            Err(error) => Variant { inputs, curves: Vec::new(), failure: Some(error.to_string()) },
+        }
+    }
+
+    /// Runs variants; `name` is what they are called in messages. With a cache, those of an interrupted run are taken from there.
+    ///
+    /// # Errors
+    /// An interruption; whatever else ends a variant is part of it.
+    pub(super) fn run(
+        &self,
+        name: &str,
+        inputs: &[Vec<f64>],
+        nominal: &Analysis,
+        progress: &dyn Progress,
+    ) -> Result<(Vec<Variant>, Checkpoints), Error> {
+        let checkpoint = match &self.options.cache {
+            None => Checkpoint::default(),
+            Some(directory) => {
+                let mut key = self.prepared.key(&self.scene);
+                self.parameters.iter().for_each(|parameter| key.text(parameter.path()));
+                key.numbers(inputs.iter().flatten().copied());
+                key.integers([LAYOUT]);
+                // Whatever else the variants depend on has left its mark in the backbone of the scene.
+                key.numbers(nominal.prestress.solution.displacement.iter().copied());
+                key.numbers(nominal.frequencies.iter().copied());
+                Checkpoint::open(directory, "variants", &key.finish())
+            }
+        };
+        progress.begin(Stage::Ensemble);
+        let batch = Batch {
+            name,
+            number: inputs.len(),
+            loops: (self.scene.cqsma.amplitudes + 2) * self.scene.cqsma.followed().len(),
+            progress,
+        };
+        let found = batch.run(
+            checkpoint,
+            |k, progress| self.analyse(&inputs[k], progress),
+            |k, found| self.variant(inputs[k].clone(), found),
+        )?;
+        progress.end(Stage::Ensemble);
+        Ok(found)
+    }
+}
+
+/// A scene prepared and solved, and what its variants need beside.
+pub(super) struct Solved {
+    pub(super) structure: Structure,
+    pub(super) prepared: Prepared,
+    pub(super) analysis: Analysis,
+}
+
+impl Solved {
+    pub(super) fn new(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Self, Error> {
+        let (structure, prepared) = prepare_on(scene, options, progress)?;
+        let analysis = {
+            let interface = prepared.interface();
+            prepared.analyse(scene, &interface.interface, interface.closure, 1.0, progress)?
+        };
+        Ok(Self { structure, prepared, analysis })
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    fn curve(zeta: impl Fn(f64) -> Option<f64>) -> Curve {
+        let point = |k: i32| {
+            let modal_amplitude = 10_f64.powf(f64::from(k) / 3.0);
+            VariantPoint {
+                modal_amplitude,
+                response_displacement: 2.0 * modal_amplitude,
+                frequency_hz: 100.0 * modal_amplitude.powf(-0.1),
+                damping_ratio: zeta(modal_amplitude),
+            }
+        };
+        Curve { mode: 1, linear_frequency_hz: 100.0, points: (0..10).map(point).collect() }
+    }
+
+    #[test]
+    fn powers_are_interpolated_exactly_and_nothing_is_beyond_the_ends() {
+        let found = curve(|q| Some(1e-4 * q.powf(0.7)));
+        for q in [1.0, 1.7, 33.0, 999.0] {
+            let [f, zeta] = found.at(Abscissa::Modal, q).unwrap();
+            assert!((f / (100.0 * q.powf(-0.1)) - 1.0).abs() < 1e-12);
+            assert!((zeta / (1e-4 * q.powf(0.7)) - 1.0).abs() < 1e-12);
+            assert_eq!(found.at(Abscissa::Response, 2.0 * q).unwrap(), [f, zeta]);
+        }
+        assert!(found.at(Abscissa::Modal, 0.99).is_none() && found.at(Abscissa::Modal, 1001.0).is_none());
+    }
+
+    #[test]
+    fn damping_ends_a_tenth_of_a_step_beside_the_last_one_above_its_floor() {
+        let found = curve(|q| (q > 9.0).then(|| 1e-4 * q.powf(0.7)));
+        let at = |q: f64| found.at(Abscissa::Modal, q).unwrap()[1];
+        assert!((at(9.5) / (1e-4 * 9.5_f64.powf(0.7)) - 1.0).abs() < 1e-12);
+        assert_eq!(at(8.0), f64::NEG_INFINITY);
+        assert_eq!(at(2.0), f64::NEG_INFINITY);
+    }
+
+    #[test]
+    fn cubics_have_no_extremes_of_their_own_and_third_order() {
+        let x: Vec<f64> = (0..6).map(f64::from).collect();
+        let y = [0.0, 0.0, 0.0, 5.0, 5.0, 5.0];
+        for k in 0..=100 {
+            let value = monotone_cubic(&x, &y, 0.05 * f64::from(k));
+            assert!((0.0..=5.0).contains(&value));
+        }
+        let error = |n: i32| {
+            let x: Vec<f64> = (0..=n).map(|k| f64::from(k) / f64::from(n)).collect();
+            let y: Vec<f64> = x.iter().map(|x| x.exp()).collect();
+            (0..200).map(|k| f64::from(k) / 200.0).map(|x0| (monotone_cubic(&x, &y, x0) - x0.exp()).abs()).fold(0.0, f64::max)
+        };
+        assert!(error(40) < 0.2 * error(20) && error(40) < 1e-4, "{} {}", error(20), error(40));
+    }
+}
