@@ -30,7 +30,12 @@ fn slider(test: &str, uncertain: &Value) -> Value {
     let path = folder(test).join("slider.npz");
     let of = |value: f64| Mat::from_fn(1, 1, |_, _| value);
     write(&path, &of(SPRING), &of(MASS), &[(7, 1)]);
-    let mut given = scene(&path, &[7], &[set([STIFFNESS, STIFFNESS, 2e6], MU, PRELOAD)], &json!([[7, 1, 1.0]]));
+    let mut given = scene(
+        &path,
+        &[7],
+        &[set([STIFFNESS, STIFFNESS, 2e6], MU, PRELOAD)],
+        &json!([[7, 1, 1.0]]),
+    );
     let onset = MU * PRELOAD / STIFFNESS;
     given["cqsma"] = json!({
         "modes": 1, "amplitudes": 5, "vertices_per_quarter": 64, "tolerance": 1e-12,
@@ -57,14 +62,20 @@ fn go(given: &Value, samples: usize) -> (Run, Uncertainty) {
 
 fn close(found: Option<f64>, expected: f64, within: f64, what: &str) {
     let found = found.unwrap();
-    assert!((found - expected).abs() <= within, "{what}: {found} instead of {expected} within {within}");
+    assert!(
+        (found - expected).abs() <= within,
+        "{what}: {found} instead of {expected} within {within}"
+    );
 }
 
 #[test]
 fn bands_of_one_input_are_the_backbones_of_its_quantiles() {
     let distribution = json!({ "normal": { "sd": 0.02 }, "between": [0.1, 0.3] });
     for method in ["latin-hypercube", "sobol"] {
-        let given = slider(method, &json!({ "parameters": { MU_PATH: distribution }, "method": method }));
+        let given = slider(
+            method,
+            &json!({ "parameters": { MU_PATH: distribution }, "method": method }),
+        );
         let (run, found) = go(&given, 256);
         assert_eq!((found.samples, found.failed, found.runs), (256, 0, 258));
         let bands = &found.modes[0].bands;
@@ -82,7 +93,8 @@ fn bands_of_one_input_are_the_backbones_of_its_quantiles() {
                 expected.sort_by(f64::total_cmp);
                 let width = expected[2] - expected[0];
                 for (quantile, value) in spread.quantiles.iter().zip(expected) {
-                    close(*quantile, value, 0.02 * width + 1e-3 * value, "quantile");
+                    // Interpolation between amplitudes that are a factor of two apart takes part in it.
+                    close(*quantile, value, 0.05 * width + 1e-3 * value, "quantile");
                 }
                 assert_eq!(spread.samples, 256);
                 close(spread.nominal, at[1][which], 1e-3 * at[1][which], "nominal");
@@ -103,18 +115,24 @@ fn bands_of_one_input_are_the_backbones_of_its_quantiles() {
 
 #[test]
 fn nine_of_ten_truths_lie_within_bands_of_ninety_percent() {
-    let given = slider("coverage", &json!({ "parameters": {
+    let given = slider(
+        "coverage",
+        &json!({ "parameters": {
         MU_PATH: { "lognormal": { "cov": 0.15 } },
         STIFFNESS_PATH: { "uniform": [0.8 * STIFFNESS, 1.25 * STIFFNESS] },
-    } }));
+    } }),
+    );
     let (_, found) = go(&given, 300);
     let mut random = Pcg64::seed_from_u64(20);
-    let truths: Vec<[f64; 2]> = (0..100)
+    let truths: Vec<[f64; 2]> = (0..1000)
         .map(|_| {
             // By the sum of twelve uniform numbers, so that nothing is shared with what is tested.
             let normal = (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
             let spread = (1.0 + 0.15_f64.powi(2)).ln().sqrt();
-            [STIFFNESS * (0.8 + 0.45 * random.random::<f64>()), MU * (spread * normal).exp()]
+            [
+                STIFFNESS * (0.8 + 0.45 * random.random::<f64>()),
+                MU * (spread * normal).exp(),
+            ]
         })
         .collect();
     for band in &found.modes[0].bands[1..] {
@@ -127,10 +145,14 @@ fn nine_of_ten_truths_lie_within_bands_of_ninety_percent() {
             truths.iter().filter(within).count()
         };
         let frequency = inside(&band.frequency_hz, 0);
-        assert!((85..=97).contains(&frequency), "{frequency} at {}", band.response_displacement);
+        assert!(
+            (870..=930).contains(&frequency),
+            "{frequency} at {}",
+            band.response_displacement
+        );
         // Where some samples slip and others do not, the band of damping begins at zero.
         let damping = inside(&band.damping_ratio, 1);
-        assert!(damping >= 85, "{damping} at {}", band.response_displacement);
+        assert!(damping >= 870, "{damping} at {}", band.response_displacement);
     }
 }
 
@@ -151,10 +173,13 @@ impl Progress for Impatient {
 
 #[test]
 fn neither_threads_nor_an_interruption_change_a_bit() {
-    let given = slider("bits", &json!({ "parameters": {
+    let given = slider(
+        "bits",
+        &json!({ "parameters": {
         MU_PATH: { "normal": { "cov": 0.1 } },
         STIFFNESS_PATH: { "triangular": [4e4, 5e4, 7e4] },
-    }, "correlations": [[MU_PATH, STIFFNESS_PATH, -0.4]], "seed": 7 }));
+    }, "correlations": [[MU_PATH, STIFFNESS_PATH, -0.4]], "seed": 7 }),
+    );
     let scene = read(&given).unwrap();
     let on = |threads: usize, options: &Options, progress: &dyn Progress| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -170,9 +195,12 @@ fn neither_threads_nor_an_interruption_change_a_bit() {
     let finishes = Finishes(&counting);
     let (run, resumed) = on(2, &cache, &finishes).unwrap();
     assert_eq!(one, resumed);
-    let all = (30 + 4) * 7;
+    let all = 30 * 7;
     let again = counting.0.load(Ordering::Relaxed);
-    assert!(again > 0 && again < all - 40, "{again} of {all} loops were computed again");
+    assert!(
+        again > 0 && again < all - 10,
+        "{again} of {all} loops were computed again"
+    );
     run.checkpoints.remove();
     // Another seed is another table, and a seed that is asked for stands for that of the scene.
     let (_, other) = run_samples(&scene, 30, Some(8), &Options::default(), &Silent).unwrap();
@@ -191,32 +219,55 @@ impl Progress for Finishes<'_> {
 
 #[test]
 fn sobols_indices_are_shares_of_the_variance() {
-    let given = slider("indices", &json!({ "parameters": {
+    let given = slider(
+        "indices",
+        &json!({ "parameters": {
         MU_PATH: { "normal": { "cov": 0.03 } },
         STIFFNESS_PATH: { "normal": { "cov": 0.06 } },
-    }, "method": "sobol", "sobol_indices": true }));
+    }, "method": "sobol", "sobol_indices": true }),
+    );
     let (_, found) = go(&given, 256);
     assert_eq!(found.runs, 256 * 4 + 4);
     let bands = &found.modes[0].bands;
     // Stuck: the stiffness alone matters. Sliding: of the frequency, friction alone.
     for (band, place) in [(&bands[0], 0), (&bands[1], 0), (&bands[5], 1)] {
         let indices = &band.frequency_hz.indices;
-        assert_eq!(indices.iter().map(|i| i.parameter.path()).collect::<Vec<_>>(), [STIFFNESS_PATH, MU_PATH]);
-        assert!((indices[place].first - 1.0).abs() < 0.03 && (indices[place].total - 1.0).abs() < 0.1, "{indices:?}");
-        assert!(indices[1 - place].first.abs() < 0.03 && indices[1 - place].total < 0.03, "{indices:?}");
+        assert_eq!(
+            indices.iter().map(|i| i.parameter.path()).collect::<Vec<_>>(),
+            [STIFFNESS_PATH, MU_PATH]
+        );
+        assert!(
+            (indices[place].first - 1.0).abs() < 0.03 && (indices[place].total - 1.0).abs() < 0.1,
+            "{indices:?}"
+        );
+        assert!(
+            indices[1 - place].first.abs() < 0.03 && indices[1 - place].total < 0.03,
+            "{indices:?}"
+        );
         assert_eq!(band.frequency_hz.shares[0].parameter, indices[place].parameter);
         assert!(band.frequency_hz.shares[0].share > 0.99);
     }
     // Of the damping both, which for so small deviations add up, by the closed form's slopes.
     let band = &bands[4];
     let at = |stiffness: f64, mu: f64| closed_form(stiffness, mu, band.response_displacement)[1];
-    let parts = [(at(1.01 * STIFFNESS, MU) - at(STIFFNESS, MU)) * 6.0, (at(STIFFNESS, 1.01 * MU) - at(STIFFNESS, MU)) * 3.0];
+    let parts = [
+        (at(1.01 * STIFFNESS, MU) - at(STIFFNESS, MU)) * 6.0,
+        (at(STIFFNESS, 1.01 * MU) - at(STIFFNESS, MU)) * 3.0,
+    ];
     let all = parts[0].powi(2) + parts[1].powi(2);
     for (index, part) in band.damping_ratio.indices.iter().zip(parts) {
         let expected = part * part / all;
         let [low, high] = index.first_interval;
-        assert!(low < high && (index.first - expected).abs() < 0.15, "{index:?} {expected}");
-        let linear = band.damping_ratio.shares.iter().find(|s| s.parameter == index.parameter).unwrap();
+        assert!(
+            low < high && (index.first - expected).abs() < 0.15,
+            "{index:?} {expected}"
+        );
+        let linear = band
+            .damping_ratio
+            .shares
+            .iter()
+            .find(|s| s.parameter == index.parameter)
+            .unwrap();
         assert!((linear.share - expected).abs() < 0.05, "{linear:?} {expected}");
     }
 }
@@ -237,7 +288,7 @@ fn a_sample_that_fails_is_a_row_with_its_reason() {
         let beyond = variant.inputs[0] > 0.0633;
         assert_eq!(variant.failure.is_some(), beyond, "{:?}", variant.inputs);
     }
-    assert!(reasons[0].contains("apart"), "{}", reasons[0]);
+    assert!(reasons[0].contains("smallest gap"), "{}", reasons[0]);
     assert_eq!(found.modes[0].bands[1].frequency_hz.samples, 8 - found.failed);
 }
 
@@ -285,23 +336,57 @@ fn what_cannot_be_sampled_is_refused_with_a_remedy() {
     };
     for (given, expected) in [
         (json!({ "parameters": {} }), "there are none"),
-        (of_mu(json!({ "normal": { "mean": 0.1, "sd": 0.05 } })), "the distribution reaches -0.13"),
-        (of_mu(json!({ "normal": { "mean": 0.1, "sd": 0.05 } })), "truncate it with \"between\": [LOW, HIGH]"),
+        (
+            of_mu(json!({ "normal": { "mean": 0.1, "sd": 0.05 } })),
+            "the distribution reaches -0.13",
+        ),
+        (
+            of_mu(json!({ "normal": { "mean": 0.1, "sd": 0.05 } })),
+            "truncate it with \"between\": [LOW, HIGH]",
+        ),
         (of_mu(json!({})), "there are 0 distributions"),
-        (of_mu(json!({ "normal": { "sd": 0.01 }, "uniform": [0.1, 0.2] })), "there are 2 distributions"),
+        (
+            of_mu(json!({ "normal": { "sd": 0.01 }, "uniform": [0.1, 0.2] })),
+            "there are 2 distributions",
+        ),
         (of_mu(json!({ "normal": {} })), "either sd or cov"),
         (of_mu(json!({ "normal": { "sd": "1 N" } })), "normal.sd"),
         (of_mu(json!({ "uniform": [0.3, 0.1] })), "does not rise"),
         (of_mu(json!({ "lognormal": { "factor": 0.9 } })), "must be above 1"),
         (of_mu(json!({ "tightening": "torque-wrench" })), "the load of a bolt"),
-        (of_mu(json!({ "uniform": [0.1, 0.2], "alpha_a": 2.0 })), "alpha_a belongs to tightening"),
-        (of_mu(json!({ "normal": { "sd": 0.01 }, "between": [0.8, 0.9] })), "no values between"),
-        (json!({ "parameters": { "friction": { "uniform": [0.1, 0.2] } } }), "no number that the physics depends on"),
-        (json!({ "parameters": { "mu": { "uniform": [0.1, 0.2] } }, "confidence": 1.0 }), "between 0 and 1"),
-        (json!({ "parameters": { "mu": { "gaussian": {} } } }), "unknown field `gaussian`"),
-        (three(json!([["mu", "bolts.load", 0.9], ["mu", "scale.gap", -0.9], ["bolts.load", "scale.gap", 0.9]])), "eigenvalue"),
+        (
+            of_mu(json!({ "uniform": [0.1, 0.2], "alpha_a": 2.0 })),
+            "alpha_a belongs to tightening",
+        ),
+        (
+            of_mu(json!({ "normal": { "sd": 0.01 }, "between": [0.8, 0.9] })),
+            "no values between",
+        ),
+        (
+            json!({ "parameters": { "friction": { "uniform": [0.1, 0.2] } } }),
+            "no number that the physics depends on",
+        ),
+        (
+            json!({ "parameters": { "mu": { "uniform": [0.1, 0.2] } }, "confidence": 1.0 }),
+            "between 0 and 1",
+        ),
+        (
+            json!({ "parameters": { "mu": { "gaussian": {} } } }),
+            "unknown field `gaussian`",
+        ),
+        (
+            three(json!([
+                ["mu", "bolts.load", 0.9],
+                ["mu", "scale.gap", -0.9],
+                ["bolts.load", "scale.gap", 0.9]
+            ])),
+            "eigenvalue",
+        ),
         (three(json!([["mu", "mu", 0.5]])), "correlated with itself"),
-        (three(json!([["mu", "scale.asperity_height", 0.5]])), "has no distribution"),
+        (
+            three(json!([["mu", "scale.asperity_height", 0.5]])),
+            "has no distribution",
+        ),
         (three(json!([["mu", "bolts.load", 1.5]])), "between -1 and 1"),
     ] {
         let message = refused(&given);
@@ -327,11 +412,23 @@ fn values_of_distributions_have_the_units_of_the_scene() {
         });
         read(&given).unwrap().uncertain.unwrap()
     };
-    let si = read_in(json!({ "length": "m", "mass": "kg", "time": "s" }), json!(12e3), json!(600.0));
+    let si = read_in(
+        json!({ "length": "m", "mass": "kg", "time": "s" }),
+        json!(12e3),
+        json!(600.0),
+    );
     // Forces in t mm/s^2 are newtons.
-    let mm = read_in(json!({ "length": "mm", "mass": "t", "time": "s" }), json!("12 kN"), json!(600.0));
+    let mm = read_in(
+        json!({ "length": "mm", "mass": "t", "time": "s" }),
+        json!("12 kN"),
+        json!(600.0),
+    );
     assert_eq!(si, mm);
-    let g = read_in(json!({ "length": "m", "mass": "g", "time": "s" }), json!(12e6), json!("0.6 kN"));
+    let g = read_in(
+        json!({ "length": "m", "mass": "g", "time": "s" }),
+        json!(12e6),
+        json!("0.6 kN"),
+    );
     assert_eq!(si, g);
 }
 

@@ -9,6 +9,7 @@ use reports::run::{
     bodies_file, harmonics_file, loops_file, picture_file, series_file, table_file,
 };
 use reports::tightening::{TIGHTENING, TIGHTENING_PICTURE};
+use reports::uncertainty::{BANDS, INFLUENCES, SAMPLES, bands_picture};
 use serde::de::DeserializeOwned;
 use std::io::Write;
 use std::path::Path;
@@ -63,13 +64,17 @@ pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str, what: &str) ->
 }
 
 /// Whether a run of some scene may write a file of this name beside those that every run writes: the fields of an amplitude,
-/// the bodies deformed at it, loops of elements, the backbone of a further mode, an ensemble, or periodic motions.
+/// the bodies deformed at it, loops of elements, the backbone of a further mode, an ensemble, samples of uncertain inputs, or
+/// periodic motions.
 pub(crate) fn is_of_some_run(name: &str) -> bool {
-    let of_first = [harmonics_file(None), loops_file(None)];
+    let of_first = [harmonics_file(None), loops_file(None), bands_picture(None)];
     if [
         BODIES_PRESTRESS,
         ELEMENT_LOOPS,
         ENSEMBLE,
+        BANDS,
+        SAMPLES,
+        INFLUENCES,
         EPMC,
         FORCED,
         FORCED_PICTURE,
@@ -88,7 +93,15 @@ pub(crate) fn is_of_some_run(name: &str) -> bool {
         .strip_prefix("mode-")
         .and_then(|rest| number(rest.split_once('-')?.0))
     {
-        let of_mode = [table_file, picture_file, series_file, harmonics_file, loops_file].map(|of| of(Some(mode)));
+        let of_mode = [
+            table_file,
+            picture_file,
+            series_file,
+            harmonics_file,
+            loops_file,
+            bands_picture,
+        ]
+        .map(|of| of(Some(mode)));
         return of_mode.iter().any(|known| known == name);
     }
     let of_amplitude = ["interface-", "bodies-"].map(|prefix| name.strip_prefix(prefix));

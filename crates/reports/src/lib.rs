@@ -20,6 +20,7 @@ pub mod sensitivity;
 pub mod several;
 pub mod study;
 pub mod tightening;
+pub mod uncertainty;
 
 pub use error::{Drawing, Error};
 

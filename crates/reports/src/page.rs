@@ -6,6 +6,7 @@ use crate::interactive::{Document, Live};
 use crate::run::{damping, tensions};
 use crate::tightening::Section;
 use crate::{Error, fields, map, plot, sensitivity};
+use crate::{Error, fields, map, plot, uncertainty};
 use askama::Template;
 use joint_pipeline::Run;
 use joint_pipeline::analysis::ModeBackbone;
@@ -31,6 +32,7 @@ struct Page<'a> {
     modes: Vec<Mode<'a>>,
     sensitivities: Option<Picture<'a>>,
     periodic: Option<Periodic<'a>>,
+    uncertainty: Option<OfSamples<'a>>,
     /// None of points of contact, which cover nothing that could be drawn.
     pressure: Option<Picture<'a>>,
     tightening: Option<Section<'a>>,
@@ -54,6 +56,15 @@ struct Periodic<'a> {
     remarks: Vec<&'a str>,
 }
 
+/// What the page says of uncertain inputs.
+struct OfSamples<'a> {
+    pictures: Vec<Picture<'a>>,
+    inputs: Table,
+    /// One table per mode followed.
+    influences: Vec<(String, Table)>,
+    remarks: Vec<String>,
+}
+
 /// What the page says of one mode.
 struct Mode<'a> {
     /// None where only one mode is followed.
@@ -67,7 +78,7 @@ struct Mode<'a> {
     validity: Vec<String>,
 }
 
-/// The page; `pictures` are those of the backbones of the modes followed, `motions` those of periodic motions.
+/// The page; `pictures` are those of the backbones of the modes followed, `motions` those of periodic motions, `bands` those of samples.
 ///
 /// # Errors
 /// [`Error::Page`], [`Error::Table`], [`Error::Summary`].
@@ -76,6 +87,7 @@ pub fn document(
     summary: &Summary,
     pictures: &[String],
     motions: Vec<Picture<'static>>,
+    bands: Vec<Picture<'static>>,
 ) -> Result<String, Error> {
     let modes: Vec<String> = run.backbones.iter().map(|of| of.mode.to_string()).collect();
     let of_modes = run.backbones.iter().zip(summary.by_mode()).zip(pictures);
@@ -101,6 +113,16 @@ pub fn document(
             .collect(),
         sensitivities: sensitivity::figure(&summary.sensitivities)?,
         periodic: periodic(summary, motions),
+        uncertainty: summary.uncertainty.as_ref().map(|found| OfSamples {
+            pictures: bands,
+            inputs: uncertainty::inputs_table(found),
+            influences: found
+                .modes
+                .iter()
+                .map(|mode| (format!("Mode {}", mode.mode), uncertainty::influence_table(found, mode)))
+                .collect(),
+            remarks: uncertainty::remarks(found),
+        }),
         pressure: pressure(run),
         tightening: summary.tightening.as_ref().map(Section::of).transpose()?,
         key_numbers: key_numbers(summary),

@@ -292,8 +292,10 @@ pub struct Curve {
 
 /// A shaded band: position, lower and upper end.
 pub struct Band {
-    colour: RGBColor,
-    points: Vec<(f64, f64, f64)>,
+    /// Colour.
+    pub colour: RGBColor,
+    /// Its points.
+    pub points: Vec<(f64, f64, f64)>,
 }
 
 impl Curve {

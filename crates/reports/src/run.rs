@@ -2,7 +2,7 @@
 
 use crate::html::Picture;
 use crate::periodic::{self, PeriodicMotions};
-use crate::{Error, Output, bodies, csv, fields, page, plot, sensitivity, tightening};
+use crate::{Error, Output, bodies, csv, fields, page, plot, sensitivity, tightening, uncertainty};
 use joint_pipeline::Run;
 use joint_pipeline::analysis::{Deformed, Fields};
 use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
@@ -131,6 +131,11 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
         if let Some(picture) = sensitivity::picture(sensitivities)? {
             outputs.push(Output::new(sensitivity::PICTURE, picture));
         }
+    let mut of_samples = Vec::new();
+    if let Some(uncertainty) = &summary.uncertainty {
+        let (files, drawn) = uncertainty::outputs(uncertainty, &run.scene.name, &summary.response)?;
+        outputs.extend(files);
+        of_samples = drawn;
     }
     let motions = PeriodicMotions::of(run, summary);
     let periodic = motions
@@ -141,7 +146,7 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     outputs.extend(files);
     outputs.push(Output::new(
         "report.html",
-        page::document(run, summary, &pictures, drawn)?,
+        page::document(run, summary, &pictures, drawn, of_samples)?,
     ));
     let json = serde_json::to_string_pretty(summary).map_err(Error::Summary)?;
     outputs.push(Output::new(SUMMARY, json + "\n"));

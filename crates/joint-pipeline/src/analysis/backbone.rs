@@ -66,6 +66,8 @@ pub(super) struct Request<'a> {
     pub(super) sensitivities: Option<&'a Sensitivities<'a>>,
     /// Above 1: two more amplitudes, beyond the ends by this factor.
     pub(super) beyond: f64,
+    /// Modal forces (sqrt(kg) m/s^2) that stand for those by the amplitudes of the scene.
+    pub(super) forces: Option<&'a Vec<f64>>,
 }
 
 impl<'a> Request<'a> {
@@ -84,10 +86,8 @@ impl<'a> Request<'a> {
         let phi: f64 = shape.iter().zip(self.response).map(|(a, b)| a * b).sum();
         self.check_response(phi)?;
         let omega2 = self.line.eigenvalues[self.mode];
-        let forces: Vec<f64> = widened(displacements(self.scene, 0), self.beyond)
-            .into_iter()
-            .map(|x| omega2 * x / phi)
-            .collect();
+        let by_amplitude = || displacements(self.scene, 0).into_iter().map(|x| omega2 * x / phi);
+        let forces = self.forces.cloned().unwrap_or_else(|| by_amplitude().collect());
         let settings = self.settings();
         let epmc_key = key.clone();
         let finished = match key {
@@ -311,15 +311,6 @@ pub(super) fn uniform(reduced: &ReducedModel, closure: f64) -> Vec<f64> {
         .step_by(3)
         .for_each(|u| *u = closure);
     jump
-}
-
-/// The amplitudes, and if `beyond` is above 1 one on either side of them, by this factor.
-fn widened(amplitudes: Vec<f64>, beyond: f64) -> Vec<f64> {
-    let (Some(first), Some(last), true) = (amplitudes.first(), amplitudes.last(), beyond > 1.0) else {
-        return amplitudes;
-    };
-    let (below, above) = (first / beyond, last * beyond);
-    [vec![below], amplitudes, vec![above]].concat()
 }
 
 /// Displacements at the response point that the modal forces are chosen for, by linear estimate (m); `otherwise` is their number where

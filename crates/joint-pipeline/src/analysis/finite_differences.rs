@@ -1,12 +1,17 @@
 //! Derivatives of backbones by central differences: what is there of parameters that have no gradient.
 
-use super::variants::{Abscissa, Variant};
+use super::variants::Variant;
 use crate::scene::Parameter;
 use serde::{Deserialize, Serialize};
 
 /// Step relative to the value of a parameter. The error of central differences is its square times the third derivative; half of it is lost
 /// to the round-off of loops that converge to 1e-9.
 const STEP: f64 = 0.01;
+
+/// Factors on the forces of the scene's own amplitudes: there are loops on either side of each of them, and a straight line between
+/// the two, whose error is the same above and below. Cubics through widely spaced amplitudes have slopes that are off by as much as the
+/// derivatives.
+pub(super) const AROUND: [f64; 2] = [0.98, 1.02];
 
 /// Derivatives of a backbone by a parameter, at fixed modal amplitude.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,7 +48,10 @@ pub(super) fn inputs(nominal: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
         inputs[place] += by;
         inputs
     };
-    let pairs = steps.iter().enumerate().map(|(place, step)| [moved(place, *step), moved(place, -*step)]);
+    let pairs = steps
+        .iter()
+        .enumerate()
+        .map(|(place, step)| [moved(place, *step), moved(place, -*step)]);
     pairs.flatten().collect()
 }
 
@@ -55,10 +63,7 @@ pub(super) fn values(variant: &Variant, mode: usize, amplitude: f64) -> [Option<
     if amplitude == 0.0 {
         return [Some(curve.linear_frequency_hz), None];
     }
-    match curve.at(Abscissa::Modal, amplitude) {
-        Some([frequency, damping]) => [Some(frequency), damping.is_finite().then_some(damping)],
-        None => [None; 2],
-    }
+    curve.between(amplitude)
 }
 
 /// Derivatives by the parameter at `place` from the runs above and below its value; from one of them and the scene's own where the other
@@ -82,7 +87,12 @@ pub(super) fn sensitivity(
         let width = up.1 - down.1;
         (width != 0.0).then(|| (up.0 - down.0) / width)
     };
-    let all = |which: usize| amplitudes.iter().map(|amplitude| derivative(*amplitude, which)).collect();
+    let all = |which: usize| {
+        amplitudes
+            .iter()
+            .map(|amplitude| derivative(*amplitude, which))
+            .collect()
+    };
     Sensitivity {
         parameter: parameter.clone(),
         modal_amplitude: amplitudes.to_vec(),

@@ -303,7 +303,7 @@ impl Prepared {
     /// [`Error::Prestress`] and defects of the linear structure.
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
         let interface = &self.interface;
-        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, 1.0, progress)?;
+        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, None, progress)?;
         let deformed = self.deformed(&analysis, progress)?;
         Ok(self.finish(analysis, deformed, progress))
     }
@@ -316,7 +316,7 @@ impl Prepared {
     /// ends a realisation is part of the result.
     pub fn solve_ensemble(self, realisations: usize, progress: &dyn Progress) -> Result<(Run, Ensemble), Error> {
         let interface = &self.interface;
-        let mut analysis = self.analyse(&self.scene, &interface.interface, interface.closure, 1.0, progress)?;
+        let mut analysis = self.analyse(&self.scene, &interface.interface, interface.closure, None, progress)?;
         let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
         let deformed = self.deformed(&analysis, progress)?;
@@ -369,7 +369,7 @@ impl Prepared {
         };
         let analyse = |k, progress: &dyn Progress| {
             let (interface, closure) = self.interface.realisation(k, load)?;
-            self.analyse(&scene, &interface, closure, 1.0, progress)
+            self.analyse(&scene, &interface, closure, None, progress)
         };
         let describe = |k, found: Result<&Analysis, Error>| Member::new(k, found, scene.background_damping);
         let (members, checkpoints) = realisations.run(checkpoint, analyse, describe)?;
@@ -529,14 +529,14 @@ impl Prepared {
         Ok(CsMat::new((n, n), indices.0, indices.1, line.stuck_tangent().to_vec()))
     }
 
-    /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m). With `beyond` above 1 there are two
-    /// amplitudes more than the scene asks for, beyond its ends by this factor.
+    /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m). `forces` are modal forces of
+    /// each mode followed that stand for those by the amplitudes of the scene.
     pub(super) fn analyse(
         &self,
         scene: &Scene,
         interface: &Interface,
         closure: f64,
-        beyond: f64,
+        forces: Option<&[Vec<f64>]>,
         progress: &dyn Progress,
     ) -> Result<Analysis, Error> {
         let reduced = &self.model.reduced;
@@ -595,6 +595,7 @@ impl Prepared {
                 recorded: &recorded,
                 sensitivities: sensitivities.as_ref(),
                 beyond,
+                forces: forces.and_then(|forces| forces.get(place)),
             };
             let key = self
                 .options

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::scene::distribution::{cholesky, standard_normal};
-use crate::scene::{SamplingMethod, Uncertain, Scene};
+use crate::scene::{SamplingMethod, Scene, Uncertain};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -18,7 +18,8 @@ pub(crate) fn unit_cube(method: SamplingMethod, seed: u64, points: usize, dimens
         SamplingMethod::Sobol => {
             // Both halves of the seed count.
             let seed = (seed ^ (seed >> 32)) as u32;
-            let coordinate = |point: usize, axis: usize| f64::from(sobol_burley::sample(point as u32, axis as u32, seed)) + HALF;
+            let coordinate =
+                |point: usize, axis: usize| f64::from(sobol_burley::sample(point as u32, axis as u32, seed)) + HALF;
             let point = |point: usize| (0..dimensions).map(|axis| coordinate(point, axis)).collect();
             (0..points).map(point).collect()
         }
@@ -71,8 +72,14 @@ pub(crate) fn samples(
     let cube = unit_cube(uncertain.method, seed, number, sets * k);
     let shaped = |point: &[f64]| -> Vec<f64> {
         let normal: Vec<f64> = point.iter().map(|p| standard_normal(*p)).collect();
-        let correlated = factor.iter().map(|row| row.iter().zip(&normal).map(|(l, z)| l * z).sum::<f64>());
-        marginals.iter().zip(correlated).map(|(marginal, z)| marginal.at(z)).collect()
+        let correlated = factor
+            .iter()
+            .map(|row| row.iter().zip(&normal).map(|(l, z)| l * z).sum::<f64>());
+        marginals
+            .iter()
+            .zip(correlated)
+            .map(|(marginal, z)| marginal.at(z))
+            .collect()
     };
     let set = |first: usize| cube.iter().map(|point| shaped(&point[first..first + k])).collect();
     Ok([set(0), if second { set(k) } else { Vec::new() }])
@@ -136,7 +143,11 @@ mod tests {
         });
         let scene = Scene::from_summary(&text, &[]).unwrap();
         let normal = |mean: f64, sd: f64| Distribution {
-            normal: Some(Normal { mean: Some(Given::Number(mean)), sd: Some(Given::Number(sd)), cov: None }),
+            normal: Some(Normal {
+                mean: Some(Given::Number(mean)),
+                sd: Some(Given::Number(sd)),
+                cov: None,
+            }),
             ..Distribution::default()
         };
         let [mu, load] = ["mu", "bolts.load"].map(Parameter::new);
@@ -162,7 +173,12 @@ mod tests {
                 let correlation = of(0, 1) / (of(0, 0) * of(1, 1)).sqrt();
                 assert!((correlation - 0.5).abs() < 0.03, "{method:?} {correlation}");
             }
-            let cross = first.iter().zip(&second).map(|(a, b)| (a[1] - 0.2) * (b[1] - 0.2)).sum::<f64>() / 4096.0;
+            let cross = first
+                .iter()
+                .zip(&second)
+                .map(|(a, b)| (a[1] - 0.2) * (b[1] - 0.2))
+                .sum::<f64>()
+                / 4096.0;
             assert!((cross / 0.02_f64.powi(2)).abs() < 0.06);
         }
     }

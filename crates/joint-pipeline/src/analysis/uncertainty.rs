@@ -5,12 +5,12 @@
 //! propagation of uncertainty (JCGM 100:2008, eq. 13) from the derivatives at the scene's own values.
 
 use super::ensemble::percentile;
-use super::finite_differences::{self, Sensitivity, values};
+use super::finite_differences::{self, AROUND, Sensitivity, values};
 use super::sampling::samples;
-use super::variants::{Abscissa, Solved, Study, Variant};
+use super::variants::{Abscissa, Curve, Solved, Study, Variant};
 use crate::progress::Progress;
-use crate::scene::uncertain::{beyond, of_parameter};
 use crate::scene::distribution::standard_normal;
+use crate::scene::uncertain::{beyond, of_parameter};
 use crate::scene::{Marginal, Parameter, Scene, TIGHTENING_SIGMAS, Uncertain};
 use crate::store::Options;
 use crate::{Error, Run};
@@ -24,6 +24,9 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// Bootstrap replicates behind the intervals of Sobol's indices.
 const REPLICATES: usize = 400;
+
+/// Change of the logarithm of a frequency up to which derivatives choose the forces of a sample.
+const FARTHEST: f64 = 0.3;
 
 /// Bands of a scene with uncertain inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -189,18 +192,41 @@ pub fn run_samples(
     for sample in first.iter().chain(&second) {
         refuse(&parameters, &marginals, scene, sample)?;
     }
-    let Solved { structure, prepared, mut analysis } = Solved::new(scene, options, progress)?;
+    let Solved {
+        structure,
+        prepared,
+        mut analysis,
+    } = Solved::new(scene, options, progress)?;
     let study = Study::new(scene, parameters, &structure, &prepared, options);
     if study.reduces_again() {
         progress.note("an uncertain input changes the structure: it is built and reduced anew for every sample");
     }
-    let values = study.parameters().iter().map(|parameter| parameter.value(study.scene()));
+    let values = study
+        .parameters()
+        .iter()
+        .map(|parameter| parameter.value(study.scene()));
     let nominal = study.nominal(&analysis, values.collect::<Result<_, _>>()?);
     let moments: Vec<[f64; 2]> = marginals.iter().map(Marginal::moments).collect();
-    let steps = nominal.inputs.iter().zip(&moments).map(|(value, [_, sd])| finite_differences::step(*value, *sd));
+    let steps = nominal
+        .inputs
+        .iter()
+        .zip(&moments)
+        .map(|(value, [_, sd])| finite_differences::step(*value, *sd));
     let steps: Vec<f64> = steps.collect();
 
-    let derivatives = finite_differences::inputs(&nominal.inputs, &steps);
+    let near: Vec<_> = finite_differences::inputs(&nominal.inputs, &steps)
+        .into_iter()
+        .map(|inputs| (inputs, study.forces(&nominal, &|_, _| 1.0, &AROUND)))
+        .collect();
+    let (derivatives, checkpoints) = study.run("runs for derivatives", &near, &analysis, progress)?;
+    analysis.checkpoints.extend(checkpoints);
+    let amplitudes = |curve: &Curve| {
+        let all = curve.points.iter().map(|point| point.modal_amplitude);
+        std::iter::once(0.0).chain(all).collect::<Vec<f64>>()
+    };
+    let of_mode = |(mode, curve)| sensitivities(&study, &nominal, &derivatives, mode, &amplitudes(curve));
+    let sensitivities: Vec<Vec<Sensitivity>> = nominal.curves.iter().enumerate().map(of_mode).collect();
+
     let exchanged = (0..if second.is_empty() { 0 } else { marginals.len() }).flat_map(|place| {
         first.iter().zip(&second).map(move |(a, b)| {
             let mut inputs = a.clone();
@@ -209,16 +235,38 @@ pub fn run_samples(
         })
     });
     let exchanged: Vec<Vec<f64>> = exchanged.collect();
-    let inputs = [first, derivatives, second, exchanged].concat();
+    let with_forces = |inputs: Vec<f64>| {
+        // A force is the square of the circular frequency times the modal amplitude: its derivative at fixed amplitude is twice that of
+        // the frequency. So samples land beside the amplitudes where they are asked for, and little is left to interpolation.
+        let factor =
+            |mode: usize, amplitude: f64| (2.0 * moved(&sensitivities[mode], &nominal, &inputs, amplitude)).exp();
+        let forces = study.forces(&nominal, &factor, &[1.0]);
+        (inputs, forces)
+    };
+    let inputs: Vec<_> = [first, second, exchanged]
+        .concat()
+        .into_iter()
+        .map(with_forces)
+        .collect();
     let (mut variants, checkpoints) = study.run("samples", &inputs, &analysis, progress)?;
     analysis.checkpoints.extend(checkpoints);
-    let mut rest = variants.split_off(number);
-    let of_indices = rest.split_off(2 * marginals.len());
-    let runs = Runs { study: &study, nominal: &nominal, samples: &variants, derivatives: &rest, of_indices: &of_indices };
+    let of_indices = variants.split_off(number);
+    let runs = Runs {
+        study: &study,
+        nominal: &nominal,
+        samples: &variants,
+        sensitivities: &sensitivities,
+        of_indices: &of_indices,
+    };
     let knowledge = Knowledge::new(uncertain, &marginals, &moments)?;
     let modes = (0..nominal.curves.len()).map(|mode| runs.bands(mode, &knowledge));
     let modes = modes.collect();
-    let inputs_of = study.parameters().iter().zip(&marginals).zip(&moments).zip(&nominal.inputs);
+    let inputs_of = study
+        .parameters()
+        .iter()
+        .zip(&marginals)
+        .zip(&moments)
+        .zip(&nominal.inputs);
     let described = inputs_of.map(|(((parameter, marginal), [mean, sd]), nominal)| {
         Ok(Input {
             parameter: parameter.clone(),
@@ -236,13 +284,46 @@ pub fn run_samples(
         method: uncertain.method.name().to_owned(),
         seed,
         confidence: uncertain.confidence,
-        runs: inputs.len(),
+        runs: near.len() + inputs.len(),
         inputs: described.collect::<Result<_, Error>>()?,
         modes,
         variants,
     };
     let deformed = prepared.deformed(&analysis, progress)?;
     Ok((prepared.finish(analysis, deformed, progress), found))
+}
+
+/// Derivatives of a mode's backbone by all inputs; amplitude 0 is the linearised mode. Whoever has them otherwise puts them here.
+fn sensitivities(
+    study: &Study<'_>,
+    nominal: &Variant,
+    derivatives: &[Variant],
+    mode: usize,
+    amplitudes: &[f64],
+) -> Vec<Sensitivity> {
+    let pairs = study.parameters().iter().zip(derivatives.chunks_exact(2)).enumerate();
+    let of = pairs.map(|(place, (parameter, pair))| {
+        finite_differences::sensitivity(parameter, place, nominal, [&pair[0], &pair[1]], mode, amplitudes)
+    });
+    of.collect()
+}
+
+/// By how much the logarithm of the frequency moves with the inputs, to first order; as far as derivatives are known.
+fn moved(sensitivities: &[Sensitivity], nominal: &Variant, inputs: &[f64], amplitude: f64) -> f64 {
+    let terms = sensitivities
+        .iter()
+        .zip(inputs)
+        .zip(&nominal.inputs)
+        .map(|((sensitivity, value), nominal)| {
+            let by = match value / nominal {
+                ratio if ratio > 0.0 && ratio.is_finite() => ratio.ln(),
+                ratio if ratio.is_finite() => ratio - 1.0,
+                _ => *value,
+            };
+            sensitivity.at(amplitude)[0].unwrap_or(0.0) * by
+        });
+    // Far from the scene's own values the line says little.
+    terms.sum::<f64>().clamp(-FARTHEST, FARTHEST)
 }
 
 fn asked(scene: &Scene) -> Result<&Uncertain, Error> {
@@ -316,44 +397,39 @@ struct Runs<'a> {
     study: &'a Study<'a>,
     nominal: &'a Variant,
     samples: &'a [Variant],
-    /// Above and below of every input in turn.
-    derivatives: &'a [Variant],
+    /// By all inputs, of each mode.
+    sensitivities: &'a [Vec<Sensitivity>],
     /// A second set of samples, and the first with each input in turn taken from the second; none unless indices are asked for.
     of_indices: &'a [Variant],
 }
 
 impl Runs<'_> {
-    /// Derivatives of a mode's backbone by all inputs. Whoever has them otherwise puts them here.
-    fn sensitivities(&self, mode: usize, amplitudes: &[f64]) -> Vec<Sensitivity> {
-        let pairs = self.study.parameters().iter().zip(self.derivatives.chunks_exact(2)).enumerate();
-        let of = pairs.map(|(place, (parameter, pair))| {
-            finite_differences::sensitivity(parameter, place, self.nominal, [&pair[0], &pair[1]], mode, amplitudes)
-        });
-        of.collect()
-    }
-
     fn bands(&self, mode: usize, knowledge: &Knowledge) -> ModeBands {
         let curve = &self.nominal.curves[mode];
         let mut amplitudes = vec![(0.0, 0.0)];
-        amplitudes.extend(curve.points.iter().map(|point| (point.modal_amplitude, point.response_displacement)));
-        let modal: Vec<f64> = amplitudes.iter().map(|(modal, _)| *modal).collect();
-        let sensitivities = self.sensitivities(mode, &modal);
+        amplitudes.extend(
+            curve
+                .points
+                .iter()
+                .map(|point| (point.modal_amplitude, point.response_displacement)),
+        );
         let band = |(modal_amplitude, response_displacement): (f64, f64)| {
-            let spread = |which: usize| self.spread(mode, modal_amplitude, which, &sensitivities, knowledge);
-            Band { modal_amplitude, response_displacement, frequency_hz: spread(0), damping_ratio: spread(1) }
+            let spread = |which: usize| self.spread(mode, modal_amplitude, which, knowledge);
+            Band {
+                modal_amplitude,
+                response_displacement,
+                frequency_hz: spread(0),
+                damping_ratio: spread(1),
+            }
         };
-        ModeBands { mode: curve.mode, bands: amplitudes.into_iter().map(band).collect() }
+        ModeBands {
+            mode: curve.mode,
+            bands: amplitudes.into_iter().map(band).collect(),
+        }
     }
 
     /// Spread of frequency (0) or damping (1).
-    fn spread(
-        &self,
-        mode: usize,
-        amplitude: f64,
-        which: usize,
-        sensitivities: &[Sensitivity],
-        knowledge: &Knowledge,
-    ) -> Spread {
+    fn spread(&self, mode: usize, amplitude: f64, which: usize, knowledge: &Knowledge) -> Spread {
         let of = |variant: &Variant| -> Option<f64> {
             let curve = variant.curves.get(mode)?;
             match (amplitude == 0.0, which) {
@@ -371,8 +447,10 @@ impl Runs<'_> {
         let mean = sorted.iter().sum::<f64>() / n as f64;
         let variance = sorted.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n as f64 - 1.0);
         let nominal = values(self.nominal, mode, amplitude)[which];
-        let derivatives: Option<Vec<f64>> =
-            sensitivities.iter().map(|sensitivity| sensitivity.at(amplitude)[which]).collect();
+        let derivatives: Option<Vec<f64>> = self.sensitivities[mode]
+            .iter()
+            .map(|sensitivity| sensitivity.at(amplitude)[which])
+            .collect();
         let (linear, shares) = match nominal.zip(derivatives) {
             Some((nominal, derivatives)) => self.linear(nominal, &derivatives, knowledge),
             None => (None, Vec::new()),
@@ -399,20 +477,37 @@ impl Runs<'_> {
     fn linear(&self, nominal: f64, derivatives: &[f64], knowledge: &Knowledge) -> (Option<Linear>, Vec<Share>) {
         let inputs = &self.nominal.inputs;
         // By the inputs themselves.
-        let slopes = derivatives.iter().zip(inputs).map(|(slope, value)| if *value == 0.0 { *slope } else { slope / value });
+        let slopes = derivatives
+            .iter()
+            .zip(inputs)
+            .map(|(slope, value)| if *value == 0.0 { *slope } else { slope / value });
         let slopes: Vec<f64> = slopes.map(|slope| slope * nominal).collect();
         let parts: Vec<f64> = slopes
             .iter()
             .zip(&knowledge.covariance)
-            .map(|(slope, row)| slope * row.iter().zip(&slopes).map(|(covariance, other)| covariance * other).sum::<f64>())
+            .map(|(slope, row)| {
+                slope
+                    * row
+                        .iter()
+                        .zip(&slopes)
+                        .map(|(covariance, other)| covariance * other)
+                        .sum::<f64>()
+            })
             .collect();
         let variance: f64 = parts.iter().sum();
-        let moved = slopes.iter().zip(&knowledge.means).zip(inputs).map(|((slope, mean), value)| slope * (mean - value));
+        let moved = slopes
+            .iter()
+            .zip(&knowledge.means)
+            .zip(inputs)
+            .map(|((slope, mean), value)| slope * (mean - value));
         let (mean, sd) = (nominal + moved.sum::<f64>(), variance.max(0.0).sqrt());
         let mut shares: Vec<Share> = Vec::new();
         if variance > 0.0 {
             let all = self.study.parameters().iter().zip(&parts);
-            shares.extend(all.map(|(parameter, part)| Share { parameter: parameter.clone(), share: part / variance }));
+            shares.extend(all.map(|(parameter, part)| Share {
+                parameter: parameter.clone(),
+                share: part / variance,
+            }));
             shares.sort_by(|a, b| b.share.total_cmp(&a.share));
         }
         let quantiles = knowledge.probabilities.map(|p| mean + sd * standard_normal(p));
@@ -429,7 +524,13 @@ impl Runs<'_> {
         };
         let finite = |variant: &Variant| of(variant).filter(|value| value.is_finite());
         let index = |(parameter, exchanged): (&Parameter, &[Variant])| {
-            let rows = (0..n).filter_map(|row| Some([finite(&self.samples[row])?, finite(&second[row])?, finite(&exchanged[row])?]));
+            let rows = (0..n).filter_map(|row| {
+                Some([
+                    finite(&self.samples[row])?,
+                    finite(&second[row])?,
+                    finite(&exchanged[row])?,
+                ])
+            });
             let rows: Vec<[f64; 3]> = rows.collect();
             let [first, total] = jansen(rows.iter().copied())?;
             let mut random = Pcg64::seed_from_u64(seed);
@@ -437,15 +538,29 @@ impl Runs<'_> {
             for _ in 0..REPLICATES {
                 let drawn = (0..rows.len()).map(|_| rows[random.random_range(0..rows.len())]);
                 if let Some(found) = jansen(drawn.collect::<Vec<_>>().into_iter()) {
-                    replicates.iter_mut().zip(found).for_each(|(all, value)| all.push(value));
+                    replicates
+                        .iter_mut()
+                        .zip(found)
+                        .for_each(|(all, value)| all.push(value));
                 }
             }
             let [first_interval, total_interval] = replicates.map(|mut all| {
                 all.sort_by(f64::total_cmp);
                 let tail = 0.5 * (1.0 - CONFIDENCE);
-                if all.is_empty() { [f64::NAN; 2] } else { [tail, 1.0 - tail].map(|p| percentile(&all, p)) }
+                if all.is_empty() {
+                    [f64::NAN; 2]
+                } else {
+                    [tail, 1.0 - tail].map(|p| percentile(&all, p))
+                }
             });
-            Some(Index { parameter: parameter.clone(), first, first_interval, total, total_interval, samples: rows.len() })
+            Some(Index {
+                parameter: parameter.clone(),
+                first,
+                first_interval,
+                total,
+                total_interval,
+                samples: rows.len(),
+            })
         };
         self.study.parameters().iter().zip(sets).filter_map(index).collect()
     }
@@ -455,14 +570,26 @@ impl Runs<'_> {
 fn jansen(rows: impl Iterator<Item = [f64; 3]> + Clone) -> Option<[f64; 2]> {
     let n = rows.clone().count() as f64;
     let mean = rows.clone().map(|[a, b, _]| a + b).sum::<f64>() / (2.0 * n);
-    let variance = rows.clone().map(|[a, b, _]| (a - mean).powi(2) + (b - mean).powi(2)).sum::<f64>() / (2.0 * n - 1.0);
-    let half = |difference: fn([f64; 3]) -> f64| rows.clone().map(|row| difference(row).powi(2)).sum::<f64>() / (2.0 * n);
-    let found = [1.0 - half(|[_, b, c]| b - c) / variance, half(|[a, _, c]| a - c) / variance];
+    let variance = rows
+        .clone()
+        .map(|[a, b, _]| (a - mean).powi(2) + (b - mean).powi(2))
+        .sum::<f64>()
+        / (2.0 * n - 1.0);
+    let half =
+        |difference: fn([f64; 3]) -> f64| rows.clone().map(|row| difference(row).powi(2)).sum::<f64>() / (2.0 * n);
+    let found = [
+        1.0 - half(|[_, b, c]| b - c) / variance,
+        half(|[a, _, c]| a - c) / variance,
+    ];
     (variance > 0.0 && n > 1.0).then_some(found)
 }
 
 fn quantiles(sorted: &[f64], probabilities: [f64; 3]) -> [Option<f64>; 3] {
-    probabilities.map(|p| (!sorted.is_empty()).then(|| percentile(sorted, p)).filter(|value| value.is_finite()))
+    probabilities.map(|p| {
+        (!sorted.is_empty())
+            .then(|| percentile(sorted, p))
+            .filter(|value| value.is_finite())
+    })
 }
 
 /// Half the width of the interval between order statistics that has the quantile with [`CONFIDENCE`] or more, whatever the distribution

@@ -14,14 +14,17 @@ use crate::structure::Structure;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// How far beyond the amplitudes of a scene those of its variants reach at either end, so that all of them reach where the scene does.
-const BEYOND: f64 = 1.5;
+/// How far beyond the forces of a scene those of its variants reach at either end, so that all of them reach the amplitudes of the scene.
+const BEYOND: f64 = 1.2;
 
-/// Part of the step between two amplitudes within which damping is continued beyond the last amplitude where it is above its floor.
+/// Part of the step between two amplitudes within which either of them has the say, where damping is below its floor at one alone.
 const BESIDE: f64 = 0.1;
 
 /// Changes whenever [`Variant`] means something else.
 const LAYOUT: u64 = 1;
+
+/// Modal forces (sqrt(kg) m/s^2) of the modes followed.
+pub(super) type Forces = Vec<Vec<f64>>;
 
 /// An amplitude of a backbone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,6 +46,8 @@ pub struct Curve {
     pub mode: usize,
     /// Its linearised frequency (Hz).
     pub linear_frequency_hz: f64,
+    /// Damping ratio that is in all others, apart from friction.
+    pub background: f64,
     /// The amplitudes that converged, ascending.
     pub points: Vec<VariantPoint>,
 }
@@ -84,12 +89,14 @@ impl Curve {
         Self {
             mode: found.mode,
             linear_frequency_hz: frequencies.get(found.mode - 1).copied().unwrap_or(f64::NAN),
+            background,
             points,
         }
     }
 
     /// Frequency (Hz) and damping ratio at an amplitude, by monotone cubics through the logarithms; none beyond the amplitudes of the
-    /// curve. Damping below its floor is minus infinity, below every other.
+    /// curve. Damping below its floor is minus infinity, below every other. Between an amplitude where it is so and one where it is not,
+    /// damping rises in proportion to the logarithm of the amplitude.
     pub fn at(&self, abscissa: Abscissa, amplitude: f64) -> Option<[f64; 2]> {
         let of = |point: &VariantPoint| match abscissa {
             Abscissa::Modal => point.modal_amplitude,
@@ -105,18 +112,69 @@ impl Curve {
         Some([frequency, self.damping(&x, at).unwrap_or(f64::NEG_INFINITY)])
     }
 
-    /// Damping at the logarithm of an amplitude, from the neighbouring amplitudes where it is above its floor.
+    /// The same by a straight line through the logarithms at the two amplitudes about it, which must both have damping.
+    pub(super) fn between(&self, modal_amplitude: f64) -> [Option<f64>; 2] {
+        let right = self
+            .points
+            .partition_point(|point| point.modal_amplitude < modal_amplitude);
+        let Some(b) = self.points.get(right) else {
+            return [None; 2];
+        };
+        if b.modal_amplitude == modal_amplitude {
+            return [Some(b.frequency_hz), b.damping_ratio];
+        }
+        let Some(a) = right.checked_sub(1).map(|left| self.points[left]) else {
+            return [None; 2];
+        };
+        let part = (modal_amplitude / a.modal_amplitude).ln() / (b.modal_amplitude / a.modal_amplitude).ln();
+        let line = |from: f64, to: f64| from * (part * (to / from).ln()).exp();
+        let dampings = a
+            .damping_ratio
+            .zip(b.damping_ratio)
+            .filter(|(a, b)| *a > 0.0 && *b > 0.0);
+        [
+            Some(line(a.frequency_hz, b.frequency_hz)),
+            dampings.map(|(a, b)| line(a, b)),
+        ]
+    }
+
+    /// Damping at the logarithm of an amplitude within the curve, if it is above its floor.
     fn damping(&self, x: &[f64], at: f64) -> Option<f64> {
-        let logarithm = |k: usize| self.points[k].damping_ratio.filter(|zeta| *zeta > 0.0).map(f64::ln);
-        let nearest = (0..x.len()).min_by(|a, b| (x[*a] - at).abs().total_cmp(&(x[*b] - at).abs()))?;
-        logarithm(nearest)?;
-        let first = (0..nearest).rev().take_while(|k| logarithm(*k).is_some()).last().unwrap_or(nearest);
-        let last = (nearest..x.len()).take_while(|k| logarithm(*k).is_some()).last().unwrap_or(nearest);
-        let within = x[first] <= at && at <= x[last];
-        let step = if at < x[first] { x[first] - x[first - 1] } else { x[(last + 1).min(x.len() - 1)] - x[last] };
-        let distance = (x[first] - at).max(at - x[last]);
-        let values: Vec<f64> = (first..=last).filter_map(logarithm).collect();
-        (within || distance <= BESIDE * step).then(|| monotone_cubic(&x[first..=last], &values, at).exp())
+        let known = |k: usize| self.points[k].damping_ratio.filter(|zeta| *zeta > 0.0);
+        let right = x.partition_point(|node| *node < at);
+        let left = if x[right] == at { right } else { right - 1 };
+        // Part of the step from the left one to the right one.
+        let part = if left == right {
+            0.0
+        } else {
+            (at - x[left]) / (x[right] - x[left])
+        };
+        let (nearest, other, distance) = if part <= 0.5 {
+            (left, right, part)
+        } else {
+            (right, left, 1.0 - part)
+        };
+        let is_known = [nearest, other].map(|k| known(k).is_some());
+        if is_known != [true, true] && distance > BESIDE {
+            // From the floor to the value of the one that has it, within what lies between the neighbourhoods of the two.
+            let (value, from_floor) = known(nearest)
+                .map(|value| (value, 1.0 - distance))
+                .or(known(other).map(|v| (v, distance)))?;
+            let risen = (from_floor - BESIDE) / (1.0 - 2.0 * BESIDE);
+            return Some(self.background + risen * (value - self.background));
+        }
+        known(nearest)?;
+        let first = (0..nearest)
+            .rev()
+            .take_while(|k| known(*k).is_some())
+            .last()
+            .unwrap_or(nearest);
+        let last = (nearest..x.len())
+            .take_while(|k| known(*k).is_some())
+            .last()
+            .unwrap_or(nearest);
+        let values: Vec<f64> = (first..=last).filter_map(known).map(f64::ln).collect();
+        Some(monotone_cubic(&x[first..=last], &values, at).exp())
     }
 }
 
@@ -163,7 +221,8 @@ fn monotone_cubic(x: &[f64], y: &[f64], at: f64) -> f64 {
     let (h, t) = (step(k), (at - x[k]) / step(k));
     let (left, right) = (h * slope(k), h * slope(k + 1));
     let rest = 1.0 - t;
-    y[k] * rest * rest * (1.0 + 2.0 * t) + left * t * rest * rest + y[k + 1] * t * t * (3.0 - 2.0 * t) - right * t * t * rest
+    y[k] * rest * rest * (1.0 + 2.0 * t) + left * t * rest * rest + y[k + 1] * t * t * (3.0 - 2.0 * t)
+        - right * t * t * rest
 }
 
 /// A scene whose numbers vary.
@@ -203,23 +262,31 @@ impl<'a> Study<'a> {
     /// The scene with these values (SI).
     pub(super) fn with(&self, inputs: &[f64]) -> Result<Scene, Error> {
         let values = self.parameters.iter().zip(inputs);
-        values.fold(Ok(self.scene.clone()), |scene, (parameter, value)| parameter.with(&scene?, *value))
+        values.fold(Ok(self.scene.clone()), |scene, (parameter, value)| {
+            parameter.with(&scene?, *value)
+        })
     }
 
     /// Whether the structure is built and reduced for every variant.
     pub(super) fn reduces_again(&self) -> bool {
-        self.parameters.iter().any(|parameter| parameter.influence() == Influence::Structure)
+        self.parameters
+            .iter()
+            .any(|parameter| parameter.influence() == Influence::Structure)
     }
 
-    fn analyse(&self, inputs: &[f64], progress: &dyn Progress) -> Result<Analysis, Error> {
+    fn analyse(&self, inputs: &[f64], forces: &Forces, progress: &dyn Progress) -> Result<Analysis, Error> {
         let scene = self.with(inputs)?;
+        let forces = Some(forces.as_slice());
         if self.reduces_again() {
             // A stored model would never be asked for again.
-            let options = Options { cache: None, build: self.options.build.clone() };
+            let options = Options {
+                cache: None,
+                build: self.options.build.clone(),
+            };
             let structure = Structure::try_new(&scene, progress)?;
             let prepared = Prepared::try_new(&scene, &structure, &options, progress)?;
             let interface = prepared.interface();
-            return prepared.analyse(&scene, &interface.interface, interface.closure, BEYOND, progress);
+            return prepared.analyse(&scene, &interface.interface, interface.closure, forces, progress);
         }
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
         let load = bolt_load(&scene, self.prepared.model());
@@ -227,7 +294,8 @@ impl<'a> Study<'a> {
             true => SceneInterface::try_new(&scene, mesh, parts, load)?,
             false => self.prepared.interface().varied(&scene, mesh, parts, load)?,
         };
-        self.prepared.analyse(&scene, &interface.interface, interface.closure, BEYOND, progress)
+        self.prepared
+            .analyse(&scene, &interface.interface, interface.closure, forces, progress)
     }
 
     /// The backbone of the scene itself.
@@ -240,21 +308,52 @@ impl<'a> Study<'a> {
         match found {
             Ok(analysis) => Variant {
                 inputs,
-                curves: analysis.modes.iter().map(|mode| Curve::new(mode, &analysis.frequencies, background)).collect(),
+                curves: analysis
+                    .modes
+                    .iter()
+                    .map(|mode| Curve::new(mode, &analysis.frequencies, background))
+                    .collect(),
                 failure: None,
             },
-            Err(error) => Variant { inputs, curves: Vec::new(), failure: Some(error.to_string()) },
+            Err(error) => Variant {
+                inputs,
+                curves: Vec::new(),
+                failure: Some(error.to_string()),
+            },
         }
     }
 
-    /// Runs variants; `name` is what they are called in messages. With a cache, those of an interrupted run are taken from there.
+    /// Modal forces at which a variant has about the modal amplitudes of the scene, and one more on either side. `factor` is that of the
+    /// forces that it takes, for each amplitude of each mode that has converged, and `around` has those about it.
+    pub(super) fn forces(&self, nominal: &Variant, factor: &dyn Fn(usize, f64) -> f64, around: &[f64]) -> Forces {
+        let of_mode = |(mode, curve): (usize, &Curve)| {
+            let force = |point: &VariantPoint| {
+                let omega = TAU * point.frequency_hz;
+                omega * omega * point.modal_amplitude * factor(mode, point.modal_amplitude)
+            };
+            let all = curve.points.iter().map(force);
+            let mut forces: Vec<f64> = all
+                .flat_map(|force| around.iter().map(move |factor| factor * force))
+                .collect();
+            forces.sort_by(f64::total_cmp);
+            if let (Some(first), Some(last)) = (forces.first().copied(), forces.last().copied()) {
+                forces.insert(0, first / BEYOND);
+                forces.push(last * BEYOND);
+            }
+            forces
+        };
+        nominal.curves.iter().enumerate().map(of_mode).collect()
+    }
+
+    /// Runs variants; `name` is what they are called in messages, `inputs` their values (SI) and modal forces. With a cache, those of an
+    /// interrupted run are taken from there.
     ///
     /// # Errors
     /// An interruption; whatever else ends a variant is part of it.
     pub(super) fn run(
         &self,
         name: &str,
-        inputs: &[Vec<f64>],
+        inputs: &[(Vec<f64>, Forces)],
         nominal: &Analysis,
         progress: &dyn Progress,
     ) -> Result<(Vec<Variant>, Checkpoints), Error> {
@@ -263,7 +362,10 @@ impl<'a> Study<'a> {
             Some(directory) => {
                 let mut key = self.prepared.key(&self.scene);
                 self.parameters.iter().for_each(|parameter| key.text(parameter.path()));
-                key.numbers(inputs.iter().flatten().copied());
+                inputs.iter().for_each(|(values, forces)| {
+                    key.numbers(values.iter().copied());
+                    key.numbers(forces.iter().flatten().copied());
+                });
                 key.integers([LAYOUT]);
                 // Whatever else the variants depend on has left its mark in the backbone of the scene.
                 key.numbers(nominal.prestress.solution.displacement.iter().copied());
@@ -275,13 +377,19 @@ impl<'a> Study<'a> {
         let batch = Batch {
             name,
             number: inputs.len(),
-            loops: (self.scene.cqsma.amplitudes + 2) * self.scene.cqsma.followed().len(),
+            loops: inputs
+                .iter()
+                .flat_map(|(_, forces)| forces)
+                .map(Vec::len)
+                .max()
+                .unwrap_or(0)
+                * self.scene.cqsma.followed().len(),
             progress,
         };
         let found = batch.run(
             checkpoint,
-            |k, progress| self.analyse(&inputs[k], progress),
-            |k, found| self.variant(inputs[k].clone(), found),
+            |k, progress| self.analyse(&inputs[k].0, &inputs[k].1, progress),
+            |k, found| self.variant(inputs[k].0.clone(), found),
         )?;
         progress.end(Stage::Ensemble);
         Ok(found)
@@ -300,9 +408,13 @@ impl Solved {
         let (structure, prepared) = prepare_on(scene, options, progress)?;
         let analysis = {
             let interface = prepared.interface();
-            prepared.analyse(scene, &interface.interface, interface.closure, 1.0, progress)?
+            prepared.analyse(scene, &interface.interface, interface.closure, None, progress)?
         };
-        Ok(Self { structure, prepared, analysis })
+        Ok(Self {
+            structure,
+            prepared,
+            analysis,
+        })
     }
 }
 
@@ -321,7 +433,12 @@ mod tests {
                 damping_ratio: zeta(modal_amplitude),
             }
         };
-        Curve { mode: 1, linear_frequency_hz: 100.0, points: (0..10).map(point).collect() }
+        Curve {
+            mode: 1,
+            linear_frequency_hz: 100.0,
+            background: 0.0,
+            points: (0..10).map(point).collect(),
+        }
     }
 
     #[test]
@@ -337,11 +454,14 @@ mod tests {
     }
 
     #[test]
-    fn damping_ends_a_tenth_of_a_step_beside_the_last_one_above_its_floor() {
+    fn damping_rises_from_its_floor() {
         let found = curve(|q| (q > 9.0).then(|| 1e-4 * q.powf(0.7)));
         let at = |q: f64| found.at(Abscissa::Modal, q).unwrap()[1];
         assert!((at(9.5) / (1e-4 * 9.5_f64.powf(0.7)) - 1.0).abs() < 1e-12);
-        assert_eq!(at(8.0), f64::NEG_INFINITY);
+        // The amplitude below is 10^(2/3).
+        assert!((at(10_f64.powf(5.0 / 6.0)) / (0.5e-4 * 10_f64.powf(0.7)) - 1.0).abs() < 1e-12);
+        assert_eq!(at(4.8), f64::NEG_INFINITY);
+        assert_eq!(at(found.points[2].modal_amplitude), f64::NEG_INFINITY);
         assert_eq!(at(2.0), f64::NEG_INFINITY);
     }
 
@@ -356,8 +476,16 @@ mod tests {
         let error = |n: i32| {
             let x: Vec<f64> = (0..=n).map(|k| f64::from(k) / f64::from(n)).collect();
             let y: Vec<f64> = x.iter().map(|x| x.exp()).collect();
-            (0..200).map(|k| f64::from(k) / 200.0).map(|x0| (monotone_cubic(&x, &y, x0) - x0.exp()).abs()).fold(0.0, f64::max)
+            (0..200)
+                .map(|k| f64::from(k) / 200.0)
+                .map(|x0| (monotone_cubic(&x, &y, x0) - x0.exp()).abs())
+                .fold(0.0, f64::max)
         };
-        assert!(error(40) < 0.2 * error(20) && error(40) < 1e-4, "{} {}", error(20), error(40));
+        assert!(
+            error(40) < 0.2 * error(20) && error(40) < 1e-4,
+            "{} {}",
+            error(20),
+            error(40)
+        );
     }
 }

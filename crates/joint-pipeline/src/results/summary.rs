@@ -6,6 +6,7 @@ use crate::analysis::error_estimate::ErrorEstimate;
 use crate::analysis::mesh_error::{ErrorBar, MeshEstimate};
 use crate::analysis::methods::MethodPoint;
 use crate::analysis::periodic::{ForcedPoint, ForcedResponse};
+use crate::analysis::uncertainty::Uncertainty;
 use crate::analysis::validity::Validity;
 use crate::analysis::warnings::Warning;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run, Sensitivity, TighteningResult};

@@ -112,7 +112,8 @@ impl Shape {
     }
 
     fn check(self) -> Result<(), String> {
-        let rising = |values: &[f64]| values.windows(2).all(|pair| pair[0] <= pair[1]) && values.first() < values.last();
+        let rising =
+            |values: &[f64]| values.windows(2).all(|pair| pair[0] <= pair[1]) && values.first() < values.last();
         match self {
             Self::Normal { sd, .. } if !(sd > 0.0 && sd.is_finite()) => {
                 Err(format!("its standard deviation of {sd} must be positive and finite"))
@@ -126,9 +127,9 @@ impl Shape {
             Self::Uniform { low, high } if !rising(&[low, high]) => {
                 Err(format!("[{low}, {high}] does not rise; give the smallest value first"))
             }
-            Self::Triangular { low, mode, high } if !rising(&[low, mode, high]) => {
-                Err(format!("[{low}, {mode}, {high}] does not rise; give the smallest, the most likely and the largest value"))
-            }
+            Self::Triangular { low, mode, high } if !rising(&[low, mode, high]) => Err(format!(
+                "[{low}, {mode}, {high}] does not rise; give the smallest, the most likely and the largest value"
+            )),
             _ => Ok(()),
         }
     }
@@ -147,7 +148,9 @@ impl Marginal {
                 let probabilities = bounds.map(|bound| shape.cdf(bound));
                 if !(probabilities[1] - probabilities[0] > 1e-6) {
                     let [low, high] = bounds;
-                    return Err(format!("it has no values between {low} and {high}; move the bounds apart or to its values"));
+                    return Err(format!(
+                        "it has no values between {low} and {high}; move the bounds apart or to its values"
+                    ));
                 }
                 Some((bounds, probabilities))
             }
@@ -232,7 +235,10 @@ mod tests {
     #[test]
     fn moments_and_quantiles_are_the_closed_forms() {
         let close = |found: f64, expected: f64, tolerance: f64| {
-            assert!((found - expected).abs() < tolerance * expected.abs().max(1e-3), "{found} {expected}");
+            assert!(
+                (found - expected).abs() < tolerance * expected.abs().max(1e-3),
+                "{found} {expected}"
+            );
         };
         let normal = marginal(Shape::Normal { mean: 3.0, sd: 0.5 }, None);
         let [mean, sd] = normal.moments();
@@ -240,7 +246,13 @@ mod tests {
         close(sd, 0.5, 1e-10);
         close(normal.quantile(0.975), 3.0 + 0.5 * 1.959_963_984_540_054, 1e-12);
         close(normal.quantile(0.05), 3.0 - 0.5 * 1.644_853_626_951_472_7, 1e-12);
-        let lognormal = marginal(Shape::Lognormal { median: 2.0, sd_of_log: 0.4 }, None);
+        let lognormal = marginal(
+            Shape::Lognormal {
+                median: 2.0,
+                sd_of_log: 0.4,
+            },
+            None,
+        );
         let [mean, sd] = lognormal.moments();
         close(mean, 2.0 * 0.08_f64.exp(), 1e-10);
         close(sd, mean * 0.16_f64.exp_m1().sqrt(), 1e-9);
@@ -270,8 +282,20 @@ mod tests {
         let other = marginal(Shape::Normal { mean: 1.0, sd: 2.0 }, None);
         assert!((normal.covariance(&other, 0.6) - 0.6).abs() < 1e-10);
         // Of lognormal numbers: exp(rho s t) - 1, times the means.
-        let a = marginal(Shape::Lognormal { median: 1.0, sd_of_log: 0.3 }, None);
-        let b = marginal(Shape::Lognormal { median: 1.0, sd_of_log: 0.2 }, None);
+        let a = marginal(
+            Shape::Lognormal {
+                median: 1.0,
+                sd_of_log: 0.3,
+            },
+            None,
+        );
+        let b = marginal(
+            Shape::Lognormal {
+                median: 1.0,
+                sd_of_log: 0.2,
+            },
+            None,
+        );
         let expected = (0.5 * (0.09_f64 + 0.04)).exp() * (-0.5_f64 * 0.06).exp_m1();
         assert!((a.covariance(&b, -0.5) - expected).abs() < 1e-9);
         assert!((a.covariance(&b, 0.0)).abs() < 1e-12);
@@ -281,10 +305,20 @@ mod tests {
     fn what_is_no_distribution_is_refused() {
         for shape in [
             Shape::Normal { mean: 1.0, sd: 0.0 },
-            Shape::Lognormal { median: -1.0, sd_of_log: 0.1 },
-            Shape::Lognormal { median: 1.0, sd_of_log: -0.1 },
+            Shape::Lognormal {
+                median: -1.0,
+                sd_of_log: 0.1,
+            },
+            Shape::Lognormal {
+                median: 1.0,
+                sd_of_log: -0.1,
+            },
             Shape::Uniform { low: 2.0, high: 1.0 },
-            Shape::Triangular { low: 1.0, mode: 5.0, high: 2.0 },
+            Shape::Triangular {
+                low: 1.0,
+                mode: 5.0,
+                high: 2.0,
+            },
         ] {
             assert!(Marginal::try_new(shape, None).is_err(), "{shape:?}");
         }

@@ -46,6 +46,7 @@ pub use torque::{ThreadSize, TorqueReport};
 pub use uncertain::{
     Distribution, Given, Lognormal, Normal, SamplingMethod, TIGHTENING_SIGMAS, Tightening, Uncertain,
 };
+pub use uncertain::{Distribution, Given, Lognormal, Normal, SamplingMethod, TIGHTENING_SIGMAS, Tightening, Uncertain};
 pub use units::{
     Area, ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,
     SurfaceEnergy, Torque, Unit, Units, dimension,

@@ -194,7 +194,9 @@ impl Given {
         match self {
             Self::Number(value) if value.is_finite() => Ok(*value),
             Self::Number(value) => Err(format!("{value} is not finite")),
-            Self::Text(text) => Err(format!("`{text}` has a unit, which is understood in scenes that are read alone")),
+            Self::Text(text) => Err(format!(
+                "`{text}` has a unit, which is understood in scenes that are read alone"
+            )),
         }
     }
 }
@@ -257,17 +259,28 @@ impl Distribution {
             };
             Shape::Lognormal { median, sd_of_log }
         } else if let Some([low, high]) = &self.uniform {
-            Shape::Uniform { low: low.si()?, high: high.si()? }
+            Shape::Uniform {
+                low: low.si()?,
+                high: high.si()?,
+            }
         } else if let Some([low, mode, high]) = &self.triangular {
-            Shape::Triangular { low: low.si()?, mode: mode.si()?, high: high.si()? }
+            Shape::Triangular {
+                low: low.si()?,
+                mode: mode.si()?,
+                high: high.si()?,
+            }
         } else {
             if !parameter.path().starts_with("bolts.load") {
-                return Err("tightening is how the load of a bolt comes about; give this parameter another distribution".into());
+                return Err(
+                    "tightening is how the load of a bolt comes about; give this parameter another distribution".into(),
+                );
             }
             let largest = self.tightening.map_or(1.0, |method| method.alpha_a()[1]);
             let alpha = self.alpha_a.unwrap_or(largest);
             if !(alpha > 1.0 && alpha.is_finite()) {
-                return Err(format!("alpha_a = {alpha} must be above 1: it is the largest preload over the smallest"));
+                return Err(format!(
+                    "alpha_a = {alpha} must be above 1: it is the largest preload over the smallest"
+                ));
             }
             let sd = nominal * (alpha - 1.0) / (alpha + 1.0) / TIGHTENING_SIGMAS;
             Shape::Normal { mean: nominal, sd }
@@ -301,7 +314,9 @@ impl Uncertain {
     pub fn correlation(&self) -> Result<Vec<Vec<f64>>, Error> {
         let names: Vec<&Parameter> = self.parameters.keys().collect();
         let n = names.len();
-        let mut matrix: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
+        let mut matrix: Vec<Vec<f64>> = (0..n)
+            .map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect())
+            .collect();
         for (number, (a, b, value)) in self.correlations.iter().enumerate() {
             let refused = |reason: String| Error::Uncertain {
                 field: format!("correlations.{number}"),
@@ -316,7 +331,9 @@ impl Uncertain {
                 return Err(refused(format!("{a} is correlated with itself; name two parameters")));
             }
             if !(value.abs() < 1.0) {
-                return Err(refused(format!("a correlation of {value} is none; it must be between -1 and 1")));
+                return Err(refused(format!(
+                    "a correlation of {value} is none; it must be between -1 and 1"
+                )));
             }
             if matrix[i][j] != 0.0 {
                 return Err(refused(format!("{a} and {b} are there twice; leave one out")));
@@ -336,7 +353,8 @@ impl Uncertain {
                     Given::Text(text) => json!(text),
                 };
                 let read = parameter.read(scene, raw, units);
-                let si = read.map_err(|Refusal { message, .. }| of_parameter(parameter, format!("{place}: {message}")))?;
+                let si =
+                    read.map_err(|Refusal { message, .. }| of_parameter(parameter, format!("{place}: {message}")))?;
                 *given = Given::Number(si);
             }
         }
@@ -354,14 +372,18 @@ impl Uncertain {
             return Err(refused("parameters", reason.into()));
         }
         if !(self.confidence > 0.0 && self.confidence < 1.0) {
-            let reason = format!("{} is no probability; it must be between 0 and 1, such as 0.9", self.confidence);
+            let reason = format!(
+                "{} is no probability; it must be between 0 and 1, such as 0.9",
+                self.confidence
+            );
             return Err(refused("confidence", reason));
         }
         let is_load_of_one = |parameter: &&Parameter| parameter.path().starts_with("bolts.loads.");
         if self.parameters.keys().any(|parameter| parameter.path() == "bolts.load")
             && let Some(one) = self.parameters.keys().find(is_load_of_one)
         {
-            let reason = format!("bolts.load is the load of all bolts, and {one} that of one of them; leave one of them out");
+            let reason =
+                format!("bolts.load is the load of all bolts, and {one} that of one of them; leave one of them out");
             return Err(refused("parameters", reason));
         }
         for (parameter, marginal) in self.parameters.keys().zip(self.marginals(scene)?) {
@@ -374,7 +396,8 @@ impl Uncertain {
         }
         super::distribution::cholesky(&self.correlation()?).map_err(|reason| refused("correlations", reason))?;
         if self.sobol_indices && !self.correlations.is_empty() {
-            let reason = "shares of the variance belong to independent parameters; leave out correlations or sobol_indices";
+            let reason =
+                "shares of the variance belong to independent parameters; leave out correlations or sobol_indices";
             return Err(refused("sobol_indices", reason.into()));
         }
         Ok(())
@@ -383,7 +406,9 @@ impl Uncertain {
 
 /// Why a value of a distribution is none of the parameter.
 pub(crate) fn beyond(value: f64, error: &Error) -> String {
-    format!("the distribution reaches {value:.6}, which the scene refuses ({error}); truncate it with \"between\": [LOW, HIGH]")
+    format!(
+        "the distribution reaches {value:.6}, which the scene refuses ({error}); truncate it with \"between\": [LOW, HIGH]"
+    )
 }
 
 /// A distribution that is refused.

@@ -258,7 +258,10 @@ impl Scene {
         let Some(uncertain) = &self.uncertain else {
             return Ok(());
         };
-        let known = Scene { uncertain: None, ..self.clone() };
+        let known = Scene {
+            uncertain: None,
+            ..self.clone()
+        };
         uncertain.validate(&known)
     }
 

@@ -57,6 +57,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome>
     let provenance = provenance::of(given.inputs()?)?;
     let request = Request {
         ensemble: None,
+        samples: None,
         estimate_error: None,
     };
     let (run, mut summary) = request.compute(scene, &arguments.cache.options(defaults))?;

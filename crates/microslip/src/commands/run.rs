@@ -7,6 +7,7 @@ use anyhow::{Context, Result, anyhow};
 use joint_pipeline::analysis::error_estimate::ErrorEstimate;
 use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, MeshEstimate, Partner};
 use joint_pipeline::analysis::registration::{self, Moved};
+use joint_pipeline::analysis::uncertainty::Uncertainty;
 use joint_pipeline::progress::Progress;
 use joint_pipeline::results::summary::Summary;
 use joint_pipeline::scene::{self, Length};
@@ -14,6 +15,8 @@ use joint_pipeline::{Options, Run, Scene};
 use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
 use reports::tightening::TIGHTENING;
 use reports::{Output, csv, plot, sensitivity};
+use reports::uncertainty::{self, BANDS, INFLUENCES, SAMPLES};
+use reports::{Output, csv, plot};
 use run_environment::{peak_memory, provenance, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -38,6 +41,12 @@ pub struct Arguments {
     /// scene must be scanned.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=10_000))]
     ensemble: Option<u16>,
+    /// Also run N samples of the uncertain inputs of the scene (`uncertain`), for bands of frequency and damping.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=10_000), conflicts_with = "ensemble")]
+    samples: Option<u16>,
+    /// Seed of the samples [default: that of the scene].
+    #[arg(long, value_name = "SEED", requires = "samples")]
+    seed: Option<u64>,
     /// Also run the scene with finer settings (settings), or with another formulation of its elements (mesh), and report the
     /// differences as an estimate of its errors; on the Brake-Reuss beam `mesh` also estimates the limit of the mesh.
     #[arg(long, value_name = "OF", num_args = 0..=1, default_missing_value = "settings", conflicts_with = "registration_study")]
@@ -45,7 +54,7 @@ pub struct Arguments {
     /// Instead, the backbone with the bottom face of a scanned surface moved: by SHIFT (m) and tilted by TILT to either side
     /// along x and y; written to registration.csv [default folder: results/NAME-registration].
     #[arg(long, value_name = "SHIFT,TILT", num_args = 0..=1, default_missing_value = "6e-4,1e-4", value_parser = shift_and_tilt,
-        conflicts_with = "ensemble")]
+        conflicts_with_all = ["ensemble", "samples"])]
     registration_study: Option<[f64; 2]>,
 }
 
@@ -71,6 +80,8 @@ pub(super) enum ErrorOf {
 pub(super) struct Request {
     /// Bootstrap realisations.
     pub(super) ensemble: Option<usize>,
+    /// Samples of uncertain inputs, and their seed where it is not that of the scene.
+    pub(super) samples: Option<(usize, Option<u64>)>,
     /// What else is run, to estimate errors.
     pub(super) estimate_error: Option<ErrorOf>,
 }
@@ -83,6 +94,7 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
     let scene = &given.scene;
     let request = Request {
         ensemble: arguments.ensemble.map(usize::from),
+        samples: arguments.samples.map(|number| (usize::from(number), arguments.seed)),
         estimate_error: arguments.estimate_error,
     };
     request.check(scene)?;
@@ -139,6 +151,7 @@ pub(super) fn is_complete(summary: &Summary) -> bool {
     summary.by_mode().all(|(_, of_mode)| {
         of_mode.backbone.iter().all(|b| b.converged) && of_mode.methods.values().flatten().all(|m| m.converged)
     }) && members.all(|m| m.failure.is_none() && m.not_converged == 0)
+        && summary.uncertainty.iter().all(|found| found.failed == 0)
         && levels.all(|level| level.failure.is_none() && level.resonances.iter().all(|r| r.failure.is_none()))
 }
 
@@ -172,14 +185,22 @@ impl Request {
                 preset.expectation(scene)
             ));
         }
-        let result = match self.ensemble {
-            None => joint_pipeline::run(scene, options, &monitor).map(|run| (run, None)),
-            Some(k) => joint_pipeline::run_ensemble(scene, k, options, &monitor).map(|(run, all)| (run, Some(all))),
+        if scene.uncertain.is_some() && self.samples.is_none() {
+            monitor.note("the scene has uncertain inputs; --samples N gives bands");
+        }
+        let result = match (self.ensemble, self.samples) {
+            (Some(k), _) => {
+                joint_pipeline::run_ensemble(scene, k, options, &monitor).map(|(run, all)| (run, Some(all), None))
+            }
+            (None, Some((number, seed))) => joint_pipeline::run_samples(scene, number, seed, options, &monitor)
+                .map(|(run, found)| (run, None, Some(found))),
+            (None, None) => joint_pipeline::run(scene, options, &monitor).map(|run| (run, None, None)),
         };
         let timings = monitor.finish();
-        let (mut run, ensemble) = result.with_context(|| format!("running the scene {}", scene.name))?;
+        let (mut run, ensemble, uncertainty) = result.with_context(|| format!("running the scene {}", scene.name))?;
         let mut summary = Summary::new(&run, timings, peak_memory());
         summary.ensemble = ensemble;
+        summary.uncertainty = uncertainty;
         match self.estimate_error {
             Some(ErrorOf::Settings) => {
                 let (preset, finer) = scene::refined(scene)?;
@@ -333,6 +354,46 @@ fn mesh_estimate(estimate: &MeshEstimate) -> String {
     out
 }
 
+/// Bands from uncertain inputs, and which of them matter most.
+fn samples(found: &Uncertainty) -> String {
+    let mut out = String::new();
+    for mode in &found.modes {
+        let table = uncertainty::influence_table(found, mode);
+        let columns = 0..table.headings.len();
+        let cells = |column: usize| table.rows.iter().map(move |row| row[column].chars().count());
+        let widths: Vec<usize> = columns
+            .map(|column| {
+                cells(column)
+                    .chain([table.headings[column].chars().count()])
+                    .max()
+                    .unwrap_or(0)
+            })
+            .collect();
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "\nmode {}: bands from uncertain inputs", mode.mode);
+        for row in std::iter::once(&table.headings).chain(&table.rows) {
+            let mut line = String::new();
+            for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
+                // Texts from the left, numbers from the right.
+                let is_text = column == 1 || column + 1 == row.len();
+                let _ = match is_text {
+                    true => write!(line, "{cell:<width$}  "),
+                    false => write!(line, "{cell:>width$}  "),
+                };
+            }
+            let _ = writeln!(out, "{}", line.trim_end());
+        }
+    }
+    for remark in uncertainty::remarks(found) {
+        let _ = writeln!(out, "{remark}");
+    }
+    let _ = writeln!(
+        out,
+        "bands in {BANDS}, samples in {SAMPLES}, shares of the variance in {INFLUENCES}"
+    );
+    out
+}
+
 /// What is printed at the end.
 fn account(summary: &Summary, name: &str, directory: &Path) -> String {
     let mut out = String::new();
@@ -383,6 +444,9 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
             "{} bootstrap realisations, {} without a backbone; bands in {ENSEMBLE}",
             ensemble.realisations, ensemble.failed
         );
+    }
+    if let Some(found) = &summary.uncertainty {
+        out.push_str(&samples(found));
     }
     if let Some(preset) = summary.accuracy {
         let _ = writeln!(

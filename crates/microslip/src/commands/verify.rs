@@ -122,6 +122,10 @@ fn rerun(directory: &Path) -> Result<()> {
     }
     let request = Request {
         ensemble: before.ensemble.as_ref().map(|ensemble| ensemble.realisations),
+        samples: before
+            .uncertainty
+            .as_ref()
+            .map(|found| (found.samples, Some(found.seed))),
         estimate_error: match (&before.error_estimate, &before.mesh_estimate) {
             (Some(_), _) => Some(ErrorOf::Settings),
             (None, Some(_)) => Some(ErrorOf::Mesh),
