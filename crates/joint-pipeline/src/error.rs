@@ -80,6 +80,12 @@ pub enum Error {
         /// Why, and what can be done.
         reason: String,
     },
+    /// A calibration that cannot be done.
+    #[error("calibration: {reason}")]
+    Calibration {
+        /// Why, and what can be done.
+        reason: String,
+    },
     /// Shapes of a structure without a mesh.
     #[error(
         "mode shapes and deformed bodies need a mesh, and matrices have none; give the structure as a mesh, a deck or a benchmark"

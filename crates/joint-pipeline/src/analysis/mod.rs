@@ -1,6 +1,7 @@
 //! From a prepared scene to its results: prestress, backbones, other methods, ensembles, motion in time.
 
 mod backbone;
+pub mod calibration;
 pub mod comparison;
 mod deformed;
 mod element_loops;

@@ -11,6 +11,9 @@ use rand_pcg::Pcg64;
 /// intervals, so that none is 0.
 const HALF: f64 = 1.0 / 33_554_432.0;
 
+/// Points of the sequence that the direction numbers are for.
+const LONGEST: usize = 65_536;
+
 /// Points in the unit cube, point by point.
 pub(crate) fn unit_cube(method: SamplingMethod, seed: u64, points: usize, dimensions: usize) -> Vec<Vec<f64>> {
     match method {
@@ -59,12 +62,13 @@ pub(crate) fn samples(
     })?;
     let k = marginals.len();
     let sets = if second { 2 } else { 1 };
-    if uncertain.method == SamplingMethod::Sobol && sets * k > sobol_burley::NUM_DIMENSIONS as usize {
+    let directions = sobol_burley::NUM_DIMENSIONS as usize;
+    if uncertain.method == SamplingMethod::Sobol && (sets * k > directions || number > LONGEST) {
         return Err(Error::Uncertain {
             field: "method".into(),
             reason: format!(
-                "the sequence has {} directions and {} are needed; take \"latin-hypercube\"",
-                sobol_burley::NUM_DIMENSIONS,
+                "Sobol's sequence has {LONGEST} points in {directions} directions here, and {number} in {} are needed; take \
+                 \"latin-hypercube\"",
                 sets * k
             ),
         });

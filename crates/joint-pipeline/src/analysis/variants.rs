@@ -229,6 +229,8 @@ fn monotone_cubic(x: &[f64], y: &[f64], at: f64) -> f64 {
 pub(super) struct Study<'a> {
     prepared: &'a Prepared,
     structure: &'a Structure,
+    given: Scene,
+    /// It with the loops alone.
     scene: Scene,
     options: Options,
     parameters: Vec<Parameter>,
@@ -245,6 +247,7 @@ impl<'a> Study<'a> {
         Self {
             prepared,
             structure,
+            given: scene.clone(),
             scene: ensemble::loops_alone(scene, true),
             options: options.clone(),
             parameters,
@@ -255,6 +258,12 @@ impl<'a> Study<'a> {
         &self.parameters
     }
 
+    /// The scene that varies, with all that is asked for.
+    pub(super) fn given(&self) -> &Scene {
+        &self.given
+    }
+
+    /// The scene that varies, with the loops alone.
     pub(super) fn scene(&self) -> &Scene {
         &self.scene
     }

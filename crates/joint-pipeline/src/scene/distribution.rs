@@ -158,6 +158,20 @@ impl Marginal {
         Ok(Self { shape, between })
     }
 
+    /// What it is, before it is truncated.
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    /// Smallest and largest value, where they are finite.
+    pub fn support(&self) -> Option<[f64; 2]> {
+        match (self.between, self.shape) {
+            (Some(_), _) => Some([0.0, 1.0].map(|p| self.quantile(p))),
+            (None, Shape::Uniform { low, high } | Shape::Triangular { low, high, .. }) => Some([low, high]),
+            _ => None,
+        }
+    }
+
     /// The value that is not exceeded with a probability between 0 and 1.
     pub fn quantile(&self, p: f64) -> f64 {
         match self.between {

@@ -47,9 +47,9 @@ struct Theory {
     band: Option<[Backbone; 2]>,
 }
 
-struct Experiment {
-    name: String,
-    backbone: Backbone,
+pub(super) struct Experiment {
+    pub(super) name: String,
+    pub(super) backbone: Backbone,
     quantity: Quantity,
 }
 
@@ -238,7 +238,7 @@ impl Theory {
 }
 
 impl Experiment {
-    fn read(path: &Path) -> Result<Self> {
+    pub(super) fn read(path: &Path) -> Result<Self> {
         let path = file(path, "backbone.csv");
         let text = read(&path)?;
         let at = path.display();
@@ -289,7 +289,7 @@ impl Experiment {
         })
     }
 
-    fn over(self, quantity: Quantity) -> Result<Self> {
+    pub(super) fn over(self, quantity: Quantity) -> Result<Self> {
         let more = quantity.derivatives() - self.quantity.derivatives();
         Ok(Self {
             backbone: self.backbone.differentiated(&self.name, more)?,

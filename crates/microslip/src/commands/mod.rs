@@ -1,5 +1,6 @@
 //! The commands of the program, for its binary and for others that offer them too.
 
+mod calibrate;
 mod characterise;
 mod compare;
 mod export;
@@ -53,6 +54,9 @@ pub enum Command {
     Forced(forced::Arguments),
     /// Lay a run over measured backbones at the same response point: misfit in frequency and damping.
     Compare(compare::Arguments),
+    /// Find numbers of a scene by least squares on measured backbones, with priors, standard errors and what cannot be identified.
+    #[command(after_help = EXIT_CODES)]
+    Calibrate(calibrate::Arguments),
     /// Show runs beside each other in a browser on this computer, until Ctrl-C ends it.
     View(view::Arguments),
     /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
@@ -81,6 +85,7 @@ impl Command {
             Self::Transient(arguments) => transient::run(arguments, defaults),
             Self::Forced(arguments) => return forced::run(arguments, defaults),
             Self::Compare(arguments) => compare::run(arguments),
+            Self::Calibrate(arguments) => return calibrate::run(arguments, defaults),
             Self::View(arguments) => view::run(arguments),
             Self::Verify(arguments) => verify::run(arguments),
             Self::New(arguments) => new::run(arguments),
