@@ -25,8 +25,10 @@ pub fn bands_picture(mode: Option<usize>) -> String {
     mode.map_or_else(|| "bands.svg".into(), |mode| format!("mode-{mode}-bands.svg"))
 }
 
-/// The two quantities with their units, and how they are found in a band.
-const QUANTITIES: [(&str, &str, fn(&Band) -> &Spread); 2] = [
+/// A quantity with its unit, and how it is found in a band.
+type Quantity = (&'static str, &'static str, fn(&Band) -> &Spread);
+
+const QUANTITIES: [Quantity; 2] = [
     ("frequency", "Hz", |band| &band.frequency_hz),
     ("damping_ratio", "-", |band| &band.damping_ratio),
 ];

@@ -90,7 +90,6 @@ pub(crate) fn samples(
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
 

@@ -605,7 +605,6 @@ fn half_width(sorted: &[f64], p: f64) -> Option<f64> {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
 

@@ -270,9 +270,9 @@ impl<'a> Study<'a> {
 
     /// The scene with these values (SI).
     pub(super) fn with(&self, inputs: &[f64]) -> Result<Scene, Error> {
-        let values = self.parameters.iter().zip(inputs);
-        values.fold(Ok(self.scene.clone()), |scene, (parameter, value)| {
-            parameter.with(&scene?, *value)
+        let mut values = self.parameters.iter().zip(inputs);
+        values.try_fold(self.scene.clone(), |scene, (parameter, value)| {
+            parameter.with(&scene, *value)
         })
     }
 
@@ -428,7 +428,6 @@ impl Solved {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
 

@@ -152,7 +152,7 @@ impl Parameter {
             let rest = self.0.strip_prefix(*block);
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
-        match PHYSICAL.iter().any(|block| is_within(&block)) {
+        match PHYSICAL.iter().any(is_within) {
             true => Ok(()),
             false => Err(self.refused(&format!(
                 "it is no number that the physics depends on; those are in {}",
@@ -216,7 +216,7 @@ fn understood(scene: &Scene, value: Value) -> Result<Scene, Error> {
     if let (StructureSource::Deck(own), StructureSource::Deck(given)) =
         (&mut read.structure.source, &scene.structure.source)
     {
-        own.includes = given.includes.clone();
+        own.includes = given.includes;
     }
     Ok(read)
 }
