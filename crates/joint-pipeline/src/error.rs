@@ -72,6 +72,7 @@ pub enum Error {
     Derivatives {
         /// Of what, and why.
         of: &'static str,
+    },
     /// Uncertain inputs that cannot be sampled.
     #[error("uncertain.{field}: {reason}")]
     Uncertain {

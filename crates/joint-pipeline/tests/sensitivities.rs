@@ -195,26 +195,30 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
     bare.sensitivities.clear();
     for one in &sensitivities {
         let is_structural = one.parameter.influence() == Influence::Structure;
-        let step = if is_structural { 1e-3 } else { 2e-5 };
-        let [above, below] = [step, -step].map(|step: f64| {
-            let varied = one.parameter.with(&bare, one.value * step.exp()).unwrap();
-            free_motions(&varied, (!is_structural).then_some(&model)).1
-        });
+        // A point that begins to slip between two samples on the way from one value to the other makes a difference wrong by a kink. That
+        // happens by chance, and not with all steps.
+        let steps: &[f64] = if is_structural { &[1e-3] } else { &[1e-4, 2e-5, 4e-6] };
+        let differences: Vec<Vec<[f64; 2]>> = steps
+            .iter()
+            .map(|step| {
+                let [above, below] = [*step, -*step].map(|step: f64| {
+                    let varied = one.parameter.with(&bare, one.value * step.exp()).unwrap();
+                    free_motions(&varied, (!is_structural).then_some(&model)).1
+                });
+                let pairs = above.iter().zip(&below);
+                pairs.map(|(a, b)| [0, 1].map(|which| (a[which] - b[which]) / (2.0 * step))).collect()
+            })
+            .collect();
         for (which, own) in [&one.dln_frequency, &one.dln_damping].into_iter().enumerate() {
             let scale = own.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-            assert!(
-                own.iter().flatten().count() > number / 2,
-                "most amplitudes have a value"
-            );
+            assert!(own.iter().flatten().count() > number / 2, "most amplitudes have a value");
             for (at, own) in own.iter().enumerate() {
                 let Some(own) = own else { continue };
-                let central = (above[at][which] - below[at][which]) / (2.0 * step);
-                let error = (own - central).abs() / scale;
-                println!(
-                    "{:32} {at:2} {which} {own:+.9e} {central:+.9e} {error:.1e}",
-                    one.parameter.path()
-                );
-                assert!(error < 1e-5, "{} {at} {which}: {own:e} {central:e}", one.parameter);
+                let errors = differences.iter().map(|found| (own - found[at][which]).abs() / scale);
+                let errors: Vec<f64> = errors.collect();
+                println!("{:32} {at:2} {which} {own:+.9e} {errors:.1e?}", one.parameter.path());
+                let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
+                assert!(least < 1e-5, "{} {at} {which}: {own:e} {errors:?}", one.parameter);
             }
         }
     }

@@ -10,7 +10,6 @@ use joint_pipeline::analysis::{ENERGY_TOLERANCE, TighteningResult};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::results::summary::Summary;
 use joint_pipeline::scene::{BoltBehaviour, RefinementLevel, Tightening};
-use joint_pipeline::structure::bolt::{TIGHTENING_METHODS, relative_deviation};
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -182,23 +181,6 @@ fn bolts_of_a_mesh_have_their_size_already() {
     let error = go(&scene).unwrap_err();
     assert!(matches!(error, Error::NoElongation { bolt: Some(2) }), "{error}");
     assert_eq!(error.field(), Some("bolts.tightening"));
-}
-
-#[test]
-fn tightening_factors_become_deviations() {
-    let names: Vec<&str> = TIGHTENING_METHODS.iter().map(|method| method.name).collect();
-    assert!(names.contains(&"torque-wrench-class-b") && names.contains(&"impact-wrench"));
-    for method in TIGHTENING_METHODS {
-        let [low, high] = method.factor;
-        assert!(1.0 < low && low < high, "{method:?}");
-        // The mean plus and minus two deviations are a factor alpha_A apart.
-        let sigma = relative_deviation(high).unwrap();
-        close((1.0 + 2.0 * sigma) / (1.0 - 2.0 * sigma), high, 1e-14);
-    }
-    // Printed beside the factors: 1.6 is 23 %, 4.0 is 60 %.
-    close(2.0 * relative_deviation(1.6).unwrap(), 0.23, 5e-3);
-    close(2.0 * relative_deviation(4.0).unwrap(), 0.6, 1e-14);
-    assert!(matches!(relative_deviation(0.9), Err(Error::Value { .. })));
 }
 
 /// Two bolts on parts of springs: coordinates are the jumps of two points and the ends of both shanks.

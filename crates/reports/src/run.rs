@@ -131,6 +131,7 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
         if let Some(picture) = sensitivity::picture(sensitivities)? {
             outputs.push(Output::new(sensitivity::PICTURE, picture));
         }
+    }
     let mut of_samples = Vec::new();
     if let Some(uncertainty) = &summary.uncertainty {
         let (files, drawn) = uncertainty::outputs(uncertainty, &run.scene.name, &summary.response)?;

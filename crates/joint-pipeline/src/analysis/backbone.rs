@@ -64,8 +64,6 @@ pub(super) struct Request<'a> {
     pub(super) recorded: &'a [usize],
     /// What derivatives start from, if the scene asks for any.
     pub(super) sensitivities: Option<&'a Sensitivities<'a>>,
-    /// Above 1: two more amplitudes, beyond the ends by this factor.
-    pub(super) beyond: f64,
     /// Modal forces (sqrt(kg) m/s^2) that stand for those by the amplitudes of the scene.
     pub(super) forces: Option<&'a Vec<f64>>,
 }

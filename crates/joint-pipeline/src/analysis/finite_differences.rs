@@ -16,7 +16,7 @@ pub(super) const AROUND: [f64; 2] = [0.98, 1.02];
 /// Derivatives of a backbone by a parameter, at fixed modal amplitude.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Sensitivity {
+pub struct Gradient {
     /// The parameter.
     pub parameter: Parameter,
     /// Modal amplitudes (sqrt(kg) m); 0 of the linearised mode.
@@ -27,7 +27,7 @@ pub struct Sensitivity {
     pub dln_damping: Vec<Option<f64>>,
 }
 
-impl Sensitivity {
+impl Gradient {
     /// Derivatives of frequency and damping at one of its amplitudes.
     pub fn at(&self, modal_amplitude: f64) -> [Option<f64>; 2] {
         let place = self.modal_amplitude.iter().position(|known| *known == modal_amplitude);
@@ -75,7 +75,7 @@ pub(super) fn sensitivity(
     [above, below]: [&Variant; 2],
     mode: usize,
     amplitudes: &[f64],
-) -> Sensitivity {
+) -> Gradient {
     let is_relative = nominal.inputs[place] != 0.0;
     let coordinate = |variant: &Variant| {
         let value = variant.inputs[place];
@@ -93,7 +93,7 @@ pub(super) fn sensitivity(
             .map(|amplitude| derivative(*amplitude, which))
             .collect()
     };
-    Sensitivity {
+    Gradient {
         parameter: parameter.clone(),
         modal_amplitude: amplitudes.to_vec(),
         dln_frequency: all(0),

@@ -266,13 +266,13 @@ impl Prepared {
 
     /// Static load on the reduced coordinates (N).
     pub fn static_load(&self) -> Vec<f64> {
-        self.load_of(&self.tensions())
+        self.load_of(&self.tensions(&self.scene))
     }
 
-    /// Tension of each bolt in the scene (N).
-    fn tensions(&self) -> Vec<f64> {
+    /// Tension of each bolt in a scene (N).
+    fn tensions(&self, scene: &Scene) -> Vec<f64> {
         let bolts = 0..self.model.reduced.loads.len();
-        bolts.map(|bolt| self.scene.tension(bolt)).collect()
+        bolts.map(|bolt| scene.tension(bolt)).collect()
     }
 
     /// Load of tensions of the bolts on the reduced coordinates (N).
@@ -280,11 +280,6 @@ impl Prepared {
         let reduced = &self.model.reduced;
         let mut load = vec![0.0; reduced.mass.nrows()];
         for (tension, unit) in tensions.iter().zip(&reduced.loads) {
-        self.load_of(&self.scene)
-    /// The same in a scene with other bolt loads.
-    fn load_of(&self, scene: &Scene) -> Vec<f64> {
-        for (bolt, unit) in reduced.loads.iter().enumerate() {
-            let tension = scene.tension(bolt);
             load.iter_mut()
                 .zip(unit)
                 .for_each(|(sum, value)| *sum += tension * value);
@@ -340,15 +335,6 @@ impl Prepared {
     ) -> Result<(Ensemble, Checkpoints), Error> {
         progress.begin(Stage::Ensemble);
         // Fields, other methods and other modes are left to the measured law.
-        let mut scene = self.scene.clone();
-        scene.cqsma.mode = scene.cqsma.followed()[0];
-        scene.cqsma.modes_of_interest.clear();
-        scene.methods.clear();
-        scene.epmc = None;
-        scene.forced = None;
-        scene.sensitivities.clear();
-        scene.output.fields_at = Some(Vec::new());
-        scene.cqsma.loops_at.clear();
         let scene = ensemble::loops_alone(&self.scene, false);
         let load = bolt_load(&scene, &self.model);
         let checkpoint = match &self.options.cache {
@@ -476,7 +462,7 @@ impl Prepared {
         progress.begin(Stage::Prestress);
         let start = uniform(reduced, closure);
         let assembled = assembled(scene, interface);
-        let (tensions, newton) = (self.tensions(), newton_settings(scene));
+        let (tensions, newton) = (self.tensions(scene), newton_settings(scene));
         let prestress = match &scene.bolts.tightening {
             None => {
                 let load = self.load_of(&tensions);
@@ -499,8 +485,6 @@ impl Prepared {
                 checked
             }
         };
-        let load = self.load_of(scene);
-        let prestress = prestress::solve(reduced, &assembled, &load, &start, bolts, &newton_settings(scene))?;
         progress.end(Stage::Prestress);
         Ok(prestress)
     }
@@ -542,7 +526,6 @@ impl Prepared {
         let reduced = &self.model.reduced;
         let force = InterfaceForce::new(interface);
         let newton = newton_settings(scene);
-        let static_load = self.load_of(scene);
         let prestress = self.static_state(scene, interface, closure, progress)?;
         let static_load = self.load_of(&prestress.tensions);
 
@@ -594,7 +577,6 @@ impl Prepared {
                 newton,
                 recorded: &recorded,
                 sensitivities: sensitivities.as_ref(),
-                beyond,
                 forces: forces.and_then(|forces| forces.get(place)),
             };
             let key = self

@@ -5,7 +5,7 @@
 //! propagation of uncertainty (JCGM 100:2008, eq. 13) from the derivatives at the scene's own values.
 
 use super::ensemble::percentile;
-use super::finite_differences::{self, AROUND, Sensitivity, values};
+use super::finite_differences::{self, AROUND, Gradient, values};
 use super::sampling::samples;
 use super::variants::{Abscissa, Curve, Solved, Study, Variant};
 use crate::progress::Progress;
@@ -225,7 +225,7 @@ pub fn run_samples(
         std::iter::once(0.0).chain(all).collect::<Vec<f64>>()
     };
     let of_mode = |(mode, curve)| sensitivities(&study, &nominal, &derivatives, mode, &amplitudes(curve));
-    let sensitivities: Vec<Vec<Sensitivity>> = nominal.curves.iter().enumerate().map(of_mode).collect();
+    let sensitivities: Vec<Vec<Gradient>> = nominal.curves.iter().enumerate().map(of_mode).collect();
 
     let exchanged = (0..if second.is_empty() { 0 } else { marginals.len() }).flat_map(|place| {
         first.iter().zip(&second).map(move |(a, b)| {
@@ -300,7 +300,7 @@ fn sensitivities(
     derivatives: &[Variant],
     mode: usize,
     amplitudes: &[f64],
-) -> Vec<Sensitivity> {
+) -> Vec<Gradient> {
     let pairs = study.parameters().iter().zip(derivatives.chunks_exact(2)).enumerate();
     let of = pairs.map(|(place, (parameter, pair))| {
         finite_differences::sensitivity(parameter, place, nominal, [&pair[0], &pair[1]], mode, amplitudes)
@@ -309,7 +309,7 @@ fn sensitivities(
 }
 
 /// By how much the logarithm of the frequency moves with the inputs, to first order; as far as derivatives are known.
-fn moved(sensitivities: &[Sensitivity], nominal: &Variant, inputs: &[f64], amplitude: f64) -> f64 {
+fn moved(sensitivities: &[Gradient], nominal: &Variant, inputs: &[f64], amplitude: f64) -> f64 {
     let terms = sensitivities
         .iter()
         .zip(inputs)
@@ -398,7 +398,7 @@ struct Runs<'a> {
     nominal: &'a Variant,
     samples: &'a [Variant],
     /// By all inputs, of each mode.
-    sensitivities: &'a [Vec<Sensitivity>],
+    sensitivities: &'a [Vec<Gradient>],
     /// A second set of samples, and the first with each input in turn taken from the second; none unless indices are asked for.
     of_indices: &'a [Variant],
 }

@@ -10,8 +10,6 @@ use crate::analysis::uncertainty::Uncertainty;
 use crate::analysis::validity::Validity;
 use crate::analysis::warnings::Warning;
 use crate::analysis::{AmplitudeResult, ModeBackbone, Run, Sensitivity, TighteningResult};
-use crate::analysis::uncertainty::Uncertainty;
-use crate::analysis::{AmplitudeResult, ModeBackbone, Run};
 use crate::interface::{LawReport, PartReport};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;

@@ -6,8 +6,8 @@
 
 mod accuracy;
 mod analysis;
-mod finish;
 pub(crate) mod distribution;
+mod finish;
 mod json;
 mod law;
 mod mesh;
@@ -25,8 +25,8 @@ mod validate;
 
 pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, InterfacePlace, Method, Output};
-pub use finish::{Finish, FinishFace, Lengths, PowerLaw, Route};
 pub use distribution::{Marginal, Shape};
+pub use finish::{Finish, FinishFace, Lengths, PowerLaw, Route};
 pub use json::read as read_json;
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
@@ -44,9 +44,8 @@ pub use surface::{
 pub use tightening::Tightening;
 pub use torque::{ThreadSize, TorqueReport};
 pub use uncertain::{
-    Distribution, Given, Lognormal, Normal, SamplingMethod, TIGHTENING_SIGMAS, Tightening, Uncertain,
+    Distribution, Given, Lognormal, Normal, SamplingMethod, TIGHTENING_SIGMAS, TighteningMethod, Uncertain,
 };
-pub use uncertain::{Distribution, Given, Lognormal, Normal, SamplingMethod, TIGHTENING_SIGMAS, Tightening, Uncertain};
 pub use units::{
     Area, ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,
     SurfaceEnergy, Torque, Unit, Units, dimension,

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 const BEYOND: f64 = 1e-6;
 
 /// Standard deviations from the mean that the smallest and the largest preload of a tightening method are taken to lie at.
-pub const TIGHTENING_SIGMAS: f64 = 3.0;
+pub const TIGHTENING_SIGMAS: f64 = 2.0;
 
 /// Numbers of a scene that are not known exactly, see [`Scene::uncertain`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,7 +100,7 @@ pub struct Distribution {
     pub triangular: Option<[Given; 3]>,
     /// How a bolt is tightened; its load is normal about that of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub tightening: Option<Tightening>,
+    pub tightening: Option<TighteningMethod>,
     /// Tightening factor, the largest preload over the smallest one, where it is known better than by the method (-).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha_a: Option<f64>,
@@ -145,11 +145,11 @@ pub struct Lognormal {
 ///
 /// The largest factor of the method's range is taken. The load is taken as normal about that of the scene, with `F_Mmin` and `F_Mmax`
 /// at [`TIGHTENING_SIGMAS`] standard deviations from the mean, so that its coefficient of variation is
-/// `(alpha_A - 1) / (alpha_A + 1) / 3`. The table itself states no distribution.
+/// `(alpha_A - 1) / (alpha_A + 1) / 2`. The table itself states no distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum Tightening {
+pub enum TighteningMethod {
     /// Elongation measured by ultrasound: 1.1 to 1.2.
     Ultrasound,
     /// Elongation measured mechanically: 1.1 to 1.5.
@@ -172,7 +172,7 @@ pub enum Tightening {
     ImpactWrench,
 }
 
-impl Tightening {
+impl TighteningMethod {
     /// Smallest and largest tightening factor (-).
     pub fn alpha_a(self) -> [f64; 2] {
         match self {

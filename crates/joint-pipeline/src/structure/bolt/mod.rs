@@ -7,11 +7,9 @@
 
 mod compliance;
 mod metric;
-mod scatter;
 
 pub use compliance::{Compliance, Engagement, Term};
 pub use metric::{Friction, Hexagon, Metric, Thread, Washer};
-pub use scatter::{TIGHTENING_METHODS, TighteningMethod, relative_deviation};
 
 use crate::Error;
 use nalgebra::{Matrix3, Vector3};
