@@ -59,6 +59,7 @@ impl Benchmark for BrakeReussBenchmark {
             ("brb-quick", include_str!("../scenes/brb-quick.json")),
             ("brb-deck", include_str!("../scenes/brb-deck.json")),
             ("brb-predictive", include_str!("../scenes/brb-predictive.json")),
+            ("brb-from-drawing", include_str!("../scenes/brb-from-drawing.json")),
             (
                 "published-epmc-flat",
                 include_str!("../scenes/published-epmc-flat.json"),

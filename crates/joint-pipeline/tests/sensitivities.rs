@@ -206,17 +206,22 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
                     free_motions(&varied, (!is_structural).then_some(&model)).1
                 });
                 let pairs = above.iter().zip(&below);
-                pairs.map(|(a, b)| [0, 1].map(|which| (a[which] - b[which]) / (2.0 * step))).collect()
+                pairs
+                    .map(|(a, b)| [0, 1].map(|which| (a[which] - b[which]) / (2.0 * step)))
+                    .collect()
             })
             .collect();
         for (which, own) in [&one.dln_frequency, &one.dln_damping].into_iter().enumerate() {
             let scale = own.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-            assert!(own.iter().flatten().count() > number / 2, "most amplitudes have a value");
+            assert!(
+                own.iter().flatten().count() > number / 2,
+                "most amplitudes have a value"
+            );
             for (at, own) in own.iter().enumerate() {
                 let Some(own) = own else { continue };
                 let errors = differences.iter().map(|found| (own - found[at][which]).abs() / scale);
                 let errors: Vec<f64> = errors.collect();
-                println!("{:32} {at:2} {which} {own:+.9e} {errors:.1e?}", one.parameter.path());
+                println!("{:32} {at:2} {which} {own:+.9e} {errors:?}", one.parameter.path());
                 let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
                 assert!(least < 1e-5, "{} {at} {which}: {own:e} {errors:?}", one.parameter);
             }

@@ -40,9 +40,12 @@ impl SceneInterface {
     }
 }
 
+/// Of each point of a part: the factors of its law, and the gap (m per unit).
+type OfPoints = (Vec<Similarity>, Vec<f64>);
+
 impl PartLaw {
-    /// Of each point: the factors of its law, and the gap (m per unit).
-    fn variation(&self, scenes: [&Scene; 2], apart: f64) -> Result<Option<(Vec<Similarity>, Vec<f64>)>, Error> {
+    /// As [`SceneInterface::variation`].
+    fn variation(&self, scenes: [&Scene; 2], apart: f64) -> Result<Option<OfPoints>, Error> {
         let [above, below] = scenes;
         if above.law != below.law {
             return Ok(None);
