@@ -564,16 +564,17 @@ impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
         let mut sums = self.sweep(&weights, path)?;
         let [half, area] = [0.5 * (high - low), hysteresis.area()];
         let [by_force, area_by_force] = sums.pop()?;
-        let [by_force, area_by_force] = [by_force / half, area_by_force / area + 1.0];
+        let by_force = by_force / half;
+        let has_area = area != 0.0;
         let rates = sums.into_iter().map(|[of_half, of_area]| {
             let ln_amplitude = of_half / half;
             // How much less force brings the amplitude back.
             let back = ln_amplitude / by_force;
-            let ln_dissipation = of_area / area - back * area_by_force;
+            let ln_dissipation = has_area.then(|| of_area / area - back * (area_by_force / area + 1.0));
             LoopRate {
                 // omega^2 Q is the force, and Q is held; zeta is the area over 2 pi Q times the force.
                 ln_omega: -0.5 * back,
-                ln_zeta: ln_dissipation + back,
+                ln_zeta: ln_dissipation.map(|of_area| of_area + back),
                 ln_dissipation,
                 ln_amplitude,
             }
@@ -588,10 +589,11 @@ impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
 pub struct LoopRate {
     /// Of the logarithm of the secant frequency, at the same modal amplitude.
     pub ln_omega: f64,
-    /// Of the logarithm of the damping ratio, at the same modal amplitude; meaningless where the damping is not resolved.
-    pub ln_zeta: f64,
-    /// Of the logarithm of the dissipation per cycle, at the same modal amplitude.
-    pub ln_dissipation: f64,
+    /// Of the logarithm of the damping ratio, at the same modal amplitude; none of a loop without area, and meaningless where the damping is not
+    /// resolved.
+    pub ln_zeta: Option<f64>,
+    /// Of the logarithm of the dissipation per cycle, at the same modal amplitude; likewise.
+    pub ln_dissipation: Option<f64>,
     /// Of the logarithm of the modal amplitude, at the same modal force.
     pub ln_amplitude: f64,
 }

@@ -172,14 +172,15 @@ fn derivatives_are_those_of_whole_analyses_at_the_same_amplitude() {
             );
             if target.is_resolved() {
                 let zeta = central(&|l| l.zeta);
+                let [own, dissipated] = [rate.ln_zeta, rate.ln_dissipation].map(Option::unwrap);
                 assert!(
-                    (rate.ln_zeta - zeta).abs() < 1e-5 * zeta.abs().max(1e-2),
+                    (own - zeta).abs() < 1e-5 * zeta.abs().max(1e-2),
                     "{name}, force {}: {} against {zeta}",
                     forces[i],
-                    rate.ln_zeta
+                    own
                 );
                 let work = central(&|l| l.loop_area);
-                assert!((rate.ln_dissipation - work).abs() < 1e-5 * work.abs().max(1e-2));
+                assert!((dissipated - work).abs() < 1e-5 * work.abs().max(1e-2));
             }
         }
     }
@@ -244,8 +245,8 @@ fn the_limit_of_a_frictional_bar_scales_its_amplitude() {
         limit * rate.ln_omega
     );
     assert!(
-        (limit * rate.ln_zeta - zeta).abs() < 2e-2 * zeta.abs(),
+        (limit * rate.ln_zeta.unwrap() - zeta).abs() < 2e-2 * zeta.abs(),
         "{} {zeta}",
-        limit * rate.ln_zeta
+        limit * rate.ln_zeta.unwrap()
     );
 }

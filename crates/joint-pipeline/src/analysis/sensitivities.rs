@@ -302,8 +302,8 @@ impl<'a> Sensitivities<'a> {
                     .map(|found| found.map(|found| found.modal_amplitude))
                     .collect(),
                 dln_frequency: each(&|_, rate| Some(rate.ln_omega)),
-                dln_damping: each(&|found, rate| found.is_resolved().then_some(rate.ln_zeta)),
-                dln_dissipation: each(&|found, rate| found.is_resolved().then_some(rate.ln_dissipation)),
+                dln_damping: each(&|found, rate| rate.ln_zeta.filter(|_| found.is_resolved())),
+                dln_dissipation: each(&|found, rate| rate.ln_dissipation.filter(|_| found.is_resolved())),
                 dln_response: each(&|_, rate| Some(rate.ln_amplitude + dln_phi)),
             }
         };
