@@ -135,7 +135,7 @@ mod tests {
             "units": { "length": "m", "mass": "kg", "time": "s" },
             "structure": { "matrices": {
                 "path": "K.mtx", "coordinates": "jump",
-                "points": { "positions": [[0.0, 0.0]], "areas": [1.0] },
+                "points": [{ "node": 1 }],
                 "response": { "terms": [] }
             } },
             "model": { "material": { "youngs_modulus": 2e11, "poisson_ratio": 0.3 } },
