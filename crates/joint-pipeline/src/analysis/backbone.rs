@@ -102,7 +102,7 @@ impl<'a> Request<'a> {
             .as_ref()
             .map_or_else(Vec::new, |(sensitivities, derivatives)| {
                 let loops = done.iter().map(|(point, _)| point.result.as_ref().ok());
-                sensitivities.of_loops(derivatives, &shape, self.response, loops)
+                sensitivities.of_loops(derivatives, (&shape, omega2), self.response, loops)
             });
         let amplitude = |(point, fields): Loop| {
             let result = point.result.as_ref().ok();

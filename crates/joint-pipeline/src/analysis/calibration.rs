@@ -470,7 +470,7 @@ pub fn calibrate(
         structure,
         prepared,
         analysis,
-    } = Solved::new(scene, options, progress)?;
+    } = Solved::new(scene, &[], options, progress)?;
     let study = Study::new(scene, names, &structure, &prepared, options);
     let nominal: Vec<f64> = study
         .parameters()

@@ -17,7 +17,7 @@ use crate::interface::{InterfaceForce, LawReport, PartReport, SceneInterface};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
 use crate::progress::{Progress, Stage};
-use crate::scene::{Assembly, BoltBehaviour, Scene, Stress};
+use crate::scene::{Assembly, BoltBehaviour, Influence, Parameter, Scene, Stress};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
@@ -140,6 +140,8 @@ pub struct Prepared {
     model: StructuralModel,
     interface: SceneInterface,
     neighbours: Vec<Neighbours>,
+    /// Derivatives that the scene asks for, which are the first of them.
+    shown: usize,
     loop_elements: Vec<usize>,
     /// The structure, if its bodies are to be shown deformed.
     structure: Option<Structure>,
@@ -248,10 +250,45 @@ impl Prepared {
             surface: OuterSurface::of(&structure.joint),
             model,
             interface,
+            shown: neighbours.len(),
             neighbours,
             loop_elements: loop_elements(scene, structure)?,
             structure: scene.output.deformed.then(|| structure.clone()),
         })
+    }
+
+    /// The scene, with the parameters of [`Prepared::differentiate_also`].
+    pub(super) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Asks for derivatives with respect to further parameters, as far as they take no further reduction and the law has them. Results do not
+    /// show them.
+    ///
+    /// # Errors
+    /// Of the law beside the values of the scene.
+    pub(super) fn differentiate_also(
+        &mut self,
+        structure: &Structure,
+        parameters: &[Parameter],
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        for parameter in parameters {
+            let is_smooth = parameter.influence() != Influence::Structure && !parameter.is_drawn();
+            let is_known = self.scene.sensitivities.contains(parameter);
+            if is_known || !is_smooth || self.scene.bolts.tightening.is_some() {
+                continue;
+            }
+            // A number at the edge of what is admissible has no neighbours.
+            let Ok(neighbours) = Neighbours::one(&self.scene, parameter, structure, &self.model, progress) else {
+                continue;
+            };
+            if neighbours.is_differentiated(&self.interface)? {
+                self.neighbours.push(neighbours);
+                self.scene.sensitivities.push(parameter.clone());
+            }
+        }
+        Ok(())
     }
 
     /// The reduced structure.
@@ -369,7 +406,8 @@ impl Prepared {
         key
     }
 
-    pub(super) fn finish(self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
+    pub(super) fn finish(mut self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
+        self.scene.sensitivities.truncate(self.shown);
         let Analysis {
             prestress,
             frequencies,
@@ -378,6 +416,10 @@ impl Prepared {
             checkpoints,
         } = analysis;
         let asperities = self.interface.asperities();
+        let shown = |mut all: Vec<Sensitivity>| {
+            all.truncate(self.shown);
+            all
+        };
         let judge = |found: ModeAnalysis| ModeBackbone {
             validity: validity::assess(
                 &self.interface.interface,
@@ -397,8 +439,11 @@ impl Prepared {
             mode: found.mode,
             amplitudes: found.amplitudes,
             methods: found.methods,
-            epmc: found.epmc,
-            sensitivities: found.sensitivities,
+            epmc: found.epmc.map(|epmc| EpmcBackbone {
+                sensitivities: shown(epmc.sensitivities),
+                ..epmc
+            }),
+            sensitivities: shown(found.sensitivities),
         };
         let backbones: Vec<ModeBackbone> = modes.into_iter().map(judge).collect();
         let found = self.findings(&prestress, &frequencies, backbones.first().map(|first| &first.validity));

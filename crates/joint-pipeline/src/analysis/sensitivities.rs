@@ -22,7 +22,7 @@ const STEP: f64 = 1e-4;
 /// The same for matrices, whose modes are known to less than round-off.
 const STRUCTURAL_STEP: f64 = 1e-3;
 
-/// Distance of neighbouring values of a number that is zero, in its unit: only slopes of gaps are (rad).
+/// Distance of neighbouring values of a number that is zero, in its unit: a slope of the gap (rad), as a rule.
 const STEP_FROM_ZERO: f64 = 1e-6;
 
 /// What a derivative is with respect to.
@@ -53,6 +53,8 @@ pub struct Sensitivity {
     pub unit: String,
     /// What the derivatives are with respect to.
     pub per: Per,
+    /// Of the logarithm of the linearised frequency (-).
+    pub dln_linear_frequency: f64,
     /// Modal amplitudes (sqrt(kg) m).
     pub modal_amplitude: Vec<Option<f64>>,
     /// Of the logarithm of the frequency, at the same modal amplitude (-).
@@ -97,7 +99,22 @@ impl Neighbours {
             .collect()
     }
 
-    fn one(
+    /// Whether the law of the interface is differentiated with respect to it.
+    ///
+    /// # Errors
+    /// Of the law at the neighbouring values.
+    pub(super) fn is_differentiated(&self, interface: &SceneInterface) -> Result<bool, Error> {
+        Ok(self.parameter.influence() == Influence::Loads
+            || interface
+                .variation([&self.above, &self.below], 2.0 * self.step)?
+                .is_some())
+    }
+
+    /// That of one parameter.
+    ///
+    /// # Errors
+    /// As [`Neighbours::of`].
+    pub(super) fn one(
         scene: &Scene,
         parameter: &Parameter,
         structure: &Structure,
@@ -107,8 +124,9 @@ impl Neighbours {
         let value = parameter.value(scene)?;
         let is_structural = parameter.influence() == Influence::Structure;
         let relative = if is_structural { STRUCTURAL_STEP } else { STEP };
+        let from_zero = if is_structural { STRUCTURAL_STEP } else { STEP_FROM_ZERO };
         let (per, step, [above, below]) = match value == 0.0 {
-            true => (Per::Value, STEP_FROM_ZERO, [STEP_FROM_ZERO, -STEP_FROM_ZERO]),
+            true => (Per::Value, from_zero, [from_zero, -from_zero]),
             false => (
                 Per::Logarithm,
                 relative,
@@ -117,7 +135,18 @@ impl Neighbours {
         };
         let mut bare = scene.clone();
         bare.sensitivities.clear();
-        let [above, below] = [parameter.with(&bare, above)?, parameter.with(&bare, below)?];
+        let varied = |number: f64| {
+            parameter.with(&bare, number).map_err(|error| match value == 0.0 {
+                true => Error::Parameter {
+                    path: parameter.path().into(),
+                    reason: format!(
+                        "it is zero, from where results do not go on in both directions ({error}); give it a value"
+                    ),
+                },
+                false => error,
+            })
+        };
+        let [above, below] = [varied(above)?, varied(below)?];
         let models = match is_structural {
             false => None,
             true if scene.bolts.behaviour == BoltBehaviour::Locked => {
@@ -270,12 +299,13 @@ impl<'a> Sensitivities<'a> {
     pub(super) fn of_loops<'r>(
         &self,
         derivatives: &Derivatives<'_, InterfaceForce<'_>>,
-        shape: &[f64],
+        (shape, eigenvalue): (&[f64], f64),
         response: &[f64],
         loops: impl Iterator<Item = Option<&'r LoopResult>> + Clone,
     ) -> Vec<Sensitivity> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let phi = dot(shape, response);
+        let linear = |rate: &ParameterRate<'_, _>| 0.5 * rate.mode.eigenvalue / eigenvalue;
         let of_parameter = |(number, ((one, ingredients), rate)): (usize, ((&Neighbours, &Ingredients), _))| {
             let rate: &ParameterRate<'_, _> = rate;
             let dln_phi = (dot(&rate.mode.shape, response) + dot(shape, &ingredients.response)) / phi;
@@ -297,6 +327,7 @@ impl<'a> Sensitivities<'a> {
                 value: one.value,
                 unit: one.unit.into(),
                 per: one.per,
+                dln_linear_frequency: linear(rate),
                 modal_amplitude: loops
                     .clone()
                     .map(|found| found.map(|found| found.modal_amplitude))
@@ -330,6 +361,8 @@ impl<'a> Sensitivities<'a> {
                 Some((motion, backbone::rates(line, force, derivatives, motion)?))
             })
             .collect();
+        let eigenvalue = line.eigenvalues[derivatives.mode()];
+        let linear = |rate: &ParameterRate<'_, _>| 0.5 * rate.mode.eigenvalue / eigenvalue;
         let none = || vec![None; points.len()];
         let each = |of: &dyn Fn(&Motion, &[MotionRate]) -> Option<f64>| -> Vec<Option<f64>> {
             let values = rates
@@ -339,13 +372,15 @@ impl<'a> Sensitivities<'a> {
         };
         let neighbours = self.neighbours.iter().enumerate();
         neighbours
-            .map(|(number, one)| Sensitivity {
+            .zip(derivatives.parameters())
+            .map(|((number, one), rate)| Sensitivity {
                 mode: derivatives.mode() + 1,
                 method: Method::Epmc.name().into(),
                 parameter: one.parameter.clone(),
                 value: one.value,
                 unit: one.unit.into(),
                 per: one.per,
+                dln_linear_frequency: linear(rate),
                 modal_amplitude: each(&|motion, _| Some(motion.modal_amplitude)),
                 dln_frequency: each(&|_, rates| Some(rates.get(number)?.ln_omega)),
                 dln_damping: each(&|motion, rates| {

@@ -7,7 +7,8 @@
 use super::ensemble::percentile;
 use super::finite_differences::{self, AROUND, Gradient, values};
 use super::sampling::samples;
-use super::variants::{Abscissa, Curve, Solved, Study, Variant};
+use super::sensitivities::Sensitivity;
+use super::variants::{Abscissa, Curve, Solved, Study, Variant, VariantPoint};
 use crate::progress::Progress;
 use crate::scene::distribution::standard_normal;
 use crate::scene::uncertain::{beyond, of_parameter};
@@ -196,7 +197,7 @@ pub fn run_samples(
         structure,
         prepared,
         mut analysis,
-    } = Solved::new(scene, options, progress)?;
+    } = Solved::new(scene, &parameters, options, progress)?;
     let study = Study::new(scene, parameters, &structure, &prepared, options);
     if study.reduces_again() {
         progress.note("an uncertain input changes the structure: it is built and reduced anew for every sample");
@@ -214,8 +215,22 @@ pub fn run_samples(
         .map(|(value, [_, sd])| finite_differences::step(*value, *sd));
     let steps: Vec<f64> = steps.collect();
 
-    let near: Vec<_> = finite_differences::inputs(&nominal.inputs, &steps)
-        .into_iter()
+    let gradients: Vec<Vec<Option<Gradient>>> = nominal
+        .curves
+        .iter()
+        .zip(&analysis.modes)
+        .map(|(curve, found)| {
+            let of = |parameter| gradient(parameter, curve, &found.sensitivities);
+            study.parameters().iter().map(of).collect()
+        })
+        .collect();
+    // Those of all other parameters are differences.
+    let others = (0..steps.len()).filter(|place| gradients.iter().any(|of_mode| of_mode[*place].is_none()));
+    let others: Vec<usize> = others.collect();
+    let pairs = finite_differences::inputs(&nominal.inputs, &steps);
+    let near: Vec<_> = others
+        .iter()
+        .flat_map(|place| pairs[2 * place..2 * place + 2].iter().cloned())
         .map(|inputs| (inputs, study.forces(&nominal, &|_, _| 1.0, &AROUND)))
         .collect();
     let (derivatives, checkpoints) = study.run("runs for derivatives", &near, &analysis, progress)?;
@@ -224,8 +239,22 @@ pub fn run_samples(
         let all = curve.points.iter().map(|point| point.modal_amplitude);
         std::iter::once(0.0).chain(all).collect::<Vec<f64>>()
     };
-    let of_mode = |(mode, curve)| sensitivities(&study, &nominal, &derivatives, mode, &amplitudes(curve));
-    let sensitivities: Vec<Vec<Gradient>> = nominal.curves.iter().enumerate().map(of_mode).collect();
+    let of_mode = |((mode, curve), known): ((usize, &Curve), Vec<Option<Gradient>>)| {
+        let all = known.into_iter().zip(study.parameters()).enumerate();
+        let of = |(place, (known, parameter)): (usize, (Option<Gradient>, &Parameter))| {
+            let pair = others.iter().position(|other| *other == place);
+            let pair = pair.and_then(|pair| derivatives.get(2 * pair..2 * pair + 2));
+            match (known, pair) {
+                (_, Some([above, below])) => {
+                    let runs = [above, below];
+                    finite_differences::sensitivity(parameter, place, &nominal, runs, mode, &amplitudes(curve))
+                }
+                (known, _) => known.unwrap_or_else(|| Gradient::unknown(parameter)),
+            }
+        };
+        all.map(of).collect()
+    };
+    let sensitivities: Vec<Vec<Gradient>> = nominal.curves.iter().enumerate().zip(gradients).map(of_mode).collect();
 
     let exchanged = (0..if second.is_empty() { 0 } else { marginals.len() }).flat_map(|place| {
         first.iter().zip(&second).map(move |(a, b)| {
@@ -293,19 +322,31 @@ pub fn run_samples(
     Ok((prepared.finish(analysis, deformed, progress), found))
 }
 
-/// Derivatives of a mode's backbone by all inputs; amplitude 0 is the linearised mode. Whoever has them otherwise puts them here.
-fn sensitivities(
-    study: &Study<'_>,
-    nominal: &Variant,
-    derivatives: &[Variant],
-    mode: usize,
-    amplitudes: &[f64],
-) -> Vec<Gradient> {
-    let pairs = study.parameters().iter().zip(derivatives.chunks_exact(2)).enumerate();
-    let of = pairs.map(|(place, (parameter, pair))| {
-        finite_differences::sensitivity(parameter, place, nominal, [&pair[0], &pair[1]], mode, amplitudes)
-    });
-    of.collect()
+/// The derivatives of a mode's backbone that its loops have brought along; amplitude 0 is the linearised mode.
+fn gradient(parameter: &Parameter, curve: &Curve, found: &[Sensitivity]) -> Option<Gradient> {
+    let found = found.iter().find(|one| one.parameter == *parameter)?;
+    let at = |point: &VariantPoint, values: &[Option<f64>]| {
+        let place = found
+            .modal_amplitude
+            .iter()
+            .position(|q| *q == Some(point.modal_amplitude))?;
+        values.get(place).copied().flatten()
+    };
+    let damping = |point: &VariantPoint| {
+        // Derivatives are those of the damping of the contact alone.
+        let total = point.damping_ratio?;
+        Some(at(point, &found.dln_damping)? * (total - curve.background) / total)
+    };
+    let amplitudes = curve.points.iter().map(|point| point.modal_amplitude);
+    let frequencies = curve.points.iter().map(|point| at(point, &found.dln_frequency));
+    Some(Gradient {
+        parameter: parameter.clone(),
+        modal_amplitude: std::iter::once(0.0).chain(amplitudes).collect(),
+        dln_frequency: std::iter::once(Some(found.dln_linear_frequency))
+            .chain(frequencies)
+            .collect(),
+        dln_damping: std::iter::once(None).chain(curve.points.iter().map(damping)).collect(),
+    })
 }
 
 /// By how much the logarithm of the frequency moves with the inputs, to first order; as far as derivatives are known.

@@ -413,11 +413,24 @@ pub(super) struct Solved {
 }
 
 impl Solved {
-    pub(super) fn new(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Self, Error> {
-        let (structure, prepared) = prepare_on(scene, options, progress)?;
+    /// With derivatives with respect to `parameters`, where they cost little.
+    pub(super) fn new(
+        scene: &Scene,
+        parameters: &[Parameter],
+        options: &Options,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let (structure, mut prepared) = prepare_on(scene, options, progress)?;
+        prepared.differentiate_also(&structure, parameters, progress)?;
         let analysis = {
             let interface = prepared.interface();
-            prepared.analyse(scene, &interface.interface, interface.closure, None, progress)?
+            prepared.analyse(
+                prepared.scene(),
+                &interface.interface,
+                interface.closure,
+                None,
+                progress,
+            )?
         };
         Ok(Self {
             structure,
