@@ -215,6 +215,17 @@ pub(crate) fn response(model: &ReducedModel) -> Vec<f64> {
     model.recovery.row(0).iter().copied().collect()
 }
 
+/// Load of tensions of the bolts (N) on the reduced coordinates (N).
+pub(super) fn load_of(reduced: &ReducedModel, tensions: &[f64]) -> Vec<f64> {
+    let mut load = vec![0.0; reduced.mass.nrows()];
+    for (tension, unit) in tensions.iter().zip(&reduced.loads) {
+        load.iter_mut()
+            .zip(unit)
+            .for_each(|(sum, value)| *sum += tension * value);
+    }
+    load
+}
+
 /// Generalised force of all bolts at their load on a uniform closure of the interface (N).
 pub(super) fn bolt_load(scene: &Scene, model: &StructuralModel) -> f64 {
     let ones = closing(&model.reduced);

@@ -7,7 +7,7 @@ use super::ensemble::{self, Ensemble, Member};
 use super::methods::MethodResult;
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
 use super::periodic::{self, EpmcBackbone, ForcedResponse};
-use super::prestress::{self, bolt_load, closing, linearise, response};
+use super::prestress::{self, bolt_load, closing, linearise, load_of, response};
 use super::sensitivities::{Neighbours, Sensitivities, Sensitivity};
 use super::tightening::tighten;
 use super::validity::{self, Validity};
@@ -303,25 +303,13 @@ impl Prepared {
 
     /// Static load on the reduced coordinates (N).
     pub fn static_load(&self) -> Vec<f64> {
-        self.load_of(&self.tensions(&self.scene))
+        load_of(&self.model.reduced, &self.tensions(&self.scene))
     }
 
     /// Tension of each bolt in a scene (N).
     fn tensions(&self, scene: &Scene) -> Vec<f64> {
         let bolts = 0..self.model.reduced.loads.len();
         bolts.map(|bolt| scene.tension(bolt)).collect()
-    }
-
-    /// Load of tensions of the bolts on the reduced coordinates (N).
-    fn load_of(&self, tensions: &[f64]) -> Vec<f64> {
-        let reduced = &self.model.reduced;
-        let mut load = vec![0.0; reduced.mass.nrows()];
-        for (tension, unit) in tensions.iter().zip(&reduced.loads) {
-            load.iter_mut()
-                .zip(unit)
-                .for_each(|(sum, value)| *sum += tension * value);
-        }
-        load
     }
 
     /// The guess that prestress starts from: a uniform closure that carries the bolt load (m).
@@ -510,7 +498,7 @@ impl Prepared {
         let (tensions, newton) = (self.tensions(scene), newton_settings(scene));
         let prestress = match &scene.bolts.tightening {
             None => {
-                let load = self.load_of(&tensions);
+                let load = load_of(reduced, &tensions);
                 let solution = prestress::solve(reduced, &assembled, &load, &start, &newton)?;
                 let bolts = bolt_load(scene, &self.model);
                 prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?
@@ -524,7 +512,7 @@ impl Prepared {
                     .zip(&tensions)
                     .map(|(one, tension)| tension * one)
                     .sum();
-                let load = self.load_of(&tensions);
+                let load = load_of(reduced, &tensions);
                 let mut checked = prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?;
                 checked.tightening = Some(found);
                 checked
@@ -572,7 +560,7 @@ impl Prepared {
         let force = InterfaceForce::new(interface);
         let newton = newton_settings(scene);
         let prestress = self.static_state(scene, interface, closure, progress)?;
-        let static_load = self.load_of(&prestress.tensions);
+        let static_load = load_of(reduced, &prestress.tensions);
 
         progress.begin(Stage::Modes);
         let locked = self.locked()?;

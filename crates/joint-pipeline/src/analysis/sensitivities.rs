@@ -1,6 +1,6 @@
 //! Derivatives of backbones with respect to numbers of the scene.
 
-use super::prestress::response;
+use super::prestress::{load_of, response};
 use crate::Error;
 use crate::interface::{InterfaceForce, SceneInterface};
 use crate::progress::Progress;
@@ -176,14 +176,8 @@ impl Neighbours {
 
     /// Static load of one of the scenes (N).
     fn load(scene: &Scene, model: &ReducedModel) -> Vec<f64> {
-        let mut load = vec![0.0; model.mass.nrows()];
-        for (bolt, unit) in model.loads.iter().enumerate() {
-            let tension = scene.tension(bolt);
-            load.iter_mut()
-                .zip(unit)
-                .for_each(|(sum, value)| *sum += tension * value);
-        }
-        load
+        let tensions: Vec<f64> = (0..model.loads.len()).map(|bolt| scene.tension(bolt)).collect();
+        load_of(model, &tensions)
     }
 
     /// What the parameter changes in the static and the vibrating structure.
