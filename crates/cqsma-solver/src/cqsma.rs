@@ -9,6 +9,7 @@ use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use crate::sensitivity::{Derivatives, DifferentiableForce, Follower, LoopRate};
 use contact_laws::{RegimeCounts, Sticking};
+use dense_algebra::{Inner, Vector};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

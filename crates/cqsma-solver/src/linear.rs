@@ -3,7 +3,7 @@
 
 use crate::Error;
 use crate::force::PatternView;
-use dense_algebra::Symmetric;
+use dense_algebra::{ConjugateResiduals, Inner, Symmetric, Vector};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
@@ -49,27 +49,29 @@ impl Motion {
         }
     }
 
-    /// `self += factor * other`.
-    pub(crate) fn add(&mut self, factor: f64, other: &Self) {
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.v.copy_from_slice(&other.v);
+        self.p.copy_from_slice(&other.p);
+    }
+}
+
+impl Vector for Motion {
+    fn add(&mut self, factor: f64, other: &Self) {
         let add = |to: &mut [f64], from: &[f64]| to.iter_mut().zip(from).for_each(|(a, b)| *a += factor * b);
         add(&mut self.v, &other.v);
         add(&mut self.p, &other.p);
     }
 
-    /// `self *= factor`.
-    pub(crate) fn scale(&mut self, factor: f64) {
+    fn scale(&mut self, factor: f64) {
         self.v.iter_mut().for_each(|v| *v *= factor);
         self.p.iter_mut().for_each(|p| *p *= factor);
     }
+}
 
-    pub(crate) fn copy_from(&mut self, other: &Self) {
-        self.v.copy_from_slice(&other.v);
-        self.p.copy_from_slice(&other.p);
-    }
-
-    /// Energy norm `sqrt(v^T P v)`.
-    pub(crate) fn norm(&self) -> f64 {
-        dot(&self.v, &self.p).max(0.0).sqrt()
+/// In the energy of the stuck structure: the norm is `sqrt(v^T P v)`.
+impl Inner for Motion {
+    fn dot(&self, other: &Self) -> f64 {
+        dot(&self.p, &other.v)
     }
 }
 
@@ -282,14 +284,13 @@ pub(crate) fn solve_krylov(
     None
 }
 
-/// Solutions of `(P + dT)^T x = r` for several right-hand sides: conjugate residuals (GCR) on `1 + P^-1 dT^T` in the inner product of `P`.
-/// What was searched for one right-hand side serves the next ones, which have much in common: points that slip.
+/// Solutions of `(P + dT)^T x = r` for several right-hand sides, on `1 + P^-1 dT^T` in the inner product of `P`. They have much in common:
+/// points that slip.
 pub(crate) struct TransposedSolves<'a> {
     stuck: &'a Stuck,
     pattern: PatternView<'a>,
     difference: Vec<f64>,
-    /// Directions and their images under the operator; the images are orthonormal.
-    searched: Vec<[Motion; 2]>,
+    residuals: ConjugateResiduals<Motion, Motion>,
 }
 
 impl<'a> TransposedSolves<'a> {
@@ -298,53 +299,21 @@ impl<'a> TransposedSolves<'a> {
             stuck,
             pattern,
             difference: tangent.iter().zip(&stuck.tangent).map(|(a, b)| a - b).collect(),
-            searched: Vec::new(),
+            residuals: ConjugateResiduals::new(MOST_SEARCHED),
         }
     }
 
     /// The solution for the force `right`, or `None` if `tolerance` (relative, energy norm) is not reached.
     pub(crate) fn solve(&mut self, right: &[f64], tolerance: f64) -> Option<Motion> {
-        let mut rest = self.stuck.response(right);
-        let mut found = Motion::zero(right.len());
-        let norm = rest.norm();
-        if norm == 0.0 {
-            return Some(found);
-        }
-        let take = |[direction, image]: &[Motion; 2], rest: &mut Motion, found: &mut Motion| {
-            let c = dot(&rest.p, &image.v);
-            rest.add(-c, image);
-            found.add(c, direction);
-        };
-        for pair in &self.searched {
-            take(pair, &mut rest, &mut found);
-        }
-        while rest.norm() > tolerance * norm {
-            if self.searched.len() >= MOST_SEARCHED {
-                return None;
-            }
-            let mut direction = rest.clone();
+        let (stuck, pattern, difference) = (self.stuck, self.pattern, &self.difference);
+        let search = |rest: &Motion| {
             let mut image = Motion::zero(right.len());
-            self.pattern
-                .add_transposed_product(&self.difference, &direction.v, &mut image.p);
-            self.stuck.solve_into(&image.p, &mut image.v);
-            image.add(1.0, &direction);
-            let before = image.norm();
-            // Twice, as the first pass leaves what rounding leaves.
-            for [known, image_of_known] in self.searched.iter().chain(&self.searched) {
-                let c = dot(&image.p, &image_of_known.v);
-                image.add(-c, image_of_known);
-                direction.add(-c, known);
-            }
-            let length = image.norm();
-            if !(length > f64::EPSILON * before && length.is_finite()) {
-                return None;
-            }
-            image.scale(1.0 / length);
-            direction.scale(1.0 / length);
-            let pair = [direction, image];
-            take(&pair, &mut rest, &mut found);
-            self.searched.push(pair);
-        }
-        Some(found)
+            pattern.add_transposed_product(difference, &rest.v, &mut image.p);
+            stuck.solve_into(&image.p, &mut image.v);
+            image.add(1.0, rest);
+            (rest.clone(), image)
+        };
+        let rest = stuck.response(right);
+        self.residuals.solve(rest, Motion::zero(right.len()), tolerance, search)
     }
 }

@@ -3,6 +3,7 @@
 use crate::force::HystereticForce;
 use crate::linear::{Border, Motion, RoundOff, Stuck, dot, multiply, solve_direct, solve_krylov};
 use contact_laws::{RegimeCounts, Sticking};
+use dense_algebra::Vector;
 use faer::MatRef;
 
 /// Round-off of the forces, relative to that of one evaluation, that a residual may add up to.

@@ -4,6 +4,7 @@ use crate::force::HystereticForce;
 use crate::linear::{Motion, dot, multiply};
 use crate::newton::{Balance, Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Sequence};
 use contact_laws::{RegimeCounts, Sticking};
+use dense_algebra::{Inner, Vector};
 use faer::MatRef;
 
 /// Smallest step of the load factor, relative to its range, before a failure is final.

@@ -7,6 +7,7 @@ use crate::linear::{Motion, Stuck, multiply};
 use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use contact_laws::{RegimeCounts, Sticking};
+use dense_algebra::Inner;
 use faer::MatRef;
 
 /// A static equilibrium.

@@ -21,6 +21,7 @@ use crate::loading::{LoadingPoint, Settings, check, follow};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::Sequence;
 use crate::path::Path;
+use dense_algebra::Vector;
 
 /// One sweep through `modal_amplitudes` (sqrt(kg) m), positive and ascending; it begins in the direction of the linear
 /// mode.

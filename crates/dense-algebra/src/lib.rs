@@ -7,10 +7,12 @@
 
 mod fingerprint;
 mod packed;
+mod residuals;
 mod subspace;
 
 pub use fingerprint::arithmetic_fingerprint;
 pub use packed::Symmetric;
+pub use residuals::{ConjugateResiduals, Inner, Vector};
 pub use subspace::lowest_pairs;
 
 use faer::diag::Diag;

@@ -473,46 +473,64 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     where
         F: DifferentiablePointwiseForce,
     {
-        let (n, n_state) = (range.len(), self.force.n_state(index));
-        let mut batch = Batch::new(n, n_state);
-        let mut change = Batch::new(n, n_state);
-        self.force.state_of(index, self.state, &mut batch.begin);
+        let mut change = Batch::new(range.len(), self.force.n_state(index));
         self.force.state_of(index, &rate.state.state, &mut change.begin);
+        let place = |_, jump: &mut [Vec<f64>; 3]| {
+            for (jump, at_rest) in jump.iter_mut().zip(at_rest) {
+                jump.copy_from_slice(&at_rest[range.clone()]);
+            }
+        };
+        match rate.change.force {
+            None => self.follow_along(index, range, jumps, change, place, |batch, change| {
+                self.differentiate(index, batch, change);
+            }),
+            Some(parameter) => self.follow_along(index, range, jumps, change, place, |batch, change| {
+                let n = batch.jump[0].len();
+                let [x, y, normal] = &batch.jump;
+                self.force.parameter_batch(
+                    index,
+                    parameter,
+                    Components { x, y, n: normal },
+                    StateView::new(&batch.begin, n, 0),
+                    components_mut(&mut change.jump),
+                    &mut change.begin,
+                    StateViewMut::new(&mut batch.end, n, 0),
+                    StateViewMut::new(&mut change.end, n, 0),
+                    components_mut(&mut batch.traction),
+                    components_mut(&mut change.traction),
+                );
+            }),
+        }
+    }
+
+    /// Derivative of one batch along all periods. The static state does not change.
+    fn follow_change(&self, index: usize, range: &Range<usize>, jumps: &[f64], changes: &[f64]) -> Answer {
+        let change = Batch::new(range.len(), self.force.n_state(index));
+        let place = |sample, jump: &mut [Vec<f64>; 3]| self.synthesise(changes, sample, jump);
+        self.follow_along(index, range, jumps, change, place, |batch, change| {
+            self.differentiate(index, batch, change);
+        })
+    }
+
+    /// Derivative of one batch along all periods, from the change of its history in `change`. `place` brings the change of the jumps to that of a
+    /// sample, and `differentiate` evaluates both.
+    fn follow_along(
+        &self,
+        index: usize,
+        range: &Range<usize>,
+        jumps: &[f64],
+        mut change: Batch,
+        place: impl Fn(usize, &mut [Vec<f64>; 3]),
+        differentiate: impl Fn(&mut Batch, &mut Batch),
+    ) -> Answer {
+        let mut batch = Batch::new(range.len(), self.force.n_state(index));
+        self.force.state_of(index, self.state, &mut batch.begin);
         let mut coefficients = vec![0.0; jumps.len()];
         for period in 1..=self.sampling.periods {
             for sample in 0..self.sampling.samples {
                 self.place(jumps, sample, range, &mut batch);
-                for (jump, at_rest) in change.jump.iter_mut().zip(at_rest) {
-                    jump.copy_from_slice(&at_rest[range.clone()]);
-                }
-                let [x, y, normal] = &batch.jump;
-                let jump = Components { x, y, n: normal };
-                let begin = StateView::new(&batch.begin, n, 0);
-                let end = StateViewMut::new(&mut batch.end, n, 0);
-                let d_end = StateViewMut::new(&mut change.end, n, 0);
-                let traction = components_mut(&mut batch.traction);
-                let d_traction = components_mut(&mut change.traction);
-                match rate.change.force {
-                    Some(parameter) => self.force.parameter_batch(
-                        index,
-                        parameter,
-                        jump,
-                        begin,
-                        components_mut(&mut change.jump),
-                        &mut change.begin,
-                        end,
-                        d_end,
-                        traction,
-                        d_traction,
-                    ),
-                    None => {
-                        let [x, y, normal] = &change.jump;
-                        let d_begin = StateView::new(&change.begin, n, 0);
-                        let d_jump = Components { x, y, n: normal };
-                        self.force
-                            .derivative_batch(index, jump, begin, d_jump, d_begin, end, d_end, traction, d_traction);
-                    }
-                }
+                place(sample, &mut change.jump);
+                differentiate(&mut batch, &mut change);
                 std::mem::swap(&mut batch.begin, &mut batch.end);
                 std::mem::swap(&mut change.begin, &mut change.end);
                 if period == self.sampling.periods {
@@ -527,40 +545,20 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         }
     }
 
-    /// Derivative of one batch along all periods. The static state does not change.
-    fn follow_change(&self, index: usize, range: &Range<usize>, jumps: &[f64], changes: &[f64]) -> Answer {
-        let (n, n_state) = (range.len(), self.force.n_state(index));
-        let mut batch = Batch::new(n, n_state);
-        let mut change = Batch::new(n, n_state);
-        self.force.state_of(index, self.state, &mut batch.begin);
-        let mut coefficients = vec![0.0; jumps.len()];
-        for period in 1..=self.sampling.periods {
-            for sample in 0..self.sampling.samples {
-                self.place(jumps, sample, range, &mut batch);
-                self.synthesise(changes, sample, &mut change.jump);
-                let ([x, y, normal], [d_x, d_y, d_n]) = (&batch.jump, &change.jump);
-                self.force.derivative_batch(
-                    index,
-                    Components { x, y, n: normal },
-                    StateView::new(&batch.begin, n, 0),
-                    Components { x: d_x, y: d_y, n: d_n },
-                    StateView::new(&change.begin, n, 0),
-                    StateViewMut::new(&mut batch.end, n, 0),
-                    StateViewMut::new(&mut change.end, n, 0),
-                    components_mut(&mut batch.traction),
-                    components_mut(&mut change.traction),
-                );
-                std::mem::swap(&mut batch.begin, &mut batch.end);
-                std::mem::swap(&mut change.begin, &mut change.end);
-                if period == self.sampling.periods {
-                    self.analyse(&change.traction, sample, &mut coefficients);
-                }
-            }
-        }
-        Answer {
-            coefficients,
-            histories: Vec::new(),
-            drift: [0.0; 2],
-        }
+    /// Evaluates a batch and its change.
+    fn differentiate(&self, index: usize, batch: &mut Batch, change: &mut Batch) {
+        let n = batch.jump[0].len();
+        let ([x, y, normal], [d_x, d_y, d_n]) = (&batch.jump, &change.jump);
+        self.force.derivative_batch(
+            index,
+            Components { x, y, n: normal },
+            StateView::new(&batch.begin, n, 0),
+            Components { x: d_x, y: d_y, n: d_n },
+            StateView::new(&change.begin, n, 0),
+            StateViewMut::new(&mut batch.end, n, 0),
+            StateViewMut::new(&mut change.end, n, 0),
+            components_mut(&mut batch.traction),
+            components_mut(&mut change.traction),
+        );
     }
 }

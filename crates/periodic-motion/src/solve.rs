@@ -3,6 +3,7 @@
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
 use crate::system::{Evaluation, Parameter, Step, System, Unknown};
+use dense_algebra::{ConjugateResiduals, Inner, Vector};
 
 /// Most steps of the iteration for one linear solve.
 const MAX_KRYLOV: usize = 120;
@@ -146,18 +147,21 @@ struct Bordered<'s, 'a, F: PointwiseForce> {
 }
 
 /// A vector of the Krylov space: a force with its stuck response, and a value per condition.
+#[derive(Clone)]
 struct Direction {
     force: Harmonics,
     response: Harmonics,
     conditions: Vec<f64>,
 }
 
-impl Direction {
+impl Inner for Direction {
     fn dot(&self, other: &Self) -> f64 {
         let conditions: f64 = self.conditions.iter().zip(&other.conditions).map(|(a, b)| a * b).sum();
         self.force.dot(&other.response) + conditions
     }
+}
 
+impl Vector for Direction {
     fn add(&mut self, factor: f64, other: &Self) {
         self.force.add(factor, &other.force);
         self.response.add(factor, &other.response);
@@ -283,49 +287,23 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
         None
     }
 
-    /// Steps that take each of `starts` away: conjugate residuals (GCR), where what was searched for one serves the next ones. `None` if
-    /// `tolerance` (relative) is not reached.
+    /// Steps that take each of `starts` away, where what was searched for one serves the next ones. `None` if `tolerance` (relative) is not
+    /// reached.
     fn solve_all(&self, starts: Vec<Direction>, tolerance: f64) -> Option<Vec<Step>> {
-        let mut searched: Vec<(Step, Direction)> = Vec::new();
-        let free = self.columns.len();
-        let take = |(step, image): &(Step, Direction), rest: &mut Direction, found: &mut Step| {
-            let c = rest.dot(image);
-            rest.add(-c, image);
-            found.add(c, step);
+        let mut residuals = ConjugateResiduals::new(MOST_SEARCHED);
+        let search = |rest: &Direction| {
+            let step = self.precondition(rest);
+            let image = self.product(&step, &rest.conditions);
+            (step, image)
         };
-        let solve = |mut rest: Direction| {
-            let mut found = Step {
-                v: Harmonics::zeros(rest.force.size(), rest.force.count()),
-                p: Harmonics::zeros(rest.force.size(), rest.force.count()),
-                parameters: vec![0.0; free],
+        let solve = |start: Direction| {
+            let zero = || Harmonics::zeros(start.force.size(), start.force.count());
+            let none = Step {
+                v: zero(),
+                p: zero(),
+                parameters: vec![0.0; self.columns.len()],
             };
-            let size = |direction: &Direction| direction.dot(direction).max(0.0).sqrt();
-            let norm = size(&rest);
-            searched.iter().for_each(|pair| take(pair, &mut rest, &mut found));
-            while size(&rest) > tolerance * norm {
-                if searched.len() >= MOST_SEARCHED {
-                    return None;
-                }
-                let mut step = self.precondition(&rest);
-                let mut image = self.product(&step, &rest.conditions);
-                let before = size(&image);
-                // Twice, as the first pass leaves what rounding leaves.
-                for (known, image_of_known) in searched.iter().chain(&searched) {
-                    let c = image.dot(image_of_known);
-                    image.add(-c, image_of_known);
-                    step.add(-c, known);
-                }
-                let length = size(&image);
-                if !(length > f64::EPSILON * before && length.is_finite()) {
-                    return None;
-                }
-                image.scale(1.0 / length);
-                step.scale(1.0 / length);
-                let pair = (step, image);
-                take(&pair, &mut rest, &mut found);
-                searched.push(pair);
-            }
-            Some(found)
+            residuals.solve(start, none, tolerance, search)
         };
         starts.into_iter().map(solve).collect()
     }

@@ -23,7 +23,7 @@ use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::{Harmonics, add_rotated};
 use cqsma_solver::Linearisation;
 use cqsma_solver::sensitivity::ParameterRate;
-use dense_algebra::Symmetric;
+use dense_algebra::{Symmetric, Vector};
 use faer::{Mat, MatRef};
 
 /// Denominators of modes closer to resonance than this, relative to their eigenvalue, are kept away from zero.
@@ -79,17 +79,15 @@ pub(crate) struct Step {
     pub(crate) parameters: Vec<f64>,
 }
 
-impl Step {
-    /// `self += factor * other`.
-    pub(crate) fn add(&mut self, factor: f64, other: &Self) {
+impl Vector for Step {
+    fn add(&mut self, factor: f64, other: &Self) {
         self.v.add(factor, &other.v);
         self.p.add(factor, &other.p);
         let parameters = self.parameters.iter_mut().zip(&other.parameters);
         parameters.for_each(|(a, b)| *a += factor * b);
     }
 
-    /// `self *= factor`.
-    pub(crate) fn scale(&mut self, factor: f64) {
+    fn scale(&mut self, factor: f64) {
         self.v.scale(factor);
         self.p.scale(factor);
         self.parameters.iter_mut().for_each(|p| *p *= factor);

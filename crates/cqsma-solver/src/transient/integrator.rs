@@ -10,6 +10,7 @@ use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Sequence};
 use crate::path::Path;
 use contact_laws::Sticking;
 use dense_algebra::Symmetric;
+use dense_algebra::{Inner, Vector};
 use faer::Mat;
 use std::f64::consts::PI;
 
