@@ -28,16 +28,6 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// Where there is nothing to tell.
-    pub(super) fn unknown(parameter: &Parameter) -> Self {
-        Self {
-            parameter: parameter.clone(),
-            modal_amplitude: Vec::new(),
-            dln_frequency: Vec::new(),
-            dln_damping: Vec::new(),
-        }
-    }
-
     /// Derivatives of frequency and damping at one of its amplitudes.
     pub fn at(&self, modal_amplitude: f64) -> [Option<f64>; 2] {
         let place = self.modal_amplitude.iter().position(|known| *known == modal_amplitude);

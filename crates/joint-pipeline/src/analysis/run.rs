@@ -269,7 +269,6 @@ impl Prepared {
     /// Of the law beside the values of the scene.
     pub(super) fn differentiate_also(
         &mut self,
-        structure: &Structure,
         parameters: &[Parameter],
         progress: &dyn Progress,
     ) -> Result<(), Error> {
@@ -280,7 +279,7 @@ impl Prepared {
                 continue;
             }
             // A number at the edge of what is admissible has no neighbours.
-            let Ok(neighbours) = Neighbours::one(&self.scene, parameter, structure, &self.model, progress) else {
+            let Ok(neighbours) = Neighbours::one(&self.scene, parameter, None, progress) else {
                 continue;
             };
             if neighbours.is_differentiated(&self.interface)? {

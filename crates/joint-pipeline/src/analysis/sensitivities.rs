@@ -5,7 +5,7 @@ use crate::Error;
 use crate::interface::{InterfaceForce, SceneInterface};
 use crate::progress::Progress;
 use crate::scene::{BoltBehaviour, Influence, Method, Parameter, Scene};
-use crate::structure::{StructuralModel, Structure};
+use crate::structure::{Assembled, StructuralModel, Structure};
 use cqsma_solver::Linearisation;
 use cqsma_solver::cqsma::LoopResult;
 use cqsma_solver::prestress::Prestress;
@@ -93,9 +93,14 @@ impl Neighbours {
         model: &StructuralModel,
         progress: &dyn Progress,
     ) -> Result<Vec<Self>, Error> {
+        let is_structural = |parameter: &Parameter| parameter.influence() == Influence::Structure;
+        let known = match scene.sensitivities.iter().any(is_structural) {
+            true => Some((structure.assemble()?, &model.reduced)),
+            false => None,
+        };
         let parameters = scene.sensitivities.iter();
         parameters
-            .map(|parameter| Self::one(scene, parameter, structure, model, progress))
+            .map(|parameter| Self::one(scene, parameter, known.as_ref(), progress))
             .collect()
     }
 
@@ -110,15 +115,14 @@ impl Neighbours {
                 .is_some())
     }
 
-    /// That of one parameter.
+    /// That of one parameter; `known` is the structure in the middle, of one that changes the structure.
     ///
     /// # Errors
     /// As [`Neighbours::of`].
     pub(super) fn one(
         scene: &Scene,
         parameter: &Parameter,
-        structure: &Structure,
-        model: &StructuralModel,
+        known: Option<&(Assembled<'_>, &ReducedModel)>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let value = parameter.value(scene)?;
@@ -147,21 +151,19 @@ impl Neighbours {
             })
         };
         let [above, below] = [varied(above)?, varied(below)?];
-        let models = match is_structural {
-            false => None,
-            true if scene.bolts.behaviour == BoltBehaviour::Locked => {
-                return Err(Error::Parameter {
-                    path: parameter.path().into(),
-                    reason: "numbers of the structure are differentiated for bolts under dead load alone; leave it out, or take \
-                             bolts.behaviour = \"dead-load\""
-                        .into(),
-                });
-            }
-            true => {
-                let [high, low] = [&above, &below].map(|scene| Structure::try_new(scene, progress));
-                Some(structure.neighbours(&model.reduced, [&high?, &low?], progress)?)
-            }
+        if is_structural && scene.bolts.behaviour == BoltBehaviour::Locked {
+            return Err(Error::Parameter {
+                path: parameter.path().into(),
+                reason: "numbers of the structure are differentiated for bolts under dead load alone; leave it out, or take \
+                         bolts.behaviour = \"dead-load\""
+                    .into(),
+            });
+        }
+        let reduced = |(known, model): &(Assembled<'_>, &ReducedModel)| -> Result<[ReducedModel; 2], Error> {
+            let beside = |scene| Structure::try_new(scene, progress)?.neighbour_of(known, model, progress);
+            Ok([beside(&above)?, beside(&below)?])
         };
+        let models = known.filter(|_| is_structural).map(reduced).transpose()?;
         Ok(Self {
             unit: parameter.unit(scene)?,
             parameter: parameter.clone(),

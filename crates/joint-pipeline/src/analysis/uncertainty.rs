@@ -215,46 +215,41 @@ pub fn run_samples(
         .map(|(value, [_, sd])| finite_differences::step(*value, *sd));
     let steps: Vec<f64> = steps.collect();
 
-    let gradients: Vec<Vec<Option<Gradient>>> = nominal
-        .curves
-        .iter()
-        .zip(&analysis.modes)
-        .map(|(curve, found)| {
-            let of = |parameter| gradient(parameter, curve, &found.sensitivities);
-            study.parameters().iter().map(of).collect()
-        })
-        .collect();
+    let known = |parameter: &Parameter| -> Option<Vec<Gradient>> {
+        let modes = nominal.curves.iter().zip(&analysis.modes);
+        modes
+            .map(|(curve, found)| gradient(parameter, curve, &found.sensitivities))
+            .collect()
+    };
+    let known: Vec<Option<Vec<Gradient>>> = study.parameters().iter().map(known).collect();
     // Those of all other parameters are differences.
-    let others = (0..steps.len()).filter(|place| gradients.iter().any(|of_mode| of_mode[*place].is_none()));
-    let others: Vec<usize> = others.collect();
     let pairs = finite_differences::inputs(&nominal.inputs, &steps);
-    let near: Vec<_> = others
-        .iter()
-        .flat_map(|place| pairs[2 * place..2 * place + 2].iter().cloned())
-        .map(|inputs| (inputs, study.forces(&nominal, &|_, _| 1.0, &AROUND)))
+    let near: Vec<_> = pairs
+        .chunks_exact(2)
+        .zip(&known)
+        .filter(|(_, known)| known.is_none())
+        .flat_map(|(pair, _)| pair)
+        .map(|inputs| (inputs.clone(), study.forces(&nominal, &|_, _| 1.0, &AROUND)))
         .collect();
-    let (derivatives, checkpoints) = study.run("runs for derivatives", &near, &analysis, progress)?;
+    let (runs, checkpoints) = study.run("runs for derivatives", &near, &analysis, progress)?;
     analysis.checkpoints.extend(checkpoints);
-    let amplitudes = |curve: &Curve| {
-        let all = curve.points.iter().map(|point| point.modal_amplitude);
-        std::iter::once(0.0).chain(all).collect::<Vec<f64>>()
-    };
-    let of_mode = |((mode, curve), known): ((usize, &Curve), Vec<Option<Gradient>>)| {
-        let all = known.into_iter().zip(study.parameters()).enumerate();
-        let of = |(place, (known, parameter)): (usize, (Option<Gradient>, &Parameter))| {
-            let pair = others.iter().position(|other| *other == place);
-            let pair = pair.and_then(|pair| derivatives.get(2 * pair..2 * pair + 2));
-            match (known, pair) {
-                (_, Some([above, below])) => {
-                    let runs = [above, below];
-                    finite_differences::sensitivity(parameter, place, &nominal, runs, mode, &amplitudes(curve))
-                }
-                (known, _) => known.unwrap_or_else(|| Gradient::unknown(parameter)),
-            }
-        };
-        all.map(of).collect()
-    };
-    let sensitivities: Vec<Vec<Gradient>> = nominal.curves.iter().enumerate().zip(gradients).map(of_mode).collect();
+    let mut runs = runs.chunks_exact(2);
+    let all = known.into_iter().zip(study.parameters()).enumerate();
+    let all = all.filter_map(|(place, (known, parameter))| {
+        known.or_else(|| {
+            let pair = runs.next()?;
+            let of = |(mode, curve): (usize, &Curve)| {
+                let amplitudes = curve.points.iter().map(|point| point.modal_amplitude);
+                let amplitudes: Vec<f64> = std::iter::once(0.0).chain(amplitudes).collect();
+                finite_differences::sensitivity(parameter, place, &nominal, [&pair[0], &pair[1]], mode, &amplitudes)
+            };
+            Some(nominal.curves.iter().enumerate().map(of).collect())
+        })
+    });
+    let all: Vec<Vec<Gradient>> = all.collect();
+    let sensitivities: Vec<Vec<Gradient>> = (0..nominal.curves.len())
+        .map(|mode| all.iter().map(|of_modes| of_modes[mode].clone()).collect())
+        .collect();
 
     let exchanged = (0..if second.is_empty() { 0 } else { marginals.len() }).flat_map(|place| {
         first.iter().zip(&second).map(move |(a, b)| {

@@ -5,7 +5,6 @@ use super::outcome::{Analysis, ModeAnalysis};
 use super::prestress::bolt_load;
 use super::run::{Prepared, prepare_on};
 use crate::Error;
-use crate::interface::SceneInterface;
 use crate::progress::{Progress, Stage};
 use crate::scene::{Influence, Parameter, Scene};
 use crate::store::Options;
@@ -299,10 +298,7 @@ impl<'a> Study<'a> {
         }
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
         let load = bolt_load(&scene, self.prepared.model());
-        let interface = match self.parameters.iter().any(Parameter::is_drawn) {
-            true => SceneInterface::try_new(&scene, mesh, parts, load)?,
-            false => self.prepared.interface().varied(&scene, mesh, parts, load)?,
-        };
+        let interface = self.prepared.interface().varied(&scene, mesh, parts, load)?;
         self.prepared
             .analyse(&scene, &interface.interface, interface.closure, forces, progress)
     }
@@ -421,7 +417,7 @@ impl Solved {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let (structure, mut prepared) = prepare_on(scene, options, progress)?;
-        prepared.differentiate_also(&structure, parameters, progress)?;
+        prepared.differentiate_also(parameters, progress)?;
         let analysis = {
             let interface = prepared.interface();
             prepared.analyse(

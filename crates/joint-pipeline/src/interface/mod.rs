@@ -233,7 +233,7 @@ impl SceneInterface {
         Self::build(scene, mesh, parts, load, None)
     }
 
-    /// The interface of a scene of which only numbers are others, so that the surface is not measured again.
+    /// The interface of a scene that differs in numbers alone. Where they are not those of the surface, it is not measured again.
     ///
     /// # Errors
     /// As [`SceneInterface::try_new`].

@@ -32,6 +32,7 @@ use crate::joint::benchmark::MeshSettings;
 use crate::joint::{Bodies, Joint, Sides};
 use crate::progress::Progress;
 use crate::scene::{BoltBehaviour, Density, Model, Scene, StructureSource, Symmetry};
+pub(crate) use reduce::Assembled;
 use reduce::Meshed;
 use reduction::{Settings, checks};
 use substructure::mesh::{Assembly, Dof, Equation, GroundSpring, Material};

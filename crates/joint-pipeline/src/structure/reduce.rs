@@ -79,46 +79,41 @@ impl Structure {
         Ok(model)
     }
 
-    /// Reduced models of structures that differ little from this one, whose own is `model`, over the same coordinates: modes in the same order,
-    /// with the same signs. Structures whose matrices are multiples of this one's are not reduced: their basis is the same.
+    /// The reduced model of a structure that differs little from that of `model`, over the same coordinates: modes in the same order, with the same
+    /// signs. `known` is the system of that one; if the matrices are multiples of its own, nothing is reduced, as the basis is the same.
     ///
     /// # Errors
     /// As [`Structure::reduce`]; [`reduction::Error::OtherModel`] for a structure with other coordinates.
-    pub(crate) fn neighbours(
+    pub(crate) fn neighbour_of(
         &self,
+        known: &Assembled<'_>,
         model: &ReducedModel,
-        others: [&Self; 2],
         progress: &dyn Progress,
-    ) -> Result<[ReducedModel; 2], Error> {
-        let middle = self.assemble()?;
-        let neighbour = |other: &Self| -> Result<ReducedModel, Error> {
-            let assembled = other.assemble()?;
-            let (own, known) = (&assembled.relative, &middle.relative);
-            let multiples = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass));
-            if let Some((stiffness, mass)) = multiples.filter(|_| own.loads == known.loads) {
-                let scaled = |a: &Mat<f64>, factor: f64| Mat::from_fn(a.nrows(), a.ncols(), |i, j| factor * a[(i, j)]);
-                return Ok(ReducedModel {
-                    stiffness: scaled(&model.stiffness, stiffness),
-                    mass: scaled(&model.mass, mass),
-                    ..model.clone()
-                });
-            }
-            progress.note("the structure is reduced again, for a derivative");
-            let settings = Settings {
-                n_modes: model.n_modes(),
-                mode_tolerance: NEIGHBOUR_TOLERANCE,
-                ..other.settings
-            };
-            let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| ())?;
-            reduced.align_with(model)?;
-            Ok(reduced)
+    ) -> Result<ReducedModel, Error> {
+        let assembled = self.assemble()?;
+        let (own, known) = (&assembled.relative, &known.relative);
+        let multiples = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass));
+        if let Some((stiffness, mass)) = multiples.filter(|_| own.loads == known.loads) {
+            let scaled = |a: &Mat<f64>, factor: f64| Mat::from_fn(a.nrows(), a.ncols(), |i, j| factor * a[(i, j)]);
+            return Ok(ReducedModel {
+                stiffness: scaled(&model.stiffness, stiffness),
+                mass: scaled(&model.mass, mass),
+                ..model.clone()
+            });
+        }
+        progress.note("the structure is reduced again, for a derivative");
+        let settings = Settings {
+            n_modes: model.n_modes(),
+            mode_tolerance: NEIGHBOUR_TOLERANCE,
+            ..self.settings
         };
-        let [above, below] = others;
-        Ok([neighbour(above)?, neighbour(below)?])
+        let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| ())?;
+        reduced.align_with(model)?;
+        Ok(reduced)
     }
 
     /// The system in relative coordinates.
-    pub(super) fn assemble(&self) -> Result<Assembled<'_>, Error> {
+    pub(crate) fn assemble(&self) -> Result<Assembled<'_>, Error> {
         let bodies = match &self.joint.bodies {
             Bodies::Imported(bodies) => return Ok(Assembled::imported(bodies)),
             Bodies::Meshed(bodies) => bodies,
@@ -350,7 +345,7 @@ impl Meshed {
 }
 
 /// A system in relative coordinates, and what is known of it.
-pub(super) struct Assembled<'a> {
+pub(crate) struct Assembled<'a> {
     pub(super) relative: Cow<'a, RelativeSystem>,
     /// Quantities to recover: the response, and where forced responses are excited elsewhere the displacement along the force.
     pub(super) rows: Vec<Vec<f64>>,
