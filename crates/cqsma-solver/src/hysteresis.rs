@@ -69,6 +69,53 @@ impl Loop {
         ((0..last).map(edge).sum::<f64>() / PI).sqrt()
     }
 
+    /// Derivatives of the square of [`Loop::harmonic_omega`] with respect to the amplitudes of the vertices, at the same forces.
+    ///
+    /// With `x = cos(theta)` an edge gives its force times `(g(b) - g(a)) / (x(b) - x(a))`, where `dg/dx = -sin(theta)`: it has a slope where
+    /// `theta` itself has none, at the reversals.
+    pub(crate) fn harmonic_weights(&self) -> Vec<f64> {
+        let (low, high) = self.extremes();
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let last = self.amplitude.len().saturating_sub(1);
+        let place = |i: usize| ((self.amplitude[i] - middle) / half).clamp(-1.0, 1.0);
+        let angle = |i: usize| {
+            if 2 * i <= last {
+                place(i).acos()
+            } else {
+                2.0 * PI - place(i).acos()
+            }
+        };
+        let mut weights = vec![0.0; self.amplitude.len()];
+        for i in 0..last {
+            let (a, b) = (angle(i), angle(i + 1));
+            let (force, way) = (self.force[i + 1] - self.force[i], b.cos() - a.cos());
+            if way == 0.0 {
+                // Half of what the slope of g changes by, on either end.
+                let bend = 0.5 * force * a.cos() / a.sin();
+                weights[i] += bend;
+                weights[i + 1] += bend;
+                continue;
+            }
+            let slope = (0.5 * (b - a) - 0.25 * ((2.0 * b).sin() - (2.0 * a).sin())) / way;
+            weights[i] += force * (slope + a.sin()) / way;
+            weights[i + 1] -= force * (slope + b.sin()) / way;
+        }
+        let omega2 = self.harmonic_omega().powi(2);
+        let factor = 1.0 / (PI * half * half);
+        let all: f64 = weights.iter().sum();
+        let stretched: f64 = weights.iter().enumerate().map(|(i, weight)| weight * place(i)).sum();
+        weights.iter_mut().for_each(|weight| *weight *= factor);
+        // The extremes move the middle and the range.
+        let (by_middle, by_half) = (-factor * all, -factor * stretched - omega2 / half);
+        let at = |wanted: f64| self.amplitude.iter().position(|q| *q == wanted);
+        for (extreme, sign) in [(high, 1.0), (low, -1.0)] {
+            if let Some(weight) = at(extreme).and_then(|i| weights.get_mut(i)) {
+                *weight += 0.5 * (by_middle + sign * by_half);
+            }
+        }
+        weights
+    }
+
     /// Distance between the last and the first vertex relative to the loop's range.
     pub fn closure(&self) -> f64 {
         let (low, high) = self.extremes();
@@ -96,6 +143,30 @@ fn polygon(force: &[f64], amplitude: &[f64], stride: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn weights_of_the_first_harmonic_are_its_slopes() {
+        let n = 32;
+        let of = |i: usize| std::f64::consts::TAU * i as f64 / n as f64;
+        let known = Loop {
+            force: (0..=n).map(|i| 3.0 * of(i).cos()).collect(),
+            amplitude: (0..=n)
+                .map(|i| 0.2 + 1.5 * of(i).cos() + 0.1 * of(i).cos().powi(3) + 0.2 * of(i).sin() * of(i).sin().abs())
+                .collect(),
+        };
+        let weights = known.harmonic_weights();
+        // The first and the last vertex are both the largest: which of them is has a kink there.
+        for (i, weight) in weights.iter().enumerate().take(n).skip(1) {
+            let moved = |by: f64| {
+                let mut moved = known.clone();
+                moved.amplitude[i] += by;
+                moved.harmonic_omega().powi(2)
+            };
+            let step = 1e-6;
+            let difference = (moved(step) - moved(-step)) / (2.0 * step);
+            assert!((weight - difference).abs() < 1e-7, "{i}: {weight} {difference}");
+        }
+    }
 
     #[test]
     fn the_first_harmonic_is_that_of_closed_forms() {

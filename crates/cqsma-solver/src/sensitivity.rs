@@ -4,15 +4,16 @@
 //! `(K + dF/du) u' = load' - K' u - dF/ds s' - dF/dp`, with the tangent that Newton's method has left there. The history `s` carries its own
 //! change along: `s_end' = dS/du u' + dS/ds s' + dS/dp`. That is how static states are differentiated.
 //!
-//! Of a loop two numbers are wanted, half its range `Q` and its area `A`, both linear in the modal amplitudes `q_k` of the vertices, and of many
-//! parameters. So its vertices are gone through backwards. With the weight `w_k` of a vertex and the adjoint `l` of the history that it leaves,
+//! Of a loop three numbers are wanted, half its range `Q`, its area `A` and the frequency `H` of its first harmonic, all of them functions of the
+//! modal amplitudes `q_k` of the vertices, and of many parameters. So its vertices are gone through backwards. With the weight `w_k` of a vertex, the
+//! slope of the number, and the adjoint `l` of the history that it leaves,
 //!
 //! ```text
 //! (K + dF/du)^T m = w_k M phi + (dS/du)^T l,      l before it = (dS/ds)^T l - (dF/ds)^T m,
-//! Q' or A' = sum over vertices of  w_k (M phi)' v_k + m^T (load' - K' v - dF/dp) + l^T dS/dp,   plus  l^T s' of the static state :
+//! Q', A' or H' = sum over vertices of  w_k (M phi)' v_k + m^T (load' - K' v - dF/dp) + l^T dS/dp,   plus  l^T s' of the static state :
 //! ```
 //!
-//! two linear solves per vertex, whatever the number of parameters. The result belongs to the discrete loop: to its vertices and its number of cycles,
+//! three linear solves per vertex, whatever the number of parameters. The result belongs to the discrete loop: to its vertices and its number of cycles,
 //! which are held.
 //!
 //! All of `F` and `S` is differentiated by the force itself, on the branch that it takes. That matters more than it seems: a point that slipped
@@ -418,12 +419,12 @@ pub(crate) trait Follower<F: HystereticForce> {
     fn rates(&self, hysteresis: &Loop, numbers: &[usize], path: &Path<'_, F>) -> Option<Vec<LoopRate>>;
 }
 
-/// What is differentiated of a loop: half its range, and its area.
-const GOALS: usize = 2;
+/// What is differentiated of a loop: half its range, its area, and the square of the frequency of its first harmonic.
+const GOALS: usize = 3;
 
 impl<F: DifferentiableForce> Companion<'_, F> {
-    /// Derivatives of half the range and of the area with respect to all parameters at the same force, and last to the logarithm of the force,
-    /// but for what the area grows by as it is a product with the force. `weights` are those of the amplitudes of all vertices.
+    /// Derivatives of the goals with respect to all parameters at the same force, and last to the logarithm of the force,
+    /// but for what area and frequency grow by as they are products with the force. `weights` are those of the amplitudes of all vertices.
     fn sweep(&self, weights: &[[f64; GOALS]], path: &Path<'_, F>) -> Option<Vec<[f64; GOALS]>> {
         let Derivatives { force, parameters, .. } = self.shared;
         let equilibrium = &path.equilibrium;
@@ -561,21 +562,30 @@ impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
             weights[numbers[next]][1] += force;
             weights[from][1] -= force;
         }
+        for (weight, number) in hysteresis.harmonic_weights().into_iter().zip(numbers) {
+            weights[*number][2] += weight;
+        }
         let mut sums = self.sweep(&weights, path)?;
         let [half, area] = [0.5 * (high - low), hysteresis.area()];
-        let [by_force, area_by_force] = sums.pop()?;
+        let harmonic = hysteresis.harmonic_omega().powi(2);
+        let [by_force, area_by_force, harmonic_by_force] = sums.pop()?;
         let by_force = by_force / half;
         let has_area = area != 0.0;
-        let rates = sums.into_iter().map(|[of_half, of_area]| {
+        let rates = sums.into_iter().map(|[of_half, of_area, of_harmonic]| {
             let ln_amplitude = of_half / half;
             // How much less force brings the amplitude back.
             let back = ln_amplitude / by_force;
             let ln_dissipation = has_area.then(|| of_area / area - back * (area_by_force / area + 1.0));
+            let ln_omega = -0.5 * back;
+            let ln_zeta = ln_dissipation.map(|of_area| of_area + back);
+            let ln_harmonic_omega = 0.5 * (of_harmonic / harmonic - back * (harmonic_by_force / harmonic + 1.0));
             LoopRate {
                 // omega^2 Q is the force, and Q is held; zeta is the area over 2 pi Q times the force.
-                ln_omega: -0.5 * back,
-                ln_zeta: ln_dissipation.map(|of_area| of_area + back),
+                ln_omega,
+                ln_zeta,
                 ln_dissipation,
+                ln_harmonic_omega,
+                ln_harmonic_zeta: ln_zeta.map(|zeta| zeta + 2.0 * (ln_omega - ln_harmonic_omega)),
                 ln_amplitude,
             }
         });
@@ -594,6 +604,10 @@ pub struct LoopRate {
     pub ln_zeta: Option<f64>,
     /// Of the logarithm of the dissipation per cycle, at the same modal amplitude; likewise.
     pub ln_dissipation: Option<f64>,
+    /// Of the logarithm of the frequency of the first harmonic, at the same modal amplitude.
+    pub ln_harmonic_omega: f64,
+    /// Of the logarithm of the damping ratio with that frequency, at the same modal amplitude; likewise.
+    pub ln_harmonic_zeta: Option<f64>,
     /// Of the logarithm of the modal amplitude, at the same modal force.
     pub ln_amplitude: f64,
 }

@@ -170,7 +170,20 @@ fn derivatives_are_those_of_whole_analyses_at_the_same_amplitude() {
                 forces[i],
                 rate.ln_omega
             );
+            let harmonic = central(&|l| l.harmonic_omega);
+            assert!(
+                (rate.ln_harmonic_omega - harmonic).abs() < 1e-5 * harmonic.abs().max(1e-3),
+                "{name}, force {}: first harmonic {} against {harmonic}",
+                forces[i],
+                rate.ln_harmonic_omega
+            );
             if target.is_resolved() {
+                let zeta = central(&|l| l.harmonic_zeta());
+                let own = rate.ln_harmonic_zeta.unwrap();
+                assert!(
+                    (own - zeta).abs() < 1e-5 * zeta.abs().max(1e-2),
+                    "{name}: first harmonic {own} against {zeta}"
+                );
                 let zeta = central(&|l| l.zeta);
                 let [own, dissipated] = [rate.ln_zeta, rate.ln_dissipation].map(Option::unwrap);
                 assert!(

@@ -28,11 +28,11 @@ fn backbone(scene: &Scene, seed: u64) -> Backbone {
     let points = found.amplitudes().iter().filter_map(|amplitude| {
         let result = amplitude.point.result.as_ref().ok()?;
         Some(Point {
-            amplitude: amplitude.response_displacement?,
-            frequency_hz: result.omega / TAU * (NOISE.frequency_ln * normal()).exp(),
+            amplitude: amplitude.fields.as_ref()?.response_motion,
+            frequency_hz: result.harmonic_omega / TAU * (NOISE.frequency_ln * normal()).exp(),
             damping_ratio: result
                 .is_resolved()
-                .then(|| result.zeta * (NOISE.damping_ln * normal()).exp()),
+                .then(|| result.harmonic_zeta() * (NOISE.damping_ln * normal()).exp()),
         })
     });
     Backbone::try_new("synthetic", points.collect()).unwrap()

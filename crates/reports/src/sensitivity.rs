@@ -45,6 +45,8 @@ pub fn rows(all: &[Sensitivity]) -> Result<String, Error> {
         "modal_amplitude [sqrt(kg) m]",
         "dln_frequency",
         "dln_damping",
+        "dln_frequency_first_harmonic",
+        "dln_damping_first_harmonic",
         "dln_dissipation",
         "dln_response",
     ];
@@ -62,6 +64,8 @@ pub fn rows(all: &[Sensitivity]) -> Result<String, Error> {
                 cell(&one.modal_amplitude),
                 cell(&one.dln_frequency),
                 cell(&one.dln_damping),
+                cell(&one.dln_frequency_first_harmonic),
+                cell(&one.dln_damping_first_harmonic),
                 cell(&one.dln_dissipation),
                 cell(&one.dln_response),
             ]

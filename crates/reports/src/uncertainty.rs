@@ -5,7 +5,7 @@ use crate::html::{Picture, Table};
 use crate::plot::{self, BLUE, Band as Shade, Curve, Marks, RED};
 use crate::{Drawing, Error, Output};
 use joint_pipeline::analysis::uncertainty::{Band, ModeBands, Spread, Uncertainty};
-use joint_pipeline::analysis::variants::Abscissa;
+use joint_pipeline::analysis::variants::Reading;
 use plotters::prelude::*;
 
 /// Name of the table of bands.
@@ -163,7 +163,7 @@ fn samples(uncertainty: &Uncertainty) -> Result<String, Error> {
                 let amplitude = band.modal_amplitude;
                 let found = match amplitude == 0.0 {
                     true => [Some(curve.linear_frequency_hz), None],
-                    false => match curve.at(Abscissa::Modal, amplitude) {
+                    false => match curve.at(Reading::Modal, amplitude) {
                         Some([frequency, damping]) => [Some(frequency), Some(damping).filter(|zeta| zeta.is_finite())],
                         None => [None; 2],
                     },

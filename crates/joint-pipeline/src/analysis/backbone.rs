@@ -143,7 +143,13 @@ impl<'a> Request<'a> {
                 let (mut found, resume) = request.epmc(&settings, self.mode, amplitudes, epmc_key, progress)?;
                 checkpoints.extend(resume);
                 if let Some((sensitivities, derivatives)) = &derivatives {
-                    found.sensitivities = sensitivities.of_motions(derivatives, self.line, self.force, &found.points);
+                    found.sensitivities = sensitivities.of_motions(
+                        derivatives,
+                        self.line,
+                        self.force,
+                        (&shape, self.response),
+                        &found.points,
+                    );
                 }
                 Some(found)
             }

@@ -3,7 +3,7 @@
 use super::comparison::{Backbone, Point};
 use super::finite_differences;
 use super::outcome::Analysis;
-use super::variants::{Abscissa, Forces, Solved, Study, Variant};
+use super::variants::{Forces, Rates, Reading, Solved, Study, Variant};
 use crate::Error;
 use crate::progress::Progress;
 use crate::scene::{Marginal, Parameter, Scene, Shape};
@@ -31,6 +31,9 @@ const BEYOND: f64 = 1.6;
 
 /// Least ratio of modelled to measured damping that is told apart: a joint that sticks in the model has no damping, and no logarithm of it.
 const LEAST_DAMPING: f64 = 1e-3;
+
+/// Step along derivatives, in what they are with respect to: interpolants between amplitudes are differenced over it.
+const ALONG: f64 = 1e-5;
 
 /// Normal quantile of a 95 % interval.
 const INTERVAL: f64 = 1.959_963_984_540_054;
@@ -99,9 +102,9 @@ pub struct Residual {
     pub mode: usize,
     /// Measured.
     pub measured: Point,
-    /// Calibrated model: frequency (Hz).
+    /// Calibrated model: frequency of the first harmonic (Hz).
     pub frequency_hz: f64,
-    /// Calibrated model: damping ratio; none where it sticks.
+    /// Calibrated model: damping ratio with that frequency; none where it sticks.
     pub damping_ratio: Option<f64>,
     /// Model less measurement, logarithm of the frequency.
     pub frequency_ln: f64,
@@ -161,7 +164,7 @@ struct Evaluation {
     at: DVector<f64>,
     residuals: DVector<f64>,
     jacobian: DMatrix<f64>,
-    model: Option<Variant>,
+    model: Variant,
 }
 
 impl Free {
@@ -289,7 +292,7 @@ impl Problem<'_> {
         let mut all = Vec::new();
         for (measured, &mode) in self.measured.iter().zip(&self.modes) {
             for point in measured.backbone.points() {
-                let found = variant.curves[mode].at(Abscissa::Response, point.amplitude);
+                let found = variant.curves[mode].at(Reading::Measured, point.amplitude);
                 let [frequency, damping] = found.ok_or_else(|| {
                     refused(format!(
                         "{}: the model does not reach {:.3e} m; leave out measured amplitudes there",
@@ -305,7 +308,53 @@ impl Problem<'_> {
         Ok(all)
     }
 
-    /// Residuals and Jacobian by what is varied, from one batch of runs.
+    /// Runs the model with each of these inputs.
+    fn runs(&mut self, inputs: &[Vec<f64>], rates: Rates) -> Result<Vec<Variant>, Error> {
+        let inputs: Vec<_> = inputs
+            .iter()
+            .map(|inputs| (inputs.clone(), self.forces.clone()))
+            .collect();
+        let quiet = Quiet(self.progress);
+        let (variants, checkpoints) = self.study.run("runs", &inputs, rates, self.analysis, &quiet)?;
+        self.checkpoints.extend(checkpoints);
+        Ok(variants)
+    }
+
+    /// The model at `values`, with the derivatives that its loops bring along.
+    fn model(&mut self, values: &[f64]) -> Result<Variant, Error> {
+        let inputs = [values.to_vec()];
+        let mut found = self.runs(&inputs, Rates::WhereTheyCostLittle)?;
+        if found.iter().any(|found| found.failure.is_some()) {
+            // It may be the derivatives alone that there are none of.
+            found = self.runs(&inputs, Rates::None)?;
+        }
+        found.pop().ok_or_else(|| Error::Calibration {
+            reason: "the model was not run".into(),
+        })
+    }
+
+    /// The model with each parameter moved up and down in turn: along the derivatives of its loops, or by runs where there are none.
+    fn beside(&mut self, model: &Variant, steps: &[f64]) -> Result<Vec<[Variant; 2]>, Error> {
+        let along = |(place, parameter): (usize, &Parameter)| {
+            let [above, below] = [ALONG, -ALONG].map(|by| model.moved(parameter, place, by));
+            Some([above?, below?])
+        };
+        let known: Vec<Option<[Variant; 2]>> = self.study.parameters().iter().enumerate().map(along).collect();
+        let pairs = finite_differences::inputs(&model.inputs, steps);
+        let unknown = pairs.chunks_exact(2).zip(&known).filter(|(_, known)| known.is_none());
+        let inputs: Vec<Vec<f64>> = unknown.flat_map(|(pair, _)| pair).cloned().collect();
+        let mut runs = match inputs.is_empty() {
+            true => Vec::new(),
+            false => self.runs(&inputs, Rates::None)?,
+        }
+        .into_iter();
+        let all = known
+            .into_iter()
+            .map(|known| known.or_else(|| Some([runs.next()?, runs.next()?])));
+        Ok(all.flatten().collect())
+    }
+
+    /// Residuals and Jacobian by what is varied.
     fn evaluate(&mut self) -> Result<Evaluation, Error> {
         if let Some(known) = self.known.iter().find(|known| known.at == self.at) {
             return Ok(known.clone());
@@ -323,12 +372,9 @@ impl Problem<'_> {
             .zip(widths)
             .map(|(value, width)| finite_differences::step(*value, width))
             .collect();
-        let mut inputs = vec![values.clone()];
-        inputs.extend(finite_differences::inputs(&values, &steps));
-        let inputs: Vec<_> = inputs.into_iter().map(|inputs| (inputs, self.forces.clone())).collect();
-        let (variants, checkpoints) = self.study.run("runs", &inputs, self.analysis, &Quiet(self.progress))?;
-        self.checkpoints.extend(checkpoints);
-        let mut residuals = self.data(&variants[0])?;
+        let model = self.model(&values)?;
+        let mut residuals = self.data(&model)?;
+        let pairs = self.beside(&model, &steps)?;
         let n = residuals.len();
         let priors = self.free.iter().zip(&varied).map(|(free, varied)| {
             let [mean, sd] = free.holds();
@@ -348,7 +394,7 @@ impl Problem<'_> {
             residuals.iter().map(|r| r * r).sum::<f64>()
         ));
         let mut jacobian = DMatrix::zeros(residuals.len(), self.free.len());
-        for (place, pair) in variants[1..].chunks_exact(2).enumerate() {
+        for (place, pair) in pairs.iter().enumerate() {
             let of = |variant: &Variant| {
                 if self.free[place].logarithmic {
                     variant.inputs[place].ln()
@@ -369,7 +415,7 @@ impl Problem<'_> {
             at: self.at.clone(),
             residuals: DVector::from_vec(residuals),
             jacobian,
-            model: variants.into_iter().next(),
+            model,
         };
         self.known.push(found.clone());
         Ok(found)
@@ -500,7 +546,7 @@ pub fn calibrate(
         checkpoints: analysis.checkpoints.clone(),
     };
     problem.set_params(&at);
-    // Derivatives by differences are known to four digits or so.
+    // Derivatives by differences, where it takes them, are known to four digits or so.
     let method = LevenbergMarquardt::new()
         .with_ftol(1e-8)
         .with_xtol(1e-6)
@@ -641,9 +687,8 @@ impl Problem<'_> {
         let mut points = Vec::new();
         for (measured, &mode) in self.measured.iter().zip(&self.modes) {
             for point in measured.backbone.points() {
-                let found = model
-                    .as_ref()
-                    .and_then(|model| model.curves.get(mode)?.at(Abscissa::Response, point.amplitude));
+                let curve = model.curves.get(mode);
+                let found = curve.and_then(|curve| curve.at(Reading::Measured, point.amplitude));
                 let Some([frequency_hz, damping]) = found else { continue };
                 let damping_ratio = Some(damping).filter(|zeta| zeta.is_finite());
                 points.push(Residual {

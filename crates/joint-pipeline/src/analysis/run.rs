@@ -17,7 +17,7 @@ use crate::interface::{InterfaceForce, LawReport, PartReport, SceneInterface};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
 use crate::progress::{Progress, Stage};
-use crate::scene::{Assembly, BoltBehaviour, Influence, Parameter, Scene, Stress};
+use crate::scene::{Assembly, BoltBehaviour, Parameter, Scene, Stress};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
@@ -257,11 +257,6 @@ impl Prepared {
         })
     }
 
-    /// The scene, with the parameters of [`Prepared::differentiate_also`].
-    pub(super) fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
     /// Asks for derivatives with respect to further parameters, as far as they take no further reduction and the law has them. Results do not
     /// show them.
     ///
@@ -272,22 +267,30 @@ impl Prepared {
         parameters: &[Parameter],
         progress: &dyn Progress,
     ) -> Result<(), Error> {
-        for parameter in parameters {
-            let is_smooth = parameter.influence() != Influence::Structure && !parameter.is_drawn();
-            let is_known = self.scene.sensitivities.contains(parameter);
-            if is_known || !is_smooth || self.scene.bolts.tightening.is_some() {
-                continue;
-            }
-            // A number at the edge of what is admissible has no neighbours.
-            let Ok(neighbours) = Neighbours::one(&self.scene, parameter, None, progress) else {
-                continue;
-            };
-            if neighbours.is_differentiated(&self.interface)? {
-                self.neighbours.push(neighbours);
-                self.scene.sensitivities.push(parameter.clone());
-            }
-        }
+        let others = parameters.iter().filter(|one| !self.scene.sensitivities.contains(one));
+        let found = Neighbours::without_reduction(&self.scene, others, &self.interface, progress)?;
+        let names = found.iter().map(|neighbours| neighbours.parameter().clone());
+        self.scene.sensitivities.extend(names);
+        self.neighbours.extend(found);
         Ok(())
+    }
+
+    /// Prestress, modes and backbone of the scene itself, with all its derivatives.
+    ///
+    /// # Errors
+    /// As [`Prepared::analyse`].
+    pub(super) fn analyse_itself(
+        &self,
+        forces: Option<&[Vec<f64>]>,
+        progress: &dyn Progress,
+    ) -> Result<Analysis, Error> {
+        let interface = &self.interface;
+        let of = InterfaceToAnalyse {
+            interface: &interface.interface,
+            closure: interface.closure,
+            derivatives: Some((&self.neighbours, interface)),
+        };
+        self.analyse(&self.scene, of, forces, progress)
     }
 
     /// The reduced structure.
@@ -321,8 +324,7 @@ impl Prepared {
     /// # Errors
     /// [`Error::Prestress`] and defects of the linear structure.
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
-        let interface = &self.interface;
-        let analysis = self.analyse(&self.scene, &interface.interface, interface.closure, None, progress)?;
+        let analysis = self.analyse_itself(None, progress)?;
         let deformed = self.deformed(&analysis, progress)?;
         Ok(self.finish(analysis, deformed, progress))
     }
@@ -334,8 +336,7 @@ impl Prepared {
     /// As [`Prepared::solve`]; [`Error::NoSamples`] for surfaces that are not scanned; an interruption. Whatever else
     /// ends a realisation is part of the result.
     pub fn solve_ensemble(self, realisations: usize, progress: &dyn Progress) -> Result<(Run, Ensemble), Error> {
-        let interface = &self.interface;
-        let mut analysis = self.analyse(&self.scene, &interface.interface, interface.closure, None, progress)?;
+        let mut analysis = self.analyse_itself(None, progress)?;
         let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
         let deformed = self.deformed(&analysis, progress)?;
@@ -379,7 +380,12 @@ impl Prepared {
         };
         let analyse = |k, progress: &dyn Progress| {
             let (interface, closure) = self.interface.realisation(k, load)?;
-            self.analyse(&scene, &interface, closure, None, progress)
+            let of = InterfaceToAnalyse {
+                interface: &interface,
+                closure,
+                derivatives: None,
+            };
+            self.analyse(&scene, of, None, progress)
         };
         let describe = |k, found: Result<&Analysis, Error>| Member::new(k, found, scene.background_damping);
         let (members, checkpoints) = realisations.run(checkpoint, analyse, describe)?;
@@ -545,13 +551,16 @@ impl Prepared {
         Ok(CsMat::new((n, n), indices.0, indices.1, line.stuck_tangent().to_vec()))
     }
 
-    /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m). `forces` are modal forces of
-    /// each mode followed that stand for those by the amplitudes of the scene.
+    /// Prestress, modes and backbones of an interface. `forces` are modal forces of each mode followed that stand for those by the
+    /// amplitudes of the scene.
     pub(super) fn analyse(
         &self,
         scene: &Scene,
-        interface: &Interface,
-        closure: f64,
+        InterfaceToAnalyse {
+            interface,
+            closure,
+            derivatives,
+        }: InterfaceToAnalyse<'_>,
         forces: Option<&[Vec<f64>]>,
         progress: &dyn Progress,
     ) -> Result<Analysis, Error> {
@@ -565,11 +574,11 @@ impl Prepared {
         let locked = self.locked()?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
         let line = linearise(scene, vibrating, &force, &prestress.solution)?;
-        let sensitivities = match scene.sensitivities.as_slice() {
-            [] => None,
-            _ => Some(Sensitivities::try_new(
-                &self.neighbours,
-                &self.interface,
+        let sensitivities = match derivatives {
+            None | Some(([], _)) => None,
+            Some((neighbours, interface_of_scene)) => Some(Sensitivities::try_new(
+                neighbours,
+                interface_of_scene,
                 reduced,
                 &assembled(scene, interface),
                 &prestress.solution,
@@ -657,6 +666,16 @@ impl Prepared {
             checkpoints,
         })
     }
+}
+
+/// An interface to analyse.
+pub(super) struct InterfaceToAnalyse<'a> {
+    pub(super) interface: &'a Interface,
+    /// Closure that carries the bolt load (m).
+    pub(super) closure: f64,
+    /// What its backbones are differentiated with respect to, and the interface with what it is made from. The scene's `sensitivities` name
+    /// the same parameters.
+    pub(super) derivatives: Option<(&'a [Neighbours], &'a SceneInterface)>,
 }
 
 /// Refuses loads and orders of other bolts than there are.

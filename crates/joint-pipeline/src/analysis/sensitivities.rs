@@ -55,12 +55,18 @@ pub struct Sensitivity {
     pub per: Per,
     /// Of the logarithm of the linearised frequency (-).
     pub dln_linear_frequency: f64,
+    /// Of the logarithm of the displacement at the response point per modal amplitude, in the linearised mode (-).
+    pub dln_mode_shape: f64,
     /// Modal amplitudes (sqrt(kg) m).
     pub modal_amplitude: Vec<Option<f64>>,
     /// Of the logarithm of the frequency, at the same modal amplitude (-).
     pub dln_frequency: Vec<Option<f64>>,
     /// Of the logarithm of the damping ratio of the contact, at the same modal amplitude (-).
     pub dln_damping: Vec<Option<f64>>,
+    /// Of the logarithm of the frequency of the first harmonic, at the same modal amplitude (-).
+    pub dln_frequency_first_harmonic: Vec<Option<f64>>,
+    /// Of the logarithm of the damping ratio of the contact with that frequency, at the same modal amplitude (-).
+    pub dln_damping_first_harmonic: Vec<Option<f64>>,
     /// Of the logarithm of the energy dissipated per cycle, at the same modal amplitude (-); not of free periodic motions.
     pub dln_dissipation: Vec<Option<f64>>,
     /// Of the logarithm of the displacement at the response point, at the same modal force (-); not of free periodic motions.
@@ -104,11 +110,42 @@ impl Neighbours {
             .collect()
     }
 
+    /// Those of all of `parameters` that take no further reduction and that the law is differentiated with respect to.
+    ///
+    /// # Errors
+    /// Of the law beside the values of the scene.
+    pub(super) fn without_reduction<'p>(
+        scene: &Scene,
+        parameters: impl Iterator<Item = &'p Parameter>,
+        interface: &SceneInterface,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Self>, Error> {
+        let mut all = Vec::new();
+        for parameter in parameters {
+            let is_smooth = parameter.influence() != Influence::Structure && !parameter.is_drawn();
+            if !is_smooth || scene.bolts.tightening.is_some() {
+                continue;
+            }
+            // A number at the edge of what is admissible has no neighbours.
+            let Ok(one) = Self::one(scene, parameter, None, progress) else {
+                continue;
+            };
+            if one.is_differentiated(interface)? {
+                all.push(one);
+            }
+        }
+        Ok(all)
+    }
+
+    pub(super) fn parameter(&self) -> &Parameter {
+        &self.parameter
+    }
+
     /// Whether the law of the interface is differentiated with respect to it.
     ///
     /// # Errors
     /// Of the law at the neighbouring values.
-    pub(super) fn is_differentiated(&self, interface: &SceneInterface) -> Result<bool, Error> {
+    fn is_differentiated(&self, interface: &SceneInterface) -> Result<bool, Error> {
         Ok(self.parameter.influence() == Influence::Loads
             || interface
                 .variation([&self.above, &self.below], 2.0 * self.step)?
@@ -230,6 +267,12 @@ struct Ingredients {
 }
 
 impl Ingredients {
+    /// Derivative of the logarithm of a mode shape at the response point; `rate` is that of the shape.
+    fn of_mode_shape(&self, rate: &[f64], shape: &[f64], response: &[f64]) -> f64 {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        (dot(rate, response) + dot(shape, &self.response)) / dot(shape, response)
+    }
+
     fn change<'a>(&'a self) -> Change<'a, InterfaceForce<'a>> {
         Change {
             step: self.step,
@@ -299,12 +342,10 @@ impl<'a> Sensitivities<'a> {
         response: &[f64],
         loops: impl Iterator<Item = Option<&'r LoopResult>> + Clone,
     ) -> Vec<Sensitivity> {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let phi = dot(shape, response);
         let linear = |rate: &ParameterRate<'_, _>| 0.5 * rate.mode.eigenvalue / eigenvalue;
         let of_parameter = |(number, ((one, ingredients), rate)): (usize, ((&Neighbours, &Ingredients), _))| {
             let rate: &ParameterRate<'_, _> = rate;
-            let dln_phi = (dot(&rate.mode.shape, response) + dot(shape, &ingredients.response)) / phi;
+            let dln_phi = ingredients.of_mode_shape(&rate.mode.shape, shape, response);
             let rates = loops.clone().map(|found| {
                 let found = found?;
                 Some((found, *found.rates.as_ref()?.get(number)?))
@@ -324,12 +365,15 @@ impl<'a> Sensitivities<'a> {
                 unit: one.unit.into(),
                 per: one.per,
                 dln_linear_frequency: linear(rate),
+                dln_mode_shape: dln_phi,
                 modal_amplitude: loops
                     .clone()
                     .map(|found| found.map(|found| found.modal_amplitude))
                     .collect(),
                 dln_frequency: each(&|_, rate| Some(rate.ln_omega)),
                 dln_damping: each(&|found, rate| rate.ln_zeta.filter(|_| found.is_resolved())),
+                dln_frequency_first_harmonic: each(&|_, rate| Some(rate.ln_harmonic_omega)),
+                dln_damping_first_harmonic: each(&|found, rate| rate.ln_harmonic_zeta.filter(|_| found.is_resolved())),
                 dln_dissipation: each(&|found, rate| rate.ln_dissipation.filter(|_| found.is_resolved())),
                 dln_response: each(&|_, rate| Some(rate.ln_amplitude + dln_phi)),
             }
@@ -348,6 +392,7 @@ impl<'a> Sensitivities<'a> {
         derivatives: &Derivatives<'_, InterfaceForce<'f>>,
         line: &Linearisation<'_, State>,
         force: &InterfaceForce<'f>,
+        (shape, response): (&[f64], &[f64]),
         points: &[Point],
     ) -> Vec<Sensitivity> {
         let rates: Vec<Option<(&Motion, Vec<MotionRate>)>> = points
@@ -366,26 +411,34 @@ impl<'a> Sensitivities<'a> {
                 .map(|found| found.as_ref().and_then(|(motion, rates)| of(motion, rates)));
             values.map(|value| value.filter(|value| value.is_finite())).collect()
         };
-        let neighbours = self.neighbours.iter().enumerate();
+        let neighbours = self.neighbours.iter().zip(&self.ingredients).enumerate();
         neighbours
             .zip(derivatives.parameters())
-            .map(|((number, one), rate)| Sensitivity {
-                mode: derivatives.mode() + 1,
-                method: Method::Epmc.name().into(),
-                parameter: one.parameter.clone(),
-                value: one.value,
-                unit: one.unit.into(),
-                per: one.per,
-                dln_linear_frequency: linear(rate),
-                modal_amplitude: each(&|motion, _| Some(motion.modal_amplitude)),
-                dln_frequency: each(&|_, rates| Some(rates.get(number)?.ln_omega)),
-                dln_damping: each(&|motion, rates| {
+            .map(|((number, (one, ingredients)), rate)| {
+                let frequency = each(&|_, rates| Some(rates.get(number)?.ln_omega));
+                let damping = each(&|motion, rates| {
                     let floor = motion.energy_error.abs().max(motion.residual);
                     let is_resolved = motion.zeta.is_some_and(|zeta| zeta.abs() > floor);
                     is_resolved.then_some(rates.get(number)?.ln_zeta)
-                }),
-                dln_dissipation: none(),
-                dln_response: none(),
+                });
+                Sensitivity {
+                    mode: derivatives.mode() + 1,
+                    method: Method::Epmc.name().into(),
+                    parameter: one.parameter.clone(),
+                    value: one.value,
+                    unit: one.unit.into(),
+                    per: one.per,
+                    dln_linear_frequency: linear(rate),
+                    dln_mode_shape: ingredients.of_mode_shape(&rate.mode.shape, shape, response),
+                    modal_amplitude: each(&|motion, _| Some(motion.modal_amplitude)),
+                    // A motion in time has one frequency.
+                    dln_frequency_first_harmonic: frequency.clone(),
+                    dln_damping_first_harmonic: damping.clone(),
+                    dln_frequency: frequency,
+                    dln_damping: damping,
+                    dln_dissipation: none(),
+                    dln_response: none(),
+                }
             })
             .collect()
     }

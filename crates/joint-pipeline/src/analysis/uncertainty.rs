@@ -7,8 +7,7 @@
 use super::ensemble::percentile;
 use super::finite_differences::{self, AROUND, Gradient, values};
 use super::sampling::samples;
-use super::sensitivities::Sensitivity;
-use super::variants::{Abscissa, Curve, Solved, Study, Variant, VariantPoint};
+use super::variants::{Curve, Rates, Reading, Solved, Study, Variant};
 use crate::progress::Progress;
 use crate::scene::distribution::standard_normal;
 use crate::scene::uncertain::{beyond, of_parameter};
@@ -216,10 +215,8 @@ pub fn run_samples(
     let steps: Vec<f64> = steps.collect();
 
     let known = |parameter: &Parameter| -> Option<Vec<Gradient>> {
-        let modes = nominal.curves.iter().zip(&analysis.modes);
-        modes
-            .map(|(curve, found)| gradient(parameter, curve, &found.sensitivities))
-            .collect()
+        let modes = nominal.curves.iter();
+        modes.map(|curve| gradient(parameter, curve)).collect()
     };
     let known: Vec<Option<Vec<Gradient>>> = study.parameters().iter().map(known).collect();
     // Those of all other parameters are differences.
@@ -231,7 +228,7 @@ pub fn run_samples(
         .flat_map(|(pair, _)| pair)
         .map(|inputs| (inputs.clone(), study.forces(&nominal, &|_, _| 1.0, &AROUND)))
         .collect();
-    let (runs, checkpoints) = study.run("runs for derivatives", &near, &analysis, progress)?;
+    let (runs, checkpoints) = study.run("runs for derivatives", &near, Rates::None, &analysis, progress)?;
     analysis.checkpoints.extend(checkpoints);
     let mut runs = runs.chunks_exact(2);
     let all = known.into_iter().zip(study.parameters()).enumerate();
@@ -272,7 +269,7 @@ pub fn run_samples(
         .into_iter()
         .map(with_forces)
         .collect();
-    let (mut variants, checkpoints) = study.run("samples", &inputs, &analysis, progress)?;
+    let (mut variants, checkpoints) = study.run("samples", &inputs, Rates::None, &analysis, progress)?;
     analysis.checkpoints.extend(checkpoints);
     let of_indices = variants.split_off(number);
     let runs = Runs {
@@ -318,29 +315,18 @@ pub fn run_samples(
 }
 
 /// The derivatives of a mode's backbone that its loops have brought along; amplitude 0 is the linearised mode.
-fn gradient(parameter: &Parameter, curve: &Curve, found: &[Sensitivity]) -> Option<Gradient> {
-    let found = found.iter().find(|one| one.parameter == *parameter)?;
-    let at = |point: &VariantPoint, values: &[Option<f64>]| {
-        let place = found
-            .modal_amplitude
-            .iter()
-            .position(|q| *q == Some(point.modal_amplitude))?;
-        values.get(place).copied().flatten()
-    };
-    let damping = |point: &VariantPoint| {
-        // Derivatives are those of the damping of the contact alone.
-        let total = point.damping_ratio?;
-        Some(at(point, &found.dln_damping)? * (total - curve.background) / total)
-    };
+fn gradient(parameter: &Parameter, curve: &Curve) -> Option<Gradient> {
+    let (found, rates) = curve.derivatives(parameter, Reading::Modal)?;
     let amplitudes = curve.points.iter().map(|point| point.modal_amplitude);
-    let frequencies = curve.points.iter().map(|point| at(point, &found.dln_frequency));
     Some(Gradient {
         parameter: parameter.clone(),
         modal_amplitude: std::iter::once(0.0).chain(amplitudes).collect(),
         dln_frequency: std::iter::once(Some(found.dln_linear_frequency))
-            .chain(frequencies)
+            .chain(rates.iter().map(|[frequency, _]| *frequency))
             .collect(),
-        dln_damping: std::iter::once(None).chain(curve.points.iter().map(damping)).collect(),
+        dln_damping: std::iter::once(None)
+            .chain(rates.iter().map(|[_, damping]| *damping))
+            .collect(),
     })
 }
 
@@ -471,7 +457,7 @@ impl Runs<'_> {
             match (amplitude == 0.0, which) {
                 (true, 0) => Some(curve.linear_frequency_hz),
                 (true, _) => None,
-                (false, _) => curve.at(Abscissa::Modal, amplitude).map(|found| found[which]),
+                (false, _) => curve.at(Reading::Modal, amplitude).map(|found| found[which]),
             }
         };
         let all: Vec<Option<f64>> = self.samples.iter().map(of).collect();

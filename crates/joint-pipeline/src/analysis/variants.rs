@@ -3,7 +3,8 @@
 use super::ensemble::{self, Batch};
 use super::outcome::{Analysis, ModeAnalysis};
 use super::prestress::bolt_load;
-use super::run::{Prepared, prepare_on};
+use super::run::{InterfaceToAnalyse, Prepared, prepare_on};
+use super::sensitivities::{Neighbours, Per, Sensitivity};
 use crate::Error;
 use crate::progress::{Progress, Stage};
 use crate::scene::{Influence, Parameter, Scene};
@@ -20,7 +21,7 @@ const BEYOND: f64 = 1.2;
 const BESIDE: f64 = 0.1;
 
 /// Changes whenever [`Variant`] means something else.
-const LAYOUT: u64 = 1;
+const LAYOUT: u64 = 2;
 
 /// Modal forces (sqrt(kg) m/s^2) of the modes followed.
 pub(super) type Forces = Vec<Vec<f64>>;
@@ -36,6 +37,19 @@ pub struct VariantPoint {
     pub frequency_hz: f64,
     /// Total damping ratio, friction plus background; none below its floor.
     pub damping_ratio: Option<f64>,
+    /// The motion as a measurement sees it.
+    pub seen: Seen,
+}
+
+/// The first harmonic of an amplitude, over the motion of the response point as it was.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Seen {
+    /// Half the range of the displacement at the response point (m).
+    pub response_motion: f64,
+    /// Frequency of the first harmonic (Hz).
+    pub frequency_hz: f64,
+    /// Total damping ratio with that frequency; none below its floor.
+    pub damping_ratio: Option<f64>,
 }
 
 /// The backbone of a mode of a variant.
@@ -49,6 +63,9 @@ pub struct Curve {
     pub background: f64,
     /// The amplitudes that converged, ascending.
     pub points: Vec<VariantPoint>,
+    /// Derivatives that its loops have brought along.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivities: Vec<Sensitivity>,
 }
 
 /// What became of a variant.
@@ -62,20 +79,70 @@ pub struct Variant {
     pub failure: Option<String>,
 }
 
-/// Which amplitude a curve is asked at.
+/// What is read off a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Abscissa {
-    /// Modal amplitude.
+pub enum Reading {
+    /// Frequency and damping of the secant at a modal amplitude.
     Modal,
-    /// Displacement at the response point.
-    Response,
+    /// Those of the first harmonic at a motion of the response point: what measurements are compared with.
+    Measured,
+}
+
+/// What is read at one amplitude.
+struct Read {
+    amplitude: f64,
+    frequency_hz: f64,
+    damping_ratio: Option<f64>,
+}
+
+impl VariantPoint {
+    fn read(&self, reading: Reading) -> Read {
+        match reading {
+            Reading::Modal => Read {
+                amplitude: self.modal_amplitude,
+                frequency_hz: self.frequency_hz,
+                damping_ratio: self.damping_ratio,
+            },
+            Reading::Measured => Read {
+                amplitude: self.seen.response_motion,
+                frequency_hz: self.seen.frequency_hz,
+                damping_ratio: self.seen.damping_ratio,
+            },
+        }
+    }
+}
+
+impl Variant {
+    /// It with the parameter at `place` moved `by` this much: see [`Curve::moved`].
+    pub(super) fn moved(&self, parameter: &Parameter, place: usize, by: f64) -> Option<Self> {
+        let curves = self.curves.iter().map(|curve| curve.moved(parameter, by));
+        let curves = curves.collect::<Option<Vec<_>>>()?;
+        let (of, _) = self.curves.first()?.derivatives(parameter, Reading::Measured)?;
+        let mut inputs = self.inputs.clone();
+        let value = inputs.get_mut(place)?;
+        *value = match of.per {
+            Per::Logarithm => *value * by.exp(),
+            Per::Value => *value + by,
+        };
+        Some(Self {
+            inputs,
+            curves,
+            failure: None,
+        })
+    }
 }
 
 impl Curve {
     fn new(found: &ModeAnalysis, frequencies: &[f64], background: f64) -> Self {
         let points = found.amplitudes.iter().filter_map(|amplitude| {
             let result = amplitude.point.result.as_ref().ok()?;
+            let fields = amplitude.fields.as_ref()?;
             Some(VariantPoint {
+                seen: Seen {
+                    response_motion: fields.response_motion,
+                    frequency_hz: result.harmonic_omega / TAU,
+                    damping_ratio: result.is_resolved().then_some(result.harmonic_zeta() + background),
+                },
                 modal_amplitude: result.modal_amplitude,
                 response_displacement: amplitude.response_displacement?,
                 frequency_hz: result.omega / TAU,
@@ -90,25 +157,72 @@ impl Curve {
             linear_frequency_hz: frequencies.get(found.mode - 1).copied().unwrap_or(f64::NAN),
             background,
             points,
+            sensitivities: found.sensitivities.clone(),
         }
+    }
+
+    /// Derivatives of the logarithms of frequency and damping ratio at the amplitudes of the curve, at the same modal amplitude, with respect
+    /// to a parameter that its loops are differentiated with respect to.
+    pub(super) fn derivatives(
+        &self,
+        parameter: &Parameter,
+        reading: Reading,
+    ) -> Option<(&Sensitivity, Vec<[Option<f64>; 2]>)> {
+        let found = self.sensitivities.iter().find(|one| one.parameter == *parameter)?;
+        let [frequency, damping] = match reading {
+            Reading::Modal => [&found.dln_frequency, &found.dln_damping],
+            Reading::Measured => [&found.dln_frequency_first_harmonic, &found.dln_damping_first_harmonic],
+        };
+        let of = |point: &VariantPoint| {
+            let same = |q: &Option<f64>| *q == Some(point.modal_amplitude);
+            let place = found.modal_amplitude.iter().position(same);
+            let at = |values: &[Option<f64>]| place.and_then(|place| values.get(place).copied().flatten());
+            // Derivatives are those of the damping of the contact alone.
+            let total = point.read(reading).damping_ratio;
+            let share = total.map(|total| (total - self.background) / total);
+            [at(frequency), at(damping).zip(share).map(|(rate, share)| rate * share)]
+        };
+        Some((found, self.points.iter().map(of).collect()))
+    }
+
+    /// What measurements are compared with where the parameter is moved `by` this much, in what its derivatives are with respect to: a
+    /// straight line. The motion of the response point changes as in the linearised mode. None without the derivatives of all frequencies
+    /// and of all damping ratios that the curve has.
+    pub(super) fn moved(&self, parameter: &Parameter, by: f64) -> Option<Self> {
+        let (found, rates) = self.derivatives(parameter, Reading::Measured)?;
+        let points = self.points.iter().zip(rates).map(|(point, [frequency, damping])| {
+            let seen = Seen {
+                response_motion: point.seen.response_motion * (by * found.dln_mode_shape).exp(),
+                frequency_hz: point.seen.frequency_hz * (by * frequency?).exp(),
+                damping_ratio: match point.seen.damping_ratio {
+                    Some(zeta) => Some(zeta * (by * damping?).exp()),
+                    None => None,
+                },
+            };
+            Some(VariantPoint { seen, ..*point })
+        });
+        Some(Self {
+            points: points.collect::<Option<_>>()?,
+            sensitivities: Vec::new(),
+            ..*self
+        })
     }
 
     /// Frequency (Hz) and damping ratio at an amplitude, by monotone cubics through the logarithms; none beyond the amplitudes of the
     /// curve. Damping below its floor is minus infinity, below every other. Between an amplitude where it is so and one where it is not,
     /// damping rises in proportion to the logarithm of the amplitude.
-    pub fn at(&self, abscissa: Abscissa, amplitude: f64) -> Option<[f64; 2]> {
-        let of = |point: &VariantPoint| match abscissa {
-            Abscissa::Modal => point.modal_amplitude,
-            Abscissa::Response => point.response_displacement,
-        };
-        let x: Vec<f64> = self.points.iter().map(|point| of(point).ln()).collect();
+    pub fn at(&self, reading: Reading, amplitude: f64) -> Option<[f64; 2]> {
+        let read: Vec<Read> = self.points.iter().map(|point| point.read(reading)).collect();
+        let x: Vec<f64> = read.iter().map(|point| point.amplitude.ln()).collect();
         let at = amplitude.ln();
         if !(*x.first()? <= at && at <= *x.last()?) {
             return None;
         }
-        let frequencies: Vec<f64> = self.points.iter().map(|point| point.frequency_hz.ln()).collect();
+        let frequencies: Vec<f64> = read.iter().map(|point| point.frequency_hz.ln()).collect();
         let frequency = monotone_cubic(&x, &frequencies, at).exp();
-        Some([frequency, self.damping(&x, at).unwrap_or(f64::NEG_INFINITY)])
+        let dampings: Vec<Option<f64>> = read.iter().map(|point| point.damping_ratio).collect();
+        let damping = self.damping(&x, &dampings, at).unwrap_or(f64::NEG_INFINITY);
+        Some([frequency, damping])
     }
 
     /// The same by a straight line through the logarithms at the two amplitudes about it, which must both have damping.
@@ -138,8 +252,8 @@ impl Curve {
     }
 
     /// Damping at the logarithm of an amplitude within the curve, if it is above its floor.
-    fn damping(&self, x: &[f64], at: f64) -> Option<f64> {
-        let known = |k: usize| self.points[k].damping_ratio.filter(|zeta| *zeta > 0.0);
+    fn damping(&self, x: &[f64], dampings: &[Option<f64>], at: f64) -> Option<f64> {
+        let known = |k: usize| dampings[k].filter(|zeta| *zeta > 0.0);
         let right = x.partition_point(|node| *node < at);
         let left = if x[right] == at { right } else { right - 1 };
         // Part of the step from the left one to the right one.
@@ -224,6 +338,14 @@ fn monotone_cubic(x: &[f64], y: &[f64], at: f64) -> f64 {
         - right * t * t * rest
 }
 
+/// Which derivatives variants bring along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rates {
+    None,
+    /// Those that take no further reduction, of laws that have them.
+    WhereTheyCostLittle,
+}
+
 /// A scene whose numbers vary.
 pub(super) struct Study<'a> {
     prepared: &'a Prepared,
@@ -282,8 +404,13 @@ impl<'a> Study<'a> {
             .any(|parameter| parameter.influence() == Influence::Structure)
     }
 
-    fn analyse(&self, inputs: &[f64], forces: &Forces, progress: &dyn Progress) -> Result<Analysis, Error> {
-        let scene = self.with(inputs)?;
+    fn analyse(
+        &self,
+        (inputs, forces): &(Vec<f64>, Forces),
+        rates: Rates,
+        progress: &dyn Progress,
+    ) -> Result<Analysis, Error> {
+        let mut scene = self.with(inputs)?;
         let forces = Some(forces.as_slice());
         if self.reduces_again() {
             // A stored model would never be asked for again.
@@ -292,15 +419,28 @@ impl<'a> Study<'a> {
                 build: self.options.build.clone(),
             };
             let structure = Structure::try_new(&scene, progress)?;
-            let prepared = Prepared::try_new(&scene, &structure, &options, progress)?;
-            let interface = prepared.interface();
-            return prepared.analyse(&scene, &interface.interface, interface.closure, forces, progress);
+            let mut prepared = Prepared::try_new(&scene, &structure, &options, progress)?;
+            if rates == Rates::WhereTheyCostLittle {
+                prepared.differentiate_also(&self.parameters, progress)?;
+            }
+            return prepared.analyse_itself(forces, progress);
         }
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
         let load = bolt_load(&scene, self.prepared.model());
         let interface = self.prepared.interface().varied(&scene, mesh, parts, load)?;
-        self.prepared
-            .analyse(&scene, &interface.interface, interface.closure, forces, progress)
+        let neighbours = match rates {
+            Rates::None => Vec::new(),
+            Rates::WhereTheyCostLittle => {
+                Neighbours::without_reduction(&scene, self.parameters.iter(), &interface, progress)?
+            }
+        };
+        scene.sensitivities = neighbours.iter().map(|one| one.parameter().clone()).collect();
+        let of = InterfaceToAnalyse {
+            interface: &interface.interface,
+            closure: interface.closure,
+            derivatives: Some((&neighbours, &interface)),
+        };
+        self.prepared.analyse(&scene, of, forces, progress)
     }
 
     /// The backbone of the scene itself.
@@ -359,6 +499,7 @@ impl<'a> Study<'a> {
         &self,
         name: &str,
         inputs: &[(Vec<f64>, Forces)],
+        rates: Rates,
         nominal: &Analysis,
         progress: &dyn Progress,
     ) -> Result<(Vec<Variant>, Checkpoints), Error> {
@@ -371,7 +512,7 @@ impl<'a> Study<'a> {
                     key.numbers(values.iter().copied());
                     key.numbers(forces.iter().flatten().copied());
                 });
-                key.integers([LAYOUT]);
+                key.integers([LAYOUT, rates as u64]);
                 // Whatever else the variants depend on has left its mark in the backbone of the scene.
                 key.numbers(nominal.prestress.solution.displacement.iter().copied());
                 key.numbers(nominal.frequencies.iter().copied());
@@ -393,7 +534,7 @@ impl<'a> Study<'a> {
         };
         let found = batch.run(
             checkpoint,
-            |k, progress| self.analyse(&inputs[k].0, &inputs[k].1, progress),
+            |k, progress| self.analyse(&inputs[k], rates, progress),
             |k, found| self.variant(inputs[k].0.clone(), found),
         )?;
         progress.end(Stage::Ensemble);
@@ -418,16 +559,7 @@ impl Solved {
     ) -> Result<Self, Error> {
         let (structure, mut prepared) = prepare_on(scene, options, progress)?;
         prepared.differentiate_also(parameters, progress)?;
-        let analysis = {
-            let interface = prepared.interface();
-            prepared.analyse(
-                prepared.scene(),
-                &interface.interface,
-                interface.closure,
-                None,
-                progress,
-            )?
-        };
+        let analysis = prepared.analyse_itself(None, progress)?;
         Ok(Self {
             structure,
             prepared,
@@ -443,11 +575,17 @@ mod tests {
     fn curve(zeta: impl Fn(f64) -> Option<f64>) -> Curve {
         let point = |k: i32| {
             let modal_amplitude = 10_f64.powf(f64::from(k) / 3.0);
+            let (frequency_hz, damping_ratio) = (100.0 * modal_amplitude.powf(-0.1), zeta(modal_amplitude));
             VariantPoint {
                 modal_amplitude,
-                response_displacement: 2.0 * modal_amplitude,
-                frequency_hz: 100.0 * modal_amplitude.powf(-0.1),
-                damping_ratio: zeta(modal_amplitude),
+                response_displacement: 3.0 * modal_amplitude,
+                frequency_hz,
+                damping_ratio,
+                seen: Seen {
+                    response_motion: 2.0 * modal_amplitude,
+                    frequency_hz,
+                    damping_ratio,
+                },
             }
         };
         Curve {
@@ -455,6 +593,7 @@ mod tests {
             linear_frequency_hz: 100.0,
             background: 0.0,
             points: (0..10).map(point).collect(),
+            sensitivities: Vec::new(),
         }
     }
 
@@ -462,19 +601,19 @@ mod tests {
     fn powers_are_interpolated_exactly_and_nothing_is_beyond_the_ends() {
         let found = curve(|q| Some(1e-4 * q.powf(0.7)));
         for q in [1.0, 1.7, 33.0, 999.0] {
-            let [f, zeta] = found.at(Abscissa::Modal, q).unwrap();
+            let [f, zeta] = found.at(Reading::Modal, q).unwrap();
             assert!((f / (100.0 * q.powf(-0.1)) - 1.0).abs() < 1e-12);
             assert!((zeta / (1e-4 * q.powf(0.7)) - 1.0).abs() < 1e-12);
-            let [other, damping] = found.at(Abscissa::Response, 2.0 * q).unwrap();
+            let [other, damping] = found.at(Reading::Measured, 2.0 * q).unwrap();
             assert!((other / f - 1.0).abs() < 1e-12 && (damping / zeta - 1.0).abs() < 1e-12);
         }
-        assert!(found.at(Abscissa::Modal, 0.99).is_none() && found.at(Abscissa::Modal, 1001.0).is_none());
+        assert!(found.at(Reading::Modal, 0.99).is_none() && found.at(Reading::Modal, 1001.0).is_none());
     }
 
     #[test]
     fn damping_rises_from_its_floor() {
         let found = curve(|q| (q > 9.0).then(|| 1e-4 * q.powf(0.7)));
-        let at = |q: f64| found.at(Abscissa::Modal, q).unwrap()[1];
+        let at = |q: f64| found.at(Reading::Modal, q).unwrap()[1];
         assert!((at(9.5) / (1e-4 * 9.5_f64.powf(0.7)) - 1.0).abs() < 1e-12);
         // The amplitude below is 10^(2/3).
         assert!((at(10_f64.powf(5.0 / 6.0)) / (0.5e-4 * 10_f64.powf(0.7)) - 1.0).abs() < 1e-12);
