@@ -1,5 +1,6 @@
 //! Numbers of scenes recovered from backbones that were made with others.
 #![expect(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::print_stdout, reason = "what was measured, for those who look")]
 
 mod common;
 
@@ -7,9 +8,12 @@ use common::points::{folder, read, scene, set, write};
 use faer::Mat;
 use joint_pipeline::analysis::calibration::{Calibration, Measured, Noise, calibrate};
 use joint_pipeline::analysis::comparison::{Backbone, Point};
+use joint_pipeline::analysis::transient::{self, Excitation, ring_down};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{Force, Length, Marginal, Parameter, Shape};
 use joint_pipeline::{Error, Options, Scene, run};
+use modal_identification::backbone::identify;
+use modal_identification::synthetic::add_noise;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde_json::{Value, json};
@@ -164,4 +168,94 @@ fn what_cannot_be_calibrated_is_refused() {
         ..data[0].clone()
     }];
     assert!(refused(&[MU], &other).contains("cqsma.modes_of_interest"));
+}
+
+/// Masses in a row, held by springs and by equal contacts, of which those farther out slip first.
+fn row(path: &std::path::Path, mu: f64, stiffness: f64) -> Scene {
+    let n = 5;
+    let springs = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        0 if i + 1 == n => 9e4,
+        0 => 1.6e5,
+        1 => -7e4,
+        _ => 0.0,
+    });
+    let masses = Mat::from_fn(n, n, |i, j| if i == j { 0.4 } else { 0.0 });
+    let nodes: Vec<u64> = (1..=n as u64).collect();
+    let dofs: Vec<(i64, u32)> = nodes.iter().map(|node| (*node as i64, 1)).collect();
+    write(path, &springs, &masses, &dofs);
+    let mut given = scene(
+        path,
+        &nodes,
+        &[set([stiffness, stiffness, 2e6], mu, 5.0)],
+        &json!([[5, 1, 1.0]]),
+    );
+    given["surface"]["parameters"]["per"] = json!("interface");
+    given["background_damping"] = json!(3e-3);
+    given["cqsma"] = json!({
+        "modes": 1, "amplitudes": 8, "vertices_per_quarter": 16, "amplitude_from": 2e-5, "amplitude_to": 2e-3,
+    });
+    read(&given).unwrap()
+}
+
+/// What a hammer test would give: a ring-down in time with noise, identified.
+fn ring(truth: &Scene, random: &mut Pcg64) -> Vec<Measured> {
+    let run = run(truth, &Options::default(), &Silent).unwrap();
+    let settings = transient::Settings {
+        excitation: Excitation::Release(2e-3),
+        periods: 150,
+        steps_per_period: 60,
+        other_damping: 0.05,
+        ..transient::Settings::default()
+    };
+    let ring = ring_down(&run, &settings, &Silent).unwrap();
+    let mut signal = ring.signal();
+    let largest = signal.samples.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+    add_noise(&mut signal.samples, 3e-3 * largest, random.random());
+    let found = identify(&signal, &ring.identification()).unwrap();
+    let points = found.backbone.iter().map(|point| Point {
+        amplitude: point.amplitude,
+        // The error of the time steps, which is known.
+        frequency_hz: point.frequency_hz / ring.transient.algorithmic.frequency_ratio,
+        damping_ratio: Some(point.damping_ratio),
+    });
+    let backbone = Backbone::try_new("ring-down", points.collect()).unwrap();
+    measured(backbone.differentiated("ring-down", -2).unwrap())
+}
+
+/// Neither the method nor its assumptions are those of the truth: it moves in time, with inertia and decay, and is identified from noise.
+#[test]
+fn ninety_of_a_hundred_ring_downs_give_their_parameters_back() {
+    let path = folder("row").join("row.npz");
+    let mut random = Pcg64::seed_from_u64(2);
+    let names = [
+        "surface.parameters.sets.0.mu",
+        "surface.parameters.sets.0.curves.elastic.tangential_stiffness.0",
+    ];
+    let guess = row(&path, 0.2, 4e3);
+    let (mut found, mut covered) = (0, [0, 0]);
+    for _ in 0..100 {
+        let truth = [
+            0.12 + 0.2 * random.random::<f64>(),
+            2.5e3 + 3e3 * random.random::<f64>(),
+        ];
+        let data = ring(&row(&path, truth[0], truth[1]), &mut random);
+        let calibration = go(&guess, &free(&names), &data).unwrap();
+        let parameters = calibration.parameters.iter().zip(truth);
+        let inside = parameters.clone().map(|(estimate, truth)| {
+            let [low, high] = estimate.interval_95;
+            (low..=high).contains(&truth)
+        });
+        let inside: Vec<bool> = inside.collect();
+        let mut close = parameters.map(|(estimate, truth)| (estimate.estimate / truth - 1.0).abs() < 0.05);
+        found += usize::from(close.all(|close| close));
+        covered
+            .iter_mut()
+            .zip(inside)
+            .for_each(|(sum, inside)| *sum += usize::from(inside));
+    }
+    println!("of 100: within 5 %: {found}; inside their intervals of 95 %: {covered:?}");
+    assert!(
+        found >= 90 && covered.iter().all(|covered| *covered >= 90),
+        "{found} {covered:?}"
+    );
 }

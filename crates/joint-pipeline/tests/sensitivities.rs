@@ -13,6 +13,8 @@ use joint_pipeline::{Options, Scene};
 use serde_json::{Value, json};
 
 const AMPLITUDES: usize = 10;
+/// Difference from a central difference that is enough.
+const ENOUGH: f64 = 1e-5;
 /// What is differentiated: frequency and damping, of the secant and of the first harmonic.
 const NUMBERS: usize = 4;
 /// Relative distance of the loops that are interpolated.
@@ -82,19 +84,20 @@ fn compare(scene: &Scene, amplitudes: &[usize]) -> Vec<(Parameter, [f64; NUMBERS
     bare.sensitivities.clear();
     let of_one = |one: &Sensitivity| {
         let is_structural = one.parameter.influence() == Influence::Structure;
-        let step = match one.per {
-            Per::Logarithm if is_structural => 1e-3,
-            Per::Logarithm => 2e-5,
-            Per::Value => 1e-7,
+        // A point that begins to slip between the two values makes a difference wrong by a kink, and round-off one of close values: the best
+        // of these steps is taken.
+        let steps = match one.per {
+            Per::Logarithm if is_structural => [1e-3, 3e-4, 1e-4],
+            Per::Logarithm => [6e-5, 2e-5, 6e-6],
+            Per::Value => [3e-7, 1e-7, 3e-8],
         };
-        let varied = |side: f64| {
+        let varied = |step: f64, side: f64| {
             let value = match one.per {
                 Per::Logarithm => one.value * (side * step).exp(),
                 Per::Value => side * step,
             };
             one.parameter.with(&bare, value).unwrap()
         };
-        let scenes = [varied(1.0), varied(-1.0)];
         let known = (!is_structural).then_some(&model);
         let largest = |of: &[Option<f64>]| of.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
         let all = [
@@ -109,17 +112,30 @@ fn compare(scene: &Scene, amplitudes: &[usize]) -> Vec<(Parameter, [f64; NUMBERS
             let result = found.amplitudes()[number].point.result.as_ref().unwrap();
             let ln_q = result.modal_amplitude.ln();
             let displacement = displacements(scene)[number];
-            let [above, below] = scenes.each_ref().map(|scene| beside(scene, known, displacement, ln_q));
             let own = all.map(|values| values[number]);
-            for which in 0..NUMBERS {
-                let central = (above[which] - below[which]) / (2.0 * step);
-                let Some(own) = own[which] else { continue };
-                let error = (own - central).abs() / scale[which];
-                println!(
-                    "{:32} {number:2} {which} {own:+.9e} {central:+.9e} {error:.1e}",
-                    one.parameter.path()
-                );
-                worst[which] = worst[which].max(error);
+            let mut best = [f64::INFINITY; NUMBERS];
+            for step in steps {
+                let sides = [1.0, -1.0].map(|side| varied(step, side));
+                let [above, below] = sides.each_ref().map(|scene| beside(scene, known, displacement, ln_q));
+                for which in 0..NUMBERS {
+                    let central = (above[which] - below[which]) / (2.0 * step);
+                    let Some(own) = own[which] else {
+                        best[which] = 0.0;
+                        continue;
+                    };
+                    let error = (own - central).abs() / scale[which];
+                    println!(
+                        "{:32} {number:2} {which} {step:.0e} {own:+.9e} {central:+.9e} {error:.1e}",
+                        one.parameter.path()
+                    );
+                    best[which] = best[which].min(error);
+                }
+                if best.iter().all(|error| *error < ENOUGH) {
+                    break;
+                }
+            }
+            for (worst, best) in worst.iter_mut().zip(best) {
+                *worst = worst.max(best);
             }
         }
         (one.parameter.clone(), worst)
@@ -148,7 +164,7 @@ fn derivatives_of_the_beam_are_those_of_whole_runs() {
     ];
     let scene = scene(&json!({ "sensitivities": parameters }));
     for (parameter, errors) in compare(&scene, &[0, 5, 9]) {
-        assert!(errors.iter().all(|error| *error < 1e-5), "{parameter}: {errors:?}");
+        assert!(errors.iter().all(|error| *error < ENOUGH), "{parameter}: {errors:?}");
     }
 }
 
@@ -161,7 +177,7 @@ fn derivatives_by_the_material_are_those_of_whole_runs() {
     ];
     let scene = scene(&json!({ "sensitivities": parameters }));
     for (parameter, errors) in compare(&scene, &[1, 6]) {
-        assert!(errors.iter().all(|error| *error < 1e-5), "{parameter}: {errors:?}");
+        assert!(errors.iter().all(|error| *error < ENOUGH), "{parameter}: {errors:?}");
     }
 }
 
@@ -201,7 +217,7 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
         let is_structural = one.parameter.influence() == Influence::Structure;
         // A point that begins to slip between two samples on the way from one value to the other makes a difference wrong by a kink. That
         // happens by chance, and not with all steps.
-        let steps: &[f64] = if is_structural { &[1e-3] } else { &[1e-4, 2e-5, 4e-6] };
+        let steps = if is_structural { [1e-3, 3e-4, 1e-4] } else { [1e-4, 2e-5, 4e-6] };
         let differences: Vec<Vec<[f64; 2]>> = steps
             .iter()
             .map(|step| {
@@ -256,9 +272,15 @@ fn derivatives_by_all_parameters_are_those_of_whole_runs() {
     ];
     let all: Vec<usize> = (0..AMPLITUDES).collect();
     let scene = scene(&json!({ "sensitivities": parameters }));
-    for (parameter, errors) in compare(&scene, &all) {
-        assert!(errors.iter().all(|error| *error < 1e-5), "{parameter}: {errors:?}");
-    }
+    let found = compare(&scene, &all);
+    found
+        .iter()
+        .for_each(|(parameter, errors)| println!("{parameter}: {errors:?}"));
+    assert!(
+        found
+            .iter()
+            .all(|(_, errors)| errors.iter().all(|error| *error < ENOUGH))
+    );
     let without_tilt: Vec<&str> = parameters.into_iter().filter(|path| !path.contains("tilt")).collect();
     compare_free_motions(&without_tilt, AMPLITUDES);
 }

@@ -129,6 +129,9 @@ pub struct Calibration {
     pub reduced_chi_squared: f64,
     /// Measured numbers.
     pub observations: usize,
+    /// How many independent ones they count for in the covariance: neighbouring points of an identified backbone share most of their record,
+    /// and a model errs alike at neighbouring amplitudes. From the correlation of the residuals along each backbone.
+    pub effective_observations: f64,
     /// Evaluations of the model, each with its derivatives.
     pub evaluations: usize,
     /// Whether the least-squares method says that it has converged.
@@ -517,7 +520,7 @@ pub fn calibrate(
         prepared,
         analysis,
     } = Solved::new(scene, &[], options, progress)?;
-    let study = Study::new(scene, names, &structure, &prepared, options);
+    let study = Study::try_new(scene, names, &structure, &prepared, options)?;
     let nominal: Vec<f64> = study
         .parameters()
         .iter()
@@ -608,7 +611,45 @@ fn forces(nominal: &Variant, measured: &[Measured], modes: &[usize]) -> Result<F
     Ok(all)
 }
 
+/// Points of a series that say as much as an independent one: one and twice the sum of the correlations of points of growing distance, as far
+/// as the sum of two of them is positive (Geyer 1992, doi:10.1214/ss/1177011137).
+fn integrated_correlation(residuals: &[f64]) -> f64 {
+    let n = residuals.len();
+    let at = |lag: usize| -> f64 {
+        residuals
+            .iter()
+            .zip(residuals.iter().skip(lag))
+            .map(|(a, b)| a * b)
+            .sum()
+    };
+    let variance = at(0);
+    if variance == 0.0 {
+        return 1.0;
+    }
+    let pairs = (1..n).step_by(2).map(|lag| (at(lag) + at(lag + 1)) / variance);
+    (1.0 + 2.0 * pairs.take_while(|pair| *pair > 0.0).sum::<f64>()).clamp(1.0, n as f64)
+}
+
 impl Problem<'_> {
+    /// Numbers of the residuals of each backbone along its amplitudes: of its frequencies, and of its damping ratios.
+    fn series(&self) -> Vec<Vec<usize>> {
+        let mut all = Vec::new();
+        let mut next = 0;
+        for measured in self.measured {
+            let (mut frequencies, mut dampings) = (Vec::new(), Vec::new());
+            for point in measured.backbone.points() {
+                frequencies.push(next);
+                next += 1;
+                if point.damping_ratio.is_some() {
+                    dampings.push(next);
+                    next += 1;
+                }
+            }
+            all.extend([frequencies, dampings]);
+        }
+        all
+    }
+
     fn result(
         self,
         Evaluation {
@@ -625,6 +666,16 @@ impl Problem<'_> {
         let with_prior = self.free.iter().filter(|free| free.prior.is_some()).count();
         let freedom = (data + with_prior).saturating_sub(k).max(1);
         let reduced_chi_squared = residuals.norm_squared() / freedom as f64;
+        // Rows of frequencies, and of damping ratios, along each backbone.
+        let mut jacobian = jacobian.clone();
+        let mut effective_observations = 0.0;
+        for rows in self.series() {
+            let along: Vec<f64> = rows.iter().map(|row| residuals[*row]).collect();
+            let alike = integrated_correlation(&along);
+            effective_observations += rows.len() as f64 / alike;
+            rows.iter()
+                .for_each(|row| jacobian.row_mut(*row).scale_mut(alike.sqrt().recip()));
+        }
         let svd = jacobian.clone().svd(false, true);
         let directions = svd.v_t.ok_or_else(|| Error::Calibration {
             reason: "the Jacobian has no singular values".into(),
@@ -720,6 +771,7 @@ impl Problem<'_> {
             noise: self.noise,
             reduced_chi_squared,
             observations: data,
+            effective_observations,
             evaluations: self.known.len(),
             converged: false,
             ended: String::new(),
@@ -727,5 +779,27 @@ impl Problem<'_> {
             scene,
             checkpoints: self.checkpoints,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    #[test]
+    fn what_is_smoothed_counts_for_as_many_points_as_are_independent() {
+        let mut random = Pcg64::seed_from_u64(5);
+        let mut normal = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
+        let white: Vec<f64> = (0..20_000).map(|_| normal()).collect();
+        assert!((integrated_correlation(&white) - 1.0).abs() < 0.1);
+        // The spectrum of a moving average of m points at zero is m times its variance.
+        let smooth: Vec<f64> = white.windows(15).map(|window| window.iter().sum()).collect();
+        let found = integrated_correlation(&smooth);
+        assert!((found / 15.0 - 1.0).abs() < 0.15, "{found}");
+        assert_eq!(integrated_correlation(&[1.0; 40]), 40.0);
+        assert_eq!(integrated_correlation(&[0.0; 3]), 1.0);
+        assert_eq!(integrated_correlation(&[1.0, -1.0, 1.0]), 1.0);
     }
 }

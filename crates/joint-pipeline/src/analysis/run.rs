@@ -286,6 +286,7 @@ impl Prepared {
     ) -> Result<Analysis, Error> {
         let interface = &self.interface;
         let of = InterfaceToAnalyse {
+            model: &self.model,
             interface: &interface.interface,
             closure: interface.closure,
             derivatives: Some((&self.neighbours, interface)),
@@ -381,6 +382,7 @@ impl Prepared {
         let analyse = |k, progress: &dyn Progress| {
             let (interface, closure) = self.interface.realisation(k, load)?;
             let of = InterfaceToAnalyse {
+                model: &self.model,
                 interface: &interface,
                 closure,
                 derivatives: None,
@@ -492,11 +494,12 @@ impl Prepared {
     fn static_state(
         &self,
         scene: &Scene,
+        model: &StructuralModel,
         interface: &Interface,
         closure: f64,
         progress: &dyn Progress,
     ) -> Result<PrestressResult, Error> {
-        let reduced = &self.model.reduced;
+        let reduced = &model.reduced;
         progress.begin(Stage::Prestress);
         let start = uniform(reduced, closure);
         let assembled = assembled(scene, interface);
@@ -505,7 +508,7 @@ impl Prepared {
             None => {
                 let load = load_of(reduced, &tensions);
                 let solution = prestress::solve(reduced, &assembled, &load, &start, &newton)?;
-                let bolts = bolt_load(scene, &self.model);
+                let bolts = bolt_load(scene, model);
                 prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?
             }
             Some(plan) => {
@@ -528,10 +531,10 @@ impl Prepared {
     }
 
     /// The reduced structure with locked bolts, if they are so in vibration.
-    fn locked(&self) -> Result<Option<ReducedModel>, Error> {
+    fn locked(&self, model: &StructuralModel) -> Result<Option<ReducedModel>, Error> {
         Ok(match self.scene.bolts.behaviour {
             BoltBehaviour::DeadLoad => None,
-            BoltBehaviour::Locked => Some(self.model.reduced.locked()?),
+            BoltBehaviour::Locked => Some(model.reduced.locked()?),
         })
     }
 
@@ -541,8 +544,8 @@ impl Prepared {
     /// [`Error::Prestress`] and defects of the linear structure.
     pub fn stuck_tangent(&self, progress: &dyn Progress) -> Result<CsMat<f64>, Error> {
         let (scene, interface) = (&self.scene, &self.interface);
-        let prestress = self.static_state(scene, &interface.interface, interface.closure, progress)?;
-        let locked = self.locked()?;
+        let prestress = self.static_state(scene, &self.model, &interface.interface, interface.closure, progress)?;
+        let locked = self.locked(&self.model)?;
         let vibrating = locked.as_ref().unwrap_or(&self.model.reduced);
         let force = InterfaceForce::new(&interface.interface);
         let line = linearise(scene, vibrating, &force, &prestress.solution)?;
@@ -557,6 +560,7 @@ impl Prepared {
         &self,
         scene: &Scene,
         InterfaceToAnalyse {
+            model,
             interface,
             closure,
             derivatives,
@@ -564,14 +568,14 @@ impl Prepared {
         forces: Option<&[Vec<f64>]>,
         progress: &dyn Progress,
     ) -> Result<Analysis, Error> {
-        let reduced = &self.model.reduced;
+        let reduced = &model.reduced;
         let force = InterfaceForce::new(interface);
         let newton = newton_settings(scene);
-        let prestress = self.static_state(scene, interface, closure, progress)?;
+        let prestress = self.static_state(scene, model, interface, closure, progress)?;
         let static_load = load_of(reduced, &prestress.tensions);
 
         progress.begin(Stage::Modes);
-        let locked = self.locked()?;
+        let locked = self.locked(model)?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
         let line = linearise(scene, vibrating, &force, &prestress.solution)?;
         let sensitivities = match derivatives {
@@ -613,7 +617,7 @@ impl Prepared {
                 line: &line,
                 response: &response,
                 static_load: &static_load,
-                mass: self.model.facts.mass,
+                mass: model.facts.mass,
                 mode: mode - 1,
                 newton,
                 recorded: &recorded,
@@ -670,6 +674,8 @@ impl Prepared {
 
 /// An interface to analyse.
 pub(super) struct InterfaceToAnalyse<'a> {
+    /// The structure that it is in, over the coordinates of the prepared one.
+    pub(super) model: &'a StructuralModel,
     pub(super) interface: &'a Interface,
     /// Closure that carries the bolt load (m).
     pub(super) closure: f64,

@@ -197,9 +197,12 @@ pub fn run_samples(
         prepared,
         mut analysis,
     } = Solved::new(scene, &parameters, options, progress)?;
-    let study = Study::new(scene, parameters, &structure, &prepared, options);
-    if study.reduces_again() {
-        progress.note("an uncertain input changes the structure: it is built and reduced anew for every sample");
+    let study = Study::try_new(scene, parameters, &structure, &prepared, options)?;
+    if study.changes_the_structure() {
+        progress.note(
+            "an uncertain input changes the structure: it is built anew for every sample, and reduced anew unless its matrices are multiples \
+             of those of the scene",
+        );
     }
     let values = study
         .parameters()

@@ -10,8 +10,9 @@ use crate::progress::{Progress, Stage};
 use crate::scene::{Influence, Parameter, Scene};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
-use crate::structure::Structure;
+use crate::structure::{Assembled, Structure};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// How far beyond the forces of a scene those of its variants reach at either end, so that all of them reach the amplitudes of the scene.
@@ -209,7 +210,7 @@ impl Curve {
     }
 
     /// Frequency (Hz) and damping ratio at an amplitude, by monotone cubics through the logarithms; none beyond the amplitudes of the
-    /// curve. Damping below its floor is minus infinity, below every other. Between an amplitude where it is so and one where it is not,
+    /// curve. Damping below its floor is that of the background, and minus infinity, below every other, where there is none. Between an amplitude where it is so and one where it is not,
     /// damping rises in proportion to the logarithm of the amplitude.
     pub fn at(&self, reading: Reading, amplitude: f64) -> Option<[f64; 2]> {
         let read: Vec<Read> = self.points.iter().map(|point| point.read(reading)).collect();
@@ -221,7 +222,11 @@ impl Curve {
         let frequencies: Vec<f64> = read.iter().map(|point| point.frequency_hz.ln()).collect();
         let frequency = monotone_cubic(&x, &frequencies, at).exp();
         let dampings: Vec<Option<f64>> = read.iter().map(|point| point.damping_ratio).collect();
-        let damping = self.damping(&x, &dampings, at).unwrap_or(f64::NEG_INFINITY);
+        let floor = match self.background > 0.0 {
+            true => self.background,
+            false => f64::NEG_INFINITY,
+        };
+        let damping = self.damping(&x, &dampings, at).unwrap_or(floor);
         Some([frequency, damping])
     }
 
@@ -355,24 +360,34 @@ pub(super) struct Study<'a> {
     scene: Scene,
     options: Options,
     parameters: Vec<Parameter>,
+    /// Its structure, which those of variants may be multiples of, where a parameter changes it.
+    assembled: Option<Assembled<'a>>,
 }
 
 impl<'a> Study<'a> {
-    pub(super) fn new(
+    /// # Errors
+    /// Of the assembly, where a parameter changes the structure.
+    pub(super) fn try_new(
         scene: &Scene,
         parameters: Vec<Parameter>,
         structure: &'a Structure,
         prepared: &'a Prepared,
         options: &Options,
-    ) -> Self {
-        Self {
+    ) -> Result<Self, Error> {
+        let is_structural = |parameter: &Parameter| parameter.influence() == Influence::Structure;
+        let assembled = match parameters.iter().any(is_structural) {
+            true => Some(structure.assemble()?),
+            false => None,
+        };
+        Ok(Self {
             prepared,
             structure,
             given: scene.clone(),
             scene: ensemble::loops_alone(scene, true),
             options: options.clone(),
             parameters,
-        }
+            assembled,
+        })
     }
 
     pub(super) fn parameters(&self) -> &[Parameter] {
@@ -397,11 +412,9 @@ impl<'a> Study<'a> {
         })
     }
 
-    /// Whether the structure is built and reduced for every variant.
-    pub(super) fn reduces_again(&self) -> bool {
-        self.parameters
-            .iter()
-            .any(|parameter| parameter.influence() == Influence::Structure)
+    /// Whether variants have structures of their own.
+    pub(super) fn changes_the_structure(&self) -> bool {
+        self.assembled.is_some()
     }
 
     fn analyse(
@@ -412,21 +425,18 @@ impl<'a> Study<'a> {
     ) -> Result<Analysis, Error> {
         let mut scene = self.with(inputs)?;
         let forces = Some(forces.as_slice());
-        if self.reduces_again() {
-            // A stored model would never be asked for again.
-            let options = Options {
-                cache: None,
-                build: self.options.build.clone(),
-            };
-            let structure = Structure::try_new(&scene, progress)?;
-            let mut prepared = Prepared::try_new(&scene, &structure, &options, progress)?;
-            if rates == Rates::WhereTheyCostLittle {
-                prepared.differentiate_also(&self.parameters, progress)?;
+        let model = match &self.assembled {
+            None => Cow::Borrowed(self.prepared.model()),
+            Some(known) => {
+                let structure = Structure::try_new(&scene, progress)?;
+                match structure.multiple_of(known, self.prepared.model())? {
+                    Some(model) => Cow::Owned(model),
+                    None => return self.analyse_anew(&scene, &structure, forces, rates, progress),
+                }
             }
-            return prepared.analyse_itself(forces, progress);
-        }
+        };
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
-        let load = bolt_load(&scene, self.prepared.model());
+        let load = bolt_load(&scene, &model);
         let interface = self.prepared.interface().varied(&scene, mesh, parts, load)?;
         let neighbours = match rates {
             Rates::None => Vec::new(),
@@ -436,11 +446,33 @@ impl<'a> Study<'a> {
         };
         scene.sensitivities = neighbours.iter().map(|one| one.parameter().clone()).collect();
         let of = InterfaceToAnalyse {
+            model: &model,
             interface: &interface.interface,
             closure: interface.closure,
             derivatives: Some((&neighbours, &interface)),
         };
         self.prepared.analyse(&scene, of, forces, progress)
+    }
+
+    /// A variant on a structure that is reduced for it.
+    fn analyse_anew(
+        &self,
+        scene: &Scene,
+        structure: &Structure,
+        forces: Option<&[Vec<f64>]>,
+        rates: Rates,
+        progress: &dyn Progress,
+    ) -> Result<Analysis, Error> {
+        // A stored model would never be asked for again.
+        let options = Options {
+            cache: None,
+            build: self.options.build.clone(),
+        };
+        let mut prepared = Prepared::try_new(scene, structure, &options, progress)?;
+        if rates == Rates::WhereTheyCostLittle {
+            prepared.differentiate_also(&self.parameters, progress)?;
+        }
+        prepared.analyse_itself(forces, progress)
     }
 
     /// The backbone of the scene itself.

@@ -79,6 +79,30 @@ impl Structure {
         Ok(model)
     }
 
+    /// The reduced model of a structure whose matrices are multiples of those of `known`, which `model` is the reduced model of: the basis is
+    /// the same, and nothing is reduced. None of any other structure. What is known of the full model beside its mass is not carried over.
+    ///
+    /// # Errors
+    /// Of the assembly.
+    pub(crate) fn multiple_of(
+        &self,
+        known: &Assembled<'_>,
+        model: &StructuralModel,
+    ) -> Result<Option<StructuralModel>, Error> {
+        let assembled = self.assemble()?;
+        let found = assembled.multiple_of(known, &model.reduced);
+        Ok(found.map(|reduced| StructuralModel {
+            reduced,
+            facts: Facts {
+                mass: assembled.mass,
+                unstressed_frequencies_hz: Vec::new(),
+                penalty_frequencies_hz: Vec::new(),
+                penalty_error: f64::NAN,
+                ..model.facts
+            },
+        }))
+    }
+
     /// The reduced model of a structure that differs little from that of `model`, over the same coordinates: modes in the same order, with the same
     /// signs. `known` is the system of that one; if the matrices are multiples of its own, nothing is reduced, as the basis is the same.
     ///
@@ -91,15 +115,8 @@ impl Structure {
         progress: &dyn Progress,
     ) -> Result<ReducedModel, Error> {
         let assembled = self.assemble()?;
-        let (own, known) = (&assembled.relative, &known.relative);
-        let multiples = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass));
-        if let Some((stiffness, mass)) = multiples.filter(|_| own.loads == known.loads) {
-            let scaled = |a: &Mat<f64>, factor: f64| Mat::from_fn(a.nrows(), a.ncols(), |i, j| factor * a[(i, j)]);
-            return Ok(ReducedModel {
-                stiffness: scaled(&model.stiffness, stiffness),
-                mass: scaled(&model.mass, mass),
-                ..model.clone()
-            });
+        if let Some(scaled) = assembled.multiple_of(known, model) {
+            return Ok(scaled);
         }
         progress.note("the structure is reduced again, for a derivative");
         let settings = Settings {
@@ -357,6 +374,18 @@ pub(crate) struct Assembled<'a> {
 }
 
 impl<'a> Assembled<'a> {
+    /// The reduced model where the matrices are multiples of those of `known`, whose reduced model is `model`.
+    fn multiple_of(&self, known: &Assembled<'_>, model: &ReducedModel) -> Option<ReducedModel> {
+        let (own, known) = (&self.relative, &known.relative);
+        let (stiffness, mass) = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass))?;
+        let scaled = |a: &Mat<f64>, factor: f64| Mat::from_fn(a.nrows(), a.ncols(), |i, j| factor * a[(i, j)]);
+        (own.loads == known.loads).then(|| ReducedModel {
+            stiffness: scaled(&model.stiffness, stiffness),
+            mass: scaled(&model.mass, mass),
+            ..model.clone()
+        })
+    }
+
     fn imported(bodies: &'a ImportedBodies) -> Self {
         Self {
             relative: Cow::Borrowed(&bodies.relative),

@@ -270,9 +270,10 @@ fn printed(found: &Calibration) -> String {
     }
     let _ = writeln!(
         out,
-        "{} measured numbers, taken as known within {} of frequencies and {} of damping ratios (one standard deviation); reduced chi-squared \
+        "{} measured numbers that count for {:.0} independent ones, taken as known within {} of frequencies and {} of damping ratios (one standard deviation); reduced chi-squared \
          {:.2}{}",
         found.observations,
+        found.effective_observations,
         found.noise.frequency_ln,
         found.noise.damping_ln,
         found.reduced_chi_squared,
