@@ -5,7 +5,7 @@
 mod common;
 
 use common::BENCHMARKS;
-use joint_pipeline::analysis::{Per, Prepared, Sensitivity};
+use joint_pipeline::analysis::{FoundBy, Per, Prepared, Sensitivity};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::scene::{Influence, Length, Parameter};
 use joint_pipeline::structure::{StructuralModel, Structure};
@@ -181,6 +181,56 @@ fn derivatives_by_the_material_are_those_of_whole_runs() {
     }
 }
 
+/// What the law is not differentiated with respect to is left to differences, beside what it is.
+#[test]
+fn what_loops_do_not_carry_is_differences_of_runs() {
+    let yielding = |more: &Value| {
+        let mut given = json!({
+            "gap": "flat",
+            "law": { "friction": "resolved", "yield": { "strength": "331.7 MPa", "tangent_modulus": "620 MPa" } },
+            "cqsma": { "amplitudes": 3, "vertices_per_quarter": 3, "amplitude_from": "50 um", "amplitude_to": "0.4 mm" },
+        });
+        let fields = given.as_object_mut().unwrap();
+        fields.extend(more.as_object().unwrap().clone());
+        scene(&given)
+    };
+    let path = "law.yield.strength";
+    let asked = yielding(&json!({ "sensitivities": ["mu", path] }));
+    let prepared = |scene: &Scene| {
+        let structure = Structure::try_new(scene, &Silent).unwrap();
+        let prepared = Prepared::try_new(scene, &structure, &Options::default(), &Silent).unwrap();
+        prepared.solve(&Silent).unwrap()
+    };
+    let found = prepared(&asked);
+    let [mu, strength] = found.first().sensitivities.as_slice() else {
+        panic!("{:?}", found.first().sensitivities)
+    };
+    assert_eq!(
+        (mu.by, strength.by),
+        (FoundBy::ImplicitDifferentiation, FoundBy::CentralDifferences)
+    );
+    assert_eq!(strength.parameter.path(), path);
+    // By hand, over another step.
+    let step = 2e-3;
+    let (bare, last) = (yielding(&json!({})), 2);
+    let ln_q = strength.modal_amplitude[last].unwrap().ln();
+    let [above, below] = [1.0, -1.0].map(|side: f64| {
+        let varied = strength
+            .parameter
+            .with(&bare, strength.value * (side * step).exp())
+            .unwrap();
+        beside(&varied, Some(&found.model), displacements(&bare)[last], ln_q)
+    });
+    for (which, own) in [strength.dln_frequency[last], strength.dln_damping[last]]
+        .into_iter()
+        .enumerate()
+    {
+        let by_hand = (above[which] - below[which]) / (2.0 * step);
+        let own = own.unwrap();
+        assert!((own - by_hand).abs() < 0.05 * own.abs(), "{which}: {own} {by_hand}");
+    }
+}
+
 /// Frequency and damping of free periodic motions at given amplitudes.
 fn free_motions(scene: &Scene, model: Option<&StructuralModel>) -> (Vec<Sensitivity>, Vec<[f64; 2]>) {
     let structure = Structure::try_new(scene, &Silent).unwrap();
@@ -217,7 +267,11 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
         let is_structural = one.parameter.influence() == Influence::Structure;
         // A point that begins to slip between two samples on the way from one value to the other makes a difference wrong by a kink. That
         // happens by chance, and not with all steps.
-        let steps = if is_structural { [1e-3, 3e-4, 1e-4] } else { [1e-4, 2e-5, 4e-6] };
+        let steps = if is_structural {
+            [1e-3, 3e-4, 1e-4]
+        } else {
+            [1e-4, 2e-5, 4e-6]
+        };
         let differences: Vec<Vec<[f64; 2]>> = steps
             .iter()
             .map(|step| {

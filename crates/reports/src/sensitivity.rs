@@ -3,7 +3,7 @@
 use crate::csv::{number, optional, table};
 use crate::plot::{self, Curve, Marks, Panel};
 use crate::{Error, html};
-use joint_pipeline::analysis::{Per, Sensitivity};
+use joint_pipeline::analysis::{FoundBy, Per, Sensitivity};
 use joint_pipeline::results::summary::Summary;
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use std::fmt::Write as _;
@@ -41,6 +41,7 @@ pub fn rows(all: &[Sensitivity]) -> Result<String, Error> {
         "value [SI]",
         "unit",
         "per",
+        "by",
         "number",
         "modal_amplitude [sqrt(kg) m]",
         "dln_frequency",
@@ -60,6 +61,7 @@ pub fn rows(all: &[Sensitivity]) -> Result<String, Error> {
                 number(one.value),
                 one.unit.clone(),
                 per(one).to_owned(),
+                by(one).to_owned(),
                 (at + 1).to_string(),
                 cell(&one.modal_amplitude),
                 cell(&one.dln_frequency),
@@ -78,6 +80,13 @@ fn per(of: &Sensitivity) -> &'static str {
     match of.per {
         Per::Logarithm => "logarithm",
         Per::Value => "value",
+    }
+}
+
+fn by(of: &Sensitivity) -> &'static str {
+    match of.by {
+        FoundBy::ImplicitDifferentiation => "implicit-differentiation",
+        FoundBy::CentralDifferences => "central-differences",
     }
 }
 

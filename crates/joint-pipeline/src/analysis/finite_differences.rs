@@ -1,7 +1,12 @@
 //! Derivatives of backbones by central differences: what is there of parameters that have no gradient.
 
-use super::variants::Variant;
+use super::outcome::Analysis;
+use super::sensitivities::{FoundBy, Per, Sensitivity};
+use super::variants::{Rates, Study, Variant};
+use crate::Error;
+use crate::progress::Progress;
 use crate::scene::Parameter;
+use crate::store::checkpoint::Checkpoints;
 use serde::{Deserialize, Serialize};
 
 /// Step relative to the value of a parameter. The error of central differences is its square times the third derivative; half of it is lost
@@ -99,4 +104,88 @@ pub(super) fn sensitivity(
         dln_frequency: all(0),
         dln_damping: all(1),
     }
+}
+
+/// Derivatives of the backbones of all modes with respect to the parameters of a study, mode by mode, with what lets their runs resume.
+///
+/// # Errors
+/// [`Error::Parameter`] for a parameter that is zero; an interruption.
+pub(super) fn sensitivities(
+    study: &Study<'_>,
+    analysis: &Analysis,
+    progress: &dyn Progress,
+) -> Result<(Vec<Vec<Sensitivity>>, Checkpoints), Error> {
+    let mut values = Vec::with_capacity(study.parameters().len());
+    for parameter in study.parameters() {
+        let value = parameter.value(study.scene())?;
+        if value == 0.0 {
+            return Err(Error::Parameter {
+                path: parameter.path().into(),
+                reason:
+                    "it is zero, and its derivatives are differences over a hundredth of its value; give it a value"
+                        .into(),
+            });
+        }
+        values.push(value);
+    }
+    let nominal = study.nominal(analysis, values);
+    let forces = study.forces(&nominal, &|_, _| 1.0, &AROUND);
+    let steps: Vec<f64> = nominal.inputs.iter().map(|value| step(*value, 0.0)).collect();
+    let inputs = inputs(&nominal.inputs, &steps);
+    let inputs: Vec<_> = inputs.into_iter().map(|inputs| (inputs, forces.clone())).collect();
+    let (runs, checkpoints) = study.run("runs for derivatives", &inputs, Rates::None, analysis, progress)?;
+    let mut all = Vec::with_capacity(analysis.modes.len());
+    for (mode, found) in analysis.modes.iter().enumerate() {
+        let mut of_mode = Vec::with_capacity(study.parameters().len());
+        for (place, (parameter, pair)) in study.parameters().iter().zip(runs.chunks_exact(2)).enumerate() {
+            let amplitudes: Vec<Option<f64>> = found
+                .amplitudes
+                .iter()
+                .map(|one| Some(one.point.result.as_ref().ok()?.modal_amplitude))
+                .collect();
+            let asked = std::iter::once(0.0).chain(amplitudes.iter().flatten().copied());
+            let asked: Vec<f64> = asked.collect();
+            let gradient = sensitivity(parameter, place, &nominal, [&pair[0], &pair[1]], mode, &asked);
+            // Of the contact alone.
+            let damping = |q: f64| {
+                let curve = nominal.curves.get(mode)?;
+                let total = curve
+                    .points
+                    .iter()
+                    .find(|point| point.modal_amplitude == q)?
+                    .damping_ratio?;
+                Some(gradient.at(q)[1]? * total / (total - curve.background))
+            };
+            let of = |value: &dyn Fn(f64) -> Option<f64>| amplitudes.iter().map(|q| value((*q)?)).collect();
+            let shape = |variant: &Variant| {
+                let point = variant.curves.get(mode)?.points.first()?;
+                Some((point.response_displacement / point.modal_amplitude).ln())
+            };
+            let width = (pair[0].inputs[place] / pair[1].inputs[place]).ln();
+            let missing = || Error::Derivatives {
+                of: "the scene with a parameter a hundredth larger or smaller, which has no backbone",
+            };
+            let shapes = shape(&pair[0]).zip(shape(&pair[1])).ok_or_else(missing)?;
+            of_mode.push(Sensitivity {
+                mode: found.mode,
+                method: "cqsma".into(),
+                parameter: parameter.clone(),
+                value: nominal.inputs[place],
+                unit: parameter.unit(study.scene())?.into(),
+                per: Per::Logarithm,
+                by: FoundBy::CentralDifferences,
+                dln_linear_frequency: gradient.at(0.0)[0].ok_or_else(missing)?,
+                dln_mode_shape: (shapes.0 - shapes.1) / width,
+                dln_frequency: of(&|q| gradient.at(q)[0]),
+                dln_damping: of(&damping),
+                dln_frequency_first_harmonic: vec![None; amplitudes.len()],
+                dln_damping_first_harmonic: vec![None; amplitudes.len()],
+                dln_dissipation: vec![None; amplitudes.len()],
+                dln_response: vec![None; amplitudes.len()],
+                modal_amplitude: amplitudes,
+            });
+        }
+        all.push(of_mode);
+    }
+    Ok((all, checkpoints))
 }

@@ -30,5 +30,5 @@ pub use deformed::Deformed;
 pub use element_loops::{ElementLoops, MOST_RECORDED, element_centres};
 pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};
 pub use run::{ModeBackbone, Prepared, Run, prepare, run, run_ensemble};
-pub use sensitivities::{Per, Sensitivity};
+pub use sensitivities::{FoundBy, Per, Sensitivity};
 pub use tightening::{ENERGY_TOLERANCE, TighteningEnergy, TighteningResult, TighteningStep};

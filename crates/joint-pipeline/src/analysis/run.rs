@@ -4,6 +4,7 @@ use super::backbone::{self, uniform};
 use super::deformed::Deformed;
 use super::element_loops;
 use super::ensemble::{self, Ensemble, Member};
+use super::finite_differences;
 use super::methods::MethodResult;
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis, PrestressResult};
 use super::periodic::{self, EpmcBackbone, ForcedResponse};
@@ -11,6 +12,7 @@ use super::prestress::{self, bolt_load, closing, linearise, load_of, response};
 use super::sensitivities::{Neighbours, Sensitivities, Sensitivity};
 use super::tightening::tighten;
 use super::validity::{self, Validity};
+use super::variants::Study;
 use super::warnings::{self, Findings, Warning};
 use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, PartReport, SceneInterface};
@@ -143,7 +145,9 @@ pub struct Prepared {
     /// Derivatives that the scene asks for, which are the first of them.
     shown: usize,
     loop_elements: Vec<usize>,
-    /// The structure, if its bodies are to be shown deformed.
+    /// Parameters whose derivatives are differences of whole backbones.
+    differenced: Vec<Parameter>,
+    /// The structure, if its bodies are to be shown deformed, or if there are such derivatives.
     structure: Option<Structure>,
 }
 
@@ -234,7 +238,7 @@ impl Prepared {
         let interface = SceneInterface::try_new(scene, structure.interface(), &structure.joint.parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
         progress.end(Stage::Characterise);
-        let neighbours = Neighbours::of(scene, structure, &model, progress)?;
+        let (neighbours, differenced) = Neighbours::of(scene, structure, &model, &interface, progress)?;
         Ok(Self {
             scene: scene.clone(),
             options: options.clone(),
@@ -250,10 +254,11 @@ impl Prepared {
             surface: OuterSurface::of(&structure.joint),
             model,
             interface,
-            shown: neighbours.len(),
+            shown: scene.sensitivities.len(),
             neighbours,
             loop_elements: loop_elements(scene, structure)?,
-            structure: scene.output.deformed.then(|| structure.clone()),
+            structure: (scene.output.deformed || !differenced.is_empty()).then(|| structure.clone()),
+            differenced,
         })
     }
 
@@ -262,20 +267,16 @@ impl Prepared {
     ///
     /// # Errors
     /// Of the law beside the values of the scene.
-    pub(super) fn differentiate_also(
-        &mut self,
-        parameters: &[Parameter],
-        progress: &dyn Progress,
-    ) -> Result<(), Error> {
+    pub(super) fn differentiate_also(&mut self, parameters: &[Parameter]) -> Result<(), Error> {
         let others = parameters.iter().filter(|one| !self.scene.sensitivities.contains(one));
-        let found = Neighbours::without_reduction(&self.scene, others, &self.interface, progress)?;
+        let found = Neighbours::without_reduction(&self.scene, others, &self.interface)?;
         let names = found.iter().map(|neighbours| neighbours.parameter().clone());
         self.scene.sensitivities.extend(names);
         self.neighbours.extend(found);
         Ok(())
     }
 
-    /// Prestress, modes and backbone of the scene itself, with all its derivatives.
+    /// Prestress, modes and backbone of the scene itself, with the derivatives of its loops.
     ///
     /// # Errors
     /// As [`Prepared::analyse`].
@@ -292,6 +293,32 @@ impl Prepared {
             derivatives: Some((&self.neighbours, interface)),
         };
         self.analyse(&self.scene, of, forces, progress)
+    }
+
+    /// Prestress, modes and backbone of the scene itself, with all its derivatives.
+    ///
+    /// # Errors
+    /// As [`Prepared::analyse`].
+    pub(super) fn analyse_in_full(&self, progress: &dyn Progress) -> Result<Analysis, Error> {
+        let mut analysis = self.analyse_itself(None, progress)?;
+        let Some(structure) = self.structure.as_ref().filter(|_| !self.differenced.is_empty()) else {
+            return Ok(analysis);
+        };
+        let parameters = self.differenced.clone();
+        let study = Study::try_new(&self.scene, parameters, structure, self, &self.options)?;
+        let (found, checkpoints) = finite_differences::sensitivities(&study, &analysis, progress)?;
+        analysis.checkpoints.extend(checkpoints);
+        let order = |one: &Sensitivity| {
+            self.scene
+                .sensitivities
+                .iter()
+                .position(|known| *known == one.parameter)
+        };
+        for (mode, found) in analysis.modes.iter_mut().zip(found) {
+            mode.sensitivities.extend(found);
+            mode.sensitivities.sort_by_key(order);
+        }
+        Ok(analysis)
     }
 
     /// The reduced structure.
@@ -325,7 +352,7 @@ impl Prepared {
     /// # Errors
     /// [`Error::Prestress`] and defects of the linear structure.
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
-        let analysis = self.analyse_itself(None, progress)?;
+        let analysis = self.analyse_in_full(progress)?;
         let deformed = self.deformed(&analysis, progress)?;
         Ok(self.finish(analysis, deformed, progress))
     }
@@ -337,7 +364,7 @@ impl Prepared {
     /// As [`Prepared::solve`]; [`Error::NoSamples`] for surfaces that are not scanned; an interruption. Whatever else
     /// ends a realisation is part of the result.
     pub fn solve_ensemble(self, realisations: usize, progress: &dyn Progress) -> Result<(Run, Ensemble), Error> {
-        let mut analysis = self.analyse_itself(None, progress)?;
+        let mut analysis = self.analyse_in_full(progress)?;
         let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
         let deformed = self.deformed(&analysis, progress)?;
@@ -346,7 +373,7 @@ impl Prepared {
 
     /// The bodies deformed, if the scene asks for them.
     pub(super) fn deformed(&self, analysis: &Analysis, progress: &dyn Progress) -> Result<Option<Deformed>, Error> {
-        let Some(structure) = &self.structure else {
+        let Some(structure) = self.structure.as_ref().filter(|_| self.scene.output.deformed) else {
             return Ok(None);
         };
         progress.note("the structure is factored again, to find displacements of the bodies");

@@ -36,6 +36,17 @@ pub enum Per {
     Value,
 }
 
+/// How derivatives are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum FoundBy {
+    /// Implicit differentiation along the loops, or of the periodic motions.
+    ImplicitDifferentiation,
+    /// Central differences of whole backbones.
+    CentralDifferences,
+}
+
 /// Derivatives of the backbone of a mode with respect to a parameter, amplitude by amplitude: none where there is no result, and of the
 /// damping where it is not resolved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,6 +64,8 @@ pub struct Sensitivity {
     pub unit: String,
     /// What the derivatives are with respect to.
     pub per: Per,
+    /// How they are found. Central differences give frequency and damping of the secant alone.
+    pub by: FoundBy,
     /// Of the logarithm of the linearised frequency (-).
     pub dln_linear_frequency: f64,
     /// Of the logarithm of the displacement at the response point per modal amplitude, in the linearised mode (-).
@@ -89,7 +102,8 @@ pub(super) struct Neighbours {
 }
 
 impl Neighbours {
-    /// Those of all parameters that a scene asks for.
+    /// Those of the parameters that a scene asks for, and the parameters that are left to differences of whole runs: the law, or the static
+    /// state, is not differentiated with respect to them.
     ///
     /// # Errors
     /// Values beside that of the scene which are not admissible; of the structure and its reduction.
@@ -97,17 +111,25 @@ impl Neighbours {
         scene: &Scene,
         structure: &Structure,
         model: &StructuralModel,
+        interface: &SceneInterface,
         progress: &dyn Progress,
-    ) -> Result<Vec<Self>, Error> {
+    ) -> Result<(Vec<Self>, Vec<Parameter>), Error> {
         let is_structural = |parameter: &Parameter| parameter.influence() == Influence::Structure;
-        let known = match scene.sensitivities.iter().any(is_structural) {
-            true => Some((structure.assemble()?, &model.reduced)),
-            false => None,
-        };
-        let parameters = scene.sensitivities.iter();
-        parameters
-            .map(|parameter| Self::one(scene, parameter, known.as_ref(), progress))
-            .collect()
+        let is_locked = scene.bolts.behaviour == BoltBehaviour::Locked;
+        let (mut all, mut others) = (Vec::new(), Vec::new());
+        let mut known = None;
+        for parameter in &scene.sensitivities {
+            let is_left = scene.bolts.tightening.is_some() || (is_structural(parameter) && is_locked);
+            if is_left || !Self::unreduced(scene, parameter)?.is_differentiated(interface)? {
+                others.push(parameter.clone());
+                continue;
+            }
+            if is_structural(parameter) && known.is_none() {
+                known = Some((structure.assemble()?, &model.reduced));
+            }
+            all.push(Self::one(scene, parameter, known.as_ref(), progress)?);
+        }
+        Ok((all, others))
     }
 
     /// Those of all of `parameters` that take no further reduction and that the law is differentiated with respect to.
@@ -118,7 +140,6 @@ impl Neighbours {
         scene: &Scene,
         parameters: impl Iterator<Item = &'p Parameter>,
         interface: &SceneInterface,
-        progress: &dyn Progress,
     ) -> Result<Vec<Self>, Error> {
         let mut all = Vec::new();
         for parameter in parameters {
@@ -127,7 +148,7 @@ impl Neighbours {
                 continue;
             }
             // A number at the edge of what is admissible has no neighbours.
-            let Ok(one) = Self::one(scene, parameter, None, progress) else {
+            let Ok(one) = Self::unreduced(scene, parameter) else {
                 continue;
             };
             if one.is_differentiated(interface)? {
@@ -156,12 +177,24 @@ impl Neighbours {
     ///
     /// # Errors
     /// As [`Neighbours::of`].
-    pub(super) fn one(
+    fn one(
         scene: &Scene,
         parameter: &Parameter,
         known: Option<&(Assembled<'_>, &ReducedModel)>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
+        let one = Self::unreduced(scene, parameter)?;
+        let reduced = |(known, model): &(Assembled<'_>, &ReducedModel)| -> Result<[ReducedModel; 2], Error> {
+            let beside = |scene| Structure::try_new(scene, progress)?.neighbour_of(known, model, progress);
+            Ok([beside(&one.above)?, beside(&one.below)?])
+        };
+        let is_structural = parameter.influence() == Influence::Structure;
+        let models = known.filter(|_| is_structural).map(reduced).transpose()?;
+        Ok(Self { models, ..one })
+    }
+
+    /// That of one parameter without its structures.
+    fn unreduced(scene: &Scene, parameter: &Parameter) -> Result<Self, Error> {
         let value = parameter.value(scene)?;
         let is_structural = parameter.influence() == Influence::Structure;
         let relative = if is_structural { STRUCTURAL_STEP } else { STEP };
@@ -188,19 +221,6 @@ impl Neighbours {
             })
         };
         let [above, below] = [varied(above)?, varied(below)?];
-        if is_structural && scene.bolts.behaviour == BoltBehaviour::Locked {
-            return Err(Error::Parameter {
-                path: parameter.path().into(),
-                reason: "numbers of the structure are differentiated for bolts under dead load alone; leave it out, or take \
-                         bolts.behaviour = \"dead-load\""
-                    .into(),
-            });
-        }
-        let reduced = |(known, model): &(Assembled<'_>, &ReducedModel)| -> Result<[ReducedModel; 2], Error> {
-            let beside = |scene| Structure::try_new(scene, progress)?.neighbour_of(known, model, progress);
-            Ok([beside(&above)?, beside(&below)?])
-        };
-        let models = known.filter(|_| is_structural).map(reduced).transpose()?;
         Ok(Self {
             unit: parameter.unit(scene)?,
             parameter: parameter.clone(),
@@ -209,7 +229,7 @@ impl Neighbours {
             step,
             above,
             below,
-            models,
+            models: None,
         })
     }
 
@@ -364,6 +384,7 @@ impl<'a> Sensitivities<'a> {
                 value: one.value,
                 unit: one.unit.into(),
                 per: one.per,
+                by: FoundBy::ImplicitDifferentiation,
                 dln_linear_frequency: linear(rate),
                 dln_mode_shape: dln_phi,
                 modal_amplitude: loops
@@ -428,6 +449,7 @@ impl<'a> Sensitivities<'a> {
                     value: one.value,
                     unit: one.unit.into(),
                     per: one.per,
+                    by: FoundBy::ImplicitDifferentiation,
                     dln_linear_frequency: linear(rate),
                     dln_mode_shape: ingredients.of_mode_shape(&rate.mode.shape, shape, response),
                     modal_amplitude: each(&|motion, _| Some(motion.modal_amplitude)),

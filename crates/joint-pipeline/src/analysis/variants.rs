@@ -440,9 +440,7 @@ impl<'a> Study<'a> {
         let interface = self.prepared.interface().varied(&scene, mesh, parts, load)?;
         let neighbours = match rates {
             Rates::None => Vec::new(),
-            Rates::WhereTheyCostLittle => {
-                Neighbours::without_reduction(&scene, self.parameters.iter(), &interface, progress)?
-            }
+            Rates::WhereTheyCostLittle => Neighbours::without_reduction(&scene, self.parameters.iter(), &interface)?,
         };
         scene.sensitivities = neighbours.iter().map(|one| one.parameter().clone()).collect();
         let of = InterfaceToAnalyse {
@@ -470,7 +468,7 @@ impl<'a> Study<'a> {
         };
         let mut prepared = Prepared::try_new(scene, structure, &options, progress)?;
         if rates == Rates::WhereTheyCostLittle {
-            prepared.differentiate_also(&self.parameters, progress)?;
+            prepared.differentiate_also(&self.parameters)?;
         }
         prepared.analyse_itself(forces, progress)
     }
@@ -590,8 +588,8 @@ impl Solved {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let (structure, mut prepared) = prepare_on(scene, options, progress)?;
-        prepared.differentiate_also(parameters, progress)?;
-        let analysis = prepared.analyse_itself(None, progress)?;
+        prepared.differentiate_also(parameters)?;
+        let analysis = prepared.analyse_in_full(progress)?;
         Ok(Self {
             structure,
             prepared,

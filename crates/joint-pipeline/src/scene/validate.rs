@@ -304,11 +304,6 @@ impl Scene {
                 path: parameter.path().into(),
                 reason: reason.into(),
             };
-            if self.bolts.tightening.is_some() {
-                return Err(refused(
-                    "the static state after bolts.tightening is not differentiated; leave sensitivities or bolts.tightening out",
-                ));
-            }
             if parameter.is_drawn() {
                 return Err(refused(
                     "results do not change smoothly with what peaks are found in; take scale.asperity_radius, \
