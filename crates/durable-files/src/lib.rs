@@ -2,6 +2,7 @@
 
 mod error;
 mod folder;
+mod lines;
 mod lock;
 mod manifest;
 mod sealed;
@@ -9,6 +10,7 @@ mod write;
 
 pub use error::Error;
 pub use folder::Folder;
+pub use lines::{Segment, read_segment, seal_line, segments, unseal_line};
 pub use manifest::{Defect, Entry, Identity, MANIFEST, Manifest};
 pub use sealed::{read_sealed, seal, unseal, write_sealed};
 pub use write::write;

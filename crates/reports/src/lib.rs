@@ -12,6 +12,7 @@ pub mod markup;
 pub mod modes;
 pub mod overlay;
 pub mod page;
+pub mod parameters;
 pub mod periodic;
 pub mod plot;
 pub mod ring_down;

@@ -12,5 +12,5 @@ pub use benchmarks::BENCHMARKS;
 pub use error::{Error, with_causes};
 pub use folders::{results_of, user_cache};
 pub use given_scene::GivenScene;
-pub use memory::{forget_peak_memory, peak_memory};
+pub use memory::{forget_peak_memory, free_memory, peak_memory};
 pub use stage_times::StageTimes;

@@ -2,6 +2,7 @@
 
 mod backbone;
 pub mod calibration;
+pub mod cases;
 pub mod comparison;
 mod deformed;
 mod element_loops;
@@ -30,5 +31,6 @@ pub use deformed::Deformed;
 pub use element_loops::{ElementLoops, MOST_RECORDED, element_centres};
 pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};
 pub use run::{ModeBackbone, Prepared, Run, prepare, run, run_ensemble};
+pub use sampling::unit_cube;
 pub use sensitivities::{FoundBy, Per, Sensitivity};
 pub use tightening::{ENERGY_TOLERANCE, TighteningEnergy, TighteningResult, TighteningStep};

@@ -279,26 +279,21 @@ impl Prepared {
     /// Prestress, modes and backbone of the scene itself, with the derivatives of its loops.
     ///
     /// # Errors
-    /// As [`Prepared::analyse`].
+    /// As [`Solver::analyse`].
     pub(super) fn analyse_itself(
         &self,
         forces: Option<&[Vec<f64>]>,
         progress: &dyn Progress,
     ) -> Result<Analysis, Error> {
         let interface = &self.interface;
-        let of = InterfaceToAnalyse {
-            model: &self.model,
-            interface: &interface.interface,
-            closure: interface.closure,
-            derivatives: Some((&self.neighbours, interface)),
-        };
-        self.analyse(&self.scene, of, forces, progress)
+        self.solver()
+            .analyse(&self.scene, &interface.interface, interface.closure, forces, progress)
     }
 
     /// Prestress, modes and backbone of the scene itself, with all its derivatives.
     ///
     /// # Errors
-    /// As [`Prepared::analyse`].
+    /// As [`Solver::analyse`].
     pub(super) fn analyse_in_full(&self, progress: &dyn Progress) -> Result<Analysis, Error> {
         let mut analysis = self.analyse_itself(None, progress)?;
         let Some(structure) = self.structure.as_ref().filter(|_| !self.differenced.is_empty()) else {
@@ -333,13 +328,7 @@ impl Prepared {
 
     /// Static load on the reduced coordinates (N).
     pub fn static_load(&self) -> Vec<f64> {
-        load_of(&self.model.reduced, &self.tensions(&self.scene))
-    }
-
-    /// Tension of each bolt in a scene (N).
-    fn tensions(&self, scene: &Scene) -> Vec<f64> {
-        let bolts = 0..self.model.reduced.loads.len();
-        bolts.map(|bolt| scene.tension(bolt)).collect()
+        load_of(&self.model.reduced, &tensions(&self.model, &self.scene))
     }
 
     /// The guess that prestress starts from: a uniform closure that carries the bolt load (m).
@@ -408,13 +397,7 @@ impl Prepared {
         };
         let analyse = |k, progress: &dyn Progress| {
             let (interface, closure) = self.interface.realisation(k, load)?;
-            let of = InterfaceToAnalyse {
-                model: &self.model,
-                interface: &interface,
-                closure,
-                derivatives: None,
-            };
-            self.analyse(&scene, of, None, progress)
+            self.solver().analyse(&scene, &interface, closure, None, progress)
         };
         let describe = |k, found: Result<&Analysis, Error>| Member::new(k, found, scene.background_damping);
         let (members, checkpoints) = realisations.run(checkpoint, analyse, describe)?;
@@ -423,9 +406,7 @@ impl Prepared {
     }
 
     pub(super) fn key(&self, scene: &Scene) -> KeyBuilder {
-        let mut key = KeyBuilder::new(self.options.build.as_deref());
-        key.text(&serde_json::to_string(scene).unwrap_or_default());
-        key
+        key(scene, &self.options)
     }
 
     pub(super) fn finish(mut self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
@@ -517,25 +498,66 @@ impl Prepared {
         }
     }
 
+    /// Stiffness over the jump of the contact under the bolt loads with everything in contact stuck, symmetrised (N/m).
+    ///
+    /// # Errors
+    /// [`Error::Prestress`] and defects of the linear structure.
+    pub fn stuck_tangent(&self, progress: &dyn Progress) -> Result<CsMat<f64>, Error> {
+        let (scene, interface) = (&self.scene, &self.interface);
+        let solver = self.solver();
+        let prestress = solver.static_state(scene, &interface.interface, interface.closure, progress)?;
+        let locked = solver.locked(scene)?;
+        let vibrating = locked.as_ref().unwrap_or(&self.model.reduced);
+        let force = InterfaceForce::new(&interface.interface);
+        let line = linearise(scene, vibrating, &force, &prestress.solution)?;
+        let (pattern, n) = (interface.interface.pattern(), interface.interface.n_dofs());
+        let indices = (pattern.indptr.clone(), pattern.indices.clone());
+        Ok(CsMat::new((n, n), indices.0, indices.1, line.stuck_tangent().to_vec()))
+    }
+
+    /// What solves need of it.
+    pub(super) fn solver(&self) -> Solver<'_> {
+        Solver {
+            model: &self.model,
+            options: &self.options,
+            loop_elements: &self.loop_elements,
+            differentiated: Some((&self.neighbours, &self.interface)),
+        }
+    }
+}
+
+/// What the nonlinear solves need beside a scene and its interface.
+#[derive(Clone, Copy)]
+pub(super) struct Solver<'a> {
+    pub(super) model: &'a StructuralModel,
+    /// Where checkpoints of loops are kept.
+    pub(super) options: &'a Options,
+    /// Elements at `cqsma.loops_at`.
+    pub(super) loop_elements: &'a [usize],
+    /// What backbones are differentiated with respect to, and the interface with what it is made from; for scenes whose `sensitivities` name
+    /// the same parameters.
+    pub(super) differentiated: Option<(&'a [Neighbours], &'a SceneInterface)>,
+}
+
+impl Solver<'_> {
     /// Equilibrium of an interface under the bolt loads, of which `closure` carries them (m).
     fn static_state(
         &self,
         scene: &Scene,
-        model: &StructuralModel,
         interface: &Interface,
         closure: f64,
         progress: &dyn Progress,
     ) -> Result<PrestressResult, Error> {
-        let reduced = &model.reduced;
+        let reduced = &self.model.reduced;
         progress.begin(Stage::Prestress);
         let start = uniform(reduced, closure);
         let assembled = assembled(scene, interface);
-        let (tensions, newton) = (self.tensions(scene), newton_settings(scene));
+        let (tensions, newton) = (tensions(self.model, scene), newton_settings(scene));
         let prestress = match &scene.bolts.tightening {
             None => {
                 let load = load_of(reduced, &tensions);
                 let solution = prestress::solve(reduced, &assembled, &load, &start, &newton)?;
-                let bolts = bolt_load(scene, model);
+                let bolts = bolt_load(scene, self.model);
                 prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?
             }
             Some(plan) => {
@@ -558,58 +580,39 @@ impl Prepared {
     }
 
     /// The reduced structure with locked bolts, if they are so in vibration.
-    fn locked(&self, model: &StructuralModel) -> Result<Option<ReducedModel>, Error> {
-        Ok(match self.scene.bolts.behaviour {
+    fn locked(&self, scene: &Scene) -> Result<Option<ReducedModel>, Error> {
+        Ok(match scene.bolts.behaviour {
             BoltBehaviour::DeadLoad => None,
-            BoltBehaviour::Locked => Some(model.reduced.locked()?),
+            BoltBehaviour::Locked => Some(self.model.reduced.locked()?),
         })
     }
 
-    /// Stiffness over the jump of the contact under the bolt loads with everything in contact stuck, symmetrised (N/m).
-    ///
-    /// # Errors
-    /// [`Error::Prestress`] and defects of the linear structure.
-    pub fn stuck_tangent(&self, progress: &dyn Progress) -> Result<CsMat<f64>, Error> {
-        let (scene, interface) = (&self.scene, &self.interface);
-        let prestress = self.static_state(scene, &self.model, &interface.interface, interface.closure, progress)?;
-        let locked = self.locked(&self.model)?;
-        let vibrating = locked.as_ref().unwrap_or(&self.model.reduced);
-        let force = InterfaceForce::new(&interface.interface);
-        let line = linearise(scene, vibrating, &force, &prestress.solution)?;
-        let (pattern, n) = (interface.interface.pattern(), interface.interface.n_dofs());
-        let indices = (pattern.indptr.clone(), pattern.indices.clone());
-        Ok(CsMat::new((n, n), indices.0, indices.1, line.stuck_tangent().to_vec()))
-    }
-
-    /// Prestress, modes and backbones of an interface. `forces` are modal forces of each mode followed that stand for those by the
-    /// amplitudes of the scene.
+    /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m). `forces` are modal forces of
+    /// each mode followed that stand for those by the amplitudes of the scene.
     pub(super) fn analyse(
         &self,
         scene: &Scene,
-        InterfaceToAnalyse {
-            model,
-            interface,
-            closure,
-            derivatives,
-        }: InterfaceToAnalyse<'_>,
+        interface: &Interface,
+        closure: f64,
         forces: Option<&[Vec<f64>]>,
         progress: &dyn Progress,
     ) -> Result<Analysis, Error> {
-        let reduced = &model.reduced;
+        let reduced = &self.model.reduced;
         let force = InterfaceForce::new(interface);
         let newton = newton_settings(scene);
-        let prestress = self.static_state(scene, model, interface, closure, progress)?;
+        let prestress = self.static_state(scene, interface, closure, progress)?;
         let static_load = load_of(reduced, &prestress.tensions);
 
         progress.begin(Stage::Modes);
-        let locked = self.locked(model)?;
+        let locked = self.locked(scene)?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
         let line = linearise(scene, vibrating, &force, &prestress.solution)?;
-        let sensitivities = match derivatives {
-            None | Some(([], _)) => None,
-            Some((neighbours, interface_of_scene)) => Some(Sensitivities::try_new(
+        let asked = self.differentiated.filter(|(neighbours, _)| !neighbours.is_empty());
+        let sensitivities = match asked.filter(|_| !scene.sensitivities.is_empty()) {
+            None => None,
+            Some((neighbours, own)) => Some(Sensitivities::try_new(
                 neighbours,
-                interface_of_scene,
+                own,
                 reduced,
                 &assembled(scene, interface),
                 &prestress.solution,
@@ -624,7 +627,7 @@ impl Prepared {
             &scene.cqsma,
             scene.fields_at().len(),
             interface.operators().n_elements(),
-            &self.loop_elements,
+            self.loop_elements,
         );
         if recorded.len() < interface.operators().n_elements() {
             progress.note(&format!(
@@ -644,7 +647,7 @@ impl Prepared {
                 line: &line,
                 response: &response,
                 static_load: &static_load,
-                mass: model.facts.mass,
+                mass: self.model.facts.mass,
                 mode: mode - 1,
                 newton,
                 recorded: &recorded,
@@ -655,7 +658,7 @@ impl Prepared {
                 .options
                 .cache
                 .as_deref()
-                .map(|directory| (directory, self.key(scene)));
+                .map(|directory| (directory, key(scene, self.options)));
             let share = |done: f64| (place as f64 + done) / followed.len() as f64;
             let (found, resume) = request.run(key, &share, progress)?;
             modes.push(found);
@@ -679,7 +682,7 @@ impl Prepared {
                     .options
                     .cache
                     .as_deref()
-                    .map(|directory| (directory, self.key(scene)));
+                    .map(|directory| (directory, key(scene, self.options)));
                 let (found, resume) = request.forced(settings, &free, key, progress)?;
                 checkpoints.extend(resume);
                 found
@@ -699,20 +702,21 @@ impl Prepared {
     }
 }
 
-/// An interface to analyse.
-pub(super) struct InterfaceToAnalyse<'a> {
-    /// The structure that it is in, over the coordinates of the prepared one.
-    pub(super) model: &'a StructuralModel,
-    pub(super) interface: &'a Interface,
-    /// Closure that carries the bolt load (m).
-    pub(super) closure: f64,
-    /// What its backbones are differentiated with respect to, and the interface with what it is made from. The scene's `sensitivities` name
-    /// the same parameters.
-    pub(super) derivatives: Option<(&'a [Neighbours], &'a SceneInterface)>,
+/// Tension of each bolt in a scene (N).
+fn tensions(model: &StructuralModel, scene: &Scene) -> Vec<f64> {
+    let bolts = 0..model.reduced.loads.len();
+    bolts.map(|bolt| scene.tension(bolt)).collect()
+}
+
+/// What all loops of a scene depend on.
+fn key(scene: &Scene, options: &Options) -> KeyBuilder {
+    let mut key = KeyBuilder::new(options.build.as_deref());
+    key.text(&serde_json::to_string(scene).unwrap_or_default());
+    key
 }
 
 /// Refuses loads and orders of other bolts than there are.
-fn check_bolts(scene: &Scene, bolts: usize) -> Result<(), Error> {
+pub(super) fn check_bolts(scene: &Scene, bolts: usize) -> Result<(), Error> {
     let given = scene.bolts.loads.len();
     if given > 0 && given != bolts {
         return Err(Error::BoltLoads { given, bolts });

@@ -15,8 +15,18 @@ const HALF: f64 = 1.0 / 33_554_432.0;
 const LONGEST: usize = 65_536;
 
 /// Points in the unit cube, point by point.
-pub(crate) fn unit_cube(method: SamplingMethod, seed: u64, points: usize, dimensions: usize) -> Vec<Vec<f64>> {
-    match method {
+///
+/// # Errors
+/// More points or directions than Sobol's sequence has, in words.
+pub fn unit_cube(method: SamplingMethod, seed: u64, points: usize, dimensions: usize) -> Result<Vec<Vec<f64>>, String> {
+    let directions = sobol_burley::NUM_DIMENSIONS as usize;
+    if method == SamplingMethod::Sobol && (dimensions > directions || points > LONGEST) {
+        return Err(format!(
+            "Sobol's sequence has {LONGEST} points in {directions} directions here, and {points} in {dimensions} are needed; take \
+             \"latin-hypercube\""
+        ));
+    }
+    Ok(match method {
         SamplingMethod::LatinHypercube => latin_hypercube(seed, points, dimensions),
         SamplingMethod::Sobol => {
             // Both halves of the seed count.
@@ -26,7 +36,7 @@ pub(crate) fn unit_cube(method: SamplingMethod, seed: u64, points: usize, dimens
             let point = |point: usize| (0..dimensions).map(|axis| coordinate(point, axis)).collect();
             (0..points).map(point).collect()
         }
-    }
+    })
 }
 
 fn latin_hypercube(seed: u64, points: usize, dimensions: usize) -> Vec<Vec<f64>> {
@@ -62,18 +72,10 @@ pub(crate) fn samples(
     })?;
     let k = marginals.len();
     let sets = if second { 2 } else { 1 };
-    let directions = sobol_burley::NUM_DIMENSIONS as usize;
-    if uncertain.method == SamplingMethod::Sobol && (sets * k > directions || number > LONGEST) {
-        return Err(Error::Uncertain {
-            field: "method".into(),
-            reason: format!(
-                "Sobol's sequence has {LONGEST} points in {directions} directions here, and {number} in {} are needed; take \
-                 \"latin-hypercube\"",
-                sets * k
-            ),
-        });
-    }
-    let cube = unit_cube(uncertain.method, seed, number, sets * k);
+    let cube = unit_cube(uncertain.method, seed, number, sets * k).map_err(|reason| Error::Uncertain {
+        field: "method".into(),
+        reason,
+    })?;
     let shaped = |point: &[f64]| -> Vec<f64> {
         let normal: Vec<f64> = point.iter().map(|p| standard_normal(*p)).collect();
         let correlated = factor
@@ -96,14 +98,14 @@ mod tests {
     #[test]
     fn every_interval_of_a_latin_hypercube_has_one_sample() {
         for points in [1, 7, 100] {
-            let cube = unit_cube(SamplingMethod::LatinHypercube, 3, points, 4);
+            let cube = unit_cube(SamplingMethod::LatinHypercube, 3, points, 4).unwrap();
             for axis in 0..4 {
                 let mut intervals: Vec<usize> = cube.iter().map(|p| (p[axis] * points as f64) as usize).collect();
                 intervals.sort_unstable();
                 assert_eq!(intervals, (0..points).collect::<Vec<_>>(), "axis {axis}");
             }
         }
-        let [a, b] = [3, 4].map(|seed| unit_cube(SamplingMethod::LatinHypercube, seed, 50, 2));
+        let [a, b] = [3, 4].map(|seed| unit_cube(SamplingMethod::LatinHypercube, seed, 50, 2).unwrap());
         assert_ne!(a, b);
         // Axes are independent.
         let covariance = a.iter().map(|p| (p[0] - 0.5) * (p[1] - 0.5)).sum::<f64>() / 50.0;
@@ -113,7 +115,7 @@ mod tests {
     #[test]
     fn sobols_sequence_is_a_net_in_every_pair_of_its_first_directions() {
         // 64 points: one in each of the 64 intervals of every direction, and 16 in each quarter of the first pair.
-        let cube = unit_cube(SamplingMethod::Sobol, 5, 64, 6);
+        let cube = unit_cube(SamplingMethod::Sobol, 5, 64, 6).unwrap();
         for axis in 0..6 {
             let mut intervals: Vec<usize> = cube.iter().map(|p| (p[axis] * 64.0) as usize).collect();
             intervals.sort_unstable();
@@ -122,7 +124,7 @@ mod tests {
         let quarter = cube.iter().filter(|p| p[0] < 0.5 && p[1] < 0.5).count();
         assert_eq!(quarter, 16);
         // The integral of a product of all is far more exact than that of as many random points.
-        let points = unit_cube(SamplingMethod::Sobol, 5, 4096, 3);
+        let points = unit_cube(SamplingMethod::Sobol, 5, 4096, 3).unwrap();
         let integral = points.iter().map(|p| 8.0 * p[0] * p[1] * p[2]).sum::<f64>() / 4096.0;
         assert!((integral - 1.0).abs() < 2e-3, "{integral}");
     }

@@ -661,7 +661,7 @@ mod tests {
         use std::f64::consts::PI;
         let (a, b) = (7.0, 0.1);
         let f = |x: [f64; 3]| x[0].sin() + a * x[1].sin().powi(2) + b * x[2].powi(4) * x[0].sin();
-        let cube = unit_cube(SamplingMethod::Sobol, 1, 8192, 6);
+        let cube = unit_cube(SamplingMethod::Sobol, 1, 8192, 6).unwrap();
         let at = |p: &[f64], from: usize| [0, 1, 2].map(|k| PI * (2.0 * p[from + k] - 1.0));
         let variance = a * a / 8.0 + b * PI.powi(4) / 5.0 + b * b * PI.powi(8) / 18.0 + 0.5;
         let alone = [0.5 * (1.0 + b * PI.powi(4) / 5.0).powi(2), a * a / 8.0, 0.0];

@@ -1,9 +1,9 @@
 //! A scene with other numbers, over and over: what samples, finite differences and calibrations run.
 
 use super::ensemble::{self, Batch};
-use super::outcome::{Analysis, ModeAnalysis};
+use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis};
 use super::prestress::bolt_load;
-use super::run::{InterfaceToAnalyse, Prepared, prepare_on};
+use super::run::{Prepared, Solver, prepare_on};
 use super::sensitivities::{Neighbours, Per, Sensitivity};
 use crate::Error;
 use crate::progress::{Progress, Stage};
@@ -85,6 +85,8 @@ pub struct Variant {
 pub enum Reading {
     /// Frequency and damping of the secant at a modal amplitude.
     Modal,
+    /// The same at a displacement of the response point in the linearised mode.
+    Secant,
     /// Those of the first harmonic at a motion of the response point: what measurements are compared with.
     Measured,
 }
@@ -97,10 +99,31 @@ struct Read {
 }
 
 impl VariantPoint {
+    /// An amplitude that converged; `background` is the damping ratio apart from friction.
+    pub(super) fn new(found: &AmplitudeResult, background: f64) -> Option<Self> {
+        let (result, fields) = (found.point.result.as_ref().ok()?, found.fields.as_ref()?);
+        Some(Self {
+            modal_amplitude: result.modal_amplitude,
+            response_displacement: found.response_displacement?,
+            frequency_hz: result.omega / TAU,
+            damping_ratio: result.is_resolved().then_some(result.zeta + background),
+            seen: Seen {
+                response_motion: fields.response_motion,
+                frequency_hz: result.harmonic_omega / TAU,
+                damping_ratio: result.is_resolved().then_some(result.harmonic_zeta() + background),
+            },
+        })
+    }
+
     fn read(&self, reading: Reading) -> Read {
         match reading {
             Reading::Modal => Read {
                 amplitude: self.modal_amplitude,
+                frequency_hz: self.frequency_hz,
+                damping_ratio: self.damping_ratio,
+            },
+            Reading::Secant => Read {
+                amplitude: self.response_displacement,
                 frequency_hz: self.frequency_hz,
                 damping_ratio: self.damping_ratio,
             },
@@ -135,21 +158,10 @@ impl Variant {
 
 impl Curve {
     fn new(found: &ModeAnalysis, frequencies: &[f64], background: f64) -> Self {
-        let points = found.amplitudes.iter().filter_map(|amplitude| {
-            let result = amplitude.point.result.as_ref().ok()?;
-            let fields = amplitude.fields.as_ref()?;
-            Some(VariantPoint {
-                seen: Seen {
-                    response_motion: fields.response_motion,
-                    frequency_hz: result.harmonic_omega / TAU,
-                    damping_ratio: result.is_resolved().then_some(result.harmonic_zeta() + background),
-                },
-                modal_amplitude: result.modal_amplitude,
-                response_displacement: amplitude.response_displacement?,
-                frequency_hz: result.omega / TAU,
-                damping_ratio: result.is_resolved().then_some(result.zeta + background),
-            })
-        });
+        let points = found
+            .amplitudes
+            .iter()
+            .filter_map(|amplitude| VariantPoint::new(amplitude, background));
         let mut points: Vec<VariantPoint> = points.collect();
         points.sort_by(|a, b| a.modal_amplitude.total_cmp(&b.modal_amplitude));
         points.dedup_by_key(|point| point.modal_amplitude);
@@ -171,7 +183,7 @@ impl Curve {
     ) -> Option<(&Sensitivity, Vec<[Option<f64>; 2]>)> {
         let found = self.sensitivities.iter().find(|one| one.parameter == *parameter)?;
         let [frequency, damping] = match reading {
-            Reading::Modal => [&found.dln_frequency, &found.dln_damping],
+            Reading::Modal | Reading::Secant => [&found.dln_frequency, &found.dln_damping],
             Reading::Measured => [&found.dln_frequency_first_harmonic, &found.dln_damping_first_harmonic],
         };
         let of = |point: &VariantPoint| {
@@ -443,13 +455,12 @@ impl<'a> Study<'a> {
             Rates::WhereTheyCostLittle => Neighbours::without_reduction(&scene, self.parameters.iter(), &interface)?,
         };
         scene.sensitivities = neighbours.iter().map(|one| one.parameter().clone()).collect();
-        let of = InterfaceToAnalyse {
+        let solver = Solver {
             model: &model,
-            interface: &interface.interface,
-            closure: interface.closure,
-            derivatives: Some((&neighbours, &interface)),
+            differentiated: Some((&neighbours, &interface)),
+            ..self.prepared.solver()
         };
-        self.prepared.analyse(&scene, of, forces, progress)
+        solver.analyse(&scene, &interface.interface, interface.closure, forces, progress)
     }
 
     /// A variant on a structure that is reduced for it.

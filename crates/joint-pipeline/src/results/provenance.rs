@@ -75,6 +75,8 @@ pub struct ProgramBuild {
 pub enum InputRole {
     /// A scene that comes with the program; `path` is its name.
     BuiltInScene,
+    /// The plan of a study.
+    Plan,
     /// The scene file.
     Scene,
     /// The input deck.
@@ -95,7 +97,7 @@ impl InputRole {
     /// Which limits hold for it.
     fn kind(self) -> input_files::Kind {
         match self {
-            Self::BuiltInScene | Self::Scene => input_files::Kind::Scene,
+            Self::BuiltInScene | Self::Plan | Self::Scene => input_files::Kind::Scene,
             Self::Deck | Self::DeckInclude => input_files::Kind::Deck,
             Self::Mesh => input_files::Kind::Mesh,
             Self::Matrices => input_files::Kind::Matrices,

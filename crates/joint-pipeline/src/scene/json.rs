@@ -43,16 +43,24 @@ impl From<&serde_path_to_error::Error<serde_json::Error>> for Refusal {
 ///
 /// # Errors
 /// What is not JSON, or names a field twice, in words.
-pub(super) fn parse(text: &str) -> Result<Value, String> {
-    // Comments become spaces.
-    let mut plain = String::with_capacity(text.len());
-    let mut stripped = json_comments::StripComments::new(text.as_bytes());
-    stripped.read_to_string(&mut plain).map_err(|e| e.to_string())?;
+pub fn parse(text: &str) -> Result<Value, String> {
+    let plain = without_comments(text)?;
     let mut reader = serde_json::Deserializer::from_str(&plain);
     let read = Unique
         .deserialize(&mut reader)
         .and_then(|value| reader.end().map(|()| value));
     read.map_err(|error| located(&plain, &error))
+}
+
+/// The text with spaces in the place of comments, so that lines and columns stay.
+///
+/// # Errors
+/// A comment that does not end, in words.
+pub fn without_comments(text: &str) -> Result<String, String> {
+    let mut plain = String::with_capacity(text.len());
+    let mut stripped = json_comments::StripComments::new(text.as_bytes());
+    stripped.read_to_string(&mut plain).map_err(|e| e.to_string())?;
+    Ok(plain)
 }
 
 /// Reads JSON as a type. Messages name the field, its value and the line.

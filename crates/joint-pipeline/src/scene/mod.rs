@@ -27,7 +27,7 @@ pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target, refined};
 pub use analysis::{Assembly, BoltBehaviour, Bolts, Cqsma, InterfacePlace, Method, Output};
 pub use distribution::{Marginal, Shape};
 pub use finish::{Finish, FinishFace, Lengths, PowerLaw, Route};
-pub use json::read as read_json;
+pub use json::{parse as parse_json, read as read_json, without_comments};
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
 pub use parameter::{Influence, Parameter};
@@ -194,7 +194,11 @@ impl Scene {
         Self::from_value(value, place, name, benchmarks)
     }
 
-    fn from_value(given: Value, place: &str, name: &str, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
+    /// As [`Scene::from_json`], of a scene that is parsed already.
+    ///
+    /// # Errors
+    /// As [`Scene::from_json`].
+    pub fn from_value(given: Value, place: &str, name: &str, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
         let syntax = |refusal: Refusal| refused(place, refusal);
         let units = given.get("units").ok_or_else(|| {
             syntax(Refusal::of(
@@ -318,7 +322,7 @@ impl Scene {
     }
 
     /// The scene whose interfaces have no physics of their own.
-    fn alone(mut self) -> Self {
+    pub(crate) fn alone(mut self) -> Self {
         if let StructureSource::Mesh(mesh) = &mut self.structure.source {
             for interface in &mut mesh.interfaces {
                 (interface.surface, interface.gap, interface.law, interface.mu) = (None, None, None, None);

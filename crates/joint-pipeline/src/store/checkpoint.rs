@@ -13,9 +13,6 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Characters of a line's checksum.
-const CHECKSUM: usize = 32;
-
 /// The files that let a run resume. They outlive the run, until its results are safe.
 #[derive(Clone, Debug, Default)]
 pub struct Checkpoints(Vec<PathBuf>);
@@ -81,10 +78,7 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         let path = directory.join(format!("{what}-{}.jsonl", key.short()));
         let text = input_files::read(&path, input_files::Kind::Checkpoint).unwrap_or_default();
         let part = |line: &[u8]| {
-            let (sum, json) = line.split_at_checked(CHECKSUM)?;
-            let json = json.strip_prefix(b" ")?;
-            let intact = sum == checksum(&key.0, json).as_bytes();
-            let line: Line<T> = intact.then(|| serde_json::from_slice(json).ok())??;
+            let line: Line<T> = serde_json::from_slice(durable_files::unseal_line(&key.0, line)?).ok()?;
             Some((line.index, line.value))
         };
         let finished = text.split(|byte| *byte == b'\n').filter_map(part).collect();
@@ -126,10 +120,7 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         let Ok(json) = serde_json::to_vec(&Line { index, value }) else {
             return;
         };
-        let mut line = checksum(&self.key, &json).into_bytes();
-        line.push(b' ');
-        line.extend(json);
-        line.push(b'\n');
+        let line = durable_files::seal_line(&self.key, &json);
         let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = file.write_all(&line).and_then(|()| file.sync_data());
     }
@@ -139,11 +130,4 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         let kept = self.file.is_some().then_some(self.path);
         (self.finished, Checkpoints(kept.into_iter().collect()))
     }
-}
-
-/// Checksum of a line in the file of a key.
-fn checksum(key: &str, json: &[u8]) -> String {
-    let mut sum = durable_files::sha256(&[key.as_bytes(), json].concat());
-    sum.truncate(CHECKSUM);
-    sum
 }

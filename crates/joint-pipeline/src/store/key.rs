@@ -8,7 +8,7 @@ const VERSION: u32 = 3;
 
 /// Hash of the inputs of a reduced model.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Key(pub(super) String);
+pub(crate) struct Key(pub(crate) String);
 
 /// Collects inputs into a [`Key`].
 #[derive(Clone)]

@@ -12,6 +12,7 @@ pub mod run;
 mod samples;
 mod scene;
 mod schema;
+mod study;
 mod transient;
 mod verify;
 mod view;
@@ -57,6 +58,9 @@ pub enum Command {
     /// Find numbers of a scene by least squares on measured backbones, with priors, standard errors and what cannot be identified.
     #[command(after_help = EXIT_CODES)]
     Calibrate(calibrate::Arguments),
+    /// Run hundreds to thousands of variants of a scene by a plan, here or by a batch system, and tabulate them; what is finished is kept.
+    #[command(after_help = EXIT_CODES)]
+    Study(study::Arguments),
     /// Show runs beside each other in a browser on this computer, until Ctrl-C ends it.
     View(view::Arguments),
     /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
@@ -67,7 +71,7 @@ pub enum Command {
     Samples(samples::Arguments),
     /// List the benchmarks that scenes may name, with the scenes that come with them.
     Benchmarks,
-    /// Print the JSON Schema of scenes or of summaries.
+    /// Print the JSON Schema of scenes, of summaries or of plans.
     Schema(schema::Arguments),
 }
 
@@ -86,6 +90,7 @@ impl Command {
             Self::Forced(arguments) => return forced::run(arguments, defaults),
             Self::Compare(arguments) => compare::run(arguments),
             Self::Calibrate(arguments) => return calibrate::run(arguments, defaults),
+            Self::Study(arguments) => return study::run(arguments, defaults),
             Self::View(arguments) => view::run(arguments),
             Self::Verify(arguments) => verify::run(arguments),
             Self::New(arguments) => new::run(arguments),

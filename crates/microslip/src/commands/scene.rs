@@ -82,13 +82,15 @@ fn default_scene(on_deck: bool, defaults: &Defaults) -> Result<GivenScene> {
 
 /// The scene of a file; one that names no structure is on the default benchmark, if there is one.
 fn read_file(path: &Path, defaults: &Defaults) -> Result<GivenScene> {
-    let fill = |scene: &mut Value| {
-        let benchmark = defaults.benchmark.map(Benchmark::name);
-        if let (Some(name), Some(scene)) = (benchmark, scene.as_object_mut()) {
-            scene.entry("structure").or_insert_with(|| json!({ "benchmark": name }));
-        }
-    };
-    Ok(GivenScene::of_file(path, &fill)?)
+    Ok(GivenScene::of_file(path, &|scene| fill(scene, defaults))?)
+}
+
+/// Puts a scene that names no structure on the default benchmark, if there is one.
+pub(super) fn fill(scene: &mut Value, defaults: &Defaults) {
+    let benchmark = defaults.benchmark.map(Benchmark::name);
+    if let (Some(name), Some(scene)) = (benchmark, scene.as_object_mut()) {
+        scene.entry("structure").or_insert_with(|| json!({ "benchmark": name }));
+    }
 }
 
 /// The scene of a benchmark on its coarse mesh, which takes seconds.

@@ -11,6 +11,8 @@ pub(super) enum Subject {
     Scene,
     /// `summary.json`.
     Summary,
+    /// Plans of studies.
+    Plan,
 }
 
 /// Options of `schema`.
@@ -25,6 +27,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let schema = match arguments.subject {
         Subject::Scene => joint_pipeline::scene::file_schema(),
         Subject::Summary => schemars::schema_for!(Summary),
+        Subject::Plan => parameter_studies::schema(),
     };
     let text = serde_json::to_string_pretty(&schema).context("encoding the schema")?;
     super::print(&(text + "\n"))

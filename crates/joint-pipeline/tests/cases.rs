@@ -1,0 +1,119 @@
+//! Cases of studies: what they share changes no bit, and what they are addressed by is all that they depend on.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use common::BENCHMARKS;
+use joint_pipeline::analysis::cases::{CaseHasher, CaseKeys, CaseMode, CaseStructure, as_case};
+use joint_pipeline::progress::Silent;
+use joint_pipeline::{Options, Scene, run};
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+/// The coarse beam with few amplitudes, with a change.
+fn scene(change: &[(&str, Value)]) -> Scene {
+    let mut scene = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "benchmark": "brake-reuss-beam" },
+        "model": { "refinement": "quick" },
+        "mu": 0.2,
+        "gap": "flat",
+        "cqsma": { "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 2 },
+    });
+    for (name, value) in change {
+        scene[*name] = value.clone();
+    }
+    Scene::from_value(scene, "test", "test", &BENCHMARKS).unwrap()
+}
+
+fn case(change: &[(&str, Value)]) -> Scene {
+    as_case(&scene(change))
+}
+
+fn keys(case: &Scene) -> CaseKeys {
+    CaseHasher::new(None).keys(case).unwrap()
+}
+
+fn backbones(structure: &CaseStructure, case: &Scene, known: Option<&Scene>) -> Vec<CaseMode> {
+    let known = known.map(|known| structure.interface(known, None).unwrap());
+    let interface = structure.interface(case, known.as_ref()).unwrap();
+    structure.backbones(case, &interface, &Silent).unwrap()
+}
+
+#[test]
+fn shared_surfaces_and_structures_change_no_bit() {
+    let structure = CaseStructure::try_new(&case(&[]), &Options::default(), &Silent).unwrap();
+    let face = json!({ "ra": "0.8 um", "rsm": "400 um" });
+    let finish = json!({ "finish": { "top": face, "bottom": face, "route": "fast" } });
+    let scan = json!({ "synthetic-scan": { "step": [1e-4, 1e-4], "bootstrap": 2 } });
+    for (surface, gap) in [(json!("measured"), "measured"), (finish, "flat"), (scan, "scan")] {
+        let own = [("surface", surface.clone()), ("gap", json!(gap))];
+        let with = |scale: Value, mu: f64| {
+            let change = [own[0].clone(), own[1].clone(), ("scale", scale), ("mu", json!(mu))];
+            case(&change)
+        };
+        let other = with(
+            json!({ "asperity_radius": 1.3, "asperity_height": 0.9, "gap": 0.5 }),
+            0.4,
+        );
+        let varied = with(json!({ "gap": 0.7, "asperity_density": 1.1 }), 0.3);
+        assert_eq!(keys(&other).surface, keys(&varied).surface);
+        assert_eq!(keys(&other).structure, keys(&varied).structure);
+        let fresh = backbones(&structure, &varied, None);
+        assert_eq!(fresh, backbones(&structure, &varied, Some(&other)), "{surface}");
+        assert!(fresh[0].amplitudes.iter().all(Result::is_ok), "{surface}: {fresh:?}");
+    }
+    // It is what a run of the scene gives.
+    let change = [("gap", json!("measured")), ("mu", json!(0.3))];
+    let found = backbones(&structure, &case(&change), None);
+    let run = run(&scene(&change), &Options::default(), &Silent).unwrap();
+    for (point, amplitude) in found[0].amplitudes.iter().zip(run.amplitudes()) {
+        let (point, result) = (point.as_ref().unwrap(), amplitude.point.result.as_ref().unwrap());
+        assert_eq!(point.frequency_hz, result.omega / TAU);
+        assert_eq!(point.damping_ratio, result.is_resolved().then_some(result.zeta));
+        assert_eq!(Some(point.response_displacement), amplitude.response_displacement);
+    }
+}
+
+#[test]
+fn addresses_follow_what_a_case_depends_on_and_nothing_else() {
+    let plain = keys(&case(&[]));
+    assert_eq!(plain.case.len(), 64);
+    let same = [
+        ("name", json!("another")),
+        ("output", json!({ "fields_at": [1] })),
+        ("methods", json!(["masing"])),
+        ("sensitivities", json!(["mu"])),
+        // What is so by default.
+        ("scale", json!({ "gap": 1.0 })),
+        ("bolts", json!({ "load": "12.845 kN" })),
+    ];
+    for change in same {
+        assert_eq!(keys(&case(std::slice::from_ref(&change))), plain, "{change:?}");
+    }
+    let of_case = [
+        ("mu", json!(0.21)),
+        ("bolts", json!({ "load": "9 kN" })),
+        ("points_per_direction", json!(3)),
+        ("background_damping", json!(1e-3)),
+    ];
+    for change in of_case {
+        let other = keys(&case(std::slice::from_ref(&change)));
+        assert_ne!(other.case, plain.case, "{change:?}");
+        assert_eq!(
+            (other.structure, other.surface),
+            (plain.structure.clone(), plain.surface.clone()),
+            "{change:?}"
+        );
+    }
+    let material = |material: Value| ("model", json!({ "refinement": "quick", "material": material }));
+    let stiffer = keys(&case(&[material(json!({ "youngs_modulus": "200 GPa" }))]));
+    assert!(stiffer.case != plain.case && stiffer.structure != plain.structure);
+    let hard = keys(&case(&[material(json!({ "hardness": "2 GPa" }))]));
+    assert_eq!(hard.structure, plain.structure);
+    let locked = keys(&case(&[("bolts", json!({ "behaviour": "locked" }))]));
+    assert_ne!(locked.structure, plain.structure);
+    // What another build has stored is not taken.
+    let build = CaseHasher::new(Some("other".into())).keys(&case(&[])).unwrap();
+    assert!(build.case != plain.case && build.structure != plain.structure);
+}

@@ -1,0 +1,428 @@
+//! `study`: many variants of a scene by a plan.
+
+use super::{Cache, Defaults, Outcome, Threads, print, scene};
+use crate::files::{Overwrite, publish};
+use crate::progress::Bar;
+use anyhow::{Context, Result, anyhow, bail};
+use durable_files::Identity;
+use joint_pipeline::results::provenance::{Input, InputRole};
+use joint_pipeline::scene::parse_json;
+use parameter_studies::slurm::Job;
+use parameter_studies::{Base, BaseScene, CSV, Machine, Memory, PARQUET, Part, Plan, Store, Study, Tally, outputs};
+use rayon::ThreadPoolBuilder;
+use reports::Output;
+use run_environment::{BENCHMARKS, benchmarks, forget_peak_memory, free_memory, peak_memory, provenance};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// Folder of finished cases, in the cache or in that of the results.
+const CASES: &str = "cases";
+
+/// What was run, beside the tables.
+const ACCOUNT: &str = "study.json";
+
+/// Measured sizes (bytes): of a line of the store apart from its amplitudes, of an amplitude in it, and of a row of both tables.
+const SIZES: [f64; 3] = [190.0, 82.0, 240.0];
+
+/// Options of `study`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The plan: a scene and what varies.
+    plan: PathBuf,
+    /// Folder for the results, made if missing; those of the same plan in it are replaced, other files are left alone.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// What runs the cases.
+    #[arg(long, value_name = "ENGINE", default_value = "local")]
+    engine: Engine,
+    /// Number of parts that the cases are divided into, each a task of the batch system.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    workers: Option<u16>,
+    /// Option of `sbatch`, such as --slurm-option=--partition=long; may be given several times.
+    #[arg(long, value_name = "OPT", allow_hyphen_values = true)]
+    slurm_option: Vec<String>,
+    /// Times that a part is submitted at most, if it ends before its cases are done.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    tries: u16,
+    /// Seconds between two looks at the queue.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=3600))]
+    poll: u16,
+    /// Run the K-th of N parts of the cases alone, and write no tables: what any batch system calls. Which cases a part has depends on the
+    /// plan alone.
+    #[arg(long, value_name = "K/N", conflicts_with_all = ["engine", "workers", "slurm_option", "tries", "poll"])]
+    part: Option<Part>,
+    /// Tell how many cases are done, have failed and are pending, without running any.
+    #[arg(long)]
+    status: bool,
+    /// Run cases again that have failed or did not converge.
+    #[arg(long)]
+    retry_failed: bool,
+    /// Memory for cases (GB) [default: most of what is free].
+    #[arg(long, value_name = "GB")]
+    memory: Option<f64>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    cache: Cache,
+}
+
+/// What runs the cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Engine {
+    /// This process.
+    Local,
+    /// Tasks of a job array of Slurm.
+    Slurm,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
+    let engine = arguments.engine;
+    if let Some(memory) = arguments.memory.filter(|memory| !(*memory > 0.0)) {
+        bail!("--memory {memory} GB is no memory; give a positive number");
+    }
+    match (engine, arguments.workers) {
+        (Engine::Slurm, None) => bail!("--engine slurm needs --workers N: the number of tasks that share the cases"),
+        (Engine::Local, Some(_)) => bail!("--workers belongs to --engine slurm; for cases here give --threads"),
+        _ => {}
+    }
+    if engine == Engine::Local && !arguments.slurm_option.is_empty() {
+        bail!("--slurm-option belongs to --engine slurm");
+    }
+    arguments.threads.start()?;
+    let machine = Here::new(rayon::current_num_threads())?;
+    let done = work(arguments, defaults, &machine);
+    machine.bar.finish();
+    done
+}
+
+fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Outcome> {
+    let options = arguments.cache.options(defaults);
+    let plan = Plan::read(&arguments.plan)?;
+    let (base, mut inputs) = base_scene(&arguments.plan, &plan, defaults)?;
+    inputs.insert(0, Input::of_file(InputRole::Plan, &arguments.plan)?);
+    let study = Study::new(&arguments.plan, plan, base, &BENCHMARKS, options.build.clone())?;
+    inputs.extend(study.inputs().iter().cloned());
+    let provenance = provenance::of(inputs)?;
+    let root = match &options.cache {
+        Some(cache) => cache.join(CASES),
+        None => arguments.out.join(CASES),
+    };
+    let range = study.part(arguments.part);
+    let mut store = study.store(&root, range.clone())?;
+    let name = file_name(&arguments.plan);
+    if arguments.status {
+        print(&status(&name, &study, &store, range))?;
+        return Ok(Outcome::Success);
+    }
+    // Before the computation: it would be a pity to find out only afterwards.
+    let folder = match arguments.part {
+        Some(_) => None,
+        None => {
+            let identity = Identity::new("study", format!("{name} of {}", study.scene_name()));
+            let names = [CSV, PARQUET, ACCOUNT, "report.html"];
+            Some(arguments.overwrite.open(&arguments.out, &identity, &names)?)
+        }
+    };
+    let todo = study.pending(range.clone(), &store, arguments.retry_failed);
+    announce(&name, &study, &store, range.clone(), todo.len(), machine)?;
+    let (segments, tally) = match arguments.engine {
+        Engine::Slurm if arguments.part.is_none() => {
+            let job = job(arguments, &options)?;
+            job.run(&study, &mut store, machine)?;
+            (store.size(), Tally::default())
+        }
+        _ => {
+            let memory = arguments.memory.map(|gigabytes| (1e9 * gigabytes) as u64);
+            let tally = parameter_studies::run(&study, &store, &todo, &options, memory, machine)?;
+            store.refresh()?;
+            (store.size(), tally)
+        }
+    };
+    let counts = study.counts(range.clone(), &store);
+    let Some(folder) = folder else {
+        print(&status(&name, &study, &store, range))?;
+        return Ok(Outcome::Success);
+    };
+    let case_seconds: f64 = store.records().map(|record| record.seconds).sum();
+    let account = json!({
+        "plan": name,
+        "scene": study.scene_name(),
+        "parameters": study.columns().iter().map(|column| column.heading()).collect::<Vec<_>>(),
+        "counts": counts,
+        "engine": format!("{:?}", arguments.engine).to_lowercase(),
+        "times": {
+            "case_seconds": case_seconds,
+            "run_now": { "cases": tally.cases, "case_seconds": tally.case_seconds, "structure_seconds": tally.structure_seconds,
+                "seconds": tally.seconds },
+            "total": machine.seconds(),
+        },
+        "store": { "folder": root.display().to_string(), "segments": segments.1, "bytes": segments.0, "lines": store.lines() },
+        "peak_memory": peak_memory(),
+        "provenance": provenance,
+    });
+    let mut facts = vec![
+        ("plan".to_owned(), name.clone()),
+        ("cases".to_owned(), counts.cases.to_string()),
+        ("distinct cases".to_owned(), counts.distinct.to_string()),
+        ("distinct structures".to_owned(), counts.structures.to_string()),
+        ("converged".to_owned(), counts.converged.to_string()),
+        ("converged in part".to_owned(), counts.partly_converged.to_string()),
+        ("failed".to_owned(), counts.failed.to_string()),
+    ];
+    facts.extend(
+        study
+            .columns()
+            .iter()
+            .map(|column| ("parameter".to_owned(), column.heading())),
+    );
+    let mut files = outputs(&study, &store, &facts)?;
+    let mut account = serde_json::to_vec_pretty(&account).context("encoding the account of the study")?;
+    account.push(b'\n');
+    files.push(Output::new(ACCOUNT, account));
+    publish(folder, &files)?;
+    machine.bar.finish();
+    print(&format!(
+        "{}{:.1} s of cases on one thread each; results, with report.html to begin with, in {}\n",
+        status(&name, &study, &store, range),
+        case_seconds,
+        arguments.out.display()
+    ))?;
+    Ok(match counts.failed + counts.partly_converged {
+        0 => Outcome::Success,
+        _ => Outcome::Incomplete,
+    })
+}
+
+/// The scene of a plan, and the file that it is from.
+fn base_scene(path: &Path, plan: &Plan, defaults: &Defaults) -> Result<(BaseScene, Vec<Input>)> {
+    let parent = match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    let stem = |path: &Path| {
+        path.file_stem()
+            .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    };
+    // Addresses of cases shall not depend on the folder that the command is called in.
+    let absolute = |folder: &Path| {
+        std::fs::canonicalize(folder).with_context(|| format!("finding the folder {}", folder.display()))
+    };
+    let (mut base, inputs) = match &plan.scene {
+        Base::Inline(value) => {
+            let base = BaseScene {
+                value: value.clone(),
+                name: stem(path),
+                folder: Some(absolute(parent)?),
+            };
+            (base, Vec::new())
+        }
+        Base::Named(name) => {
+            let file = parent.join(name);
+            if file.exists() {
+                let text = input_files::read_text(&file, input_files::Kind::Scene)?;
+                let value = parse_json(&text).map_err(|message| anyhow!("{}: {message}", file.display()))?;
+                let base = BaseScene {
+                    value,
+                    name: stem(&file),
+                    folder: Some(absolute(file.parent().unwrap_or(parent))?),
+                };
+                (base, vec![Input::of_file(InputRole::Scene, &file)?])
+            } else {
+                let (own, text) = benchmarks::scene_text(name).map_err(|error| {
+                    anyhow!(
+                        "{}: scene = `{name}` is no file beside the plan, and no scene that comes with the program: {error}",
+                        path.display()
+                    )
+                })?;
+                let value = parse_json(text).map_err(|message| anyhow!("the built-in scene {own}: {message}"))?;
+                let base = BaseScene {
+                    value,
+                    name: own.to_owned(),
+                    folder: None,
+                };
+                (base, vec![Input::of_built_in_scene(own, text)])
+            }
+        }
+    };
+    scene::fill(&mut base.value, defaults);
+    Ok((base, inputs))
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+/// How far a study is, in lines.
+fn status(name: &str, study: &Study<'_>, store: &Store, range: std::ops::Range<usize>) -> String {
+    let counts = study.counts(range, store);
+    let done = counts.distinct - counts.pending;
+    format!(
+        "{name}: {} cases, {} distinct, structures: {}\ndone {done} (converged {}, converged in part {}, failed {}), pending {}\n",
+        counts.cases,
+        counts.distinct,
+        counts.structures,
+        counts.converged,
+        counts.partly_converged,
+        counts.failed,
+        counts.pending
+    )
+}
+
+/// Tells what will be run before it is.
+fn announce(
+    name: &str,
+    study: &Study<'_>,
+    store: &Store,
+    range: std::ops::Range<usize>,
+    todo: usize,
+    machine: &Here,
+) -> Result<()> {
+    for name in study.left_out() {
+        machine.line(&format!(
+            "the scene asks for `{name}`, which studies leave out: they follow hysteresis loops alone"
+        ));
+    }
+    let counts = study.counts(range, store);
+    machine.line(&format!(
+        "{name}: {} cases, {} distinct, structures to reduce: {}; {} done, {todo} to run",
+        counts.cases,
+        counts.distinct,
+        counts.structures,
+        counts.distinct - counts.pending
+    ));
+    let [line, amplitude, row] = SIZES;
+    let rows = study.rows_per_case()? as f64;
+    machine.line(&format!(
+        "expected on disk: {:.1} MB of finished cases in {}, {:.1} MB of tables",
+        1e-6 * counts.distinct as f64 * (line + amplitude * rows),
+        store.root().display(),
+        1e-6 * counts.cases as f64 * row * rows
+    ));
+    let known: Vec<f64> = store.records().map(|record| record.seconds).collect();
+    if !known.is_empty() && todo > 0 {
+        let mean = known.iter().sum::<f64>() / known.len() as f64;
+        machine.line(&format!(
+            "expected time: {:.0} s of cases, by {} that are done",
+            mean * todo as f64,
+            known.len()
+        ));
+    }
+    Ok(())
+}
+
+/// The job array that runs all parts.
+fn job(arguments: &Arguments, options: &joint_pipeline::Options) -> Result<Job> {
+    let absolute = |path: &Path| {
+        let path = std::path::absolute(path).with_context(|| format!("finding {}", path.display()))?;
+        Ok::<_, anyhow::Error>(path.display().to_string())
+    };
+    let program = std::env::current_exe().context("finding the program")?;
+    let mut command = vec![
+        program.display().to_string(),
+        "study".into(),
+        absolute(&arguments.plan)?,
+    ];
+    command.extend(["--out".into(), absolute(&arguments.out)?]);
+    match &options.cache {
+        Some(cache) => command.extend(["--cache".into(), absolute(cache)?]),
+        None => command.push("--no-cache".into()),
+    }
+    if arguments.retry_failed {
+        command.push("--retry-failed".into());
+    }
+    if let Some(memory) = arguments.memory {
+        command.extend(["--memory".into(), memory.to_string()]);
+    }
+    Ok(Job {
+        command,
+        parts: arguments.workers.map_or(1, usize::from),
+        options: arguments.slurm_option.clone(),
+        tries: arguments.tries.into(),
+        poll: arguments.poll.into(),
+        folder: std::path::absolute(&arguments.out).context("finding the folder of the results")?,
+        retry: arguments.retry_failed,
+    })
+}
+
+/// This process: clock, threads, memory and display.
+struct Here {
+    bar: Bar,
+    /// Whether lines tell how far it is, as there is no bar.
+    is_plain: bool,
+    told: AtomicUsize,
+    began: Instant,
+    threads: usize,
+}
+
+impl Here {
+    fn new(threads: usize) -> Result<Self> {
+        Ok(Self {
+            bar: Bar::new("study")?,
+            is_plain: !std::io::IsTerminal::is_terminal(&std::io::stderr()),
+            told: AtomicUsize::new(0),
+            began: Instant::now(),
+            threads,
+        })
+    }
+}
+
+impl Machine for Here {
+    fn seconds(&self) -> f64 {
+        self.began.elapsed().as_secs_f64()
+    }
+
+    fn threads(&self) -> usize {
+        self.threads
+    }
+
+    fn on_threads(&self, number: usize, work: &(dyn Fn() + Sync)) {
+        std::thread::scope(|scope| {
+            for _ in 0..number {
+                scope.spawn(|| {
+                    // A pool of this thread alone, so that parallel loops within a case stay on it.
+                    let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+                    work();
+                    drop(pool);
+                });
+            }
+        });
+    }
+
+    fn memory(&self) -> Option<Memory> {
+        Some(Memory {
+            peak: peak_memory()?,
+            free: free_memory()?,
+        })
+    }
+
+    fn forget_peak_memory(&self) {
+        forget_peak_memory();
+    }
+
+    fn fraction(&self, done: f64) {
+        self.bar.fraction(done);
+        let tenths = (10.0 * done) as usize;
+        if self.is_plain && self.told.fetch_max(tenths, Ordering::Relaxed) < tenths {
+            let seconds = self.seconds();
+            let left = if done > 0.0 { seconds * (1.0 / done - 1.0) } else { 0.0 };
+            self.line(&format!(
+                "{:>3} % after {seconds:.0} s, about {left:.0} s left",
+                10 * tenths
+            ));
+        }
+    }
+
+    fn line(&self, text: &str) {
+        self.bar.line(text);
+    }
+
+    fn wait(&self, seconds: f64) {
+        std::thread::sleep(Duration::from_secs_f64(seconds));
+    }
+}

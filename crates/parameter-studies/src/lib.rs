@@ -1,0 +1,20 @@
+#![doc = include_str!("../README.md")]
+
+mod design;
+mod error;
+mod plan;
+mod report;
+mod run;
+pub mod slurm;
+mod store;
+mod study;
+mod table;
+
+pub use design::{Column, Kind};
+pub use error::Error;
+pub use plan::{Base, Design, Listed, Parameter, Plan, Sample, Spacing, schema};
+pub use report::outputs;
+pub use run::{Machine, Memory, Part, Tally, run};
+pub use store::{Record, Store};
+pub use study::{BaseScene, Counts, Study};
+pub use table::{CSV, PARQUET};

@@ -1,0 +1,340 @@
+//! Runs cases in this process: structure by structure, and on each the cases in parallel, with one thread each.
+
+use crate::Error;
+use crate::store::{Record, Store, Writer};
+use crate::study::{Case, Study};
+use joint_pipeline::Options;
+use joint_pipeline::Scene;
+use joint_pipeline::analysis::cases::{CaseMode, CaseStructure};
+use joint_pipeline::interface::SceneInterface;
+use joint_pipeline::progress::Silent;
+use std::collections::BTreeMap;
+use std::str::FromStr;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Share of the free memory that cases may take.
+const MEMORY: f64 = 0.8;
+
+/// What a library must not find out by itself; called from several threads.
+pub trait Machine: Sync {
+    /// Seconds since some moment.
+    fn seconds(&self) -> f64;
+    /// Threads that cases may use.
+    fn threads(&self) -> usize;
+    /// Calls a function on so many threads at once, each of which is all that what it calls may use.
+    fn on_threads(&self, number: usize, work: &(dyn Fn() + Sync));
+    /// Memory of the process and of the system, where they tell.
+    fn memory(&self) -> Option<Memory>;
+    /// Makes the peak of the memory count from now on.
+    fn forget_peak_memory(&self);
+    /// Part of the cases that are done, from 0 to 1.
+    fn fraction(&self, done: f64);
+    /// A line that stays.
+    fn line(&self, text: &str);
+    /// Waits.
+    fn wait(&self, seconds: f64);
+}
+
+/// Memory (bytes).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Largest of the process since its peak was forgotten.
+    pub peak: u64,
+    /// What the process may still take.
+    pub free: u64,
+}
+
+/// One of several parts of equal numbers of cases. Which cases a part has depends on the plan alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Which, from 1.
+    pub number: usize,
+    /// Of how many.
+    pub of: usize,
+}
+
+impl Part {
+    /// Its cases of so many.
+    pub(crate) fn range(self, cases: usize) -> std::ops::Range<usize> {
+        let end = |part: usize| (part as u128 * cases as u128 / self.of as u128) as usize;
+        end(self.number - 1)..end(self.number)
+    }
+}
+
+impl FromStr for Part {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let number = |text: &str| text.trim().parse::<usize>().ok();
+        let parts = text.split_once('/').and_then(|(k, n)| Some((number(k)?, number(n)?)));
+        match parts {
+            Some((number, of)) if (1..=of).contains(&number) => Ok(Self { number, of }),
+            _ => Err(Error::Part { text: text.into() }),
+        }
+    }
+}
+
+/// What was run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Cases.
+    pub cases: usize,
+    /// Time of all cases, each on one thread (s).
+    pub case_seconds: f64,
+    /// Time for the structures (s).
+    pub structure_seconds: f64,
+    /// Wall time (s).
+    pub seconds: f64,
+}
+
+/// What is known of an interface whose asperities several cases share.
+#[derive(Default)]
+struct Shared {
+    known: Mutex<Option<Arc<SceneInterface>>>,
+    /// Cases that have not taken it yet.
+    left: AtomicUsize,
+}
+
+/// Runs cases of a study, by index, and appends each to the store when it is done. `memory` (bytes) stands for what the system says is free.
+///
+/// # Errors
+/// A line could not be written. Whatever ends a case is its record.
+pub fn run(
+    study: &Study<'_>,
+    store: &Store,
+    todo: &[usize],
+    options: &Options,
+    memory: Option<u64>,
+    machine: &dyn Machine,
+) -> Result<Tally, Error> {
+    let began = machine.seconds();
+    let all: Vec<&Case> = todo.iter().filter_map(|index| study.cases.get(*index)).collect();
+    let runner = Runner {
+        study,
+        machine,
+        writer: Mutex::new(Writer::new(store.root())),
+        failed: Mutex::new(None),
+        done: AtomicUsize::new(0),
+        all: all.len(),
+        tally: Mutex::default(),
+    };
+    // Threads that may run cases at the same time, as far as memory is known, and the largest model that it is known of.
+    let (mut allowed, mut largest) = (machine.threads().max(1), 0);
+    for group in all.chunk_by(|a, b| a.structure == b.structure) {
+        let Some((first, rest)) = group.split_first() else {
+            continue;
+        };
+        let before = machine.seconds();
+        let reduced = study
+            .scene(first.number)
+            .and_then(|scene| Ok(CaseStructure::try_new(&scene, options, &Silent)?));
+        let reduction = machine.seconds() - before;
+        runner.tally().structure_seconds += reduction;
+        let structure = match &reduced {
+            Ok(structure) => structure,
+            Err(error) => {
+                for case in group {
+                    runner.finish(case, 0.0, Err(error.to_string()));
+                }
+                runner.ended()?;
+                continue;
+            }
+        };
+        let mut shared: BTreeMap<usize, Shared> = BTreeMap::new();
+        for case in group {
+            *shared.entry(case.surface).or_default().left.get_mut() += 1;
+        }
+        let next = AtomicUsize::new(0);
+        let work = |cases: &[&Case]| {
+            while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if runner.is_ended() {
+                    return;
+                }
+                runner.one(case, structure, shared.get(&case.surface));
+            }
+        };
+        let mut cases = group;
+        if structure.size() > largest {
+            // One case alone tells what a case takes.
+            largest = structure.size();
+            let is_first = runner.done.load(Ordering::Relaxed) == 0;
+            machine.forget_peak_memory();
+            let start = machine.memory();
+            machine.on_threads(1, &|| work(&group[..1]));
+            if let (Some(start), Some(end)) = (start, machine.memory()) {
+                let one = end.peak.saturating_sub(start.peak).max(1);
+                let free = memory.map_or(MEMORY * end.free as f64, |budget| {
+                    budget.saturating_sub(start.peak) as f64
+                });
+                allowed = ((free / one as f64) as usize).clamp(1, machine.threads().max(1));
+                if allowed < machine.threads() {
+                    machine.line(&format!(
+                        "memory for {allowed} cases at a time, of about {:.0} MB each; --memory says how much there is",
+                        one as f64 / 1e6
+                    ));
+                }
+            }
+            if is_first {
+                runner.estimate(store, reduction, structure.size(), allowed);
+            }
+            next.store(0, Ordering::Relaxed);
+            cases = rest;
+        }
+        match allowed.min(cases.len()) {
+            0 => {}
+            threads => machine.on_threads(threads, &|| work(cases)),
+        }
+        runner.ended()?;
+    }
+    let mut tally = *runner.tally();
+    tally.seconds = machine.seconds() - began;
+    Ok(tally)
+}
+
+/// What all threads share.
+struct Runner<'a> {
+    study: &'a Study<'a>,
+    machine: &'a dyn Machine,
+    writer: Mutex<Writer>,
+    /// Why a line could not be written.
+    failed: Mutex<Option<Error>>,
+    done: AtomicUsize,
+    all: usize,
+    tally: Mutex<Tally>,
+}
+
+impl Runner<'_> {
+    fn tally(&self) -> MutexGuard<'_, Tally> {
+        self.tally.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn failure(&self) -> MutexGuard<'_, Option<Error>> {
+        self.failed.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn is_ended(&self) -> bool {
+        self.failure().is_some()
+    }
+
+    fn ended(&self) -> Result<(), Error> {
+        self.failure().take().map_or(Ok(()), Err)
+    }
+
+    /// Runs a case.
+    fn one(&self, case: &Case, structure: &CaseStructure, shared: Option<&Shared>) {
+        let began = self.machine.seconds();
+        let found = self.study.scene(case.number).and_then(|scene| {
+            let interface = interface(&scene, structure, shared)?;
+            Ok(structure.backbones(&scene, &interface, &Silent)?)
+        });
+        let seconds = self.machine.seconds() - began;
+        self.finish(case, seconds, found.map_err(|error| error.to_string()));
+    }
+
+    /// Stores what became of a case.
+    fn finish(&self, case: &Case, seconds: f64, outcome: Result<Vec<CaseMode>, String>) {
+        let record = Record { seconds, outcome };
+        let structure = self.study.structures.get(case.structure).map_or("", String::as_str);
+        let appended = {
+            let mut writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
+            writer.append(structure, &case.address, &record)
+        };
+        if let Err(error) = appended {
+            self.failure().get_or_insert(error);
+            return;
+        }
+        {
+            let mut tally = self.tally();
+            tally.cases += 1;
+            tally.case_seconds += seconds;
+        }
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.machine.fraction(done as f64 / self.all as f64);
+    }
+
+    /// Tells what is to be expected, from the first case.
+    fn estimate(&self, store: &Store, reduction: f64, size: usize, threads: usize) {
+        let tally = *self.tally();
+        if tally.cases == 0 {
+            return;
+        }
+        let known: Vec<f64> = store.records().map(|record| record.seconds).collect();
+        let own = tally.case_seconds / tally.cases as f64;
+        let mean = (own + known.iter().sum::<f64>()) / (1 + known.len()) as f64;
+        let left = self.all - tally.cases;
+        let structures = self.study.structures.len().saturating_sub(1) as f64;
+        let seconds = left as f64 * mean / threads as f64 + structures * reduction;
+        self.machine.line(&format!(
+            "{mean:.2} s per case ({}), {reduction:.1} s for the first structure, whose reduced model takes {:.1} MB in the cache; about {} \
+             left with {threads} threads",
+            match known.len() {
+                0 => "measured on the first".to_owned(),
+                n => format!("measured on {}", n + 1),
+            },
+            16e-6 * (size as f64).powi(2),
+            duration(seconds)
+        ));
+    }
+}
+
+/// Seconds in words.
+pub(crate) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{s:.0} s"),
+        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// The interface of a case; the first of several with one surface makes it for all.
+fn interface(
+    scene: &Scene,
+    structure: &CaseStructure,
+    shared: Option<&Shared>,
+) -> Result<Arc<SceneInterface>, joint_pipeline::Error> {
+    let Some(shared) = shared else {
+        return structure.interface(scene, None).map(Arc::new);
+    };
+    let is_last = shared.left.fetch_sub(1, Ordering::Relaxed) == 1;
+    let mut known = shared.known.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = match known.clone() {
+        Some(interface) => {
+            if is_last {
+                *known = None;
+            }
+            drop(known);
+            return structure.interface(scene, Some(&interface)).map(Arc::new);
+        }
+        None if is_last => {
+            drop(known);
+            return structure.interface(scene, None).map(Arc::new);
+        }
+        // Others wait for what they need.
+        None => Arc::new(structure.interface(scene, None)?),
+    };
+    *known = Some(found.clone());
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests")]
+    use super::*;
+
+    #[test]
+    fn parts_have_every_case_once() {
+        for (cases, of) in [(10, 3), (7, 7), (3, 8), (1000, 2), (1, 1)] {
+            let mut covered = Vec::new();
+            for number in 1..=of {
+                covered.extend(Part { number, of }.range(cases));
+            }
+            assert_eq!(covered, (0..cases).collect::<Vec<_>>());
+        }
+        assert_eq!("2/5".parse::<Part>().unwrap(), Part { number: 2, of: 5 });
+        for text in ["0/5", "6/5", "1", "a/b", "1/0", "-1/2"] {
+            let message = text.parse::<Part>().unwrap_err().to_string();
+            assert!(message.contains(text) && message.contains("3/20"), "{message}");
+        }
+    }
+}

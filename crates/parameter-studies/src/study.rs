@@ -1,0 +1,289 @@
+//! A plan with its cases, all of which have been understood and validated.
+
+use crate::Error;
+use crate::design::{Column, Design, put};
+use crate::plan::{Base, Plan};
+use crate::run::Part;
+use crate::store::Store;
+use joint_pipeline::analysis::cases::{CaseHasher, as_case};
+use joint_pipeline::results::provenance::{Input, inputs_of};
+use joint_pipeline::{Benchmarks, Scene};
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+
+/// The scene of a plan before anything of it varies.
+#[derive(Clone, Debug)]
+pub struct BaseScene {
+    /// As its file has it.
+    pub value: Value,
+    /// Its name, where it has none of its own.
+    pub name: String,
+    /// Folder that relative paths in it start from.
+    pub folder: Option<PathBuf>,
+}
+
+/// A case that differs from all others.
+#[derive(Clone, Debug)]
+pub(crate) struct Case {
+    /// SHA-256 of all that it depends on.
+    pub(crate) address: String,
+    /// Its first number in the plan.
+    pub(crate) number: usize,
+    /// Index of its structure.
+    pub(crate) structure: usize,
+    /// Index of its surface.
+    pub(crate) surface: usize,
+    /// Damping ratio apart from friction.
+    pub(crate) background: f64,
+}
+
+/// A plan with its cases.
+pub struct Study<'a> {
+    name: String,
+    base: BaseScene,
+    benchmarks: Benchmarks<'a>,
+    pub(crate) plan: Plan,
+    pub(crate) design: Design,
+    /// The distinct cases, those on one structure beside each other, and within it those with one surface.
+    pub(crate) cases: Vec<Case>,
+    /// For each number of the plan, the index of its case.
+    pub(crate) of_plan: Vec<usize>,
+    /// Keys of the structures.
+    pub(crate) structures: Vec<String>,
+    inputs: Vec<Input>,
+}
+
+/// How far a study is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Cases of the plan.
+    pub cases: usize,
+    /// Those that differ.
+    pub distinct: usize,
+    /// Structures that differ.
+    pub structures: usize,
+    /// Distinct cases of which all amplitudes converged.
+    pub converged: usize,
+    /// Distinct cases of which some amplitudes did not converge.
+    pub partly_converged: usize,
+    /// Distinct cases without a backbone.
+    pub failed: usize,
+    /// Distinct cases that are not done.
+    pub pending: usize,
+}
+
+impl<'a> Study<'a> {
+    /// Understands and validates the scenes of all cases. `build` is that of the program, see [`joint_pipeline::Options::build`].
+    ///
+    /// # Errors
+    /// [`Error::Plan`], [`Error::Pointer`], [`Error::Case`] of the first case that is not admissible; a file that a scene names cannot be read.
+    pub fn new(
+        plan_path: &Path,
+        plan: Plan,
+        base: BaseScene,
+        benchmarks: Benchmarks<'a>,
+        build: Option<String>,
+    ) -> Result<Self, Error> {
+        let name = plan_path.display().to_string();
+        let design = Design::new(&plan, &name)?;
+        let mut study = Self {
+            name,
+            base,
+            benchmarks,
+            plan,
+            design,
+            cases: Vec::new(),
+            of_plan: Vec::new(),
+            structures: Vec::new(),
+            inputs: Vec::new(),
+        };
+        // The scene itself first: what is wrong with it is no fault of a value. What it leaves out, cases may give.
+        let hasher = CaseHasher::new(build);
+        let understood = |number: usize| {
+            let scene = study.scene(number)?;
+            let keys = hasher.keys(&scene)?;
+            Ok::<_, Error>((keys, scene.background_damping))
+        };
+        let all: Vec<_> = (0..study.design.number).into_par_iter().map(understood).collect();
+        let mut files = BTreeMap::new();
+        let mut found = Vec::with_capacity(all.len());
+        for keys in all {
+            found.push(keys?);
+        }
+        let index = |keys: BTreeSet<&String>| -> (Vec<String>, HashMap<String, usize>) {
+            let sorted: Vec<String> = keys.into_iter().cloned().collect();
+            let places = sorted.iter().cloned().zip(0..).collect();
+            (sorted, places)
+        };
+        let (structures, of_structure) = index(found.iter().map(|(keys, _)| &keys.structure).collect());
+        let (_, of_surface) = index(found.iter().map(|(keys, _)| &keys.surface).collect());
+        let mut first: HashMap<&String, usize> = HashMap::new();
+        let mut cases = Vec::new();
+        for (number, (keys, background)) in found.iter().enumerate() {
+            first.entry(&keys.case).or_insert_with(|| {
+                cases.push(Case {
+                    address: keys.case.clone(),
+                    number,
+                    structure: of_structure.get(&keys.structure).copied().unwrap_or_default(),
+                    surface: of_surface.get(&keys.surface).copied().unwrap_or_default(),
+                    background: *background,
+                });
+                number
+            });
+        }
+        cases.sort_by_key(|case| (case.structure, case.surface, case.number));
+        let place: HashMap<&String, usize> = cases.iter().map(|case| &case.address).zip(0..).collect();
+        let of_plan = found
+            .iter()
+            .map(|(keys, _)| place.get(&keys.case).copied().unwrap_or_default());
+        study.of_plan = of_plan.collect();
+        // One case of each structure and surface names all files.
+        for case in &cases {
+            if let std::collections::btree_map::Entry::Vacant(entry) = files.entry((case.structure, case.surface)) {
+                entry.insert(inputs_of(&study.scene(case.number)?)?);
+            }
+        }
+        for input in files.into_values().flatten() {
+            if !study.inputs.contains(&input) {
+                study.inputs.push(input);
+            }
+        }
+        (study.cases, study.structures) = (cases, structures);
+        Ok(study)
+    }
+
+    /// The scene of a case of the plan.
+    pub(crate) fn scene(&self, number: usize) -> Result<Scene, Error> {
+        let mut value = self.base.value.clone();
+        let mut place = format!("{}: case {}", self.name, number + 1);
+        let mut separator = " (";
+        for (column, own) in self.design.columns.iter().zip(self.design.values(number)) {
+            let Some(own) = own else { continue };
+            place += &format!("{separator}{} = {own}", column.pointer);
+            separator = ", ";
+            put(&mut value, &column.pointer, own.clone()).map_err(|reason| Error::Pointer {
+                plan: self.name.clone(),
+                pointer: column.pointer.clone(),
+                value: own.to_string(),
+                reason,
+            })?;
+        }
+        if separator == ", " {
+            place.push(')');
+        }
+        let scene = Scene::from_value(value, &place, &self.base.name, self.benchmarks);
+        let mut scene = scene.map_err(Error::Case)?;
+        if let Some(folder) = &self.base.folder {
+            scene.resolve(folder);
+        }
+        Ok(as_case(&scene))
+    }
+
+    /// Rows that a case has in tables, if it converges.
+    ///
+    /// # Errors
+    /// Those of [`Study::new`].
+    pub fn rows_per_case(&self) -> Result<usize, Error> {
+        let scene = self.scene(0)?;
+        Ok(scene.cqsma.amplitudes * scene.cqsma.followed().len())
+    }
+
+    /// Name of the scene.
+    pub fn scene_name(&self) -> &str {
+        let own = self.base.value.get("name").and_then(Value::as_str);
+        own.unwrap_or(&self.base.name)
+    }
+
+    /// Files that the scenes name.
+    pub fn inputs(&self) -> &[Input] {
+        &self.inputs
+    }
+
+    /// Parameters as columns of tables.
+    pub fn columns(&self) -> &[Column] {
+        &self.design.columns
+    }
+
+    /// Analyses of the scene beside CQSMA, which studies leave out, by the names of their blocks.
+    pub fn left_out(&self) -> Vec<&'static str> {
+        let asks = |name: &&str| {
+            self.base.value.get(*name).is_some_and(|value| match value {
+                Value::Array(list) => !list.is_empty(),
+                other => !other.is_null(),
+            })
+        };
+        let mut names = vec!["methods", "forced", "sensitivities", "uncertain"];
+        names.retain(|name| asks(name));
+        names
+    }
+
+    /// The distinct cases of a part, or all, by index.
+    pub fn part(&self, part: Option<Part>) -> std::ops::Range<usize> {
+        part.map_or(0..self.cases.len(), |part| part.range(self.cases.len()))
+    }
+
+    /// Those of some cases that are not in the store, and with `retry` also those that failed.
+    pub fn pending(&self, cases: std::ops::Range<usize>, store: &Store, retry: bool) -> Vec<usize> {
+        let is_pending = |index: &usize| {
+            let found = self.cases.get(*index).and_then(|case| store.get(&case.address));
+            found.is_none_or(|record| retry && !record.is_converged())
+        };
+        cases.filter(is_pending).collect()
+    }
+
+    /// How far some cases are.
+    pub fn counts(&self, range: std::ops::Range<usize>, store: &Store) -> Counts {
+        let cases = self.cases.get(range.clone()).unwrap_or_default();
+        let structures: BTreeSet<usize> = cases.iter().map(|case| case.structure).collect();
+        let mut counts = Counts {
+            cases: self.of_plan.iter().filter(|index| range.contains(index)).count(),
+            distinct: cases.len(),
+            structures: structures.len(),
+            converged: 0,
+            partly_converged: 0,
+            failed: 0,
+            pending: 0,
+        };
+        for case in cases {
+            let count = match store.get(&case.address) {
+                None => &mut counts.pending,
+                Some(record) if record.is_converged() => &mut counts.converged,
+                Some(record) if record.outcome.is_ok() => &mut counts.partly_converged,
+                Some(_) => &mut counts.failed,
+            };
+            *count += 1;
+        }
+        counts
+    }
+
+    /// The store in a folder, as far as it concerns some cases.
+    ///
+    /// # Errors
+    /// [`Error::Store`].
+    pub fn store(&self, root: &Path, cases: std::ops::Range<usize>) -> Result<Store, Error> {
+        let cases = self.cases.get(cases).unwrap_or_default();
+        let structures: BTreeSet<usize> = cases.iter().map(|case| case.structure).collect();
+        let keys = structures.into_iter().filter_map(|index| self.structures.get(index));
+        Store::open(root, keys, cases.iter().map(|case| case.address.clone()))
+    }
+
+    /// The plan with the scene in it, unless that names files, and the values of grids written out: a plan of the same cases.
+    pub fn resolved(&self) -> Plan {
+        let mut plan = self.plan.clone();
+        if self.inputs.is_empty() {
+            plan.scene = Base::Inline(self.base.value.clone());
+        }
+        if let Some(grid) = self.design.grid() {
+            for ((_, parameter), values) in plan.parameters.0.iter_mut().zip(grid) {
+                *parameter = crate::plan::Parameter {
+                    values: Some(values.clone()),
+                    ..Default::default()
+                };
+            }
+        }
+        plan
+    }
+}

@@ -1,0 +1,269 @@
+//! The table of a study: one row per case, mode and amplitude, in the order of the plan, as CSV and as Parquet.
+
+use crate::Error;
+use crate::design::Kind;
+use crate::store::Store;
+use crate::study::Study;
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::schema::types::Type;
+use reports::csv::number;
+use serde_json::Value;
+use std::sync::Arc;
+
+/// Name of the table as comma-separated values.
+pub const CSV: &str = "results.csv";
+
+/// Name of the table as Parquet.
+pub const PARQUET: &str = "results.parquet";
+
+/// Rows of a row group.
+const ROWS: usize = 131_072;
+
+/// A table, column by column.
+pub(crate) struct Table {
+    columns: Vec<Column>,
+}
+
+struct Column {
+    name: String,
+    /// Whether every row has a value.
+    required: bool,
+    data: Data,
+}
+
+enum Data {
+    Text(Vec<Option<Arc<str>>>),
+    Real(Vec<Option<f64>>),
+    Whole(Vec<Option<i32>>),
+}
+
+/// A row apart from its case and parameters.
+#[derive(Default)]
+struct Row {
+    mode: Option<i32>,
+    modal_amplitude: Option<f64>,
+    response_displacement: Option<f64>,
+    frequency_hz: Option<f64>,
+    damping_ratio: Option<f64>,
+    response_motion: Option<f64>,
+    frequency_first_harmonic_hz: Option<f64>,
+    damping_ratio_first_harmonic: Option<f64>,
+    status: &'static str,
+    reason: Option<Arc<str>>,
+}
+
+/// The rows of a case.
+fn rows(store: &Store, address: &str) -> Vec<Row> {
+    let failed = |reason: &str| Row {
+        status: "failed",
+        reason: Some(reason.into()),
+        ..Row::default()
+    };
+    let modes = match store.get(address).map(|record| &record.outcome) {
+        None => return vec![failed("it was not run")],
+        Some(Err(reason)) => return vec![failed(reason)],
+        Some(Ok(modes)) => modes,
+    };
+    let mut rows = Vec::new();
+    for mode in modes {
+        let number = Some(mode.mode as i32);
+        for (index, amplitude) in mode.amplitudes.iter().enumerate() {
+            rows.push(match amplitude {
+                Ok(point) => Row {
+                    mode: number,
+                    modal_amplitude: Some(point.modal_amplitude),
+                    response_displacement: Some(point.response_displacement),
+                    frequency_hz: Some(point.frequency_hz),
+                    damping_ratio: point.damping_ratio,
+                    response_motion: Some(point.seen.response_motion),
+                    frequency_first_harmonic_hz: Some(point.seen.frequency_hz),
+                    damping_ratio_first_harmonic: point.seen.damping_ratio,
+                    status: "converged",
+                    reason: point
+                        .damping_ratio
+                        .is_none()
+                        .then(|| "damping is below its floor".into()),
+                },
+                Err(reason) => Row {
+                    mode: number,
+                    status: "not-converged",
+                    reason: Some(format!("amplitude {}: {reason}", index + 1).into()),
+                    ..Row::default()
+                },
+            });
+        }
+    }
+    rows
+}
+
+impl Table {
+    pub(crate) fn new(study: &Study<'_>, store: &Store) -> Self {
+        let mut addresses = Vec::new();
+        let mut parameters: Vec<Data> = study
+            .columns()
+            .iter()
+            .map(|column| match column.kind {
+                Kind::Text => Data::Text(Vec::new()),
+                Kind::Number | Kind::Quantity(_) => Data::Real(Vec::new()),
+            })
+            .collect();
+        let mut found: Vec<Row> = Vec::new();
+        for (number, index) in study.of_plan.iter().enumerate() {
+            let Some(case) = study.cases.get(*index) else { continue };
+            let address: Arc<str> = case.address.as_str().into();
+            let own = rows(store, &case.address);
+            addresses.extend(own.iter().map(|_| Some(address.clone())));
+            let values = study.design.values(number);
+            for ((column, data), value) in study.columns().iter().zip(&mut parameters).zip(values) {
+                match data {
+                    Data::Real(data) => {
+                        let number = value.and_then(|value| column.number(value));
+                        data.extend(own.iter().map(|_| number));
+                    }
+                    Data::Text(data) => {
+                        let text: Option<Arc<str>> = value.map(|value| match value {
+                            Value::String(text) => text.as_str().into(),
+                            other => other.to_string().into(),
+                        });
+                        data.extend(own.iter().map(|_| text.clone()));
+                    }
+                    Data::Whole(_) => {}
+                }
+            }
+            found.extend(own);
+        }
+        let column = |name: &str, required: bool, data: Data| Column {
+            name: name.into(),
+            required,
+            data,
+        };
+        let real = |of: fn(&Row) -> Option<f64>| Data::Real(found.iter().map(of).collect());
+        let mut columns = vec![column("case", true, Data::Text(addresses))];
+        for (parameter, data) in study.columns().iter().zip(parameters) {
+            columns.push(column(&parameter.heading(), false, data));
+        }
+        columns.extend([
+            column("mode", false, Data::Whole(found.iter().map(|row| row.mode).collect())),
+            column("modal_amplitude", false, real(|row| row.modal_amplitude)),
+            column("response_displacement", false, real(|row| row.response_displacement)),
+            column("frequency_hz", false, real(|row| row.frequency_hz)),
+            column("damping_ratio", false, real(|row| row.damping_ratio)),
+            column("response_motion", false, real(|row| row.response_motion)),
+            column(
+                "frequency_first_harmonic_hz",
+                false,
+                real(|row| row.frequency_first_harmonic_hz),
+            ),
+            column(
+                "damping_ratio_first_harmonic",
+                false,
+                real(|row| row.damping_ratio_first_harmonic),
+            ),
+            column(
+                "status",
+                true,
+                Data::Text(found.iter().map(|row| Some(row.status.into())).collect()),
+            ),
+            column(
+                "reason",
+                false,
+                Data::Text(found.iter().map(|row| row.reason.clone()).collect()),
+            ),
+        ]);
+        Self { columns }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.columns.first().map_or(0, |column| match &column.data {
+            Data::Text(data) => data.len(),
+            Data::Real(data) => data.len(),
+            Data::Whole(data) => data.len(),
+        })
+    }
+
+    /// As comma-separated values; a value that is not there is an empty cell.
+    pub(crate) fn csv(&self) -> Result<Vec<u8>, Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(self.columns.iter().map(|column| &column.name))?;
+        for row in 0..self.len() {
+            let cell = |column: &Column| match &column.data {
+                Data::Text(data) => data.get(row).cloned().flatten().map(|text| text.to_string()),
+                Data::Real(data) => data.get(row).copied().flatten().map(number),
+                Data::Whole(data) => data.get(row).copied().flatten().map(|whole| whole.to_string()),
+            };
+            writer.write_record(self.columns.iter().map(|column| cell(column).unwrap_or_default()))?;
+        }
+        writer.into_inner().map_err(|error| {
+            let source = std::io::Error::other(error.to_string());
+            Error::Table(csv::Error::from(source))
+        })
+    }
+
+    /// As Parquet, without compression.
+    pub(crate) fn parquet(&self) -> Result<Vec<u8>, Error> {
+        let field = |column: &Column| {
+            let (physical, logical) = match column.data {
+                Data::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+                Data::Real(_) => (Physical::DOUBLE, None),
+                Data::Whole(_) => (Physical::INT32, None),
+            };
+            let repetition = match column.required {
+                true => Repetition::REQUIRED,
+                false => Repetition::OPTIONAL,
+            };
+            let built = Type::primitive_type_builder(&column.name, physical)
+                .with_repetition(repetition)
+                .with_logical_type(logical)
+                .build()?;
+            Ok::<_, Error>(Arc::new(built))
+        };
+        let fields = self.columns.iter().map(field).collect::<Result<_, _>>()?;
+        let schema = Type::group_type_builder("study").with_fields(fields).build()?;
+        let properties = Arc::new(WriterProperties::builder().build());
+        let mut bytes = Vec::new();
+        let mut writer = SerializedFileWriter::new(&mut bytes, Arc::new(schema), properties)?;
+        let mut from = 0;
+        while from < self.len() {
+            let rows = from..(from + ROWS).min(self.len());
+            let mut group = writer.next_row_group()?;
+            for column in &self.columns {
+                column.write(rows.clone(), &mut group)?;
+            }
+            group.close()?;
+            from = rows.end;
+        }
+        writer.close()?;
+        Ok(bytes)
+    }
+}
+
+impl Column {
+    fn write<W: std::io::Write + Send>(
+        &self,
+        rows: std::ops::Range<usize>,
+        group: &mut SerializedRowGroupWriter<'_, W>,
+    ) -> Result<(), Error> {
+        let Some(mut writer) = group.next_column()? else {
+            return Ok(());
+        };
+        macro_rules! write {
+            ($data:expr, $type:ty, $value:expr) => {{
+                let rows = $data.get(rows).unwrap_or_default();
+                let levels: Vec<i16> = rows.iter().map(|value| i16::from(value.is_some())).collect();
+                let values: Vec<_> = rows.iter().flatten().map($value).collect();
+                let levels = (!self.required).then_some(levels.as_slice());
+                writer.typed::<$type>().write_batch(&values, levels, None)?;
+            }};
+        }
+        match &self.data {
+            Data::Text(data) => write!(data, ByteArrayType, |text: &Arc<str>| ByteArray::from(&**text)),
+            Data::Real(data) => write!(data, DoubleType, |value: &f64| *value),
+            Data::Whole(data) => write!(data, Int32Type, |value: &i32| *value),
+        }
+        writer.close()?;
+        Ok(())
+    }
+}
