@@ -13,6 +13,7 @@
 //! | comment | block |
 //! |---|---|
 //! | `<!-- book: file PATH -->` | is written to a file |
+//! | `<!-- book: plan PATH -->` | is written to a file, and is no scene but the plan of a study |
 //! | `<!-- book: merge PATH -->` | is merged into a scene (RFC 7396) |
 //! | `<!-- book: fails COMMAND -->` | is what this command says when it fails |
 //! | `<!-- book: within FIELD -->` | belongs into this object of a scene |
@@ -250,6 +251,7 @@ impl Book {
         let place = format!("{page}:{}", block.line);
         match (block.directive, block.language) {
             (Some(("skip", _)), _) => counts[2] += 1,
+            (Some(("plan", path)), "json") => std::fs::write(folder.join(path), &block.text).unwrap(),
             (Some(("file", path)), _) => {
                 std::fs::write(folder.join(path), &block.text).unwrap();
                 if path.ends_with(".json") {

@@ -1,14 +1,15 @@
 //! Cases of studies: what they share changes no bit, and what they are addressed by is all that they depend on.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-mod common;
-
-use common::BENCHMARKS;
+use brake_reuss_beam::BrakeReussBenchmark;
+use joint_pipeline::Benchmark;
 use joint_pipeline::analysis::cases::{CaseHasher, CaseKeys, CaseMode, CaseStructure, as_case};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::{Options, Scene, run};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
+
+static BENCHMARKS: [&dyn Benchmark; 1] = [&BrakeReussBenchmark];
 
 /// The coarse beam with few amplitudes, with a change.
 fn scene(change: &[(&str, Value)]) -> Scene {
