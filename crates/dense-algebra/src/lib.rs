@@ -1,14 +1,16 @@
 //! Dense symmetric factorisations and eigenpairs with results that depend neither on units nor on the number of threads.
 //!
-//! A thin layer over `faer` with two decisions made once for all crates above it. Everything runs on the calling
-//! thread: the loops around it are the parallel ones, and the library's own choice follows a process-wide setting that a
-//! library must not touch. And eigenproblems are brought to unit size, because the library's divide-and-conquer step
+//! A thin layer over `faer` with two decisions made once for all crates above it. What is large is cut into tiles of fixed
+//! size that the threads of the caller's pool share; each tile, and all else, runs on one thread. The library's own choice
+//! follows a process-wide setting that a library must not touch, and would let results depend on the number of threads.
+//! And eigenproblems are brought to unit size, because the library's divide-and-conquer step
 //! deflates with an absolute tolerance (a matrix of size 1e12 lost four digits to it, one of size 1e-5 five).
 
 mod fingerprint;
 mod packed;
 mod residuals;
 mod subspace;
+mod tiles;
 
 pub use fingerprint::arithmetic_fingerprint;
 pub use packed::Symmetric;
@@ -20,10 +22,9 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{self as llt, LltError};
 use faer::linalg::evd::{self, ComputeEigenvectors};
 use faer::linalg::lu::partial_pivoting::{factor as lu, solve as lu_solve};
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self as triangular_product, BlockStructure};
-use faer::linalg::triangular_solve as triangular;
+use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
+use tiles::PANEL;
 
 /// Why a dense operation failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -67,24 +68,41 @@ pub fn cholesky(a: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
             lower[(i, j)] = a[(i, j)];
         }
     }
-    let mut memory = MemBuffer::new(llt::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default()));
+    cholesky_in_place(lower)
+}
+
+/// The same in the memory of `a`, for matrices of which there is no room for two.
+///
+/// # Errors
+/// [`Error::NotPositiveDefinite`].
+pub fn cholesky_in_place(mut a: Mat<f64>) -> Result<Mat<f64>, Error> {
+    let size = a.nrows();
+    let width = if size < 2 * PANEL { size } else { PANEL };
+    let mut memory = MemBuffer::new(llt::cholesky_in_place_scratch::<f64>(width, Par::Seq, Spec::default()));
     let stack = MemStack::new(&mut memory);
-    match llt::cholesky_in_place(
-        lower.as_mut(),
-        llt::LltRegularization::default(),
-        Par::Seq,
-        stack,
-        Spec::default(),
-    ) {
-        Ok(_) => {
-            // The blocked factorisation leaves scratch above the diagonal.
-            for j in 0..size {
-                lower.col_mut(j).subrows_mut(0, j).fill(0.0);
-            }
-            Ok(lower)
-        }
-        Err(LltError::NonPositivePivot { index }) => Err(Error::NotPositiveDefinite { pivot: index, size }),
+    for first in (0..size).step_by(width.max(1)) {
+        let width = width.min(size - first);
+        let rest = a.as_mut().submatrix_mut(first, first, size - first, size - first);
+        let (mut own, _, mut below, beyond) = rest.split_at_mut(width, width);
+        llt::cholesky_in_place(
+            own.rb_mut(),
+            llt::LltRegularization::default(),
+            Par::Seq,
+            stack,
+            Spec::default(),
+        )
+        .map_err(|LltError::NonPositivePivot { index }| Error::NotPositiveDefinite {
+            pivot: first + index,
+            size,
+        })?;
+        tiles::solve(own.as_ref(), below.rb_mut().transpose_mut(), false);
+        tiles::add_lower(beyond, below.as_ref(), below.as_ref().transpose(), -1.0);
     }
+    // Above the diagonal stands what came with the matrix, or scratch of the blocked factorisation.
+    for j in 0..size {
+        a.col_mut(j).subrows_mut(0, j).fill(0.0);
+    }
+    Ok(a)
 }
 
 /// `x = L^-1 x` for all columns.
@@ -92,7 +110,7 @@ pub fn cholesky(a: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
 /// # Panics
 /// If the shapes do not fit.
 pub fn solve_lower(lower: MatRef<'_, f64>, x: MatMut<'_, f64>) {
-    triangular::solve_lower_triangular_in_place(lower, x, Par::Seq);
+    tiles::solve(lower, x, false);
 }
 
 /// `x = L^-T x` for all columns.
@@ -100,7 +118,7 @@ pub fn solve_lower(lower: MatRef<'_, f64>, x: MatMut<'_, f64>) {
 /// # Panics
 /// If the shapes do not fit.
 pub fn solve_lower_transposed(lower: MatRef<'_, f64>, x: MatMut<'_, f64>) {
-    triangular::solve_upper_triangular_in_place(lower.transpose(), x, Par::Seq);
+    tiles::solve(lower, x, true);
 }
 
 /// `L^-1 a L^-T`, symmetrised: a symmetric `a` seen in the metric of `L L^T`.
@@ -135,7 +153,7 @@ pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
 /// # Panics
 /// If the shapes do not fit.
 pub fn product_into(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
-    matmul(c, Accum::Replace, a, b, 1.0, Par::Seq);
+    tiles::product(c, Accum::Replace, a, b, 1.0);
 }
 
 /// `c += factor a b`.
@@ -143,7 +161,7 @@ pub fn product_into(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) 
 /// # Panics
 /// If the shapes do not fit.
 pub fn add_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
-    matmul(c, Accum::Add, a, b, factor, Par::Seq);
+    tiles::product(c, Accum::Add, a, b, factor);
 }
 
 /// The lower triangle of `c += factor a b`; what stands above stays.
@@ -151,9 +169,7 @@ pub fn add_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, f
 /// # Panics
 /// If the shapes do not fit, or `c` is not square.
 pub fn add_product_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
-    let whole = BlockStructure::Rectangular;
-    let lower = BlockStructure::TriangularLower;
-    triangular_product::matmul(c, lower, Accum::Add, a, whole, b, whole, factor, Par::Seq);
+    tiles::add_lower(c, a, b, factor);
 }
 
 /// Solves `a x = b` by LU with partial pivoting; `None` if the matrix is numerically singular. Overwrites `a`.

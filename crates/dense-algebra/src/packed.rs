@@ -1,9 +1,9 @@
 //! Symmetric matrices stored once, and their product with a vector: half the memory traffic of a general matrix.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::inverse as llt_inverse;
-use faer::{Mat, MatRef, Par};
+use crate::tiles::{TILE, solve_here};
+use faer::{Mat, MatRef};
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 /// Columns that are multiplied together, so that the result is read and written once for all of them.
 const WIDTH: usize = 4;
@@ -25,29 +25,36 @@ impl Symmetric {
     pub fn from_lower(a: MatRef<'_, f64>) -> Self {
         let size = a.nrows();
         assert_eq!(size, a.ncols());
-        let mut entries = Vec::with_capacity(size * (size + WIDTH) / 2 + size);
-        for start in (0..size).step_by(WIDTH) {
-            let end = size.min(start + WIDTH);
-            for j in start..end {
-                entries.extend((start..end).map(|i| a[(i.max(j), i.min(j))]));
-            }
-            for j in start..end {
-                entries.extend((end..size).map(|i| a[(i, j)]));
-            }
-        }
+        let mut entries = vec![0.0; stored(size, 0)];
+        pack(a, &mut entries);
         Self { size, entries }
     }
 
-    /// The inverse of `lower lower^T`.
+    /// The inverse of `lower lower^T`, some columns after others: there is never room for all of it in full.
     ///
     /// # Panics
     /// If `lower` is not square.
     pub fn inverse_of_factor(lower: MatRef<'_, f64>) -> Self {
         let size = lower.nrows();
-        let mut inverse = Mat::zeros(size, size);
-        let mut memory = MemBuffer::new(llt_inverse::inverse_scratch::<f64>(size, Par::Seq));
-        llt_inverse::inverse(inverse.as_mut(), lower, Par::Seq, MemStack::new(&mut memory));
-        Self::from_lower(inverse.as_ref())
+        assert_eq!(size, lower.ncols());
+        let mut entries = vec![0.0; stored(size, 0)];
+        let (mut rest, mut tiles) = (entries.as_mut_slice(), Vec::new());
+        for first in (0..size).step_by(TILE) {
+            let (own, next) = rest.split_at_mut(stored(size, first) - stored(size, size.min(first + TILE)));
+            tiles.push((first, own));
+            rest = next;
+        }
+        // One by one: the first are the longest.
+        tiles.into_par_iter().with_max_len(1).for_each(|(first, own)| {
+            let height = size - first;
+            // Rows above are those of other tiles, and the rows at hand do not depend on them.
+            let lower = lower.submatrix(first, first, height, height);
+            let mut columns = Mat::identity(height, TILE.min(height));
+            solve_here(lower, columns.as_mut(), false);
+            solve_here(lower, columns.as_mut(), true);
+            pack(columns.as_ref(), own);
+        });
+        Self { size, entries }
     }
 
     /// Number of rows and columns.
@@ -77,6 +84,30 @@ impl Symmetric {
         assert_eq!(x.len(), self.size);
         assert_eq!(y.len(), self.size);
         Arch::new().dispatch(Product { matrix: self, x, y });
+    }
+}
+
+/// Entries that the columns from `first` on of a matrix of this size take; `first` begins a block.
+fn stored(size: usize, first: usize) -> usize {
+    (first..size)
+        .step_by(WIDTH)
+        .map(|start| WIDTH.min(size - start) * (size - start))
+        .sum()
+}
+
+/// Writes the lower triangle of the leading columns of a symmetric matrix.
+fn pack(columns: MatRef<'_, f64>, entries: &mut [f64]) {
+    let (height, width) = (columns.nrows(), columns.ncols());
+    let mut entries = entries.iter_mut();
+    let mut put = |value| entries.next().into_iter().for_each(|entry| *entry = value);
+    for start in (0..width).step_by(WIDTH) {
+        let end = width.min(start + WIDTH);
+        for j in start..end {
+            (start..end).for_each(|i| put(columns[(i.max(j), i.min(j))]));
+        }
+        for j in start..end {
+            (end..height).for_each(|i| put(columns[(i, j)]));
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A few eigenpairs of a large dense pair.
 
-use crate::{Error, congruent, product, scattered, solve_lower_transposed, symmetric, symmetric_eigen};
+use crate::{Error, product, scattered, solve_lower, solve_lower_transposed, symmetric, symmetric_eigen};
 use faer::{Mat, MatRef};
 
 /// Most subspace iterations; a dozen are usual.
@@ -24,13 +24,20 @@ const LARGEST_ROUND_OFF: f64 = 1e-6;
 /// [`Error::NoConvergence`].
 pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let size = m.nrows();
-    let c = congruent(lower, m);
+    // Forming the product of three matrices would cost more than all iterations.
+    let apply = |basis: &Mat<f64>| {
+        let mut motions = basis.clone();
+        solve_lower_transposed(lower, motions.as_mut());
+        let mut image = product(m, motions.as_ref());
+        solve_lower(lower, image.as_mut());
+        image
+    };
     let width = (2 * count + 10).min(size);
     let mut image = scattered(size, width);
     let mut previous = vec![0.0; count];
     for _ in 0..MAX_ITERATIONS {
         let basis = orthonormal(image)?;
-        image = product(c.as_ref(), basis.as_ref());
+        image = apply(&basis);
         let small = symmetric(product(basis.transpose(), image.as_ref()).as_ref());
         let (ascending, rotation) = symmetric_eigen(small.as_ref())?;
         // Images of the Ritz vectors are nearly orthogonal, however far apart their eigenvalues are.

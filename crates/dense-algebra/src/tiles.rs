@@ -1,0 +1,129 @@
+//! Products and triangular solves in tiles that threads share.
+//!
+//! Where tiles begin and end depends on the sizes alone, and each is computed on one thread: the result does not depend on how many there are.
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self as triangular_product, BlockStructure};
+use faer::linalg::triangular_solve as triangular;
+use faer::reborrow::ReborrowMut;
+use faer::{Accum, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+/// Columns or rows of a tile.
+pub(crate) const TILE: usize = 128;
+
+/// Steps of a factorisation or a triangular solve that come one after another.
+pub(crate) const PANEL: usize = 256;
+
+/// Multiplications that are worth a tile.
+const WORTH: usize = 1 << 21;
+
+/// Whether `multiplications` are too few to share.
+fn is_small(multiplications: usize) -> bool {
+    multiplications < 2 * WORTH
+}
+
+/// `c = a b` or `c += factor a b`.
+pub(crate) fn product(c: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    let (rows, columns) = (c.nrows(), c.ncols());
+    assert_eq!((a.nrows(), b.nrows(), b.ncols()), (rows, a.ncols(), columns));
+    let small = is_small(rows * columns * a.ncols());
+    if !small && columns >= 2 * TILE {
+        let tiles: Vec<_> = c.par_col_chunks_mut(TILE).collect();
+        tiles.into_par_iter().enumerate().for_each(|(at, tile)| {
+            let b = b.subcols(at * TILE, tile.ncols());
+            matmul(tile, accum, a, b, factor, Par::Seq);
+        });
+    } else if !small && rows >= 2 * TILE {
+        let tiles: Vec<_> = c.par_row_chunks_mut(TILE).collect();
+        tiles.into_par_iter().enumerate().for_each(|(at, tile)| {
+            let a = a.subrows(at * TILE, tile.nrows());
+            matmul(tile, accum, a, b, factor, Par::Seq);
+        });
+    } else {
+        matmul(c, accum, a, b, factor, Par::Seq);
+    }
+}
+
+/// The lower triangle of `c += factor a b`.
+pub(crate) fn add_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    let size = c.nrows();
+    assert_eq!(
+        (c.ncols(), a.nrows(), b.nrows(), b.ncols()),
+        (size, size, a.ncols(), size)
+    );
+    let whole = BlockStructure::Rectangular;
+    let diagonal = |tile: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>| {
+        let lower = BlockStructure::TriangularLower;
+        triangular_product::matmul(tile, lower, Accum::Add, a, whole, b, whole, factor, Par::Seq);
+    };
+    if size < 2 * TILE || is_small(size * size / 2 * a.ncols()) {
+        diagonal(c, a, b);
+        return;
+    }
+    let tiles: Vec<_> = c.par_col_chunks_mut(TILE).collect();
+    // One by one: the first are the longest.
+    tiles
+        .into_par_iter()
+        .enumerate()
+        .with_max_len(1)
+        .for_each(|(at, tile)| {
+            let (first, width) = (at * TILE, tile.ncols());
+            let b = b.subcols(first, width);
+            let (own, below) = tile.split_at_row_mut(first).1.split_at_row_mut(width);
+            diagonal(own, a.subrows(first, width), b);
+            let a = a.subrows(first + width, size - first - width);
+            matmul(below, Accum::Add, a, b, factor, Par::Seq);
+        });
+}
+
+/// `x = L^-1 x` or, `transposed`, `x = L^-T x`.
+pub(crate) fn solve(lower: MatRef<'_, f64>, x: MatMut<'_, f64>, transposed: bool) {
+    let size = lower.nrows();
+    assert_eq!((lower.ncols(), x.nrows()), (size, size));
+    if is_small(size * size / 2 * x.ncols()) {
+        solve_here(lower, x, transposed);
+    } else if x.ncols() >= 2 * TILE {
+        let tiles: Vec<_> = x.par_col_chunks_mut(TILE).collect();
+        tiles
+            .into_par_iter()
+            .for_each(|tile| solve_here(lower, tile, transposed));
+    } else if transposed {
+        solve_backward(lower, x);
+    } else {
+        solve_forward(lower, x);
+    }
+}
+
+/// On this thread.
+pub(crate) fn solve_here(lower: MatRef<'_, f64>, x: MatMut<'_, f64>, transposed: bool) {
+    match transposed {
+        true => triangular::solve_upper_triangular_in_place(lower.transpose(), x, Par::Seq),
+        false => triangular::solve_lower_triangular_in_place(lower, x, Par::Seq),
+    }
+}
+
+/// Few columns: rows that are known are taken out of those below, which threads share.
+fn solve_forward(lower: MatRef<'_, f64>, mut x: MatMut<'_, f64>) {
+    let size = lower.nrows();
+    for first in (0..size).step_by(PANEL) {
+        let width = PANEL.min(size - first);
+        let last = first + width;
+        let (mut known, below) = x.rb_mut().split_at_row_mut(first).1.split_at_row_mut(width);
+        solve_here(lower.submatrix(first, first, width, width), known.rb_mut(), false);
+        let factor = lower.submatrix(last, first, size - last, width);
+        product(below, Accum::Add, factor, known.as_ref(), -1.0);
+    }
+}
+
+/// As [`solve_forward`], from the last rows to the first.
+fn solve_backward(lower: MatRef<'_, f64>, mut x: MatMut<'_, f64>) {
+    let size = lower.nrows();
+    for first in (0..size).step_by(PANEL).rev() {
+        let width = PANEL.min(size - first);
+        let (above, mut known) = x.rb_mut().subrows_mut(0, first + width).split_at_row_mut(first);
+        solve_here(lower.submatrix(first, first, width, width), known.rb_mut(), true);
+        let factor = lower.submatrix(first, 0, width, first).transpose();
+        product(above, Accum::Add, factor, known.as_ref(), -1.0);
+    }
+}
