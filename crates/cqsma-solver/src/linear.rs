@@ -100,7 +100,7 @@ impl Stuck {
         tangent: &[f64],
     ) -> Result<(Mat<f64>, Self), Error> {
         let tangent = symmetrised(pattern, tangent);
-        let lower = dense_algebra::cholesky(pattern.added_to(stiffness, &tangent).as_ref())?;
+        let lower = dense_algebra::cholesky_in_place(pattern.added_to(stiffness, &tangent))?;
         let flexibility = Symmetric::inverse_of_factor(lower.as_ref());
         Ok((lower, Self { flexibility, tangent }))
     }
