@@ -5,6 +5,10 @@
 //! smallest, weighed against the balance of the halves: so a cut avoids the long rows of couplings, and runs along ties
 //! and gaps. For bolted assemblies of slender parts this has less fill than minimum degree, and wide dense blocks.
 //! Where no plane parts a set, distance in the graph takes the place of the coordinate.
+//!
+//! Halves of halves of a long part lie between two separators, and each cut across them leaves rows on both. Where it costs
+//! less, a separator therefore changes places with one below it: then a long part is eliminated from its ends on, and
+//! cuts leave rows on one side.
 
 use sprs::CsMat;
 use std::ops::Range;
@@ -14,6 +18,12 @@ const LEAF: usize = 96;
 
 /// Rows of a node, at most.
 const COMPONENTS: usize = 3;
+
+/// Separators change places no deeper in the tree than this: a tree as deep as a chain is long would overflow the stack.
+const DEEPEST: usize = 64;
+
+/// What separators that change places must save, relative to what they cost.
+const WORTH: f64 = 0.02;
 
 /// An elimination order and its tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,24 +53,23 @@ pub struct Part {
 pub fn nested_dissection(pattern: &CsMat<f64>, positions: &[[f64; 3]], n_kept: usize) -> Dissection {
     assert_eq!(pattern.rows(), positions.len());
     let graph = Graph::new(pattern, positions, n_kept);
-    let mut dissection = Dissection {
-        order: Vec::with_capacity(positions.len() - n_kept),
-        parts: Vec::new(),
-    };
     let mut work = Work {
         member: vec![0; graph.rows.len()],
         stamp: 0,
         at: vec![0.0; graph.rows.len()],
     };
-    if !graph.rows.is_empty() {
-        dissect(&graph, (0..graph.rows.len()).collect(), &mut work, &mut dissection);
+    let mut parts = Vec::new();
+    if graph.first < graph.rows.len() {
+        dissect(&graph, (graph.first..graph.rows.len()).collect(), &mut work, &mut parts);
     }
-    dissection
+    Tree::new(&graph, parts).in_order()
 }
 
 /// The nodes that the rows belong to, and which touch.
 struct Graph {
     rows: Vec<Range<usize>>,
+    /// Nodes before this one are kept.
+    first: usize,
     positions: Vec<[f64; 3]>,
     start: Vec<usize>,
     neighbours: Vec<usize>,
@@ -79,12 +88,15 @@ impl Graph {
     fn new(pattern: &CsMat<f64>, positions: &[[f64; 3]], n_kept: usize) -> Self {
         let mut rows: Vec<Range<usize>> = Vec::new();
         let mut node = vec![usize::MAX; positions.len()];
-        for row in n_kept..positions.len() {
+        let mut first = 0;
+        for row in 0..positions.len() {
+            let joins = |last: &Range<usize>| last.len() < COMPONENTS && positions[last.start] == positions[row];
             match rows.last_mut() {
-                Some(last) if last.len() < COMPONENTS && positions[last.start] == positions[row] => last.end = row + 1,
+                Some(last) if row != n_kept && joins(last) => last.end = row + 1,
                 _ => rows.push(row..row + 1),
             }
             node[row] = rows.len() - 1;
+            first += usize::from(row < n_kept && rows[rows.len() - 1].len() == 1);
         }
         let (mut start, mut neighbours) = (vec![0], Vec::new());
         let mut seen = vec![usize::MAX; rows.len()];
@@ -92,7 +104,7 @@ impl Graph {
             seen[own] = own;
             for row in range.clone() {
                 for &column in &pattern.indices()[pattern.indptr().outer_inds_sz(row)] {
-                    if column >= n_kept && seen[node[column]] != own {
+                    if seen[node[column]] != own {
                         seen[node[column]] = own;
                         neighbours.push(node[column]);
                     }
@@ -103,6 +115,7 @@ impl Graph {
         let positions = rows.iter().map(|range| positions[range.start]).collect();
         Self {
             rows,
+            first,
             positions,
             start,
             neighbours,
@@ -125,26 +138,185 @@ struct Cut {
     before: bool,
 }
 
+/// A separator, or a set that is not cut, and what is eliminated before it.
+struct Branch {
+    nodes: Vec<usize>,
+    children: Vec<usize>,
+}
+
 /// Appends the parts of a set; returns the number of the last of them.
-fn dissect(graph: &Graph, set: Vec<usize>, work: &mut Work, out: &mut Dissection) -> usize {
-    let (rows, children) = match halves(graph, &set, work) {
-        None => (set, Vec::new()),
+fn dissect(graph: &Graph, set: Vec<usize>, work: &mut Work, out: &mut Vec<Branch>) -> usize {
+    let branch = match halves(graph, &set, work) {
+        None => Branch {
+            nodes: set,
+            children: Vec::new(),
+        },
         Some((giving, whole)) => {
             work.mark(&whole);
             let touches = |node: &usize| graph.neighbours(*node).iter().any(|&other| work.contains(other));
             let (separator, rest): (Vec<usize>, Vec<usize>) = giving.into_iter().partition(touches);
-            let children = [rest, whole].map(|half| dissect(graph, half, work, out));
-            (separator, children.to_vec())
+            Branch {
+                nodes: separator,
+                children: [rest, whole].map(|half| dissect(graph, half, work, out)).to_vec(),
+            }
         }
     };
-    let first = out.order.len();
-    out.order
-        .extend(rows.into_iter().flat_map(|node| graph.rows[node].clone()));
-    out.parts.push(Part {
-        rows: first..out.order.len(),
-        children,
-    });
-    out.parts.len() - 1
+    out.push(branch);
+    out.len() - 1
+}
+
+/// The parts, the last of which is the root.
+struct Tree<'a> {
+    graph: &'a Graph,
+    parts: Vec<Branch>,
+    /// For each part, the nodes beyond its subtree that this touches.
+    beyond: Vec<Vec<usize>>,
+    /// The part of each node; none of those that are kept.
+    part_of: Vec<Option<usize>>,
+}
+
+/// A part and one of its children with places changed.
+struct Exchange {
+    child: usize,
+    /// Children of the child that become those of the part.
+    moved: Vec<usize>,
+    /// What the part then touches beyond itself. The child touches what the part did, as both have the same below them.
+    beyond: Vec<usize>,
+}
+
+impl<'a> Tree<'a> {
+    fn new(graph: &'a Graph, parts: Vec<Branch>) -> Self {
+        let mut part_of = vec![None; graph.rows.len()];
+        for (number, part) in parts.iter().enumerate() {
+            part.nodes.iter().for_each(|&node| part_of[node] = Some(number));
+        }
+        let mut tree = Self {
+            graph,
+            parts,
+            beyond: Vec::new(),
+            part_of,
+        };
+        for number in 0..tree.parts.len() {
+            // Parts that come later are ancestors, as no others are touched.
+            let is_above = |node: usize| tree.part_of[node].is_none_or(|part| part > number);
+            let beyond = tree.touched(number, &tree.parts[number].children, is_above);
+            tree.beyond.push(beyond);
+        }
+        let mut open: Vec<(usize, usize)> = tree
+            .parts
+            .len()
+            .checked_sub(1)
+            .map(|root| (root, 0))
+            .into_iter()
+            .collect();
+        while let Some((part, depth)) = open.pop() {
+            let exchange = if depth < DEEPEST { tree.exchange(part) } else { None };
+            match exchange {
+                Some(exchange) => {
+                    // The child keeps the number of the part, by which its parent knows it.
+                    tree.apply(part, exchange);
+                    open.push((part, depth));
+                }
+                None => open.extend(tree.parts[part].children.iter().map(|&child| (child, depth + 1))),
+            }
+        }
+        tree
+    }
+
+    /// What a part with the given children touches beyond itself: what these touch, and of its own neighbours those that are `above`.
+    fn touched(&self, part: usize, children: &[usize], above: impl Fn(usize) -> bool) -> Vec<usize> {
+        let by_children = children.iter().flat_map(|&child| &self.beyond[child]).copied();
+        let nodes = self.parts[part].nodes.iter();
+        let by_own = nodes.flat_map(|&node| self.graph.neighbours(node)).copied();
+        let mut found: Vec<usize> = by_children.chain(by_own.filter(|&node| above(node))).collect();
+        found.retain(|&node| self.part_of[node] != Some(part));
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// Multiplications and additions of a part, given what it touches.
+    fn cost(&self, part: usize, beyond: &[usize]) -> f64 {
+        let own = self.graph.size(&self.parts[part].nodes) as f64;
+        let beyond = self.graph.size(beyond) as f64;
+        own * (own * own / 3.0 + own * beyond + beyond * beyond)
+    }
+
+    /// The exchange of a part with one of its children that saves most, if any is worth it.
+    fn exchange(&self, part: usize) -> Option<Exchange> {
+        let outer = &self.beyond[part];
+        let mut best = None;
+        for &child in &self.parts[part].children {
+            let before = self.cost(part, outer) + self.cost(child, &self.beyond[child]);
+            let touches = |other: &usize| self.beyond[*other].iter().any(|&node| self.part_of[node] == Some(part));
+            let children = &self.parts[child].children;
+            let moved: Vec<usize> = children.iter().copied().filter(touches).collect();
+            let under_part = self.under(part, child, &moved);
+            let is_above = |node: usize| self.part_of[node] == Some(child) || outer.binary_search(&node).is_ok();
+            let beyond = self.touched(part, &under_part, is_above);
+            let saved = before - self.cost(part, &beyond) - self.cost(child, outer);
+            if saved > WORTH * before && best.as_ref().is_none_or(|(most, _)| saved > *most) {
+                best = Some((saved, Exchange { child, moved, beyond }));
+            }
+        }
+        best.map(|(_, exchange)| exchange)
+    }
+
+    /// Children of a part below one of them, which gives up those that `moved`.
+    fn under(&self, part: usize, child: usize, moved: &[usize]) -> Vec<usize> {
+        let others = self.parts[part].children.iter().filter(|&&other| other != child);
+        others.chain(moved).copied().collect()
+    }
+
+    /// Exchanges a part with its child; the numbers stay with the places.
+    fn apply(&mut self, part: usize, exchange: Exchange) {
+        let Exchange { child, moved, beyond } = exchange;
+        let under_part = self.under(part, child, &moved);
+        let left = self.parts[child]
+            .children
+            .iter()
+            .copied()
+            .filter(|other| !moved.contains(other));
+        let under_child: Vec<usize> = left.chain(std::iter::once(child)).collect();
+        self.parts.swap(part, child);
+        self.parts[part].children = under_child;
+        self.parts[child].children = under_part;
+        self.beyond[child] = beyond;
+        for number in [part, child] {
+            for &node in &self.parts[number].nodes {
+                self.part_of[node] = Some(number);
+            }
+        }
+    }
+
+    /// The parts one after another, children before their parent.
+    fn in_order(&self) -> Dissection {
+        let n_kept = self.graph.rows.get(self.graph.first).map_or(0, |first| first.start);
+        let mut dissection = Dissection {
+            order: Vec::with_capacity(self.graph.rows.last().map_or(0, |last| last.end) - n_kept),
+            parts: Vec::with_capacity(self.parts.len()),
+        };
+        // Children stand behind their parent here.
+        let mut reversed = Vec::with_capacity(self.parts.len());
+        let mut open: Vec<usize> = self.parts.len().checked_sub(1).into_iter().collect();
+        while let Some(part) = open.pop() {
+            reversed.push(part);
+            open.extend(&self.parts[part].children);
+        }
+        let mut number = vec![0; self.parts.len()];
+        for &part in reversed.iter().rev() {
+            let Branch { nodes, children } = &self.parts[part];
+            let first = dissection.order.len();
+            let rows = nodes.iter().flat_map(|&node| self.graph.rows[node].clone());
+            dissection.order.extend(rows);
+            number[part] = dissection.parts.len();
+            dissection.parts.push(Part {
+                rows: first..dissection.order.len(),
+                children: children.iter().map(|&child| number[child]).collect(),
+            });
+        }
+        dissection
+    }
 }
 
 /// The two sides of the best cut, first the one that gives up a separator; `None` for small sets and those where every
