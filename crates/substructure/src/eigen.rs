@@ -6,7 +6,7 @@
 
 use crate::Error;
 use crate::factor::SparseCholesky;
-use crate::sparse::{diagonal, multiply_into, sum};
+use crate::sparse::{diagonal, multiply_into};
 use dense_algebra::{add_product, product_into};
 use faer::{Mat, MatRef, unzip, zip};
 use sprs::CsMat;
@@ -90,7 +90,7 @@ pub fn lowest_modes(
         return all_modes(stiffness, mass, n_elastic);
     }
     let sigma = shift(stiffness, mass);
-    let factor = SparseCholesky::try_new(&sum(stiffness, sigma, mass), positions, "shifted stiffness")?;
+    let factor = SparseCholesky::of_sum(stiffness, sigma, mass, positions, "shifted stiffness")?;
     // The estimate of what has converged within a subspace may be too good. Then a larger one is needed.
     let mut least = 0;
     loop {
@@ -154,10 +154,14 @@ fn subspace(
     }
     // Plain lengths would count the round-off of the stiffest components most, which move the least: with nearly
     // incompressible material they would never be small.
-    let (residual_lengths, momentum_lengths) = (lengths(factor, residual), lengths(factor, momentum));
+    let residual_lengths = lengths(factor, residual);
     let (mut worst, mut converged) = (0.0_f64, 0);
     for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
-        let relative = residual_lengths[mode] / ((w2 + sigma) * momentum_lengths[mode]);
+        // The mode is (K + sigma M)^-1 [r + (omega^2 + sigma) M phi], has no part in the residual r and unit mass, so that the
+        // momentum has this length.
+        let square = residual_lengths[mode].powi(2) / (w2 + sigma);
+        let momentum_length = ((1.0 + square) / (w2 + sigma)).sqrt();
+        let relative = residual_lengths[mode] / ((w2 + sigma) * momentum_length);
         worst = worst.max(relative);
         converged += usize::from(relative <= tolerance);
     }
@@ -251,6 +255,9 @@ fn krylov_basis(
     // The zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
     // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them.
     let shapes = krylov.ritz_vectors(wanted + BLOCK)?;
+    let size = krylov.size();
+    // What follows takes as much memory.
+    drop(krylov);
     // One more inverse iteration damps what is left of the stiff components.
     let mut image = Mat::zeros(n, shapes.ncols());
     multiply_into(mass, shapes.as_ref(), image.as_mut());
@@ -262,7 +269,7 @@ fn krylov_basis(
         let width = BLOCK.min(image.ncols() - first);
         polished.append(mass, image.subcols(first, width).to_owned());
     }
-    Ok((krylov.size(), polished.basis))
+    Ok((size, polished.basis))
 }
 
 /// Eigenpairs of the pair projected on the columns of `basis`, with mass-normalised vectors.

@@ -6,11 +6,13 @@
 //! matrix carried along with each step's static displacements leaves the condensed (Guyan) mass.
 
 use crate::Error;
-use crate::ordering::{Dissection, nested_dissection};
-use crate::sparse::{entries, from_unsorted_rows};
-use dense_algebra::{add_product, add_product_lower, cholesky, product_into, solve_lower, solve_lower_transposed};
+use crate::ordering::{Dissection, Part, nested_dissection};
+use crate::sparse::{entries, from_unsorted_rows, sum};
+use dense_algebra::{
+    add_product, add_product_lower, cholesky_in_place, product_into, solve_lower, solve_lower_transposed,
+};
 use faer::reborrow::{Reborrow, ReborrowMut};
-use faer::{Mat, MatMut};
+use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::*;
 use sprs::CsMat;
 use std::ops::Range;
@@ -18,21 +20,96 @@ use std::ops::Range;
 /// Right-hand sides solved together: wide enough to run at the speed of dense products, small enough to stay in cache.
 pub const BLOCK: usize = 64;
 
+/// Columns of the factor that are stored together: what stands above the diagonal of a wider front would be stored as zeros.
+const PANEL: usize = 256;
+
+/// Subtrees of at most this part of the factor's entries are solved by one thread each.
+const SUBTREE: usize = 16;
+
 /// `L L^T` of a symmetric positive definite sparse matrix, or of the rows of one that are not kept.
 pub struct SparseCholesky {
-    /// Row of the solution at each position of the elimination.
-    order: Vec<usize>,
+    n: usize,
+    /// Subtrees of the elimination, which reach none of each other's rows.
+    pieces: Vec<Piece>,
+    /// What is eliminated after them.
+    top: Piece,
+}
+
+/// A part of the elimination tree with positions of its own.
+struct Piece {
+    /// Row of the solution at each position.
+    rows: Vec<usize>,
+    /// Positions of the top that the piece touches. In the piece they follow its own positions.
+    outside: Vec<usize>,
     fronts: Vec<Front>,
 }
 
-/// Columns of `L` that belong to one part.
+/// Columns of `L` that follow one another.
 struct Front {
     first: usize,
-    /// Triangular factor of the part itself.
+    /// Triangular factor of the columns' own rows.
     lower: Mat<f64>,
-    /// Positions after the part that it touches, and the rows of `L` there.
+    /// Positions after them that they touch, and the rows of `L` there.
     beyond: Vec<usize>,
     below: Mat<f64>,
+}
+
+impl Piece {
+    /// `x = L^-1 x`; `x` has one column per position, so that the values to gather for a front lie together.
+    fn solve_forward(&self, mut x: MatMut<'_, f64>) {
+        let mut gathered = self.gathered(x.nrows());
+        for front in &self.fronts {
+            let mut own = x.rb_mut().subcols_mut(front.first, front.lower.nrows());
+            solve_lower(front.lower.as_ref(), own.rb_mut().transpose_mut());
+            let mut outer = gathered.subcols_mut(0, front.beyond.len());
+            product_into(outer.rb_mut(), own.rb(), front.below.transpose());
+            for (from, &to) in front.beyond.iter().enumerate() {
+                let to = x.rb_mut().col_mut(to);
+                to.iter_mut()
+                    .zip(outer.rb().col(from).iter())
+                    .for_each(|(a, b)| *a -= b);
+            }
+        }
+    }
+
+    /// `x = L^-T x`.
+    fn solve_backward(&self, mut x: MatMut<'_, f64>) {
+        let mut gathered = self.gathered(x.nrows());
+        for front in self.fronts.iter().rev() {
+            let mut outer = gathered.subcols_mut(0, front.beyond.len());
+            for (to, &from) in front.beyond.iter().enumerate() {
+                outer.rb_mut().col_mut(to).copy_from(x.rb().col(from));
+            }
+            let mut own = x.rb_mut().subcols_mut(front.first, front.lower.nrows());
+            add_product(own.rb_mut(), outer.rb(), front.below.as_ref(), -1.0);
+            solve_lower_transposed(front.lower.as_ref(), own.transpose_mut());
+        }
+    }
+
+    /// Memory for what lies beyond a front.
+    fn gathered(&self, width: usize) -> Mat<f64> {
+        let longest = self.fronts.iter().map(|front| front.beyond.len()).max();
+        Mat::zeros(width, longest.unwrap_or(0))
+    }
+
+    /// The rows of `rhs` at the own positions, and zeros outside.
+    fn gather(&self, rhs: MatRef<'_, f64>) -> Mat<f64> {
+        let mut x = Mat::zeros(rhs.ncols(), self.rows.len() + self.outside.len());
+        for (position, &row) in self.rows.iter().enumerate() {
+            for lane in 0..rhs.ncols() {
+                x[(lane, position)] = rhs[(row, lane)];
+            }
+        }
+        x
+    }
+
+    fn scatter(&self, x: MatRef<'_, f64>, mut rhs: MatMut<'_, f64>) {
+        for (position, &row) in self.rows.iter().enumerate() {
+            for lane in 0..x.nrows() {
+                rhs[(row, lane)] = x[(lane, position)];
+            }
+        }
+    }
 }
 
 /// A symmetric pair that follows from a larger one when its other rows respond statically.
@@ -47,7 +124,7 @@ pub struct Condensed {
 impl std::fmt::Debug for SparseCholesky {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SparseCholesky")
-            .field("n", &self.order.len())
+            .field("n", &self.n)
             .field("entries", &self.entries())
             .finish()
     }
@@ -61,6 +138,22 @@ impl SparseCholesky {
     pub fn try_new(matrix: &CsMat<f64>, positions: &[[f64; 3]], name: &'static str) -> Result<Self, Error> {
         let (factor, _) = Elimination::new(&[matrix], positions, 0, &[]).run(name)?;
         Ok(factor)
+    }
+
+    /// Factors `stiffness + sigma mass`.
+    ///
+    /// # Errors
+    /// As [`Self::try_new`].
+    pub(crate) fn of_sum(
+        stiffness: &CsMat<f64>,
+        sigma: f64,
+        mass: &CsMat<f64>,
+        positions: &[[f64; 3]],
+        name: &'static str,
+    ) -> Result<Self, Error> {
+        // The elimination has what it needs of the sum, which would be in the way of the factor.
+        let elimination = Elimination::new(&[&sum(stiffness, sigma, mass)], positions, 0, &[]);
+        Ok(elimination.run(name)?.0)
     }
 
     /// Factors all rows of `stiffness` but the first `n_kept`, and condenses it and `mass` onto those. The rows `held` of the
@@ -79,10 +172,10 @@ impl SparseCholesky {
         name: &'static str,
     ) -> Result<(Self, Condensed), Error> {
         let elimination = Elimination::new(&[stiffness, mass], positions, n_kept, held);
-        let (factor, left) = elimination.run(name)?;
-        let kept = factor.order.len()..positions.len();
+        let (factor, mut left) = elimination.run(name)?;
+        let kept = factor.n..positions.len();
         let [stiffness, mass] = [0, 1].map(|which| {
-            let mut own = elimination.assemble(which, &kept, &[], left.as_slice()).own;
+            let mut own = elimination.assemble(which, &kept, &[], left.as_mut_slice()).own;
             mirror(&mut own);
             own
         });
@@ -91,19 +184,16 @@ impl SparseCholesky {
 
     /// Number of stored entries of the factor.
     pub fn entries(&self) -> usize {
-        let stored = |mat: &Mat<f64>| mat.nrows() * mat.ncols();
-        self.fronts
-            .iter()
-            .map(|front| stored(&front.lower) + stored(&front.below))
-            .sum()
+        let pieces = self.pieces.iter().chain(std::iter::once(&self.top));
+        pieces.flat_map(|piece| &piece.fronts).map(Front::entries).sum()
     }
 
-    /// Solves for all columns in place, in parallel over blocks of [`BLOCK`] columns.
+    /// Solves for all columns in place, in parallel over blocks of [`BLOCK`] columns and over subtrees of the elimination.
     ///
     /// # Panics
     /// If the number of rows differs from that of the factor.
     pub fn solve_in_place(&self, rhs: MatMut<'_, f64>) {
-        assert_eq!(rhs.nrows(), self.order.len());
+        assert_eq!(rhs.nrows(), self.n);
         if rhs.ncols() <= BLOCK {
             self.solve_block(rhs);
         } else {
@@ -113,42 +203,142 @@ impl SparseCholesky {
     }
 
     fn solve_block(&self, mut rhs: MatMut<'_, f64>) {
-        let width = rhs.ncols();
-        // One column per position, so that the values to gather for a front lie together.
-        let mut x = Mat::zeros(width, self.order.len());
-        for (position, &row) in self.order.iter().enumerate() {
-            for lane in 0..width {
-                x[(lane, position)] = rhs[(row, lane)];
+        let known = rhs.as_ref();
+        let forward = self.pieces.par_iter().with_max_len(1).map(|piece| {
+            let mut x = piece.gather(known);
+            piece.solve_forward(x.as_mut());
+            x
+        });
+        let mut found: Vec<Mat<f64>> = forward.collect();
+        let mut top = self.top.gather(known);
+        for (piece, x) in self.pieces.iter().zip(&found) {
+            for (at, &to) in (piece.rows.len()..).zip(&piece.outside) {
+                let to = top.col_mut(to);
+                to.iter_mut().zip(x.col(at).iter()).for_each(|(a, b)| *a += b);
             }
         }
-        let longest = self.fronts.iter().map(|front| front.beyond.len()).max().unwrap_or(0);
-        let mut gathered = Mat::zeros(width, longest);
-        for front in &self.fronts {
-            let mut own = x.subcols_mut(front.first, front.lower.nrows());
-            solve_lower(front.lower.as_ref(), own.rb_mut().transpose_mut());
-            let mut outer = gathered.subcols_mut(0, front.beyond.len());
-            product_into(outer.rb_mut(), own.rb(), front.below.transpose());
-            for (from, &to) in front.beyond.iter().enumerate() {
-                x.col_mut(to)
-                    .iter_mut()
-                    .zip(outer.rb().col(from).iter())
-                    .for_each(|(a, b)| *a -= b);
+        self.top.solve_forward(top.as_mut());
+        self.top.solve_backward(top.as_mut());
+        let backward = self.pieces.par_iter().zip(&mut found).with_max_len(1);
+        backward.for_each(|(piece, x)| {
+            for (at, &from) in (piece.rows.len()..).zip(&piece.outside) {
+                x.col_mut(at).copy_from(top.col(from));
+            }
+            piece.solve_backward(x.as_mut());
+        });
+        self.top.scatter(top.as_ref(), rhs.rb_mut());
+        for (piece, x) in self.pieces.iter().zip(&found) {
+            piece.scatter(x.as_ref(), rhs.rb_mut());
+        }
+    }
+
+    /// Sorts the fronts of each part of a dissection into subtrees. All positions are those of the elimination, of `n` rows.
+    fn new(order: Vec<usize>, parts: &[Part], fronts: Vec<Vec<Front>>) -> Self {
+        let entries: Vec<usize> = fronts
+            .iter()
+            .map(|fronts| fronts.iter().map(Front::entries).sum())
+            .collect();
+        let largest = entries.iter().sum::<usize>() / SUBTREE;
+        // The number of the first part of each subtree, and its entries.
+        let mut subtree: Vec<(usize, usize)> = Vec::with_capacity(parts.len());
+        for (number, part) in parts.iter().enumerate() {
+            let children = part.children.iter().map(|&child| subtree[child]);
+            subtree.push(children.fold((number, entries[number]), |(first, sum), (other, more)| {
+                (first.min(other), sum + more)
+            }));
+        }
+        let mut roots: Vec<usize> = Vec::new();
+        let mut open: Vec<usize> = parts.len().checked_sub(1).into_iter().collect();
+        while let Some(part) = open.pop() {
+            match subtree[part].1 <= largest {
+                true => roots.push(part),
+                false => open.extend(&parts[part].children),
             }
         }
-        for front in self.fronts.iter().rev() {
-            let mut outer = gathered.subcols_mut(0, front.beyond.len());
-            for (to, &from) in front.beyond.iter().enumerate() {
-                outer.rb_mut().col_mut(to).copy_from(x.col(from));
+        roots.sort_unstable();
+        // The piece of each position, none for those of the top, and its number there.
+        let mut place: Vec<(Option<usize>, usize)> = vec![(None, 0); order.len()];
+        let piece = || Piece {
+            rows: Vec::new(),
+            outside: Vec::new(),
+            fronts: Vec::new(),
+        };
+        let (mut top, mut pieces) = (piece(), Vec::with_capacity(roots.len()));
+        let mut fronts = fronts.into_iter();
+        let (mut next, mut position) = (0, 0);
+        for (index, root) in roots.iter().copied().map(Some).chain(std::iter::once(None)).enumerate() {
+            let first = root.map_or(parts.len(), |root| subtree[root].0);
+            top.fronts.extend(fronts.by_ref().take(first - next).flatten());
+            let start = parts.get(first).map_or(order.len(), |part| part.rows.start);
+            for at in position..start {
+                place[at] = (None, top.rows.len());
+                top.rows.push(order[at]);
             }
-            let mut own = x.subcols_mut(front.first, front.lower.nrows());
-            add_product(own.rb_mut(), outer.rb(), front.below.as_ref(), -1.0);
-            solve_lower_transposed(front.lower.as_ref(), own.transpose_mut());
-        }
-        for (position, &row) in self.order.iter().enumerate() {
-            for lane in 0..width {
-                rhs[(row, lane)] = x[(lane, position)];
+            let Some(root) = root else { break };
+            let mut own = piece();
+            own.fronts.extend(fronts.by_ref().take(root + 1 - first).flatten());
+            for at in start..parts[root].rows.end {
+                place[at] = (Some(index), own.rows.len());
+                own.rows.push(order[at]);
             }
+            pieces.push(own);
+            (next, position) = (root + 1, parts[root].rows.end);
         }
+        for front in &mut top.fronts {
+            front.first = place[front.first].1;
+            front
+                .beyond
+                .iter_mut()
+                .for_each(|position| *position = place[*position].1);
+        }
+        for (index, piece) in pieces.iter_mut().enumerate() {
+            let is_outside = |position: &&usize| place[**position].0 != Some(index);
+            let beyond = piece.fronts.iter().flat_map(|front| &front.beyond);
+            let mut outside: Vec<usize> = beyond.filter(is_outside).map(|&position| place[position].1).collect();
+            outside.sort_unstable();
+            outside.dedup();
+            for front in &mut piece.fronts {
+                front.first = place[front.first].1;
+                for position in &mut front.beyond {
+                    *position = match place[*position] {
+                        (Some(_), own) => own,
+                        (None, of_top) => piece.rows.len() + outside.partition_point(|&other| other < of_top),
+                    };
+                }
+            }
+            piece.outside = outside;
+        }
+        Self {
+            n: order.len(),
+            pieces,
+            top,
+        }
+    }
+}
+
+impl Front {
+    fn entries(&self) -> usize {
+        self.lower.nrows() * (self.lower.ncols() + self.below.nrows())
+    }
+
+    /// The fronts of the columns from `first` on, whose triangular factor is `lower` and whose rows of `L` at the positions `beyond` are `below`.
+    fn panels(first: usize, lower: Mat<f64>, beyond: &[usize], below: MatRef<'_, f64>) -> Vec<Self> {
+        let n = lower.nrows();
+        let panel = |start: usize| {
+            let (end, n_beyond) = (n.min(start + PANEL), beyond.len());
+            let mut rows = Mat::zeros(n - end + n_beyond, end - start);
+            let own = lower.submatrix(end, start, n - end, end - start);
+            rows.subrows_mut(0, n - end).copy_from(own);
+            let others = below.submatrix(0, start, n_beyond, end - start);
+            rows.subrows_mut(n - end, n_beyond).copy_from(others);
+            Self {
+                first: first + start,
+                lower: lower.submatrix(start, start, end - start, end - start).to_owned(),
+                beyond: (first + end..first + n).chain(beyond.iter().copied()).collect(),
+                below: rows,
+            }
+        };
+        (0..n).step_by(PANEL).map(panel).collect()
     }
 }
 
@@ -201,20 +391,21 @@ impl Elimination {
 
     /// The factor, and what is left on the kept rows.
     fn run(&self, name: &'static str) -> Result<(SparseCholesky, Option<Update<'_>>), Error> {
+        let parts = &self.dissection.parts;
         let n_kept = self.matrices[0].rows() - self.dissection.order.len();
         let order = self.dissection.order.iter().map(|row| row - n_kept).collect();
-        let (fronts, left) = match self.dissection.parts.len() {
+        let (fronts, left) = match parts.len() {
             0 => (Vec::new(), None),
             n_parts => {
                 let (fronts, left) = self.eliminate(n_parts - 1, name)?;
                 (fronts, Some(left))
             }
         };
-        Ok((SparseCholesky { order, fronts }, left))
+        Ok((SparseCholesky::new(order, parts, fronts), left))
     }
 
-    /// Eliminates a part after its children; fronts come in the order of the dissection.
-    fn eliminate(&self, number: usize, name: &'static str) -> Result<(Vec<Front>, Update<'_>), Error> {
+    /// Eliminates a part after its children; the fronts of each part come in the order of the dissection.
+    fn eliminate(&self, number: usize, name: &'static str) -> Result<(Vec<Vec<Front>>, Update<'_>), Error> {
         let part = &self.dissection.parts[number];
         let rows = part.rows.clone();
         let done: Vec<_> = part
@@ -234,10 +425,8 @@ impl Elimination {
             own,
             mut below,
             mut update,
-        } = self.assemble(0, &rows, beyond, &children);
-        let mass = (self.matrices.len() > 1).then(|| self.assemble(1, &rows, beyond, &children));
-        drop(children);
-        let lower = cholesky(own.as_ref()).map_err(|error| match error {
+        } = self.assemble(0, &rows, beyond, &mut children);
+        let lower = cholesky_in_place(own).map_err(|error| match error {
             dense_algebra::Error::NotPositiveDefinite { pivot, .. } => Error::NotPositiveDefinite {
                 matrix: name,
                 pivot: self.dissection.order[rows.start + pivot],
@@ -248,7 +437,8 @@ impl Elimination {
         solve_lower(lower.as_ref(), below.transpose_mut());
         add_product_lower(update.as_mut(), below.as_ref(), below.transpose(), -1.0);
         let mut matrices = vec![update];
-        if let Some(mut mass) = mass {
+        if self.matrices.len() > 1 {
+            let mut mass = self.assemble(1, &rows, beyond, &mut children);
             mirror(&mut mass.own);
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
             let mut follow = below.clone();
@@ -260,20 +450,13 @@ impl Elimination {
         }
         // Right-hand sides do not reach the kept rows.
         let n_beyond = beyond.partition_point(|&position| position < n);
-        fronts.push(Front {
-            first: rows.start,
-            lower,
-            beyond: beyond[..n_beyond].to_vec(),
-            below: match n_beyond == below.nrows() {
-                true => below,
-                false => below.subrows(0, n_beyond).to_owned(),
-            },
-        });
+        let below = below.subrows(0, n_beyond);
+        fronts.push(Front::panels(rows.start, lower, &beyond[..n_beyond], below));
         Ok((fronts, Update { beyond, matrices }))
     }
 
-    /// A matrix over a part and the positions beyond it, with what the part's children left there.
-    fn assemble(&self, which: usize, rows: &Range<usize>, beyond: &[usize], children: &[Update<'_>]) -> Blocks {
+    /// A matrix over a part and the positions beyond it, with what the part's children left there, which is freed.
+    fn assemble(&self, which: usize, rows: &Range<usize>, beyond: &[usize], children: &mut [Update<'_>]) -> Blocks {
         let (n_own, n_beyond) = (rows.len(), beyond.len());
         let mut own = Mat::zeros(n_own, n_own);
         let mut below = Mat::zeros(n_beyond, n_own);
@@ -293,11 +476,12 @@ impl Elimination {
             }
         }
         for child in children {
+            let left = std::mem::replace(&mut child.matrices[which], Mat::new());
             let places: Vec<usize> = child.beyond.iter().map(|&position| local(position)).collect();
             let n_inside = places.partition_point(|&place| place < n_own);
             let (inside, outside) = places.split_at(n_inside);
             for (j, &column) in places.iter().enumerate() {
-                let left = child.matrices[which].col(j);
+                let left = left.col(j);
                 if j < n_inside {
                     for (i, &row) in inside.iter().enumerate().skip(j) {
                         own[(row, column)] += left[i];
