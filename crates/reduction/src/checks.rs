@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::craig_bampton::ReducedModel;
 use crate::relative::RelativeSystem;
-use faer::{Mat, MatRef};
+use faer::Mat;
 use sprs::{CsMat, TriMat};
 use substructure::eigen::{Modes, count_zero, lowest_modes};
 use substructure::sparse::sum;
@@ -69,8 +69,9 @@ pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<
     Ok(modes)
 }
 
-fn modes_of_rest(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<Modes, Error> {
-    let [stiffness, mass] = [&system.stiffness, &system.mass].map(|matrix| system.blocks(matrix).rest);
+/// Modes of the structure whose jump is held, over the rest.
+pub(crate) fn modes_of_rest(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<Modes, Error> {
+    let [stiffness, mass] = [&system.stiffness, &system.mass].map(|matrix| system.rest(matrix));
     let positions = &system.positions[system.n_relative..];
     Ok(lowest_modes(&stiffness, &mass, positions, n, tolerance)?)
 }
@@ -94,10 +95,10 @@ pub fn reduced_spectrum(model: &ReducedModel, interface: &CsMat<f64>, n: usize) 
     for (&value, (i, j)) in interface {
         stiffness[(i, j)] += value;
     }
-    let (values, shapes) = lowest_pairs(stiffness.as_ref(), model, n)?;
+    let (values, shapes) = lowest_pairs(stiffness, model, n)?;
     // A coordinate j that no stiffness couples to others carries the part (omega_j^2 - lambda) eta_j^2 of the Rayleigh
     // quotient; without it, the quotient of what remains of a mode is higher by as much.
-    let without_mode = (model.n_relative..stiffness.nrows() - model.n_attachment)
+    let without_mode = (model.n_relative..model.mass.nrows() - model.n_attachment)
         .map(|j| {
             let rise = |(i, lambda): (usize, &f64)| {
                 0.5 * (model.stiffness[(j, j)] - lambda).abs() * shapes[(j, i)].powi(2) / lambda
@@ -128,18 +129,20 @@ pub fn unstressed_spectrum(model: &ReducedModel, n: usize) -> Result<(usize, Vec
     if sigma.is_infinite() {
         return Ok((model.zem_stuck + model.mass.nrows(), Vec::new()));
     }
-    let shifted = &model.stiffness + faer::Scale(sigma) * &model.mass;
+    let shifted = Mat::from_fn(model.mass.nrows(), model.mass.nrows(), |i, j| {
+        model.stiffness[(i, j)] + sigma * model.mass[(i, j)]
+    });
     // The sides of an interface without bolts move rigidly against each other.
-    let (values, _) = lowest_pairs(shifted.as_ref(), model, n + 6)?;
+    let (values, _) = lowest_pairs(shifted, model, n + 6)?;
     let values: Vec<f64> = values.into_iter().map(|value| value - sigma).collect();
     let n_zero = count_zero(&values, 1e-6 * sigma);
     let elastic = values[n_zero..].iter().take(n).copied();
     Ok((model.zem_stuck + n_zero, elastic.map(frequency).collect()))
 }
 
-fn lowest_pairs(stiffness: MatRef<'_, f64>, model: &ReducedModel, n: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
-    let lower = dense_algebra::cholesky(stiffness)?;
+fn lowest_pairs(stiffness: Mat<f64>, model: &ReducedModel, n: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let n = n.min(stiffness.nrows());
+    let lower = dense_algebra::cholesky_in_place(stiffness)?;
     let lowest = |n: usize| dense_algebra::lowest_pairs(lower.as_ref(), model.mass.as_ref(), n);
     lowest(n).or_else(|error| {
         // Massless coordinates have no modes of their own.

@@ -6,13 +6,14 @@
 //! the jump, and with `K_rr X = -K_rD` the few other products with it are solves.
 
 use crate::Error;
+use crate::checks::modes_of_rest;
 use crate::interior::Interior;
-use crate::relative::{Blocks, RelativeSystem};
+use crate::relative::RelativeSystem;
 use crate::zem::Supported;
-use dense_algebra::product;
+use dense_algebra::{add_product_lower, product};
 use faer::{Mat, MatRef};
 use sprs::CsMat;
-use substructure::eigen::{Modes, lowest_modes};
+use substructure::eigen::Modes;
 use substructure::factor::Condensed;
 use substructure::sparse::multiply_into;
 
@@ -163,42 +164,48 @@ pub fn reduce(
     progress: &mut dyn FnMut(Step, f64),
 ) -> Result<ReducedModel, Error> {
     let nd = system.n_relative;
-    let (basis, condensed) = Basis::try_new(system, settings, progress)?;
+    let (basis, mut condensed) = Basis::try_new(system, settings, progress)?;
     let asymmetry = basis.static_part.asymmetry(&condensed)?;
+    let loads = basis.onto(&system.loads);
+    let recovery = basis.onto(rows);
     let Basis {
         static_part,
         stuck,
         interior,
         n_attachment,
         momentum,
-    } = &basis;
-    let supported = &static_part.supported;
+    } = basis;
     let phi = &interior.shapes;
     let n_modes = phi.ncols();
-    let n = nd + n_modes;
-    let mut stiffness = Mat::<f64>::zeros(n, n);
-    let mut mass = Mat::<f64>::zeros(n, n);
-    stiffness.submatrix_mut(0, 0, nd, nd).copy_from(&condensed.stiffness);
-    let free = condensed.mass - product(momentum.as_ref(), momentum.transpose());
-    mass.submatrix_mut(0, 0, nd, nd)
-        .copy_from(dense_algebra::symmetric(free.as_ref()));
-    let overlap = product(supported.mass_modes.transpose(), phi.as_ref());
+    let overlap = product(static_part.supported.mass_modes.transpose(), phi.as_ref());
     let modal = static_part.momentum(phi.as_ref()) - product(momentum.as_ref(), overlap.as_ref());
+    // The factor takes more memory than all that follows.
+    drop(static_part);
+    add_product_lower(condensed.mass.as_mut(), momentum.as_ref(), momentum.transpose(), -1.0);
+    let n = nd + n_modes;
+    let whole = |over_jump: Mat<f64>| {
+        let mut whole = Mat::<f64>::zeros(n, n);
+        for j in 0..nd {
+            for i in j..nd {
+                (whole[(i, j)], whole[(j, i)]) = (over_jump[(i, j)], over_jump[(i, j)]);
+            }
+        }
+        whole
+    };
+    let (mut stiffness, mut mass) = (whole(condensed.stiffness), whole(condensed.mass));
     mass.submatrix_mut(0, nd, nd, n_modes).copy_from(&modal);
     mass.submatrix_mut(nd, 0, n_modes, nd).copy_from(modal.transpose());
     for i in 0..n_modes {
         mass[(nd + i, nd + i)] = 1.0;
         stiffness[(nd + i, nd + i)] = interior.eigenvalues[i];
     }
-    let loads = basis.onto(&system.loads);
-    let recovery = basis.onto(rows);
     progress(Step::Stream, 1.0);
     Ok(ReducedModel {
         mass,
         stiffness,
         loads: loads.row_iter().map(|load| load.iter().copied().collect()).collect(),
         n_relative: nd,
-        n_attachment: *n_attachment,
+        n_attachment,
         recovery,
         stuck_frequencies: stuck.frequencies(),
         zem_stuck: stuck.n_zero,
@@ -243,8 +250,8 @@ pub fn displacements(
 }
 
 /// The basis, in the form in which it is applied: by solves.
-struct Basis {
-    static_part: StaticPart,
+struct Basis<'a> {
+    static_part: StaticPart<'a>,
     stuck: Modes,
     /// Modes of the stuck structure, with the attachment modes last.
     interior: Interior,
@@ -253,18 +260,16 @@ struct Basis {
     momentum: Mat<f64>,
 }
 
-impl Basis {
+impl<'a> Basis<'a> {
     fn try_new(
-        system: &RelativeSystem,
+        system: &'a RelativeSystem,
         settings: Settings,
         progress: &mut dyn FnMut(Step, f64),
     ) -> Result<(Self, Condensed), Error> {
         let nd = system.n_relative;
-        let k = system.blocks(&system.stiffness);
-        let m = system.blocks(&system.mass);
-        let positions = &system.positions[nd..];
+        let n_rest = system.stiffness.rows() - nd;
         let n_reported = settings.n_reported.max(settings.n_modes);
-        let stuck = lowest_modes(&k.rest, &m.rest, positions, n_reported, settings.mode_tolerance)?;
+        let stuck = modes_of_rest(system, n_reported, settings.mode_tolerance)?;
         if stuck.n_zero != settings.expected_zem {
             return Err(Error::ZeroEnergyModes {
                 found: stuck.n_zero,
@@ -275,22 +280,26 @@ impl Basis {
             check_equilibrium(index, &load[nd..], &stuck)?;
         }
         progress(Step::Factor, 1.0);
-        let (supported, condensed) = Supported::try_new(system, &m.rest, stuck.zero_energy())?;
+        let (supported, condensed) = Supported::try_new(system, stuck.zero_energy())?;
         progress(Step::Stream, 0.8);
         let mut interior = Interior::modes(&stuck, settings.n_modes.min(stuck.elastic().ncols()));
         // Where no mode is left out, the flexibility at the loads is complete without them.
-        let complete = interior.eigenvalues.len() + stuck.n_zero == k.rest.rows();
+        let complete = interior.eigenvalues.len() + stuck.n_zero == n_rest;
         let n_attachment = match settings.attachment_modes {
             true if complete => system.loads.len().min(interior.eigenvalues.len()),
             true => system.loads.len(),
             false => 0,
         };
         if n_attachment > 0 && !complete {
-            let loads = over_rest(nd, k.rest.rows(), &system.loads);
-            let (responses, momentum) = static_responses(&loads, &m.rest, &supported);
+            let loads = over_rest(nd, n_rest, &system.loads);
+            let (responses, momentum) = static_responses(&loads, system, &supported);
             interior.attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())?;
         }
-        let static_part = StaticPart { k, m, supported };
+        let static_part = StaticPart {
+            system,
+            jump_rest: system.jump_rest(&system.stiffness),
+            supported,
+        };
         let momentum = static_part.momentum(static_part.supported.modes.as_ref());
         let basis = Self {
             static_part,
@@ -305,7 +314,7 @@ impl Basis {
     /// Rows over `[jump; rest]` times the basis.
     fn onto(&self, rows: &[Vec<f64>]) -> Mat<f64> {
         let (nd, phi) = (self.momentum.nrows(), &self.interior.shapes);
-        let rest = over_rest(nd, self.static_part.k.rest.rows(), rows);
+        let rest = over_rest(nd, self.static_part.jump_rest.cols(), rows);
         let own = Mat::from_fn(nd, rows.len(), |i, j| rows[j][i]);
         let rigid = product(self.static_part.supported.modes.transpose(), rest.as_ref());
         let jump = own + self.static_part.work(rest.clone()) - product(self.momentum.as_ref(), rigid.as_ref());
@@ -345,27 +354,29 @@ fn over_rest(nd: usize, n_rest: usize, rows: &[Vec<f64>]) -> Mat<f64> {
 }
 
 /// Products with the static responses `x` of the held rest to the jump.
-struct StaticPart {
-    k: Blocks,
-    m: Blocks,
+struct StaticPart<'a> {
+    system: &'a RelativeSystem,
+    /// The stiffness that couples the jump to the rest.
+    jump_rest: CsMat<f64>,
     supported: Supported,
 }
 
-impl StaticPart {
+impl StaticPart<'_> {
     /// `x^T f` for forces on the rest.
     fn work(&self, mut forces: Mat<f64>) -> Mat<f64> {
         self.supported.solve_in_place(forces.as_mut());
-        -multiply(&self.k.jump_rest, forces.as_ref())
+        -multiply(&self.jump_rest, forces.as_ref())
     }
 
     /// `[I; x]^T M [0; c]` for columns `c` over the rest.
     fn momentum(&self, columns: MatRef<'_, f64>) -> Mat<f64> {
-        multiply(&self.m.jump_rest, columns) + self.work(multiply(&self.m.rest, columns))
+        let [jump, rest] = self.system.momentum(None, columns);
+        jump + self.work(rest)
     }
 
     /// `x d` for jumps `d`.
     fn follow(&self, jump: MatRef<'_, f64>) -> Mat<f64> {
-        let mut rest = multiply(&self.k.jump_rest.transpose_view().to_csr(), jump);
+        let mut rest = multiply(&self.jump_rest.transpose_view().to_csr(), jump);
         self.supported.solve_in_place(rest.as_mut());
         rest *= faer::Scale(-1.0);
         rest
@@ -373,24 +384,21 @@ impl StaticPart {
 
     /// Compares some of the condensed rows with columns found by solves.
     fn asymmetry(&self, condensed: &Condensed) -> Result<f64, Error> {
-        let (nd, nr) = (self.k.jump.rows(), self.k.rest.rows());
+        let nd = self.system.n_relative;
         let count = N_COMPARED.min(nd);
         let chosen: Vec<usize> = (0..count).map(|j| (2 * j + 1) * nd / (2 * count)).collect();
         let unit = Mat::from_fn(nd, count, |i, j| f64::from(u8::from(i == chosen[j])));
-        let spread = |block: &CsMat<f64>| {
-            let mut columns = Mat::<f64>::zeros(nr, count);
-            for (j, &row) in chosen.iter().enumerate() {
-                for (i, value) in block.outer_view(row).iter().flat_map(|row| row.iter()) {
-                    columns[(i, j)] = *value;
+        let x = self.follow(unit.as_ref());
+        let mut stiffness = multiply(&self.jump_rest, x.as_ref());
+        for (j, &row) in chosen.iter().enumerate() {
+            for (i, value) in self.system.stiffness.outer_view(row).iter().flat_map(|row| row.iter()) {
+                if i < nd {
+                    stiffness[(i, j)] += value;
                 }
             }
-            columns
-        };
-        let x = self.follow(unit.as_ref());
-        let stiffness = multiply(&self.k.jump, unit.as_ref()) + multiply(&self.k.jump_rest, x.as_ref());
-        let momentum = multiply(&self.m.rest, x.as_ref()) + spread(&self.m.jump_rest);
-        let mass =
-            multiply(&self.m.jump, unit.as_ref()) + multiply(&self.m.jump_rest, x.as_ref()) + self.work(momentum);
+        }
+        let [jump, rest] = self.system.momentum(Some(unit.as_ref()), x.as_ref());
+        let mass = jump + self.work(rest);
         let compare = |matrix, condensed: &Mat<f64>, columns: &Mat<f64>| {
             let rows = Mat::from_fn(nd, count, |i, j| condensed[(chosen[j], i)]);
             let deviation = (rows - columns).norm_max();
@@ -419,11 +427,10 @@ fn multiply(a: &CsMat<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
 
 /// Static responses of the stuck structure to balanced loads, mass-orthogonal to its zero-energy modes, and the mass
 /// times them.
-fn static_responses(loads: &Mat<f64>, mass: &CsMat<f64>, supported: &Supported) -> (Mat<f64>, Mat<f64>) {
+fn static_responses(loads: &Mat<f64>, system: &RelativeSystem, supported: &Supported) -> (Mat<f64>, Mat<f64>) {
     let mut responses = loads.clone();
     supported.solve_in_place(responses.as_mut());
-    let mut momentum = Mat::zeros(loads.nrows(), loads.ncols());
-    multiply_into(mass, responses.as_ref(), momentum.as_mut());
+    let [_, mut momentum] = system.momentum(None, responses.as_ref());
     let rigid = supported.remove_zero_energy(momentum.as_mut());
     responses += dense_algebra::product(supported.modes.as_ref(), rigid.as_ref());
     (responses, momentum)

@@ -5,6 +5,7 @@ use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
 use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use substructure::assemble::System;
 use substructure::sparse::{congruence, multiply_into, multiply_vector, numbering, submatrix, symmetric_part};
 
@@ -157,13 +158,6 @@ fn check_frame(frame: [[f64; 3]; 3]) -> Result<(), Error> {
         return Err(Error::Frame { deviation });
     }
     Ok(())
-}
-
-/// The four blocks of a symmetric matrix over `[jump; rest]`.
-pub(crate) struct Blocks {
-    pub(crate) jump: CsMat<f64>,
-    pub(crate) jump_rest: CsMat<f64>,
-    pub(crate) rest: CsMat<f64>,
 }
 
 impl RelativeSystem {
@@ -587,14 +581,32 @@ impl RelativeSystem {
         before
     }
 
-    pub(crate) fn blocks(&self, matrix: &CsMat<f64>) -> Blocks {
-        let n = matrix.rows();
-        let (jump, rest): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| i < self.n_relative);
-        let (jump_column, rest_column) = (numbering(&jump, n), numbering(&rest, n));
-        Blocks {
-            jump: submatrix(matrix, &jump, &jump_column, jump.len()),
-            jump_rest: submatrix(matrix, &jump, &rest_column, rest.len()),
-            rest: submatrix(matrix, &rest, &rest_column, rest.len()),
+    /// The rows of a matrix over `[jump; rest]` at the jump, and their columns at the rest.
+    pub(crate) fn jump_rest(&self, matrix: &CsMat<f64>) -> CsMat<f64> {
+        self.block(matrix, 0..self.n_relative)
+    }
+
+    /// The block of a matrix over `[jump; rest]` that is left where the jump is held.
+    pub(crate) fn rest(&self, matrix: &CsMat<f64>) -> CsMat<f64> {
+        self.block(matrix, self.n_relative..matrix.rows())
+    }
+
+    fn block(&self, matrix: &CsMat<f64>, rows: Range<usize>) -> CsMat<f64> {
+        let rest: Vec<usize> = (self.n_relative..matrix.rows()).collect();
+        let column = numbering(&rest, matrix.rows());
+        submatrix(matrix, &rows.collect::<Vec<_>>(), &column, rest.len())
+    }
+
+    /// The mass times columns over the rest, and perhaps over the jump: at the jump, and at the rest.
+    pub(crate) fn momentum(&self, jump: Option<MatRef<'_, f64>>, rest: MatRef<'_, f64>) -> [Mat<f64>; 2] {
+        let (nd, n) = (self.n_relative, self.mass.rows());
+        let mut motion = Mat::zeros(n, rest.ncols());
+        if let Some(jump) = jump {
+            motion.subrows_mut(0, nd).copy_from(jump);
         }
+        motion.subrows_mut(nd, n - nd).copy_from(rest);
+        let mut momentum = Mat::zeros(n, rest.ncols());
+        multiply_into(&self.mass, motion.as_ref(), momentum.as_mut());
+        [0..nd, nd..n].map(|rows| momentum.subrows(rows.start, rows.len()).to_owned())
     }
 }

@@ -5,9 +5,7 @@ use crate::relative::RelativeSystem;
 use faer::linalg::matmul::matmul;
 use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use sprs::CsMat;
 use substructure::factor::{Condensed, SparseCholesky};
-use substructure::sparse::multiply_into;
 
 /// A semi-definite stiffness held at as many components as it has zero-energy modes.
 ///
@@ -25,19 +23,14 @@ pub(crate) struct Supported {
 impl Supported {
     /// Supports the rest of a system with the given zero-energy modes, and condenses it onto the jump: a rest that is
     /// held follows the jump up to a zero-energy motion.
-    pub(crate) fn try_new(
-        system: &RelativeSystem,
-        mass: &CsMat<f64>,
-        modes: MatRef<'_, f64>,
-    ) -> Result<(Self, Condensed), Error> {
+    pub(crate) fn try_new(system: &RelativeSystem, modes: MatRef<'_, f64>) -> Result<(Self, Condensed), Error> {
         let nd = system.n_relative;
         let held = components_to_hold(modes);
         let fixed: Vec<usize> = held.iter().map(|component| nd + component).collect();
         let name = "stuck stiffness without its zero-energy modes";
         let (factor, condensed) =
             SparseCholesky::condense(&system.stiffness, &system.mass, &system.positions, nd, &fixed, name)?;
-        let mut mass_modes = Mat::zeros(modes.nrows(), modes.ncols());
-        multiply_into(mass, modes, mass_modes.as_mut());
+        let [_, mass_modes] = system.momentum(None, modes);
         let supported = Self {
             factor,
             held,
