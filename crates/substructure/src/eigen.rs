@@ -296,7 +296,6 @@ fn rayleigh_ritz(
 /// An orthonormal Krylov basis (mass inner product) with the projected operator.
 struct Krylov {
     basis: Mat<f64>,
-    mass_basis: Mat<f64>,
     /// Projection coefficients: column `j` expands the operator's image of basis vector `j`.
     projected: Mat<f64>,
     /// Basis vectors whose image the next block is.
@@ -306,14 +305,10 @@ struct Krylov {
 impl Krylov {
     fn new(n: usize, limit: usize) -> Self {
         let room = limit + BLOCK;
-        let empty = || {
-            let mut columns = Mat::with_capacity(n, room);
-            columns.resize_with(n, 0, |_, _| 0.0);
-            columns
-        };
+        let mut basis = Mat::with_capacity(n, room);
+        basis.resize_with(n, 0, |_, _| 0.0);
         Self {
-            basis: empty(),
-            mass_basis: empty(),
+            basis,
             projected: Mat::zeros(room, room),
             source: 0..0,
         }
@@ -336,12 +331,9 @@ impl Krylov {
             let initial: Vec<f64> = (0..block.ncols())
                 .map(|j| dot(&block, j, &momentum, j).max(0.0).sqrt())
                 .collect();
-            let coefficients = dense_algebra::product(self.mass_basis.transpose(), block.as_ref());
-            let take_out = |from: &mut Mat<f64>, basis: &Mat<f64>| {
-                add_product(from.as_mut(), basis.as_ref(), coefficients.as_ref(), -1.0);
-            };
-            take_out(&mut block, &self.basis);
-            take_out(&mut momentum, &self.mass_basis);
+            let coefficients = dense_algebra::product(self.basis.transpose(), momentum.as_ref());
+            add_product(block.as_mut(), self.basis.as_ref(), coefficients.as_ref(), -1.0);
+            multiply_into(mass, block.as_ref(), momentum.as_mut());
             along += dense_algebra::product(coefficients.as_ref(), upper.as_ref());
             let new = orthonormalise(&mut block, &mut momentum, &initial);
             upper = dense_algebra::product(new.as_ref(), upper.as_ref());
@@ -355,11 +347,9 @@ impl Krylov {
                 self.projected[(size + row, image)] = upper[(row, column)];
             }
         }
-        let grow = |basis: &mut Mat<f64>, by: &Mat<f64>| {
-            basis.resize_with(n, size + by.ncols(), |row, column| by[(row, column - size)]);
-        };
-        grow(&mut self.basis, &block);
-        grow(&mut self.mass_basis, &momentum);
+        let grown = size + block.ncols();
+        self.basis
+            .resize_with(n, grown, |row, column| block[(row, column - size)]);
         momentum
     }
 
