@@ -1,8 +1,8 @@
 //! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
 
 use dense_algebra::{
-    Error, Symmetric, cholesky, congruent, lowest_pairs, product, rank, solve_general, solve_lower,
-    solve_lower_transposed, symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
+    Error, Symmetric, add_product_lower, cholesky, cholesky_in_place, congruent, lowest_pairs, product, rank,
+    solve_general, solve_lower, solve_lower_transposed, symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
 };
 use faer::Mat;
 
@@ -184,4 +184,98 @@ fn the_rank_does_not_depend_on_units_and_bounds_the_eigenpairs_there_are() {
     assert!(values.iter().all(|value| *value > 0.0));
     let error = lowest_pairs(identity.as_ref(), mass.as_ref(), 3).unwrap_err();
     assert!(matches!(error, Error::Rank { size: 5, count: 3 }), "{error}");
+}
+
+/// A positive definite matrix that is cheap to make.
+fn graded(n: usize) -> Mat<f64> {
+    Mat::from_fn(n, n, |i, j| {
+        let near = 1.0 / (1.0 + i.abs_diff(j) as f64).powi(2);
+        if i == j { 4.0 + (i % 7) as f64 } else { near }
+    })
+}
+
+#[test]
+fn what_is_cut_into_tiles_is_what_it_is_in_one_piece() {
+    // Beyond the sizes at which panels and tiles begin, and no multiple of them.
+    let (n, wide, narrow) = (613, 300, 9);
+    let a = graded(n);
+    let x = |columns: usize| Mat::from_fn(n, columns, |i, j| ((i * 5 + j * 11) as f64 * 0.3).sin());
+    let by_sums =
+        |a: &Mat<f64>, b: &Mat<f64>, i: usize, j: usize| -> f64 { (0..n).map(|k| a[(i, k)] * b[(k, j)]).sum() };
+    let lower = cholesky(a.as_ref()).unwrap();
+    assert!((0..n).all(|j| (0..j).all(|i| lower[(i, j)] == 0.0)));
+    assert_eq!(cholesky_in_place(a.clone()).unwrap(), lower);
+    for columns in [wide, narrow] {
+        let right = product(a.as_ref(), x(columns).as_ref());
+        for (i, j) in [(0, 0), (n - 1, columns - 1), (255, 3), (256, 5), (400, columns / 2)] {
+            assert!(
+                (right[(i, j)] - by_sums(&a, &x(columns), i, j)).abs() < 1e-12,
+                "{columns} {i} {j}"
+            );
+        }
+        let mut found = right.clone();
+        solve_lower(lower.as_ref(), found.as_mut());
+        let half = found.clone();
+        assert!((product(lower.as_ref(), half.as_ref()) - &right).norm_max() < 1e-12);
+        solve_lower_transposed(lower.as_ref(), found.as_mut());
+        assert!((found - x(columns)).norm_max() < 1e-12);
+    }
+    let tall = x(wide);
+    let mut sum = a.clone();
+    add_product_lower(sum.as_mut(), tall.as_ref(), tall.transpose(), -0.5);
+    let square = product(tall.as_ref(), tall.transpose());
+    for j in 0..n {
+        for i in 0..n {
+            let expected = if i < j {
+                a[(i, j)]
+            } else {
+                a[(i, j)] - 0.5 * square[(i, j)]
+            };
+            assert!((sum[(i, j)] - expected).abs() < 1e-11, "{i} {j}");
+        }
+    }
+    // Each column of the inverse, of all tiles.
+    let inverse = Symmetric::inverse_of_factor(lower.as_ref());
+    for j in [0, 3, 127, 128, 300, n - 1] {
+        let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+        let mut column = vec![0.0; n];
+        inverse.product_into(&unit, &mut column);
+        for i in 0..n {
+            let back: f64 = (0..n).map(|k| a[(i, k)] * column[k]).sum();
+            assert!((back - unit[i]).abs() < 1e-13, "{i} {j}");
+        }
+    }
+}
+
+#[test]
+fn a_pivot_that_is_not_positive_is_found_in_every_panel() {
+    let n = 600;
+    for bad in [0, 200, 300, 599] {
+        let mut a = graded(n);
+        a[(bad, bad)] = -1.0;
+        let error = cholesky(a.as_ref()).unwrap_err();
+        assert_eq!(error, Error::NotPositiveDefinite { pivot: bad, size: n });
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let a = graded(700);
+    let right = Mat::from_fn(700, 20, |i, j| ((i + 3 * j) as f64).cos());
+    let work = || {
+        let lower = cholesky(a.as_ref()).unwrap();
+        let mut x = right.clone();
+        solve_lower(lower.as_ref(), x.as_mut());
+        solve_lower_transposed(lower.as_ref(), x.as_mut());
+        let (values, shapes) = lowest_pairs(lower.as_ref(), graded(700).as_ref(), 4).unwrap();
+        (x, values, shapes, Symmetric::inverse_of_factor(lower.as_ref()))
+    };
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(work)
+    };
+    let one = on(1);
+    for threads in [2, 5] {
+        assert!(on(threads) == one, "{threads}");
+    }
 }

@@ -3,6 +3,7 @@
 use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
 use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
+use std::collections::BTreeSet;
 use substructure::Error;
 use substructure::factor::{BLOCK, SparseCholesky};
 use substructure::ordering::nested_dissection;
@@ -130,6 +131,66 @@ fn planes_and_distances_keep_the_fill_of_a_bar_linear_in_its_length() {
         assert!(long < 2.3 * short, "{short} {long}");
         // Rows of the factor are a few sections of 60 rows long.
         assert!(short < 40.0 * 60.0 * 180.0, "{short}");
+    }
+}
+
+#[test]
+fn a_long_bar_is_eliminated_from_its_ends() {
+    // Rows left after each separator: on one side of it but for the one that is last, where halves of halves have some on both.
+    let (matrix, positions) = block([160, 5, 4], 0);
+    let dissection = nested_dissection(&matrix, &positions, 0);
+    let section = 60;
+    let mut part_of = vec![0; matrix.rows()];
+    for (number, part) in dissection.parts.iter().enumerate() {
+        part.rows.clone().for_each(|k| part_of[dissection.order[k]] = number);
+    }
+    let mut beyond = vec![BTreeSet::new(); dissection.parts.len()];
+    for (number, part) in dissection.parts.iter().enumerate() {
+        let rows = part.rows.clone().map(|k| dissection.order[k]);
+        let own = rows.flat_map(|row| matrix.outer_view(row).unwrap().indices().to_vec());
+        let children = part.children.iter().flat_map(|&child| beyond[child].iter().copied());
+        beyond[number] = own.chain(children).filter(|&row| part_of[row] > number).collect();
+    }
+    let separators: Vec<usize> = (0..dissection.parts.len())
+        .filter(|&number| !dissection.parts[number].children.is_empty())
+        .filter(|&number| dissection.parts[number].rows.len() == section)
+        .collect();
+    let two_sided = separators
+        .iter()
+        .filter(|&&number| beyond[number].len() > section)
+        .count();
+    assert!(
+        separators.len() > 20 && 4 * two_sided < separators.len(),
+        "{two_sided} of {}",
+        separators.len()
+    );
+    // As deep as the bar is long it must not become: eliminations are nested as deep as the tree.
+    let (matrix, positions) = block([1500, 2, 2], 0);
+    let dissection = nested_dissection(&matrix, &positions, 0);
+    let mut height = vec![0; dissection.parts.len()];
+    for (number, part) in dissection.parts.iter().enumerate() {
+        height[number] = 1 + part.children.iter().map(|&child| height[child]).max().unwrap_or(0);
+    }
+    assert!(height.iter().max() < Some(&90), "{:?}", height.iter().max());
+}
+
+#[test]
+fn solutions_do_not_depend_on_the_number_of_threads() {
+    let (matrix, positions) = block([30, 6, 5], 2);
+    let n = matrix.rows();
+    let right = Mat::from_fn(n, 70, |i, j| ((i + 7 * j) as f64).sin());
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let (factor, condensed) = SparseCholesky::condense(&matrix, &matrix, &positions, 90, &[], "test").unwrap();
+            let mut x = right.subrows(90, n - 90).to_owned();
+            factor.solve_in_place(x.as_mut());
+            (x, condensed.stiffness, condensed.mass)
+        })
+    };
+    let one = on(1);
+    for threads in [2, 4] {
+        assert!(on(threads) == one, "{threads}");
     }
 }
 
