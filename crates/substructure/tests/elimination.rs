@@ -175,26 +175,6 @@ fn a_long_bar_is_eliminated_from_its_ends() {
 }
 
 #[test]
-fn solutions_do_not_depend_on_the_number_of_threads() {
-    let (matrix, positions) = block([30, 6, 5], 2);
-    let n = matrix.rows();
-    let right = Mat::from_fn(n, 70, |i, j| ((i + 7 * j) as f64).sin());
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let (factor, condensed) = SparseCholesky::condense(&matrix, &matrix, &positions, 90, &[], "test").unwrap();
-            let mut x = right.subrows(90, n - 90).to_owned();
-            factor.solve_in_place(x.as_mut());
-            (x, condensed.stiffness, condensed.mass)
-        })
-    };
-    let one = on(1);
-    for threads in [2, 4] {
-        assert!(on(threads) == one, "{threads}");
-    }
-}
-
-#[test]
 fn solutions_are_those_of_the_dense_factor_for_any_width() {
     for (matrix, positions) in [block([9, 5, 4], 3), two_blocks(), block([2, 1, 1], 4)] {
         let n = matrix.rows();
