@@ -94,6 +94,36 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
     succeeds(&folder, &["study", "plan.json", "--out", "parts", "--cache", "b"]);
     assert_eq!(expected, tables(&folder, "parts"));
     assert_eq!(lines(&folder.join("b/cases")).len(), 8);
+    // In full, each in a folder of its own, of which the one that is there is left.
+    let one = json!({ "scene": scene(), "cases": [{ "/mu": 0.3, "/bolts/load": "12 kN" }, { "/mu": 0.5 }] });
+    fs::write(folder.join("full.json"), one.to_string()).unwrap();
+    let command = [
+        "study",
+        "full.json",
+        "--out",
+        "full",
+        "--cache",
+        "b",
+        "--workers",
+        "2",
+        "--folders",
+    ];
+    succeeds(&folder, &command);
+    let text = fs::read_to_string(folder.join("full/results.csv")).unwrap();
+    let last: Vec<&str> = text.lines().last().unwrap().split(',').collect();
+    let runs = folder.join("full/runs");
+    assert_eq!(fs::read_dir(&runs).unwrap().count(), 2);
+    let own = runs.join(&last[0][..16]);
+    let summary = read_json(&own.join("summary.json"));
+    let backbone = summary["backbone"].as_array().unwrap();
+    assert_eq!(backbone[1]["frequency_hz"].to_string(), last[6]);
+    succeeds(&folder, &["verify", own.to_str().unwrap()]);
+    let before = fs::metadata(own.join("manifest.json")).unwrap().modified().unwrap();
+    succeeds(&folder, &command);
+    assert_eq!(
+        fs::metadata(own.join("manifest.json")).unwrap().modified().unwrap(),
+        before
+    );
     // Another study takes what it shares with this one from the store.
     let other = json!({ "scene": scene(), "cases": [{ "/mu": 0.3, "/bolts/load": "12 kN" }, { "/mu": 0.5 }] });
     fs::write(folder.join("other.json"), other.to_string()).unwrap();
@@ -418,7 +448,8 @@ fn plans_are_refused_before_anything_runs_with_place_value_and_remedy() {
     for (arguments, words) in [
         (&["--part", "4/3"][..], "4/3"),
         (&["--engine", "slurm"], "--workers"),
-        (&["--workers", "2"], "--engine slurm"),
+        (&["--workers", "2", "--threads", "2"], "--threads"),
+        (&["--engine", "slurm", "--workers", "2", "--folders"], "--folders"),
         (&["--memory=-1"], "positive"),
     ] {
         let done = run(&folder, &[&["study", "plan.json", "--out", "out"], arguments].concat());

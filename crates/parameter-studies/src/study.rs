@@ -155,8 +155,19 @@ impl<'a> Study<'a> {
         Ok(study)
     }
 
-    /// The scene of a case of the plan.
+    /// The scene of a case of the plan, as its loops alone.
     pub(crate) fn scene(&self, number: usize) -> Result<Scene, Error> {
+        Ok(as_case(&self.in_full(number)?))
+    }
+
+    /// The distinct cases of the plan: addresses, and scenes with all that they ask for.
+    pub fn cases_in_full(&self) -> impl Iterator<Item = Result<(&str, Scene), Error>> {
+        let scenes = self.cases.iter().map(|case| (case, self.in_full(case.number)));
+        scenes.map(|(case, scene)| Ok((case.address.as_str(), scene?)))
+    }
+
+    /// The scene of a case of the plan, with all that it asks for.
+    fn in_full(&self, number: usize) -> Result<Scene, Error> {
         let mut value = self.base.value.clone();
         let mut place = format!("{}: case {}", self.name, number + 1);
         let mut separator = " (";
@@ -179,7 +190,7 @@ impl<'a> Study<'a> {
         if let Some(folder) = &self.base.folder {
             scene.resolve(folder);
         }
-        Ok(as_case(&scene))
+        Ok(scene)
     }
 
     /// Rows that a case has in tables, if it converges.

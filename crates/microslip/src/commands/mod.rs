@@ -145,6 +145,13 @@ pub struct Threads {
 }
 
 impl Threads {
+    /// These, or another number where none is given.
+    fn or(&self, other: Option<u16>) -> Self {
+        Self {
+            threads: self.threads.or(other),
+        }
+    }
+
     /// Starts them.
     fn start(&self) -> Result<()> {
         let Some(threads) = self.threads else {

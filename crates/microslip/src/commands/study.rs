@@ -1,17 +1,20 @@
 //! `study`: many variants of a scene by a plan.
 
+use super::run::{Request, is_complete};
 use super::{Cache, Defaults, Outcome, Threads, print, scene};
 use crate::files::{Overwrite, publish};
 use crate::progress::Bar;
 use anyhow::{Context, Result, anyhow, bail};
-use durable_files::Identity;
-use joint_pipeline::results::provenance::{Input, InputRole};
+use durable_files::{Identity, MANIFEST};
+use joint_pipeline::Options;
+use joint_pipeline::results::provenance::{Input, InputRole, Provenance};
 use joint_pipeline::scene::parse_json;
 use parameter_studies::slurm::Job;
 use parameter_studies::{Base, BaseScene, CSV, Machine, Memory, PARQUET, Part, Plan, Store, Study, Tally, outputs};
 use rayon::ThreadPoolBuilder;
 use reports::Output;
-use run_environment::{BENCHMARKS, benchmarks, forget_peak_memory, free_memory, peak_memory, provenance};
+use reports::run::SUMMARY;
+use run_environment::{BENCHMARKS, benchmarks, forget_peak_memory, free_memory, peak_memory, provenance, results_of};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,6 +22,12 @@ use std::time::{Duration, Instant};
 
 /// Folder of finished cases, in the cache or in that of the results.
 const CASES: &str = "cases";
+
+/// Folder of the cases that are run in full, in that of the results.
+const RUNS: &str = "runs";
+
+/// Digits of an address that name such a folder.
+const SHORT: usize = 16;
 
 /// What was run, beside the tables.
 const ACCOUNT: &str = "study.json";
@@ -37,9 +46,12 @@ pub struct Arguments {
     /// What runs the cases.
     #[arg(long, value_name = "ENGINE", default_value = "local")]
     engine: Engine,
-    /// Number of parts that the cases are divided into, each a task of the batch system.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Number of parts that the cases are divided into, each a task of the batch system; of the engine `local`, another word for --threads.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), conflicts_with = "threads")]
     workers: Option<u16>,
+    /// Afterwards also run every distinct case in full, one after the other, as `run` does, each into a folder of its own in DIR/runs.
+    #[arg(long, conflicts_with_all = ["part", "status"])]
+    folders: bool,
     /// Option of `sbatch`, such as --slurm-option=--partition=long; may be given several times.
     #[arg(long, value_name = "OPT", allow_hyphen_values = true)]
     slurm_option: Vec<String>,
@@ -87,13 +99,18 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome>
     }
     match (engine, arguments.workers) {
         (Engine::Slurm, None) => bail!("--engine slurm needs --workers N: the number of tasks that share the cases"),
-        (Engine::Local, Some(_)) => bail!("--workers belongs to --engine slurm; for cases here give --threads"),
+        (Engine::Slurm, _) if arguments.folders => {
+            bail!(
+                "--folders runs cases in this process; give it to the same command without --engine slurm, which finds the cases done"
+            )
+        }
         _ => {}
     }
     if engine == Engine::Local && !arguments.slurm_option.is_empty() {
         bail!("--slurm-option belongs to --engine slurm");
     }
-    arguments.threads.start()?;
+    let workers = arguments.workers.filter(|_| engine == Engine::Local);
+    arguments.threads.or(workers).start()?;
     let machine = Here::new(rayon::current_num_threads())?;
     let done = work(arguments, defaults, &machine);
     machine.bar.finish();
@@ -163,7 +180,7 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         },
         "store": { "folder": root.display().to_string(), "segments": segments.1, "bytes": segments.0, "lines": store.lines() },
         "peak_memory": peak_memory(),
-        "provenance": provenance,
+        "provenance": &provenance,
     });
     let mut facts = vec![
         ("plan".to_owned(), name.clone()),
@@ -185,6 +202,10 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
     account.push(b'\n');
     files.push(Output::new(ACCOUNT, account));
     publish(folder, &files)?;
+    let incomplete = match arguments.folders {
+        true => in_full(arguments, &study, &options, &provenance, machine)?,
+        false => 0,
+    };
     machine.bar.finish();
     print(&format!(
         "{}{:.1} s of cases on one thread each; results, with report.html to begin with, in {}\n",
@@ -192,10 +213,50 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         case_seconds,
         arguments.out.display()
     ))?;
-    Ok(match counts.failed + counts.partly_converged {
+    Ok(match counts.failed + counts.partly_converged + incomplete {
         0 => Outcome::Success,
         _ => Outcome::Incomplete,
     })
+}
+
+/// Runs all distinct cases in full that have no folder yet, and gives the number of those that failed or did not converge.
+fn in_full(
+    arguments: &Arguments,
+    study: &Study<'_>,
+    options: &Options,
+    provenance: &Provenance,
+    machine: &Here,
+) -> Result<usize> {
+    let request = Request {
+        ensemble: None,
+        samples: None,
+        estimate_error: None,
+    };
+    let mut incomplete = 0;
+    for case in study.cases_in_full() {
+        let (address, mut scene) = case?;
+        let short = address.get(..SHORT).unwrap_or(address);
+        let directory = arguments.out.join(RUNS).join(short);
+        if directory.join(MANIFEST).exists() {
+            continue;
+        }
+        scene.name = format!("{}-{short}", scene.name);
+        let names = [SUMMARY, "report.html", "backbone.csv"];
+        let folder = (arguments.overwrite).open(&directory, &results_of("run", &scene), &names)?;
+        match request.compute(&scene, options) {
+            Ok((run, mut summary)) => {
+                summary.provenance = Some(provenance.clone());
+                publish(folder, &reports::run::outputs(&run, &summary)?)?;
+                run.checkpoints.remove();
+                incomplete += usize::from(!is_complete(&summary));
+            }
+            Err(error) => {
+                machine.line(&format!("case {short}: {error:#}"));
+                incomplete += 1;
+            }
+        }
+    }
+    Ok(incomplete)
 }
 
 /// The scene of a plan, and the file that it is from.
@@ -317,7 +378,7 @@ fn announce(
 }
 
 /// The job array that runs all parts.
-fn job(arguments: &Arguments, options: &joint_pipeline::Options) -> Result<Job> {
+fn job(arguments: &Arguments, options: &Options) -> Result<Job> {
     let absolute = |path: &Path| {
         let path = std::path::absolute(path).with_context(|| format!("finding {}", path.display()))?;
         Ok::<_, anyhow::Error>(path.display().to_string())
