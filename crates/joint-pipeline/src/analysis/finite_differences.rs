@@ -9,14 +9,14 @@ use crate::scene::Parameter;
 use crate::store::checkpoint::Checkpoints;
 use serde::{Deserialize, Serialize};
 
-/// Step relative to the value of a parameter. The error of central differences is its square times the third derivative; half of it is lost
-/// to the round-off of loops that converge to 1e-9.
-const STEP: f64 = 0.01;
+/// Step relative to the value of a parameter. The error of central differences is its square times the third derivative; loops converge to 1e-9.
+/// It is less than half of what [`AROUND`] spans, so that backbones of both sides have loops on either side of an amplitude.
+const STEP: f64 = 1e-3;
 
 /// Factors on the forces of the scene's own amplitudes: there are loops on either side of each of them, and a straight line between
 /// the two, whose error is the same above and below. Cubics through widely spaced amplitudes have slopes that are off by as much as the
 /// derivatives.
-pub(super) const AROUND: [f64; 2] = [0.98, 1.02];
+pub(super) const AROUND: [f64; 2] = [0.998, 1.002];
 
 /// Derivatives of a backbone by a parameter, at fixed modal amplitude.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,7 +43,11 @@ impl Gradient {
 
 /// Step (SI) of a parameter with this value and, where it is 0, this standard deviation.
 pub(super) fn step(nominal: f64, sd: f64) -> f64 {
-    if nominal == 0.0 { 0.1 * sd } else { STEP * nominal.abs() }
+    if nominal == 0.0 {
+        0.01 * sd
+    } else {
+        STEP * nominal.abs()
+    }
 }
 
 /// The inputs of the runs that [`sensitivity`] takes: above and below of every parameter in turn.
@@ -122,7 +126,7 @@ pub(super) fn sensitivities(
             return Err(Error::Parameter {
                 path: parameter.path().into(),
                 reason:
-                    "it is zero, and its derivatives are differences over a hundredth of its value; give it a value"
+                    "it is zero, and its derivatives are differences over a thousandth of its value; give it a value"
                         .into(),
             });
         }
@@ -163,7 +167,7 @@ pub(super) fn sensitivities(
             };
             let width = (pair[0].inputs[place] / pair[1].inputs[place]).ln();
             let missing = || Error::Derivatives {
-                of: "the scene with a parameter a hundredth larger or smaller, which has no backbone",
+                of: "the scene with a parameter a thousandth larger or smaller, which has no backbone",
             };
             let shapes = shape(&pair[0]).zip(shape(&pair[1])).ok_or_else(missing)?;
             of_mode.push(Sensitivity {
