@@ -46,7 +46,11 @@ fn a_prestress_out_of_balance_is_refused_or_balanced() {
     for tolerance in [1e-9, 1e-2] {
         let refused = linear(1e30, tolerance).map(|run| run.frequencies[0]);
         let message = refused.unwrap_err().to_string();
-        assert!(message.contains("do not balance"), "{message}");
+        // Of the loads as a whole, or at the interface: which it is, round-off decides.
+        assert!(
+            message.contains("do not balance") || message.contains("out of balance"),
+            "{message}"
+        );
     }
 }
 
