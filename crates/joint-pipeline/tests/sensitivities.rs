@@ -267,10 +267,9 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
         let is_structural = one.parameter.influence() == Influence::Structure;
         // A point that begins to slip between two samples on the way from one value to the other makes a difference wrong by a kink. That
         // happens by chance, and not with all steps.
-        let steps = if is_structural {
-            [1e-3, 3e-4, 1e-4]
-        } else {
-            [1e-4, 2e-5, 4e-6]
+        let steps: &[f64] = match is_structural {
+            true => &[1e-3, 3e-4, 1e-4, 2e-5],
+            false => &[1e-4, 2e-5, 4e-6],
         };
         let differences: Vec<Vec<[f64; 2]>> = steps
             .iter()
