@@ -268,7 +268,7 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
         // A point that begins to slip between two samples on the way from one value to the other makes a difference wrong by a kink. That
         // happens by chance, and not with all steps.
         let steps: &[f64] = match is_structural {
-            true => &[1e-3, 3e-4, 1e-4, 2e-5],
+            true => &[1e-3, 1e-4, 2e-5, 6e-6, 3e-6],
             false => &[1e-4, 2e-5, 4e-6],
         };
         let differences: Vec<Vec<[f64; 2]>> = steps
