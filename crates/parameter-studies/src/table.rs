@@ -4,6 +4,7 @@ use crate::Error;
 use crate::design::Kind;
 use crate::store::Store;
 use crate::study::Study;
+use joint_pipeline::analysis::variants::VariantPoint;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
 use parquet::file::properties::WriterProperties;
@@ -44,13 +45,7 @@ enum Data {
 #[derive(Default)]
 struct Row {
     mode: Option<i32>,
-    modal_amplitude: Option<f64>,
-    response_displacement: Option<f64>,
-    frequency_hz: Option<f64>,
-    damping_ratio: Option<f64>,
-    response_motion: Option<f64>,
-    frequency_first_harmonic_hz: Option<f64>,
-    damping_ratio_first_harmonic: Option<f64>,
+    point: Option<VariantPoint>,
     status: &'static str,
     reason: Option<Arc<str>>,
 }
@@ -74,13 +69,7 @@ fn rows(store: &Store, address: &str) -> Vec<Row> {
             rows.push(match amplitude {
                 Ok(point) => Row {
                     mode: number,
-                    modal_amplitude: Some(point.modal_amplitude),
-                    response_displacement: Some(point.response_displacement),
-                    frequency_hz: Some(point.frequency_hz),
-                    damping_ratio: point.damping_ratio,
-                    response_motion: Some(point.seen.response_motion),
-                    frequency_first_harmonic_hz: Some(point.seen.frequency_hz),
-                    damping_ratio_first_harmonic: point.seen.damping_ratio,
+                    point: Some(*point),
                     status: "converged",
                     reason: point
                         .damping_ratio
@@ -140,28 +129,31 @@ impl Table {
             required,
             data,
         };
-        let real = |of: fn(&Row) -> Option<f64>| Data::Real(found.iter().map(of).collect());
+        let real = |of: fn(&VariantPoint) -> Option<f64>| {
+            let value = |row: &Row| of(row.point.as_ref()?);
+            Data::Real(found.iter().map(value).collect())
+        };
         let mut columns = vec![column("case", true, Data::Text(addresses))];
         for (parameter, data) in study.columns().iter().zip(parameters) {
             columns.push(column(&parameter.heading(), false, data));
         }
         columns.extend([
             column("mode", false, Data::Whole(found.iter().map(|row| row.mode).collect())),
-            column("modal_amplitude", false, real(|row| row.modal_amplitude)),
-            column("response_displacement", false, real(|row| row.response_displacement)),
-            column("frequency_hz", false, real(|row| row.frequency_hz)),
-            column("damping_ratio", false, real(|row| row.damping_ratio)),
-            column("response_motion", false, real(|row| row.response_motion)),
+            column("modal_amplitude", false, real(|at| Some(at.modal_amplitude))),
+            column(
+                "response_displacement",
+                false,
+                real(|at| Some(at.response_displacement)),
+            ),
+            column("frequency_hz", false, real(|at| Some(at.frequency_hz))),
+            column("damping_ratio", false, real(|at| at.damping_ratio)),
+            column("response_motion", false, real(|at| Some(at.seen.response_motion))),
             column(
                 "frequency_first_harmonic_hz",
                 false,
-                real(|row| row.frequency_first_harmonic_hz),
+                real(|at| Some(at.seen.frequency_hz)),
             ),
-            column(
-                "damping_ratio_first_harmonic",
-                false,
-                real(|row| row.damping_ratio_first_harmonic),
-            ),
+            column("damping_ratio_first_harmonic", false, real(|at| at.seen.damping_ratio)),
             column(
                 "status",
                 true,

@@ -1,6 +1,7 @@
 //! Numbers of a scene from measured backbones: nonlinear least squares on the logarithms of frequency and damping.
 
 use super::comparison::{Backbone, Point};
+use super::ensemble::loops_alone;
 use super::finite_differences;
 use super::outcome::Analysis;
 use super::variants::{Forces, Rates, Reading, Solved, Study, Variant};
@@ -165,9 +166,19 @@ struct Free {
 #[derive(Clone)]
 struct Evaluation {
     at: DVector<f64>,
+    /// Of each residual that is one of the data.
+    series: Vec<usize>,
     residuals: DVector<f64>,
     jacobian: DMatrix<f64>,
     model: Variant,
+}
+
+/// A measured number beside the model.
+struct Datum {
+    /// What it stands in a row with: frequencies along a backbone, or damping ratios.
+    series: usize,
+    /// Model less measurement, weighted.
+    residual: f64,
 }
 
 impl Free {
@@ -277,7 +288,7 @@ impl Problem<'_> {
     }
 
     /// Logarithms of frequency and damping less those measured, in units of their standard deviations.
-    fn data(&self, variant: &Variant) -> Result<Vec<f64>, Error> {
+    fn data(&self, variant: &Variant) -> Result<Vec<Datum>, Error> {
         let refused = |reason: String| Error::Calibration { reason };
         if let Some(reason) = &variant.failure {
             let inputs: Vec<String> = self
@@ -293,7 +304,7 @@ impl Problem<'_> {
             )));
         }
         let mut all = Vec::new();
-        for (measured, &mode) in self.measured.iter().zip(&self.modes) {
+        for (number, (measured, &mode)) in self.measured.iter().zip(&self.modes).enumerate() {
             for point in measured.backbone.points() {
                 let found = variant.curves[mode].at(Reading::Measured, point.amplitude);
                 let [frequency, damping] = found.ok_or_else(|| {
@@ -302,36 +313,38 @@ impl Problem<'_> {
                         measured.name, point.amplitude
                     ))
                 })?;
-                all.push((frequency / point.frequency_hz).ln() / self.noise.frequency_ln);
+                all.push(Datum {
+                    series: 2 * number,
+                    residual: (frequency / point.frequency_hz).ln() / self.noise.frequency_ln,
+                });
                 if let Some(zeta) = point.damping_ratio {
-                    all.push((damping / zeta).max(LEAST_DAMPING).ln() / self.noise.damping_ln);
+                    all.push(Datum {
+                        series: 2 * number + 1,
+                        residual: (damping / zeta).max(LEAST_DAMPING).ln() / self.noise.damping_ln,
+                    });
                 }
             }
         }
         Ok(all)
     }
 
-    /// Runs the model with each of these inputs.
-    fn runs(&mut self, inputs: &[Vec<f64>], rates: Rates) -> Result<Vec<Variant>, Error> {
-        let inputs: Vec<_> = inputs
-            .iter()
-            .map(|inputs| (inputs.clone(), self.forces.clone()))
-            .collect();
+    /// Runs the model.
+    fn run(&mut self, values: &[f64], rates: Rates) -> Result<Option<Variant>, Error> {
+        let inputs = [(values.to_vec(), self.forces.clone())];
         let quiet = Quiet(self.progress);
-        let (variants, checkpoints) = self.study.run("runs", &inputs, rates, self.analysis, &quiet)?;
+        let (mut found, checkpoints) = self.study.run("runs", &inputs, rates, self.analysis, &quiet)?;
         self.checkpoints.extend(checkpoints);
-        Ok(variants)
+        Ok(found.pop())
     }
 
     /// The model at `values`, with the derivatives that its loops bring along.
     fn model(&mut self, values: &[f64]) -> Result<Variant, Error> {
-        let inputs = [values.to_vec()];
-        let mut found = self.runs(&inputs, Rates::WhereTheyCostLittle)?;
-        if found.iter().any(|found| found.failure.is_some()) {
+        let mut found = self.run(values, Rates::WhereTheyCostLittle)?;
+        if found.as_ref().is_none_or(|found| found.failure.is_some()) {
             // It may be the derivatives alone that there are none of.
-            found = self.runs(&inputs, Rates::None)?;
+            found = self.run(values, Rates::None)?;
         }
-        found.pop().ok_or_else(|| Error::Calibration {
+        found.ok_or_else(|| Error::Calibration {
             reason: "the model was not run".into(),
         })
     }
@@ -343,17 +356,13 @@ impl Problem<'_> {
             Some([above?, below?])
         };
         let known: Vec<Option<[Variant; 2]>> = self.study.parameters().iter().enumerate().map(along).collect();
-        let pairs = finite_differences::inputs(&model.inputs, steps);
-        let unknown = pairs.chunks_exact(2).zip(&known).filter(|(_, known)| known.is_none());
-        let inputs: Vec<Vec<f64>> = unknown.flat_map(|(pair, _)| pair).cloned().collect();
-        let mut runs = match inputs.is_empty() {
-            true => Vec::new(),
-            false => self.runs(&inputs, Rates::None)?,
-        }
-        .into_iter();
-        let all = known
-            .into_iter()
-            .map(|known| known.or_else(|| Some([runs.next()?, runs.next()?])));
+        let unknown = (0..known.len()).filter(|place| known[*place].is_none());
+        let (inputs, quiet) = ((model.inputs.as_slice(), steps), Quiet(self.progress));
+        let (pairs, checkpoints) =
+            finite_differences::pairs(self.study, inputs, unknown, &self.forces, self.analysis, &quiet)?;
+        self.checkpoints.extend(checkpoints);
+        let mut pairs = pairs.into_iter();
+        let all = known.into_iter().map(|known| known.or_else(|| pairs.next()));
         Ok(all.flatten().collect())
     }
 
@@ -376,7 +385,8 @@ impl Problem<'_> {
             .map(|(value, width)| finite_differences::step(*value, width))
             .collect();
         let model = self.model(&values)?;
-        let mut residuals = self.data(&model)?;
+        let data = self.data(&model)?;
+        let mut residuals: Vec<f64> = data.iter().map(|datum| datum.residual).collect();
         let pairs = self.beside(&model, &steps)?;
         let n = residuals.len();
         let priors = self.free.iter().zip(&varied).map(|(free, varied)| {
@@ -408,7 +418,7 @@ impl Problem<'_> {
             let width = of(&pair[0]) - of(&pair[1]);
             let (above, below) = (self.data(&pair[0])?, self.data(&pair[1])?);
             for row in 0..n {
-                jacobian[(row, place)] = (above[row] - below[row]) / width;
+                jacobian[(row, place)] = (above[row].residual - below[row].residual) / width;
             }
         }
         for (place, free) in self.free.iter().enumerate() {
@@ -416,6 +426,7 @@ impl Problem<'_> {
         }
         let found = Evaluation {
             at: self.at.clone(),
+            series: data.iter().map(|datum| datum.series).collect(),
             residuals: DVector::from_vec(residuals),
             jacobian,
             model,
@@ -481,6 +492,7 @@ pub fn calibrate(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Calibration, Error> {
+    scene.validate(&scene.name)?;
     let refused = |reason: String| Error::Calibration { reason };
     let names: Vec<Parameter> = parameters.iter().map(|(parameter, _)| parameter.clone()).collect();
     if names.is_empty() || measured.is_empty() {
@@ -519,7 +531,7 @@ pub fn calibrate(
         structure,
         prepared,
         analysis,
-    } = Solved::new(scene, &[], options, progress)?;
+    } = Solved::new(&loops_alone(scene, true), &[], options, progress)?;
     let study = Study::try_new(scene, names, &structure, &prepared, options)?;
     let nominal: Vec<f64> = study
         .parameters()
@@ -631,28 +643,10 @@ fn integrated_correlation(residuals: &[f64]) -> f64 {
 }
 
 impl Problem<'_> {
-    /// Numbers of the residuals of each backbone along its amplitudes: of its frequencies, and of its damping ratios.
-    fn series(&self) -> Vec<Vec<usize>> {
-        let mut all = Vec::new();
-        let mut next = 0;
-        for measured in self.measured {
-            let (mut frequencies, mut dampings) = (Vec::new(), Vec::new());
-            for point in measured.backbone.points() {
-                frequencies.push(next);
-                next += 1;
-                if point.damping_ratio.is_some() {
-                    dampings.push(next);
-                    next += 1;
-                }
-            }
-            all.extend([frequencies, dampings]);
-        }
-        all
-    }
-
     fn result(
         self,
         Evaluation {
+            series,
             residuals,
             jacobian,
             model,
@@ -662,14 +656,16 @@ impl Problem<'_> {
         let varied = self.varied();
         let k = self.free.len();
         // Every parameter has a prior, if only a weak one.
-        let data = residuals.len() - k;
+        let data = series.len();
         let with_prior = self.free.iter().filter(|free| free.prior.is_some()).count();
         let freedom = (data + with_prior).saturating_sub(k).max(1);
         let reduced_chi_squared = residuals.norm_squared() / freedom as f64;
         // Rows of frequencies, and of damping ratios, along each backbone.
         let mut jacobian = jacobian.clone();
         let mut effective_observations = 0.0;
-        for rows in self.series() {
+        for number in 0..2 * self.measured.len() {
+            let rows = series.iter().enumerate().filter(|(_, series)| **series == number);
+            let rows: Vec<usize> = rows.map(|(row, _)| row).collect();
             let along: Vec<f64> = rows.iter().map(|row| residuals[*row]).collect();
             let alike = integrated_correlation(&along);
             effective_observations += rows.len() as f64 / alike;

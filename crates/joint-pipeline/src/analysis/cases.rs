@@ -224,7 +224,7 @@ impl CaseStructure {
             model: &self.model,
             options: &self.options,
             loop_elements: &[],
-            differentiated: None,
+            neighbours: &[],
         };
         let found = solver.analyse(case, &interface.interface, interface.closure, None, progress)?;
         let modes = found.modes.iter();

@@ -1,8 +1,8 @@
 //! Derivatives of backbones by central differences: what is there of parameters that have no gradient.
 
-use super::outcome::Analysis;
+use super::outcome::{Analysis, ModeAnalysis};
 use super::sensitivities::{FoundBy, Per, Sensitivity};
-use super::variants::{Rates, Study, Variant};
+use super::variants::{Forces, Rates, Study, Variant};
 use crate::Error;
 use crate::progress::Progress;
 use crate::scene::Parameter;
@@ -50,18 +50,33 @@ pub(super) fn step(nominal: f64, sd: f64) -> f64 {
     }
 }
 
-/// The inputs of the runs that [`sensitivity`] takes: above and below of every parameter in turn.
-pub(super) fn inputs(nominal: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
+/// Runs of a study above and below its parameters at these places in turn, from `inputs` by `steps` (SI), with what lets them resume.
+///
+/// # Errors
+/// An interruption.
+pub(super) fn pairs(
+    study: &Study<'_>,
+    (inputs, steps): (&[f64], &[f64]),
+    places: impl Iterator<Item = usize>,
+    forces: &Forces,
+    analysis: &Analysis,
+    progress: &dyn Progress,
+) -> Result<(Vec<[Variant; 2]>, Checkpoints), Error> {
     let moved = |place: usize, by: f64| {
-        let mut inputs = nominal.to_vec();
+        let mut inputs = inputs.to_vec();
         inputs[place] += by;
-        inputs
+        (inputs, forces.clone())
     };
-    let pairs = steps
-        .iter()
-        .enumerate()
-        .map(|(place, step)| [moved(place, *step), moved(place, -*step)]);
-    pairs.flatten().collect()
+    let inputs: Vec<_> = places
+        .flat_map(|place| [moved(place, steps[place]), moved(place, -steps[place])])
+        .collect();
+    if inputs.is_empty() {
+        return Ok((Vec::new(), Checkpoints::default()));
+    }
+    let (runs, checkpoints) = study.run("runs for derivatives", &inputs, Rates::None, analysis, progress)?;
+    let mut runs = runs.into_iter();
+    let pairs = std::iter::from_fn(|| Some([runs.next()?, runs.next()?]));
+    Ok((pairs.collect(), checkpoints))
 }
 
 /// Frequency and damping of a mode at an amplitude; amplitude 0 is the linearised mode. Damping below its floor is none.
@@ -75,15 +90,14 @@ pub(super) fn values(variant: &Variant, mode: usize, amplitude: f64) -> [Option<
     curve.between(amplitude)
 }
 
-/// Derivatives by the parameter at `place` from the runs above and below its value; from one of them and the scene's own where the other
-/// has no value.
-pub(super) fn sensitivity(
+/// Derivatives of a mode's backbone by the parameter at `place` from the runs above and below its value, at the amplitudes of the scene's own
+/// backbone; from one of the runs and the scene's own where the other has no value.
+pub(super) fn gradient(
     parameter: &Parameter,
     place: usize,
     nominal: &Variant,
-    [above, below]: [&Variant; 2],
+    [above, below]: &[Variant; 2],
     mode: usize,
-    amplitudes: &[f64],
 ) -> Gradient {
     let is_relative = nominal.inputs[place] != 0.0;
     let coordinate = |variant: &Variant| {
@@ -96,6 +110,8 @@ pub(super) fn sensitivity(
         let width = up.1 - down.1;
         (width != 0.0).then(|| (up.0 - down.0) / width)
     };
+    let own = nominal.curves[mode].points.iter().map(|point| point.modal_amplitude);
+    let amplitudes: Vec<f64> = std::iter::once(0.0).chain(own).collect();
     let all = |which: usize| {
         amplitudes
             .iter()
@@ -104,9 +120,9 @@ pub(super) fn sensitivity(
     };
     Gradient {
         parameter: parameter.clone(),
-        modal_amplitude: amplitudes.to_vec(),
         dln_frequency: all(0),
         dln_damping: all(1),
+        modal_amplitude: amplitudes,
     }
 }
 
@@ -132,64 +148,70 @@ pub(super) fn sensitivities(
         }
         values.push(value);
     }
+    let steps: Vec<f64> = values.iter().map(|value| step(*value, 0.0)).collect();
     let nominal = study.nominal(analysis, values);
     let forces = study.forces(&nominal, &|_, _| 1.0, &AROUND);
-    let steps: Vec<f64> = nominal.inputs.iter().map(|value| step(*value, 0.0)).collect();
-    let inputs = inputs(&nominal.inputs, &steps);
-    let inputs: Vec<_> = inputs.into_iter().map(|inputs| (inputs, forces.clone())).collect();
-    let (runs, checkpoints) = study.run("runs for derivatives", &inputs, Rates::None, analysis, progress)?;
+    let places = 0..steps.len();
+    let (pairs, checkpoints) = pairs(study, (&nominal.inputs, &steps), places, &forces, analysis, progress)?;
     let mut all = Vec::with_capacity(analysis.modes.len());
-    for (mode, found) in analysis.modes.iter().enumerate() {
-        let mut of_mode = Vec::with_capacity(study.parameters().len());
-        for (place, (parameter, pair)) in study.parameters().iter().zip(runs.chunks_exact(2)).enumerate() {
-            let amplitudes: Vec<Option<f64>> = found
-                .amplitudes
-                .iter()
-                .map(|one| Some(one.point.result.as_ref().ok()?.modal_amplitude))
-                .collect();
-            let asked = std::iter::once(0.0).chain(amplitudes.iter().flatten().copied());
-            let asked: Vec<f64> = asked.collect();
-            let gradient = sensitivity(parameter, place, &nominal, [&pair[0], &pair[1]], mode, &asked);
-            // Of the contact alone.
-            let damping = |q: f64| {
-                let curve = nominal.curves.get(mode)?;
-                let total = curve
-                    .points
-                    .iter()
-                    .find(|point| point.modal_amplitude == q)?
-                    .damping_ratio?;
-                Some(gradient.at(q)[1]? * total / (total - curve.background))
-            };
-            let of = |value: &dyn Fn(f64) -> Option<f64>| amplitudes.iter().map(|q| value((*q)?)).collect();
-            let shape = |variant: &Variant| {
-                let point = variant.curves.get(mode)?.points.first()?;
-                Some((point.response_displacement / point.modal_amplitude).ln())
-            };
-            let width = (pair[0].inputs[place] / pair[1].inputs[place]).ln();
-            let missing = || Error::Derivatives {
-                of: "the scene with a parameter a thousandth larger or smaller, which has no backbone",
-            };
-            let shapes = shape(&pair[0]).zip(shape(&pair[1])).ok_or_else(missing)?;
-            of_mode.push(Sensitivity {
-                mode: found.mode,
-                method: "cqsma".into(),
-                parameter: parameter.clone(),
-                value: nominal.inputs[place],
-                unit: parameter.unit(study.scene())?.into(),
-                per: Per::Logarithm,
-                by: FoundBy::CentralDifferences,
-                dln_linear_frequency: gradient.at(0.0)[0].ok_or_else(missing)?,
-                dln_mode_shape: (shapes.0 - shapes.1) / width,
-                dln_frequency: of(&|q| gradient.at(q)[0]),
-                dln_damping: of(&damping),
-                dln_frequency_first_harmonic: vec![None; amplitudes.len()],
-                dln_damping_first_harmonic: vec![None; amplitudes.len()],
-                dln_dissipation: vec![None; amplitudes.len()],
-                dln_response: vec![None; amplitudes.len()],
-                modal_amplitude: amplitudes,
-            });
-        }
-        all.push(of_mode);
+    for mode in 0..analysis.modes.len() {
+        let parameters = study.parameters().iter().zip(&pairs).enumerate();
+        let of_mode = parameters.map(|(place, (parameter, pair))| {
+            let gradient = gradient(parameter, place, &nominal, pair, mode);
+            of_gradient(study, &analysis.modes[mode], &nominal, &gradient, (mode, place), pair)
+        });
+        all.push(of_mode.collect::<Result<_, Error>>()?);
     }
     Ok((all, checkpoints))
+}
+
+/// A gradient at all amplitudes of a mode, by the parameter at `place`.
+fn of_gradient(
+    study: &Study<'_>,
+    found: &ModeAnalysis,
+    nominal: &Variant,
+    gradient: &Gradient,
+    (mode, place): (usize, usize),
+    pair: &[Variant; 2],
+) -> Result<Sensitivity, Error> {
+    let missing = || Error::Derivatives {
+        of: "the scene with a parameter a thousandth larger or smaller, which has no backbone",
+    };
+    let shape = |variant: &Variant| {
+        let point = variant.curves.get(mode)?.points.first()?;
+        Some((point.response_displacement / point.modal_amplitude).ln())
+    };
+    let [above, below] = pair.each_ref();
+    let (up, down) = shape(above).zip(shape(below)).ok_or_else(missing)?;
+    let width = (above.inputs[place] / below.inputs[place]).ln();
+    let amplitudes: Vec<Option<f64>> = found
+        .amplitudes
+        .iter()
+        .map(|one| Some(one.point.result.as_ref().ok()?.modal_amplitude))
+        .collect();
+    let curve = &nominal.curves[mode];
+    let damping = |q: f64| {
+        let point = curve.points.iter().find(|point| point.modal_amplitude == q)?;
+        Some(gradient.at(q)[1]? / curve.contact_share(point.damping_ratio?))
+    };
+    let of = |value: &dyn Fn(f64) -> Option<f64>| amplitudes.iter().map(|q| value((*q)?)).collect();
+    let none = || vec![None; amplitudes.len()];
+    Ok(Sensitivity {
+        mode: found.mode,
+        method: "cqsma".into(),
+        parameter: gradient.parameter.clone(),
+        value: nominal.inputs[place],
+        unit: gradient.parameter.unit(study.scene())?.into(),
+        per: Per::Logarithm,
+        by: FoundBy::CentralDifferences,
+        dln_linear_frequency: gradient.at(0.0)[0].ok_or_else(missing)?,
+        dln_mode_shape: (up - down) / width,
+        dln_frequency: of(&|q| gradient.at(q)[0]),
+        dln_damping: of(&damping),
+        dln_frequency_first_harmonic: none(),
+        dln_damping_first_harmonic: none(),
+        dln_dissipation: none(),
+        dln_response: none(),
+        modal_amplitude: amplitudes,
+    })
 }

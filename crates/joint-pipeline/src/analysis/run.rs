@@ -395,9 +395,13 @@ impl Prepared {
             loops: scene.cqsma.amplitudes.max(1),
             progress,
         };
+        let solver = Solver {
+            neighbours: &[],
+            ..self.solver()
+        };
         let analyse = |k, progress: &dyn Progress| {
             let (interface, closure) = self.interface.realisation(k, load)?;
-            self.solver().analyse(&scene, &interface, closure, None, progress)
+            solver.analyse(&scene, &interface, closure, None, progress)
         };
         let describe = |k, found: Result<&Analysis, Error>| Member::new(k, found, scene.background_damping);
         let (members, checkpoints) = realisations.run(checkpoint, analyse, describe)?;
@@ -521,7 +525,7 @@ impl Prepared {
             model: &self.model,
             options: &self.options,
             loop_elements: &self.loop_elements,
-            differentiated: Some((&self.neighbours, &self.interface)),
+            neighbours: &self.neighbours,
         }
     }
 }
@@ -534,9 +538,8 @@ pub(super) struct Solver<'a> {
     pub(super) options: &'a Options,
     /// Elements at `cqsma.loops_at`.
     pub(super) loop_elements: &'a [usize],
-    /// What backbones are differentiated with respect to, and the interface with what it is made from; for scenes whose `sensitivities` name
-    /// the same parameters.
-    pub(super) differentiated: Option<(&'a [Neighbours], &'a SceneInterface)>,
+    /// What backbones are differentiated with respect to: what the scene's `sensitivities` name.
+    pub(super) neighbours: &'a [Neighbours],
 }
 
 impl Solver<'_> {
@@ -607,12 +610,10 @@ impl Solver<'_> {
         let locked = self.locked(scene)?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
         let line = linearise(scene, vibrating, &force, &prestress.solution)?;
-        let asked = self.differentiated.filter(|(neighbours, _)| !neighbours.is_empty());
-        let sensitivities = match asked.filter(|_| !scene.sensitivities.is_empty()) {
-            None => None,
-            Some((neighbours, own)) => Some(Sensitivities::try_new(
+        let sensitivities = match self.neighbours {
+            [] => None,
+            neighbours => Some(Sensitivities::try_new(
                 neighbours,
-                own,
                 reduced,
                 &assembled(scene, interface),
                 &prestress.solution,

@@ -5,11 +5,11 @@ use crate::Error;
 use crate::interface::{InterfaceForce, SceneInterface};
 use crate::progress::Progress;
 use crate::scene::{BoltBehaviour, Influence, Method, Parameter, Scene};
-use crate::structure::{Assembled, StructuralModel, Structure};
+use crate::structure::{StructuralModel, Structure};
 use cqsma_solver::Linearisation;
 use cqsma_solver::cqsma::LoopResult;
 use cqsma_solver::prestress::Prestress;
-use cqsma_solver::sensitivity::{Change, Derivatives, LoopRate, ParameterRate, StaticRate, static_rates};
+use cqsma_solver::sensitivity::{Change, Derivatives, LoopRate, ModeRate, ParameterRate, StaticRate, static_rates};
 use faer::Mat;
 use periodic_motion::backbone::{self, Motion, MotionRate, Point};
 use reduction::ReducedModel;
@@ -86,7 +86,7 @@ pub struct Sensitivity {
     pub dln_response: Vec<Option<f64>>,
 }
 
-/// A parameter with its scenes on both sides.
+/// A parameter with its scenes on both sides, and what it changes in the law between them.
 #[derive(Debug)]
 pub(super) struct Neighbours {
     parameter: Parameter,
@@ -97,6 +97,8 @@ pub(super) struct Neighbours {
     step: f64,
     above: Scene,
     below: Scene,
+    /// Change of the law; none where the parameter changes loads alone.
+    variation: Option<Variation>,
     /// Reduced structures above and below, where the parameter changes the structure.
     models: Option<[ReducedModel; 2]>,
 }
@@ -106,7 +108,7 @@ impl Neighbours {
     /// state, is not differentiated with respect to them.
     ///
     /// # Errors
-    /// Values beside that of the scene which are not admissible; of the structure and its reduction.
+    /// Values beside that of the scene which are not admissible; of the law there, of the structure and of its reduction.
     pub(super) fn of(
         scene: &Scene,
         structure: &Structure,
@@ -114,20 +116,30 @@ impl Neighbours {
         interface: &SceneInterface,
         progress: &dyn Progress,
     ) -> Result<(Vec<Self>, Vec<Parameter>), Error> {
-        let is_structural = |parameter: &Parameter| parameter.influence() == Influence::Structure;
         let is_locked = scene.bolts.behaviour == BoltBehaviour::Locked;
         let (mut all, mut others) = (Vec::new(), Vec::new());
         let mut known = None;
         for parameter in &scene.sensitivities {
-            let is_left = scene.bolts.tightening.is_some() || (is_structural(parameter) && is_locked);
-            if is_left || !Self::unreduced(scene, parameter)?.is_differentiated(interface)? {
+            let is_structural = parameter.influence() == Influence::Structure;
+            let is_left = scene.bolts.tightening.is_some() || (is_structural && is_locked);
+            let beside = match is_left {
+                true => None,
+                false => Self::beside(scene, parameter)?.with_law(interface)?,
+            };
+            let Some(mut one) = beside else {
                 others.push(parameter.clone());
                 continue;
+            };
+            if is_structural {
+                let known = match &known {
+                    Some(known) => known,
+                    None => known.insert(structure.assemble()?),
+                };
+                let reduced =
+                    |scene| Structure::try_new(scene, progress)?.neighbour_of(known, &model.reduced, progress);
+                one.models = Some([reduced(&one.above)?, reduced(&one.below)?]);
             }
-            if is_structural(parameter) && known.is_none() {
-                known = Some((structure.assemble()?, &model.reduced));
-            }
-            all.push(Self::one(scene, parameter, known.as_ref(), progress)?);
+            all.push(one);
         }
         Ok((all, others))
     }
@@ -148,12 +160,10 @@ impl Neighbours {
                 continue;
             }
             // A number at the edge of what is admissible has no neighbours.
-            let Ok(one) = Self::unreduced(scene, parameter) else {
+            let Ok(one) = Self::beside(scene, parameter) else {
                 continue;
             };
-            if one.is_differentiated(interface)? {
-                all.push(one);
-            }
+            all.extend(one.with_law(interface)?);
         }
         Ok(all)
     }
@@ -162,39 +172,8 @@ impl Neighbours {
         &self.parameter
     }
 
-    /// Whether the law of the interface is differentiated with respect to it.
-    ///
-    /// # Errors
-    /// Of the law at the neighbouring values.
-    fn is_differentiated(&self, interface: &SceneInterface) -> Result<bool, Error> {
-        Ok(self.parameter.influence() == Influence::Loads
-            || interface
-                .variation([&self.above, &self.below], 2.0 * self.step)?
-                .is_some())
-    }
-
-    /// That of one parameter; `known` is the structure in the middle, of one that changes the structure.
-    ///
-    /// # Errors
-    /// As [`Neighbours::of`].
-    fn one(
-        scene: &Scene,
-        parameter: &Parameter,
-        known: Option<&(Assembled<'_>, &ReducedModel)>,
-        progress: &dyn Progress,
-    ) -> Result<Self, Error> {
-        let one = Self::unreduced(scene, parameter)?;
-        let reduced = |(known, model): &(Assembled<'_>, &ReducedModel)| -> Result<[ReducedModel; 2], Error> {
-            let beside = |scene| Structure::try_new(scene, progress)?.neighbour_of(known, model, progress);
-            Ok([beside(&one.above)?, beside(&one.below)?])
-        };
-        let is_structural = parameter.influence() == Influence::Structure;
-        let models = known.filter(|_| is_structural).map(reduced).transpose()?;
-        Ok(Self { models, ..one })
-    }
-
-    /// That of one parameter without its structures.
-    fn unreduced(scene: &Scene, parameter: &Parameter) -> Result<Self, Error> {
+    /// The scenes beside a scene.
+    fn beside(scene: &Scene, parameter: &Parameter) -> Result<Self, Error> {
         let value = parameter.value(scene)?;
         let is_structural = parameter.influence() == Influence::Structure;
         let relative = if is_structural { STRUCTURAL_STEP } else { STEP };
@@ -229,8 +208,24 @@ impl Neighbours {
             step,
             above,
             below,
+            variation: None,
             models: None,
         })
+    }
+
+    /// It with the change of the law of the interface; none if the law is not differentiated with respect to the parameter.
+    ///
+    /// # Errors
+    /// Of the law at the neighbouring values.
+    fn with_law(self, interface: &SceneInterface) -> Result<Option<Self>, Error> {
+        if self.parameter.influence() == Influence::Loads {
+            return Ok(Some(self));
+        }
+        let variation = interface.variation([&self.above, &self.below], 2.0 * self.step)?;
+        Ok(variation.map(|variation| Self {
+            variation: Some(variation),
+            ..self
+        }))
     }
 
     /// Static load of one of the scenes (N).
@@ -240,20 +235,8 @@ impl Neighbours {
     }
 
     /// What the parameter changes in the static and the vibrating structure.
-    fn ingredients(&self, interface: &SceneInterface, reduced: &ReducedModel) -> Result<Ingredients, Error> {
+    fn ingredients(&self, reduced: &ReducedModel) -> Ingredients<'_> {
         let apart = 2.0 * self.step;
-        let variation = match self.parameter.influence() {
-            Influence::Loads => None,
-            Influence::Structure | Influence::Interface => {
-                let found = interface.variation([&self.above, &self.below], apart)?;
-                Some(found.ok_or_else(|| Error::Parameter {
-                    path: self.parameter.path().into(),
-                    reason: "the law depends on it otherwise than through factors of its curves, of its gaps and of its friction \
-                             coefficients, and is not differentiated with respect to it; leave it out"
-                        .into(),
-                })?)
-            }
-        };
         let [above, below] = self
             .models
             .as_ref()
@@ -265,49 +248,72 @@ impl Neighbours {
             })
         };
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) / apart).collect();
-        Ok(Ingredients {
-            step: self.step,
+        Ingredients {
+            of: self,
             stiffness: matrix(&|model| &model.stiffness),
             mass: matrix(&|model| &model.mass),
             load: difference(&Self::load(&self.above, above), &Self::load(&self.below, below)),
             response: difference(&response(above), &response(below)),
-            variation,
-        })
+        }
     }
 }
 
 /// Change of all that a solve is made of, per unit of the parameter or of its logarithm.
-struct Ingredients {
-    step: f64,
-    variation: Option<Variation>,
+struct Ingredients<'a> {
+    /// The parameter, with the change of the law.
+    of: &'a Neighbours,
     stiffness: Option<Mat<f64>>,
     mass: Option<Mat<f64>>,
     load: Vec<f64>,
     response: Vec<f64>,
 }
 
-impl Ingredients {
-    /// Derivative of the logarithm of a mode shape at the response point; `rate` is that of the shape.
-    fn of_mode_shape(&self, rate: &[f64], shape: &[f64], response: &[f64]) -> f64 {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        (dot(rate, response) + dot(shape, &self.response)) / dot(shape, response)
-    }
-
+impl Ingredients<'_> {
     fn change<'a>(&'a self) -> Change<'a, InterfaceForce<'a>> {
         Change {
-            step: self.step,
-            force: self.variation.as_ref(),
+            step: self.of.step,
+            force: self.of.variation.as_ref(),
             stiffness: self.stiffness.as_ref().map(Mat::as_ref),
             mass: self.mass.as_ref().map(Mat::as_ref),
             load: Some(&self.load),
+        }
+    }
+
+    /// What is known of a backbone's derivatives from those of its mode, whose shape is `shape` and eigenvalue `eigenvalue`; `response`
+    /// recovers the displacement at the response point. What its amplitudes give is missing.
+    fn of_mode(
+        &self,
+        (mode, method): (usize, &str),
+        (shape, eigenvalue): (&[f64], f64),
+        response: &[f64],
+        rate: &ModeRate,
+    ) -> Sensitivity {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let of_shape = dot(&rate.shape, response) + dot(shape, &self.response);
+        Sensitivity {
+            mode: mode + 1,
+            method: method.into(),
+            parameter: self.of.parameter.clone(),
+            value: self.of.value,
+            unit: self.of.unit.into(),
+            per: self.of.per,
+            by: FoundBy::ImplicitDifferentiation,
+            dln_linear_frequency: 0.5 * rate.eigenvalue / eigenvalue,
+            dln_mode_shape: of_shape / dot(shape, response),
+            modal_amplitude: Vec::new(),
+            dln_frequency: Vec::new(),
+            dln_damping: Vec::new(),
+            dln_frequency_first_harmonic: Vec::new(),
+            dln_damping_first_harmonic: Vec::new(),
+            dln_dissipation: Vec::new(),
+            dln_response: Vec::new(),
         }
     }
 }
 
 /// What the derivatives of all modes of a scene start from.
 pub(super) struct Sensitivities<'a> {
-    neighbours: &'a [Neighbours],
-    ingredients: Vec<Ingredients>,
+    ingredients: Vec<Ingredients<'a>>,
     statics: Vec<StaticRate<State>>,
 }
 
@@ -315,26 +321,20 @@ impl<'a> Sensitivities<'a> {
     /// Differentiates the static state under `assembled`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a number that is not differentiated; [`Error::Derivatives`] where the static state has a singular tangent.
+    /// [`Error::Derivatives`] where the static state has a singular tangent.
     pub(super) fn try_new(
         neighbours: &'a [Neighbours],
-        interface: &SceneInterface,
         reduced: &ReducedModel,
         assembled: &InterfaceForce<'_>,
         prestress: &Prestress<State>,
     ) -> Result<Self, Error> {
-        let ingredients = neighbours.iter().map(|one| one.ingredients(interface, reduced));
-        let ingredients = ingredients.collect::<Result<Vec<_>, Error>>()?;
+        let ingredients: Vec<Ingredients<'_>> = neighbours.iter().map(|one| one.ingredients(reduced)).collect();
         let changes: Vec<_> = ingredients.iter().map(Ingredients::change).collect();
         let statics = static_rates(reduced.stiffness.as_ref(), assembled, prestress, &changes);
         let statics = statics.ok_or(Error::Derivatives {
             of: "the static state, whose tangent is singular",
         })?;
-        Ok(Self {
-            neighbours,
-            ingredients,
-            statics,
-        })
+        Ok(Self { ingredients, statics })
     }
 
     /// What the loops of a mode, counted from 0, carry along.
@@ -362,10 +362,7 @@ impl<'a> Sensitivities<'a> {
         response: &[f64],
         loops: impl Iterator<Item = Option<&'r LoopResult>> + Clone,
     ) -> Vec<Sensitivity> {
-        let linear = |rate: &ParameterRate<'_, _>| 0.5 * rate.mode.eigenvalue / eigenvalue;
-        let of_parameter = |(number, ((one, ingredients), rate)): (usize, ((&Neighbours, &Ingredients), _))| {
-            let rate: &ParameterRate<'_, _> = rate;
-            let dln_phi = ingredients.of_mode_shape(&rate.mode.shape, shape, response);
+        let of_parameter = |(number, (ingredients, rate)): (usize, (&Ingredients<'_>, &ParameterRate<'_, _>))| {
             let rates = loops.clone().map(|found| {
                 let found = found?;
                 Some((found, *found.rates.as_ref()?.get(number)?))
@@ -377,16 +374,8 @@ impl<'a> Sensitivities<'a> {
                     .map(|found| found.as_ref().and_then(|(found, rate)| of(found, *rate)));
                 values.map(|value| value.filter(|value| value.is_finite())).collect()
             };
+            let of_mode = ingredients.of_mode((derivatives.mode(), "cqsma"), (shape, eigenvalue), response, &rate.mode);
             Sensitivity {
-                mode: derivatives.mode() + 1,
-                method: "cqsma".into(),
-                parameter: one.parameter.clone(),
-                value: one.value,
-                unit: one.unit.into(),
-                per: one.per,
-                by: FoundBy::ImplicitDifferentiation,
-                dln_linear_frequency: linear(rate),
-                dln_mode_shape: dln_phi,
                 modal_amplitude: loops
                     .clone()
                     .map(|found| found.map(|found| found.modal_amplitude))
@@ -396,15 +385,12 @@ impl<'a> Sensitivities<'a> {
                 dln_frequency_first_harmonic: each(&|_, rate| Some(rate.ln_harmonic_omega)),
                 dln_damping_first_harmonic: each(&|found, rate| rate.ln_harmonic_zeta.filter(|_| found.is_resolved())),
                 dln_dissipation: each(&|found, rate| rate.ln_dissipation.filter(|_| found.is_resolved())),
-                dln_response: each(&|_, rate| Some(rate.ln_amplitude + dln_phi)),
+                dln_response: each(&|_, rate| Some(rate.ln_amplitude + of_mode.dln_mode_shape)),
+                ..of_mode
             }
         };
-        let parameters = self.neighbours.iter().zip(&self.ingredients);
-        parameters
-            .zip(derivatives.parameters())
-            .enumerate()
-            .map(of_parameter)
-            .collect()
+        let parameters = self.ingredients.iter().zip(derivatives.parameters());
+        parameters.enumerate().map(of_parameter).collect()
     }
 
     /// The derivatives of a backbone of free motions. Dissipation and response are not differentiated.
@@ -424,7 +410,6 @@ impl<'a> Sensitivities<'a> {
             })
             .collect();
         let eigenvalue = line.eigenvalues[derivatives.mode()];
-        let linear = |rate: &ParameterRate<'_, _>| 0.5 * rate.mode.eigenvalue / eigenvalue;
         let none = || vec![None; points.len()];
         let each = |of: &dyn Fn(&Motion, &[MotionRate]) -> Option<f64>| -> Vec<Option<f64>> {
             let values = rates
@@ -432,10 +417,10 @@ impl<'a> Sensitivities<'a> {
                 .map(|found| found.as_ref().and_then(|(motion, rates)| of(motion, rates)));
             values.map(|value| value.filter(|value| value.is_finite())).collect()
         };
-        let neighbours = self.neighbours.iter().zip(&self.ingredients).enumerate();
-        neighbours
-            .zip(derivatives.parameters())
-            .map(|((number, (one, ingredients)), rate)| {
+        let parameters = self.ingredients.iter().zip(derivatives.parameters());
+        parameters
+            .enumerate()
+            .map(|(number, (ingredients, rate))| {
                 let frequency = each(&|_, rates| Some(rates.get(number)?.ln_omega));
                 let damping = each(&|motion, rates| {
                     let floor = motion.energy_error.abs().max(motion.residual);
@@ -443,15 +428,6 @@ impl<'a> Sensitivities<'a> {
                     is_resolved.then_some(rates.get(number)?.ln_zeta)
                 });
                 Sensitivity {
-                    mode: derivatives.mode() + 1,
-                    method: Method::Epmc.name().into(),
-                    parameter: one.parameter.clone(),
-                    value: one.value,
-                    unit: one.unit.into(),
-                    per: one.per,
-                    by: FoundBy::ImplicitDifferentiation,
-                    dln_linear_frequency: linear(rate),
-                    dln_mode_shape: ingredients.of_mode_shape(&rate.mode.shape, shape, response),
                     modal_amplitude: each(&|motion, _| Some(motion.modal_amplitude)),
                     // A motion in time has one frequency.
                     dln_frequency_first_harmonic: frequency.clone(),
@@ -460,6 +436,12 @@ impl<'a> Sensitivities<'a> {
                     dln_damping: damping,
                     dln_dissipation: none(),
                     dln_response: none(),
+                    ..ingredients.of_mode(
+                        (derivatives.mode(), Method::Epmc.name()),
+                        (shape, eigenvalue),
+                        response,
+                        &rate.mode,
+                    )
                 }
             })
             .collect()

@@ -223,27 +223,20 @@ pub fn run_samples(
     };
     let known: Vec<Option<Vec<Gradient>>> = study.parameters().iter().map(known).collect();
     // Those of all other parameters are differences.
-    let pairs = finite_differences::inputs(&nominal.inputs, &steps);
-    let near: Vec<_> = pairs
-        .chunks_exact(2)
-        .zip(&known)
-        .filter(|(_, known)| known.is_none())
-        .flat_map(|(pair, _)| pair)
-        .map(|inputs| (inputs.clone(), study.forces(&nominal, &|_, _| 1.0, &AROUND)))
-        .collect();
-    let (runs, checkpoints) = study.run("runs for derivatives", &near, Rates::None, &analysis, progress)?;
+    let unknown = (0..known.len()).filter(|place| known[*place].is_none());
+    let near = study.forces(&nominal, &|_, _| 1.0, &AROUND);
+    let inputs = (nominal.inputs.as_slice(), steps.as_slice());
+    let (pairs, checkpoints) = finite_differences::pairs(&study, inputs, unknown, &near, &analysis, progress)?;
     analysis.checkpoints.extend(checkpoints);
-    let mut runs = runs.chunks_exact(2);
+    let derivative_runs = 2 * pairs.len();
+    let mut pairs = pairs.into_iter();
     let all = known.into_iter().zip(study.parameters()).enumerate();
     let all = all.filter_map(|(place, (known, parameter))| {
         known.or_else(|| {
-            let pair = runs.next()?;
-            let of = |(mode, curve): (usize, &Curve)| {
-                let amplitudes = curve.points.iter().map(|point| point.modal_amplitude);
-                let amplitudes: Vec<f64> = std::iter::once(0.0).chain(amplitudes).collect();
-                finite_differences::sensitivity(parameter, place, &nominal, [&pair[0], &pair[1]], mode, &amplitudes)
-            };
-            Some(nominal.curves.iter().enumerate().map(of).collect())
+            let pair = pairs.next()?;
+            let modes = 0..nominal.curves.len();
+            let of = |mode| finite_differences::gradient(parameter, place, &nominal, &pair, mode);
+            Some(modes.map(of).collect())
         })
     });
     let all: Vec<Vec<Gradient>> = all.collect();
@@ -308,7 +301,7 @@ pub fn run_samples(
         method: uncertain.method.name().to_owned(),
         seed,
         confidence: uncertain.confidence,
-        runs: near.len() + inputs.len(),
+        runs: derivative_runs + inputs.len(),
         inputs: described.collect::<Result<_, Error>>()?,
         modes,
         variants,

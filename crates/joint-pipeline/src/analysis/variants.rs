@@ -192,10 +192,15 @@ impl Curve {
             let at = |values: &[Option<f64>]| place.and_then(|place| values.get(place).copied().flatten());
             // Derivatives are those of the damping of the contact alone.
             let total = point.read(reading).damping_ratio;
-            let share = total.map(|total| (total - self.background) / total);
+            let share = total.map(|total| self.contact_share(total));
             [at(frequency), at(damping).zip(share).map(|(rate, share)| rate * share)]
         };
         Some((found, self.points.iter().map(of).collect()))
+    }
+
+    /// Part of a total damping ratio that the contact has.
+    pub(super) fn contact_share(&self, total: f64) -> f64 {
+        (total - self.background) / total
     }
 
     /// What measurements are compared with where the parameter is moved `by` this much, in what its derivatives are with respect to: a
@@ -222,8 +227,8 @@ impl Curve {
     }
 
     /// Frequency (Hz) and damping ratio at an amplitude, by monotone cubics through the logarithms; none beyond the amplitudes of the
-    /// curve. Damping below its floor is that of the background, and minus infinity, below every other, where there is none. Between an amplitude where it is so and one where it is not,
-    /// damping rises in proportion to the logarithm of the amplitude.
+    /// curve. Damping below its floor is that of the background, and minus infinity, below every other, where there is none. Between an amplitude
+    /// where it is so and one where it is not, damping rises in proportion to the logarithm of the amplitude.
     pub fn at(&self, reading: Reading, amplitude: f64) -> Option<[f64; 2]> {
         let read: Vec<Read> = self.points.iter().map(|point| point.read(reading)).collect();
         let x: Vec<f64> = read.iter().map(|point| point.amplitude.ln()).collect();
@@ -457,7 +462,7 @@ impl<'a> Study<'a> {
         scene.sensitivities = neighbours.iter().map(|one| one.parameter().clone()).collect();
         let solver = Solver {
             model: &model,
-            differentiated: Some((&neighbours, &interface)),
+            neighbours: &neighbours,
             ..self.prepared.solver()
         };
         solver.analyse(&scene, &interface.interface, interface.closure, forces, progress)
