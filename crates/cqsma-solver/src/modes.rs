@@ -2,10 +2,11 @@
 
 use crate::Error;
 use crate::error::check_size;
-use crate::force::HystereticForce;
-use crate::linear::{Motion, RoundOff, Stuck, multiply};
+use crate::force::{HystereticForce, PatternView};
+use crate::linear::{Motion, RoundOff, Stuck, multiply, solve_krylov};
 use crate::newton::Equilibrium;
 use contact_laws::Sticking;
+use dense_algebra::Inner;
 use faer::{Mat, MatRef};
 
 /// The prestressed structure, ready for its loops.
@@ -57,6 +58,28 @@ impl<S> Linearisation<'_, S> {
     /// On other lengths.
     pub fn stuck_solve_into(&self, p: &[f64], v: &mut [f64]) {
         self.stuck.solve_into(p, v);
+    }
+
+    /// Displacements of the structure with the contact tangent `tangent` over `pattern` (N/m) under the force `force` (N), found by GMRES up to
+    /// `tolerance` (relative, energy norm of the stuck structure); none if that is not reached.
+    ///
+    /// # Errors
+    /// [`Error::Size`].
+    pub fn tangent_response(
+        &self,
+        pattern: PatternView<'_>,
+        tangent: &[f64],
+        force: &[f64],
+        tolerance: f64,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        check_size("the force", force.len(), self.shapes.nrows())?;
+        let start = self.stuck.response(force);
+        let norm = start.norm();
+        if norm == 0.0 {
+            return Ok(Some(start.v));
+        }
+        let found = solve_krylov(&self.stuck, pattern, tangent, None, &start, norm, tolerance);
+        Ok(found.map(|(motion, _)| motion.v))
     }
 
     /// Displacements of the structure with everything in contact stuck under the force `force` (N).

@@ -499,6 +499,9 @@ pub enum Error {
     /// Solver.
     #[error(transparent)]
     Solver(#[from] cqsma_solver::Error),
+    /// Joints with few coordinates and few points.
+    #[error(transparent)]
+    HyperReduction(#[from] hyper_reduction::Error),
     /// Harmonic balance.
     #[error(transparent)]
     Periodic(#[from] periodic_motion::Error),

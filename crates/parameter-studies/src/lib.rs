@@ -9,10 +9,11 @@ pub mod slurm;
 mod store;
 mod study;
 mod table;
+mod training;
 
 pub use design::{Column, Kind};
 pub use error::Error;
-pub use plan::{Base, Design, Listed, Parameter, Plan, Sample, Spacing, schema};
+pub use plan::{Base, Design, HyperReduction, Listed, Parameter, Plan, Sample, Spacing, schema};
 pub use report::outputs;
 pub use run::{Machine, Memory, Part, Tally, run};
 pub use store::{Record, Store};

@@ -30,10 +30,28 @@ pub struct Plan {
     /// In the place of `parameters` and `design`, the cases themselves: values by JSON pointers. What a case does not name is as in the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cases: Option<Vec<Listed<Value>>>,
+    /// Loops over few coordinates and from few points of contact, learned from some of the cases.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hyper_reduction: Option<HyperReduction>,
     /// Displacement amplitude at the response point (m, or a text with a unit) that pictures compare cases at; by default the largest that all
     /// cases reach.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<Length>,
+}
+
+/// What cases on one structure learn from each other. Results with larger estimated errors than are borne are computed with the whole joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HyperReduction {
+    /// Cases of each structure that are run with the whole joint and learned from; by default 9 with one or two parameters, 27 with more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub training: Option<usize>,
+    /// Largest estimated error of the frequency, relative; by default a quarter of what the `accuracy` of the scene bears, or 0.0005.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequency: Option<f64>,
+    /// Largest estimated error of the damping ratio, relative; by default a quarter of what the `accuracy` of the scene bears, or 0.01.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<f64>,
 }
 
 /// Where the scene of a plan is from.

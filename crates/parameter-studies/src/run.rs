@@ -6,6 +6,7 @@ use crate::study::{Case, Study};
 use joint_pipeline::Options;
 use joint_pipeline::Scene;
 use joint_pipeline::analysis::cases::{CaseMode, CaseStructure};
+use joint_pipeline::analysis::hyper_reduced::{Lesson, Training};
 use joint_pipeline::interface::SceneInterface;
 use joint_pipeline::progress::Silent;
 use std::collections::BTreeMap;
@@ -119,10 +120,13 @@ pub fn run(
         all: all.len(),
         tally: Mutex::default(),
     };
-    // Threads that may run cases at the same time, as far as memory is known, and the largest model that it is known of.
-    let (mut allowed, mut largest) = (machine.threads().max(1), 0);
+    let mut gang = Gang {
+        allowed: machine.threads().max(1),
+        largest: 0,
+        memory,
+    };
     for group in all.chunk_by(|a, b| a.structure == b.structure) {
-        let Some((first, rest)) = group.split_first() else {
+        let Some(first) = group.first() else {
             continue;
         };
         let before = machine.seconds();
@@ -141,55 +145,80 @@ pub fn run(
                 continue;
             }
         };
+        let teachers = match group.iter().any(|case| case.learns.is_some()) {
+            true => study.training.get(&first.structure).map_or(&[][..], Vec::as_slice),
+            false => &[],
+        };
+        let teachers: Vec<&Case> = teachers.iter().filter_map(|index| study.cases.get(*index)).collect();
+        let is_teacher = |case: &&Case| teachers.iter().any(|teacher| teacher.number == case.number);
+        let pupils: Vec<&Case> = group.iter().copied().filter(|case| !is_teacher(case)).collect();
         let mut shared: BTreeMap<usize, Shared> = BTreeMap::new();
-        for case in group {
+        for case in teachers.iter().chain(&pupils) {
             *shared.entry(case.surface).or_default().left.get_mut() += 1;
         }
-        let next = AtomicUsize::new(0);
-        let work = |cases: &[&Case]| {
-            while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
-                if runner.is_ended() {
-                    return;
-                }
-                runner.one(case, structure, shared.get(&case.surface));
+        let site = Site {
+            structure,
+            shared,
+            first_reduction: (runner.done.load(Ordering::Relaxed) == 0).then_some(reduction),
+        };
+        let lessons = Mutex::new(Vec::new());
+        let teach = |case: &Case| {
+            let is_asked_for = group.iter().any(|own| own.number == case.number);
+            if let Some(lesson) = runner.lesson(case, &site, is_asked_for) {
+                lessons
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .push((case.number, lesson));
             }
         };
-        let mut cases = group;
-        if structure.size() > largest {
-            // One case alone tells what a case takes.
-            largest = structure.size();
-            let is_first = runner.done.load(Ordering::Relaxed) == 0;
-            machine.forget_peak_memory();
-            let start = machine.memory();
-            machine.on_threads(1, &|| work(&group[..1]));
-            if let (Some(start), Some(end)) = (start, machine.memory()) {
-                let one = end.peak.saturating_sub(start.peak).max(1);
-                let free = memory.map_or(MEMORY * end.free as f64, |budget| {
-                    budget.saturating_sub(start.peak) as f64
-                });
-                allowed = ((free / one as f64) as usize).clamp(1, machine.threads().max(1));
-                if allowed < machine.threads() {
-                    machine.line(&format!(
-                        "memory for {allowed} cases at a time, of about {:.0} MB each; --memory says how much there is",
-                        one as f64 / 1e6
-                    ));
-                }
-            }
-            if is_first {
-                runner.estimate(store, reduction, structure.size(), allowed);
-            }
-            next.store(0, Ordering::Relaxed);
-            cases = rest;
-        }
-        match allowed.min(cases.len()) {
-            0 => {}
-            threads => machine.on_threads(threads, &|| work(cases)),
-        }
-        runner.ended()?;
+        runner.all_of(&teachers, &site, &mut gang, store, &teach)?;
+        let lessons = lessons.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let training = match teachers.first() {
+            Some(teacher) => runner.train(teacher, structure, lessons),
+            None => None,
+        };
+        runner.all_of(&pupils, &site, &mut gang, store, &|case| {
+            runner.one(case, &site, training.as_ref())
+        })?;
     }
     let mut tally = *runner.tally();
     tally.seconds = machine.seconds() - began;
     Ok(tally)
+}
+
+/// A structure whose cases are under way.
+struct Site<'a> {
+    structure: &'a CaseStructure,
+    shared: BTreeMap<usize, Shared>,
+    /// Time for its reduction (s), if it is the first of the study.
+    first_reduction: Option<f64>,
+}
+
+/// Threads that may run cases at the same time.
+struct Gang {
+    allowed: usize,
+    /// Size of the largest model that this is known of.
+    largest: usize,
+    /// Memory (bytes) that stands for what the system says is free.
+    memory: Option<u64>,
+}
+
+impl Gang {
+    /// Takes from the memory before and after a case how many there is memory for.
+    fn measure(&mut self, start: Memory, end: Memory, machine: &dyn Machine) {
+        let one = end.peak.saturating_sub(start.peak).max(1);
+        let free = self.memory.map_or(MEMORY * end.free as f64, |budget| {
+            budget.saturating_sub(start.peak) as f64
+        });
+        self.allowed = ((free / one as f64) as usize).clamp(1, machine.threads().max(1));
+        if self.allowed < machine.threads() {
+            machine.line(&format!(
+                "memory for {} cases at a time, of about {:.0} MB each; --memory says how much there is",
+                self.allowed,
+                one as f64 / 1e6
+            ));
+        }
+    }
 }
 
 /// What all threads share.
@@ -221,15 +250,108 @@ impl Runner<'_> {
         self.failure().take().map_or(Ok(()), Err)
     }
 
-    /// Runs a case.
-    fn one(&self, case: &Case, structure: &CaseStructure, shared: Option<&Shared>) {
+    /// Does something with cases on one structure, in parallel.
+    fn all_of(
+        &self,
+        cases: &[&Case],
+        site: &Site<'_>,
+        gang: &mut Gang,
+        store: &Store,
+        job: &(dyn Fn(&Case) + Sync),
+    ) -> Result<(), Error> {
+        let Some((first, rest)) = cases.split_first() else {
+            return Ok(());
+        };
+        let size = site.structure.size();
+        let mut cases = cases;
+        if size > gang.largest {
+            // One case alone tells what a case takes.
+            gang.largest = size;
+            self.machine.forget_peak_memory();
+            let start = self.machine.memory();
+            self.machine.on_threads(1, &|| job(first));
+            if let (Some(start), Some(end)) = (start, self.machine.memory()) {
+                gang.measure(start, end, self.machine);
+            }
+            if let Some(reduction) = site.first_reduction {
+                self.estimate(store, reduction, size, gang.allowed);
+            }
+            cases = rest;
+        }
+        let next = AtomicUsize::new(0);
+        let work = || {
+            while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if self.is_ended() {
+                    return;
+                }
+                job(case);
+            }
+        };
+        match gang.allowed.min(cases.len()) {
+            0 => {}
+            threads => self.machine.on_threads(threads, &work),
+        }
+        self.ended()
+    }
+
+    /// Runs a case, by what others taught if it learns.
+    fn one(&self, case: &Case, site: &Site<'_>, training: Option<&Training>) {
         let began = self.machine.seconds();
+        let structure = site.structure;
         let found = self.study.scene(case.number).and_then(|scene| {
-            let interface = interface(&scene, structure, shared)?;
-            Ok(structure.backbones(&scene, &interface, &Silent)?)
+            let interface = interface(&scene, structure, site.shared.get(&case.surface))?;
+            Ok(match training.zip(case.learns) {
+                Some((training, borne)) => structure.backbones_by(training, borne, &scene, &interface, &Silent)?,
+                None => structure.backbones(&scene, &interface, &Silent)?,
+            })
         });
         let seconds = self.machine.seconds() - began;
         self.finish(case, seconds, found.map_err(|error| error.to_string()));
+    }
+
+    /// Runs a case that others learn from, and stores what became of it if it is one of those asked for.
+    fn lesson(&self, case: &Case, site: &Site<'_>, is_asked_for: bool) -> Option<Lesson> {
+        let began = self.machine.seconds();
+        let found = self.study.scene(case.number).and_then(|scene| {
+            let interface = interface(&scene, site.structure, site.shared.get(&case.surface))?;
+            Ok(site.structure.lesson(&scene, &interface, &Silent)?)
+        });
+        let seconds = self.machine.seconds() - began;
+        let (outcome, lesson) = match found {
+            Ok((modes, lesson)) => (Ok(modes), Some(lesson)),
+            Err(error) => (Err(error.to_string()), None),
+        };
+        if is_asked_for {
+            self.finish(case, seconds, outcome);
+        }
+        lesson
+    }
+
+    /// What cases on a structure learn, whatever the order in which the lessons were done; none, with a line why, if that is nothing.
+    fn train(&self, teacher: &Case, structure: &CaseStructure, mut lessons: Vec<(usize, Lesson)>) -> Option<Training> {
+        lessons.sort_by_key(|(number, _)| *number);
+        let cases = lessons.len();
+        let lessons = lessons.into_iter().map(|(_, lesson)| lesson).collect();
+        let found = self.study.scene(teacher.number).and_then(|scene| {
+            let interface = structure.interface(&scene, None)?;
+            Ok(structure.train(&scene, &interface, lessons)?)
+        });
+        match found {
+            Ok(training) => {
+                let sizes = training.sizes().map(|[coordinates, points, of]| {
+                    format!("{coordinates} coordinates beside the mode and {points} of {of} points of contact")
+                });
+                let sizes: Vec<String> = sizes.collect();
+                self.machine
+                    .line(&format!("learned from {cases} cases: {}", sizes.join("; ")));
+                Some(training)
+            }
+            Err(error) => {
+                self.machine
+                    .line(&format!("every case is run with the whole joint: {error}"));
+                None
+            }
+        }
     }
 
     /// Stores what became of a case.

@@ -2,7 +2,8 @@
 
 use crate::Error;
 use durable_files::{Segment, read_segment, segments};
-use joint_pipeline::analysis::cases::CaseMode;
+use joint_pipeline::analysis::cases::{CaseMode, CasePoint};
+use joint_pipeline::analysis::hyper_reduced::ErrorEstimate;
 use joint_pipeline::analysis::variants::{Seen, VariantPoint};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -57,26 +58,36 @@ struct StoredMode {
 }
 
 /// Modal amplitude, response displacement, frequency and damping ratio, then motion of the response, frequency and damping ratio of the first
-/// harmonic; or why there are none. Without names, which would double the files.
+/// harmonic; with few coordinates and points also the estimated errors of frequency and damping ratio; or why there are none. Without names, which would double the files.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum StoredPoint {
     Converged([Option<f64>; 7]),
+    Estimated([Option<f64>; 9]),
     Failed(String),
 }
 
 impl Line {
     fn new(case: &str, record: &Record) -> Self {
-        let point = |found: &Result<VariantPoint, String>| match found {
-            Ok(point) => StoredPoint::Converged([
-                Some(point.modal_amplitude),
-                Some(point.response_displacement),
-                Some(point.frequency_hz),
-                point.damping_ratio,
-                Some(point.seen.response_motion),
-                Some(point.seen.frequency_hz),
-                point.seen.damping_ratio,
-            ]),
+        let point = |found: &Result<CasePoint, String>| match found {
+            Ok(CasePoint { point, estimate }) => {
+                let [q, x, f, damping] = [
+                    Some(point.modal_amplitude),
+                    Some(point.response_displacement),
+                    Some(point.frequency_hz),
+                    point.damping_ratio,
+                ];
+                let seen = point.seen;
+                let [motion, seen_f, seen_damping] =
+                    [Some(seen.response_motion), Some(seen.frequency_hz), seen.damping_ratio];
+                match estimate {
+                    None => StoredPoint::Converged([q, x, f, damping, motion, seen_f, seen_damping]),
+                    Some(own) => {
+                        let errors = [Some(own.frequency), own.damping];
+                        StoredPoint::Estimated([q, x, f, damping, motion, seen_f, seen_damping, errors[0], errors[1]])
+                    }
+                }
+            }
             Err(reason) => StoredPoint::Failed(reason.clone()),
         };
         let mode = |mode: &CaseMode| StoredMode {
@@ -94,8 +105,8 @@ impl Line {
 
     fn record(self) -> Record {
         let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
-        let point = |point: StoredPoint| match point {
-            StoredPoint::Converged([q, x, f, damping_ratio, motion, seen_f, seen_damping]) => Ok(VariantPoint {
+        let found = |[q, x, f, damping_ratio, motion, seen_f, seen_damping]: [Option<f64>; 7], estimate| CasePoint {
+            point: VariantPoint {
                 modal_amplitude: number(q),
                 response_displacement: number(x),
                 frequency_hz: number(f),
@@ -105,7 +116,30 @@ impl Line {
                     frequency_hz: number(seen_f),
                     damping_ratio: seen_damping,
                 },
-            }),
+            },
+            estimate,
+        };
+        let point = |point: StoredPoint| match point {
+            StoredPoint::Converged(numbers) => Ok(found(numbers, None)),
+            StoredPoint::Estimated(
+                [
+                    q,
+                    x,
+                    f,
+                    damping,
+                    motion,
+                    seen_f,
+                    seen_damping,
+                    frequency_error,
+                    damping_error,
+                ],
+            ) => {
+                let estimate = ErrorEstimate {
+                    frequency: number(frequency_error),
+                    damping: damping_error,
+                };
+                Ok(found([q, x, f, damping, motion, seen_f, seen_damping], Some(estimate)))
+            }
             StoredPoint::Failed(reason) => Err(reason),
         };
         let mode = |mode: StoredMode| CaseMode {
@@ -257,16 +291,23 @@ mod tests {
 
     fn record(points: &[Result<f64, &str>]) -> Record {
         let amplitude = |point: &Result<f64, &str>| match point {
-            Ok(x) => Ok(VariantPoint {
-                modal_amplitude: 0.1 * x,
-                response_displacement: *x,
-                frequency_hz: 100.0 / 3.0,
-                damping_ratio: (*x > 1.0).then_some(0.1 + 0.2),
-                seen: Seen {
-                    response_motion: x / 3.0,
-                    frequency_hz: 100.0 / 7.0,
-                    damping_ratio: (*x > 1.0).then_some(0.1 + 0.7),
+            Ok(x) => Ok(CasePoint {
+                point: VariantPoint {
+                    modal_amplitude: 0.1 * x,
+                    response_displacement: *x,
+                    frequency_hz: 100.0 / 3.0,
+                    damping_ratio: (*x > 1.0).then_some(0.1 + 0.2),
+                    seen: Seen {
+                        response_motion: x / 3.0,
+                        frequency_hz: 100.0 / 7.0,
+                        damping_ratio: (*x > 1.0).then_some(0.1 + 0.7),
+                    },
                 },
+                // With few coordinates: two amplitudes, one of them without damping.
+                estimate: (*x < 2.5).then_some(ErrorEstimate {
+                    frequency: 1e-5 / 3.0,
+                    damping: (*x > 1.0).then_some(0.1 / 3.0),
+                }),
             }),
             Err(reason) => Err((*reason).to_owned()),
         };
@@ -288,7 +329,7 @@ mod tests {
             seconds: 1.5,
             outcome: Err("no\nequilibrium".into()),
         };
-        let (whole, part) = (record(&[Ok(0.5), Ok(2.0)]), record(&[Ok(0.5), Err("stalled")]));
+        let (whole, part) = (record(&[Ok(0.5), Ok(2.0), Ok(3.0)]), record(&[Ok(0.5), Err("stalled")]));
         let mut writer = Writer::new(&root);
         writer.append(&keys[0], "one", &whole).unwrap();
         writer.append(&keys[0], "two", &failed).unwrap();
@@ -304,7 +345,9 @@ mod tests {
         assert_eq!((store.lines(), store.size().1), (3, 2));
         // Another process tries again; a torn line of it is none.
         let mut other = Writer::new(&root);
-        other.append(&keys[1], "three", &record(&[Ok(0.5), Ok(2.0)])).unwrap();
+        other
+            .append(&keys[1], "three", &record(&[Ok(0.5), Ok(2.0), Ok(3.0)]))
+            .unwrap();
         other.append(&keys[1], "one", &failed).unwrap();
         store.refresh().unwrap();
         assert_eq!(store.get("three"), Some(&whole));

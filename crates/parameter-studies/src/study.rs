@@ -5,7 +5,9 @@ use crate::design::{Column, Design, put};
 use crate::plan::{Base, Plan};
 use crate::run::Part;
 use crate::store::Store;
+use crate::training::{self, Terms};
 use joint_pipeline::analysis::cases::{CaseHasher, as_case};
+use joint_pipeline::analysis::hyper_reduced::BorneErrors;
 use joint_pipeline::results::provenance::{Input, inputs_of};
 use joint_pipeline::{Benchmarks, Scene};
 use rayon::prelude::*;
@@ -38,6 +40,8 @@ pub(crate) struct Case {
     pub(crate) surface: usize,
     /// Damping ratio apart from friction.
     pub(crate) background: f64,
+    /// What its results may be off by where it learns from other cases.
+    pub(crate) learns: Option<BorneErrors>,
 }
 
 /// A plan with its cases.
@@ -53,6 +57,8 @@ pub struct Study<'a> {
     pub(crate) of_plan: Vec<usize>,
     /// Keys of the structures.
     pub(crate) structures: Vec<String>,
+    /// For each structure whose cases learn from some of them, these.
+    pub(crate) training: BTreeMap<usize, Vec<usize>>,
     inputs: Vec<Input>,
 }
 
@@ -98,20 +104,26 @@ impl<'a> Study<'a> {
             cases: Vec::new(),
             of_plan: Vec::new(),
             structures: Vec::new(),
+            training: BTreeMap::new(),
             inputs: Vec::new(),
         };
+        training::check(&study.plan, &study.name)?;
         // The scene itself first: what is wrong with it is no fault of a value. What it leaves out, cases may give.
         let hasher = CaseHasher::new(build);
         let understood = |number: usize| {
-            let scene = study.scene(number)?;
-            let keys = hasher.keys(&scene)?;
-            Ok::<_, Error>((keys, scene.background_damping))
+            let whole = study.in_full(number)?;
+            let terms = study.plan.hyper_reduction.map(|plan| Terms::of(&whole, &plan));
+            let keys = hasher.keys(&as_case(&whole))?;
+            Ok::<_, Error>((keys, whole.background_damping, terms))
         };
         let all: Vec<_> = (0..study.design.number).into_par_iter().map(understood).collect();
         let mut files = BTreeMap::new();
         let mut found = Vec::with_capacity(all.len());
-        for keys in all {
-            found.push(keys?);
+        let mut terms = Vec::with_capacity(all.len());
+        for understood in all {
+            let (keys, background, own) = understood?;
+            found.push((keys, background));
+            terms.push(own);
         }
         let index = |keys: BTreeSet<&String>| -> (Vec<String>, HashMap<String, usize>) {
             let sorted: Vec<String> = keys.into_iter().cloned().collect();
@@ -130,6 +142,7 @@ impl<'a> Study<'a> {
                     structure: of_structure.get(&keys.structure).copied().unwrap_or_default(),
                     surface: of_surface.get(&keys.surface).copied().unwrap_or_default(),
                     background: *background,
+                    learns: None,
                 });
                 number
             });
@@ -149,6 +162,23 @@ impl<'a> Study<'a> {
         for input in files.into_values().flatten() {
             if !study.inputs.contains(&input) {
                 study.inputs.push(input);
+            }
+        }
+        study.training = training::choose(&study.plan, &study.name, &study.design, &cases, &terms)?;
+        for taught in study.training.values() {
+            let own = taught.first().and_then(|index| cases.get(*index));
+            let Some((structure, borne)) =
+                own.and_then(|own| Some((own.structure, terms.get(own.number)?.as_ref()?.borne)))
+            else {
+                continue;
+            };
+            let teachers = taught.iter().filter_map(|index| cases.get(*index));
+            let teachers: Vec<String> = teachers.map(|case| case.address.clone()).collect();
+            for (index, case) in cases.iter_mut().enumerate() {
+                if case.structure == structure && !taught.contains(&index) {
+                    case.address = hasher.trained(&case.address, &teachers, borne);
+                    case.learns = Some(borne);
+                }
             }
         }
         (study.cases, study.structures) = (cases, structures);
@@ -191,6 +221,18 @@ impl<'a> Study<'a> {
             scene.resolve(folder);
         }
         Ok(scene)
+    }
+
+    /// Amplitudes of some cases that converged, and how many of them were found with few coordinates and points; none where no case learns.
+    pub fn found_with_few(&self, range: std::ops::Range<usize>, store: &Store) -> Option<[usize; 2]> {
+        self.plan.hyper_reduction?;
+        let cases = self.cases.get(range).unwrap_or_default();
+        let records = cases.iter().filter_map(|case| store.get(&case.address));
+        let modes = records.flat_map(|record| record.outcome.iter().flatten());
+        let points = modes.flat_map(|mode| mode.amplitudes.iter().flatten());
+        Some(points.fold([0; 2], |[all, few], point| {
+            [all + 1, few + usize::from(point.estimate.is_some())]
+        }))
     }
 
     /// Rows that a case has in tables, if it converges.

@@ -4,6 +4,8 @@ use crate::Error;
 use crate::design::Kind;
 use crate::store::Store;
 use crate::study::Study;
+use joint_pipeline::analysis::cases::CasePoint;
+use joint_pipeline::analysis::hyper_reduced::ErrorEstimate;
 use joint_pipeline::analysis::variants::VariantPoint;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
@@ -45,7 +47,7 @@ enum Data {
 #[derive(Default)]
 struct Row {
     mode: Option<i32>,
-    point: Option<VariantPoint>,
+    point: Option<CasePoint>,
     status: &'static str,
     reason: Option<Arc<str>>,
 }
@@ -72,6 +74,7 @@ fn rows(store: &Store, address: &str) -> Vec<Row> {
                     point: Some(*point),
                     status: "converged",
                     reason: point
+                        .point
                         .damping_ratio
                         .is_none()
                         .then(|| "damping is below its floor".into()),
@@ -130,7 +133,11 @@ impl Table {
             data,
         };
         let real = |of: fn(&VariantPoint) -> Option<f64>| {
-            let value = |row: &Row| of(row.point.as_ref()?);
+            let value = |row: &Row| of(&row.point.as_ref()?.point);
+            Data::Real(found.iter().map(value).collect())
+        };
+        let error = |of: fn(&ErrorEstimate) -> Option<f64>| {
+            let value = |row: &Row| of(row.point.as_ref()?.estimate.as_ref()?);
             Data::Real(found.iter().map(value).collect())
         };
         let mut columns = vec![column("case", true, Data::Text(addresses))];
@@ -165,6 +172,12 @@ impl Table {
                 Data::Text(found.iter().map(|row| row.reason.clone()).collect()),
             ),
         ]);
+        if study.plan.hyper_reduction.is_some() {
+            columns.extend([
+                column("frequency_error", false, error(|own| Some(own.frequency))),
+                column("damping_ratio_error", false, error(|own| own.damping)),
+            ]);
+        }
         Self { columns }
     }
 

@@ -69,7 +69,7 @@ fn shared_surfaces_and_structures_change_no_bit() {
     let found = backbones(&structure, &case(&change), None);
     let run = run(&scene(&change), &Options::default(), &Silent).unwrap();
     for (point, amplitude) in found[0].amplitudes.iter().zip(run.amplitudes()) {
-        let (point, result) = (point.as_ref().unwrap(), amplitude.point.result.as_ref().unwrap());
+        let (point, result) = (point.as_ref().unwrap().point, amplitude.point.result.as_ref().unwrap());
         assert_eq!(point.frequency_hz, result.omega / TAU);
         assert_eq!(point.damping_ratio, result.is_resolved().then_some(result.zeta));
         assert_eq!(Some(point.response_displacement), amplitude.response_displacement);

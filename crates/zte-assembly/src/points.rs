@@ -1,7 +1,7 @@
 //! The interface point by point: for methods that follow each point through many load states by itself, such as harmonic balance.
 
 use crate::interface::{Interface, State, Variation};
-use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, Sticking, TangentMut};
+use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 use std::ops::Range;
 
 /// Most points of a batch.
@@ -31,6 +31,24 @@ impl Interface {
             for from in range.clone().step_by(BATCH) {
                 points.push(from..range.end.min(from + BATCH));
                 places.push((index, range.start, block));
+            }
+            block += range.len() * law.info().n_state();
+        }
+        Batches { points, places }
+    }
+
+    /// Batches of these points alone, which ascend; those beside each other are in one.
+    pub fn batches_of(&self, selected: &[usize]) -> Batches {
+        let (mut points, mut places) = (Vec::new(), Vec::new());
+        let mut block = 0;
+        for (index, (range, law)) in self.laws.iter().enumerate() {
+            let from = selected.partition_point(|point| *point < range.start);
+            let to = selected.partition_point(|point| *point < range.end);
+            for run in selected[from..to].chunk_by(|a, b| a + 1 == *b) {
+                for part in run.chunks(BATCH) {
+                    points.push(part[0]..part[0] + part.len());
+                    places.push((index, range.start, block));
+                }
             }
             block += range.len() * law.info().n_state();
         }
@@ -106,9 +124,9 @@ impl Interface {
         end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,
         tangent: Option<TangentMut<'_>>,
-    ) {
+    ) -> RegimeCounts {
         let (law, of_law) = self.batch_law(batches, batch);
-        law.evaluate(of_law, sticking, jump, begin, end, traction, tangent, None);
+        law.evaluate(of_law, sticking, jump, begin, end, traction, tangent, None)
     }
 
     /// The same with their derivatives along a direction ([`TractionLaw::derivative`](contact_laws::TractionLaw::derivative)).

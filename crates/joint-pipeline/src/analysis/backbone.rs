@@ -68,6 +68,16 @@ pub(super) struct Request<'a> {
     pub(super) forces: Option<&'a Vec<f64>>,
 }
 
+/// The loads of the loops of a mode.
+pub(super) struct Loading {
+    /// Mass-normalised shape of the mode.
+    pub(super) shape: Vec<f64>,
+    /// What it moves the response point by.
+    pub(super) response: f64,
+    /// Modal forces (sqrt(kg) m/s^2).
+    pub(super) forces: Vec<f64>,
+}
+
 impl<'a> Request<'a> {
     /// Loops at all amplitudes, and the other methods, with what lets the run resume until its results are safe. `key` is the folder of checkpoints and what all loops of the run
     /// depend on; `share` maps the part of this backbone that is done to that of all backbones.
@@ -80,12 +90,12 @@ impl<'a> Request<'a> {
         share: &(dyn Fn(f64) -> f64 + Sync),
         progress: &dyn Progress,
     ) -> Result<(ModeAnalysis, Checkpoints), Error> {
-        let shape: Vec<f64> = self.line.shapes.col(self.mode).iter().copied().collect();
-        let phi: f64 = shape.iter().zip(self.response).map(|(a, b)| a * b).sum();
-        self.check_response(phi)?;
+        let Loading {
+            shape,
+            response: phi,
+            forces,
+        } = self.loading()?;
         let omega2 = self.line.eigenvalues[self.mode];
-        let by_amplitude = || displacements(self.scene, 0).into_iter().map(|x| omega2 * x / phi);
-        let forces = self.forces.cloned().unwrap_or_else(|| by_amplitude().collect());
         let settings = self.settings();
         let epmc_key = key.clone();
         let finished = match key {
@@ -165,6 +175,24 @@ impl<'a> Request<'a> {
         Ok((analysis, checkpoints))
     }
 
+    /// What is loaded, and how.
+    ///
+    /// # Errors
+    /// [`Error::NoResponse`].
+    pub(super) fn loading(&self) -> Result<Loading, Error> {
+        let shape: Vec<f64> = self.line.shapes.col(self.mode).iter().copied().collect();
+        let response: f64 = shape.iter().zip(self.response).map(|(a, b)| a * b).sum();
+        self.check_response(response)?;
+        let omega2 = self.line.eigenvalues[self.mode];
+        let by_amplitude = || displacements(self.scene, 0).into_iter().map(|x| omega2 * x / response);
+        let forces = self.forces.cloned().unwrap_or_else(|| by_amplitude().collect());
+        Ok(Loading {
+            shape,
+            response,
+            forces,
+        })
+    }
+
     /// Refuses a mode of which amplitudes at the response point say nothing; `phi` is its response.
     fn check_response(&self, phi: f64) -> Result<(), Error> {
         let participation = phi.abs() / self.largest_response();
@@ -191,7 +219,7 @@ impl<'a> Request<'a> {
         }
     }
 
-    fn settings(&self) -> Settings {
+    pub(super) fn settings(&self) -> Settings {
         let cqsma = &self.scene.cqsma;
         Settings {
             mode: self.mode,

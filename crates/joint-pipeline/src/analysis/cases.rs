@@ -1,6 +1,7 @@
 //! Backbones of many scenes, of which those on equal structures share a reduction, and those with equal surfaces what was measured of them.
 
 use super::ensemble::loops_alone;
+use super::hyper_reduced::BorneErrors;
 use super::outcome::ModeAnalysis;
 use super::prestress::bolt_load;
 use super::run::{Solver, check_bolts};
@@ -13,6 +14,8 @@ use crate::scene::{Scene, Units};
 use crate::store::Options;
 use crate::store::key::KeyBuilder;
 use crate::structure::{StructuralModel, Structure};
+use hyper_reduction::ErrorEstimate;
+use reduction::ReducedModel;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -111,6 +114,16 @@ impl CaseHasher {
         })
     }
 
+    /// The address of a case with results that others taught it, from its own address, theirs and what its results may be off by.
+    pub fn trained(&self, case: &str, teachers: &[String], borne: BorneErrors) -> String {
+        let mut key = KeyBuilder::new(self.build.as_deref());
+        key.integers([LAYOUT]);
+        key.text(case);
+        teachers.iter().for_each(|teacher| key.text(teacher));
+        key.numbers([borne.frequency, borne.damping]);
+        key.finish().0
+    }
+
     fn files(&self, named: &str, case: &Scene) -> Result<Arc<[Input]>, Error> {
         let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = files.get(named) {
@@ -130,7 +143,16 @@ pub struct CaseMode {
     /// Its linearised frequency (Hz).
     pub linear_frequency_hz: f64,
     /// Its amplitudes, ascending, or why one did not converge.
-    pub amplitudes: Vec<Result<VariantPoint, String>>,
+    pub amplitudes: Vec<Result<CasePoint, String>>,
+}
+
+/// An amplitude of a case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CasePoint {
+    /// What was found.
+    pub point: VariantPoint,
+    /// Estimated errors where it was found with few coordinates and few points; none of the whole joint.
+    pub estimate: Option<ErrorEstimate>,
 }
 
 impl CaseMode {
@@ -138,7 +160,8 @@ impl CaseMode {
         let amplitudes = found.amplitudes.iter().map(|amplitude| {
             let result = amplitude.point.result.as_ref();
             result.map_err(|failure| failure.reason.to_string())?;
-            VariantPoint::new(amplitude, background).ok_or_else(|| "its loop has no fields".to_owned())
+            let point = VariantPoint::new(amplitude, background).ok_or_else(|| "its loop has no fields".to_owned())?;
+            Ok(CasePoint { point, estimate: None })
         });
         Self {
             mode: found.mode,
@@ -156,7 +179,7 @@ impl CaseMode {
             points: self
                 .amplitudes
                 .iter()
-                .filter_map(|found| found.as_ref().ok().copied())
+                .filter_map(|found| found.as_ref().ok().map(|found| found.point))
                 .collect(),
             sensitivities: Vec::new(),
         }
@@ -195,6 +218,19 @@ impl CaseStructure {
         self.model.reduced.mass.nrows()
     }
 
+    pub(super) fn reduced(&self) -> &ReducedModel {
+        &self.model.reduced
+    }
+
+    pub(super) fn solver(&self) -> Solver<'_> {
+        Solver {
+            model: &self.model,
+            options: &self.options,
+            loop_elements: &[],
+            neighbours: &[],
+        }
+    }
+
     /// The interface of a case. Asperities are those of `known`, an interface with the same [`CaseKeys::surface`]; the result is the same
     /// without it.
     ///
@@ -220,13 +256,9 @@ impl CaseStructure {
         interface: &SceneInterface,
         progress: &dyn Progress,
     ) -> Result<Vec<CaseMode>, Error> {
-        let solver = Solver {
-            model: &self.model,
-            options: &self.options,
-            loop_elements: &[],
-            neighbours: &[],
-        };
-        let found = solver.analyse(case, &interface.interface, interface.closure, None, progress)?;
+        let found = self
+            .solver()
+            .analyse(case, &interface.interface, interface.closure, None, progress)?;
         let modes = found.modes.iter();
         Ok(modes
             .map(|mode| CaseMode::new(mode, &found.frequencies, case.background_damping))

@@ -9,6 +9,7 @@ mod element_loops;
 pub mod ensemble;
 pub mod error_estimate;
 pub mod finite_differences;
+pub mod hyper_reduced;
 pub mod mesh_error;
 pub mod methods;
 mod observer;

@@ -544,7 +544,7 @@ pub(super) struct Solver<'a> {
 
 impl Solver<'_> {
     /// Equilibrium of an interface under the bolt loads, of which `closure` carries them (m).
-    fn static_state(
+    pub(super) fn static_state(
         &self,
         scene: &Scene,
         interface: &Interface,
@@ -583,7 +583,7 @@ impl Solver<'_> {
     }
 
     /// The reduced structure with locked bolts, if they are so in vibration.
-    fn locked(&self, scene: &Scene) -> Result<Option<ReducedModel>, Error> {
+    pub(super) fn locked(&self, scene: &Scene) -> Result<Option<ReducedModel>, Error> {
         Ok(match scene.bolts.behaviour {
             BoltBehaviour::DeadLoad => None,
             BoltBehaviour::Locked => Some(self.model.reduced.locked()?),
@@ -742,7 +742,7 @@ fn assembled<'a>(scene: &Scene, interface: &'a Interface) -> InterfaceForce<'a> 
     }
 }
 
-fn newton_settings(scene: &Scene) -> NewtonSettings {
+pub(super) fn newton_settings(scene: &Scene) -> NewtonSettings {
     NewtonSettings {
         tolerance: scene.cqsma.tolerance,
         ..NewtonSettings::default()

@@ -11,6 +11,7 @@ use crate::scene::{Influence, Parameter, Scene};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::structure::{Assembled, Structure};
+use cqsma_solver::LoopResult;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -102,17 +103,23 @@ impl VariantPoint {
     /// An amplitude that converged; `background` is the damping ratio apart from friction.
     pub(super) fn new(found: &AmplitudeResult, background: f64) -> Option<Self> {
         let (result, fields) = (found.point.result.as_ref().ok()?, found.fields.as_ref()?);
-        Some(Self {
+        let displacement = found.response_displacement?;
+        Some(Self::of(result, displacement, fields.response_motion, background))
+    }
+
+    /// A loop that moves the response point by `displacement` in the linearised mode, and by `motion` (m).
+    pub(super) fn of(result: &LoopResult, displacement: f64, motion: f64, background: f64) -> Self {
+        Self {
             modal_amplitude: result.modal_amplitude,
-            response_displacement: found.response_displacement?,
+            response_displacement: displacement,
             frequency_hz: result.omega / TAU,
             damping_ratio: result.is_resolved().then_some(result.zeta + background),
             seen: Seen {
-                response_motion: fields.response_motion,
+                response_motion: motion,
                 frequency_hz: result.harmonic_omega / TAU,
                 damping_ratio: result.is_resolved().then_some(result.harmonic_zeta() + background),
             },
-        })
+        }
     }
 
     fn read(&self, reading: Reading) -> Read {

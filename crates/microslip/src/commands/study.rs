@@ -165,12 +165,14 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         print(&status(&name, &study, &store, range))?;
         return Ok(Outcome::Success);
     };
+    let few = study.found_with_few(range.clone(), &store);
     let case_seconds: f64 = store.records().map(|record| record.seconds).sum();
     let account = json!({
         "plan": name,
         "scene": study.scene_name(),
         "parameters": study.columns().iter().map(|column| column.heading()).collect::<Vec<_>>(),
         "counts": counts,
+        "hyper_reduction": few.map(|[amplitudes, few]| json!({ "amplitudes": amplitudes, "with_few_coordinates_and_points": few })),
         "engine": format!("{:?}", arguments.engine).to_lowercase(),
         "times": {
             "case_seconds": case_seconds,
@@ -191,6 +193,10 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         ("converged in part".to_owned(), counts.partly_converged.to_string()),
         ("failed".to_owned(), counts.failed.to_string()),
     ];
+    if let Some([amplitudes, few]) = few {
+        let figure = format!("{few} of {amplitudes} that converged");
+        facts.push(("amplitudes with few coordinates and points".to_owned(), figure));
+    }
     facts.extend(
         study
             .columns()

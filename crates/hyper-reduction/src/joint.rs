@@ -1,0 +1,236 @@
+//! A joint with few coordinates and few points, in one static state.
+
+use crate::error::Error;
+use crate::estimate::{ErrorEstimate, estimate};
+use crate::force::PointForce;
+use crate::training::{Trained, shape_of};
+use contact_laws::Sticking;
+use cqsma_solver::cqsma::{self, Settings};
+use cqsma_solver::{BackbonePoint, Linearisation, LoopObserver, modes};
+use dense_algebra::product;
+use faer::Mat;
+use std::ops::ControlFlow;
+use zte_assembly::{Interface, State};
+
+/// A joint about a static state whose motions are those of one mode and of what was learned beside it.
+///
+/// The static state, the structure with everything stuck and the mode are those of the whole joint, so that frequency and shape at small
+/// amplitudes are exact.
+pub struct HyperReducedJoint<'a> {
+    interface: &'a Interface,
+    whole: &'a Linearisation<'a, State>,
+    /// Motions of the coordinates, the mode first.
+    basis: Mat<f64>,
+    /// Elastic forces of these motions.
+    elastic: Mat<f64>,
+    stiffness: Mat<f64>,
+    mass: Mat<f64>,
+    force: PointForce<'a>,
+    /// Mass times the mass-normalised shape of the mode, and its frequency (rad/s).
+    inertia: Vec<f64>,
+    omega: f64,
+    /// Contact forces of the static state (N).
+    at_rest: Vec<f64>,
+    mode: usize,
+}
+
+/// A loop of the reduced joint.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The loop.
+    pub point: BackbonePoint,
+    /// Half the range of the displacement at the response point (m).
+    pub response_motion: f64,
+    /// Its estimated errors; none of a loop that did not converge, or for which they could not be found.
+    pub estimate: Option<ErrorEstimate>,
+}
+
+impl<'a> HyperReducedJoint<'a> {
+    /// About the static state of `whole`, for its mode number `mode`, zero-based.
+    ///
+    /// # Errors
+    /// [`Error::Size`] if it was trained on another structure, or the structure lacks the mode.
+    pub fn try_new(
+        interface: &'a Interface,
+        whole: &'a Linearisation<'a, State>,
+        mode: usize,
+        trained: &Trained,
+    ) -> Result<Self, Error> {
+        let (n, of_points) = (whole.stiffness().nrows(), interface.operators().n_points());
+        let sizes = [
+            ("the motion of a trained coordinate", trained.basis.nrows(), n),
+            ("the interface that was trained on", trained.of_points, of_points),
+        ];
+        if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
+            return Err(Error::Size { what, found, expected });
+        }
+        let (shape, inertia, omega) = shape_of(whole, mode)?;
+        let basis = Mat::from_fn(n, trained.basis.ncols() + 1, |i, k| match k {
+            // Of unit energy, as the others are.
+            0 => shape[i] / omega,
+            k => trained.basis[(i, k - 1)],
+        });
+        let elastic = product(whole.stiffness(), basis.as_ref());
+        let jump = &whole.displacement()[..interface.n_dofs()];
+        let stuck = whole.stuck_tangent();
+        let mut at_rest = vec![0.0; interface.n_dofs()];
+        interface.evaluate(
+            jump,
+            Sticking::Coulomb,
+            whole.state(),
+            &mut whole.state().clone(),
+            &mut interface.workspace(),
+            &mut at_rest,
+            None,
+        );
+        Ok(Self {
+            stiffness: product(basis.transpose(), elastic.as_ref()),
+            mass: product(basis.transpose(), product(whole.mass(), basis.as_ref()).as_ref()),
+            force: PointForce::new(interface, &trained.points, basis.as_ref(), jump, whole.state(), stuck),
+            interface,
+            whole,
+            basis,
+            elastic,
+            inertia,
+            omega,
+            at_rest,
+            mode,
+        })
+    }
+
+    /// Loops at modal forces (sqrt(kg) m/s^2), with the settings of those of the whole joint. `response` recovers the displacement at the response
+    /// point from that of the whole joint.
+    ///
+    /// # Errors
+    /// As [`cqsma::run`].
+    pub fn run(&self, modal_forces: &[f64], settings: &Settings, response: &[f64]) -> Result<Vec<Found>, Error> {
+        let state = self.force.state();
+        let coordinates = self.basis.ncols();
+        // No more modes lie below that of the whole joint than there.
+        let n_modes = coordinates.min(self.mode + 1);
+        let at_rest = vec![0.0; coordinates];
+        let (stiffness, mass) = (self.stiffness.as_ref(), self.mass.as_ref());
+        let mut structure = modes::linearise(stiffness, mass, &self.force, at_rest, state, n_modes)?;
+        let mut of_mode = vec![0.0; coordinates];
+        of_mode[0] = 1.0;
+        structure.orient(&of_mode)?;
+        let distance = |mode: &usize| (structure.eigenvalues[*mode].sqrt() / self.omega - 1.0).abs();
+        let mode = (0..n_modes).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let settings = Settings {
+            mode: mode.unwrap_or_default(),
+            ..*settings
+        };
+        let along = |column: faer::ColRef<'_, f64>| column.iter().zip(response).map(|(a, b)| a * b).sum();
+        let response: Vec<f64> = self.basis.col_iter().map(along).collect();
+        let found = cqsma::run(&structure, &self.force, modal_forces, &settings, |_| Judge {
+            joint: self,
+            response: &response,
+            loads: Vec::new(),
+            coordinates: Vec::new(),
+            estimate: None,
+        })?;
+        let found = found.into_iter().map(|(point, judge)| Found {
+            response_motion: judge.response_motion(),
+            estimate: judge.estimate,
+            point,
+        });
+        Ok(found.collect())
+    }
+
+    /// Coordinates, the mode's included.
+    pub fn coordinates(&self) -> usize {
+        self.basis.ncols()
+    }
+
+    pub(crate) fn interface(&self) -> &'a Interface {
+        self.interface
+    }
+
+    pub(crate) fn whole(&self) -> &'a Linearisation<'a, State> {
+        self.whole
+    }
+
+    /// Displacement of the whole joint from the static state (m).
+    pub(crate) fn motion(&self, coordinates: &[f64]) -> Vec<f64> {
+        combined(&self.basis, coordinates)
+    }
+
+    /// Nodal jumps (m) where the whole joint is displaced from the static state.
+    pub(crate) fn jump(&self, increment: &[f64]) -> Vec<f64> {
+        let at_rest = &self.whole.displacement()[..self.interface.n_dofs()];
+        at_rest.iter().zip(increment).map(|(u, v)| u + v).collect()
+    }
+
+    /// Modal amplitude of a motion (sqrt(kg) m).
+    pub(crate) fn amplitude(&self, motion: &[f64]) -> f64 {
+        self.inertia.iter().zip(motion).map(|(a, b)| a * b).sum()
+    }
+
+    /// Energy of the stuck structure under a modal force, twice (J).
+    pub(crate) fn energy_of_load(&self, modal_force: f64) -> f64 {
+        (modal_force / self.omega).powi(2)
+    }
+
+    /// What is missing in the balance of the whole joint (N), where its contact has the force `contact` (N).
+    pub(crate) fn residual(&self, coordinates: &[f64], contact: &[f64], modal_force: f64) -> Vec<f64> {
+        let mut residual = combined(&self.elastic, coordinates);
+        let changes = contact.iter().zip(&self.at_rest).map(|(f, f0)| f - f0);
+        residual.iter_mut().zip(changes).for_each(|(r, change)| *r += change);
+        let loads = self.inertia.iter().map(|inertia| modal_force * inertia);
+        residual.iter_mut().zip(loads).for_each(|(r, load)| *r -= load);
+        residual
+    }
+}
+
+/// Sum of columns times factors.
+fn combined(columns: &Mat<f64>, factors: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; columns.nrows()];
+    for (column, factor) in columns.col_iter().zip(factors) {
+        sum.iter_mut()
+            .zip(column.iter())
+            .for_each(|(sum, value)| *sum += factor * value);
+    }
+    sum
+}
+
+/// Estimates the errors of a loop when it is done.
+struct Judge<'a> {
+    joint: &'a HyperReducedJoint<'a>,
+    /// Recovers the displacement at the response point from the coordinates.
+    response: &'a [f64],
+    loads: Vec<f64>,
+    coordinates: Vec<Vec<f64>>,
+    estimate: Option<ErrorEstimate>,
+}
+
+impl Judge<'_> {
+    fn response_motion(&self) -> f64 {
+        let motions = self
+            .coordinates
+            .iter()
+            .map(|y| y.iter().zip(self.response).map(|(y, r)| y * r).sum());
+        let (low, high) = motions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x: f64| {
+            (low.min(x), high.max(x))
+        });
+        0.5 * (high - low)
+    }
+}
+
+impl LoopObserver<Vec<f64>> for Judge<'_> {
+    fn begin(&mut self) {
+        self.loads.clear();
+        self.coordinates.clear();
+    }
+
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], _: &Vec<f64>) {
+        self.loads.push(modal_force);
+        self.coordinates.push(displacement.to_vec());
+    }
+
+    fn done(&mut self, point: &BackbonePoint) -> ControlFlow<()> {
+        if let Ok(result) = &point.result {
+            self.estimate = estimate(self.joint, result, &self.loads, &self.coordinates);
+        }
+        ControlFlow::Continue(())
+    }
+}
