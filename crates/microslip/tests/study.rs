@@ -160,6 +160,113 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
     same_in_parquet(&folder.join("two"), &rows);
 }
 
+/// Nine cases of the coarse beam, of which five teach the others; `hyper_reduction` of the plan is empty for none.
+fn learning(folder: &Path, name: &str, hyper_reduction: &str) {
+    let parameters = r#"{ "/mu": { "values": [0.15, 0.2, 0.25] }, "/bolts/load": { "values": [10e3, 12e3, 14e3] } }"#;
+    let text = format!(
+        r#"{{ "scene": {}, "parameters": {parameters} {hyper_reduction} }}"#,
+        scene()
+    );
+    fs::write(folder.join(name), text).unwrap();
+}
+
+#[test]
+fn cases_that_learn_have_estimated_errors_and_the_same_tables_whoever_runs_them() {
+    let folder = folder("study-learning");
+    learning(&folder, "whole.json", "");
+    learning(
+        &folder,
+        "few.json",
+        r#", "hyper_reduction": { "training": 5, "damping": 0.05 }"#,
+    );
+    let study = |plan: &str, out: &str, cache: &str, more: &[&str]| {
+        let command = ["study", plan, "--out", out, "--cache", cache];
+        run(&folder, &[&command, more].concat())
+    };
+    assert_eq!(exit_code(&study("whole.json", "whole", "a", &[])), 0);
+    let told = messages(&study("few.json", "few", "a", &["--threads", "2"]));
+    assert!(
+        told.contains("learned from 5 cases: ") && told.contains(" of 592 points of contact"),
+        "{told}"
+    );
+    // Those that teach were finished by the study before.
+    assert_eq!(lines(&folder.join("a/cases")).len(), 9 + 4);
+    for part in ["3/3", "1/3", "2/3"] {
+        assert_eq!(exit_code(&study("few.json", "parts", "b", &["--part", part])), 0);
+    }
+    assert_eq!(exit_code(&study("few.json", "parts", "b", &[])), 0);
+    assert_eq!(tables(&folder, "few"), tables(&folder, "parts"));
+    assert_eq!(lines(&folder.join("b/cases")).len(), 9);
+
+    let table = |out: &str| -> Vec<Vec<String>> {
+        let text = fs::read_to_string(folder.join(out).join("results.csv")).unwrap();
+        text.lines()
+            .map(|line| line.split(',').map(str::to_owned).collect())
+            .collect()
+    };
+    let (whole, few) = (table("whole"), table("few"));
+    let column = |name: &str| few[0].iter().position(|own| own == name).unwrap();
+    assert_eq!(few[0][whole[0].len()..], ["frequency_error", "damping_ratio_error"]);
+    let (frequency, damping) = (column("frequency_hz"), column("damping_ratio"));
+    let mut learned = 0;
+    for (few, whole) in few[1..].iter().zip(&whole[1..]) {
+        let number = |row: &[String], at: usize| row[at].parse::<f64>().ok();
+        let Some(error) = number(few, column("frequency_error")) else {
+            // The address of a case that learns is another one, its results may be those of the whole joint.
+            assert_eq!(few[1..whole.len()], whole[1..]);
+            continue;
+        };
+        learned += 1;
+        assert_ne!(few[0], whole[0]);
+        let off = |at: usize| {
+            number(few, at)
+                .zip(number(whole, at))
+                .map(|(few, whole)| (few / whole - 1.0).abs())
+        };
+        assert!(error <= 5e-4 && off(frequency).unwrap() <= error, "{few:?} {whole:?}");
+        if let Some(off) = off(damping) {
+            let error = number(few, column("damping_ratio_error")).unwrap();
+            assert!(error <= 0.05 && off <= error, "{few:?} {whole:?}");
+        }
+    }
+    assert!((4..=8).contains(&learned), "{learned}");
+    let account = read_json(&folder.join("few/study.json"));
+    assert_eq!(
+        account["hyper_reduction"],
+        json!({ "amplitudes": 18, "with_few_coordinates_and_points": learned })
+    );
+
+    for (settings, words) in [
+        (
+            r#"{ "training": 1 }"#,
+            &["hyper_reduction.training", "1 cases", "2 or more"][..],
+        ),
+        (
+            r#"{ "damping": 0 }"#,
+            &["hyper_reduction.damping", "0 is no relative error"],
+        ),
+        (r#"{ "traning": 5 }"#, &["unknown field `traning`", "`training`"]),
+    ] {
+        learning(&folder, "refused.json", &format!(r#", "hyper_reduction": {settings}"#));
+        let message = messages(&study("refused.json", "refused", "c", &[]));
+        assert!(
+            message.contains("refused.json") && words.iter().all(|word| message.contains(word)),
+            "{message}"
+        );
+    }
+    let parameters = r#"{ "/points_per_direction": { "values": [2, 3] }, "/mu": { "values": [0.1, 0.2] } }"#;
+    let text = format!(
+        r#"{{ "scene": {}, "parameters": {parameters}, "hyper_reduction": {{ "training": 2 }} }}"#,
+        scene()
+    );
+    fs::write(folder.join("refused.json"), text).unwrap();
+    let message = messages(&study("refused.json", "refused", "c", &[]));
+    assert!(
+        message.contains("cases 1 and 3") && message.contains("points per direction"),
+        "{message}"
+    );
+}
+
 /// Asserts that the Parquet file holds the rows of the CSV file.
 fn same_in_parquet(results: &Path, rows: &[Vec<&str>]) {
     let file = fs::File::open(results.join("results.parquet")).unwrap();
@@ -627,4 +734,69 @@ fn a_thousand_cases_by_slurm_with_a_worker_that_dies() {
     assert_eq!(killed, 1);
     assert_eq!(tables(&folder, "local"), tables(&folder, "slurm"));
     assert_eq!(lines(&folder.join("slurm-cache/cases")).len(), 1000);
+}
+
+/// A Python that has Dask, if there is one: that of `MICROSLIP_PYTHON`, or `python3`.
+fn python_with_dask() -> Option<String> {
+    let python = std::env::var("MICROSLIP_PYTHON").unwrap_or_else(|_| "python3".into());
+    let asked = Command::new(&python)
+        .args(["-c", "import distributed"])
+        .stderr(Stdio::null())
+        .status();
+    asked.is_ok_and(|status| status.success()).then_some(python)
+}
+
+/// Numbers of the processes whose command line has all of these words.
+fn processes_with(words: &[&str]) -> Vec<u32> {
+    let numbers = fs::read_dir("/proc")
+        .unwrap()
+        .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok());
+    let has = |number: &u32| {
+        let line = fs::read(format!("/proc/{number}/cmdline")).unwrap_or_default();
+        let line = String::from_utf8_lossy(&line).replace('\0', " ");
+        words.iter().all(|word| line.contains(word))
+    };
+    numbers.filter(has).collect()
+}
+
+#[test]
+fn dask_gives_the_same_tables_with_a_part_that_is_killed() {
+    let Some(python) = python_with_dask() else {
+        println!("skipped: no Dask (python -m pip install dask distributed; MICROSLIP_PYTHON names the Python)");
+        return;
+    };
+    let folder = folder("study-dask");
+    plan(&folder);
+    succeeds(&folder, &["study", "plan.json", "--out", "local", "--cache", "a"]);
+    let out = folder.join("dask");
+    let script = Path::new(FIXTURES).join("dask/study.py");
+    let mut driver = Command::new(python)
+        .arg(script)
+        .args(["plan.json", "--cache", "b", "--parts", "3", "--program", PROGRAM])
+        .arg("--out")
+        .arg(&out)
+        .current_dir(&folder)
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    // A part that is at work.
+    let began = Instant::now();
+    let words = [out.to_str().unwrap(), "--threads 1 --part"];
+    let killed = loop {
+        if let Some(part) = processes_with(&[PROGRAM, words[0], words[1]]).first() {
+            break Command::new("kill")
+                .args(["-9", &part.to_string()])
+                .status()
+                .unwrap()
+                .success();
+        }
+        assert!(
+            began.elapsed() < Duration::from_secs(120) && driver.try_wait().unwrap().is_none(),
+            "no part was run"
+        );
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert!(driver.wait().unwrap().success());
+    println!("a part was killed: {killed}");
+    assert_eq!(tables(&folder, "local"), tables(&folder, "dask"));
 }

@@ -248,6 +248,22 @@ fn measure(of: &Measured) {
     let loops = json!({ "amplitudes": 8, "vertices_per_quarter": 4 });
     let make = |place| scene(of.refinement, of.gap, of.friction, &loops, place);
     let site = Site::new(&make);
+    // What comes before the loops: one that sticks takes next to nothing.
+    let none = json!({ "amplitudes": 1, "amplitude_from": 1e-7, "amplitude_to": 2e-7, "vertices_per_quarter": 4 });
+    let no_loops = |place| scene(of.refinement, of.gap, of.friction, &none, place);
+    let without_loops = Site {
+        structure: site.structure,
+        scene: &no_loops,
+    };
+    let place = of.held_out[0];
+    without_loops.whole(place);
+    let began = Instant::now();
+    without_loops.whole(place);
+    let before_loops = began.elapsed().as_secs_f64();
+    let site = Site {
+        structure: without_loops.structure,
+        scene: &make,
+    };
     let places: Vec<Place> = (of.factors.iter())
         .flat_map(|factor| of.load.map(|load| of.mu.map(|mu| (mu, load, *factor))))
         .flatten()
@@ -289,7 +305,7 @@ fn measure(of: &Measured) {
         }
     }
     println!(
-        "| {} | {} | {sizes:?} | {all}, {of_damping} | {kept} | {:.1e}, {:.1e} | {:.1e}, {:.1e} | {too_small}, {largest:.2} | {to_train:.1} s | {:.2}, {:.2}, {:.2} s |",
+        "| {} | {} | {sizes:?} | {all}, {of_damping} | {kept} | {:.1e}, {:.1e} | {:.1e}, {:.1e} | {too_small}, {largest:.2} | {to_train:.1} s | {before_loops:.3}, {:.3}, {:.3}, {:.3} s |",
         of.title,
         places.len(),
         worst[0],
@@ -307,7 +323,7 @@ fn measure(of: &Measured) {
 fn cases_held_out_beside_the_whole_joint() {
     println!(
         "| scene | cases learned from | coordinates beside the mode, points, of | held out, with damping | within the goal by estimate | their largest errors | those \
-         of the others | estimates too small, largest ratio | to train | per case: whole, few alone, with the goal |"
+         of the others | estimates too small, largest ratio | to train | per case: before the loops, whole, few alone, with the goal |"
     );
     let small = ([0.1, 0.2, 0.4], [8e3, 12e3, 16e3]);
     let wide = ([0.05, 0.17, 0.6], [4e3, 9e3, 16e3]);

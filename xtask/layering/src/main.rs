@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// Every crate of the workspace with the crates of the workspace it may use, also for its tests.
-const ALLOWED: [(&str, &[&str]); 25] = [
+const ALLOWED: [(&str, &[&str]); 26] = [
     // For tests alone, see `FOR_TESTS`.
     (FOR_TESTS, &[]),
     // Dense kernels that must not depend on units or threads, shared by all that factorise.
@@ -35,6 +35,11 @@ const ALLOWED: [(&str, &[&str]); 25] = [
     ("cqsma-solver", &["contact-laws", "dense-algebra"]),
     // It linearises nothing itself: static state, stuck structure and modes are those of the quasi-static solver.
     ("periodic-motion", &["contact-laws", "cqsma-solver", "dense-algebra"]),
+    // Loops of the quasi-static solver on an interface of which some points stand for all.
+    (
+        "hyper-reduction",
+        &["contact-laws", "cqsma-solver", "dense-algebra", "zte-assembly"],
+    ),
     // It is a benchmark that the pipeline runs without knowing it.
     ("brake-reuss-beam", &["joint-pipeline", "substructure", "zte-assembly"]),
     (
@@ -47,6 +52,7 @@ const ALLOWED: [(&str, &[&str]); 25] = [
             "reduction",
             "cqsma-solver",
             "periodic-motion",
+            "hyper-reduction",
             "input-files",
             "matrix-files",
             // Computed motions are identified like measured ones.
