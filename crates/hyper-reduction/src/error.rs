@@ -28,6 +28,17 @@ pub enum Error {
         /// Relative error wanted.
         wanted: f64,
     },
+    /// Loops that are followed in another way than the estimates of their errors assume.
+    #[error(
+        "errors are estimated for loops that are followed until they close, with their history committed at every vertex; leave cycles and commit as they are by default, or run the cases without hyper-reduction"
+    )]
+    Loops,
+    /// A mode that was not learned.
+    #[error("mode {mode} was not learned; learn from cases that follow it")]
+    Mode {
+        /// The mode, counted from 1.
+        mode: usize,
+    },
     /// Training modes or joints of another size.
     #[error("{what} has size {found}, but the joint needs {expected}")]
     Size {

@@ -18,8 +18,8 @@ const SETTLED: f64 = 1e-3;
 const CORRECTION: f64 = 0.1;
 
 /// Safety factors and floors of the estimates, set so that they are rarely below the errors measured on the Brake-Reuss beam.
-const FREQUENCY: (f64, f64) = (3.0, 5e-5);
-const DAMPING: (f64, f64) = (2.0, 1e-3);
+const FREQUENCY: (f64, f64) = (4.0, 1e-4);
+const DAMPING: (f64, f64) = (2.0, 2e-3);
 
 /// What the residual adds to the estimate of the damping.
 const OF_RESIDUAL: f64 = 0.1;
@@ -34,6 +34,9 @@ pub struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
+    /// The least errors of frequency and damping ratio that are ever estimated.
+    pub const FLOORS: [f64; 2] = [FREQUENCY.1, DAMPING.1];
+
     /// Whether neither error is beyond what is borne.
     pub fn is_within(&self, frequency: f64, damping: f64) -> bool {
         self.frequency <= frequency && self.damping.is_none_or(|own| own <= damping)
@@ -45,8 +48,8 @@ impl ErrorEstimate {
 ///
 /// The residual at the two reversals, in the energy of the stuck structure and relative to the load, is `eta`; a Newton step there moves the
 /// modal amplitude by `delta`, relative. The points take the energy `D` along the loop as it is and `D'` along the loop moved by the two steps.
-/// Errors are estimated as `3 (|delta| / 2 + eta^2)` of the frequency and `2 max(|D/D_r - 1|, |D'/(D_r (1 + delta)) - 1|) + eta / 10` of the
-/// damping ratio, `D_r` being the dissipation of the reduced loop, and floors of 5e-5 and 1e-3.
+/// Errors are estimated as `4 (|delta| / 2 + eta^2)` of the frequency and `2 max(|D/D_r - 1|, |D'/(D_r (1 + delta)) - 1|) + eta / 10` of the
+/// damping ratio, `D_r` being the dissipation of the reduced loop, and floors of 1e-4 and 2e-3.
 pub(crate) fn estimate(
     joint: &HyperReducedJoint<'_>,
     result: &LoopResult,
@@ -103,7 +106,10 @@ pub(crate) fn estimate(
         (false, false) => Some(f64::INFINITY),
         (true, _) => {
             let corrected = lap.run(&moved) / (result.loop_area * (1.0 + delta));
-            let off = f64::max((taken / result.loop_area - 1.0).abs(), (corrected - 1.0).abs());
+            let (off, off_corrected) = ((taken / result.loop_area - 1.0).abs(), (corrected - 1.0).abs());
+            // The larger one would hide one that is not a number.
+            let off = if off > off_corrected { off } else { off_corrected };
+            let off = if taken.is_finite() { off } else { f64::NAN };
             Some(DAMPING.0 * off + OF_RESIDUAL * eta2.sqrt() + DAMPING.1)
         }
     };

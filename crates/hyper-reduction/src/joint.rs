@@ -5,7 +5,7 @@ use crate::estimate::{ErrorEstimate, estimate};
 use crate::force::PointForce;
 use crate::training::{Trained, shape_of};
 use contact_laws::Sticking;
-use cqsma_solver::cqsma::{self, Settings};
+use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
 use cqsma_solver::{BackbonePoint, Linearisation, LoopObserver, modes};
 use dense_algebra::product;
 use faer::Mat;
@@ -102,8 +102,11 @@ impl<'a> HyperReducedJoint<'a> {
     /// point from that of the whole joint.
     ///
     /// # Errors
-    /// As [`cqsma::run`].
+    /// [`Error::Loops`] for loops that the estimates do not know how to judge; else as [`cqsma::run`].
     pub fn run(&self, modal_forces: &[f64], settings: &Settings, response: &[f64]) -> Result<Vec<Found>, Error> {
+        if settings.commit != Commit::AtEveryVertex || matches!(settings.cycles, Cycles::Fixed(_)) {
+            return Err(Error::Loops);
+        }
         let state = self.force.state();
         let coordinates = self.basis.ncols();
         // No more modes lie below that of the whole joint than there.

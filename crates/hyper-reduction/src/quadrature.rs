@@ -69,7 +69,7 @@ pub fn select(columns: MatRef<'_, f64>, target: &[f64], most: usize, tolerance: 
     Selection {
         columns,
         weights,
-        residual: if norm > 0.0 { self::norm(&residual) / norm } else { 0.0 },
+        residual: if norm == 0.0 { 0.0 } else { self::norm(&residual) / norm },
     }
 }
 
@@ -153,7 +153,10 @@ impl PassiveSet<'_> {
         loop {
             let wanted = self.least_squares();
             // How far along the way the first weight vanishes.
-            let vanishes = |(at, (now, goal)): (usize, (&f64, &f64))| (*goal <= 0.0).then(|| (at, now / (now - goal)));
+            let vanishes = |(at, (now, goal)): (usize, (&f64, &f64))| {
+                let part = if *now > 0.0 { now / (now - goal) } else { 0.0 };
+                (*goal <= 0.0).then_some((at, part))
+            };
             let first = self.weights.iter().zip(&wanted).enumerate().filter_map(vanishes);
             let Some((at, part)) = first.min_by(|a, b| a.1.total_cmp(&b.1)) else {
                 self.weights = wanted;
@@ -162,25 +165,29 @@ impl PassiveSet<'_> {
             for (now, goal) in self.weights.iter_mut().zip(&wanted) {
                 *now += part * (goal - *now);
             }
-            dropped.push(self.remove(at));
+            self.remove(at, &mut dropped);
         }
     }
 
-    fn remove(&mut self, at: usize) -> usize {
-        self.weights.remove(at);
-        self.right.remove(at);
-        self.gram.remove(at);
-        for row in &mut self.gram[at..] {
-            row.remove(at);
+    /// Removes a member, and those that round-off then makes part of the span of the others.
+    fn remove(&mut self, at: usize, dropped: &mut Vec<usize>) {
+        let mut next = Some(at);
+        while let Some(at) = next {
+            self.weights.remove(at);
+            self.right.remove(at);
+            self.gram.remove(at);
+            for row in &mut self.gram[at..] {
+                row.remove(at);
+            }
+            self.factor.truncate(at);
+            dropped.push(self.members.remove(at));
+            next = None;
+            while next.is_none() && self.factor.len() < self.gram.len() {
+                if !self.extend_factor() {
+                    next = Some(self.factor.len());
+                }
+            }
         }
-        self.factor.truncate(at);
-        let member = self.members.remove(at);
-        while self.factor.len() < self.gram.len() {
-            // Fewer columns are no less independent.
-            let is_independent = self.extend_factor();
-            debug_assert!(is_independent);
-        }
-        member
     }
 
     fn residual(&self) -> Vec<f64> {

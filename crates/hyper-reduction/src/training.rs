@@ -24,6 +24,12 @@ const COPIES: usize = 8;
 /// Equal seeds give equal sketches.
 const SEED: u64 = 1;
 
+/// Most points that are selected: the sketch has three rows for each.
+const MOST_POINTS: usize = 1000;
+
+/// Most edges of a quarter of a loop that motions are learned from.
+const EDGES: usize = 4;
+
 /// How much is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -112,9 +118,12 @@ pub struct LoopRecord {
     dissipation: Vec<f64>,
 }
 
-/// Records a loop.
+/// Records a loop: the work of all its vertices, and the motion at some of them.
 pub struct Recorder<'a> {
     interface: &'a Interface,
+    /// Vertices from one that is recorded to the next, and those seen so far.
+    stride: usize,
+    seen: usize,
     at_rest: &'a StaticState,
     workspace: Workspace,
     end: State,
@@ -124,10 +133,12 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Of an interface from its static state.
-    pub fn new(interface: &'a Interface, at_rest: &'a StaticState) -> Self {
+    /// Of an interface from its static state; loops have so many vertices per quarter.
+    pub fn new(interface: &'a Interface, at_rest: &'a StaticState, vertices_per_quarter: usize) -> Self {
         Self {
             interface,
+            stride: vertices_per_quarter.div_ceil(EDGES).max(1),
+            seen: 0,
             at_rest,
             workspace: interface.workspace(),
             end: interface.no_change(),
@@ -137,7 +148,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// What was recorded.
+    /// What was recorded of a loop whose damping is resolved.
     pub fn finish(self) -> LoopRecord {
         LoopRecord {
             dissipation: dissipation(self.interface, self.area),
@@ -156,6 +167,7 @@ pub(crate) fn dissipation(interface: &Interface, area: LoopArea) -> Vec<f64> {
 impl LoopObserver<State> for Recorder<'_> {
     fn begin(&mut self) {
         self.record = LoopRecord::default();
+        self.seen = 0;
         self.area = LoopArea::new(self.interface.operators().n_points());
     }
 
@@ -171,6 +183,10 @@ impl LoopObserver<State> for Recorder<'_> {
             None,
         );
         self.area.add(&self.workspace);
+        self.seen += 1;
+        if !(self.seen - 1).is_multiple_of(self.stride) {
+            return;
+        }
         let Workspace { jump, traction, .. } = &self.workspace;
         let departure = |i: usize, p: usize| {
             let stuck: f64 = (0..3)
@@ -200,10 +216,12 @@ pub struct TrainingMode {
     stuck: Vec<f64>,
     at_rest: StaticState,
     loops: Vec<LoopRecord>,
+    /// Loops of which the damping is not resolved.
+    quiet: usize,
 }
 
 impl TrainingMode {
-    /// Mode number `mode`, zero-based, with the loops that dissipate.
+    /// Mode number `mode`, zero-based, with the loops whose damping is resolved, and the number of those where it is not.
     ///
     /// # Errors
     /// [`Error::Size`] for a mode that the structure does not have.
@@ -212,6 +230,7 @@ impl TrainingMode {
         at_rest: StaticState,
         mode: usize,
         loops: Vec<LoopRecord>,
+        quiet: usize,
     ) -> Result<Self, Error> {
         let (shape, inertia, omega) = shape_of(structure, mode)?;
         Ok(Self {
@@ -221,6 +240,7 @@ impl TrainingMode {
             stuck: structure.stuck_tangent().to_vec(),
             at_rest,
             loops,
+            quiet,
         })
     }
 
@@ -262,7 +282,7 @@ pub struct Trained {
     pub loops: usize,
 }
 
-/// Learns from modes of several cases on one structure with this stiffness, all of them the same mode.
+/// Learns from modes of several cases on one structure with this stiffness, all of them the same mode. Round-off depends on their order.
 ///
 /// # Errors
 /// [`Error::NothingSlips`], [`Error::TooFewPoints`]; [`Error::Size`] for cases of another structure.
@@ -291,7 +311,7 @@ pub fn train(
     let loops: usize = modes.iter().map(of_mode).sum();
     if loops == 0 {
         return Err(Error::NothingSlips {
-            loops: modes.iter().map(|mode| mode.loops.len()).sum(),
+            loops: modes.iter().map(|mode| mode.loops.len() + mode.quiet).sum(),
         });
     }
     let lessons = || {
@@ -308,7 +328,7 @@ pub fn train(
         stuck: &modes[0].stuck,
     };
     let coordinates = Coordinates::new(&energy, lessons(), settings.motion_tolerance)?;
-    let most = (settings.most_points * of_points as f64) as usize;
+    let most = ((settings.most_points * of_points as f64) as usize).min(MOST_POINTS);
     let mut sketch = Sketch::new(SKETCH * most + MORE_ROWS, of_points);
     let at_points = |motion: &[f64]| {
         let mut all: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; of_points]);
@@ -350,7 +370,8 @@ pub fn train(
         weights: factors,
         residual,
     } = select(rows.as_ref(), &target, most, settings.work_tolerance);
-    if residual > SLACK * settings.work_tolerance {
+    // What is not a number is no small error.
+    if !(residual <= SLACK * settings.work_tolerance) {
         return Err(Error::TooFewPoints {
             points: points.len(),
             of: of_points,

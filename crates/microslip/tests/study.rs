@@ -8,6 +8,7 @@ use common::{exit_code, folder, messages, read_json, run, succeeds};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -186,7 +187,7 @@ fn cases_that_learn_have_estimated_errors_and_the_same_tables_whoever_runs_them(
     assert_eq!(exit_code(&study("whole.json", "whole", "a", &[])), 0);
     let told = messages(&study("few.json", "few", "a", &["--threads", "2"]));
     assert!(
-        told.contains("learned from 5 cases: ") && told.contains(" of 592 points of contact"),
+        told.contains("mode 1, learned from 5 cases: ") && told.contains(" of 592 points of contact"),
         "{told}"
     );
     // Those that teach were finished by the study before.
@@ -242,6 +243,14 @@ fn cases_that_learn_have_estimated_errors_and_the_same_tables_whoever_runs_them(
             &["hyper_reduction.training", "1 cases", "2 or more"][..],
         ),
         (
+            r#"{ "training": 5, "damping": 0.001 }"#,
+            &["hyper_reduction.damping", "0.001", "0.002"][..],
+        ),
+        (
+            r#"{ "training": 65 }"#,
+            &["hyper_reduction.training", "65 cases", "64 or less"],
+        ),
+        (
             r#"{ "damping": 0 }"#,
             &["hyper_reduction.damping", "0 is no relative error"],
         ),
@@ -265,6 +274,46 @@ fn cases_that_learn_have_estimated_errors_and_the_same_tables_whoever_runs_them(
         message.contains("cases 1 and 3") && message.contains("points per direction"),
         "{message}"
     );
+}
+
+#[test]
+fn what_cases_learn_does_not_depend_on_the_order_of_a_plan() {
+    let folder = folder("study-order");
+    let (gap, mu) = (
+        r#""/gap": { "values": ["flat", "measured"] }"#,
+        r#""/mu": { "values": [0.15, 0.2, 0.25, 0.3] }"#,
+    );
+    let rows = |name: &str, parameters: String| -> BTreeMap<String, Vec<String>> {
+        let text = format!(
+            r#"{{ "scene": {}, "parameters": {{ {parameters} }}, "hyper_reduction": {{ "training": 5, "damping": 0.2 }} }}"#,
+            scene()
+        );
+        fs::write(folder.join(format!("{name}.json")), text).unwrap();
+        let plan = format!("{name}.json");
+        succeeds(
+            &folder,
+            &["study", &plan, "--out", name, "--no-cache", "--threads", "1"],
+        );
+        let text = fs::read_to_string(folder.join(name).join("results.csv")).unwrap();
+        let rows = text
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+        // Address and amplitude, and what follows the mode.
+        rows.map(|row| (format!("{} {}", row[0], row[4]), row[3..].to_vec()))
+            .collect()
+    };
+    let (one, other) = (
+        rows("one", format!("{gap}, {mu}")),
+        rows("other", format!("{mu}, {gap}")),
+    );
+    assert_eq!(one.len(), 16);
+    assert!(
+        one.values()
+            .any(|row| row.iter().rev().take(2).all(|cell| !cell.is_empty())),
+        "{one:?}"
+    );
+    assert_eq!(one, other);
 }
 
 /// Asserts that the Parquet file holds the rows of the CSV file.

@@ -85,6 +85,8 @@ pub struct Tally {
     pub case_seconds: f64,
     /// Time for the structures (s).
     pub structure_seconds: f64,
+    /// Wall time for the cases that others learn from, run before or not, and for learning (s).
+    pub teaching_seconds: f64,
     /// Wall time (s).
     pub seconds: f64,
 }
@@ -161,22 +163,20 @@ pub fn run(
             shared,
             first_reduction: (runner.done.load(Ordering::Relaxed) == 0).then_some(reduction),
         };
-        let lessons = Mutex::new(Vec::new());
+        let began_teaching = machine.seconds();
+        let lessons: Mutex<BTreeMap<usize, Result<Lesson, String>>> = Mutex::default();
         let teach = |case: &Case| {
             let is_asked_for = group.iter().any(|own| own.number == case.number);
-            if let Some(lesson) = runner.lesson(case, &site, is_asked_for) {
-                lessons
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .push((case.number, lesson));
-            }
+            let lesson = runner.lesson(case, &site, is_asked_for);
+            let mut lessons = lessons.lock().unwrap_or_else(PoisonError::into_inner);
+            lessons.insert(case.number, lesson);
         };
         runner.all_of(&teachers, &site, &mut gang, store, &teach)?;
         let lessons = lessons.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let training = match teachers.first() {
-            Some(teacher) => runner.train(teacher, structure, lessons),
-            None => None,
-        };
+        let training = runner.train(&teachers, structure, lessons);
+        if !teachers.is_empty() {
+            runner.tally().teaching_seconds += machine.seconds() - began_teaching;
+        }
         runner.all_of(&pupils, &site, &mut gang, store, &|case| {
             runner.one(case, &site, training.as_ref())
         })?;
@@ -310,7 +310,7 @@ impl Runner<'_> {
     }
 
     /// Runs a case that others learn from, and stores what became of it if it is one of those asked for.
-    fn lesson(&self, case: &Case, site: &Site<'_>, is_asked_for: bool) -> Option<Lesson> {
+    fn lesson(&self, case: &Case, site: &Site<'_>, is_asked_for: bool) -> Result<Lesson, String> {
         let began = self.machine.seconds();
         let found = self.study.scene(case.number).and_then(|scene| {
             let interface = interface(&scene, site.structure, site.shared.get(&case.surface))?;
@@ -318,8 +318,8 @@ impl Runner<'_> {
         });
         let seconds = self.machine.seconds() - began;
         let (outcome, lesson) = match found {
-            Ok((modes, lesson)) => (Ok(modes), Some(lesson)),
-            Err(error) => (Err(error.to_string()), None),
+            Ok((modes, lesson)) => (Ok(modes), Ok(lesson)),
+            Err(error) => (Err(error.to_string()), Err(error.to_string())),
         };
         if is_asked_for {
             self.finish(case, seconds, outcome);
@@ -327,23 +327,43 @@ impl Runner<'_> {
         lesson
     }
 
-    /// What cases on a structure learn, whatever the order in which the lessons were done; none, with a line why, if that is nothing.
-    fn train(&self, teacher: &Case, structure: &CaseStructure, mut lessons: Vec<(usize, Lesson)>) -> Option<Training> {
-        lessons.sort_by_key(|(number, _)| *number);
-        let cases = lessons.len();
-        let lessons = lessons.into_iter().map(|(_, lesson)| lesson).collect();
+    /// What cases on a structure learn, in the order of the teachers; none, with a line why, if one of them failed: what is learned from the
+    /// others alone would depend on what made it fail.
+    fn train(
+        &self,
+        teachers: &[&Case],
+        structure: &CaseStructure,
+        mut lessons: BTreeMap<usize, Result<Lesson, String>>,
+    ) -> Option<Training> {
+        let teacher = teachers.first()?;
+        let mut learned = Vec::with_capacity(teachers.len());
+        for case in teachers {
+            match lessons.remove(&case.number)? {
+                Ok(lesson) => learned.push(lesson),
+                Err(reason) => {
+                    self.machine.line(&format!(
+                        "every case is run with the whole joint, as case {}, which others would learn from, failed: {reason}",
+                        case.number + 1
+                    ));
+                    return None;
+                }
+            }
+        }
         let found = self.study.scene(teacher.number).and_then(|scene| {
             let interface = structure.interface(&scene, None)?;
-            Ok(structure.train(&scene, &interface, lessons)?)
+            Ok(structure.train(&scene, &interface, learned)?)
         });
+        let cases = teachers.len();
         match found {
             Ok(training) => {
-                let sizes = training.sizes().map(|[coordinates, points, of]| {
-                    format!("{coordinates} coordinates beside the mode and {points} of {of} points of contact")
-                });
-                let sizes: Vec<String> = sizes.collect();
-                self.machine
-                    .line(&format!("learned from {cases} cases: {}", sizes.join("; ")));
+                for (mode, sizes) in training.sizes() {
+                    self.machine.line(&match sizes {
+                        Ok([coordinates, points, of]) => format!(
+                            "mode {mode}, learned from {cases} cases: {coordinates} coordinates beside it, and {points} of {of} points of contact"
+                        ),
+                        Err(error) => format!("mode {mode} is left to the whole joint in every case: {error}"),
+                    });
+                }
                 Some(training)
             }
             Err(error) => {

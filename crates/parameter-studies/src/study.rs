@@ -57,7 +57,7 @@ pub struct Study<'a> {
     pub(crate) of_plan: Vec<usize>,
     /// Keys of the structures.
     pub(crate) structures: Vec<String>,
-    /// For each structure whose cases learn from some of them, these.
+    /// For each structure whose cases learn from some of them, these, in the order in which they teach.
     pub(crate) training: BTreeMap<usize, Vec<usize>>,
     inputs: Vec<Input>,
 }
@@ -164,7 +164,7 @@ impl<'a> Study<'a> {
                 study.inputs.push(input);
             }
         }
-        study.training = training::choose(&study.plan, &study.name, &study.design, &cases, &terms)?;
+        study.training = training::choose(&study.plan, &study.name, &study.design, &cases, &study.of_plan, &terms)?;
         for taught in study.training.values() {
             let own = taught.first().and_then(|index| cases.get(*index));
             let Some((structure, borne)) =

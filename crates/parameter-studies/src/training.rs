@@ -5,13 +5,16 @@ use crate::design::Design;
 use crate::plan::{HyperReduction, Plan};
 use crate::study::Case;
 use joint_pipeline::Scene;
-use joint_pipeline::analysis::hyper_reduced::BorneErrors;
-use joint_pipeline::scene::Accuracy;
+use joint_pipeline::analysis::hyper_reduced::{BorneErrors, ErrorEstimate};
+use joint_pipeline::scene::{Accuracy, Commit};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Cases that are learned from with up to two parameters, and with more.
 const CASES: [usize; 2] = [9, 27];
+
+/// Most cases that are learned from: what is learned is found among all their motions at once.
+const MOST_CASES: usize = 64;
 
 /// Errors that are borne where neither the plan nor the accuracy of the scene says so.
 const BORNE: BorneErrors = BorneErrors {
@@ -27,6 +30,8 @@ const SHARE: f64 = 0.25;
 pub(crate) struct Terms {
     pub(crate) modes: Vec<usize>,
     pub(crate) points_per_direction: usize,
+    /// Whether errors can be estimated for its loops.
+    pub(crate) is_judged: bool,
     pub(crate) borne: BorneErrors,
 }
 
@@ -47,6 +52,7 @@ impl Terms {
         Self {
             modes: scene.cqsma.followed().to_vec(),
             points_per_direction: scene.points_per_direction,
+            is_judged: scene.cqsma.cycles.is_none() && scene.cqsma.commit == Commit::AtEveryVertex,
             borne: BorneErrors {
                 frequency: plan.frequency.or(frequency).unwrap_or(BORNE.frequency),
                 damping: plan.damping.or(damping).unwrap_or(BORNE.damping),
@@ -71,6 +77,12 @@ pub(crate) fn check(plan: &Plan, name: &str) -> Result<(), Error> {
             format!("{training} cases teach nothing of what varies; give 2 or more"),
         ));
     }
+    if let Some(training) = settings.training.filter(|training| *training > MOST_CASES) {
+        return Err(refused(
+            "training",
+            format!("{training} cases are more than can be learned from at once; give {MOST_CASES} or less"),
+        ));
+    }
     for (field, value) in [("frequency", settings.frequency), ("damping", settings.damping)] {
         if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
             return Err(refused(
@@ -82,12 +94,14 @@ pub(crate) fn check(plan: &Plan, name: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// For each structure with more cases than are learned from, the cases that are, by index; `cases` lie structure by structure.
+/// For each structure with more cases than are learned from, the cases that are, by index, in the order of their addresses, which no plan has a
+/// say in; `cases` lie structure by structure, and `of_plan` are their indices by the numbers of the plan, which `terms` go by.
 pub(crate) fn choose(
     plan: &Plan,
     name: &str,
     design: &Design,
     cases: &[Case],
+    of_plan: &[usize],
     terms: &[Option<Terms>],
 ) -> Result<BTreeMap<usize, Vec<usize>>, Error> {
     let Some(settings) = &plan.hyper_reduction else {
@@ -96,29 +110,53 @@ pub(crate) fn choose(
     let number = settings
         .training
         .unwrap_or(CASES[usize::from(design.columns.len() > 2)]);
+    let refused = |field: &str, reason: String| Error::Plan {
+        plan: name.into(),
+        field: format!("hyper_reduction{field}"),
+        reason,
+    };
     let mut chosen = BTreeMap::new();
     let mut first = 0;
     for group in cases.chunk_by(|a, b| a.structure == b.structure) {
         let own = first..first + group.len();
         first = own.end;
-        let [one, ..] = group else { continue };
-        let of = |case: &Case| terms.get(case.number).and_then(Option::as_ref);
-        if let Some(other) = group.iter().find(|case| of(case) != of(one)) {
-            return Err(Error::Plan {
-                plan: name.into(),
-                field: "hyper_reduction".into(),
-                reason: format!(
-                    "cases {} and {} have the same structure, but other modes, points per direction or accuracy, so that they cannot learn \
-                     from the same cases; put them into plans of their own",
-                    one.number + 1,
-                    other.number + 1
-                ),
-            });
+        if group.len() <= number {
+            continue;
         }
-        if group.len() > number {
-            let places = spread(&places(design, group), number);
-            let places = places.into_iter().map(|place| own.start + place);
-            chosen.insert(one.structure, places.collect());
+        let of_group = of_plan.iter().zip(terms).zip(1..);
+        let of_group = of_group.filter(|((index, _), _)| own.contains(index));
+        let mut of_group = of_group.filter_map(|((_, terms), number)| Some((terms.as_ref()?, number)));
+        let Some((one, its_number)) = of_group.next() else {
+            continue;
+        };
+        if let Some((_, other)) = of_group.find(|(terms, _)| *terms != one) {
+            return Err(refused(
+                "",
+                format!(
+                    "cases {its_number} and {other} have the same structure, but other modes, points per direction, ways to follow loops or \
+                     accuracy, so that they cannot learn from the same cases; put them into plans of their own"
+                ),
+            ));
+        }
+        if !one.is_judged {
+            let reason = "errors are estimated for loops that are followed until they close, with their history committed at every vertex; \
+                          leave cqsma.cycles and cqsma.commit out of the scene, or hyper_reduction out of the plan";
+            return Err(refused("", reason.into()));
+        }
+        let borne = [("frequency", one.borne.frequency), ("damping", one.borne.damping)];
+        for ((field, value), floor) in borne.into_iter().zip(ErrorEstimate::FLOORS) {
+            if value <= floor {
+                let reason = format!(
+                    "{value} is not above {floor}, the least that is ever estimated; give more, or leave hyper_reduction out"
+                );
+                return Err(refused(&format!(".{field}"), reason));
+            }
+        }
+        let places = spread(&places(design, group), number);
+        let mut taught: Vec<usize> = places.into_iter().map(|place| own.start + place).collect();
+        taught.sort_by_key(|index| cases.get(*index).map(|case| &case.address));
+        if let Some(case) = group.first() {
+            chosen.insert(case.structure, taught);
         }
     }
     Ok(chosen)

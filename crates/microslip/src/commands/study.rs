@@ -177,6 +177,7 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         "times": {
             "case_seconds": case_seconds,
             "run_now": { "cases": tally.cases, "case_seconds": tally.case_seconds, "structure_seconds": tally.structure_seconds,
+                "teaching_seconds": tally.teaching_seconds,
                 "seconds": tally.seconds },
             "total": machine.seconds(),
         },
