@@ -466,9 +466,11 @@ def test_a_loose_structure_is_refused():
 def test_ctrl_c_stops_an_analysis():
     code = textwrap.dedent(
         """
-        import numpy as np, microslip, sys
+        import numpy as np, microslip, signal, sys
         sys.path.insert(0, {tests!r})
         import test_analyses as own
+        # Of a process in the background, which ignores it.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         stiffness, mass, jump = own.two_bars(40)
         interface = microslip.Interface(jump, 1e-4, own.rough(4))
         print("begin", flush=True)
