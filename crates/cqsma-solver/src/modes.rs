@@ -37,6 +37,11 @@ impl<S> Linearisation<'_, S> {
         &self.state
     }
 
+    /// Contact forces of the static state (N).
+    pub fn contact_force(&self) -> &[f64] {
+        &self.contact_force
+    }
+
     /// Stiffness without contact.
     pub fn stiffness(&self) -> MatRef<'_, f64> {
         self.stiffness
@@ -61,7 +66,7 @@ impl<S> Linearisation<'_, S> {
     }
 
     /// Displacements of the structure with the contact tangent `tangent` over `pattern` (N/m) under the force `force` (N), found by GMRES up to
-    /// `tolerance` (relative, energy norm of the stuck structure); none if that is not reached.
+    /// `tolerance` (relative, energy norm of the stuck structure), with that norm of the force; none if it is not reached.
     ///
     /// # Errors
     /// [`Error::Size`].
@@ -71,15 +76,15 @@ impl<S> Linearisation<'_, S> {
         tangent: &[f64],
         force: &[f64],
         tolerance: f64,
-    ) -> Result<Option<Vec<f64>>, Error> {
+    ) -> Result<Option<(Vec<f64>, f64)>, Error> {
         check_size("the force", force.len(), self.shapes.nrows())?;
         let start = self.stuck.response(force);
         let norm = start.norm();
         if norm == 0.0 {
-            return Ok(Some(start.v));
+            return Ok(Some((start.v, norm)));
         }
         let found = solve_krylov(&self.stuck, pattern, tangent, None, &start, norm, tolerance);
-        Ok(found.map(|(motion, _)| motion.v))
+        Ok(found.map(|(motion, _)| (motion.v, norm)))
     }
 
     /// Displacements of the structure with everything in contact stuck under the force `force` (N).

@@ -1,9 +1,10 @@
 //! How far a hyper-reduced loop may be from that of the whole joint.
 
+use crate::force::pattern_of;
 use crate::joint::HyperReducedJoint;
 use crate::training::dissipation;
 use contact_laws::Sticking;
-use cqsma_solver::{LoopResult, PatternView};
+use cqsma_solver::LoopResult;
 use std::f64::consts::PI;
 use zte_assembly::flux::LoopArea;
 use zte_assembly::{State, Workspace};
@@ -75,18 +76,13 @@ pub(crate) fn estimate(
     let mut eta2 = 0.0;
     for (place, at) in [loads.len() - 1, middle].into_iter().enumerate() {
         let residual = lap.residual(&increments[at], &coordinates[at], loads[at], place)?;
-        let energy: f64 = residual
-            .iter()
-            .zip(joint.stuck_response(&residual)?)
-            .map(|(r, e)| r * e)
-            .sum();
-        eta2 += 0.5 * energy / joint.energy_of_load(peak);
-        steps.push(
-            joint
-                .whole()
-                .tangent_response(joint.pattern(), &lap.tangent, &residual, CORRECTION)
-                .ok()??,
-        );
+        let pattern = pattern_of(joint.interface());
+        let solved = joint
+            .whole()
+            .tangent_response(pattern, &lap.tangent, &residual, CORRECTION);
+        let (step, norm) = solved.ok()??;
+        eta2 += 0.5 * norm * norm / joint.energy_of_load(peak);
+        steps.push(step);
     }
     let (upper, lower) = (&steps[0], &steps[1]);
     let moved: Vec<Vec<f64>> = increments
@@ -185,20 +181,5 @@ impl<'a> Lap<'a> {
             Some(&mut self.tangent),
         );
         Some(self.joint.residual(coordinates, &self.force, load))
-    }
-}
-
-impl HyperReducedJoint<'_> {
-    /// Pattern of the contact of the whole joint.
-    fn pattern(&self) -> PatternView<'_> {
-        let pattern = self.interface().pattern();
-        PatternView {
-            indptr: &pattern.indptr,
-            indices: &pattern.indices,
-        }
-    }
-
-    fn stuck_response(&self, force: &[f64]) -> Option<Vec<f64>> {
-        self.whole().stuck_response(force).ok()
     }
 }

@@ -15,6 +15,23 @@ pub struct SelectedPoints {
     pub factors: Vec<f64>,
 }
 
+/// Pattern of the tangent of an interface.
+pub(crate) fn pattern_of(interface: &Interface) -> PatternView<'_> {
+    let pattern = interface.pattern();
+    PatternView {
+        indptr: &pattern.indptr,
+        indices: &pattern.indices,
+    }
+}
+
+/// Jumps at all points, component by component and without the gap, of a motion whose leading numbers are nodal jumps.
+pub(crate) fn at_points(interface: &Interface, motion: &[f64]) -> [Vec<f64>; 3] {
+    let mut all: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; interface.operators().n_points()]);
+    let nodal = &motion[..interface.n_dofs()];
+    interface.interpolate(nodal, all.each_mut().map(Vec::as_mut_slice));
+    all
+}
+
 /// The forces of an interface over the coordinates of a basis, about a static state: those of the stuck interface from all points, and what
 /// the forces depart from them by from some.
 pub struct PointForce<'a> {
@@ -60,15 +77,12 @@ impl<'a> PointForce<'a> {
     ) -> Self {
         let (n, coordinates) = (interface.n_dofs(), basis.ncols());
         let operators = interface.operators();
-        let at_points = |nodal: &[f64]| -> Vec<f64> {
-            let mut all: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; operators.n_points()]);
-            interface.interpolate(nodal, all.each_mut().map(Vec::as_mut_slice));
-            let fields = all.iter();
-            fields
-                .flat_map(|field| selected.points.iter().map(|&p| field[p]))
-                .collect()
+        let at_selected = |nodal: &[f64]| -> Vec<f64> {
+            let fields = at_points(interface, nodal);
+            let of_field = |field: &Vec<f64>| selected.points.iter().map(|&p| field[p]).collect::<Vec<_>>();
+            fields.iter().flat_map(of_field).collect()
         };
-        let mut at_rest = at_points(jump);
+        let mut at_rest = at_selected(jump);
         if let Some(gap) = interface.gap() {
             let normals = &mut at_rest[2 * selected.points.len()..];
             normals
@@ -80,7 +94,7 @@ impl<'a> PointForce<'a> {
             .col_iter()
             .map(|column| column.iter().take(n).copied().collect())
             .collect();
-        let of_columns: Vec<Vec<f64>> = columns.iter().map(|column| at_points(column)).collect();
+        let of_columns: Vec<Vec<f64>> = columns.iter().map(|column| at_selected(column)).collect();
         let batches = interface.batches_of(&selected.points);
         let (mut states, mut history) = (Vec::new(), Vec::new());
         for (batch, points) in batches.points().iter().enumerate() {
@@ -109,11 +123,7 @@ impl<'a> PointForce<'a> {
     /// What the stuck tangent of all points has more than that of the selected ones; `columns` are the nodal jumps of the coordinates.
     fn missing(&self, columns: &[Vec<f64>], stuck: &[f64]) -> Mat<f64> {
         let (n, coordinates) = (self.interface.n_dofs(), columns.len());
-        let pattern = self.interface.pattern();
-        let pattern = PatternView {
-            indptr: &pattern.indptr,
-            indices: &pattern.indices,
-        };
+        let pattern = pattern_of(self.interface);
         let image = |column: &Vec<f64>| {
             let mut image = vec![0.0; n];
             pattern.add_product(stuck, column, &mut image);

@@ -4,7 +4,6 @@ use crate::error::Error;
 use crate::estimate::{ErrorEstimate, estimate};
 use crate::force::PointForce;
 use crate::training::{Trained, shape_of};
-use contact_laws::Sticking;
 use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
 use cqsma_solver::{BackbonePoint, Linearisation, LoopObserver, modes};
 use dense_algebra::product;
@@ -29,14 +28,12 @@ pub struct HyperReducedJoint<'a> {
     /// Mass times the mass-normalised shape of the mode, and its frequency (rad/s).
     inertia: Vec<f64>,
     omega: f64,
-    /// Contact forces of the static state (N).
-    at_rest: Vec<f64>,
     mode: usize,
 }
 
 /// A loop of the reduced joint.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct JudgedLoop {
     /// The loop.
     pub point: BackbonePoint,
     /// Half the range of the displacement at the response point (m).
@@ -73,16 +70,6 @@ impl<'a> HyperReducedJoint<'a> {
         let elastic = product(whole.stiffness(), basis.as_ref());
         let jump = &whole.displacement()[..interface.n_dofs()];
         let stuck = whole.stuck_tangent();
-        let mut at_rest = vec![0.0; interface.n_dofs()];
-        interface.evaluate(
-            jump,
-            Sticking::Coulomb,
-            whole.state(),
-            &mut whole.state().clone(),
-            &mut interface.workspace(),
-            &mut at_rest,
-            None,
-        );
         Ok(Self {
             stiffness: product(basis.transpose(), elastic.as_ref()),
             mass: product(basis.transpose(), product(whole.mass(), basis.as_ref()).as_ref()),
@@ -93,7 +80,6 @@ impl<'a> HyperReducedJoint<'a> {
             elastic,
             inertia,
             omega,
-            at_rest,
             mode,
         })
     }
@@ -103,7 +89,7 @@ impl<'a> HyperReducedJoint<'a> {
     ///
     /// # Errors
     /// [`Error::Loops`] for loops that the estimates do not know how to judge; else as [`cqsma::run`].
-    pub fn run(&self, modal_forces: &[f64], settings: &Settings, response: &[f64]) -> Result<Vec<Found>, Error> {
+    pub fn run(&self, modal_forces: &[f64], settings: &Settings, response: &[f64]) -> Result<Vec<JudgedLoop>, Error> {
         if settings.commit != Commit::AtEveryVertex || matches!(settings.cycles, Cycles::Fixed(_)) {
             return Err(Error::Loops);
         }
@@ -132,17 +118,12 @@ impl<'a> HyperReducedJoint<'a> {
             coordinates: Vec::new(),
             estimate: None,
         })?;
-        let found = found.into_iter().map(|(point, judge)| Found {
+        let found = found.into_iter().map(|(point, judge)| JudgedLoop {
             response_motion: judge.response_motion(),
             estimate: judge.estimate,
             point,
         });
         Ok(found.collect())
-    }
-
-    /// Coordinates, the mode's included.
-    pub fn coordinates(&self) -> usize {
-        self.basis.ncols()
     }
 
     pub(crate) fn interface(&self) -> &'a Interface {
@@ -177,7 +158,7 @@ impl<'a> HyperReducedJoint<'a> {
     /// What is missing in the balance of the whole joint (N), where its contact has the force `contact` (N).
     pub(crate) fn residual(&self, coordinates: &[f64], contact: &[f64], modal_force: f64) -> Vec<f64> {
         let mut residual = combined(&self.elastic, coordinates);
-        let changes = contact.iter().zip(&self.at_rest).map(|(f, f0)| f - f0);
+        let changes = contact.iter().zip(self.whole.contact_force()).map(|(f, f0)| f - f0);
         residual.iter_mut().zip(changes).for_each(|(r, change)| *r += change);
         let loads = self.inertia.iter().map(|inertia| modal_force * inertia);
         residual.iter_mut().zip(loads).for_each(|(r, load)| *r -= load);

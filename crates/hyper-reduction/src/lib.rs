@@ -10,6 +10,6 @@ mod training;
 pub use error::Error;
 pub use estimate::ErrorEstimate;
 pub use force::{PointForce, Scratch, SelectedPoints};
-pub use joint::{Found, HyperReducedJoint};
+pub use joint::{HyperReducedJoint, JudgedLoop};
 pub use quadrature::{Selection, select};
 pub use training::{LoopRecord, Recorder, Settings, StaticState, Trained, TrainingMode, train};

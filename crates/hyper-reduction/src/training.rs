@@ -1,7 +1,7 @@
 //! What loops of the whole joint teach: coordinates, and points.
 
 use crate::error::Error;
-use crate::force::SelectedPoints;
+use crate::force::{SelectedPoints, at_points, pattern_of};
 use crate::quadrature::{Selection, select};
 use contact_laws::Sticking;
 use cqsma_solver::{Linearisation, LoopObserver, PatternView};
@@ -244,6 +244,15 @@ impl TrainingMode {
         })
     }
 
+    /// The loops that dissipate, each with the mode.
+    fn lessons(&self) -> impl Iterator<Item = (&Self, &LoopRecord)> {
+        let dissipate = self
+            .loops
+            .iter()
+            .filter(|record| record.dissipation.iter().sum::<f64>() > 0.0);
+        dissipate.map(move |record| (self, record))
+    }
+
     /// Part of a motion that is mass-orthogonal to the mode, and the coordinate of the mode.
     fn beside(&self, motion: &[f64]) -> (Vec<f64>, f64) {
         let q: f64 = self.inertia.iter().zip(motion).map(|(a, b)| a * b).sum();
@@ -306,39 +315,24 @@ pub fn train(
             return Err(Error::Size { what, found, expected });
         }
     }
-    let is_dissipative = |record: &&LoopRecord| record.dissipation.iter().sum::<f64>() > 0.0;
-    let of_mode = |mode: &'_ TrainingMode| mode.loops.iter().filter(is_dissipative).count();
-    let loops: usize = modes.iter().map(of_mode).sum();
+    let lessons = || modes.iter().flat_map(TrainingMode::lessons);
+    let loops = lessons().count();
     if loops == 0 {
         return Err(Error::NothingSlips {
             loops: modes.iter().map(|mode| mode.loops.len() + mode.quiet).sum(),
         });
     }
-    let lessons = || {
-        let of_mode = |mode| TrainingMode::loops_with(mode).filter(move |(_, record)| is_dissipative(record));
-        modes.iter().flat_map(of_mode)
-    };
-    let pattern = interface.pattern();
     let energy = Energy {
         stiffness,
-        pattern: PatternView {
-            indptr: &pattern.indptr,
-            indices: &pattern.indices,
-        },
+        pattern: pattern_of(interface),
         stuck: &modes[0].stuck,
     };
     let coordinates = Coordinates::new(&energy, lessons(), settings.motion_tolerance)?;
     let most = ((settings.most_points * of_points as f64) as usize).min(MOST_POINTS);
     let mut sketch = Sketch::new(SKETCH * most + MORE_ROWS, of_points);
-    let at_points = |motion: &[f64]| {
-        let mut all: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; of_points]);
-        let nodal = &motion[..interface.n_dofs()];
-        interface.interpolate(nodal, all.each_mut().map(Vec::as_mut_slice));
-        all
-    };
     let columns = coordinates.basis.col_iter();
     let of_basis: Vec<_> = columns
-        .map(|column| at_points(&column.iter().copied().collect::<Vec<_>>()))
+        .map(|column| at_points(interface, &column.iter().copied().collect::<Vec<_>>()))
         .collect();
     let weights = &interface.operators().weights;
     for (mode, record) in lessons() {
@@ -349,7 +343,7 @@ pub fn train(
             record,
             &coordinates,
             &of_basis,
-            &at_points(&mode.shape),
+            &at_points(interface, &mode.shape),
             loops,
         );
     }
@@ -359,7 +353,7 @@ pub fn train(
             weights,
             mode,
             &of_basis,
-            &at_points(&mode.shape),
+            &at_points(interface, &mode.shape),
             modes.len(),
         );
     }
@@ -386,12 +380,6 @@ pub fn train(
         residual,
         loops,
     })
-}
-
-impl TrainingMode {
-    fn loops_with(&self) -> impl Iterator<Item = (&Self, &LoopRecord)> {
-        self.loops.iter().map(move |record| (self, record))
-    }
 }
 
 /// The energy of the stuck structure of a case, in which all are measured.

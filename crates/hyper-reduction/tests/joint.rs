@@ -7,7 +7,7 @@ use cqsma_solver::{HystereticForce, Linearisation, LoopResult, NewtonSettings, P
 use dense_algebra::scattered;
 use faer::Mat;
 use hyper_reduction::{
-    Error, Found, HyperReducedJoint, PointForce, Recorder, SelectedPoints, Settings, StaticState, Trained,
+    Error, HyperReducedJoint, JudgedLoop, PointForce, Recorder, SelectedPoints, Settings, StaticState, Trained,
     TrainingMode, train,
 };
 use std::sync::Arc;
@@ -163,7 +163,7 @@ impl Strip {
         )
     }
 
-    fn by_few(&self, trained: &Trained, forces: &[f64]) -> Vec<Found> {
+    fn by_few(&self, trained: &Trained, forces: &[f64]) -> Vec<JudgedLoop> {
         let line = self.linearised();
         let joint = HyperReducedJoint::try_new(&self.contact.0, &line, 0, trained).unwrap();
         let mut response = vec![0.0; self.load.len()];

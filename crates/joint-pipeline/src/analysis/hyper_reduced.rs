@@ -2,6 +2,7 @@
 
 use super::backbone::Request;
 use super::cases::{CaseMode, CasePoint, CaseStructure};
+use super::observer::ResponseMotion;
 use super::prestress::{linearise, load_of, response};
 use super::run::newton_settings;
 use super::variants::VariantPoint;
@@ -13,7 +14,7 @@ use cqsma_solver::cqsma;
 use cqsma_solver::{BackbonePoint, LoopObserver, LoopResult};
 pub use hyper_reduction::ErrorEstimate;
 use hyper_reduction::{
-    Found, HyperReducedJoint, LoopRecord, Recorder, Settings, StaticState, Trained, TrainingMode, train,
+    HyperReducedJoint, JudgedLoop, LoopRecord, Recorder, Settings, StaticState, Trained, TrainingMode, train,
 };
 use std::f64::consts::TAU;
 use zte_assembly::State;
@@ -204,13 +205,14 @@ impl Request<'_> {
                 }
             }
         };
-        let by_few: Vec<Option<Found>> = match found {
+        let by_few: Vec<Option<JudgedLoop>> = match found {
             Some(found) => found.into_iter().map(Some).collect(),
             None => loading.forces.iter().map(|_| None).collect(),
         };
         let is_within = |estimate: &ErrorEstimate| estimate.is_within(borne.frequency, borne.damping);
         let refused = by_few.iter().zip(&loading.forces);
-        let estimate_of = |found: &Option<Found>| found.as_ref().and_then(|found| found.estimate).filter(is_within);
+        let estimate_of =
+            |found: &Option<JudgedLoop>| found.as_ref().and_then(|found| found.estimate).filter(is_within);
         let refused = refused.filter(|(found, _)| estimate_of(found).is_none());
         let refused: Vec<f64> = refused.map(|(_, force)| *force).collect();
         let whole = |_| ResponseMotion::new(self.response);
@@ -251,36 +253,6 @@ fn found_point(
         point: VariantPoint::of(result, displacement, response_motion, case.background_damping),
         estimate,
     })
-}
-
-/// Range of the displacement at the response point along a loop.
-struct ResponseMotion<'a> {
-    response: &'a [f64],
-    range: [f64; 2],
-}
-
-impl<'a> ResponseMotion<'a> {
-    fn new(response: &'a [f64]) -> Self {
-        Self {
-            response,
-            range: [f64::INFINITY, f64::NEG_INFINITY],
-        }
-    }
-
-    fn half_range(&self) -> f64 {
-        0.5 * (self.range[1] - self.range[0])
-    }
-}
-
-impl LoopObserver<State> for ResponseMotion<'_> {
-    fn begin(&mut self) {
-        *self = Self::new(self.response);
-    }
-
-    fn vertex(&mut self, _: f64, displacement: &[f64], _: &State) {
-        let motion: f64 = displacement.iter().zip(self.response).map(|(u, r)| u * r).sum();
-        self.range = [self.range[0].min(motion), self.range[1].max(motion)];
-    }
 }
 
 /// Hears of a loop that is learned from.

@@ -11,8 +11,37 @@ use zte_assembly::{Interface, State, Workspace};
 /// Hears of a finished amplitude: its place in the backbone, the loop, and what it did at the interface.
 pub(super) type Finish<'a> = dyn Fn(usize, &BackbonePoint, Option<&LoopFields>) -> ControlFlow<()> + Sync + 'a;
 
-/// Range of a motion that has not begun.
-const NO_MOTION: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+/// Range of the displacement at the response point along a loop.
+pub(super) struct ResponseMotion<'a> {
+    /// Recovers the displacement at the response point.
+    response: &'a [f64],
+    /// Smallest and largest so far (m).
+    range: [f64; 2],
+}
+
+impl<'a> ResponseMotion<'a> {
+    pub(super) fn new(response: &'a [f64]) -> Self {
+        Self {
+            response,
+            range: [f64::INFINITY, f64::NEG_INFINITY],
+        }
+    }
+
+    pub(super) fn half_range(&self) -> f64 {
+        0.5 * (self.range[1] - self.range[0])
+    }
+}
+
+impl LoopObserver<State> for ResponseMotion<'_> {
+    fn begin(&mut self) {
+        *self = Self::new(self.response);
+    }
+
+    fn vertex(&mut self, _: f64, displacement: &[f64], _: &State) {
+        let motion: f64 = displacement.iter().zip(self.response).map(|(u, r)| u * r).sum();
+        self.range = [self.range[0].min(motion), self.range[1].max(motion)];
+    }
+}
 
 /// What is kept of an amplitude beside its fields.
 #[derive(Clone, Copy)]
@@ -27,15 +56,12 @@ pub(super) struct Stored<'a> {
 pub(super) struct Watcher<'a> {
     interface: &'a Interface,
     prestress: &'a Fields,
-    /// Recovers the displacement at the response point.
-    response: &'a [f64],
+    motion: ResponseMotion<'a>,
     index: usize,
     store: bool,
     /// Elements whose loops are stored, ascending.
     recorded: &'a [usize],
     finish: &'a Finish<'a>,
-    /// Smallest and largest displacement at the response point so far (m).
-    motion: [f64; 2],
     area: LoopArea,
     workspace: Workspace,
     end: Option<State>,
@@ -67,8 +93,7 @@ impl<'a> Watcher<'a> {
         Self {
             interface,
             prestress,
-            response,
-            motion: NO_MOTION,
+            motion: ResponseMotion::new(response),
             index,
             store: stored.is_some(),
             recorded: stored.map_or(&[], |stored| stored.elements),
@@ -101,7 +126,7 @@ impl<'a> Watcher<'a> {
             open_fraction: self.open_fraction,
             dissipation,
             largest_sliding: self.largest_sliding,
-            response_motion: 0.5 * (self.motion[1] - self.motion[0]),
+            response_motion: self.motion.half_range(),
             fields: self.at_peak.take().map(|peak| Fields {
                 jump: peak.jump,
                 traction: peak.traction,
@@ -118,7 +143,7 @@ impl LoopObserver<State> for Watcher<'_> {
     fn begin(&mut self) {
         self.area = LoopArea::new(self.interface.operators().n_points());
         (self.peak, self.largest_sliding) = (f64::NEG_INFINITY, 0.0);
-        self.motion = NO_MOTION;
+        self.motion.begin();
         self.loops = (!self.recorded.is_empty()).then(|| ElementLoops::new(self.recorded));
     }
 
@@ -143,8 +168,7 @@ impl LoopObserver<State> for Watcher<'_> {
         if let Some(loops) = &mut self.loops {
             loops.add(self.interface.operators(), modal_force, &self.workspace);
         }
-        let motion: f64 = displacement.iter().zip(self.response).map(|(u, r)| u * r).sum();
-        self.motion = [self.motion[0].min(motion), self.motion[1].max(motion)];
+        self.motion.vertex(modal_force, displacement, begin);
         for p in 0..self.workspace.regime.len() {
             let slide = |c: usize| self.workspace.jump[c][p] - self.prestress.jump[c][p];
             self.largest_sliding = self.largest_sliding.max(slide(0).hypot(slide(1)));
