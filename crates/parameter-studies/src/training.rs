@@ -8,6 +8,7 @@ use joint_pipeline::Scene;
 use joint_pipeline::analysis::hyper_reduced::{BorneErrors, ErrorEstimate};
 use joint_pipeline::scene::{Accuracy, Commit};
 use serde_json::Value;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// Cases that are learned from with up to two parameters, and with more.
@@ -94,8 +95,8 @@ pub(crate) fn check(plan: &Plan, name: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// For each structure with more cases than are learned from, the cases that are, by index, in the order of their addresses, which no plan has a
-/// say in; `cases` lie structure by structure, and `of_plan` are their indices by the numbers of the plan, which `terms` go by.
+/// For each structure with more cases than are learned from, the cases that are, by index, in the order of their values, so that neither the order
+/// of a plan nor the build of the program has a say in what is learned; `cases` lie structure by structure, and `of_plan` are their indices by the numbers of the plan, which `terms` go by.
 pub(crate) fn choose(
     plan: &Plan,
     name: &str,
@@ -152,9 +153,17 @@ pub(crate) fn choose(
                 return Err(refused(&format!(".{field}"), reason));
             }
         }
-        let places = spread(&places(design, group), number);
-        let mut taught: Vec<usize> = places.into_iter().map(|place| own.start + place).collect();
-        taught.sort_by_key(|index| cases.get(*index).map(|case| &case.address));
+        let mut places: Vec<(Vec<f64>, usize)> = places(design, group).into_iter().zip(own).collect();
+        places.sort_by(|(a, _), (b, _)| {
+            let different = a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
+            different.unwrap_or(Ordering::Equal)
+        });
+        let (places, indices): (Vec<Vec<f64>>, Vec<usize>) = places.into_iter().unzip();
+        let taught = spread(&places, number);
+        let taught = taught
+            .into_iter()
+            .filter_map(|place| indices.get(place).copied())
+            .collect();
         if let Some(case) = group.first() {
             chosen.insert(case.structure, taught);
         }
@@ -162,23 +171,24 @@ pub(crate) fn choose(
     Ok(chosen)
 }
 
-/// Of each case where it lies among the values of each parameter, from 0 to 1.
+/// Of each case where it lies among the values of each parameter, from 0 to 1; parameters in the order of their pointers.
 fn places(design: &Design, cases: &[Case]) -> Vec<Vec<f64>> {
     let values: Vec<Vec<Option<&Value>>> = cases.iter().map(|case| design.values(case.number)).collect();
     let mut places = vec![Vec::with_capacity(design.columns.len()); cases.len()];
-    for (at, column) in design.columns.iter().enumerate() {
+    let mut columns: Vec<_> = design.columns.iter().enumerate().collect();
+    columns.sort_by(|(_, a), (_, b)| a.pointer.cmp(&b.pointer));
+    for (at, column) in columns {
         let own = || values.iter().map(|values| values.get(at).copied().flatten());
         let numbers: Option<Vec<f64>> = own().map(|value| column.number(value?)).collect();
-        // What has no numbers is in the order in which it appears.
+        // What has no numbers is in the order of its text.
         let keys = numbers.unwrap_or_else(|| {
-            let mut known: Vec<Option<&Value>> = Vec::new();
-            for value in own() {
-                if !known.contains(&value) {
-                    known.push(value);
-                }
-            }
-            let place = |value| known.iter().position(|other| *other == value).unwrap_or_default();
-            own().map(|value| place(value) as f64).collect()
+            let text = |value: Option<&Value>| value.map(Value::to_string);
+            let mut known: Vec<Option<String>> = own().map(text).collect();
+            known.sort_unstable();
+            known.dedup();
+            own()
+                .map(|value| known.partition_point(|other| *other < text(value)) as f64)
+                .collect()
         });
         let mut distinct = keys.clone();
         distinct.sort_by(f64::total_cmp);
