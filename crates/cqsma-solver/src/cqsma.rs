@@ -32,10 +32,10 @@ pub enum Commit {
     AtEveryVertex,
 }
 
-/// How many cycles are computed. The first carries slip left over from the prestress.
+/// How many cycles are computed, all with the same vertices. The first carries slip left over from the prestress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cycles {
-    /// So many, all with the same vertices, of which the last is measured.
+    /// So many, of which the last is measured.
     Fixed(usize),
     /// Until a cycle closes, and the one that is measured, which must close as well or is measured again.
     ///
@@ -475,7 +475,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         let start = self.path.sequence.motion.clone();
         self.most_slipping = 0;
         self.branch(-self.peak, edges, &mut record)?;
-        // What the few vertices of the cycles before did not show may slip or open between them.
+        // What slips or opens may dissipate less than the residuals of the cycle before it.
         let sticks = self.most_slipping == 0
             && !self.path.equilibrium.force.slips_in_parts()
             && self.open.is_some_and(|[fewest, most]| fewest == most);
@@ -511,13 +511,10 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         ))
     }
 
-    /// Follows the first loading and the cycles before the measured one. What these leave behind depends little on their
-    /// vertices, of which they have a quarter where the measured loop is checked for having closed.
+    /// Follows the first loading and the cycles before the measured one. Friction keeps what it is left with: after coarser
+    /// steps, points near the onset of slip would shake down to another state, in which the measured loop closes as well.
     fn settle_down(&mut self) -> Result<Settled, Failure> {
-        let quarter = match self.settings.cycles {
-            Cycles::Fixed(_) => self.settings.vertices_per_quarter,
-            Cycles::UntilClosed { .. } => self.settings.vertices_per_quarter.div_ceil(4),
-        };
+        let quarter = self.settings.vertices_per_quarter;
         let mut counts = self.branch(self.peak, quarter, &mut |_| {})?;
         let most = match self.settings.cycles {
             _ if !self.path.equilibrium.force.dissipates() => {

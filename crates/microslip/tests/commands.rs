@@ -109,7 +109,6 @@ fn the_summary_keeps_its_contract() {
             "factorisations",
             "fields",
             "gap",
-            "vertices_of_the_first_cycles",
             "way_back_of_loops"
         ]
     );

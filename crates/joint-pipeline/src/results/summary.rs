@@ -644,14 +644,6 @@ fn skipped(run: &Run) -> BTreeMap<String, String> {
         );
         skipped.insert("way_back_of_loops".to_owned(), reason);
     }
-    if amplitudes > 0
-        && run.interface.dissipates()
-        && scene.cqsma.cycles.is_none()
-        && scene.cqsma.vertices_per_quarter > 1
-    {
-        let reason = "first loading and cycles before the measured one have a quarter of its vertices";
-        skipped.insert("vertices_of_the_first_cycles".to_owned(), reason.to_owned());
-    }
     skipped
 }
 
