@@ -101,11 +101,11 @@ fn bands_of_one_input_are_the_backbones_of_its_quantiles() {
                 // Linear propagation, with the derivative of the closed form. At the smallest of these amplitudes the corner of the loop falls on a
                 // vertex, and the derivatives of the polygon on its two sides are 4 % apart.
                 let slope = (closed_form(STIFFNESS, 1.0001 * MU, x)[which] - at[1][which]) / (1e-4 * MU);
-                let linear = spread.linear.unwrap();
-                close(Some(linear.sd), slope.abs() * 0.02, 0.05 * slope.abs() * 0.02, "linear");
+                let (linear, sd) = (spread.linear.unwrap(), 0.02 * slope.abs());
+                close(Some(linear.sd), sd, 0.05 * sd, "linear");
                 assert_eq!(spread.shares[0].share, 1.0);
                 // Samples spread as the line says, but for its curvature.
-                close(spread.sd, linear.sd, 0.06 * linear.sd, "sd");
+                close(spread.sd, sd, 0.05 * sd, "sd");
                 let half = spread.of_first_half[2].unwrap() - spread.quantiles[2].unwrap();
                 let error = spread.half_widths[1].unwrap();
                 assert!(error > 0.0 && half.abs() < 3.0 * error);
