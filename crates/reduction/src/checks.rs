@@ -3,8 +3,10 @@
 use crate::Error;
 use crate::craig_bampton::ReducedModel;
 use crate::relative::RelativeSystem;
+use crate::symmetry::Parts;
 use faer::Mat;
 use sprs::{CsMat, TriMat};
+use std::ops::Range;
 use substructure::eigen::{Modes, count_zero, lowest_modes};
 use substructure::sparse::sum;
 
@@ -35,16 +37,91 @@ pub fn full_modes(
     n: usize,
     tolerance: f64,
 ) -> Result<Modes, Error> {
-    let size = system.stiffness.rows();
-    let with_springs = interface.map(|interface| {
-        let mut spring = TriMat::with_capacity((size, size), interface.nnz());
-        for (&value, (i, j)) in interface {
-            spring.add_triplet(i, j, value);
+    let parts = Parts::of(system, interface);
+    modes_of_whole(&parts, n, |part, n| {
+        let own = parts.system(part);
+        let size = own.stiffness.rows();
+        let with_springs = interface.map(|interface| {
+            let interface = parts.springs(part, interface);
+            let mut springs = TriMat::with_capacity((size, size), interface.nnz());
+            for (&value, (i, j)) in interface.as_ref() {
+                springs.add_triplet(i, j, value);
+            }
+            sum(&own.stiffness, 1.0, &springs.to_csr())
+        });
+        let stiffness = with_springs.as_ref().unwrap_or(&own.stiffness);
+        Ok(lowest_modes(stiffness, &own.mass, &own.positions, n, tolerance)?)
+    })
+}
+
+/// Modes of each part: those without energy, and at least those that are among the `n` lowest of the others of all parts. `of_part` finds so many of a
+/// part, or all if there are fewer.
+pub(crate) fn modes_of_parts(
+    parts: &Parts<'_>,
+    n: usize,
+    mut of_part: impl FnMut(usize, usize) -> Result<Modes, Error>,
+) -> Result<Vec<Modes>, Error> {
+    // Parts have about as many each.
+    let share = match parts.len() {
+        1 => n,
+        _ => n.min(3 * n / 5 + 2),
+    };
+    let mut found = (0..parts.len())
+        .map(|part| of_part(part, share))
+        .collect::<Result<Vec<_>, Error>>()?;
+    let mut all: Vec<f64> = found
+        .iter()
+        .flat_map(|modes| &modes.eigenvalues[modes.n_zero..])
+        .copied()
+        .collect();
+    all.sort_by(f64::total_cmp);
+    // At most the highest that is wanted.
+    let highest = all.get(n.saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
+    for (part, modes) in found.iter_mut().enumerate() {
+        let elastic = &modes.eigenvalues[modes.n_zero..];
+        let may_lack = elastic.len() == share && elastic.last().is_none_or(|last| *last < highest);
+        if share < n && may_lack {
+            *modes = of_part(part, n)?;
         }
-        sum(&system.stiffness, 1.0, &spring.to_csr())
-    });
-    let stiffness = with_springs.as_ref().unwrap_or(&system.stiffness);
-    Ok(lowest_modes(stiffness, &system.mass, &system.positions, n, tolerance)?)
+    }
+    Ok(found)
+}
+
+/// The modes of all parts, over the whole: those without energy, and the `n` lowest of the others.
+fn modes_of_whole(
+    parts: &Parts<'_>,
+    n: usize,
+    of_part: impl FnMut(usize, usize) -> Result<Modes, Error>,
+) -> Result<Modes, Error> {
+    let mut found = modes_of_parts(parts, n, of_part)?;
+    for (part, modes) in found.iter_mut().enumerate() {
+        let own = std::mem::replace(&mut modes.shapes, Mat::zeros(0, 0));
+        modes.shapes = parts.displacements(part, own);
+    }
+    if found.len() == 1 {
+        return Ok(found.remove(0));
+    }
+    let of_kind = |range: &dyn Fn(&Modes) -> Range<usize>| -> Vec<(usize, usize)> {
+        let each = found.iter().enumerate();
+        each.flat_map(|(part, modes)| range(modes).map(move |mode| (part, mode)))
+            .collect()
+    };
+    let eigenvalue = |&(part, mode): &(usize, usize)| found[part].eigenvalues[mode];
+    let zero = of_kind(&|modes| 0..modes.n_zero);
+    let mut elastic = of_kind(&|modes| modes.n_zero..modes.eigenvalues.len());
+    elastic.sort_by(|a, b| eigenvalue(a).total_cmp(&eigenvalue(b)));
+    elastic.truncate(n);
+    let n_zero = zero.len();
+    let order = [zero, elastic].concat();
+    Ok(Modes {
+        eigenvalues: order.iter().map(eigenvalue).collect(),
+        shapes: Mat::from_fn(found[0].shapes.nrows(), order.len(), |i, j| {
+            let (part, mode) = order[j];
+            found[part].shapes[(i, mode)]
+        }),
+        n_zero,
+        residual: found.iter().map(|modes| modes.residual).fold(0.0, f64::max),
+    })
 }
 
 /// Frequencies of the full system with the interface stuck (Hz), and the number of its zero-energy modes.
@@ -52,7 +129,7 @@ pub fn full_modes(
 /// # Errors
 /// Failures of the factorisation or of the eigensolver.
 pub fn stuck_frequencies(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<(usize, Vec<f64>), Error> {
-    let modes = modes_of_rest(system, n, tolerance)?;
+    let modes = stuck_modes(system, n, tolerance)?;
     Ok((modes.n_zero, modes.frequencies()))
 }
 
@@ -61,12 +138,16 @@ pub fn stuck_frequencies(system: &RelativeSystem, n: usize, tolerance: f64) -> R
 /// # Errors
 /// Failures of the factorisation or of the eigensolver.
 pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<Modes, Error> {
-    let mut modes = modes_of_rest(system, n, tolerance)?;
-    let mut shapes = Mat::zeros(system.stiffness.rows(), modes.shapes.ncols());
-    let rest = shapes.nrows() - system.n_relative;
-    shapes.subrows_mut(system.n_relative, rest).copy_from(&modes.shapes);
-    modes.shapes = shapes;
-    Ok(modes)
+    let parts = Parts::of(system, None);
+    modes_of_whole(&parts, n, |part, n| {
+        let own = parts.system(part);
+        let mut modes = modes_of_rest(&own, n, tolerance)?;
+        let mut shapes = Mat::zeros(own.stiffness.rows(), modes.shapes.ncols());
+        let rest = shapes.nrows() - own.n_relative;
+        shapes.subrows_mut(own.n_relative, rest).copy_from(&modes.shapes);
+        modes.shapes = shapes;
+        Ok(modes)
+    })
 }
 
 /// Modes of the structure whose jump is held, over the rest.

@@ -6,9 +6,10 @@
 //! the jump, and with `K_rr X = -K_rD` the few other products with it are solves.
 
 use crate::Error;
-use crate::checks::modes_of_rest;
+use crate::checks::{modes_of_parts, modes_of_rest};
 use crate::interior::Interior;
 use crate::relative::RelativeSystem;
+use crate::symmetry::Parts;
 use crate::zem::Supported;
 use dense_algebra::{add_product_lower, product};
 use faer::{Mat, MatRef};
@@ -163,41 +164,96 @@ pub fn reduce(
     settings: Settings,
     progress: &mut dyn FnMut(Step, f64),
 ) -> Result<ReducedModel, Error> {
-    let nd = system.n_relative;
-    let (basis, mut condensed) = Basis::try_new(system, settings, progress)?;
-    let asymmetry = basis.static_part.asymmetry(&condensed)?;
-    let loads = basis.onto(&system.loads);
-    let recovery = basis.onto(rows);
-    let Basis {
-        static_part,
-        stuck,
-        interior,
-        n_attachment,
-        momentum,
-    } = basis;
-    let phi = &interior.shapes;
-    let n_modes = phi.ncols();
-    let overlap = product(static_part.supported.mass_modes.transpose(), phi.as_ref());
-    let modal = static_part.momentum(phi.as_ref()) - product(momentum.as_ref(), overlap.as_ref());
-    // The factor takes more memory than all that follows.
-    drop(static_part);
-    add_product_lower(condensed.mass.as_mut(), momentum.as_ref(), momentum.transpose(), -1.0);
-    let n = nd + n_modes;
-    let whole = |over_jump: Mat<f64>| {
+    reduce_parts(&parts_of(system, settings), rows, settings, progress)
+}
+
+/// The parts that a reduction takes one after the other.
+fn parts_of(system: &RelativeSystem, settings: Settings) -> Parts<'_> {
+    match settings.attachment_modes {
+        // The response to a load that acts on several would be that of each of them, in more coordinates than one.
+        true => Parts::with_loads_in_one(system),
+        false => Parts::of(system, None),
+    }
+}
+
+fn reduce_parts(
+    parts: &Parts<'_>,
+    rows: &[Vec<f64>],
+    settings: Settings,
+    progress: &mut dyn FnMut(Step, f64),
+) -> Result<ReducedModel, Error> {
+    let stuck = stuck_modes(parts, settings, progress)?;
+    let retained = retained(&stuck, settings.n_modes);
+    let zem_stuck = stuck.iter().map(|modes| modes.n_zero).sum();
+    let mut stuck_frequencies: Vec<f64> = stuck.iter().flat_map(Modes::frequencies).collect();
+    if parts.len() > 1 {
+        stuck_frequencies.sort_by(f64::total_cmp);
+        stuck_frequencies.truncate(settings.n_reported.max(settings.n_modes));
+    }
+    let mut reduced = Vec::with_capacity(parts.len());
+    for (part, stuck) in stuck.into_iter().enumerate() {
+        let system = parts.system(part);
+        let acting = acting_loads(parts, part, settings);
+        let (basis, condensed) = Basis::try_new(&system, &stuck, retained[part], &acting)?;
+        drop(stuck);
+        progress(Step::Stream, 0.8 * (part + 1) as f64 / parts.len() as f64);
+        reduced.push(ReducedPart::try_new(basis, condensed, &parts.onto(part, rows))?);
+    }
+    let nd = parts.of_whole().n_relative;
+    let order = order(reduced.iter().map(|part| (part.eigenvalues.clone(), part.n_attachment)));
+    let n = nd + order.len();
+    let places: Vec<Vec<_>> = (0..parts.len())
+        .map(|part| (0..nd).map(|i| parts.place(part, i)).collect())
+        .collect();
+    // The jump of the whole in terms of those of the parts, which are independent of one another.
+    let over_jump = |of_part: &dyn Fn(&ReducedPart) -> MatRef<'_, f64>| {
         let mut whole = Mat::<f64>::zeros(n, n);
+        for (part, places) in reduced.iter().zip(&places) {
+            let lower = of_part(part);
+            for j in 0..nd {
+                let Some((column, factor)) = places[j] else { continue };
+                for i in j..nd {
+                    let Some((row, weight)) = places[i] else { continue };
+                    whole[(i, j)] += weight * factor * lower[(row.max(column), row.min(column))];
+                }
+            }
+        }
         for j in 0..nd {
-            for i in j..nd {
-                (whole[(i, j)], whole[(j, i)]) = (over_jump[(i, j)], over_jump[(i, j)]);
+            for i in j + 1..nd {
+                whole[(j, i)] = whole[(i, j)];
             }
         }
         whole
     };
-    let (mut stiffness, mut mass) = (whole(condensed.stiffness), whole(condensed.mass));
-    mass.submatrix_mut(0, nd, nd, n_modes).copy_from(&modal);
-    mass.submatrix_mut(nd, 0, n_modes, nd).copy_from(modal.transpose());
-    for i in 0..n_modes {
-        mass[(nd + i, nd + i)] = 1.0;
-        stiffness[(nd + i, nd + i)] = interior.eigenvalues[i];
+    let mut stiffness = over_jump(&|part| part.condensed.stiffness.as_ref());
+    let mut mass = over_jump(&|part| part.condensed.mass.as_ref());
+    let whole_rows = |of_part: &dyn Fn(&ReducedPart) -> MatRef<'_, f64>, count: usize| {
+        let mut whole = Mat::<f64>::zeros(count, n);
+        for i in 0..count {
+            for (part, places) in reduced.iter().zip(&places) {
+                for j in 0..nd {
+                    if let Some((column, factor)) = places[j] {
+                        whole[(i, j)] += factor * of_part(part)[(i, column)];
+                    }
+                }
+            }
+            for (j, &(part, mode)) in order.iter().enumerate() {
+                let own = reduced[part].coupling.nrows();
+                whole[(i, nd + j)] = of_part(&reduced[part])[(i, own + mode)];
+            }
+        }
+        whole
+    };
+    let loads = whole_rows(&|part| part.loads.as_ref(), parts.of_whole().loads.len());
+    let recovery = whole_rows(&|part| part.recovery.as_ref(), rows.len());
+    for (j, &(part, mode)) in order.iter().enumerate() {
+        let (places, part) = (&places[part], &reduced[part]);
+        for i in 0..nd {
+            let coupling = places[i].map_or(0.0, |(row, weight)| weight * part.coupling[(row, mode)]);
+            (mass[(i, nd + j)], mass[(nd + j, i)]) = (coupling, coupling);
+        }
+        mass[(nd + j, nd + j)] = 1.0;
+        stiffness[(nd + j, nd + j)] = part.eigenvalues[mode];
     }
     progress(Step::Stream, 1.0);
     Ok(ReducedModel {
@@ -205,12 +261,116 @@ pub fn reduce(
         stiffness,
         loads: loads.row_iter().map(|load| load.iter().copied().collect()).collect(),
         n_relative: nd,
-        n_attachment,
+        n_attachment: reduced.iter().map(|part| part.n_attachment).sum(),
         recovery,
-        stuck_frequencies: stuck.frequencies(),
-        zem_stuck: stuck.n_zero,
-        asymmetry,
+        stuck_frequencies,
+        zem_stuck,
+        asymmetry: reduced.iter().map(|part| part.asymmetry).fold(0.0, f64::max),
     })
+}
+
+/// The modes of each part with a stuck interface; as many without energy as expected, and in equilibrium with all loads.
+fn stuck_modes(
+    parts: &Parts<'_>,
+    settings: Settings,
+    progress: &mut dyn FnMut(Step, f64),
+) -> Result<Vec<Modes>, Error> {
+    let stuck = modes_of_parts(parts, settings.n_reported.max(settings.n_modes), |part, n| {
+        let modes = modes_of_rest(&parts.system(part), n, settings.mode_tolerance)?;
+        if part + 1 < parts.len() {
+            progress(Step::Factor, (part + 1) as f64 / parts.len() as f64);
+        }
+        Ok(modes)
+    })?;
+    let found = stuck.iter().map(|modes| modes.n_zero).sum();
+    if found != settings.expected_zem {
+        return Err(Error::ZeroEnergyModes {
+            found,
+            expected: settings.expected_zem,
+        });
+    }
+    for (part, modes) in stuck.iter().enumerate() {
+        for (index, load) in parts.loads(part).iter().enumerate() {
+            check_equilibrium(index, &load[load.len() - modes.shapes.nrows()..], modes)?;
+        }
+    }
+    progress(Step::Factor, 1.0);
+    Ok(stuck)
+}
+
+/// How many modes of each part are among the `n_modes` lowest of all.
+fn retained(stuck: &[Modes], n_modes: usize) -> Vec<usize> {
+    let of_part = |(part, modes): (usize, &Modes)| {
+        let elastic = modes.eigenvalues[modes.n_zero..].to_vec();
+        elastic.into_iter().map(move |value| (value, part))
+    };
+    let mut all: Vec<(f64, usize)> = stuck.iter().enumerate().flat_map(of_part).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.truncate(n_modes);
+    let mut counts = vec![0; stuck.len()];
+    all.iter().for_each(|(_, part)| counts[*part] += 1);
+    counts
+}
+
+/// The loads whose static responses join the modes of a part.
+fn acting_loads(parts: &Parts<'_>, part: usize, settings: Settings) -> Vec<usize> {
+    let acts = |&load: &usize| settings.attachment_modes && parts.acts(load, part);
+    (0..parts.of_whole().loads.len()).filter(acts).collect()
+}
+
+/// Part and number of each mode of a model, from the eigenvalues of each part and the number of attachment modes among them: modes in the
+/// order of their frequencies, and then all attachment modes.
+fn order(parts: impl Iterator<Item = (Vec<f64>, usize)>) -> Vec<(usize, usize)> {
+    let (mut modes, mut attached) = (Vec::new(), Vec::new());
+    for (part, (eigenvalues, n_attachment)) in parts.enumerate() {
+        let n_modes = eigenvalues.len() - n_attachment;
+        modes.extend((0..n_modes).map(|mode| (eigenvalues[mode], (part, mode))));
+        attached.extend((n_modes..eigenvalues.len()).map(|mode| (part, mode)));
+    }
+    modes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    modes.into_iter().map(|(_, place)| place).chain(attached).collect()
+}
+
+/// What is left of a part once its basis is dropped.
+struct ReducedPart {
+    /// Lower triangles over the jump.
+    condensed: Condensed,
+    /// The mass between jump and modes.
+    coupling: Mat<f64>,
+    eigenvalues: Vec<f64>,
+    n_attachment: usize,
+    loads: Mat<f64>,
+    recovery: Mat<f64>,
+    asymmetry: f64,
+}
+
+impl ReducedPart {
+    fn try_new(basis: Basis<'_>, mut condensed: Condensed, rows: &[Vec<f64>]) -> Result<Self, Error> {
+        let asymmetry = basis.static_part.asymmetry(&condensed)?;
+        let loads = basis.onto(&basis.static_part.system.loads);
+        let recovery = basis.onto(rows);
+        let Basis {
+            static_part,
+            interior,
+            n_attachment,
+            momentum,
+        } = basis;
+        let phi = &interior.shapes;
+        let overlap = product(static_part.supported.mass_modes.transpose(), phi.as_ref());
+        let coupling = static_part.momentum(phi.as_ref()) - product(momentum.as_ref(), overlap.as_ref());
+        // The factor takes more memory than all that follows.
+        drop(static_part);
+        add_product_lower(condensed.mass.as_mut(), momentum.as_ref(), momentum.transpose(), -1.0);
+        Ok(Self {
+            condensed,
+            coupling,
+            eigenvalues: interior.eigenvalues,
+            n_attachment,
+            loads,
+            recovery,
+            asymmetry,
+        })
+    }
 }
 
 /// Displacements over `[jump; rest]` in motions of a reduced model, which are the columns of `motions`.
@@ -227,8 +387,8 @@ pub fn displacements(
     model: &ReducedModel,
     motions: MatRef<'_, f64>,
 ) -> Result<Mat<f64>, Error> {
-    let (basis, _) = Basis::try_new(system, settings, &mut |_, _| ())?;
-    let found = basis.displacements(model, motions)?;
+    let parts = parts_of(system, settings);
+    let found = displacements_of_parts(&parts, settings, model, motions)?;
     let recovered = product(model.recovery.as_ref(), motions);
     for (i, row) in rows.iter().enumerate() {
         for (j, motion) in found.col_iter().enumerate() {
@@ -249,11 +409,54 @@ pub fn displacements(
     Ok(found)
 }
 
-/// The basis, in the form in which it is applied: by solves.
+fn displacements_of_parts(
+    parts: &Parts<'_>,
+    settings: Settings,
+    model: &ReducedModel,
+    motions: MatRef<'_, f64>,
+) -> Result<Mat<f64>, Error> {
+    let stuck = stuck_modes(parts, settings, &mut |_, _| ())?;
+    let retained = retained(&stuck, settings.n_modes);
+    let systems: Vec<_> = (0..parts.len()).map(|part| parts.system(part)).collect();
+    let bases = systems.iter().enumerate().map(|(part, system)| {
+        let acting = acting_loads(parts, part, settings);
+        Ok(Basis::try_new(system, &stuck[part], retained[part], &acting)?.0)
+    });
+    let bases = bases.collect::<Result<Vec<_>, Error>>()?;
+    let of_basis = |basis: &Basis<'_>| (basis.interior.eigenvalues.clone(), basis.n_attachment);
+    let order = order(bases.iter().map(of_basis));
+    let nd = parts.of_whole().n_relative;
+    let n_attachment: usize = bases.iter().map(|basis| basis.n_attachment).sum();
+    let left_out = order.len().checked_sub(model.n_modes() + model.n_attachment);
+    let Some(left_out) = left_out.filter(|_| model.n_relative == nd && model.n_attachment == n_attachment) else {
+        return Err(Error::OtherModel { deviation: 1.0 });
+    };
+    // A model may lack the highest modes.
+    let last = order.len() - n_attachment;
+    let kept = order[..last - left_out].iter().chain(&order[last..]);
+    let mut whole = Mat::zeros(parts.of_whole().stiffness.rows(), motions.ncols());
+    for (part, basis) in bases.iter().enumerate() {
+        let mut jump = Mat::zeros(basis.momentum.nrows(), motions.ncols());
+        for i in 0..nd {
+            if let Some((row, weight)) = parts.place(part, i) {
+                (0..motions.ncols()).for_each(|j| jump[(row, j)] += weight * motions[(i, j)]);
+            }
+        }
+        let mut modal = Mat::zeros(basis.interior.eigenvalues.len(), motions.ncols());
+        for (i, &(_, mode)) in kept.clone().enumerate().filter(|(_, (of, _))| *of == part) {
+            (0..motions.ncols()).for_each(|j| modal[(mode, j)] = motions[(nd + i, j)]);
+        }
+        whole += parts.displacements(part, basis.displacements(jump.as_ref(), modal.as_ref()));
+    }
+    // The sum over the parts is that but for round-off.
+    whole.subrows_mut(0, nd).copy_from(motions.subrows(0, nd));
+    Ok(whole)
+}
+
+/// The basis of a part, in the form in which it is applied: by solves.
 struct Basis<'a> {
     static_part: StaticPart<'a>,
-    stuck: Modes,
-    /// Modes of the stuck structure, with the attachment modes last.
+    /// Modes with a stuck interface, with the attachment modes last.
     interior: Interior,
     n_attachment: usize,
     /// The held rest follows the jump with this momentum along the zero-energy modes, which is taken out.
@@ -263,37 +466,30 @@ struct Basis<'a> {
 impl<'a> Basis<'a> {
     fn try_new(
         system: &'a RelativeSystem,
-        settings: Settings,
-        progress: &mut dyn FnMut(Step, f64),
+        stuck: &Modes,
+        n_modes: usize,
+        attached: &[usize],
     ) -> Result<(Self, Condensed), Error> {
         let nd = system.n_relative;
         let n_rest = system.stiffness.rows() - nd;
-        let n_reported = settings.n_reported.max(settings.n_modes);
-        let stuck = modes_of_rest(system, n_reported, settings.mode_tolerance)?;
-        if stuck.n_zero != settings.expected_zem {
-            return Err(Error::ZeroEnergyModes {
-                found: stuck.n_zero,
-                expected: settings.expected_zem,
-            });
-        }
-        for (index, load) in system.loads.iter().enumerate() {
-            check_equilibrium(index, &load[nd..], &stuck)?;
-        }
-        progress(Step::Factor, 1.0);
         let (supported, condensed) = Supported::try_new(system, stuck.zero_energy())?;
-        progress(Step::Stream, 0.8);
-        let mut interior = Interior::modes(&stuck, settings.n_modes.min(stuck.elastic().ncols()));
+        let mut interior = Interior::modes(stuck, n_modes);
         // Where no mode is left out, the flexibility at the loads is complete without them.
         let complete = interior.eigenvalues.len() + stuck.n_zero == n_rest;
-        let n_attachment = match settings.attachment_modes {
-            true if complete => system.loads.len().min(interior.eigenvalues.len()),
-            true => system.loads.len(),
-            false => 0,
+        let n_attachment = match complete {
+            true => attached.len().min(interior.eigenvalues.len()),
+            false => attached.len(),
         };
         if n_attachment > 0 && !complete {
-            let loads = over_rest(nd, n_rest, &system.loads);
+            let loads: Vec<&Vec<f64>> = attached.iter().map(|&load| &system.loads[load]).collect();
+            let loads = Mat::from_fn(n_rest, loads.len(), |i, j| loads[j][nd + i]);
             let (responses, momentum) = static_responses(&loads, system, &supported);
-            interior.attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())?;
+            interior
+                .attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())
+                .map_err(|error| match error {
+                    Error::DependentLoad { load } => Error::DependentLoad { load: attached[load] },
+                    other => other,
+                })?;
         }
         let static_part = StaticPart {
             system,
@@ -303,7 +499,6 @@ impl<'a> Basis<'a> {
         let momentum = static_part.momentum(static_part.supported.modes.as_ref());
         let basis = Self {
             static_part,
-            stuck,
             interior,
             n_attachment,
             momentum,
@@ -324,27 +519,17 @@ impl<'a> Basis<'a> {
         })
     }
 
-    /// The basis times columns over the coordinates of a model, which may lack the highest modes.
-    fn displacements(&self, model: &ReducedModel, motions: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
-        let (nd, phi) = (self.momentum.nrows(), &self.interior.shapes);
-        let is_truncated = model.n_modes() + self.n_attachment <= phi.ncols();
-        if model.n_relative != nd || model.n_attachment != self.n_attachment || !is_truncated {
-            return Err(Error::OtherModel { deviation: 1.0 });
-        }
-        let (jump, modal) = motions.split_at_row(nd);
-        let (modes, attached) = modal.split_at_row(model.n_modes());
+    /// The basis times columns over the jump and over the modes.
+    fn displacements(&self, jump: MatRef<'_, f64>, modal: MatRef<'_, f64>) -> Mat<f64> {
+        let nd = jump.nrows();
         let mut rest = self.static_part.follow(jump);
         let rigid = product(self.momentum.transpose(), jump);
         rest -= product(self.static_part.supported.modes.as_ref(), rigid.as_ref());
-        rest += product(phi.subcols(0, model.n_modes()), modes);
-        rest += product(
-            phi.subcols(phi.ncols() - self.n_attachment, self.n_attachment),
-            attached,
-        );
-        let mut all = Mat::zeros(nd + rest.nrows(), motions.ncols());
+        rest += product(self.interior.shapes.as_ref(), modal);
+        let mut all = Mat::zeros(nd + rest.nrows(), jump.ncols());
         all.subrows_mut(0, nd).copy_from(jump);
         all.subrows_mut(nd, rest.nrows()).copy_from(&rest);
-        Ok(all)
+        all
     }
 }
 

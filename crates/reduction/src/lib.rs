@@ -12,6 +12,7 @@ mod held;
 mod interior;
 mod locked;
 pub mod relative;
+mod symmetry;
 mod zem;
 
 pub use craig_bampton::{ReducedModel, Settings, Step, displacements, reduce};

@@ -65,6 +65,7 @@ impl RelativeSystem {
             loads: Vec::new(),
             n_relative: self.n_relative,
             positions: kept.iter().map(|&i| self.positions[i]).collect(),
+            reflections: Vec::new(),
             transform: &self.transform * &transform,
         })
     }

@@ -7,6 +7,7 @@ use sprs::{CsMat, TriMat};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use substructure::assemble::System;
+use substructure::reflection::Reflection;
 use substructure::sparse::{congruence, multiply_into, multiply_vector, numbering, submatrix, symmetric_part};
 
 /// Which nodes face each other, and the axes in which their jump is measured.
@@ -67,6 +68,8 @@ pub struct RelativeSystem {
     pub n_relative: usize,
     /// Position of each coordinate's node (m).
     pub positions: Vec<[f64; 3]>,
+    /// Reflections that take the mesh to itself, over `[jump; rest]`.
+    pub(crate) reflections: Vec<Reflection>,
     /// `u = transform * [jump; rest]` over the coordinates before the change.
     pub(crate) transform: CsMat<f64>,
 }
@@ -230,7 +233,7 @@ impl RelativeSystem {
             loads: &system.loads,
             positions: &system.positions,
         };
-        Self::from_carried(both, &rows, &vec![frame; top.len()])
+        Self::from_carried(both, &system.reflections, &rows, &vec![frame; top.len()])
     }
 
     /// Changes the coordinates of a system with any number of interfaces, whose sides need not have the same mesh. Jumps follow one
@@ -315,7 +318,7 @@ impl RelativeSystem {
             loads: &system.loads,
             positions: &system.positions,
         };
-        Self::from_carried(matrices, &rows, &frames)
+        Self::from_carried(matrices, &system.reflections, &rows, &frames)
     }
 
     /// Changes the coordinates of matrices over the displacements of both sides; `top` and `bottom` are the rows of
@@ -346,12 +349,13 @@ impl RelativeSystem {
             .zip(bottom)
             .map(|(&t, &b)| Some(Carried::pair(t, b)))
             .collect();
-        Self::from_carried(system, &rows, &vec![frame; n_relative / 3])
+        Self::from_carried(system, &[], &rows, &vec![frame; n_relative / 3])
     }
 
     /// `pairs` are the components that carry the jump, three for each frame; none where both sides are fixed.
     fn from_carried(
         system: SystemMatrices<'_>,
+        reflections: &[Reflection],
         pairs: &[Option<Carried>],
         frames: &[[[f64; 3]; 3]],
     ) -> Result<Self, Error> {
@@ -423,6 +427,33 @@ impl RelativeSystem {
         }
         let mut changed = Self::changed(system, transform.to_csr(), n_relative, positions);
         changed.leave_alone(&zero);
+        if zero.is_empty() && !reflections.is_empty() {
+            // `[jump; rest]` of displacements.
+            let mut inverse = TriMat::with_capacity((n, n), n + 4 * n_relative);
+            for &dof in &rest {
+                inverse.add_triplet(n_relative + column[dof], dof, 1.0);
+            }
+            for (jump, carried) in carried_by.iter().flatten() {
+                let component = jump % 3;
+                for (axis, direction) in frames[jump / 3].iter().enumerate() {
+                    let share = carried.sign * direction[component];
+                    if share != 0.0 {
+                        let row = jump - component + axis;
+                        inverse.add_triplet(row, carried.row, share);
+                        carried
+                            .other
+                            .iter()
+                            .for_each(|&(dof, weight)| inverse.add_triplet(row, dof, -share * weight));
+                    }
+                }
+            }
+            let inverse: CsMat<f64> = inverse.to_csr();
+            let over = |reflection: &Reflection| Reflection {
+                matrix: &(&inverse * &reflection.matrix) * &changed.transform,
+                ..*reflection
+            };
+            changed.reflections = reflections.iter().map(over).collect();
+        }
         Ok(changed)
     }
 
@@ -549,11 +580,18 @@ impl RelativeSystem {
             n_relative: nd,
             // Combinations have no place.
             positions: vec![[0.0; 3]; n],
+            reflections: Vec::new(),
             transform,
         })
     }
 
-    fn changed(system: SystemMatrices<'_>, transform: CsMat<f64>, n_relative: usize, positions: Vec<[f64; 3]>) -> Self {
+    /// The system in coordinates of which `transform` makes those that it has.
+    pub(crate) fn changed(
+        system: SystemMatrices<'_>,
+        transform: CsMat<f64>,
+        n_relative: usize,
+        positions: Vec<[f64; 3]>,
+    ) -> Self {
         let transposed: CsMat<f64> = transform.transpose_view().to_csr();
         Self {
             stiffness: congruence(&transform, system.stiffness),
@@ -565,6 +603,7 @@ impl RelativeSystem {
                 .collect(),
             n_relative,
             positions,
+            reflections: Vec::new(),
             transform,
         }
     }

@@ -1,12 +1,15 @@
 //! Reduction of a small lap of two blocks against the full model.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use reduction::{Error, Hold, InterfacePairs, ReducedModel, RelativeSystem, Settings, checks, reduce};
+use dense_algebra::product;
+use reduction::{
+    Error, Hold, InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, SystemMatrices, checks, reduce,
+};
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
 use substructure::elements::Formulation;
 use substructure::mesh::{
-    Assembly, Cell, Coupling, CouplingKind, Dof, Element, LoadPattern, Material, Mesh, Section, Shank,
+    Assembly, Cell, Coupling, CouplingKind, Dof, Element, Equation, LoadPattern, Material, Mesh, Section, Shank,
 };
 use substructure::sparse::{multiply_vector, numbering, submatrix};
 
@@ -780,7 +783,6 @@ fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
 
 #[test]
 fn displacements_have_the_energies_of_the_reduced_motions() {
-    use dense_algebra::product;
     let (_, relative) = relative(&bolted());
     let (n, nd) = (relative.stiffness.rows(), relative.n_relative);
     let row: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == n - 1))).collect();
@@ -896,5 +898,204 @@ fn mode_shapes_satisfy_the_equations_of_motion() {
             let rows = [top, bottom].map(|node| system.dofs.independent_index(*node, component).unwrap());
             assert_eq!(before[(rows[0], 0)], before[(rows[1], 0)]);
         }
+    }
+}
+
+/// Motions without energy of [`symmetric`], whose equations hold its turns about y and z.
+const LEFT_FREE: usize = 4;
+
+/// The lap, whose jump, rest and constraints are their own image about the plane y = 10 mm. Constraints choose which components they
+/// eliminate without regard to that. `aside` is how far one node is off its place (m).
+fn symmetric(aside: f64) -> (Lap, System, RelativeSystem) {
+    let mut lap = bolted();
+    // Not on the plane: acts on both parts.
+    lap.assembly.loads.push(LoadPattern {
+        name: "aside".into(),
+        terms: vec![
+            (Dof::Node(260 + node(5, 1, 3), 2), -1.0),
+            (Dof::Node(node(9, 1, 0), 2), 1.0),
+        ],
+    });
+    let ends = |weight: fn(u32) -> f64, c: u8| -> Vec<(Dof, f64)> {
+        (0..5)
+            .filter(|&j| weight(j) != 0.0)
+            .flat_map(|j| {
+                [
+                    (Dof::Node(node(0, j, 3), c), weight(j)),
+                    (Dof::Node(260 + node(12, j, 0), c), -weight(j)),
+                ]
+            })
+            .collect()
+    };
+    lap.assembly.equations = [
+        ("mean of z", ends(|j| f64::from(j % 2), 2)),
+        ("turn about x", ends(|j| f64::from(j) - 2.0, 2)),
+        ("along y", ends(|j| f64::from(u8::from(j != 2)), 1)),
+    ]
+    .map(|(name, terms)| Equation {
+        name: name.into(),
+        terms,
+    })
+    .into();
+    lap.assembly.mesh.nodes[node(6, 1, 1) as usize][0] += aside;
+    let (system, relative) = relative(&lap);
+    (lap, system, relative)
+}
+
+/// The same system without knowledge of its symmetry.
+fn without_symmetry(lap: &Lap, system: &System) -> RelativeSystem {
+    let rows = |nodes: &[u32]| -> Vec<usize> {
+        let of = |&node: &u32| (0..3).map(move |c| system.dofs.independent_index(node, c).unwrap());
+        nodes.iter().flat_map(of).collect()
+    };
+    let matrices = SystemMatrices {
+        stiffness: &system.stiffness,
+        mass: &system.mass,
+        loads: &system.loads,
+        positions: &system.positions,
+    };
+    RelativeSystem::from_both_sides(matrices, &rows(&lap.top), &rows(&lap.bottom), FRAME).unwrap()
+}
+
+/// The reduced model, and in how many parts it was found.
+fn reduced_in_parts(relative: &RelativeSystem, rows: &[Vec<f64>], settings: Settings) -> (ReducedModel, usize) {
+    let mut parts = 0;
+    let model = reduce(relative, rows, settings, &mut |step, _| {
+        parts += usize::from(step == Step::Factor);
+    });
+    (model.unwrap(), parts)
+}
+
+#[test]
+fn symmetric_and_antisymmetric_parts_make_the_whole() {
+    let (lap, system, relative) = symmetric(0.0);
+    let whole = without_symmetry(&lap, &system);
+    assert_eq!(whole.stiffness, relative.stiffness);
+    let n = relative.stiffness.rows();
+    let rows = [(0..n).map(|i| (i as f64).sin()).collect::<Vec<f64>>()];
+    let settings = Settings {
+        mode_tolerance: 1e-10,
+        expected_zem: LEFT_FREE,
+        ..Settings::default()
+    };
+    let (found, parts) = reduced_in_parts(&relative, &rows, settings);
+    let (mut expected, one) = reduced_in_parts(&whole, &rows, settings);
+    assert_eq!((parts, one), (2, 1));
+    assert_eq!((found.zem_stuck, found.n_modes()), (LEFT_FREE, 20));
+    expected.align_with(&found).unwrap();
+    let row = |load: &Vec<f64>| faer::Mat::from_fn(1, load.len(), |_, j| load[j]);
+    let mut compared = vec![
+        ("stiffness", found.stiffness.clone(), expected.stiffness.clone(), 1e-12),
+        ("mass", found.mass.clone(), expected.mass.clone(), 1e-9),
+        ("recovery", found.recovery.clone(), expected.recovery.clone(), 1e-9),
+    ];
+    for (a, b) in found.loads.iter().zip(&expected.loads) {
+        compared.push(("load", row(a), row(b), 1e-9));
+    }
+    for (name, a, b, bound) in compared {
+        let error = difference(b.as_ref(), a.as_ref());
+        println!("{name} {error:.1e}");
+        assert!(error < bound, "{name} {error:.1e}");
+    }
+    for (a, b) in found.stuck_frequencies.iter().zip(&expected.stuck_frequencies) {
+        assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
+    }
+    // Motions of both parts together.
+    let motions = faer::Mat::from_fn(found.mass.nrows(), 2, |i, j| 1e-6 * ((1 + i * (3 + j)) as f64).sin());
+    let moved = reduction::displacements(&relative, &rows, settings, &found, motions.as_ref()).unwrap();
+    for (name, full, reduced) in [
+        ("stiffness", &relative.stiffness, &found.stiffness),
+        ("mass", &relative.mass, &found.mass),
+    ] {
+        let error = difference(
+            energies(reduced.as_ref(), &motions).as_ref(),
+            energies_of_full(full, &moved).as_ref(),
+        );
+        println!("energies by {name} {error:.1e}");
+        assert!(error < 1e-9, "{name} {error:.1e}");
+    }
+}
+
+/// Products of all motions with one another.
+fn energies(matrix: faer::MatRef<'_, f64>, motions: &faer::Mat<f64>) -> faer::Mat<f64> {
+    product(motions.transpose(), product(matrix, motions.as_ref()).as_ref())
+}
+
+fn energies_of_full(matrix: &sprs::CsMat<f64>, motions: &faer::Mat<f64>) -> faer::Mat<f64> {
+    let mut momentum = faer::Mat::zeros(matrix.rows(), motions.ncols());
+    substructure::sparse::multiply_into(matrix, motions.as_ref(), momentum.as_mut());
+    product(motions.transpose(), momentum.as_ref())
+}
+
+#[test]
+fn loads_with_attachment_modes_act_on_one_part_or_the_whole_is_taken() {
+    let (lap, system, mut relative) = symmetric(0.0);
+    let mut whole = without_symmetry(&lap, &system);
+    let settings = Settings {
+        expected_zem: LEFT_FREE,
+        ..attached(12)
+    };
+    let aside = reduced_in_parts(&relative, &[], settings).1;
+    assert_eq!(aside, 1, "one load is not symmetric");
+    // The two bolts lie on the plane.
+    for system in [&mut relative, &mut whole] {
+        system.loads.truncate(2);
+    }
+    let (found, parts) = reduced_in_parts(&relative, &[], settings);
+    let (expected, one) = reduced_in_parts(&whole, &[], settings);
+    assert_eq!((parts, one), (2, 1));
+    assert_eq!((found.n_attachment, found.n_modes()), (2, 12));
+    // The coordinates beside the jump differ: the static response of one part has no share in the modes of the other. What is held does not.
+    let [found, expected] = [found, expected].map(|model| model.locked().unwrap());
+    let nd = found.n_relative;
+    let jump = |a: &faer::Mat<f64>| a.submatrix(0, 0, nd, nd).to_owned();
+    let stiffness = difference(jump(&expected.stiffness).as_ref(), jump(&found.stiffness).as_ref());
+    assert!(stiffness < 1e-9, "{stiffness:.1e}");
+    for (a, b) in found.stuck_frequencies.iter().zip(&expected.stuck_frequencies).take(6) {
+        assert!((a / b - 1.0).abs() < 1e-7, "{a} {b}");
+    }
+}
+
+#[test]
+fn modes_of_parts_are_those_of_the_whole() {
+    let (lap, system, relative) = symmetric(0.0);
+    let whole = without_symmetry(&lap, &system);
+    let uniform = vec![1e6; relative.n_relative];
+    // More at one end across the plane: not symmetric.
+    let mut uneven = uniform.clone();
+    uneven[..9].fill(3e6);
+    for (name, springs, parts_agree) in [("uniform", uniform, 1e-10), ("uneven", uneven, 1e-10)] {
+        let springs = diagonal(&springs);
+        let of = |system: &RelativeSystem| checks::full_modes(system, Some(&springs), 12, 1e-9).unwrap();
+        let (found, expected) = (of(&relative), of(&whole));
+        assert_eq!(found.n_zero, expected.n_zero, "{name}");
+        for (a, b) in found.frequencies().iter().zip(&expected.frequencies()) {
+            assert!((a / b - 1.0).abs() < parts_agree, "{name} {a} {b}");
+        }
+        // Mass-normalised, and modes of the whole.
+        let shapes = found.shapes.to_owned();
+        let masses = energies_of_full(&relative.mass, &shapes);
+        let unit = faer::Mat::<f64>::identity(masses.nrows(), masses.nrows());
+        assert!((masses - unit).norm_max() < 1e-9, "{name}");
+    }
+    let stuck = |system: &RelativeSystem| checks::stuck_frequencies(system, 12, 1e-9).unwrap();
+    let (a, b) = (stuck(&relative), stuck(&whole));
+    assert_eq!((a.0, a.1.len()), (b.0, b.1.len()));
+    for (a, b) in a.1.iter().zip(&b.1) {
+        assert!((a / b - 1.0).abs() < 1e-10, "{a} {b}");
+    }
+}
+
+#[test]
+fn a_node_off_its_place_leaves_one_part() {
+    // 1e-8 is the distance of nodes that are images, relative to the 80 mm of the lap; at 1e-10 m stiffness tells.
+    for (aside, expected) in [(0.0, 2), (1e-10, 1), (1e-6, 1)] {
+        let (_, _, relative) = symmetric(aside);
+        let settings = Settings {
+            expected_zem: LEFT_FREE,
+            ..Settings::default()
+        };
+        let (_, parts) = reduced_in_parts(&relative, &[], settings);
+        assert_eq!(parts, expected, "{aside:e} m");
     }
 }

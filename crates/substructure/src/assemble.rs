@@ -4,6 +4,7 @@ use crate::Error;
 use crate::constraints::DofMap;
 use crate::elements;
 use crate::mesh::{Assembly, Mesh};
+use crate::reflection::Reflection;
 use crate::shank::AtReferences;
 use crate::sparse::{congruence, diagonal, sum};
 use rayon::prelude::*;
@@ -29,6 +30,8 @@ pub struct System {
     pub total_mass: f64,
     /// Mass lumped at each node (kg), in proportion to the diagonal of the consistent mass, so that it is positive for all elements.
     pub nodal_mass: Vec<f64>,
+    /// Reflections that take the mesh to itself; whether they keep stiffness and mass is not known.
+    pub reflections: Vec<Reflection>,
 }
 
 impl System {
@@ -89,6 +92,7 @@ impl System {
             stiffness,
             mass,
             loads,
+            reflections: Reflection::of(&assembly.mesh, &dofs),
             positions: dofs.positions.clone(),
             dofs,
             total_mass,

@@ -85,6 +85,30 @@ pub fn congruence(t: &CsMat<f64>, a: &CsMat<f64>) -> CsMat<f64> {
     symmetric_part(whole)
 }
 
+/// Whether `t^T a t` is `a`, for matrices as in [`congruence`]: no entry `ij` differs by more than `tolerance` times the root of the product of the
+/// entries `ii` and `jj` of `a`. It is not formed.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn is_kept_by(t: &CsMat<f64>, a: &CsMat<f64>, tolerance: f64) -> bool {
+    assert!(t.is_csr() && a.is_csr() && a.rows() == a.cols() && a.cols() == t.rows() && t.cols() == t.rows());
+    let n = t.cols();
+    let columns = &t.transpose_view().to_csr();
+    let products = RowProducts { columns, a, t };
+    let own: Vec<f64> = diagonal(a).into_iter().map(|value| value.max(0.0).sqrt()).collect();
+    let memory = || (Accumulator::new(n), Accumulator::new(n));
+    let rows = (0..n).into_par_iter().with_min_len(GROUP);
+    rows.map_init(memory, |(row, part), i| {
+        products.row(i, row, part);
+        entries(a, i).for_each(|(j, value)| row.add(j, -value));
+        // Also false for NaN.
+        row.pattern
+            .iter()
+            .all(|&j| row.values[j].abs() <= tolerance * own[i] * own[j])
+    })
+    .all(|is_kept| is_kept)
+}
+
 /// The matrix whose row `i` has `length(i)` entries, which `fill` writes with ascending columns, in parallel over groups of
 /// rows; each thread has a `memory` of its own.
 ///

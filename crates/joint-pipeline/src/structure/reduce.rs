@@ -208,14 +208,12 @@ impl Structure {
         let springs = self.springs(self.check_interface(), |_| true)?;
         // The check is of the model that vibrates.
         let is_locked = self.locks;
-        let (unstressed, full) = rayon::join(
-            || checks::unstressed_spectrum(reduced, N_CHECKED),
-            || match is_locked {
-                true => checks::full_frequencies(&relative.locked()?, Some(&springs), N_CHECKED, tolerance),
-                false => checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance),
-            },
-        );
-        let ((zem_unstressed, unstressed), (_, full)) = (unstressed?, full?);
+        // One after the other, as both take memory.
+        let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
+        let (_, full) = match is_locked {
+            true => checks::full_frequencies(&relative.locked()?, Some(&springs), N_CHECKED, tolerance)?,
+            false => checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance)?,
+        };
         progress.fraction(Stage::Reduce, 0.95);
         let vibrating = |reduced: &ReducedModel| match is_locked {
             true => checks::reduced_spectrum(&reduced.locked()?, &springs, N_CHECKED),
