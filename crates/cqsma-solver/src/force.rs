@@ -1,6 +1,7 @@
 //! What the solver needs to know of a hysteretic force.
 
 use contact_laws::{RegimeCounts, Sticking};
+use dense_algebra::Reflection;
 use faer::{Mat, MatRef};
 
 /// Sparse pattern of a force's tangent over its coordinates, compressed rows with ascending columns, as its owner keeps it.
@@ -65,6 +66,10 @@ pub trait HystereticForce: Sync {
     fn initial_state(&self) -> Self::State;
     /// Scratch memory.
     fn workspace(&self) -> Self::Workspace;
+    /// Reflections of its coordinates that may leave the structure and the tangent as they are, which is then of use; it is found out whether they do.
+    fn reflections(&self) -> Vec<Reflection> {
+        Vec::new()
+    }
     /// Whether it can take energy. If not, forces with [`Sticking::Coulomb`] depend on the displacements alone, and the way back
     /// of a loop is not computed.
     fn dissipates(&self) -> bool {

@@ -3,12 +3,19 @@
 
 use crate::Error;
 use crate::force::PatternView;
-use dense_algebra::{ConjugateResiduals, Inner, Symmetric, Vector};
+use dense_algebra::{ConjugateResiduals, Inner, ReflectedInverse, Reflection, Symmetric, Vector};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 /// Most GMRES steps before the direct solve takes over.
 const MAX_KRYLOV: usize = 100;
+
+/// Fewest coordinates for which reflections are of use.
+const LEAST_REFLECTED: usize = 256;
+
+/// Difference between an entry `ij` of the stuck tangent and its image, relative to the root of the product of the entries `ii` and `jj`, that may be left
+/// to the Krylov steps.
+const REFLECTED: f64 = 1e-8;
 
 /// Most directions that are kept for right-hand sides that share a matrix.
 const MOST_SEARCHED: usize = 400;
@@ -87,21 +94,44 @@ pub(crate) struct RoundOff {
 /// The structure with everything in contact stuck, `P`: preconditioner and energy norm.
 #[derive(Clone, Debug)]
 pub(crate) struct Stuck {
-    flexibility: Symmetric,
+    flexibility: Flexibility,
     /// Tangent values that went into it (symmetrised).
     tangent: Vec<f64>,
 }
 
+/// `P^-1`.
+#[derive(Clone, Debug)]
+enum Flexibility {
+    Whole(Symmetric),
+    /// Where a reflection leaves `P` as it is.
+    Reflected(ReflectedInverse),
+}
+
 impl Stuck {
-    /// Lower Cholesky factor of `stiffness + (tangent + tangent^T) / 2`, and the structure that it belongs to.
+    /// Lower Cholesky factor of `stiffness + (tangent + tangent^T) / 2`, and the structure that it belongs to. Each of the `reflections` may leave it as it
+    /// is.
     pub(crate) fn try_new(
         stiffness: MatRef<'_, f64>,
         pattern: PatternView<'_>,
         tangent: &[f64],
+        reflections: Vec<Reflection>,
     ) -> Result<(Mat<f64>, Self), Error> {
         let tangent = symmetrised(pattern, tangent);
-        let lower = dense_algebra::cholesky_in_place(pattern.added_to(stiffness, &tangent))?;
-        let flexibility = Symmetric::inverse_of_factor(lower.as_ref());
+        let matrix = pattern.added_to(stiffness, &tangent);
+        if matrix.nrows() >= LEAST_REFLECTED {
+            for reflection in reflections {
+                let reflection = reflection.of_first(matrix.nrows());
+                let Some(tangent) = reflected_mean(pattern, &tangent, &reflection) else {
+                    continue;
+                };
+                if let Some(inverse) = ReflectedInverse::try_new(matrix.as_ref(), &reflection, REFLECTED)? {
+                    let flexibility = Flexibility::Reflected(inverse);
+                    return Ok((dense_algebra::cholesky_in_place(matrix)?, Self { flexibility, tangent }));
+                }
+            }
+        }
+        let lower = dense_algebra::cholesky_in_place(matrix)?;
+        let flexibility = Flexibility::Whole(Symmetric::inverse_of_factor(lower.as_ref()));
         Ok((lower, Self { flexibility, tangent }))
     }
 
@@ -112,7 +142,10 @@ impl Stuck {
 
     /// `v = P^-1 p`.
     pub(crate) fn solve_into(&self, p: &[f64], v: &mut [f64]) {
-        self.flexibility.product_into(p, v);
+        match &self.flexibility {
+            Flexibility::Whole(inverse) => inverse.product_into(p, v),
+            Flexibility::Reflected(inverse) => inverse.product_into(p, v),
+        }
     }
 
     /// Round-off that evaluating the contact force `force` at the displacements `u` leaves.
@@ -121,7 +154,11 @@ impl Stuck {
         let u: Vec<f64> = u.iter().map(|u| u.abs()).collect();
         let mut size: Vec<f64> = force.iter().map(|f| f.abs()).collect();
         pattern.add_product(&tangent, &u, &mut size);
-        let squares = size.iter().zip(self.flexibility.diagonal()).map(|(f, c)| f * f * c);
+        let diagonal: Vec<f64> = match &self.flexibility {
+            Flexibility::Whole(inverse) => inverse.diagonal().collect(),
+            Flexibility::Reflected(inverse) => inverse.diagonal(),
+        };
+        let squares = size.iter().zip(diagonal).map(|(f, c)| f * f * c);
         RoundOff {
             energy: f64::EPSILON * squares.sum::<f64>().sqrt(),
             force: f64::EPSILON * size.iter().sum::<f64>(),
@@ -134,6 +171,21 @@ impl Stuck {
         self.solve_into(p, &mut v);
         Motion { v, p: p.to_vec() }
     }
+}
+
+/// The mean of tangent values and their images; none if an image is not in the pattern.
+fn reflected_mean(pattern: PatternView<'_>, values: &[f64], reflection: &Reflection) -> Option<Vec<f64>> {
+    let mut out = values.to_vec();
+    for row in 0..pattern.indptr.len() - 1 {
+        let (image, sign) = reflection.image(row);
+        let range = *pattern.indptr.get(image)?..*pattern.indptr.get(image + 1)?;
+        for k in pattern.indptr[row]..pattern.indptr[row + 1] {
+            let (column, turned) = reflection.image(pattern.indices[k]);
+            let at = pattern.indices[range.clone()].binary_search(&column).ok()?;
+            out[k] = 0.5 * (values[k] + sign * turned * values[range.start + at]);
+        }
+    }
+    Some(out)
 }
 
 pub(crate) fn symmetrised(pattern: PatternView<'_>, values: &[f64]) -> Vec<f64> {

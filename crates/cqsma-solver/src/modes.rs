@@ -206,7 +206,7 @@ pub fn linearise<'a, F: HystereticForce>(
         &mut contact_force,
         None,
     );
-    let (lower, stuck) = Stuck::try_new(stiffness, force.pattern(), &tangent)?;
+    let (lower, stuck) = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
     let (eigenvalues, shapes) =
         dense_algebra::lowest_pairs(lower.as_ref(), mass, n_modes.min(n)).map_err(|error| match error {
             dense_algebra::Error::Rank { .. } => Error::Setting {

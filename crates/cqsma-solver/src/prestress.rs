@@ -230,7 +230,7 @@ fn search<F: HystereticForce>(
         &mut contact,
         Some(&mut tangent),
     );
-    let (_, stuck) = Stuck::try_new(stiffness, force.pattern(), &tangent)?;
+    let (_, stuck) = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
     let mut guess = Motion::zero(n);
     guess.v.copy_from_slice(start);
     multiply(stiffness, start, &mut guess.p);

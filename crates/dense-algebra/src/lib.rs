@@ -8,12 +8,14 @@
 
 mod fingerprint;
 mod packed;
+mod reflected;
 mod residuals;
 mod subspace;
 mod tiles;
 
 pub use fingerprint::arithmetic_fingerprint;
 pub use packed::Symmetric;
+pub use reflected::{ReflectedInverse, Reflection};
 pub use residuals::{ConjugateResiduals, Inner, Vector};
 pub use subspace::lowest_pairs;
 

@@ -1,8 +1,9 @@
 //! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
 
 use dense_algebra::{
-    Error, Symmetric, add_product_lower, cholesky, cholesky_in_place, congruent, lowest_pairs, product, rank,
-    solve_general, solve_lower, solve_lower_transposed, symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
+    Error, ReflectedInverse, Reflection, Symmetric, add_product_lower, cholesky, cholesky_in_place, congruent,
+    lowest_pairs, product, rank, solve_general, solve_lower, solve_lower_transposed, symmetric_eigen,
+    symmetric_eigenvalues, symmetric_pair,
 };
 use faer::Mat;
 
@@ -278,4 +279,81 @@ fn threads_do_not_change_a_bit() {
     for threads in [2, 5] {
         assert!(on(threads) == one, "{threads}");
     }
+}
+
+/// A positive definite matrix that a reflection with pairs and fixed coordinates of both signs leaves as it is.
+fn reflected(n: usize) -> (Mat<f64>, Reflection) {
+    let images: Vec<(usize, f64)> = (0..n)
+        .map(|i| match i % 7 {
+            // Apart from each other, with one sign or the other.
+            0 if i + 3 < n => (i + 3, 1.0),
+            3 => (i - 3, 1.0),
+            1 if i + 1 < n => (i + 1, -1.0),
+            2 => (i - 1, -1.0),
+            4 => (i, -1.0),
+            _ => (i, 1.0),
+        })
+        .collect();
+    let any = Mat::from_fn(n, n, |i, j| ((1 + 3 * i + 7 * j + i * j) as f64).sin());
+    let gram = product(any.as_ref(), any.transpose());
+    let matrix = Mat::from_fn(n, n, |i, j| {
+        let ((k, a), (l, b)) = (images[i], images[j]);
+        gram[(i, j)] + a * b * gram[(k, l)] + if i == j { n as f64 } else { 0.0 }
+    });
+    (matrix, Reflection::try_new(images).unwrap())
+}
+
+#[test]
+fn the_inverse_by_reflected_parts_is_the_inverse() {
+    for n in [1, 5, 40, 133, 300] {
+        let (matrix, reflection) = reflected(n);
+        let lower = cholesky(matrix.as_ref()).unwrap();
+        let whole = Symmetric::inverse_of_factor(lower.as_ref());
+        let found = ReflectedInverse::try_new(matrix.as_ref(), &reflection, 1e-12)
+            .unwrap()
+            .unwrap();
+        let x: Vec<f64> = (0..n).map(|i| (1.0 + i as f64).cos()).collect();
+        let (mut a, mut b) = (vec![0.0; n], vec![f64::NAN; n]);
+        whole.product_into(&x, &mut a);
+        found.product_into(&x, &mut b);
+        let largest = a.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a - b).abs() <= 1e-12 * largest, "{n}: {a} {b}");
+        }
+        for (a, b) in whole.diagonal().zip(found.diagonal()) {
+            assert!((a - b).abs() <= 1e-12 * a, "{n}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn a_matrix_that_the_reflection_changes_has_no_inverse_by_parts() {
+    let (mut matrix, reflection) = reflected(40);
+    let inverse = |matrix: &Mat<f64>| ReflectedInverse::try_new(matrix.as_ref(), &reflection, 1e-12).unwrap();
+    assert!(inverse(&matrix).is_some());
+    let size = (matrix[(0, 0)] * matrix[(12, 12)]).sqrt();
+    for (i, j) in [(0, 12), (12, 0)] {
+        matrix[(i, j)] += 1e-10 * size;
+    }
+    assert!(inverse(&matrix).is_none());
+    matrix[(0, 0)] = f64::NAN;
+    assert!(inverse(&matrix).is_none());
+    // Neither an image without its coordinate as image, nor one of another sign, nor one beyond, nor a factor.
+    for images in [
+        vec![(1, 1.0), (1, 1.0)],
+        vec![(1, 1.0), (0, -1.0)],
+        vec![(2, 1.0)],
+        vec![(0, 2.0)],
+        vec![(0, f64::NAN)],
+    ] {
+        assert_eq!(Reflection::try_new(images), None);
+    }
+}
+
+#[test]
+fn what_is_not_definite_is_refused_by_parts_too() {
+    let matrix = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { 2.0 });
+    let reflection = Reflection::try_new(vec![(1, 1.0), (0, 1.0)]).unwrap();
+    let refused = ReflectedInverse::try_new(matrix.as_ref(), &reflection, 1e-12);
+    assert!(matches!(refused, Err(Error::NotPositiveDefinite { .. })), "{refused:?}");
 }

@@ -327,3 +327,65 @@ fn methods_are_asked_for_by_name_and_once() {
     let repeated = error(r#", "methods": ["qsma", "masing", "qsma"]"#);
     assert!(repeated.contains("methods = 3"), "{repeated}");
 }
+
+#[test]
+fn a_symmetric_joint_is_solved_by_its_reflected_parts_and_no_other() {
+    for (gap, is_symmetric) in [(Gap::Flat, true), (Gap::Measured, false)] {
+        let mut scene = beam("quick");
+        scene.model.refinement = RefinementLevel::Quick;
+        scene.gap = gap;
+        scene.cqsma.amplitudes = 1;
+        let run = run(&scene, &Options::default(), &Silent).unwrap();
+        let force = InterfaceForce::new(&run.interface);
+        let (reduced, rest) = (&run.model.reduced, &run.prestress.solution);
+        let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
+        let (displacement, state) = (&rest.displacement, &rest.state);
+        let line = modes::linearise(k, m, &force, displacement.clone(), state.clone(), 1).unwrap();
+        let hidden = Reticent(InterfaceForce::new(&run.interface));
+        let whole = modes::linearise(k, m, &hidden, displacement.clone(), state.clone(), 1).unwrap();
+        // By parts, an antisymmetric part that is zero stays zero to the last bit.
+        let reflections = force.reflections();
+        let across = &reflections[1];
+        let nd = reduced.n_relative;
+        let any = |i: usize| (1.0 + i as f64).sin();
+        let even: Vec<f64> = (0..k.nrows())
+            .map(|i| match i < nd {
+                true => {
+                    let (image, sign) = across.image(i);
+                    any(i) + sign * any(image)
+                }
+                false => any(i),
+            })
+            .collect();
+        let (found, expected) = (
+            line.stuck_response(&even).unwrap(),
+            whole.stuck_response(&even).unwrap(),
+        );
+        let stays = (0..nd).all(|i| {
+            let (image, sign) = across.image(i);
+            found[i] == sign * found[image]
+        });
+        assert_eq!((stays, found == expected), (is_symmetric, !is_symmetric));
+        let largest = expected.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        for (a, b) in found.iter().zip(&expected) {
+            assert!((a - b).abs() < 1e-10 * largest, "{a} {b}");
+        }
+        let forces = [5.0, 100.0];
+        let mut settings = Settings::default();
+        settings.newton.tolerance = 1e-11;
+        let found = cqsma::run(&line, &force, &forces, &settings, |_| NoObserver).unwrap();
+        let expected = cqsma::run(&whole, &hidden, &forces, &settings, |_| NoObserver).unwrap();
+        for ((a, _), (b, _)) in found.iter().zip(&expected) {
+            let (a, b) = (a.result.as_ref().unwrap(), b.result.as_ref().unwrap());
+            println!(
+                "frequency {:e}, damping {:e} of {:e}",
+                a.omega / b.omega - 1.0,
+                a.zeta - b.zeta,
+                b.zeta
+            );
+            assert!((a.omega / b.omega - 1.0).abs() < 1e-9);
+            assert!((a.zeta - b.zeta).abs() < 1e-9 + 1e-7 * b.zeta);
+        }
+        assert!(found[1].0.result.as_ref().unwrap().zeta > 1e-4);
+    }
+}

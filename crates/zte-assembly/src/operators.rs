@@ -182,6 +182,20 @@ impl Operators {
         self.weights.iter().sum()
     }
 
+    /// Where a uniform traction acts on each node: the mean place of the points, weighted with the node's shape function (x, y) (m).
+    pub fn places(&self) -> Vec<[f64; 2]> {
+        let place = |node: usize| {
+            let shares = self.integration.outer_view(node);
+            let (mut sum, mut moment) = (0.0, [0.0; 2]);
+            for (point, share) in shares.iter().flat_map(|row| row.iter()) {
+                sum += share;
+                (0..2).for_each(|c| moment[c] += share * self.positions[point][c]);
+            }
+            moment.map(|moment| moment / sum)
+        };
+        (0..self.integration.rows()).map(place).collect()
+    }
+
     /// Area-weighted mean over each element of a field given at the points.
     ///
     /// # Panics

@@ -244,7 +244,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             }
         }
         let pattern = self.force.pattern();
-        let (_, stuck) = Stuck::try_new(stiffness.as_ref(), pattern, self.structure.stuck.tangent())?;
+        let (_, stuck) = Stuck::try_new(stiffness.as_ref(), pattern, self.structure.stuck.tangent(), Vec::new())?;
         let reference = &self.structure.displacement[..self.force.n_dofs()];
         self.levels.push(Level {
             step,
