@@ -6,6 +6,7 @@ use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use faer::Mat;
 use sprs::{CsMat, TriMat};
+use std::borrow::Cow;
 use std::ops::Range;
 use substructure::eigen::{Modes, count_zero, lowest_modes};
 use substructure::sparse::sum;
@@ -39,18 +40,28 @@ pub fn full_modes(
 ) -> Result<Modes, Error> {
     let parts = Parts::of(system, interface);
     modes_of_whole(&parts, n, |part, n| {
-        let own = parts.system(part);
-        let size = own.stiffness.rows();
-        let with_springs = interface.map(|interface| {
-            let interface = parts.springs(part, interface);
+        // What is not needed any more would be in the way of the factor.
+        let (mut stiffness, mass, positions) = match parts.system(part) {
+            Cow::Borrowed(own) => (
+                Cow::Borrowed(&own.stiffness),
+                Cow::Borrowed(&own.mass),
+                Cow::Borrowed(&own.positions),
+            ),
+            Cow::Owned(own) => (
+                Cow::Owned(own.stiffness),
+                Cow::Owned(own.mass),
+                Cow::Owned(own.positions),
+            ),
+        };
+        if let Some(interface) = interface {
+            let (interface, size) = (parts.springs(part, interface), stiffness.rows());
             let mut springs = TriMat::with_capacity((size, size), interface.nnz());
             for (&value, (i, j)) in interface.as_ref() {
                 springs.add_triplet(i, j, value);
             }
-            sum(&own.stiffness, 1.0, &springs.to_csr())
-        });
-        let stiffness = with_springs.as_ref().unwrap_or(&own.stiffness);
-        Ok(lowest_modes(stiffness, &own.mass, &own.positions, n, tolerance)?)
+            stiffness = Cow::Owned(sum(&stiffness, 1.0, &springs.to_csr()));
+        }
+        Ok(lowest_modes(&stiffness, &mass, &positions, n, tolerance)?)
     })
 }
 
@@ -141,20 +152,22 @@ pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<
     let parts = Parts::of(system, None);
     modes_of_whole(&parts, n, |part, n| {
         let own = parts.system(part);
-        let mut modes = modes_of_rest(&own, n, tolerance)?;
-        let mut shapes = Mat::zeros(own.stiffness.rows(), modes.shapes.ncols());
-        let rest = shapes.nrows() - own.n_relative;
-        shapes.subrows_mut(own.n_relative, rest).copy_from(&modes.shapes);
+        let (size, nd) = (own.stiffness.rows(), own.n_relative);
+        let mut modes = modes_of_rest(own, n, tolerance)?;
+        let mut shapes = Mat::zeros(size, modes.shapes.ncols());
+        shapes.subrows_mut(nd, size - nd).copy_from(&modes.shapes);
         modes.shapes = shapes;
         Ok(modes)
     })
 }
 
 /// Modes of the structure whose jump is held, over the rest.
-pub(crate) fn modes_of_rest(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<Modes, Error> {
+pub(crate) fn modes_of_rest(system: Cow<'_, RelativeSystem>, n: usize, tolerance: f64) -> Result<Modes, Error> {
     let [stiffness, mass] = [&system.stiffness, &system.mass].map(|matrix| system.rest(matrix));
-    let positions = &system.positions[system.n_relative..];
-    Ok(lowest_modes(&stiffness, &mass, positions, n, tolerance)?)
+    let positions = system.positions[system.n_relative..].to_vec();
+    // It would be in the way of the factor.
+    drop(system);
+    Ok(lowest_modes(&stiffness, &mass, &positions, n, tolerance)?)
 }
 
 /// The reduced model with the same interface: its frequencies, and what they owe to each mode.

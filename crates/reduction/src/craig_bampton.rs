@@ -206,7 +206,7 @@ fn reduce_parts(
         .map(|part| (0..nd).map(|i| parts.place(part, i)).collect())
         .collect();
     // The jump of the whole in terms of those of the parts, which are independent of one another.
-    let over_jump = |of_part: &dyn Fn(&ReducedPart) -> MatRef<'_, f64>| {
+    let over_jump = |reduced: &[ReducedPart], of_part: &dyn Fn(&ReducedPart) -> MatRef<'_, f64>| {
         let mut whole = Mat::<f64>::zeros(n, n);
         for (part, places) in reduced.iter().zip(&places) {
             let lower = of_part(part);
@@ -225,8 +225,11 @@ fn reduce_parts(
         }
         whole
     };
-    let mut stiffness = over_jump(&|part| part.condensed.stiffness.as_ref());
-    let mut mass = over_jump(&|part| part.condensed.mass.as_ref());
+    let mut stiffness = over_jump(&reduced, &|part| part.condensed.stiffness.as_ref());
+    reduced
+        .iter_mut()
+        .for_each(|part| part.condensed.stiffness = Mat::zeros(0, 0));
+    let mut mass = over_jump(&reduced, &|part| part.condensed.mass.as_ref());
     let whole_rows = |of_part: &dyn Fn(&ReducedPart) -> MatRef<'_, f64>, count: usize| {
         let mut whole = Mat::<f64>::zeros(count, n);
         for i in 0..count {
@@ -276,7 +279,7 @@ fn stuck_modes(
     progress: &mut dyn FnMut(Step, f64),
 ) -> Result<Vec<Modes>, Error> {
     let stuck = modes_of_parts(parts, settings.n_reported.max(settings.n_modes), |part, n| {
-        let modes = modes_of_rest(&parts.system(part), n, settings.mode_tolerance)?;
+        let modes = modes_of_rest(parts.system(part), n, settings.mode_tolerance)?;
         if part + 1 < parts.len() {
             progress(Step::Factor, (part + 1) as f64 / parts.len() as f64);
         }

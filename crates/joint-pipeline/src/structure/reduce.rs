@@ -54,23 +54,27 @@ impl Structure {
         let assembled = self.assemble()?;
         progress.end(Stage::Assemble);
         progress.begin(Stage::Factor);
+        // Before there is a reduced model, which would be in the way of its factors.
+        let springs = self.springs(self.check_interface(), |_| true)?;
+        let full = self.frequencies_to_check(&assembled.relative, &springs)?;
+        progress.fraction(Stage::Factor, 0.4);
         let mut reduced = reduce(
             &assembled.relative,
             &assembled.rows,
             self.settings,
             &mut |step, done| match step {
                 Step::Factor => {
-                    progress.fraction(Stage::Factor, done);
+                    progress.fraction(Stage::Factor, 0.4 + 0.6 * done);
                     if done == 1.0 {
                         progress.end(Stage::Factor);
                         progress.begin(Stage::Reduce);
                     }
                 }
-                Step::Stream => progress.fraction(Stage::Reduce, 0.8 * done),
+                Step::Stream => progress.fraction(Stage::Reduce, 0.9 * done),
             },
         )?;
         check_closing(&reduced)?;
-        let facts = self.facts(&assembled, &mut reduced, progress)?;
+        let facts = self.facts(&assembled, &mut reduced, &springs, full)?;
         let model = StructuralModel { reduced, facts };
         if let Some(Err(error)) = cache.map(|directory| cache::store(directory, &key, &model.reduced, &model.facts)) {
             progress.note(&format!("the reduced model was not cached: {error}"));
@@ -196,28 +200,30 @@ impl Structure {
         })
     }
 
-    /// Compares the reduced model with the full one, after leaving out the modes that the wanted accuracy does not need.
+    /// Frequencies of the full model that vibrates, with `springs` across its interface.
+    fn frequencies_to_check(&self, relative: &RelativeSystem, springs: &CsMat<f64>) -> Result<Vec<f64>, Error> {
+        let of =
+            |system: &RelativeSystem| checks::full_frequencies(system, Some(springs), N_CHECKED, FREQUENCY_TOLERANCE);
+        let (_, found) = match self.locks {
+            true => of(&relative.locked()?)?,
+            false => of(relative)?,
+        };
+        Ok(found)
+    }
+
+    /// Compares the reduced model with the frequencies of the full one, after leaving out the modes that the wanted accuracy does not need.
     fn facts(
         &self,
         assembled: &Assembled<'_>,
         reduced: &mut ReducedModel,
-        progress: &dyn Progress,
+        springs: &CsMat<f64>,
+        full: Vec<f64>,
     ) -> Result<Facts, Error> {
-        let tolerance = FREQUENCY_TOLERANCE;
-        let relative: &RelativeSystem = &assembled.relative;
-        let springs = self.springs(self.check_interface(), |_| true)?;
-        // The check is of the model that vibrates.
         let is_locked = self.locks;
-        // One after the other, as both take memory.
         let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
-        let (_, full) = match is_locked {
-            true => checks::full_frequencies(&relative.locked()?, Some(&springs), N_CHECKED, tolerance)?,
-            false => checks::full_frequencies(relative, Some(&springs), N_CHECKED, tolerance)?,
-        };
-        progress.fraction(Stage::Reduce, 0.95);
         let vibrating = |reduced: &ReducedModel| match is_locked {
-            true => checks::reduced_spectrum(&reduced.locked()?, &springs, N_CHECKED),
-            false => checks::reduced_spectrum(reduced, &springs, N_CHECKED),
+            true => checks::reduced_spectrum(&reduced.locked()?, springs, N_CHECKED),
+            false => checks::reduced_spectrum(reduced, springs, N_CHECKED),
         };
         let error_of = |small: &ReducedSpectrum| {
             let errors = full.iter().zip(&small.frequencies).map(|(a, b)| (b / a - 1.0).abs());
@@ -228,7 +234,7 @@ impl Structure {
         if let Some(target) = self.reduction_error {
             // Modes are left out of the model before it is locked.
             let without = match is_locked {
-                true => checks::reduced_spectrum(reduced, &springs, N_CHECKED)?.without_mode,
+                true => checks::reduced_spectrum(reduced, springs, N_CHECKED)?.without_mode,
                 false => small.without_mode,
             };
             // From the highest mode down, as long as what is left out stays within the target.
