@@ -202,53 +202,31 @@ fn reduce_parts(
     let nd = parts.of_whole().n_relative;
     let order = order(reduced.iter().map(|part| (part.eigenvalues.clone(), part.n_attachment)));
     let n = nd + order.len();
-    let places: Vec<Vec<_>> = (0..parts.len())
-        .map(|part| (0..nd).map(|i| parts.place(part, i)).collect())
+    let places: Vec<Places> = (0..parts.len())
+        .map(|part| (0..nd).map(|jump| parts.place(part, jump)).collect())
         .collect();
-    // The jump of the whole in terms of those of the parts, which are independent of one another.
-    let over_jump = |reduced: &[ReducedPart], of_part: &dyn Fn(&ReducedPart) -> MatRef<'_, f64>| {
-        let mut whole = Mat::<f64>::zeros(n, n);
-        for (part, places) in reduced.iter().zip(&places) {
-            let lower = of_part(part);
-            for j in 0..nd {
-                let Some((column, factor)) = places[j] else { continue };
-                for i in j..nd {
-                    let Some((row, weight)) = places[i] else { continue };
-                    whole[(i, j)] += weight * factor * lower[(row.max(column), row.min(column))];
-                }
-            }
-        }
-        for j in 0..nd {
-            for i in j + 1..nd {
-                whole[(j, i)] = whole[(i, j)];
-            }
-        }
-        whole
-    };
-    let mut stiffness = over_jump(&reduced, &|part| part.condensed.stiffness.as_ref());
-    reduced
-        .iter_mut()
-        .for_each(|part| part.condensed.stiffness = Mat::zeros(0, 0));
-    let mut mass = over_jump(&reduced, &|part| part.condensed.mass.as_ref());
-    let whole_rows = |of_part: &dyn Fn(&ReducedPart) -> MatRef<'_, f64>, count: usize| {
+    let mut stiffness = sum_over_jump(reduced.iter().map(|part| &part.condensed.stiffness).zip(&places), nd, n);
+    for part in &mut reduced {
+        part.condensed.stiffness = Mat::zeros(0, 0);
+    }
+    let mut mass = sum_over_jump(reduced.iter().map(|part| &part.condensed.mass).zip(&places), nd, n);
+    let rows_of_whole = |of_part: fn(&ReducedPart) -> &Mat<f64>, count: usize| {
         let mut whole = Mat::<f64>::zeros(count, n);
-        for i in 0..count {
-            for (part, places) in reduced.iter().zip(&places) {
-                for j in 0..nd {
-                    if let Some((column, factor)) = places[j] {
-                        whole[(i, j)] += factor * of_part(part)[(i, column)];
-                    }
+        for (part, places) in reduced.iter().zip(&places) {
+            for (j, place) in places.iter().enumerate() {
+                if let Some((column, weight)) = place {
+                    (0..count).for_each(|i| whole[(i, j)] += weight * of_part(part)[(i, *column)]);
                 }
             }
-            for (j, &(part, mode)) in order.iter().enumerate() {
-                let own = reduced[part].coupling.nrows();
-                whole[(i, nd + j)] = of_part(&reduced[part])[(i, own + mode)];
-            }
+        }
+        for (j, &(part, mode)) in order.iter().enumerate() {
+            let (part, own) = (&reduced[part], reduced[part].coupling.nrows());
+            (0..count).for_each(|i| whole[(i, nd + j)] = of_part(part)[(i, own + mode)]);
         }
         whole
     };
-    let loads = whole_rows(&|part| part.loads.as_ref(), parts.of_whole().loads.len());
-    let recovery = whole_rows(&|part| part.recovery.as_ref(), rows.len());
+    let loads = rows_of_whole(|part| &part.loads, parts.of_whole().loads.len());
+    let recovery = rows_of_whole(|part| &part.recovery, rows.len());
     for (j, &(part, mode)) in order.iter().enumerate() {
         let (places, part) = (&places[part], &reduced[part]);
         for i in 0..nd {
@@ -270,6 +248,29 @@ fn reduce_parts(
         zem_stuck,
         asymmetry: reduced.iter().map(|part| part.asymmetry).fold(0.0, f64::max),
     })
+}
+
+/// For each jump coordinate of the whole that of a part which moves it, and by how much.
+type Places = Vec<Option<(usize, f64)>>;
+
+/// A symmetric matrix over all `n` coordinates, zero beyond the `nd` of the jump, from the lower triangles over the jumps of parts. These are independent of one another.
+fn sum_over_jump<'a>(parts: impl Iterator<Item = (&'a Mat<f64>, &'a Places)>, nd: usize, n: usize) -> Mat<f64> {
+    let mut whole = Mat::<f64>::zeros(n, n);
+    for (lower, places) in parts {
+        for j in 0..nd {
+            let Some((column, factor)) = places[j] else { continue };
+            for i in j..nd {
+                let Some((row, weight)) = places[i] else { continue };
+                whole[(i, j)] += weight * factor * lower[(row.max(column), row.min(column))];
+            }
+        }
+    }
+    for j in 0..nd {
+        for i in j + 1..nd {
+            whole[(j, i)] = whole[(i, j)];
+        }
+    }
+    whole
 }
 
 /// The modes of each part with a stuck interface; as many without energy as expected, and in equilibrium with all loads.

@@ -169,14 +169,14 @@ impl<'a> Parts<'a> {
 struct Images {
     /// Its columns: row `j` is the reflected unit motion of coordinate `j`.
     columns: CsMat<f64>,
-    /// The other coordinate of the reflection of each, which may be itself, and its sign; none where constraints eliminated it.
+    /// For each coordinate its image, which may be itself, and the sign; none where constraints eliminated it.
     other: Vec<Option<(usize, f64)>>,
-    /// Coordinates without.
+    /// Coordinates without an image.
     without: Vec<usize>,
 }
 
 impl Images {
-    /// None where jumps do not become jumps, or coordinates that have an image act on others that have one.
+    /// None where jumps do not become jumps, or a coordinate with an image moves others with images too.
     fn try_new(reflection: &Reflection, n_relative: usize) -> Option<Self> {
         let matrix = &reflection.matrix;
         let n = matrix.rows();
@@ -198,6 +198,10 @@ impl Images {
             .map(|i| alone(i).filter(|&(j, sign)| alone(j) == Some((i, sign))))
             .collect();
         let without: Vec<usize> = (0..n).filter(|&i| other[i].is_none()).collect();
+        let are_jumps = |i: usize| other[i].is_some_and(|(j, _)| j < n_relative);
+        if without.len() > MOST_WITHOUT_IMAGE || !(0..n_relative).all(are_jumps) {
+            return None;
+        }
         let columns: CsMat<f64> = entries.to_csc().transpose_into();
         let is_sound = |j: usize| {
             let column = columns.outer_view(j);
@@ -207,12 +211,10 @@ impl Images {
                 None => other[i].is_none(),
             })
         };
-        let few = without.len() <= MOST_WITHOUT_IMAGE && without.iter().all(|&i| i >= n_relative);
-        let are_jumps = |i: usize| other[i].is_some_and(|(j, _)| j < n_relative);
         let twice: CsMat<f64> = &columns * &columns;
         let mut difference = sum(&twice, -1.0, &CsMat::eye(n)).into_raw_storage().2.into_iter();
         let returns = difference.all(|value| value.abs() <= SAME_ENTRY);
-        (few && returns && (0..n_relative).all(are_jumps) && (0..n).all(is_sound)).then_some(Self {
+        (returns && (0..n).all(is_sound)).then_some(Self {
             columns,
             other,
             without,
@@ -247,13 +249,13 @@ impl Over {
                 continue;
             };
             // `x + sign P x` of the coordinate's unit motion.
-            let (own, scale) = match image == j {
+            let scale = match image == j {
                 true if factor != sign => continue,
-                true => (1.0, 0.5),
-                false => (1.0, 0.5_f64.sqrt()),
+                true => 0.5,
+                false => 0.5_f64.sqrt(),
             };
             let column = positions.len();
-            entries.push((j, column, own * scale));
+            entries.push((j, column, scale));
             for (i, value) in images.columns.outer_view(j)?.iter() {
                 entries.push((i, column, sign * value * scale));
             }
