@@ -118,20 +118,25 @@ impl Stuck {
     ) -> Result<(Mat<f64>, Self), Error> {
         let tangent = symmetrised(pattern, tangent);
         let matrix = pattern.added_to(stiffness, &tangent);
+        let mut reflected = None;
         if matrix.nrows() >= LEAST_REFLECTED {
             for reflection in reflections {
                 let reflection = reflection.of_first(matrix.nrows());
-                let Some(tangent) = reflected_mean(pattern, &tangent, &reflection) else {
-                    continue;
-                };
-                if let Some(inverse) = ReflectedInverse::try_new(matrix.as_ref(), &reflection, REFLECTED)? {
-                    let flexibility = Flexibility::Reflected(inverse);
-                    return Ok((dense_algebra::cholesky_in_place(matrix)?, Self { flexibility, tangent }));
+                if let Some(mean) = reflected_mean(pattern, &tangent, &reflection)
+                    && let Some(inverse) = ReflectedInverse::try_new(matrix.as_ref(), &reflection, REFLECTED)?
+                {
+                    reflected = Some((Flexibility::Reflected(inverse), mean));
+                    break;
                 }
             }
         }
         let lower = dense_algebra::cholesky_in_place(matrix)?;
-        let flexibility = Flexibility::Whole(Symmetric::inverse_of_factor(lower.as_ref()));
+        let (flexibility, tangent) = reflected.unwrap_or_else(|| {
+            (
+                Flexibility::Whole(Symmetric::inverse_of_factor(lower.as_ref())),
+                tangent,
+            )
+        });
         Ok((lower, Self { flexibility, tangent }))
     }
 

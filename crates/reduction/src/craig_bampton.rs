@@ -202,7 +202,7 @@ fn reduce_parts(
     let nd = parts.of_whole().n_relative;
     let order = order(reduced.iter().map(|part| (part.eigenvalues.clone(), part.n_attachment)));
     let n = nd + order.len();
-    let places: Vec<Places> = (0..parts.len())
+    let places: Vec<JumpPlaces> = (0..parts.len())
         .map(|part| (0..nd).map(|jump| parts.place(part, jump)).collect())
         .collect();
     let mut stiffness = sum_over_jump(reduced.iter().map(|part| &part.condensed.stiffness).zip(&places), nd, n);
@@ -251,10 +251,10 @@ fn reduce_parts(
 }
 
 /// For each jump coordinate of the whole that of a part which moves it, and by how much.
-type Places = Vec<Option<(usize, f64)>>;
+type JumpPlaces = Vec<Option<(usize, f64)>>;
 
 /// A symmetric matrix over all `n` coordinates, zero beyond the `nd` of the jump, from the lower triangles over the jumps of parts. These are independent of one another.
-fn sum_over_jump<'a>(parts: impl Iterator<Item = (&'a Mat<f64>, &'a Places)>, nd: usize, n: usize) -> Mat<f64> {
+fn sum_over_jump<'a>(parts: impl Iterator<Item = (&'a Mat<f64>, &'a JumpPlaces)>, nd: usize, n: usize) -> Mat<f64> {
     let mut whole = Mat::<f64>::zeros(n, n);
     for (lower, places) in parts {
         for j in 0..nd {

@@ -32,9 +32,11 @@ impl Reflection {
         let Some(places) = Places::try_new(&dofs.coordinates) else {
             return Vec::new();
         };
-        let bodies = bodies(mesh, dofs.coordinates.len());
+        let cells = mesh.elements.iter().map(|element| element.cell.nodes());
+        let mut sets = DisjointSets::of_groups(dofs.coordinates.len(), cells);
+        let bodies: Vec<u32> = (0..dofs.coordinates.len() as u32).map(|node| sets.root(node)).collect();
         let found = (0..3).filter_map(|axis| {
-            let images = images(&places, &bodies, axis)?;
+            let images = places.images(&bodies, axis)?;
             let matrix = from_unsorted_rows((dofs.independent.len(), dofs.independent.len()), |row| {
                 let (node, component) = (dofs.independent[row] / 3, dofs.independent[row] % 3);
                 let sign = if component == axis { -1.0 } else { 1.0 };
@@ -51,42 +53,9 @@ impl Reflection {
     }
 }
 
-/// For each node the least node of the elements that it is connected with.
-fn bodies(mesh: &Mesh, n_nodes: usize) -> Vec<u32> {
-    let mut sets = DisjointSets::new(n_nodes);
-    for element in &mesh.elements {
-        let nodes = element.cell.nodes();
-        nodes.windows(2).for_each(|pair| sets.join(pair[0], pair[1]));
-    }
-    (0..n_nodes as u32).map(|node| sets.root(node)).collect()
-}
-
-/// The image of each node, if each has one alone. Where bodies touch, it is that in the image of its body.
-fn images(places: &Places<'_>, bodies: &[u32], axis: usize) -> Option<Vec<usize>> {
-    let centre = places.centre(axis);
-    let mut body_images = BTreeMap::new();
-    let mut candidates = Vec::with_capacity(bodies.len());
-    for (node, &position) in places.positions.iter().enumerate() {
-        let mut image = position;
-        image[axis] = 2.0 * centre - image[axis];
-        let found: Vec<usize> = places.near(image).collect();
-        match found[..] {
-            [] => return None,
-            [only] if *body_images.entry(bodies[node]).or_insert(bodies[only]) != bodies[only] => return None,
-            _ => candidates.push(found),
-        }
-    }
-    let image = |(node, found): (usize, Vec<usize>)| {
-        let body = body_images.get(&bodies[node])?;
-        let mut inside = found.into_iter().filter(|&other| bodies[other] == *body);
-        let first = inside.next()?;
-        inside.next().is_none().then_some(first)
-    };
-    candidates.into_iter().enumerate().map(image).collect()
-}
-
 /// Nodes, found by where they are.
-struct Places<'a> {
+#[derive(Clone, Debug)]
+pub struct Places<'a> {
     positions: &'a [[f64; 3]],
     /// Lowest and highest value of each component.
     extents: [[f64; 2]; 3],
@@ -97,7 +66,7 @@ struct Places<'a> {
 
 impl<'a> Places<'a> {
     /// None where all nodes are at the same place.
-    fn try_new(positions: &'a [[f64; 3]]) -> Option<Self> {
+    pub fn try_new(positions: &'a [[f64; 3]]) -> Option<Self> {
         let extents = [0, 1, 2].map(|c| {
             let none = [f64::INFINITY, f64::NEG_INFINITY];
             positions
@@ -123,8 +92,40 @@ impl<'a> Places<'a> {
         Some(places)
     }
 
-    fn centre(&self, axis: usize) -> f64 {
+    /// The middle along an axis (m).
+    ///
+    /// # Panics
+    /// If the axis is not 0, 1 or 2.
+    pub fn centre(&self, axis: usize) -> f64 {
         0.5 * (self.extents[axis][0] + self.extents[axis][1])
+    }
+
+    /// The image of each node in the plane through the middle across an axis, if each has one alone. Where `bodies` touch, whose numbers there are for each
+    /// node, it is that in the image of its body.
+    ///
+    /// # Panics
+    /// If the axis is not 0, 1 or 2, or a node has no body.
+    pub fn images(&self, bodies: &[u32], axis: usize) -> Option<Vec<usize>> {
+        let centre = self.centre(axis);
+        let mut body_images = BTreeMap::new();
+        let mut candidates = Vec::with_capacity(bodies.len());
+        for (node, &position) in self.positions.iter().enumerate() {
+            let mut image = position;
+            image[axis] = 2.0 * centre - image[axis];
+            let found: Vec<usize> = self.near(image).collect();
+            match found[..] {
+                [] => return None,
+                [only] if *body_images.entry(bodies[node]).or_insert(bodies[only]) != bodies[only] => return None,
+                _ => candidates.push(found),
+            }
+        }
+        let image = |(node, found): (usize, Vec<usize>)| {
+            let body = body_images.get(&bodies[node])?;
+            let mut inside = found.into_iter().filter(|&other| bodies[other] == *body);
+            let first = inside.next()?;
+            inside.next().is_none().then_some(first)
+        };
+        candidates.into_iter().enumerate().map(image).collect()
     }
 
     fn key(&self, x: [f64; 3]) -> [i64; 3] {

@@ -73,15 +73,10 @@ struct Motions {
 impl Motions {
     fn new(assembly: &Assembly, dofs: &DofMap) -> Self {
         let nodes = &dofs.coordinates;
-        let mut bodies = DisjointSets::new(nodes.len());
+        let cells = assembly.mesh.elements.iter().map(|element| element.cell.nodes());
+        let mut bodies = DisjointSets::of_groups(nodes.len(), cells.clone());
         let mut used = vec![false; nodes.len()];
-        for element in &assembly.mesh.elements {
-            let members = element.cell.nodes();
-            for &node in members {
-                used[node as usize] = true;
-                bodies.join(members[0], node);
-            }
-        }
+        cells.flatten().for_each(|&node| used[node as usize] = true);
         let references = assembly.couplings.iter().map(|coupling| &coupling.reference);
         let extent = (0..3).map(|axis| {
             let along = nodes.iter().chain(references.clone()).map(|x| x[axis]);

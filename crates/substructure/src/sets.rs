@@ -14,6 +14,18 @@ impl DisjointSets {
         Self((0..count as u32).collect())
     }
 
+    /// So many numbers, of which those of each group are in one set.
+    ///
+    /// # Panics
+    /// As [`Self::new`] and [`Self::join`].
+    pub fn of_groups<'a>(count: usize, groups: impl Iterator<Item = &'a [u32]>) -> Self {
+        let mut sets = Self::new(count);
+        for group in groups {
+            group.iter().for_each(|&member| sets.join(group[0], member));
+        }
+        sets
+    }
+
     /// The least member of the set of a number.
     ///
     /// # Panics

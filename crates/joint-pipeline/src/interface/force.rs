@@ -4,6 +4,7 @@ use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateView
 use cqsma_solver::{DifferentiableForce, HystereticForce, PatternView, Reflection};
 use periodic_motion::{DifferentiablePointwiseForce, PointwiseForce};
 use std::ops::Range;
+use substructure::reflection::Places;
 use zte_assembly::{Batches, Interface, State, Variation, Workspace};
 
 /// The interface as the solver sees it.
@@ -71,8 +72,25 @@ impl HystereticForce for InterfaceForce<'_> {
     }
 
     fn reflections(&self) -> Vec<Reflection> {
-        let places = self.interface.operators().places();
-        (0..2).filter_map(|axis| reflection(&places, axis)).collect()
+        let flat: Vec<[f64; 3]> = self
+            .interface
+            .operators()
+            .places()
+            .into_iter()
+            .map(|[x, y]| [x, y, 0.0])
+            .collect();
+        let Some(places) = Places::try_new(&flat) else {
+            return Vec::new();
+        };
+        let one_body = vec![0; flat.len()];
+        let of_jump = |axis: usize| {
+            let images = places.images(&one_body, axis)?;
+            let components = images
+                .into_iter()
+                .flat_map(|node| (0..3).map(move |c| (3 * node + c, if c == axis { -1.0 } else { 1.0 })));
+            Reflection::try_new(components.collect())
+        };
+        (0..2).filter_map(of_jump).collect()
     }
 
     fn slips_in_parts(&self) -> bool {
@@ -306,36 +324,4 @@ impl DifferentiablePointwiseForce for InterfaceForce<'_> {
             d_traction,
         );
     }
-}
-
-/// Distance between the place of a node and the image of another that are the same, relative to the size of the interface.
-const SAME_PLACE: f64 = 1e-8;
-
-/// The reflection of the jump at the middle of the interface across one of its axes, if each node has one image.
-fn reflection(places: &[[f64; 2]], axis: usize) -> Option<Reflection> {
-    let ends = |c: usize| {
-        let none = [f64::INFINITY, f64::NEG_INFINITY];
-        places
-            .iter()
-            .fold(none, |[low, high], x| [low.min(x[c]), high.max(x[c])])
-    };
-    let [across, along] = [ends(axis), ends(1 - axis)];
-    let tolerance = SAME_PLACE * (across[1] - across[0]).max(along[1] - along[0]);
-    let mut sorted: Vec<usize> = (0..places.len()).collect();
-    sorted.sort_by(|&a, &b| places[a][1 - axis].total_cmp(&places[b][1 - axis]));
-    let mut images = Vec::with_capacity(3 * places.len());
-    for place in places {
-        let (image, beside) = (across[0] + across[1] - place[axis], place[1 - axis]);
-        let first = sorted.partition_point(|&node| places[node][1 - axis] < beside - tolerance);
-        let near = sorted[first..]
-            .iter()
-            .take_while(|&&node| places[node][1 - axis] <= beside + tolerance);
-        let mut found = near.filter(|&&node| (places[node][axis] - image).abs() <= tolerance);
-        let node = *found.next()?;
-        if found.next().is_some() {
-            return None;
-        }
-        images.extend((0..3).map(|c| (3 * node + c, if c == axis { -1.0 } else { 1.0 })));
-    }
-    Reflection::try_new(images)
 }

@@ -148,11 +148,7 @@ impl SolidMesh {
     /// Sets of cells that share nodes: for each cell the number of its body. Bodies are numbered from zero in the order of
     /// their first cells.
     pub fn bodies(&self) -> Vec<u32> {
-        let mut sets = DisjointSets::new(self.nodes.len());
-        for cell in &self.cells {
-            let nodes = cell.nodes();
-            nodes.iter().for_each(|&node| sets.join(nodes[0], node));
-        }
+        let mut sets = DisjointSets::of_groups(self.nodes.len(), self.cells.iter().map(Cell::nodes));
         let mut number_of = vec![u32::MAX; self.nodes.len()];
         let mut count = 0;
         let numbers = self.cells.iter().map(|cell| {
