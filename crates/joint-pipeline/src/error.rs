@@ -92,6 +92,12 @@ pub enum Error {
         "mode shapes and deformed bodies need a mesh, and matrices have none; give the structure as a mesh, a deck or a benchmark"
     )]
     NoMesh,
+    /// Bodies or asperities of a material that nothing says anything about.
+    #[error(
+        "model.material is missing, and bodies or asperities are made of it; add for example \"model\": {{ \"material\": {{ \
+         \"youngs_modulus\": \"200 GPa\", \"poisson_ratio\": 0.3, \"density\": \"7850 kg/m^3\" }} }}"
+    )]
+    NoMaterial,
     /// The scene is as fine as the finest measured settings.
     #[error(
         "no measured set of settings is finer than the scene's, so that its error cannot be estimated; choose a coarser mesh, fewer \
@@ -532,6 +538,7 @@ impl Error {
             Self::ReductionTarget { .. } => Some("model.reduction_error"),
             Self::Bins { .. } => Some("law.bins.error"),
             Self::NoSamples => Some("surface"),
+            Self::NoMaterial => Some("model.material"),
             Self::Finish { field, .. } => Some(field),
             Self::NoResponse { .. } => Some("cqsma.mode"),
             _ => None,

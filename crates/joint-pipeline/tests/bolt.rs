@@ -395,6 +395,13 @@ fn a_described_bolt_is_close_to_a_solid_one() {
             let bolt = Bolt::try_new(&assembly.mesh.nodes, &assembly.mesh.boundary(), &geometry).unwrap();
             let bolt = if thread { bolt } else { without_thread(bolt) };
             bolt.join(&mut assembly);
+            // What the structure weighs before it is assembled is what its matrix holds.
+            let solids = assembly.mesh.elements.iter().map(|element| {
+                let material = &assembly.mesh.materials[usize::from(element.material)];
+                material.density * element.cell.volume(&assembly.mesh.nodes)
+            });
+            let weighed = solids.sum::<f64>() + assembly.mass_at_references().unwrap();
+            close(weighed, System::try_new(&assembly).unwrap().total_mass, 1e-12);
             assert_eq!(assembly.rigid_motions().unwrap(), 6);
             assembly.supports = vec![Dof::Pretension(0)];
             let found = frequencies(&assembly, 8);

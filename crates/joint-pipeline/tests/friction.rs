@@ -148,7 +148,7 @@ fn greenwood_williamson_in_a_scene_is_that_of_the_library() {
             asperity_density: 1.4e6,
             radii: [1.2e-3, 1.6e-3],
         };
-        let material = &scene.model.material;
+        let material = scene.model.material.unwrap();
         let material = ElasticPair::new(material.youngs_modulus.si(), material.poisson_ratio);
         let curves = GreenwoodWilliamsonCurves::try_new(surface, material, TangentialReading::Mindlin).unwrap();
         let (pressure, _) = curves.normal(law.mean_closure);

@@ -3,6 +3,7 @@
 mod common;
 
 use common::BENCHMARKS;
+use joint_pipeline::joint::quadratic::raise_surfaces;
 use joint_pipeline::joint::{Bodies, Sides};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::structure::{LinearInterface, Spectrum, Structure};
@@ -11,7 +12,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use substructure::elements::{Cell, Formulation, HEX8};
 use substructure::formats::gmsh;
-use substructure::mesh::{Element, Face, Group, Material, Mesh};
+use substructure::mesh::{Assembly, Element, Face, Group, Material, Mesh};
 use test_support::TemporaryFolder;
 
 /// A box of hexahedra: numbers of elements, lowest corner and size (m).
@@ -610,4 +611,67 @@ fn a_response_is_named_by_place_or_by_mode() {
         let error = response(wrong).unwrap_err();
         assert!(error.to_string().contains("structure.mesh.response"), "{error}");
     }
+}
+
+/// A set of settings means those that fit the mesh.
+#[test]
+fn accuracy_takes_the_elements_of_a_mesh_that_is_not_linear_as_they_are() {
+    #[derive(Default)]
+    struct Notes(std::sync::Mutex<String>);
+    impl joint_pipeline::progress::Progress for Notes {
+        fn note(&self, text: &str) {
+            *self.0.lock().expect("one thread") += text;
+        }
+    }
+    let folder = TemporaryFolder::new("lap-accuracy");
+    let written = |lap: &Lap, name: &str| {
+        lap.write(&folder.join(name));
+        folder.join(name)
+    };
+    let linear = lap([6, 2, 1], [6, 2, 1]);
+    let mut quadratic = lap([6, 2, 1], [6, 2, 1]);
+    let mut assembly = Assembly {
+        mesh: quadratic.mesh,
+        ..Assembly::default()
+    };
+    let members = quadratic.faces.iter_mut().map(|group| &mut group.members);
+    raise_surfaces(&mut assembly, members.collect()).expect("a linear mesh");
+    quadratic.mesh = assembly.mesh;
+    let mut mixed = Lap {
+        mesh: quadratic.mesh.clone(),
+        faces: quadratic.faces.clone(),
+    };
+    for element in mixed.mesh.elements.iter_mut().filter(|element| element.material == 1) {
+        let corners = &element.cell.nodes()[..8];
+        element.cell = Cell::try_new(&HEX8, Formulation::IncompatibleModes, corners).expect("a hexahedron");
+    }
+    for group in mixed.faces.iter_mut().filter(|group| ["lower face", "nut"].contains(&group.name.as_str())) {
+        for face in &mut group.members {
+            *face = Face::from_nodes(face.corners()).expect("a face");
+        }
+    }
+    let structure = |path: &Path, asked: Value| {
+        let notes = Notes::default();
+        let scene = scene(path, named(), |value| {
+            let fields = value.as_object_mut().expect("an object");
+            fields.extend(asked.as_object().expect("an object").clone());
+        });
+        let structure = Structure::try_new(&scene, &notes);
+        (structure, notes.0.into_inner().expect("one thread"))
+    };
+    let (of_linear, _) = structure(&written(&linear, "linear.msh"), json!({ "accuracy": "standard" }));
+    let reference = spectrum(&of_linear.unwrap());
+    for asked in [json!({ "accuracy": "standard" }), json!({ "accuracy": "reference" })] {
+        let (found, notes) = structure(&written(&quadratic, "quadratic.msh"), asked.clone());
+        assert!(notes.contains("quadratic already"), "{notes}");
+        compare(&spectrum(&found.unwrap()), &reference, [1e-9; 2], "already quadratic");
+        let (found, notes) = structure(&written(&mixed, "mixed.msh"), asked);
+        assert!(notes.contains("12 of 24 elements are linear") && notes.contains("stay as they are"), "{notes}");
+        assert_eq!(found.unwrap().describe(None, &Silent).unwrap().raised, None);
+    }
+    // What is asked for by name is refused where it does not fit.
+    let path = folder.join("mixed.msh");
+    let model = json!({ "element_order": "quadratic", "material": { "youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0 } });
+    let error = structure(&path, json!({ "model": model })).0.unwrap_err();
+    assert_eq!(error.field(), Some("model.element_order"), "{error}");
 }

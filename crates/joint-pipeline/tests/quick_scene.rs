@@ -700,11 +700,15 @@ fn quantities_are_converted_where_they_are_given() {
         "cqsma": {"amplitude_from": 1e-4}}"#;
     let scene = Scene::from_json(mm, "mm.json", "x", &BENCHMARKS).unwrap();
     let si = beam("x");
-    assert!((scene.model.material.youngs_modulus.si() / 192.85e9 - 1.0).abs() < 1e-15);
-    assert!((scene.model.material.density.unwrap().si() / 7857.8 - 1.0).abs() < 1e-15);
-    assert_eq!(scene.model.material.poisson_ratio, si.model.material.poisson_ratio);
+    assert!((scene.model.material.unwrap().youngs_modulus.si() / 192.85e9 - 1.0).abs() < 1e-15);
+    assert!((scene.model.material.unwrap().density.unwrap().si() / 7857.8 - 1.0).abs() < 1e-15);
     assert_eq!(
-        scene.model.material.hardness, si.model.material.hardness,
+        scene.model.material.unwrap().poisson_ratio,
+        si.model.material.unwrap().poisson_ratio
+    );
+    assert_eq!(
+        scene.model.material.unwrap().hardness,
+        si.model.material.unwrap().hardness,
         "defaults are SI and stay so"
     );
     assert_eq!(scene.bolts, si.bolts);

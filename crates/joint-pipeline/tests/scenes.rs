@@ -10,6 +10,7 @@ use joint_pipeline::scene::{
 };
 use joint_pipeline::{Error, Scene};
 use serde_json::{Value, json};
+use std::path::Path;
 use substructure::elements::Formulation;
 
 fn read(scene: &Value) -> Result<Scene, Error> {
@@ -803,4 +804,69 @@ fn numbers_of_a_scene_are_named_by_their_paths() {
     let twice = asking(json!(["mu", "mu"])).unwrap_err();
     assert!(twice.to_string().contains("names it twice") && twice.field() == Some("mu"));
     assert!(asking(json!(["friction"])).is_err());
+}
+
+/// Keys of stored results and summaries are texts: paths that are none would all be the same in them.
+#[cfg(unix)]
+#[test]
+fn paths_that_are_no_text_are_refused_before_anything_is_computed() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let given = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "benchmark": "brake-reuss-beam" },
+        "model": { "refinement": "quick" },
+        "surface": { "scans": ["top.csv", "bottom.csv"] },
+        "gap": "scan",
+    });
+    let mut scene = Scene::from_json(&given.to_string(), "x", "x", &BENCHMARKS).unwrap();
+    scene.validate("x").unwrap();
+    scene.resolve(Path::new(OsStr::from_bytes(b"/tmp/caf\xe9")));
+    let options = joint_pipeline::Options::cached(std::env::temp_dir());
+    let errors = [
+        scene.validate("x").unwrap_err(),
+        joint_pipeline::run(&scene, &options, &joint_pipeline::progress::Silent).unwrap_err(),
+        joint_pipeline::analysis::cases::CaseHasher::new(None).keys(&scene).unwrap_err(),
+    ];
+    for error in errors {
+        let message = error.to_string();
+        assert!(message.contains("top.csv") && message.contains("no Unicode text"), "{message}");
+    }
+}
+
+/// Matrices with a law of given numbers have no material; what is made of one asks for it.
+#[test]
+fn a_material_is_asked_for_where_something_is_made_of_it() {
+    let set = |curves: Value| json!({ "parameters": { "per": "interface", "sets": [{ "curves": curves }] } });
+    let elastic = set(json!({ "elastic": { "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] } }));
+    let rough = set(json!({ "greenwood-williamson": {
+        "heights": { "gaussian": 1e-6 }, "reference_height": 3e-6, "asperity_density": 1e9, "radii": [1e-4, 1e-4],
+    } }));
+    let structure = json!({ "matrices": {
+        "path": "x.npz", "coordinates": "jump", "interface": { "nodes": [[0, 0], [1, 0], [1, 1], [0, 1]], "elements": [[1, 2, 3, 4]] },
+        "response": { "terms": [[1, 1, 1.0]] },
+    } });
+    let beam = json!({ "mesh": {
+        "path": "x.msh", "interfaces": [{}], "bolts": [{ "head": "a", "nut": "b" }],
+        "response": { "nearest": [0, 0, 0], "direction": [0, 0, 1] },
+    } });
+    let read = |structure: &Value, surface: &Value| {
+        let given = json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
+            "structure": structure, "surface": surface, "bolts": { "load": 1e3 }, "mu": 0.2,
+        });
+        Scene::from_json(&given.to_string(), "x", "x", &BENCHMARKS)
+    };
+    let free = read(&structure, &elastic).unwrap();
+    assert!(free.model.material.is_none() && !free.needs_material());
+    let written = serde_json::to_value(&free).unwrap();
+    assert_eq!(Scene::from_summary(&written, &BENCHMARKS).unwrap(), free);
+    for (structure, surface) in [
+        (&structure, &rough),
+        (&structure, &json!({ "benchmark": "brake-reuss-beam" })),
+        (&beam, &elastic),
+    ] {
+        let error = read(structure, surface).unwrap_err();
+        assert_eq!(error.field(), Some("model.material.youngs_modulus"), "{error}");
+    }
 }

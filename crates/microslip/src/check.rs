@@ -17,6 +17,9 @@ const GROSS_SLIP: f64 = 0.8;
 /// Relative rise of the frequency that counts as noise: kinks of single asperities at the onset of slip.
 const NOISE: f64 = 1e-6;
 
+/// Relative difference of numbers that are the same but for round-off.
+const ROUND_OFF: f64 = 1e-12;
+
 /// What is demanded of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Demand {
@@ -47,11 +50,7 @@ pub fn read(directory: &Path) -> Result<(Summary, Scene)> {
 /// All that is wrong, in one message; a file that cannot be read.
 pub fn results(directory: &Path, demand: Demand) -> Result<usize> {
     let (summary, scene) = read(directory)?;
-    let mut checks = Checks {
-        count: 0,
-        defects: Vec::new(),
-        demand,
-    };
+    let mut checks = Checks::new(demand);
     checks.summary(&scene, &summary)?;
     checks.files(directory, &scene, &summary);
     if !checks.defects.is_empty() {
@@ -65,6 +64,14 @@ pub fn results(directory: &Path, demand: Demand) -> Result<usize> {
     Ok(checks.count)
 }
 
+/// What is wrong with the numbers of a run that is not written yet, among what any run must satisfy.
+pub fn defects(scene: &Scene, summary: &Summary) -> Vec<String> {
+    let mut checks = Checks::new(Demand::Sound);
+    let found = checks.summary(scene, summary);
+    checks.defects.extend(found.err().map(|error| format!("{error:#}")));
+    checks.defects
+}
+
 struct Checks {
     count: usize,
     defects: Vec<String>,
@@ -72,6 +79,14 @@ struct Checks {
 }
 
 impl Checks {
+    fn new(demand: Demand) -> Self {
+        Self {
+            count: 0,
+            defects: Vec::new(),
+            demand,
+        }
+    }
+
     fn that(&mut self, holds: bool, otherwise: impl FnOnce() -> String) {
         self.count += 1;
         if !holds {
@@ -118,7 +133,7 @@ impl Checks {
     /// What is known of the structure of a benchmark.
     fn benchmark(&mut self, bounds: &Bounds, scene: &Scene, summary: &Summary) -> Result<()> {
         let model = &summary.model;
-        let density = scene.model.material.density;
+        let density = scene.model.material.and_then(|material| material.density);
         let density = density
             .context("summary.json: scene.model.material.density is missing")?
             .si();
@@ -201,10 +216,18 @@ impl Checks {
             let frequency = value("frequency_hz", point.frequency_hz)?;
             let halves = point.half_frequencies_hz;
             let halves = halves.with_context(|| format!("amplitude {n}: half_frequencies_hz is missing"))?;
-            self.that(
-                halves[0].min(halves[1]) <= frequency && frequency <= halves[0].max(halves[1]),
-                || format!("amplitude {n}: the frequency {frequency} Hz is not between those of the halves {halves:?}"),
-            );
+            // The range of a loop counts both of its ends at the first reversal, and the halves the last one alone.
+            let apart = value("loop_closure", point.loop_closure)? + value("residual", point.residual)? + ROUND_OFF;
+            let [low, high] = [
+                halves[0].min(halves[1]) * (1.0 - apart),
+                halves[0].max(halves[1]) * (1.0 + apart),
+            ];
+            self.that((low..=high).contains(&frequency), || {
+                format!(
+                    "amplitude {n}: the frequency {frequency} Hz is not between those of the halves {halves:?} within {apart:.1e}, the \
+                     distance between the ends of the loop"
+                )
+            });
             let slip = value("slip_fraction", point.slip_fraction)?;
             // Below the floor there is no damping to compare.
             if complete

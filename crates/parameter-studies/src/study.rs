@@ -6,9 +6,10 @@ use crate::plan::{Base, Plan};
 use crate::run::Part;
 use crate::store::Store;
 use crate::training::{self, Terms};
-use joint_pipeline::analysis::cases::{CaseHasher, as_case};
+use joint_pipeline::analysis::cases::{CaseHasher, as_case, refuse_idle};
 use joint_pipeline::analysis::hyper_reduced::BorneErrors;
 use joint_pipeline::results::provenance::{Input, inputs_of};
+use joint_pipeline::scene::Parameter;
 use joint_pipeline::{Benchmarks, Scene};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -221,6 +222,20 @@ impl<'a> Study<'a> {
             scene.resolve(folder);
         }
         Ok(scene)
+    }
+
+    /// Refuses a parameter that the results of the first case do not depend on.
+    ///
+    /// # Errors
+    /// [`Error::Plan`]; those of [`Study::new`].
+    pub(crate) fn refuse_idle(&self) -> Result<(), Error> {
+        let path = |column: &Column| Parameter::new(column.pointer.trim_start_matches('/').replace('/', "."));
+        let paths = self.design.columns.iter().map(path);
+        refuse_idle(&self.scene(0)?, paths).map_err(|error| Error::Plan {
+            plan: self.name.clone(),
+            field: "parameters".into(),
+            reason: error.to_string(),
+        })
     }
 
     /// Amplitudes of some cases that converged, and how many of them were found with few coordinates and points; none where no case learns.

@@ -7,7 +7,6 @@ use crate::run::{damping, tensions};
 use crate::tightening::Section;
 use crate::{Error, fields, map, plot, sensitivity, uncertainty};
 use askama::Template;
-use joint_pipeline::Run;
 use joint_pipeline::analysis::ModeBackbone;
 use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, ModeEstimate};
 use joint_pipeline::analysis::warnings::Warning;
@@ -17,6 +16,7 @@ use joint_pipeline::results::summary::{
 };
 use joint_pipeline::scene::Method;
 use joint_pipeline::structure::{Overview, choice_name};
+use joint_pipeline::{Run, Scene};
 
 /// Names with values.
 type Facts = Vec<(String, String)>;
@@ -125,7 +125,7 @@ pub fn document(
         pressure: pressure(run),
         tightening: summary.tightening.as_ref().map(Section::of).transpose()?,
         key_numbers: key_numbers(summary),
-        accuracy: accuracy(summary),
+        accuracy: accuracy(summary, &run.scene),
         mesh_estimates: mesh_estimates(summary),
         asperities: summary.law.asperities.as_ref().map(asperity_numbers),
         skipped: summary.skipped.values().map(String::as_str).collect(),
@@ -368,17 +368,11 @@ fn key_numbers(summary: &Summary) -> Facts {
 }
 
 /// What is known of the errors of the results.
-fn accuracy(summary: &Summary) -> Facts {
+fn accuracy(summary: &Summary, scene: &Scene) -> Facts {
     let mut facts = facts([("Error of the mesh", summary.model.error_bar.sentence())]);
     let mut add = |name: &str, value: String| facts.push((name.into(), value));
     if let Some(preset) = summary.accuracy {
-        add(
-            "Settings",
-            format!(
-                "{}; measured errors on the flat beam: {} of frequency, {} of the logarithm of damping",
-                preset.name, preset.frequency_error, preset.damping_error
-            ),
-        );
+        add("Settings", format!("{}; {}", preset.name, preset.promise(scene)));
     }
     if let Some(estimate) = &summary.error_estimate {
         let largest = |value: Option<f64>| value.map_or_else(|| MISSING.into(), |v| format!("{v:.1e}"));

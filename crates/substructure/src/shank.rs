@@ -324,6 +324,23 @@ impl Rows {
     }
 }
 
+impl Assembly {
+    /// Mass of the shanks and of the rigid bodies at their ends (kg).
+    ///
+    /// # Errors
+    /// [`Error::Shank`] for one without length.
+    pub fn mass_at_references(&self) -> Result<f64, Error> {
+        let mut mass = 0.0;
+        for shank in &self.shanks {
+            mass += shank.mass * shank.frame(&self.couplings)?.0;
+        }
+        for body in &self.rigid_masses {
+            mass += body.mass;
+        }
+        Ok(mass)
+    }
+}
+
 impl AtReferences {
     /// `None` if there is nothing.
     ///
@@ -337,11 +354,9 @@ impl AtReferences {
         let n = dofs.independent.len();
         let mut stiffness = Rows::new(DEFORMATIONS * shanks.len(), n);
         let mut mass = Rows::new(12 * shanks.len() + 6 * bodies.len(), n);
-        let mut total_mass = 0.0;
         for (index, shank) in shanks.iter().enumerate() {
             shank.validate()?;
             let (length, axes) = shank.frame(&assembly.couplings)?;
-            total_mass += shank.mass * length;
             let mut ends = Vec::with_capacity(12);
             for end in shank.ends {
                 for component in 0..6 {
@@ -390,7 +405,6 @@ impl AtReferences {
                     "its inertia must be a symmetric matrix without negative principal values",
                 ));
             }
-            total_mass += body.mass;
             let first = 12 * shanks.len() + 6 * index;
             for component in 0..6 {
                 let place = format!("rigid mass {index}");
@@ -407,7 +421,7 @@ impl AtReferences {
         Ok(Some(Self {
             stiffness: stiffness.matrix(),
             mass: mass.matrix(),
-            total_mass,
+            total_mass: assembly.mass_at_references()?,
         }))
     }
 }

@@ -865,3 +865,20 @@ fn rows_of_the_table_agree_with_themselves() {
     assert!(all(|row| row.gmsh.number, |face| face.gmsh));
     assert!(all(|row| row.vtk.number, |face| face.vtk));
 }
+
+/// Of elements with curved edges and faces too: the mass of density one.
+#[test]
+fn volumes_are_masses_of_unit_density() {
+    let unit = Material {
+        density: 1.0,
+        ..material(0.29)
+    };
+    for kind in kinds() {
+        let (cell, nodes) = distorted(kind);
+        let mut numbers = 0..;
+        let cell = cell.map_nodes(|_| numbers.next().unwrap());
+        let mass: f64 = matrices(0, &cell, &nodes, &unit).unwrap().mass.iter().sum();
+        let volume = cell.volume(&nodes);
+        assert!((volume / mass - 1.0).abs() < 1e-12, "{kind:?}: {volume} {mass}");
+    }
+}

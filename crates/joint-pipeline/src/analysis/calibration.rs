@@ -509,6 +509,7 @@ pub fn calibrate(
             )));
         }
     }
+    Parameter::refuse_together(names.iter(), scene).map_err(refused)?;
     if !(noise.frequency_ln > 0.0 && noise.damping_ln > 0.0) {
         return Err(refused(
             "standard deviations of the measurement must be positive".into(),
@@ -531,7 +532,7 @@ pub fn calibrate(
         structure,
         prepared,
         analysis,
-    } = Solved::new(&loops_alone(scene, true), &[], options, progress)?;
+    } = Solved::new(&loops_alone(scene, true), &names, Rates::None, options, progress)?;
     let study = Study::try_new(scene, names, &structure, &prepared, options)?;
     let nominal: Vec<f64> = study
         .parameters()

@@ -1,5 +1,6 @@
 //! Backbones of many scenes, of which those on equal structures share a reduction, and those with equal surfaces what was measured of them.
 
+use super::effects::Effects;
 use super::ensemble::loops_alone;
 use super::hyper_reduced::BorneErrors;
 use super::outcome::ModeAnalysis;
@@ -8,9 +9,9 @@ use super::run::{Solver, check_bolts};
 use super::variants::{Curve, VariantPoint};
 use crate::Error;
 use crate::interface::SceneInterface;
-use crate::progress::Progress;
+use crate::progress::{Progress, Silent};
 use crate::results::provenance::{Input, InputRole, inputs_of};
-use crate::scene::{Scene, Units};
+use crate::scene::{Parameter, Scene, Units};
 use crate::store::Options;
 use crate::store::key::KeyBuilder;
 use crate::structure::{StructuralModel, Structure};
@@ -55,6 +56,25 @@ pub fn as_case(scene: &Scene) -> Scene {
     case
 }
 
+/// Refuses the first of some numbers of a case that its results do not depend on. Paths that name no number of it are left out, as are cases that
+/// have no interface: what is wrong with them is found when they run.
+///
+/// # Errors
+/// [`Error::Parameter`].
+pub fn refuse_idle(case: &Scene, parameters: impl Iterator<Item = Parameter>) -> Result<(), Error> {
+    let numbers: Vec<Parameter> = parameters.filter(|parameter| parameter.value(case).is_ok()).collect();
+    if numbers.is_empty() {
+        return Ok(());
+    }
+    let Ok(structure) = Structure::try_new(case, &Silent) else {
+        return Ok(());
+    };
+    let Ok(effects) = Effects::try_new(case, &structure, None) else {
+        return Ok(());
+    };
+    numbers.iter().try_for_each(|parameter| effects.require(parameter))
+}
+
 impl CaseHasher {
     /// For a build of the program, see [`Options::build`].
     pub fn new(build: Option<String>) -> Self {
@@ -69,14 +89,7 @@ impl CaseHasher {
     /// # Errors
     /// A file that the scene names cannot be read.
     pub fn keys(&self, case: &Scene) -> Result<CaseKeys, Error> {
-        let encoded = |scene: &Scene| {
-            serde_json::to_value(scene).map_err(|error| Error::Syntax {
-                place: NAME.into(),
-                field: None,
-                message: format!("{error}; give it a folder whose path is UTF-8"),
-            })
-        };
-        let (whole, alone) = (encoded(case)?, encoded(&case.clone().alone())?);
+        let (whole, alone) = (case.encoded()?, case.clone().alone().encoded()?);
         let surfaces = json!([whole["surface"], whole["law"], whole["structure"]]).to_string();
         let files = self.files(&surfaces, case)?;
         let mut model = alone["model"].clone();

@@ -5,6 +5,7 @@ pub mod calibration;
 pub mod cases;
 pub mod comparison;
 mod deformed;
+mod effects;
 mod element_loops;
 pub mod ensemble;
 pub mod error_estimate;

@@ -28,6 +28,7 @@ use cqsma_solver::NewtonSettings;
 use faer::Mat;
 use reduction::ReducedModel;
 use sprs::CsMat;
+use std::path::Path;
 use zte_assembly::{Interface, InterfaceMesh};
 
 /// A finished run.
@@ -379,10 +380,9 @@ impl Prepared {
         // Fields, other methods and other modes are left to the measured law.
         let scene = ensemble::loops_alone(&self.scene, false);
         let load = bolt_load(&scene, &self.model);
-        let checkpoint = match &self.options.cache {
+        let checkpoint = match kept(&scene, &self.options)? {
             None => Checkpoint::default(),
-            Some(directory) => {
-                let mut key = self.key(&scene);
+            Some((directory, mut key)) => {
                 // Whatever else the realisations depend on has left its mark in the measured backbone.
                 key.numbers(analysis.prestress.solution.displacement.iter().copied());
                 key.numbers(analysis.frequencies.iter().copied());
@@ -409,10 +409,6 @@ impl Prepared {
         Ok((Ensemble::new(members, &analysis.modes[0].amplitudes), checkpoints))
     }
 
-    pub(super) fn key(&self, scene: &Scene) -> KeyBuilder {
-        key(scene, &self.options)
-    }
-
     pub(super) fn finish(mut self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
         self.scene.sensitivities.truncate(self.shown);
         let Analysis {
@@ -431,7 +427,7 @@ impl Prepared {
             validity: validity::assess(
                 &self.interface.interface,
                 asperities.as_ref(),
-                &self.scene.model.material,
+                self.scene.model.material.as_ref(),
                 self.interface
                     .report()
                     .resolved
@@ -488,7 +484,12 @@ impl Prepared {
     /// What warnings judge.
     fn findings(&self, prestress: &PrestressResult, frequencies: &[f64], validity: Option<&Validity>) -> Findings {
         let pressures = &prestress.fields.traction[2];
-        let hardness = self.scene.model.material.hardness.map(Stress::si);
+        let hardness = self
+            .scene
+            .model
+            .material
+            .and_then(|material| material.hardness)
+            .map(Stress::si);
         let operators = self.interface.interface.operators();
         let above = pressures.iter().zip(&operators.weights);
         let above = above.filter(|(pressure, _)| hardness.is_some_and(|hardness| **pressure > hardness));
@@ -655,11 +656,7 @@ impl Solver<'_> {
                 sensitivities: sensitivities.as_ref(),
                 forces: forces.and_then(|forces| forces.get(place)),
             };
-            let key = self
-                .options
-                .cache
-                .as_deref()
-                .map(|directory| (directory, key(scene, self.options)));
+            let key = kept(scene, self.options)?;
             let share = |done: f64| (place as f64 + done) / followed.len() as f64;
             let (found, resume) = request.run(key, &share, progress)?;
             modes.push(found);
@@ -679,11 +676,7 @@ impl Solver<'_> {
             .collect();
         let forced = match &scene.forced {
             Some(settings) => {
-                let key = self
-                    .options
-                    .cache
-                    .as_deref()
-                    .map(|directory| (directory, key(scene, self.options)));
+                let key = kept(scene, self.options)?;
                 let (found, resume) = request.forced(settings, &free, key, progress)?;
                 checkpoints.extend(resume);
                 found
@@ -710,10 +703,19 @@ fn tensions(model: &StructuralModel, scene: &Scene) -> Vec<f64> {
 }
 
 /// What all loops of a scene depend on.
-fn key(scene: &Scene, options: &Options) -> KeyBuilder {
+///
+/// # Errors
+/// A scene that cannot be written.
+fn key(scene: &Scene, options: &Options) -> Result<KeyBuilder, Error> {
     let mut key = KeyBuilder::new(options.build.as_deref());
-    key.text(&serde_json::to_string(scene).unwrap_or_default());
-    key
+    key.text(&scene.encoded()?.to_string());
+    Ok(key)
+}
+
+/// Where loops of a scene are kept, if they are, and their key.
+pub(super) fn kept<'a>(scene: &Scene, options: &'a Options) -> Result<Option<(&'a Path, KeyBuilder)>, Error> {
+    let folder = options.cache.as_deref();
+    folder.map(|folder| Ok((folder, key(scene, options)?))).transpose()
 }
 
 /// Refuses loads and orders of other bolts than there are.

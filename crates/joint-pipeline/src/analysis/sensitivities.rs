@@ -1,5 +1,6 @@
 //! Derivatives of backbones with respect to numbers of the scene.
 
+use super::effects::Effects;
 use super::prestress::{load_of, response};
 use crate::Error;
 use crate::interface::{InterfaceForce, SceneInterface};
@@ -108,7 +109,8 @@ impl Neighbours {
     /// state, is not differentiated with respect to them.
     ///
     /// # Errors
-    /// Values beside that of the scene which are not admissible; of the law there, of the structure and of its reduction.
+    /// [`Error::Parameter`] for one that no result depends on; values beside that of the scene which are not admissible; of the law there, of
+    /// the structure and of its reduction.
     pub(super) fn of(
         scene: &Scene,
         structure: &Structure,
@@ -119,7 +121,14 @@ impl Neighbours {
         let is_locked = scene.bolts.behaviour == BoltBehaviour::Locked;
         let (mut all, mut others) = (Vec::new(), Vec::new());
         let mut known = None;
+        let effects = match scene.sensitivities.as_slice() {
+            [] => None,
+            _ => Some(Effects::try_new(scene, structure, Some(interface))?),
+        };
         for parameter in &scene.sensitivities {
+            if let Some(effects) = &effects {
+                effects.require(parameter)?;
+            }
             let is_structural = parameter.influence() == Influence::Structure;
             let is_left = scene.bolts.tightening.is_some() || (is_structural && is_locked);
             let beside = match is_left {
@@ -131,13 +140,23 @@ impl Neighbours {
                 continue;
             };
             if is_structural {
+                let sides = [
+                    Structure::try_new(&one.above, progress)?,
+                    Structure::try_new(&one.below, progress)?,
+                ];
+                // The law's derivatives belong to the mesh of the interface.
+                if sides.iter().any(|side| side.interface() != structure.interface()) {
+                    others.push(parameter.clone());
+                    continue;
+                }
                 let known = match &known {
                     Some(known) => known,
                     None => known.insert(structure.assemble()?),
                 };
-                let reduced =
-                    |scene| Structure::try_new(scene, progress)?.neighbour_of(known, &model.reduced, progress);
-                one.models = Some([reduced(&one.above)?, reduced(&one.below)?]);
+                let [above, below] = sides
+                    .each_ref()
+                    .map(|side| side.neighbour_of(known, &model.reduced, progress));
+                one.models = Some([above?, below?]);
             }
             all.push(one);
         }

@@ -196,7 +196,7 @@ pub fn run_samples(
         structure,
         prepared,
         mut analysis,
-    } = Solved::new(scene, &parameters, options, progress)?;
+    } = Solved::new(scene, &parameters, Rates::WhereTheyCostLittle, options, progress)?;
     let study = Study::try_new(scene, parameters, &structure, &prepared, options)?;
     if study.changes_the_structure() {
         progress.note(

@@ -66,7 +66,7 @@ impl Validity {
 pub(crate) fn assess(
     interface: &Interface,
     asperities: Option<&Asperities>,
-    material: &Material,
+    material: Option<&Material>,
     own_onset: Option<f64>,
     yielding: Option<Yield>,
     prestressed: &Fields,
@@ -100,7 +100,7 @@ pub(crate) fn assess(
         if own_onset.is_some() {
             return own_onset;
         }
-        let hardness = material.hardness.map(Stress::si)?;
+        let hardness = material?.hardness.map(Stress::si)?;
         Some(critical_interference(
             &asperities.material,
             hardness,
@@ -142,7 +142,7 @@ pub(crate) fn assess(
         adhesive_to_elastic_traction: law_mean(
             &|p| {
                 let (_, pair) = population(p)?;
-                let work = material.work_of_adhesion.map(SurfaceEnergy::si)?;
+                let work = material?.work_of_adhesion.map(SurfaceEnergy::si)?;
                 let pull_off = 2.0 * std::f64::consts::PI * pair.effective_radius() * work;
                 let adhesive = pair.density() * pair.gaps().loaded_fraction(u_n[p]) * pull_off;
                 Some(adhesive / prestressed.traction[2][p])

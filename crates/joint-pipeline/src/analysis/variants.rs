@@ -1,9 +1,10 @@
 //! A scene with other numbers, over and over: what samples, finite differences and calibrations run.
 
+use super::effects::Effects;
 use super::ensemble::{self, Batch};
 use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis};
 use super::prestress::bolt_load;
-use super::run::{Prepared, Solver, prepare_on};
+use super::run::{Prepared, Solver, kept, prepare_on};
 use super::sensitivities::{Neighbours, Per, Sensitivity};
 use crate::Error;
 use crate::progress::{Progress, Stage};
@@ -453,7 +454,12 @@ impl<'a> Study<'a> {
             None => Cow::Borrowed(self.prepared.model()),
             Some(known) => {
                 let structure = Structure::try_new(&scene, progress)?;
-                match structure.multiple_of(known, self.prepared.model())? {
+                // What is known of the interface belongs to its mesh.
+                let multiple = match structure.interface() == self.structure.interface() {
+                    true => structure.multiple_of(known, self.prepared.model())?,
+                    false => None,
+                };
+                match multiple {
                     Some(model) => Cow::Owned(model),
                     None => return self.analyse_anew(&scene, &structure, forces, rates, progress),
                 }
@@ -556,10 +562,9 @@ impl<'a> Study<'a> {
         nominal: &Analysis,
         progress: &dyn Progress,
     ) -> Result<(Vec<Variant>, Checkpoints), Error> {
-        let checkpoint = match &self.options.cache {
+        let checkpoint = match kept(&self.scene, &self.options)? {
             None => Checkpoint::default(),
-            Some(directory) => {
-                let mut key = self.prepared.key(&self.scene);
+            Some((directory, mut key)) => {
                 self.parameters.iter().for_each(|parameter| key.text(parameter.path()));
                 inputs.iter().for_each(|(values, forces)| {
                     key.numbers(values.iter().copied());
@@ -603,15 +608,23 @@ pub(super) struct Solved {
 }
 
 impl Solved {
-    /// With derivatives with respect to `parameters`, where they cost little.
+    /// With derivatives with respect to the `parameters` that are to vary.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for one that no result depends on; as [`run`](super::run).
     pub(super) fn new(
         scene: &Scene,
         parameters: &[Parameter],
+        rates: Rates,
         options: &Options,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let (structure, mut prepared) = prepare_on(scene, options, progress)?;
-        prepared.differentiate_also(parameters)?;
+        let effects = Effects::try_new(scene, &structure, Some(prepared.interface()))?;
+        parameters.iter().try_for_each(|parameter| effects.require(parameter))?;
+        if rates == Rates::WhereTheyCostLittle {
+            prepared.differentiate_also(parameters)?;
+        }
         let analysis = prepared.analyse_in_full(progress)?;
         Ok(Self {
             structure,

@@ -45,7 +45,7 @@ impl Asperities {
             known: None,
             height: 1.0,
             of_element: vec![0; mesh.elements.len()],
-            material: material(scene),
+            material: material(scene)?,
             scan: None,
             finish: None,
         }
@@ -66,7 +66,7 @@ impl Asperities {
             known: None,
             height: 1.0,
             of_element,
-            material: material(scene),
+            material: material(scene)?,
             scan: None,
             finish: Some(Arc::new((report, forms))),
         }
@@ -82,7 +82,7 @@ impl Asperities {
             known: None,
             height: 1.0,
             of_element: (0..mesh.elements.len() as u32).collect(),
-            material: material(scene),
+            material: material(scene)?,
             scan: Some(Arc::new((found, files))),
             finish: None,
         }
@@ -110,7 +110,7 @@ impl Asperities {
             known: None,
             height: 1.0,
             of_element: self.of_element.clone(),
-            material: material(scene),
+            material: material(scene)?,
             scan: self.scan.clone(),
             finish: self.finish.clone(),
         }

@@ -4,7 +4,7 @@ use super::asperities::population;
 use super::surface::{bounds, material, set_readings};
 use crate::Error;
 use crate::scene::{Finish, Length, Lengths, Route, Scene, Surface};
-use contact_laws::AsperityPopulation;
+use contact_laws::{AsperityPopulation, ElasticPair};
 use serde::{Deserialize, Serialize};
 use surface_characterisation::finish::{
     FaceFinish, FinishError, FlatnessForm, LawInterval, PairFinish, SpectralMoments, Theory, patch_of_element,
@@ -114,7 +114,8 @@ impl FinishedSurface {
             return Err(Error::NoSamples);
         };
         let (faces, assumptions) = finish.faces(&scene.name)?;
-        Self::of_faces(scene, finish, mesh, faces, assumptions).map_err(|source| Error::Finish {
+        let material = material(scene)?;
+        Self::of_faces(scene, finish, mesh, material, faces, assumptions).map_err(|source| Error::Finish {
             place: scene.name.clone(),
             field: "surface.finish".into(),
             source: Box::new(source),
@@ -125,6 +126,7 @@ impl FinishedSurface {
         scene: &Scene,
         finish: &Finish,
         mesh: &InterfaceMesh,
+        material: ElasticPair,
         faces: [FaceFinish; 2],
         mut assumptions: Vec<String>,
     ) -> Result<Self, FinishError> {
@@ -138,7 +140,7 @@ impl FinishedSurface {
         assumptions.extend(assumed);
 
         let sum = pair.faces()[0].moments() + pair.faces()[1].moments();
-        let mut options = Options::new(material(scene));
+        let mut options = Options::new(material);
         options.tangential = scene.law.tangential;
         options.interference = range(&sum);
         set_readings(&mut options, &finish.readings);

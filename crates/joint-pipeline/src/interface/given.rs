@@ -1,6 +1,7 @@
 //! Laws whose parameters a scene gives itself.
 
 use super::law::frictional;
+use super::surface::material;
 use crate::Error;
 use crate::scene::{
     ContactStiffness, Curves, Fitted, GreenwoodWilliamson, Heights, Length, ParameterSet, Parameters, Per, Scene,
@@ -93,8 +94,9 @@ impl GivenLaw {
                 ("fitted", frictional(points, mu, scene)?, boxed(curves))
             }
             Curves::GreenwoodWilliamson(_) => {
+                let material = material(scene)?;
                 let read = |curves: &Curves| match curves {
-                    Curves::GreenwoodWilliamson(surface) => Some(greenwood_williamson(surface, scene)),
+                    Curves::GreenwoodWilliamson(surface) => Some(greenwood_williamson(surface, material)),
                     _ => None,
                 };
                 let curves = one_kind(sets, read)?;
@@ -196,7 +198,7 @@ fn boxed<C: ContactCurves + 'static>(curves: Vec<C>) -> Vec<Box<dyn ContactCurve
 
 fn greenwood_williamson(
     given: &GreenwoodWilliamson,
-    scene: &Scene,
+    material: ElasticPair,
 ) -> Result<GreenwoodWilliamsonCurves, contact_laws::Error> {
     let heights = match given.heights {
         Heights::Exponential(scale) => HeightDistribution::Exponential { scale: scale.si() },
@@ -210,8 +212,6 @@ fn greenwood_williamson(
         asperity_density: given.asperity_density.si(),
         radii: given.radii.map(Length::si),
     };
-    let material = &scene.model.material;
-    let material = ElasticPair::new(material.youngs_modulus.si(), material.poisson_ratio);
     GreenwoodWilliamsonCurves::try_new(surface, material, given.tangential)
 }
 

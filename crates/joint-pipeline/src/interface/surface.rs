@@ -72,7 +72,7 @@ impl ScannedSurface {
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
         let outlines =
             ElementOutlines::try_new(mesh.nodes.clone(), mesh.elements.iter().map(Element::outline).collect())?;
-        let mut options = Options::new(material(scene));
+        let mut options = Options::new(material(scene)?);
         options.tangential = scene.law.tangential;
         options.u_ref = U_REF;
         let (faces, files) = match &scene.surface {
@@ -231,11 +231,16 @@ impl ScannedSurface {
     }
 }
 
-pub(crate) fn material(scene: &Scene) -> ElasticPair {
-    ElasticPair {
-        youngs_modulus: scene.model.material.youngs_modulus.si(),
-        poisson_ratio: scene.model.material.poisson_ratio,
-    }
+/// Two faces of the scene's material.
+///
+/// # Errors
+/// [`Error::NoMaterial`].
+pub(crate) fn material(scene: &Scene) -> Result<ElasticPair, Error> {
+    let material = scene.model.material()?;
+    Ok(ElasticPair {
+        youngs_modulus: material.youngs_modulus.si(),
+        poisson_ratio: material.poisson_ratio,
+    })
 }
 
 fn set(options: &mut Options, scans: &Scans) {

@@ -15,7 +15,7 @@ pub struct Preset {
     /// Name.
     pub name: &'static str,
     /// Order of the elements and refinement of a benchmark's mesh; without effect where a deck or matrices replace it, and on scenes
-    /// that give a mesh of their own: an order, a refinement or a formulation.
+    /// that give a mesh of their own: an order, a refinement or a formulation. Of a mesh file the order alone, as far as its elements fit.
     pub element_order: ElementOrder,
     /// See there.
     pub refinement: RefinementLevel,
@@ -177,16 +177,23 @@ impl Accuracy {
 }
 
 impl Preset {
+    /// Whether its errors were measured on the structure of a scene.
+    fn is_measured_on(scene: &Scene) -> bool {
+        scene.structure.benchmark().is_some()
+    }
+
     /// What a run with these settings is expected to take, and what that rests on, for the start of a run.
     pub fn expectation(&self, scene: &Scene) -> String {
+        if !Self::is_measured_on(scene) {
+            return "a time that depends on the mesh: settings are timed on the Brake-Reuss beam alone".into();
+        }
         let seconds = self.cost * STANDARD_SECONDS;
         let time = match seconds {
             seconds if seconds < 100.0 => format!("{seconds:.0} s"),
             seconds => format!("{:.0} min", seconds / 60.0),
         };
         let model = &scene.model;
-        let has_mesh = scene.structure.benchmark().is_some()
-            && (model.element_order, model.refinement) == (self.element_order, self.refinement);
+        let has_mesh = (model.element_order, model.refinement) == (self.element_order, self.refinement);
         let loops = scene.cqsma.amplitudes * scene.cqsma.followed().len();
         let differs = match (has_mesh, loops == TIMED_AMPLITUDES) {
             (true, true) => String::new(),
@@ -197,6 +204,17 @@ impl Preset {
             "about {time} where nothing is in the cache, as measured on the flat Brake-Reuss beam with \
              {TIMED_AMPLITUDES} loops on two cores{differs}"
         )
+    }
+
+    /// What is known of the errors of a scene with these settings, for the end of a run.
+    pub fn promise(&self, scene: &Scene) -> String {
+        match Self::is_measured_on(scene) {
+            true => format!(
+                "measured errors on the flat beam: {} in frequency, {} in the logarithm of damping",
+                self.frequency_error, self.damping_error
+            ),
+            false => "their errors are not known of this structure; --estimate-error settings measures them".into(),
+        }
     }
 
     /// Where a scene file has the settings, and their values.

@@ -79,6 +79,7 @@ pub struct Scene {
     /// The structure.
     pub structure: StructureBlock,
     /// How it is meshed and reduced.
+    #[serde(default)]
     pub model: Model,
     /// What the traction law follows from.
     pub surface: Surface,
@@ -131,18 +132,15 @@ fn two() -> usize {
     2
 }
 
+/// A line that gives a material.
+const MATERIAL_LINE: &str = r#""model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } }"#;
+
 /// What a scene must say unless its benchmark does: the field, and a line that gives it.
 const PHYSICS: [(&str, &str); 5] = [
     ("/mu", r#""mu": 0.2"#),
     ("/bolts/load", r#""bolts": { "load": "12 kN" }"#),
-    (
-        "/model/material/youngs_modulus",
-        r#""model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } }"#,
-    ),
-    (
-        "/model/material/poisson_ratio",
-        r#""model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } }"#,
-    ),
+    ("/model/material/youngs_modulus", MATERIAL_LINE),
+    ("/model/material/poisson_ratio", MATERIAL_LINE),
     (
         "/surface",
         r#""surface": { "scans": ["top.x3p", "bottom.x3p"] }, or "surface": { "benchmark": NAME } for the measured surface of a benchmark"#,
@@ -244,7 +242,10 @@ impl Scene {
             benchmark::scope(benchmarks, || units.scope(read)).map_err(syntax)
         };
         let mut scene = read(filled.clone())?;
-        let own = serde_json::to_value(&scene).map_err(|e| syntax(e.to_string().into()))?;
+        if scene.needs_material() && scene.model.material.is_none() {
+            return Err(syntax(missing("/model/material/youngs_modulus", MATERIAL_LINE)));
+        }
+        let own = scene.encoded()?;
         refuse_lists(&given, &own, "").map_err(syntax)?;
         scene.refuse_idle(&given).map_err(syntax)?;
         if let Some(accuracy) = scene.accuracy {
@@ -254,8 +255,7 @@ impl Scene {
                 .fill(&mut filled);
             scene = read(filled)?;
         }
-        let mesh = scene.structure.mesh().map_or(&[][..], |mesh| &mesh.bolts);
-        scene.bolts.follow_torque(mesh).map_err(syntax)?;
+        scene.derive().map_err(syntax)?;
         if let Some(mut uncertain) = scene.uncertain.take() {
             uncertain.convert(&scene, units)?;
             scene.uncertain = Some(uncertain);
@@ -266,6 +266,12 @@ impl Scene {
         }
         scene.validate(place)?;
         Ok(scene)
+    }
+
+    /// Finds what follows from other numbers of the scene and is kept beside them.
+    fn derive(&mut self) -> Result<(), Refusal> {
+        let mesh = self.structure.mesh().map_or(&[][..], |mesh| &mesh.bolts);
+        self.bolts.follow_torque(mesh)
     }
 
     /// The one place where scenes are deserialised, as every further one would be compiled anew; messages name the field.
@@ -280,6 +286,25 @@ impl Scene {
     pub fn from_summary(value: &Value, benchmarks: Benchmarks<'_>) -> Result<Self, Error> {
         let read = || Self::understand(value.clone());
         benchmark::scope(benchmarks, read).map_err(|refusal| refused("the scene of a summary", refusal))
+    }
+
+    /// The scene as [`Serialize`] writes it: what keys of stored results are made of, and what summaries hold.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`] for a path that is no Unicode text, of which neither would know the difference from another.
+    pub(crate) fn encoded(&self) -> Result<Value, Error> {
+        serde_json::to_value(self).map_err(|error| {
+            let mut own = self.clone();
+            let path = own.paths().find(|path| path.to_str().is_none());
+            let message = match path {
+                Some(path) => format!(
+                    "the path {} is no Unicode text, so that results could not name it; give file and folders other names",
+                    path.display()
+                ),
+                None => error.to_string(),
+            };
+            refused(&self.name, message.into())
+        })
     }
 
     /// The default scene on a benchmark, in SI.
@@ -348,6 +373,20 @@ impl Scene {
         });
         let all = surfaces.chain(gaps).chain([self.structure.benchmark()]);
         all.flatten().map(|benchmark| benchmark.0)
+    }
+
+    /// Whether bodies are made of the scene's material.
+    fn is_meshed_of_material(&self) -> bool {
+        match &self.structure.source {
+            StructureSource::Benchmark(_) | StructureSource::Mesh(_) => true,
+            StructureSource::Deck(deck) => deck.materials == MaterialSource::Scene,
+            StructureSource::Matrices(_) => false,
+        }
+    }
+
+    /// Whether anything depends on the scene's material: bodies, or asperities.
+    pub fn needs_material(&self) -> bool {
+        self.is_meshed_of_material() || self.surfaces().any(Surface::needs_material)
     }
 
     /// All paths in the scene.
@@ -611,16 +650,23 @@ fn require_physics(scene: &Value) -> Result<(), Refusal> {
             return Err(listed(&block[1..].replace('/', ".")));
         }
     }
-    let missing = |path: &str| scene.pointer(path).is_none_or(Value::is_null);
-    match PHYSICS.iter().find(|(path, _)| missing(path)) {
-        Some((path, line)) => {
-            let field = path[1..].replace('/', ".");
-            let message =
-                format!("{field} is missing, and the structure has no default for it; add for example {line}");
-            Err(Refusal::of(field, message))
-        }
+    // Whether a material that is not there at all is needed is known once the scene is understood.
+    let has_material = scene
+        .pointer("/model/material")
+        .is_some_and(|material| !material.is_null());
+    let is_idle = |path: &str| path.starts_with("/model/material/") && !has_material;
+    let is_missing = |path: &str| scene.pointer(path).is_none_or(Value::is_null) && !is_idle(path);
+    match PHYSICS.iter().find(|(path, _)| is_missing(path)) {
+        Some((path, line)) => Err(missing(path, line)),
         None => Ok(()),
     }
+}
+
+/// What the physics depends on and nothing says; `line` gives it.
+fn missing(path: &str, line: &str) -> Refusal {
+    let field = path[1..].replace('/', ".");
+    let message = format!("{field} is missing, and the structure has no default for it; add for example {line}");
+    Refusal::of(field, message)
 }
 
 /// Writes `defaults` into a scene where it says nothing.
@@ -652,8 +698,7 @@ pub fn file_schema() -> schemars::Schema {
     let mut whole = Value::Object(std::mem::take(value));
     optional(&mut whole, &["model", "surface", "mu", "bolts"]);
     for (definition, fields) in [
-        ("Model", &["material"][..]),
-        ("Material", &["youngs_modulus", "poisson_ratio"]),
+        ("Material", &["youngs_modulus", "poisson_ratio"][..]),
         ("Bolts", &["load"]),
     ] {
         if let Some(definition) = whole.pointer_mut(&format!("/$defs/{definition}")) {

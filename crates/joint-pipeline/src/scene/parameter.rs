@@ -21,10 +21,20 @@ const PHYSICAL: [&str; 8] = [
     "structure",
 ];
 
+/// What a load follows from where the scene gives a torque.
+const OF_TORQUE: [&str; 5] = [
+    "bolts.torque",
+    "bolts.thread.",
+    "bolts.thread_friction",
+    "bolts.head_friction",
+    "bolts.bearing_diameters",
+];
+
 /// A number of a scene, named by its path: fields with dots between, elements of lists by their place from 0, such as `mu`,
 /// `bolts.load`, `bolts.loads.2`, `model.material.youngs_modulus` or `scale.asperity_radius`.
 ///
-/// `bolts.load` of a scene whose bolts have loads of their own is a common factor on them, and the first of them its value.
+/// `bolts.load` of a scene whose bolts have loads of their own is a common factor on them, and the first of them its value. Where the loads
+/// follow from a torque, a change of what they follow from changes them, and another load takes the place of the torque.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
@@ -68,13 +78,47 @@ impl Parameter {
         self.0.starts_with("surface") && !smooth.iter().any(|known| self.0.starts_with(known))
     }
 
+    /// Whether it is the load of the bolts, or of one of them.
+    pub(super) fn is_bolt_load(&self) -> bool {
+        self.0 == "bolts.load" || self.0.starts_with("bolts.loads.")
+    }
+
+    /// Whether a load that follows from a torque depends on it.
+    fn is_of_torque(&self) -> bool {
+        OF_TORQUE.iter().any(|field| self.0.starts_with(field))
+    }
+
+    /// Refuses parameters that cannot vary at the same time, as one of them says what another follows from; in words.
+    pub(crate) fn refuse_together<'p>(
+        all: impl Iterator<Item = &'p Self> + Clone,
+        scene: &Scene,
+    ) -> Result<(), String> {
+        let find = |which: &dyn Fn(&Self) -> bool| all.clone().find(|one| which(one));
+        let loads = find(&|one| one.0 == "bolts.load");
+        if let (Some(loads), Some(one)) = (loads, find(&|one| one.is_bolt_load() && one.0 != "bolts.load")) {
+            return Err(format!(
+                "{loads} is the load of all bolts, and {one} that of one of them; leave one of them out"
+            ));
+        }
+        if let (true, Some(load), Some(of)) = (
+            scene.bolts.has_torque(),
+            find(&Self::is_bolt_load),
+            find(&Self::is_of_torque),
+        ) {
+            return Err(format!(
+                "{load} follows from {of}, and would take its place; leave one of them out"
+            ));
+        }
+        Ok(())
+    }
+
     /// Its value in a scene (SI).
     ///
     /// # Errors
     /// [`Error::Parameter`] where the scene has no such number.
     pub fn value(&self, scene: &Scene) -> Result<f64, Error> {
         self.check_kind()?;
-        let value = serialised(scene)?;
+        let value = scene.encoded()?;
         let found = value.pointer(&self.pointer()).and_then(Value::as_f64);
         let is_whole = |value: &Value| value.is_u64() || value.is_i64();
         match found {
@@ -92,7 +136,7 @@ impl Parameter {
     /// As [`Self::value`], and whatever the scene refuses the value for.
     pub fn with(&self, scene: &Scene, number: f64) -> Result<Scene, Error> {
         let before = self.value(scene)?;
-        let mut value = serialised(scene)?;
+        let mut value = scene.encoded()?;
         let pointers: Vec<String> = match (self.0.as_str(), scene.bolts.loads.len()) {
             ("bolts.load", bolts) if bolts > 0 => (0..bolts).map(|bolt| format!("/bolts/loads/{bolt}")).collect(),
             _ => Vec::new(),
@@ -109,7 +153,14 @@ impl Parameter {
             // That of all bolts is the first of them.
             value["bolts"]["load"] = json!(number);
         }
-        let varied = understood(scene, value)?;
+        let mut varied = understood(scene, value)?;
+        match self.is_bolt_load() {
+            true => varied.bolts.forget_torques(),
+            false => varied.bolts.forget_loads(),
+        }
+        varied
+            .derive()
+            .map_err(|refusal| super::refused(&scene.name, refusal))?;
         varied.validate(&scene.name)?;
         Ok(varied)
     }
@@ -120,7 +171,7 @@ impl Parameter {
     /// As [`Self::value`].
     pub fn unit(&self, scene: &Scene) -> Result<&'static str, Error> {
         self.value(scene)?;
-        let mut value = serialised(scene)?;
+        let mut value = scene.encoded()?;
         // A quantity takes a text with a unit of its dimension; pure numbers take none.
         let takes = |symbol: &&&'static str| {
             if let Some(field) = value.pointer_mut(&self.pointer()) {
@@ -133,7 +184,7 @@ impl Parameter {
 
     /// A value of it (SI), as a scene file in these units gives it: a number or a text with a unit.
     pub(super) fn read(&self, scene: &Scene, given: Value, units: Units) -> Result<f64, Refusal> {
-        let mut value = serialised(scene).map_err(|error| Refusal::from(error.to_string()))?;
+        let mut value = scene.encoded().map_err(|error| Refusal::from(error.to_string()))?;
         if let Some(field) = value.pointer_mut(&self.pointer()) {
             *field = given;
         }
@@ -202,10 +253,6 @@ impl fmt::Display for Parameter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
-}
-
-fn serialised(scene: &Scene) -> Result<Value, Error> {
-    serde_json::to_value(scene).map_err(|error| super::refused(&scene.name, Refusal::from(error.to_string())))
 }
 
 /// A scene from its numbers in SI, with what files do not say taken from `scene`.

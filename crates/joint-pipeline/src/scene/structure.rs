@@ -2,6 +2,7 @@
 
 use super::mesh::MeshFile;
 use super::units::{Area, Density, Length, Mass, Stress, SurfaceEnergy, Units};
+use crate::Error;
 use crate::joint::benchmark::{BenchmarkRef, ElementOrder, RefinementLevel, Symmetry};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -177,7 +178,7 @@ impl PointMass {
 }
 
 /// How the structure is meshed and reduced.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Model {
@@ -198,8 +199,10 @@ pub struct Model {
     /// `quadratic` reduced integration.
     #[serde(default)]
     pub formulation: Option<Formulation>,
-    /// Material of all parts, unless a deck has its own, and of the asperities.
-    pub material: Material,
+    /// Material of all parts, unless a deck has its own, and of the asperities; left out where nothing depends on it
+    /// ([`Scene::needs_material`](super::Scene::needs_material)).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
     /// Stuck-interface modes retained by the reduction, 20 by default; all that there are of matrices over the jump. With
     /// `reduction_error` the most that may be retained, 60 by default.
     #[serde(default)]
@@ -211,6 +214,14 @@ pub struct Model {
 }
 
 impl Model {
+    /// The material.
+    ///
+    /// # Errors
+    /// [`Error::NoMaterial`].
+    pub fn material(&self) -> Result<&Material, Error> {
+        self.material.as_ref().ok_or(Error::NoMaterial)
+    }
+
     /// Formulation of the hexahedra of a benchmark, and of those of a deck that are made quadratic.
     pub fn hexahedra(&self) -> Formulation {
         let default = self.element_order.formulations().next();

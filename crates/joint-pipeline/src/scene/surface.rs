@@ -32,6 +32,17 @@ impl Surface {
         matches!(self, Self::SyntheticScan(_) | Self::Scans(_))
     }
 
+    /// Whether its law follows from the material of the asperities.
+    pub fn needs_material(&self) -> bool {
+        match self {
+            Self::Parameters(parameters) => {
+                let is_rough = |set: &ParameterSet| matches!(set.curves, Curves::GreenwoodWilliamson(_));
+                parameters.sets.iter().any(is_rough)
+            }
+            _ => true,
+        }
+    }
+
     /// Whether faces are pressed together before bolts load them.
     pub fn is_preloaded(&self) -> bool {
         match self {

@@ -113,7 +113,8 @@ fn both(first: &str, second: &str) -> Refusal {
 }
 
 impl Bolts {
-    fn has_torque(&self) -> bool {
+    /// Whether a torque says how far the bolts are tightened.
+    pub(super) fn has_torque(&self) -> bool {
         self.torque.is_some() || !self.torques.is_empty()
     }
 
@@ -202,6 +203,18 @@ impl Bolts {
             bearing,
             bearing_source,
         }))
+    }
+
+    /// Takes the torques as what says how far the bolts are tightened: the loads are to follow anew ([`Self::follow_torque`]).
+    pub(super) fn forget_loads(&mut self) {
+        if self.has_torque() {
+            (self.load, self.loads) = (Force::from_si(0.0), Vec::new());
+        }
+    }
+
+    /// Takes the loads as what says how far the bolts are tightened.
+    pub(super) fn forget_torques(&mut self) {
+        (self.torque, self.torques) = (None, Vec::new());
     }
 
     /// Turns torques into the loads that they give. Scenes that were written by this program have both, and then they agree.

@@ -378,14 +378,7 @@ impl Uncertain {
             );
             return Err(refused("confidence", reason));
         }
-        let is_load_of_one = |parameter: &&Parameter| parameter.path().starts_with("bolts.loads.");
-        if self.parameters.keys().any(|parameter| parameter.path() == "bolts.load")
-            && let Some(one) = self.parameters.keys().find(is_load_of_one)
-        {
-            let reason =
-                format!("bolts.load is the load of all bolts, and {one} that of one of them; leave one of them out");
-            return Err(refused("parameters", reason));
-        }
+        Parameter::refuse_together(self.parameters.keys(), scene).map_err(|reason| refused("parameters", reason))?;
         for (parameter, marginal) in self.parameters.keys().zip(self.marginals(scene)?) {
             for probability in [BEYOND, 1.0 - BEYOND] {
                 let value = marginal.quantile(probability);

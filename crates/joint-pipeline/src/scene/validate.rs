@@ -1,8 +1,8 @@
 //! What must hold of a scene before anything is computed, as far as the crates below do not check it themselves.
 
 use super::{
-    Amplitudes, Bins, ContactPoint, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, MaterialSource, MeshFile,
-    ParameterSet, Parameters, Per, RadialRule, Scale, Scene, Stress, StructureSource, Surface, SurfaceEnergy, Symmetry,
+    Amplitudes, Bins, ContactPoint, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, Material, MeshFile,
+    ParameterSet, Parameters, Per, RadialRule, Scale, Scene, Stress, Surface, SurfaceEnergy, Symmetry,
 };
 use crate::Error;
 
@@ -253,6 +253,7 @@ impl Scene {
         self.validate_surface(&check)?;
         self.validate_scale(&check)?;
         self.cqsma.validate(&check)?;
+        self.encoded()?;
         self.validate_requests(&check)?;
         self.validate_sensitivities()?;
         let Some(uncertain) = &self.uncertain else {
@@ -319,30 +320,11 @@ impl Scene {
 
     fn validate_model(&self, check: &Check<'_>) -> Result<(), Error> {
         let model = &self.model;
-        let material = &model.material;
-        check.positive("model.material.youngs_modulus", material.youngs_modulus.si(), "Pa")?;
-        let ratio = material.poisson_ratio;
-        check.that(
-            ratio > -1.0 && ratio < 0.5,
-            "model.material.poisson_ratio",
-            ratio,
-            "",
-            "above -1 and below 0.5",
-        )?;
-        if let Some(hardness) = material.hardness.map(Stress::si) {
-            check.positive("model.material.hardness", hardness, "Pa")?;
+        if self.needs_material() {
+            model.material()?;
         }
-        if let Some(work) = material.work_of_adhesion.map(SurfaceEnergy::si) {
-            check.not_negative("model.material.work_of_adhesion", work, "J/m^2")?;
-        }
-        let meshed_of_it = match &self.structure.source {
-            StructureSource::Benchmark(_) | StructureSource::Mesh(_) => true,
-            StructureSource::Deck(deck) => deck.materials == MaterialSource::Scene,
-            StructureSource::Matrices(_) => false,
-        };
-        if meshed_of_it {
-            let density = material.density.map_or(f64::NAN, super::Density::si);
-            check.positive("model.material.density", density, "kg/m^3")?;
+        if let Some(material) = &model.material {
+            self.validate_material(material, check)?;
         }
         check.that(
             (1..=200).contains(&model.n_modes()),
@@ -391,6 +373,29 @@ impl Scene {
         Ok(())
     }
 
+    fn validate_material(&self, material: &Material, check: &Check<'_>) -> Result<(), Error> {
+        check.positive("model.material.youngs_modulus", material.youngs_modulus.si(), "Pa")?;
+        let ratio = material.poisson_ratio;
+        check.that(
+            ratio > -1.0 && ratio < 0.5,
+            "model.material.poisson_ratio",
+            ratio,
+            "",
+            "above -1 and below 0.5",
+        )?;
+        if let Some(hardness) = material.hardness.map(Stress::si) {
+            check.positive("model.material.hardness", hardness, "Pa")?;
+        }
+        if let Some(work) = material.work_of_adhesion.map(SurfaceEnergy::si) {
+            check.not_negative("model.material.work_of_adhesion", work, "J/m^2")?;
+        }
+        if self.is_meshed_of_material() {
+            let density = material.density.map_or(f64::NAN, super::Density::si);
+            check.positive("model.material.density", density, "kg/m^3")?;
+        }
+        Ok(())
+    }
+
     /// Points of contact have no faces that could be scanned.
     fn validate_points(&self, points: &[ContactPoint], place: &str) -> Result<(), Error> {
         for (number, point) in (1..).zip(points) {
@@ -413,7 +418,7 @@ impl Scene {
             let (strength, modulus) = (yielding.strength.si(), yielding.tangent_modulus.si());
             check.positive("law.yield.strength", strength, "Pa")?;
             check.that(
-                modulus >= 0.0 && modulus < self.model.material.youngs_modulus.si(),
+                modulus >= 0.0 && self.model.material.is_none_or(|of| modulus < of.youngs_modulus.si()),
                 "law.yield.tangent_modulus",
                 modulus,
                 "Pa",

@@ -42,7 +42,7 @@ pub(super) fn joint(
     let mut assembly = deck.assembly.clone();
     assembly.convert_units(length, mass);
     if source.materials == MaterialSource::Scene {
-        assembly.mesh.materials.fill(super::material(model));
+        assembly.mesh.materials.fill(super::material(model)?);
     }
     let [top, bottom] = [
         deck.surface_faces(&source.top_surface)?,

@@ -6,8 +6,8 @@ use super::touching;
 use crate::Error;
 use crate::joint::{Bodies, InterfacePart, Joint, MeshedBodies, ProjectedSide, Sides, quadratic};
 use crate::scene::{
-    self, BoltSeat, ContactStiffness, ElementOrder, Forced, Length, MeshBolt, MeshFile, MeshInterface, MeshResponse,
-    MeshSupport, Model, PointMass,
+    self, BoltSeat, ContactStiffness, ElementOrder, Length, MeshBolt, MeshFile, MeshInterface, MeshResponse,
+    MeshSupport, Model, Scene,
 };
 use nalgebra::Vector3;
 use sprs::CsMat;
@@ -26,17 +26,12 @@ const TIE_REACH: f64 = 0.05;
 /// Room between the parts of an interface in their common plane, relative to the extent of the widest one.
 const MARGIN: f64 = 0.05;
 
-/// A structure from a mesh file, in SI, with `masses` at positions, in elements of the order of `model`.
+/// The structure of a scene from a mesh file, in SI, in elements of the order that the scene asks for.
 ///
 /// # Errors
 /// Of the file and its groups; [`Error::Facing`], [`Error::MeshScene`], [`Error::NotRaisable`], [`Error::Disconnected`].
-pub(super) fn joint(
-    source: &MeshFile,
-    masses: &[PointMass],
-    model: &Model,
-    forced: Option<&Forced>,
-    notes: &mut dyn FnMut(&str),
-) -> Result<Joint, Error> {
+pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
+    let (model, masses, forced) = (&scene.model, &scene.structure.point_masses, scene.forced.as_ref());
     let mut file = SolidMesh::read(&source.path)?;
     file.notes.iter().for_each(|note| notes(note));
     let length = source.units.length_in_si();
@@ -69,8 +64,22 @@ pub(super) fn joint(
     for (number, interface) in (1..).zip(&source.interfaces) {
         surfaces.extend(file.surfaces(number, interface)?);
     }
+    let elements = &assembly.mesh.elements;
+    let is_linear = |element: &&Element| element.cell.element_type().quadratic().is_some();
+    let (linear, all) = (elements.iter().filter(is_linear).count(), elements.len());
     let raised = match model.element_order {
         ElementOrder::Linear => None,
+        ElementOrder::Quadratic if linear == 0 => {
+            notes("the elements of the mesh are quadratic already");
+            None
+        }
+        ElementOrder::Quadratic if linear < all && scene.accuracy.is_some() => {
+            notes(&format!(
+                "{linear} of {all} elements are linear, where the accuracy asked for takes quadratic ones; they stay as they are, since only a \
+                 mesh that is linear as a whole can be made quadratic"
+            ));
+            None
+        }
         ElementOrder::Quadratic => {
             let sides = surfaces
                 .iter_mut()
@@ -99,7 +108,8 @@ pub(super) fn joint(
                 along: named.interface.along,
                 pair_tolerance: None,
                 within: named.interface.within.map(Length::si),
-                order: model.element_order,
+                // Faces of a mesh that stays as it is have their own.
+                order: raised.map_or(ElementOrder::Linear, |_| model.element_order),
                 label: &label,
             },
         )
@@ -197,7 +207,7 @@ impl File<'_> {
 
     /// Solids with the materials of their volumes.
     fn solids(&self, model: &Model, notes: &mut dyn FnMut(&str)) -> Result<Mesh, Error> {
-        let mut materials = vec![super::material(model)];
+        let mut materials = vec![super::material(model)?];
         let mut of_cell = vec![None; self.mesh.cells.len()];
         for (name, material) in &self.source.materials {
             let number = u16::try_from(materials.len()).unwrap_or(u16::MAX);
@@ -356,7 +366,7 @@ impl File<'_> {
                 let size = Metric::from_name(size)?;
                 let material = match &bolt.material {
                     Some(own) => elastic(&format!("bolt {number}"), own),
-                    None => super::material(model),
+                    None => super::material(model)?,
                 };
                 let axis = axis.map(|point| point.map(Length::si));
                 let mut geometry = BoltGeometry::metric(&format!("bolt {number}"), &size, axis, bolt.washers, material);

@@ -54,7 +54,8 @@ pub struct Structure {
     locks: bool,
     symmetry: Symmetry,
     reduction_error: Option<f64>,
-    youngs_modulus: f64,
+    /// That of the scene's material, if it has one.
+    youngs_modulus: Option<f64>,
 }
 
 impl Structure {
@@ -81,7 +82,7 @@ impl Structure {
         let joint = match &scene.structure.source {
             StructureSource::Matrices(source) => matrices::joint(source, &scene.bolts, scene.forced.as_ref(), notes)?,
             StructureSource::Deck(source) => deck::joint(source, masses, model, scene.forced.as_ref(), notes)?,
-            StructureSource::Mesh(source) => mesh::joint(source, masses, model, scene.forced.as_ref(), notes)?,
+            StructureSource::Mesh(source) => mesh::joint(source, scene, notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {
                     notes("only the half y >= 0 is modelled, which leaves out all modes that are not symmetric");
@@ -92,7 +93,7 @@ impl Structure {
                     symmetry: model.symmetry,
                     element_order: model.element_order,
                     hexahedra: model.hexahedra(),
-                    material: material(model),
+                    material: material(model)?,
                 };
                 let mut joint = benchmark.joint(&settings).map_err(|source| Error::Benchmark {
                     benchmark: benchmark.name(),
@@ -183,7 +184,7 @@ impl Structure {
             locks: bolts == BoltBehaviour::Locked,
             symmetry: model.symmetry,
             reduction_error: model.reduction_error,
-            youngs_modulus: model.material.youngs_modulus.si(),
+            youngs_modulus: model.material.map(|material| material.youngs_modulus.si()),
         }
     }
 
@@ -225,13 +226,17 @@ impl Structure {
 }
 
 /// The material of the bodies; scenes whose bodies have another need not know its density.
-fn material(model: &Model) -> Material {
-    Material {
+///
+/// # Errors
+/// [`Error::NoMaterial`].
+fn material(model: &Model) -> Result<Material, Error> {
+    let material = model.material()?;
+    Ok(Material {
         name: "scene".into(),
-        youngs_modulus: model.material.youngs_modulus.si(),
-        poisson_ratio: model.material.poisson_ratio,
-        density: model.material.density.map_or(f64::NAN, Density::si),
-    }
+        youngs_modulus: material.youngs_modulus.si(),
+        poisson_ratio: material.poisson_ratio,
+        density: material.density.map_or(f64::NAN, Density::si),
+    })
 }
 
 /// Rigid motions of bodies whose interface sticks.

@@ -3,10 +3,10 @@
 use super::Structure;
 use crate::Error;
 use crate::joint::Bodies;
-use crate::scene::{Density, MaterialSource, Scene, StructureSource, Surface, Units};
+use crate::scene::{self, Density, MaterialSource, Scene, StructureSource, Surface, Units};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use substructure::mesh::{Cell, Mesh};
+use substructure::mesh::Mesh;
 
 /// A structure and what loads it, as read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub struct Overview {
     pub units: Option<String>,
     /// Extents of the structure along the axes of the model (m); none of matrices.
     pub size: Option<[f64; 3]>,
-    /// Mass (kg) from the corners of the elements, point masses included; none where it is not known.
+    /// Mass (kg), that of bolts and point masses included; none where it is not known.
     pub mass: Option<f64>,
     /// Nodes of the solid mesh.
     pub n_nodes: Option<usize>,
@@ -76,21 +76,18 @@ impl Structure {
     /// What is known of a structure and of what a scene does with it before anything is computed.
     ///
     /// # Errors
-    /// Of the quadrature of the interface.
+    /// Of the quadrature of the interface; a shank without length.
     pub fn overview(&self, scene: &Scene) -> Result<Overview, Error> {
         let area = self.symmetry.operators(&self.joint.interface, 2)?.area();
-        let (mesh, point_masses) = match &self.joint.bodies {
-            Bodies::Imported(_) => (None, 0.0),
+        let count = self.n_bolts();
+        let (mesh, mass) = match &self.joint.bodies {
+            Bodies::Imported(bodies) => (None, bodies.mass),
             Bodies::Meshed(bodies) => {
                 let assembly = &bodies.assembly;
-                let masses = assembly.masses.iter().map(|point| point.mass);
-                (Some(&assembly.mesh), masses.sum())
+                let points: f64 = assembly.masses.iter().map(|point| point.mass).sum();
+                let all = mass(&assembly.mesh) + points + assembly.mass_at_references()?;
+                (Some(&assembly.mesh), Some(all))
             }
-        };
-        let count = self.n_bolts();
-        let mass = match &self.joint.bodies {
-            Bodies::Imported(bodies) => bodies.mass,
-            Bodies::Meshed(bodies) => Some(point_masses + mass(&bodies.assembly.mesh)),
         };
         let total_load: f64 = (0..count).map(|bolt| scene.tension(bolt)).sum();
         let load_each = match scene.bolts.loads.is_empty() || count == 0 {
@@ -262,14 +259,14 @@ fn surface(scene: &Scene) -> String {
 
 fn materials(scene: &Scene, mesh: Option<&Mesh>) -> Vec<MaterialOverview> {
     let Some(mesh) = mesh else {
-        let material = &scene.model.material;
-        return vec![MaterialOverview {
+        let of = |material: &scene::Material| MaterialOverview {
             name: "of the contact".into(),
             source: "scene; the matrices know none".into(),
             youngs_modulus: material.youngs_modulus.si(),
             poisson_ratio: material.poisson_ratio,
             density: material.density.map(Density::si),
-        }];
+        };
+        return scene.model.material.iter().map(of).collect();
     };
     let source = match &scene.structure.source {
         StructureSource::Deck(deck) if deck.materials != MaterialSource::Scene => "of the deck",
@@ -307,34 +304,10 @@ fn size(mesh: &Mesh) -> [f64; 3] {
     range.map(|[low, high]| high - low)
 }
 
+/// Mass of the solids (kg).
 fn mass(mesh: &Mesh) -> f64 {
     let elements = mesh.elements.iter();
     elements
-        .map(|element| mesh.materials[usize::from(element.material)].density * volume(&element.cell, &mesh.nodes))
+        .map(|element| mesh.materials[usize::from(element.material)].density * element.cell.volume(&mesh.nodes))
         .sum()
-}
-
-/// Volume between the corners of an element (m^3), by the divergence theorem over its faces.
-fn volume(cell: &Cell, nodes: &[[f64; 3]]) -> f64 {
-    let origin = nodes[cell.nodes()[0] as usize];
-    let triple = |corners: [u32; 3]| {
-        let [a, b, c] = corners.map(|node| {
-            let x = nodes[node as usize];
-            [0, 1, 2].map(|k| x[k] - origin[k])
-        });
-        (0..3)
-            .map(|k| {
-                let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-                a[k] * (b[next] * c[last] - b[last] * c[next])
-            })
-            .sum::<f64>()
-            / 6.0
-    };
-    let faces = cell.faces().map(|face| match *face.corners() {
-        // The mean of both ways to part a bilinear face is the volume under it.
-        [a, b, c, d] => 0.5 * (triple([a, b, c]) + triple([a, c, d]) + triple([a, b, d]) + triple([b, c, d])),
-        [a, b, c] => triple([a, b, c]),
-        _ => 0.0,
-    });
-    faces.sum::<f64>().abs()
 }

@@ -268,23 +268,24 @@ impl Structure {
         })
     }
 
-    /// Hash of everything the reduced model depends on.
+    /// Hash of what the file of a reduced model depends on.
     fn key(&self, build: Option<&str>) -> Key {
+        let mut key = self.hash(build);
+        // The springs of the spectrum check depend on these.
+        key.text(&format!("{:?}{:?}", self.youngs_modulus, (N_CHECKED, CHECK_STIFFNESS)));
+        let interface = &self.joint.interface;
+        key.numbers(interface.nodes.iter().flatten().chain(&interface.heights).copied());
+        key.text(&format!("{:?}{:?}", interface.elements, interface.covered));
+        key.finish()
+    }
+
+    /// Hash of everything that the reduced matrices depend on.
+    pub(crate) fn hash(&self, build: Option<&str>) -> KeyBuilder {
         let mut key = KeyBuilder::new(build);
         key.numbers(self.joint.frame.iter().flatten().copied());
         key.numbers(self.joint.node_frames.iter().flatten().flatten().copied());
-        key.numbers(self.joint.interface.heights.iter().copied());
-        key.text(&format!("{:?}", self.joint.interface.covered));
-        key.text(&format!(
-            "{:?}{:?}{:?}",
-            self.settings,
-            self.reduction_error,
-            (N_CHECKED, CHECK_STIFFNESS)
-        ));
+        key.text(&format!("{:?}{:?}", self.settings, self.reduction_error));
         key.integers([u64::from(self.locks)]);
-        // The springs of the spectrum check depend on these.
-        key.numbers(self.joint.interface.nodes.iter().flatten().copied());
-        key.text(&format!("{:?}{:?}", self.joint.interface.elements, self.youngs_modulus));
         match &self.joint.bodies {
             Bodies::Imported(bodies) => {
                 let relative = &bodies.relative;
@@ -338,7 +339,7 @@ impl Structure {
                 ));
             }
         }
-        key.finish()
+        key
     }
 }
 
@@ -380,6 +381,9 @@ pub(crate) struct Assembled<'a> {
 impl<'a> Assembled<'a> {
     /// The reduced model where the matrices are multiples of those of `known`, whose reduced model is `model`.
     fn multiple_of(&self, known: &Assembled<'_>, model: &ReducedModel) -> Option<ReducedModel> {
+        if self.rows != known.rows {
+            return None;
+        }
         let (own, known) = (&self.relative, &known.relative);
         let (stiffness, mass) = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass))?;
         let scaled = |a: &Mat<f64>, factor: f64| Mat::from_fn(a.nrows(), a.ncols(), |i, j| factor * a[(i, j)]);

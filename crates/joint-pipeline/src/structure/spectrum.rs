@@ -196,11 +196,20 @@ impl Structure {
     /// The uniform interface stiffness that reductions are checked with.
     pub(super) fn check_interface(&self) -> LinearInterface {
         let stiffness = match &self.joint.bodies {
-            Bodies::Imported(bodies) if self.joint.interface.is_of_points() => {
+            Bodies::Imported(bodies) if self.joint.interface.is_of_points() || self.youngs_modulus.is_none() => {
                 let areas = self.joint.interface.areas().iter().sum::<f64>();
                 mean_stiffness(&bodies.relative) / areas * self.joint.interface.elements.len() as f64
             }
-            _ => CHECK_STIFFNESS * self.youngs_modulus,
+            Bodies::Imported(_) => CHECK_STIFFNESS * self.youngs_modulus.unwrap_or(f64::NAN),
+            Bodies::Meshed(bodies) => {
+                let largest = |materials: &[substructure::mesh::Material]| {
+                    materials.iter().map(|own| own.youngs_modulus).fold(0.0, f64::max)
+                };
+                CHECK_STIFFNESS
+                    * self
+                        .youngs_modulus
+                        .unwrap_or_else(|| largest(&bodies.assembly.mesh.materials))
+            }
         };
         LinearInterface {
             normal_stiffness: stiffness,

@@ -1,7 +1,7 @@
 //! `forced`: the response of a scene to harmonic forces, level by level.
 
-use super::run::{Request, is_complete};
-use super::{Cache, Defaults, Outcome, SceneArguments, Threads, default_directory, print, scene};
+use super::run::{Request, conclude};
+use super::{Cache, Defaults, Outcome, SceneArguments, Threads, default_directory, scene};
 use crate::files::{self, Overwrite};
 use anyhow::Result;
 use joint_pipeline::results::summary::{ForcedSummary, ResonanceSummary, Summary};
@@ -66,11 +66,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome>
     summary.provenance = Some(provenance);
     files::publish(folder, &outputs(&run, &summary)?)?;
     run.checkpoints.remove();
-    print(&account(&summary, &scene.name, &directory))?;
-    Ok(match is_complete(&summary) {
-        true => Outcome::Success,
-        false => Outcome::Incomplete,
-    })
+    conclude(account(&summary, &scene.name, &directory), scene, &summary)
 }
 
 impl Arguments {

@@ -1,6 +1,7 @@
 //! Runs a scene and writes its results.
 
 use super::{Cache, Defaults, GivenScene, Outcome, Threads, default_directory, forced, print};
+use crate::check;
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
 use anyhow::{Context, Result, anyhow};
@@ -135,11 +136,20 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
     summary.provenance = Some(provenance);
     files::publish(folder, &outputs(&run, &summary)?)?;
     run.checkpoints.remove();
-    print(&account(&summary, &scene.name, &directory))?;
-    Ok(if is_complete(&summary) {
-        Outcome::Success
-    } else {
-        Outcome::Incomplete
+    conclude(account(&summary, scene, &directory), scene, &summary)
+}
+
+/// Prints what was found, with what is wrong in it, and gives the outcome.
+pub(super) fn conclude(mut account: String, scene: &Scene, summary: &Summary) -> Result<Outcome> {
+    let defects = check::defects(scene, summary);
+    for defect in &defects {
+        // Writing to a string cannot fail.
+        let _ = writeln!(account, "NOT SOUND, and `verify` will say so: {defect}");
+    }
+    print(&account)?;
+    Ok(match defects.is_empty() && is_complete(summary) {
+        true => Outcome::Success,
+        false => Outcome::Incomplete,
     })
 }
 
@@ -394,8 +404,8 @@ fn samples(found: &Uncertainty) -> String {
 }
 
 /// What is printed at the end.
-fn account(summary: &Summary, name: &str, directory: &Path) -> String {
-    let mut out = String::new();
+fn account(summary: &Summary, scene: &Scene, directory: &Path) -> String {
+    let (mut out, name) = (String::new(), &scene.name);
     let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
     for (mode, of_mode) in summary.by_mode() {
         // Writing to a string cannot fail.
@@ -448,11 +458,7 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
         out.push_str(&samples(found));
     }
     if let Some(preset) = summary.accuracy {
-        let _ = writeln!(
-            out,
-            "settings `{}`, measured errors on the flat beam: {} in frequency, {} in the logarithm of damping",
-            preset.name, preset.frequency_error, preset.damping_error
-        );
+        let _ = writeln!(out, "settings `{}`: {}", preset.name, preset.promise(scene));
     }
     if let Some(estimate) = &summary.error_estimate {
         let _ = writeln!(

@@ -132,10 +132,8 @@ fn yield_strength(bench: &Bench) -> Result<Findings> {
     findings.alike("1e3: ", &strong, &elastic, [1.0; 2], 1e-9);
     let mut frequencies = vec![elastic.frequencies[0]];
     for (name, hardening) in [("no hardening: ", 0.0), ("nearly elastic: ", 0.99)] {
-        let run = bench.run(|scene| {
-            let modulus = scene.model.material.youngs_modulus.si();
-            resolved(scene, STRENGTH, hardening * modulus);
-        })?;
+        let modulus = bench.scene.model.material()?.youngs_modulus.si();
+        let run = bench.run(|scene| resolved(scene, STRENGTH, hardening * modulus))?;
         findings.sound(name, &run)?;
         findings.that(
             &format!("{name}contact formulas hold"),
@@ -570,7 +568,7 @@ fn scaled_heights(bench: &Bench, highest: f64) -> Result<Findings> {
 fn few_asperities(bench: &Bench) -> Result<Findings> {
     let radius = 5e-3_f64;
     let areas = bench.base.mesh.areas();
-    let material = bench.scene.model.material;
+    let material = bench.scene.model.material()?;
     let pair = ElasticPair {
         youngs_modulus: material.youngs_modulus.si(),
         poisson_ratio: material.poisson_ratio,

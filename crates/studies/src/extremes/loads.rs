@@ -262,8 +262,8 @@ fn tiny_modal_forces(bench: &Bench) -> Result<Findings> {
 
 fn stiffness(bench: &Bench, factor: f64) -> Result<Findings> {
     let stiffer = |scene: &mut Scene| {
-        let modulus = &mut scene.model.material.youngs_modulus;
-        *modulus = *modulus * factor;
+        let material = scene.model.material.iter_mut();
+        material.for_each(|material| material.youngs_modulus = material.youngs_modulus * factor);
     };
     let mut findings = Findings::default();
     // All forces are moduli times lengths squared: only load over modulus matters.
@@ -301,8 +301,8 @@ fn stiffness(bench: &Bench, factor: f64) -> Result<Findings> {
 
 fn mass(bench: &Bench) -> Result<Findings> {
     let run = bench.run(|scene| {
-        let density = &mut scene.model.material.density;
-        *density = density.map(|density| density * 1e6);
+        let material = scene.model.material.iter_mut();
+        material.for_each(|material| material.density = material.density.map(|density| density * 1e6));
     })?;
     let mut findings = Findings::default();
     findings.sound("", &run)?;
@@ -316,7 +316,7 @@ fn mass(bench: &Bench) -> Result<Findings> {
 
 fn units(bench: &Bench) -> Result<Findings> {
     let si = &bench.scene;
-    let (material, c) = (si.model.material, &si.cqsma);
+    let (material, c) = (*si.model.material()?, &si.cqsma);
     let mut given = json!({ "length": "m", "mass": "kg", "time": "s" });
     let text = |length: f64, mass: f64, units: &serde_json::Value| {
         let (stress, force) = (mass / length, mass * length);

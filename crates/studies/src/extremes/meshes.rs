@@ -323,7 +323,8 @@ fn unconnected(bench: &Bench) -> Result<Findings> {
 fn incompressible(bench: &Bench) -> Result<Findings> {
     let with = |ratio: f64, formulation: Formulation| -> Result<Run, Error> {
         bench.run(|scene| {
-            scene.model.material.poisson_ratio = ratio;
+            let material = scene.model.material.iter_mut();
+            material.for_each(|material| material.poisson_ratio = ratio);
             scene.model.formulation = Some(formulation);
         })
     };

@@ -246,6 +246,15 @@ impl Cell {
         Face::from_row(face_type, locals.iter().map(|&local| self.nodes[local]))
     }
 
+    /// Volume (m^3), with `nodes` of the mesh (m).
+    ///
+    /// # Panics
+    /// If a node does not exist.
+    pub fn volume(&self, nodes: &[[f64; 3]]) -> f64 {
+        let origin = nodes[self.nodes[0] as usize].into();
+        self.faces().map(|face| face.volume_from(origin, nodes)).sum()
+    }
+
     /// All faces, counter-clockwise seen from outside, in the numbering of Abaqus and CalculiX (`S1` comes first).
     pub fn faces(&self) -> impl Iterator<Item = Face> + use<> {
         let cell = *self;

@@ -1,7 +1,7 @@
 //! Faces of elements: a table of their types, and the nodes of one face.
 
 use super::lagrange::lagrange;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use std::fmt;
 
 /// Most nodes that a face can have. A row of the table with more does not compile.
@@ -66,7 +66,7 @@ pub struct FaceType {
     pub(crate) interpolation: fn(Vector2<f64>) -> FaceShape,
     /// Shares of the area of a face whose nodes are at the given positions (m), by local number (m^2), none negative:
     /// the integrals of the shape functions, but for the row's own exceptions. Nodes without a share are left out.
-    pub(crate) node_areas: fn(&[nalgebra::Vector3<f64>]) -> NodeAreas,
+    pub(crate) node_areas: fn(&[Vector3<f64>]) -> NodeAreas,
 }
 
 /// Triangle with three nodes.
@@ -154,7 +154,7 @@ const _: () = {
     }
 };
 
-fn triangle_area(x: &[nalgebra::Vector3<f64>], [a, b, c]: [usize; 3]) -> f64 {
+fn triangle_area(x: &[Vector3<f64>], [a, b, c]: [usize; 3]) -> f64 {
     0.5 * (x[b] - x[a]).cross(&(x[c] - x[a])).norm()
 }
 
@@ -240,15 +240,11 @@ fn square_9() -> [SquarePoint; 9] {
 }
 
 /// Integrals of the shape functions over a quadrilateral in space (m^2).
-fn integrals(
-    x: &[nalgebra::Vector3<f64>],
-    interpolation: fn(Vector2<f64>) -> FaceShape,
-    points: &[SquarePoint],
-) -> Vec<f64> {
+fn integrals(x: &[Vector3<f64>], interpolation: fn(Vector2<f64>) -> FaceShape, points: &[SquarePoint]) -> Vec<f64> {
     let mut sums = vec![0.0; x.len()];
     for (at, weight) in points {
         let (values, slopes) = interpolation(*at);
-        let [mut ds, mut dt] = [nalgebra::Vector3::zeros(); 2];
+        let [mut ds, mut dt] = [Vector3::zeros(); 2];
         for (slope, x) in slopes.iter().zip(x) {
             ds += x * slope.x;
             dt += x * slope.y;
@@ -378,6 +374,35 @@ impl Face {
         let at: Vec<_> = self.nodes().iter().map(|&node| nodes[node as usize].into()).collect();
         let shares = (self.face_type().node_areas)(&at).into_iter();
         shares.map(|(local, area)| (self.nodes()[local], area)).collect()
+    }
+
+    /// Volume between the face and a place (m^3), positive where the face looks away from it: a third of the integral of its distance. Exact
+    /// for nodes between corners anywhere.
+    pub(super) fn volume_from(&self, origin: Vector3<f64>, nodes: &[[f64; 3]]) -> f64 {
+        let x = self
+            .nodes()
+            .iter()
+            .map(|&node| Vector3::from(nodes[node as usize]) - origin);
+        let x: Vec<Vector3<f64>> = x.collect();
+        let point = |(at, weight): SquarePoint| {
+            let (at, weight) = match self.face_type.domain {
+                Domain::Square => (at, weight),
+                // The square collapsed onto the triangle.
+                Domain::Triangle => {
+                    let u = at.map(|v| 0.5 * (1.0 + v));
+                    (Vector2::new(u.x, (1.0 - u.x) * u.y), 0.25 * weight * (1.0 - u.x))
+                }
+            };
+            let (values, derivatives) = (self.face_type.interpolation)(at);
+            let mut sums = [Vector3::zeros(); 3];
+            for ((x, value), derivative) in x.iter().zip(values).zip(derivatives) {
+                sums[0] += x * value;
+                sums[1] += x * derivative.x;
+                sums[2] += x * derivative.y;
+            }
+            weight * sums[0].dot(&sums[1].cross(&sums[2])) / 3.0
+        };
+        square_9().map(point).iter().sum()
     }
 
     /// The same face on other nodes: `of` gives the new number of each node.
