@@ -30,6 +30,16 @@ pub enum Contact {
 }
 
 impl Contact {
+    /// What it is, for those who compare frequencies of different states.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Unstressed => "unstressed, no contact",
+            Self::Stuck => "stuck, both faces move together everywhere",
+            Self::Linear => "linear interface, uniform springs in the place of the scene's law",
+            Self::Prestressed => "prestressed, the scene's law about the static state with everything in contact stuck, as in `run`",
+        }
+    }
+
     /// Its name in files.
     pub fn name(self) -> &'static str {
         match self {

@@ -8,7 +8,7 @@ use joint_pipeline::analysis::{Prepared, warnings};
 use joint_pipeline::joint::Bodies;
 use joint_pipeline::progress::Progress;
 use joint_pipeline::scene::Symmetry;
-use joint_pipeline::structure::{Frequencies, LinearInterface, ModalModel, Structure};
+use joint_pipeline::structure::{Contact, Frequencies, LinearInterface, ModalModel, Structure};
 use reports::Output;
 use reports::bodies::LARGEST_VOLUME;
 use reports::modes;
@@ -135,12 +135,14 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
                 list.join(" ")
             )
         };
-        row("unstressed", &spectrum.unstressed)?;
-        row("stuck", &spectrum.stuck)?;
+        row(Contact::Unstressed.words(), &spectrum.unstressed)?;
+        row(Contact::Stuck.words(), &spectrum.stuck)?;
         let linear = &spectrum.linear;
         let name = format!(
-            "linear interface ({:.3e} Pa/m normal, {:.3e} tangential)",
-            linear.normal_stiffness, linear.tangential_stiffness
+            "{} ({:.3e} Pa/m normal, {:.3e} tangential)",
+            Contact::Linear.words(),
+            linear.normal_stiffness,
+            linear.tangential_stiffness
         );
         row(&name, &spectrum.with_linear)?;
     }
@@ -187,7 +189,7 @@ fn listed(modal: &ModalModel) -> String {
         let _ = writeln!(
             text,
             "\n{}, {} zero-energy modes",
-            of.contact.name(),
+            of.contact.words(),
             of.zero_energy_modes
         );
         for mode in &of.modes {
