@@ -214,6 +214,7 @@ fn asperities_from(scene: &Scene) -> String {
             "structure.mesh.interfaces[].surface".to_owned()
         }
         Surface::Measured => "surface".to_owned(),
+        Surface::Finish(_) => "surface.finish (ra and rsm)".to_owned(),
         surface => format!("surface.{}", choice_name(surface)),
     };
     match scene.scale == Scale::default() {

@@ -386,7 +386,8 @@ pub fn of_results(overview: &Overview, found: &Findings) -> Vec<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::structure::{BoltOverview, Fit, Hole, MaterialOverview};
+    use crate::structure::bolt::Hole;
+    use crate::structure::{BoltOverview, Fit, MaterialOverview};
 
     fn sound() -> (Overview, Findings) {
         let overview = Overview {

@@ -53,7 +53,7 @@ impl FacesFit {
             .map(|share| significant((1e4 * share).round() / 100.0));
         let [mean, least, largest] = [self.distance, self.distance_range[0], self.distance_range[1]].map(millimetres);
         format!(
-            "without a partner are {} % of the top and {} % of the bottom face; they are {mean} mm apart ({least} to {largest} mm)",
+            "faces: {} % of the top and {} % of the bottom one without a partner; {mean} mm apart in the mean ({least} to {largest} mm)",
             shares[0], shares[1]
         )
     }

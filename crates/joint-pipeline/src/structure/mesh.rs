@@ -331,16 +331,20 @@ impl File<'_> {
         let mut collisions = found.filter_map(|(other, before)| Some((other, before.shank, before.collision(bolt)?)));
         match collisions.next() {
             None => Ok(()),
-            Some((other, shank, distance)) => self.fail(
-                format!("structure.mesh.bolts, number {number}"),
-                format!(
-                    "its axis is {} mm from that of bolt {other}, and their shanks of {} and {} mm have no room beside one another; leave \
-                     one of the two out, or correct where it is",
-                    significant((1e7 * distance).round() / 1e4),
-                    significant(1e3 * bolt.shank),
-                    significant(1e3 * shank),
-                ),
-            ),
+            Some((other, shank, distance)) => {
+                let [own, shank] = [bolt.shank, shank].map(|shank| match shank > 0.0 {
+                    true => format!("a shank of {} mm", significant(1e3 * shank)),
+                    false => "forces alone".to_owned(),
+                });
+                self.fail(
+                    format!("structure.mesh.bolts, number {number}"),
+                    format!(
+                        "its axis ({own}) is {} mm from that of bolt {other} ({shank}), which clamps the same place; leave one of the two out, \
+                         or correct where it is",
+                        significant((1e7 * distance).round() / 1e4),
+                    ),
+                )
+            }
         }
     }
 

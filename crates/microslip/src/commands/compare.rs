@@ -132,38 +132,42 @@ fn read(path: &Path) -> Result<String> {
 /// The table of a backbone, of a run or of what was identified.
 const TABLE: &str = "backbone.csv";
 
+/// Commands that write a backbone: that of a model, or of what was identified.
+const COMMANDS: [&str; 3] = ["run", "identify", "transient"];
+
 /// The file with the backbone: the path itself, or in a folder what its command has written there.
 ///
 /// # Errors
-/// The results are those of a command that computes no backbone.
+/// The results are those of a command that writes no backbone.
 fn file(path: &Path) -> Result<PathBuf> {
-    let folder = if path.is_dir() { Some(path) } else { path.parent() };
-    let manifest = match folder.map(Manifest::read) {
-        None | Some(Err(durable_files::Error::NoManifest { .. })) => None,
-        Some(manifest) => Some(manifest?),
+    let is_folder = path.is_dir();
+    let folder = if is_folder { Some(path) } else { path.parent() };
+    let is_listed = |manifest: &Manifest| {
+        let name = path.file_name();
+        is_folder || name.is_some_and(|name| manifest.files.keys().any(|listed| name == listed.as_str()))
     };
-    // A file that the manifest does not list is no part of the results.
-    let manifest = manifest.filter(|manifest| {
-        path.is_dir()
-            || path
-                .file_name()
-                .is_some_and(|name| manifest.files.keys().any(|listed| name == listed.as_str()))
-    });
-    if let Some(manifest) = &manifest
-        && !manifest.files.contains_key(TABLE)
+    let identity = match folder.map(Manifest::read) {
+        Some(Ok(manifest)) => is_listed(&manifest).then_some(manifest.identity),
+        Some(Err(error)) if is_folder && !matches!(error, durable_files::Error::NoManifest { .. }) => {
+            return Err(error.into());
+        }
+        // A file may stand beside anything.
+        _ => None,
+    };
+    if let Some(identity) = &identity
+        && !COMMANDS.contains(&identity.command.as_str())
     {
         bail!(
-            "{}: the results are those of {}, which have no backbone of frequency and damping over amplitude; give the folder of a \
-             `run`, or after it also one of `identify` or `transient`",
+            "{}: the results are those of {identity}, which have no backbone of frequency and damping over amplitude; give the folder of a \
+             `run`, or as an experiment also one of `identify` or `transient`",
             path.display(),
-            manifest.identity
         );
     }
-    if !path.is_dir() {
+    if !is_folder {
         return Ok(path.to_owned());
     }
-    let is_run = match &manifest {
-        Some(manifest) => manifest.files.contains_key(SUMMARY),
+    let is_run = match &identity {
+        Some(identity) => identity.command == COMMANDS[0],
         None => path.join(SUMMARY).exists() || !path.join(TABLE).exists(),
     };
     Ok(path.join(if is_run { SUMMARY } else { TABLE }))
