@@ -233,10 +233,10 @@ fn runs_are_compared_with_runs() {
     succeeds(&folder, &["samples", "samples"]);
     let scene = std::fs::read_to_string(folder.join("samples/joint-mesh.json")).unwrap();
     assert!(scene.contains("\"mu\": 0.2"));
-    let other = scene.replace("\"mu\": 0.2", "\"mu\": 0.4");
-    std::fs::write(folder.join("samples/rougher.json"), other).unwrap();
+    let other = scene.replace("\"mu\": 0.2", "\"mu\": 0.1");
+    std::fs::write(folder.join("samples/smoother.json"), other).unwrap();
     succeeds(&folder, &["run", "samples/joint-mesh.json", "--out", "run"]);
-    succeeds(&folder, &["run", "samples/rougher.json", "--out", "rougher"]);
+    succeeds(&folder, &["run", "samples/smoother.json", "--out", "smoother"]);
 
     // Against itself, by folder, summary and table, on either side.
     for first in ["run", "run/summary.json", "run/backbone.csv"] {
@@ -266,10 +266,10 @@ fn runs_are_compared_with_runs() {
     }
 
     // Against another one: the misfit from both tables, by the rule of the guide. Mu makes a difference where faces slip.
-    succeeds(&folder, &["compare", "run", "rougher/backbone.csv", "--out", "other"]);
+    succeeds(&folder, &["compare", "run", "smoother/backbone.csv", "--out", "other"]);
     let misfit = &read_json(&folder.join("other/compare.json"))["experiments"][0]["misfit"];
     let names = ["response_motion [m]", "frequency_first_harmonic [Hz]"];
-    let [ours, theirs] = ["run", "rougher"].map(|results| columns(&folder.join(results), names));
+    let [ours, theirs] = ["run", "smoother"].map(|results| columns(&folder.join(results), names));
     let low = ours[0][0].max(theirs[0][0]);
     let high = ours[ours.len() - 1][0].min(theirs[theirs.len() - 1][0]);
     let n = 200;
@@ -280,7 +280,7 @@ fn runs_are_compared_with_runs() {
     assert!(rms > 1.0 && (found / rms - 1.0).abs() < 1e-9, "{found} {rms}");
     // Damping, where both have some, at the largest common amplitude.
     let names = ["response_motion [m]", "damping_ratio_first_harmonic [-]"];
-    let [ours, theirs] = ["run", "rougher"].map(|results| {
+    let [ours, theirs] = ["run", "smoother"].map(|results| {
         let all = columns(&folder.join(results), names);
         let damped = all.into_iter().filter(|[_, zeta]| zeta.is_finite());
         damped.map(|[a, zeta]| [a, zeta.ln()]).collect::<Vec<_>>()
@@ -293,14 +293,14 @@ fn runs_are_compared_with_runs() {
     );
 
     // Where one has no first harmonics, both are read by their secants.
-    let mut summary = read_json(&folder.join("rougher/summary.json"));
+    let mut summary = read_json(&folder.join("smoother/summary.json"));
     for amplitude in summary["backbone"].as_array_mut().unwrap() {
         amplitude.as_object_mut().unwrap().remove("frequency_first_harmonic_hz");
     }
     std::fs::write(folder.join("secant.json"), summary.to_string()).unwrap();
-    succeeds(&folder, &["compare", "rougher", "secant.json", "--out", "secants"]);
+    succeeds(&folder, &["compare", "smoother", "secant.json", "--out", "secants"]);
     let report = read_json(&folder.join("secants/compare.json"));
-    assert_eq!(report["theory"]["name"], "rougher (secant)");
+    assert_eq!(report["theory"]["name"], "smoother (secant)");
     assert_eq!(report["experiments"][0]["misfit"]["frequency_hz"]["largest"], 0.0);
 
     // What has no backbone says what it is.
