@@ -9,6 +9,7 @@ use joint_pipeline::joint::benchmark::{
 };
 use joint_pipeline::joint::{Bodies, Joint, MeshedBodies, Sides};
 use joint_pipeline::scene::{Density, Force, Stress, SurfaceEnergy};
+use joint_pipeline::structure::Fit;
 use serde_json::{Value, json};
 
 /// The Brake-Reuss beam of the method paper, as `{ "benchmark": "brake-reuss-beam" }` in scenes.
@@ -147,5 +148,6 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
         parts: Vec::new(),
         clearance: Some(0.5 * (geometry.hole_diameter - geometry.shank_diameter)),
         response: "the beam's end, edge middle, in bending direction".into(),
+        fit: Fit::default(),
     })
 }

@@ -530,6 +530,7 @@ impl Error {
             Self::NotRaisable { .. } => Some("model.element_order"),
             Self::Symmetry { .. } => Some("model.symmetry"),
             Self::PointsWithoutParameters { .. } | Self::Parameters { .. } => Some("surface.parameters"),
+            Self::Bolt { .. } => Some("structure.mesh.bolts"),
             Self::BoltLoads { .. } => Some("bolts.loads"),
             Self::Tightening { .. } | Self::NoElongation { .. } => Some("bolts.tightening"),
             Self::TighteningOrder { .. } => Some("bolts.tightening.order"),

@@ -4,9 +4,10 @@ mod common;
 
 use common::BENCHMARKS;
 use joint_pipeline::joint::quadratic::raise_surfaces;
+use joint_pipeline::analysis::warnings::{WarningKind, of_input};
 use joint_pipeline::joint::{Bodies, Sides};
 use joint_pipeline::progress::Silent;
-use joint_pipeline::structure::{LinearInterface, Spectrum, Structure};
+use joint_pipeline::structure::{Fit, LinearInterface, Spectrum, Structure};
 use joint_pipeline::{Error, Options, Run, Scene, run};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -674,4 +675,204 @@ fn accuracy_takes_the_elements_of_a_mesh_that_is_not_linear_as_they_are() {
     let model = json!({ "element_order": "quadratic", "material": { "youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0 } });
     let error = structure(&path, json!({ "model": model })).0.unwrap_err();
     assert_eq!(error.field(), Some("model.element_order"), "{error}");
+
+/// How the mesh in a file fits a scene of it, and what is warned of with its value.
+fn fit(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> (Fit, Vec<(WarningKind, f64)>) {
+    let scene = scene(path, interface, change);
+    let structure = Structure::try_new(&scene, &Silent).expect("a sound scene");
+    let overview = structure.overview(&scene).expect("an overview");
+    let told = overview.lines();
+    assert!(told.iter().any(|line| line.contains("without a partner")), "{told:?}");
+    let warnings = of_input(&overview).into_iter();
+    let warnings = warnings.map(|warning| (warning.kind, warning.value)).collect();
+    (overview.fit, warnings)
+}
+
+#[test]
+fn faces_that_are_apart_or_shifted_are_told() {
+    let folder = TemporaryFolder::new("lap-apart");
+    let path = folder.join("lap.msh");
+    // Meshes that match, that do not, and curved ones, as they should be.
+    for (upper, lower, crown) in [
+        ([24, 6, 2], [24, 6, 2], 0.0),
+        ([25, 6, 2], [23, 7, 2], 0.0),
+        ([24, 7, 2], [24, 5, 2], 1e-3),
+    ] {
+        let mut lap = lap(upper, lower);
+        for x in &mut lap.mesh.nodes {
+            x[2] += crown * (std::f64::consts::PI * (x[0] - 0.08) / 0.08).cos();
+        }
+        lap.write(&path);
+        for interface in [json!({}), named()] {
+            let (fit, warnings) = fit(&path, interface.clone(), |_| {});
+            assert_eq!(warnings, [], "{upper:?} {lower:?} {interface}");
+            assert_eq!((fit.faces.len(), fit.seats.len()), (1, 0));
+            // The named faces are those of whole plates.
+            let faces = &fit.faces[0];
+            let third = if faces.named { 1.0 / 3.0 } else { 0.0 };
+            for share in faces.without_partner {
+                assert!((share - third).abs() < 0.05, "{faces:?}");
+            }
+            assert!(faces.representative().abs() < 5e-6, "{faces:?}");
+        }
+    }
+    // The upper plate moved along the normal: by a tenth of a millimetre either way, and turned about y by as much at its ends.
+    for (upper, lower) in [([24, 6, 2], [24, 6, 2]), ([25, 6, 2], [23, 7, 2])] {
+        for (lift, slope) in [(1e-4, 0.0), (-1e-4, 0.0), (0.0, 2.5e-3)] {
+            let mut lap = lap(upper, lower);
+            let first = lap.mesh.elements.iter().filter(|element| element.material == 1);
+            let first = first.map(|element| element.cell.nodes()[0]).min().unwrap() as usize;
+            for x in &mut lap.mesh.nodes[..first] {
+                x[2] += lift + slope * (x[0] - 0.08);
+            }
+            lap.write(&path);
+            for interface in [json!({}), named()] {
+                let about = format!("{upper:?} {lift} {slope} {interface}");
+                let (fit, warnings) = fit(&path, interface, |_| {});
+                let faces = &fit.faces[0];
+                let [(WarningKind::FacesApart, value)] = warnings[..] else {
+                    panic!("{about}: {warnings:?}");
+                };
+                assert!((faces.distance - lift).abs() < 4e-6, "{about}: {faces:?}");
+                let expected = if slope == 0.0 { lift } else { 0.25 * slope * 0.08 };
+                assert!(
+                    (value.abs() - expected.abs()).abs() < 4e-6,
+                    "{about}: {value} {faces:?}"
+                );
+                assert!(value * lift >= 0.0);
+            }
+        }
+    }
+    // One of two equal blocks moved by a tenth of its length in the plane.
+    let (mesh, faces) = blocks(&[[0.0, 0.0], [3.0, 10.0]], &[[30.0, 10.0]; 2]);
+    Lap { mesh, faces }.write(&path);
+    let ends = |value: &mut Value| {
+        value["structure"]["mesh"]["bolts"] = json!([{ "head": "top 1", "nut": "bottom 0" }]);
+        value["structure"]["mesh"]["response"]["nearest"] = json!([0.0, 0.0, 0.0]);
+    };
+    let (of_named, warnings) = fit(&path, json!({ "top": "bottom 1", "bottom": "top 0" }), ends);
+    let [(WarningKind::WithoutPartner, share)] = warnings[..] else {
+        panic!("{warnings:?}");
+    };
+    assert!((share - 0.1).abs() < 1e-9, "{share}");
+    assert!(
+        of_named.faces[0]
+            .without_partner
+            .iter()
+            .all(|share| (share - 0.1).abs() < 1e-9)
+    );
+    // Where faces are found, all that touch were meant: it is told, and no warning.
+    let (found, warnings) = fit(&path, json!({}), ends);
+    assert_eq!(warnings, []);
+    assert!(
+        found.faces[0]
+            .without_partner
+            .iter()
+            .all(|share| (share - 0.1).abs() < 1e-9)
+    );
+    // Nothing of the faces is upon one another.
+    let (mesh, faces) = blocks(&[[0.0, 0.0], [31.0, 10.0]], &[[30.0, 10.0]; 2]);
+    Lap { mesh, faces }.write(&path);
+    let refused = Structure::try_new(
+        &scene(&path, json!({ "top": "bottom 1", "bottom": "top 0" }), ends),
+        &Silent,
+    );
+    let message = refused.unwrap_err().to_string();
+    assert!(message.contains("structure.mesh.interfaces, number 1"), "{message}");
+}
+
+/// The plates with a square hole of 10 mm at x = 80 mm.
+fn lap_with_hole() -> Lap {
+    let mut lap = lap([24, 6, 2], [24, 6, 2]);
+    let nodes = lap.mesh.nodes.clone();
+    let is_hole = |corners: &[u32]| {
+        let middle =
+            |axis: usize| corners.iter().map(|&node| nodes[node as usize][axis]).sum::<f64>() / corners.len() as f64;
+        (middle(0) - 0.08).abs() < 5e-3 && (middle(1) - 0.015).abs() < 5e-3
+    };
+    lap.mesh.elements.retain(|element| !is_hole(element.cell.nodes()));
+    for group in &mut lap.faces {
+        group.members.retain(|face| !is_hole(face.corners()));
+    }
+    lap
+}
+
+#[test]
+fn bolts_that_do_not_fit_the_mesh_are_told_or_refused() {
+    let folder = TemporaryFolder::new("lap-seats");
+    let path = folder.join("lap.msh");
+    let bolt =
+        |x: f64, size: &str| json!({ "axis": [[x, 0.015, 0.01], [x, 0.015, -0.01]], "size": size, "washers": true });
+    let with = |bolts: Vec<Value>| move |value: &mut Value| value["structure"]["mesh"]["bolts"] = json!(bolts);
+    lap_with_hole().write(&path);
+    let (sound, warnings) = fit(&path, json!({}), with(vec![bolt(0.08, "M10")]));
+    assert_eq!(warnings, []);
+    let sides: Vec<(usize, &str)> = sound.seats.iter().map(|seat| (seat.bolt, seat.side.as_str())).collect();
+    assert_eq!(sides, [(1, "head"), (1, "nut")]);
+    // Four corners and four middles of edges.
+    let diameter = 5e-3 * (1.0 + std::f64::consts::SQRT_2);
+    for seat in &sound.seats {
+        let hole = seat.hole.unwrap();
+        assert!(
+            hole.offset < 1e-12 && (hole.diameter - diameter).abs() < 1e-12,
+            "{seat:?}"
+        );
+        assert!(seat.covered > 0.9 && seat.neighbour.is_none(), "{seat:?}");
+    }
+    // Two millimetres beside the hole, which both seats show.
+    let (off, warnings) = fit(&path, json!({}), with(vec![bolt(0.082, "M10")]));
+    let kinds: Vec<WarningKind> = warnings.iter().map(|(kind, _)| *kind).collect();
+    assert_eq!(kinds, [WarningKind::BoltOffHole; 2]);
+    assert!(
+        warnings.iter().all(|(_, value)| (value - 2e-3).abs() < 1e-9),
+        "{warnings:?}"
+    );
+    assert!((off.seats[1].hole.unwrap().diameter - diameter).abs() < 1e-12);
+    // Thicker than the hole.
+    let (_, warnings) = fit(&path, json!({}), with(vec![bolt(0.08, "M20")]));
+    assert!(warnings.contains(&(WarningKind::HoleTooNarrow, 0.02)), "{warnings:?}");
+
+    lap([24, 6, 2], [24, 6, 2]).write(&path);
+    // No hole is no contradiction.
+    let (none, warnings) = fit(&path, json!({}), with(vec![bolt(0.07, "M8"), bolt(0.09, "M8")]));
+    assert_eq!(warnings, []);
+    assert!(none.seats.iter().all(|seat| seat.hole.is_none()), "{none:?}");
+    assert!((none.seats[0].neighbour.unwrap().room() - 4e-3).abs() < 1e-9);
+    // A washer of 115 mm on a plate of 30 mm.
+    let (_, warnings) = fit(&path, json!({}), with(vec![bolt(0.08, "M64")]));
+    let kinds: Vec<WarningKind> = warnings.iter().map(|(kind, _)| *kind).collect();
+    assert_eq!(kinds, [WarningKind::SeatBeyondFace; 2]);
+    // Washers of 16 mm 12 mm apart.
+    let (_, warnings) = fit(&path, json!({}), with(vec![bolt(0.074, "M8"), bolt(0.086, "M8")]));
+    let kinds: Vec<WarningKind> = warnings.iter().map(|(kind, _)| *kind).collect();
+    assert_eq!(kinds, [WarningKind::SeatsOverlap; 2]);
+    assert!(
+        warnings.iter().all(|(_, value)| (value - 0.012).abs() < 1e-9),
+        "{warnings:?}"
+    );
+
+    // Shanks in one another's place, whichever way they point, and forces on the same faces.
+    let reversed = json!({ "axis": [[0.081, 0.015, -0.01], [0.081, 0.015, 0.01]], "size": "M8", "washers": true });
+    let forces = json!({ "head": "head", "nut": "nut" });
+    for (first, second) in [
+        (bolt(0.08, "M8"), bolt(0.08, "M8")),
+        (bolt(0.08, "M8"), bolt(0.087, "M8")),
+        (bolt(0.08, "M8"), reversed),
+        (bolt(0.08, "M8"), forces.clone()),
+        (forces.clone(), forces),
+    ] {
+        let bolts = [bolt(0.05, "M8"), first.clone(), second.clone()];
+        let error = Structure::try_new(&scene(&path, json!({}), with(bolts.into())), &Silent).unwrap_err();
+        assert_eq!(
+            error.field(),
+            Some("structure.mesh.bolts, number 3"),
+            "{first} {second}: {error}"
+        );
+        let message = error.to_string();
+        assert!(message.contains("bolt 2") && message.contains("mm"), "{message}");
+        assert!(
+            error.remedy().is_some_and(|remedy| remedy.contains("leave one")),
+            "{message}"
+        );
+    }
 }

@@ -6,7 +6,7 @@ mod common;
 use common::beam;
 use joint_pipeline::joint::{Bodies, Joint, MeshedBodies, Sides};
 use joint_pipeline::progress::Silent;
-use joint_pipeline::structure::{Contact, LinearInterface, ModalModel, ModesOfContact, Structure};
+use joint_pipeline::structure::{Contact, Fit, LinearInterface, ModalModel, ModesOfContact, Structure};
 use std::f64::consts::PI;
 use substructure::elements::Formulation;
 use substructure::mesh::{Assembly, Cell, Element, Material, Mesh};
@@ -111,6 +111,7 @@ fn bar(along: usize, angle: f64) -> Structure {
         parts: Vec::new(),
         clearance: None,
         response: "a corner".into(),
+        fit: Fit::default(),
     };
     let scene = beam("bar");
     Structure::from_joint(&scene.model, scene.bolts.behaviour, joint)

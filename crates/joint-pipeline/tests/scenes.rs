@@ -826,11 +826,16 @@ fn paths_that_are_no_text_are_refused_before_anything_is_computed() {
     let errors = [
         scene.validate("x").unwrap_err(),
         joint_pipeline::run(&scene, &options, &joint_pipeline::progress::Silent).unwrap_err(),
-        joint_pipeline::analysis::cases::CaseHasher::new(None).keys(&scene).unwrap_err(),
+        joint_pipeline::analysis::cases::CaseHasher::new(None)
+            .keys(&scene)
+            .unwrap_err(),
     ];
     for error in errors {
         let message = error.to_string();
-        assert!(message.contains("top.csv") && message.contains("no Unicode text"), "{message}");
+        assert!(
+            message.contains("top.csv") && message.contains("no Unicode text"),
+            "{message}"
+        );
     }
 }
 

@@ -198,10 +198,136 @@ fn what_cannot_be_compared_is_refused_by_name() {
         ),
         ("other.json", "good", &["other.json", "`backbone`"]),
         ("band.json", "good", &["ensemble", "response_displacement"]),
-        ("good", "good", &["summary.json"]),
+        ("good", "good", &["good: `good` is a measured backbone", "summary.json"]),
     ] {
         fails(&folder, &["compare", run, experiment, "--out", "out"], expected);
         assert!(!folder.join("out").exists());
+    }
+}
+
+/// Columns of the table of a run at its amplitudes, by the names of their headings.
+fn columns<const N: usize>(results: &Path, names: [&str; N]) -> Vec<[f64; N]> {
+    let text = std::fs::read_to_string(results.join("backbone.csv")).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let headings = lines.next().unwrap();
+    let places = names.map(|name| headings.iter().position(|heading| *heading == name).unwrap());
+    lines
+        .map(|cells| places.map(|place| cells[place].parse().unwrap_or(f64::NAN)))
+        .collect()
+}
+
+/// Linear over the logarithm of the first of two numbers.
+fn at(points: &[[f64; 2]], amplitude: f64) -> f64 {
+    let end = points
+        .iter()
+        .position(|[a, _]| *a >= amplitude)
+        .unwrap_or(points.len() - 1)
+        .max(1);
+    let [[a, f], [b, g]] = [points[end - 1], points[end]];
+    f + (g - f) * (amplitude / a).ln() / (b / a).ln()
+}
+
+#[test]
+fn runs_are_compared_with_runs() {
+    let folder = folder("compare-runs");
+    succeeds(&folder, &["samples", "samples"]);
+    let scene = std::fs::read_to_string(folder.join("samples/joint-mesh.json")).unwrap();
+    assert!(scene.contains("\"mu\": 0.2"));
+    let other = scene.replace("\"mu\": 0.2", "\"mu\": 0.1");
+    std::fs::write(folder.join("samples/smoother.json"), other).unwrap();
+    succeeds(&folder, &["run", "samples/joint-mesh.json", "--out", "run"]);
+    succeeds(&folder, &["run", "samples/smoother.json", "--out", "smoother"]);
+
+    // Against itself, by folder, summary and table, on either side.
+    for first in ["run", "run/summary.json", "run/backbone.csv"] {
+        let arguments = [
+            "compare",
+            first,
+            "run",
+            "run/summary.json",
+            "run/backbone.csv",
+            "--out",
+            "itself",
+        ];
+        succeeds(&folder, &arguments);
+        let report = read_json(&folder.join("itself/compare.json"));
+        assert_eq!(report["theory"]["name"], "run");
+        for experiment in report["experiments"].as_array().unwrap() {
+            assert_eq!(
+                (&experiment["name"], &experiment["measured"]),
+                (&json!("run"), &json!("displacement"))
+            );
+            let misfit = &experiment["misfit"];
+            for pointer in ["/frequency_hz/rms", "/frequency_hz/largest", "/damping_ln/largest"] {
+                assert_eq!(misfit.pointer(pointer), Some(&json!(0.0)), "{misfit}");
+            }
+            assert!(misfit["damping_points"].as_f64().unwrap() > 0.0);
+        }
+    }
+
+    // Against another one: the misfit from both tables, by the rule of the guide. Mu makes a difference where faces slip.
+    succeeds(&folder, &["compare", "run", "smoother/backbone.csv", "--out", "other"]);
+    let misfit = &read_json(&folder.join("other/compare.json"))["experiments"][0]["misfit"];
+    let names = ["response_motion [m]", "frequency_first_harmonic [Hz]"];
+    let [ours, theirs] = ["run", "smoother"].map(|results| columns(&folder.join(results), names));
+    let low = ours[0][0].max(theirs[0][0]);
+    let high = ours[ours.len() - 1][0].min(theirs[theirs.len() - 1][0]);
+    let n = 200;
+    let grid = (0..n).map(|k| low * (high / low).powf(f64::from(k) / f64::from(n - 1)));
+    let squares = grid.map(|amplitude| (at(&ours, amplitude) - at(&theirs, amplitude)).powi(2));
+    let rms = (squares.sum::<f64>() / f64::from(n)).sqrt();
+    let found = misfit["frequency_hz"]["rms"].as_f64().unwrap();
+    assert!(rms > 1.0 && (found / rms - 1.0).abs() < 1e-9, "{found} {rms}");
+    // Damping, where both have some, at the largest common amplitude.
+    let names = ["response_motion [m]", "damping_ratio_first_harmonic [-]"];
+    let [ours, theirs] = ["run", "smoother"].map(|results| {
+        let all = columns(&folder.join(results), names);
+        let damped = all.into_iter().filter(|[_, zeta]| zeta.is_finite());
+        damped.map(|[a, zeta]| [a, zeta.ln()]).collect::<Vec<_>>()
+    });
+    let largest = at(&ours, high) - at(&theirs, high);
+    let found = misfit["damping_ln"]["largest"].as_f64().unwrap().abs();
+    assert!(
+        largest.abs() > 0.1 && found > largest.abs() * (1.0 - 1e-9),
+        "{found} {largest}"
+    );
+
+    // Where one has no first harmonics, both are read by their secants.
+    let mut summary = read_json(&folder.join("smoother/summary.json"));
+    for amplitude in summary["backbone"].as_array_mut().unwrap() {
+        amplitude.as_object_mut().unwrap().remove("frequency_first_harmonic_hz");
+    }
+    std::fs::write(folder.join("secant.json"), summary.to_string()).unwrap();
+    succeeds(&folder, &["compare", "smoother", "secant.json", "--out", "secants"]);
+    let report = read_json(&folder.join("secants/compare.json"));
+    assert_eq!(report["theory"]["name"], "smoother (secant)");
+    assert_eq!(report["experiments"][0]["misfit"]["frequency_hz"]["largest"], 0.0);
+
+    // What has no backbone says what it is.
+    let forced = [
+        "forced",
+        "samples/joint-mesh.json",
+        "--levels",
+        "1",
+        "--from-hz",
+        "2790",
+        "--to-hz",
+        "2840",
+        "--out",
+        "forced",
+    ];
+    succeeds(&folder, &forced);
+    succeeds(&folder, &["model", "samples/joint-mesh.json", "--out", "model"]);
+    for (results, command) in [
+        ("forced", "`forced` of joint-mesh"),
+        ("forced/summary.json", "`forced` of joint-mesh"),
+        ("forced/backbone.csv", "`forced` of joint-mesh"),
+        ("model", "`model` of joint-mesh"),
+        ("itself", "`compare` of run with run"),
+    ] {
+        let expected = [results, command, "no backbone", "give the folder of a `run`"];
+        fails(&folder, &["compare", "run", results, "--out", "refused"], &expected);
+        fails(&folder, &["compare", results, "run", "--out", "refused"], &expected);
     }
 }
 

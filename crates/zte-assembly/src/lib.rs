@@ -23,6 +23,6 @@ mod tree;
 pub use error::Error;
 pub use interface::{Interface, State, Variation, Workspace};
 pub use mesh::{Covered, Element, InterfaceMesh, PointContact};
-pub use mortar::Mortar;
+pub use mortar::{Mortar, Rise};
 pub use operators::Operators;
 pub use points::Batches;

@@ -58,6 +58,57 @@ pub struct Mortar {
     pub dropped: Vec<(usize, f64)>,
     /// Largest distance along the normal between the two sides where they face one another (m).
     pub largest_distance: f64,
+    /// Height of the other side above the own one where they face one another.
+    pub rise: Rise,
+    /// Areas of the own and the other side in the plane (m^2).
+    pub areas: [f64; 2],
+}
+
+/// The height of one side above the other, along the normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rise {
+    /// Area that faces the other side, in the plane (m^2).
+    pub area: f64,
+    /// Mean over that area (m).
+    pub mean: f64,
+    /// Mean of its size (m).
+    pub mean_size: f64,
+    /// Least and largest (m).
+    pub range: [f64; 2],
+}
+
+impl Default for Rise {
+    /// Of nothing.
+    fn default() -> Self {
+        Self {
+            area: 0.0,
+            mean: 0.0,
+            mean_size: 0.0,
+            range: [f64::INFINITY, f64::NEG_INFINITY],
+        }
+    }
+}
+
+impl Rise {
+    /// That of the own side above the other one.
+    pub fn reversed(self) -> Self {
+        Self {
+            mean: -self.mean,
+            range: [-self.range[1], -self.range[0]],
+            ..self
+        }
+    }
+
+    /// Takes a part of the area into account.
+    pub fn add(&mut self, area: f64, height: f64) {
+        self.area += area;
+        if self.area > 0.0 {
+            let weight = area / self.area;
+            self.mean += weight * (height - self.mean);
+            self.mean_size += weight * (height.abs() - self.mean_size);
+        }
+        self.range = [self.range[0].min(height), self.range[1].max(height)];
+    }
 }
 
 impl Mortar {
@@ -70,8 +121,9 @@ impl Mortar {
     pub fn try_new(own: &InterfaceMesh, other: &InterfaceMesh, reach: f64) -> Result<Self, Error> {
         own.validate()?;
         other.validate()?;
-        let tree = Tree::new(triangles(other)?);
-        let parts = triangles(own)?;
+        let (parts, facing) = (triangles(own)?, triangles(other)?);
+        let areas = [&parts, &facing].map(|all| all.iter().map(|part| part.area).sum());
+        let tree = Tree::new(facing);
         let quadrature = Quadrature::finest();
         let mut mortar = Self {
             projection: CsMat::zero((own.nodes.len(), other.nodes.len())),
@@ -79,6 +131,8 @@ impl Mortar {
             covered: Vec::new(),
             dropped: Vec::new(),
             largest_distance: 0.0,
+            rise: Rise::default(),
+            areas,
         };
         let mut sums = vec![Sums::default(); own.nodes.len()];
         let mut cut = Cut::default();
@@ -93,8 +147,10 @@ impl Mortar {
                         return;
                     }
                     let sides = [(own, element), (other, facing.element)];
-                    if let Err(error) = integrals.add(sides, shared, quadrature.triangle(), reach) {
-                        failed = failed.take().or(Some(error));
+                    match integrals.add(sides, shared, quadrature.triangle(), reach) {
+                        Ok(None) => {}
+                        Ok(Some(rise)) => mortar.rise.add(area(shared), rise),
+                        Err(error) => failed = failed.take().or(Some(error)),
                     }
                 });
                 if let Some(error) = failed {
@@ -214,21 +270,23 @@ impl Integrals {
         }
     }
 
-    /// Adds a polygon that an element of both meshes covers, unless they are too far apart there.
+    /// Adds a polygon that an element of both meshes covers, unless they are too far apart there, and says by how much the other one is
+    /// above the own one in its middle.
     fn add(
         &mut self,
         [(own, element), (other, facing)]: [(&InterfaceMesh, usize); 2],
         polygon: &[[f64; 2]],
         rule: &[Point],
         reach: f64,
-    ) -> Result<(), Error> {
+    ) -> Result<Option<f64>, Error> {
         let (of_own, of_other) = (&own.elements[element], &other.elements[facing]);
         let centre = mean(polygon);
         let [own_height, other_height] = [(own, element), (other, facing)]
             .map(|(mesh, index)| Ok::<f64, Error>(height(mesh, index, locate(mesh, index, centre)?.1.values())));
-        let distance = (own_height? - other_height?).abs();
+        let rise = other_height? - own_height?;
+        let distance = rise.abs();
         if distance > reach {
-            return Ok(());
+            return Ok(None);
         }
         self.largest_distance = self.largest_distance.max(distance);
         self.facing.insert(facing);
@@ -275,7 +333,7 @@ impl Integrals {
             let sums = self.coupling.entry(node).or_insert_with(|| vec![0.0; self.n]);
             sums.iter_mut().zip(column).for_each(|(sum, value)| *sum += value);
         }
-        Ok(())
+        Ok(Some(rise))
     }
 
     /// The part that is faced.

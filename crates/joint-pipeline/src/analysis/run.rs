@@ -11,19 +11,19 @@ use super::periodic::{self, EpmcBackbone, ForcedResponse};
 use super::prestress::{self, bolt_load, closing, linearise, load_of, response};
 use super::sensitivities::{Neighbours, Sensitivities, Sensitivity};
 use super::tightening::tighten;
-use super::validity::{self, Validity};
+use super::validity::{self, LARGEST_CONTACT, Validity};
 use super::variants::Study;
-use super::warnings::{self, Findings, Warning};
+use super::warnings::{self, ContactCircles, Findings, Warning};
 use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, PartReport, SceneInterface};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
 use crate::progress::{Progress, Stage};
-use crate::scene::{Assembly, BoltBehaviour, Parameter, Scene, Stress};
+use crate::scene::{Assembly, BoltBehaviour, MeshInterface, Parameter, Scale, Scene, Stress, Surface};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
-use crate::structure::{OuterSurface, Overview, StructuralModel, Structure};
+use crate::structure::{OuterSurface, Overview, StructuralModel, Structure, choice_name};
 use cqsma_solver::NewtonSettings;
 use faer::Mat;
 use reduction::ReducedModel;
@@ -201,6 +201,38 @@ pub(super) fn prepare_on(
     }
     let prepared = Prepared::try_new(scene, &structure, options, progress)?;
     Ok((structure, prepared))
+}
+
+/// Fields of a scene that its asperities follow from.
+fn asperities_from(scene: &Scene) -> String {
+    let own = |interface: &MeshInterface| interface.surface.is_some();
+    let surface = match &scene.surface {
+        _ if scene
+            .structure
+            .mesh()
+            .is_some_and(|mesh| mesh.interfaces.iter().any(own)) =>
+        {
+            "structure.mesh.interfaces[].surface".to_owned()
+        }
+        Surface::Measured => "surface".to_owned(),
+        Surface::Finish(_) => "surface.finish (ra and rsm)".to_owned(),
+        surface => format!("surface.{}", choice_name(surface)),
+    };
+    match scene.scale == Scale::default() {
+        true => surface,
+        false => format!("{surface} with scale"),
+    }
+}
+
+/// The field of a scene that its bolt loads follow from.
+fn loads_from(scene: &Scene) -> &'static str {
+    let bolts = &scene.bolts;
+    match (&bolts.torque, bolts.torques.as_slice(), bolts.loads.as_slice()) {
+        (Some(_), ..) => "bolts.torque",
+        (None, [_, ..], _) => "bolts.torques",
+        (None, [], [_, ..]) => "bolts.loads",
+        (None, [], []) => "bolts.load",
+    }
 }
 
 impl Prepared {
@@ -500,6 +532,15 @@ impl Prepared {
             yielded_asperities: validity.and_then(|validity| validity.yielded_asperity_fraction),
             in_contact: validity.map_or(1.0, |validity| validity.contact_area_fraction_by_points),
             first_frequency: frequencies.first().copied(),
+            contact_circles: validity.and_then(|validity| {
+                Some(ContactCircles {
+                    ratio: validity.beyond_contact_formulas()?,
+                    limit: LARGEST_CONTACT,
+                    share: validity.pressure_share_within_formulas,
+                    surface: asperities_from(&self.scene),
+                    load: loads_from(&self.scene),
+                })
+            }),
         }
     }
 

@@ -13,7 +13,7 @@ const LARGEST_SHAPE_DEVIATION: f64 = 0.1;
 
 /// Contact radius over the radius of an asperity up to which formulas of contacts hold: the largest of the computations that those of
 /// plastic contact describe (R. L. Jackson and I. Green, J. Tribol. 127 (2005) 343-354).
-const LARGEST_CONTACT: f64 = 0.41;
+pub(super) const LARGEST_CONTACT: f64 = 0.41;
 
 /// Validity of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +33,9 @@ pub struct Validity {
     /// Largest contact radius of an asperity over its effective radius under prestress.
     #[serde(default)]
     pub contact_over_asperity_radius: Option<f64>,
+    /// Share of the elastic pressure on the asperities of that contact circle at which the formulas of contact hold; 1 where they do.
+    #[serde(default)]
+    pub pressure_share_within_formulas: Option<f64>,
     /// Adhesive over elastic normal traction under prestress: pull-off `2 pi R w` of every loaded asperity, an upper
     /// bound (mean over the points in contact); needs the material's work of adhesion.
     pub adhesive_to_elastic_traction: Option<f64>,
@@ -115,6 +118,7 @@ pub(crate) fn assess(
             .map(|sum| sum / total)
     };
     let first = |beyond: &dyn Fn(&AmplitudeResult) -> bool| amplitudes.iter().position(beyond).map(|i| i + 1);
+    let circles = asperities.and_then(|a| contact_over_radius(a, yielding, &deepest));
     Validity {
         real_contact_area_fraction: law_mean(
             &|p| {
@@ -138,7 +142,8 @@ pub(crate) fn assess(
             },
             closed,
         ),
-        contact_over_asperity_radius: asperities.and_then(|a| contact_over_radius(a, yielding, &deepest)),
+        contact_over_asperity_radius: circles.map(|(ratio, _)| ratio),
+        pressure_share_within_formulas: circles.map(|(_, share)| share),
         adhesive_to_elastic_traction: law_mean(
             &|p| {
                 let (_, pair) = population(p)?;
@@ -164,8 +169,9 @@ pub(crate) fn assess(
     }
 }
 
-/// Largest contact radius over the effective radius, from the deepest interference of each population (m).
-fn contact_over_radius(asperities: &Asperities, yielding: Option<Yield>, deepest: &[f64]) -> Option<f64> {
+/// Largest contact radius over the effective radius, from the deepest interference of each population (m), and the share of the elastic
+/// pressure there at which it would not be beyond the formulas of contact.
+fn contact_over_radius(asperities: &Asperities, yielding: Option<Yield>, deepest: &[f64]) -> Option<(f64, f64)> {
     let ratios = asperities
         .populations
         .iter()
@@ -173,9 +179,16 @@ fn contact_over_radius(asperities: &Asperities, yielding: Option<Yield>, deepest
         .map(|(population, &interference)| {
             let radius = population.effective_radius();
             let asperity = Asperity::try_new(asperities.material, radius, yielding).ok()?;
-            Some(asperity.published_contact_radius(interference) / radius)
+            let ratio = asperity.published_contact_radius(interference) / radius;
+            let gaps = population.gaps();
+            // By Hertz, a contact radius grows with the root of the interference.
+            let part = (LARGEST_CONTACT / ratio).powi(2).min(1.0);
+            let [within, now] =
+                [part, 1.0].map(|part| gaps.three_halves_moment(gaps.smallest() + part * interference).0);
+            Some((ratio, if part < 1.0 { within / now } else { 1.0 }))
         });
-    ratios
-        .into_iter()
-        .try_fold(0.0_f64, |largest, ratio| Some(largest.max(ratio?)))
+    ratios.into_iter().try_fold((0.0_f64, 1.0), |largest, found| {
+        let found = found?;
+        Some(if found.0 > largest.0 { found } else { largest })
+    })
 }

@@ -1,6 +1,6 @@
 //! What is implausible in the input or the results of a run: warnings, not errors.
 
-use crate::structure::{Overview, significant};
+use crate::structure::{FacesFit, Neighbour, Overview, SeatFit, significant};
 use serde::{Deserialize, Serialize};
 
 /// Least and largest extent of a structure that is believed (m).
@@ -15,6 +15,25 @@ const MODULI: [f64; 2] = [1e9, 1.5e12];
 const YIELDED: f64 = 0.1;
 /// Fraction of the interface that must be in contact.
 const IN_CONTACT: f64 = 0.5;
+
+/// Mean distance of faces that touch (m) that is believed. Coordinates of files are rounded far below it, and the flatness of machined faces,
+/// which a scan brings into a mesh, is about as large; clearances of drawings, sheets and bodies that were moved are larger.
+const FACES_APART: f64 = 20e-6;
+/// Shares of both of two named faces without a partner that are no intention. Polygons around round holes leave less; whole faces of
+/// plates that overlap in part leave more.
+const WITHOUT_PARTNER: [f64; 2] = [0.01, 0.25];
+/// Least share of a ring under a head that lies on the mesh. Coarse meshes of round seats cover 0.9 and more.
+const COVERED: f64 = 0.8;
+/// Distance of an axis from the middle of its hole over the diameter of the shank that is believed where the hole leaves no room: coordinates
+/// that were rounded, and coarse polygons.
+const OFF_HOLE: f64 = 0.05;
+/// Least diameter of a hole over that of the shank: below those of tapped holes, 0.83 of coarse threads, in coarse polygons.
+const HOLE: f64 = 0.75;
+/// Overlap of two seats over their mean diameter that is round-off.
+const OVERLAP: f64 = 1e-3;
+/// Share of the load below which contact circles are the faces' doing: the load of a bolt is known to a factor of two even where its torque is
+/// (tightening factors of VDI 2230).
+const LOAD_KNOWN: f64 = 0.5;
 
 /// What a warning is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,6 +59,20 @@ pub enum WarningKind {
     OpenInterface,
     /// The first elastic frequency is too low or too high (Hz).
     FirstFrequency,
+    /// Faces that touch are apart in the mesh, or penetrate one another, where the value is negative (m).
+    FacesApart,
+    /// Parts of both of two faces that touch face nothing (-).
+    WithoutPartner,
+    /// The ring under a head or nut is not on the mesh (-).
+    SeatBeyondFace,
+    /// A bolt is beside its hole (m).
+    BoltOffHole,
+    /// A bolt is thicker than its hole; value and limit are the diameters of the shank and of the hole (m).
+    HoleTooNarrow,
+    /// Heads or nuts of two bolts are in one another's place; value and limit are the distance of the axes and what they need (m).
+    SeatsOverlap,
+    /// Contact circles of asperities are larger than the formulas of contact reach; value and limit are radii over the asperities' (-).
+    ContactCircles,
 }
 
 /// Something implausible.
@@ -57,7 +90,7 @@ pub struct Warning {
 }
 
 /// Results that are judged.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Findings {
     /// Hardness (Pa), if it is known.
     pub hardness: Option<f64>,
@@ -71,6 +104,23 @@ pub struct Findings {
     pub in_contact: f64,
     /// First linearised frequency (Hz).
     pub first_frequency: Option<f64>,
+    /// Contact circles beyond the formulas of contact, if they are.
+    pub contact_circles: Option<ContactCircles>,
+}
+
+/// Contact circles beyond the formulas of contact, and what leads to them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactCircles {
+    /// Radius over that of the asperity (-).
+    pub ratio: f64,
+    /// Up to which the formulas hold (-).
+    pub limit: f64,
+    /// Share of the largest pressure at which the formulas hold (-), if it is known.
+    pub share: Option<f64>,
+    /// Field of the scene from which the asperities follow.
+    pub surface: String,
+    /// Field of the scene from which the bolt loads follow.
+    pub load: &'static str,
 }
 
 fn warning(kind: WarningKind, value: f64, limit: f64, message: String) -> Warning {
@@ -139,7 +189,110 @@ pub fn of_input(overview: &Overview) -> Vec<Warning> {
             ));
         }
     }
+    let fit = &overview.fit;
+    warnings.extend(fit.faces.iter().flat_map(|faces| of_faces(overview, faces)));
+    warnings.extend(fit.seats.iter().flat_map(of_seat));
     warnings
+}
+
+/// Where faces do not lie upon one another as a scene says.
+fn of_faces(overview: &Overview, faces: &FacesFit) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let name = match overview.interfaces.len() {
+        0 => "the interface".to_owned(),
+        _ => format!("interface {}", faces.interface),
+    };
+    let mm = |length: f64| significant(1e3 * length);
+    let distance = faces.representative();
+    if distance.abs() > FACES_APART {
+        let [low, high] = faces.distance_range.map(mm);
+        let (what, how) = match distance < 0.0 {
+            true => ("penetrate one another", "deep"),
+            false => ("stand apart", "wide"),
+        };
+        let message = format!(
+            "the faces of {name} {what} in the mesh, {} mm {how} in the mean (distances of {low} to {high} mm; plausible: up to {} mm). This \
+             distance is left out, and the scene's `gap` alone counts; correct the places of the bodies, or say by `gap` what is meant",
+            mm(distance.abs()),
+            mm(FACES_APART)
+        );
+        warnings.push(warning(WarningKind::FacesApart, distance, FACES_APART, message));
+    }
+    let share = faces.without_partner.into_iter().fold(f64::INFINITY, f64::min);
+    if faces.named && share > WITHOUT_PARTNER[0] && share < WITHOUT_PARTNER[1] {
+        let [top, bottom] = faces.without_partner.map(percent);
+        let message = format!(
+            "{top} % of the top face and {bottom} % of the bottom face of {name} face nothing (plausible: up to {} % of either), as \
+             where a body is shifted; correct the places of the bodies, or name the faces that touch alone",
+            percent(WITHOUT_PARTNER[0])
+        );
+        warnings.push(warning(WarningKind::WithoutPartner, share, WITHOUT_PARTNER[0], message));
+    }
+    warnings
+}
+
+/// Where the seat of a bolt is not where the mesh has room for it.
+fn of_seat(seat: &SeatFit) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let mm = |length: f64| significant((1e7 * length).round() / 1e4);
+    let of_scene = format!("structure.mesh.bolts, number {}", seat.bolt);
+    if seat.covered < COVERED {
+        let message = format!(
+            "{of_scene}: {} % of the ring under the {} of bolt {}, {} mm wide, lie on the mesh (plausible: {} % and more); correct its \
+             `size` or its `axis`",
+            percent(seat.covered),
+            seat.side,
+            seat.bolt,
+            mm(seat.outer),
+            percent(COVERED)
+        );
+        warnings.push(warning(WarningKind::SeatBeyondFace, seat.covered, COVERED, message));
+    }
+    if let Some(hole) = seat.hole {
+        let room = (0.5 * (hole.diameter - seat.shank)).max(OFF_HOLE * seat.shank);
+        if hole.offset > room {
+            let message = format!(
+                "{of_scene}: the axis of bolt {} is {} mm beside the middle of the hole of {} mm under its {} (plausible for a shank of {} mm: up to \
+                 {} mm); correct its `axis`",
+                seat.bolt,
+                mm(hole.offset),
+                mm(hole.diameter),
+                seat.side,
+                mm(seat.shank),
+                mm(room)
+            );
+            warnings.push(warning(WarningKind::BoltOffHole, hole.offset, room, message));
+        }
+        if hole.diameter < HOLE * seat.shank {
+            let message = format!(
+                "{of_scene}: bolt {} has a shank of {} mm, and the hole under its {} is {} mm wide; correct its `size`",
+                seat.bolt,
+                mm(seat.shank),
+                seat.side,
+                mm(hole.diameter)
+            );
+            warnings.push(warning(WarningKind::HoleTooNarrow, seat.shank, hole.diameter, message));
+        }
+    }
+    // Once for both.
+    let overlapping = |other: &Neighbour| other.bolt < seat.bolt && other.room() < -OVERLAP * other.least;
+    if let Some(other) = seat.neighbour.filter(overlapping) {
+        let message = format!(
+            "{of_scene}: the {} of bolt {} is in the place of that of bolt {}: their axes are {} mm apart, and heads, nuts or washers need {} mm; \
+             correct `axis`, `size` or `washers` of either",
+            seat.side,
+            seat.bolt,
+            other.bolt,
+            mm(other.distance),
+            mm(other.least)
+        );
+        warnings.push(warning(WarningKind::SeatsOverlap, other.distance, other.least, message));
+    }
+    warnings
+}
+
+fn percent(share: f64) -> String {
+    significant((1e3 * share).round() / 10.0)
 }
 
 /// What is implausible in the prestressed state and in the modes about it.
@@ -187,6 +340,37 @@ pub fn of_results(overview: &Overview, found: &Findings) -> Vec<Warning> {
         );
         add(WarningKind::OpenInterface, found.in_contact, IN_CONTACT, message);
     }
+    if let Some(circles) = &found.contact_circles {
+        let ContactCircles {
+            ratio,
+            limit,
+            share,
+            surface,
+            load,
+        } = circles;
+        let sharp = format!(
+            "{surface} makes asperities too sharp, which would need {} times their radii",
+            significant((10.0 * (ratio / limit).powi(2)).ceil() / 10.0)
+        );
+        let cause = match share {
+            None => format!("check {surface} and {load}"),
+            Some(share) if *share < LOAD_KNOWN => format!(
+                "{sharp}; {load} alone does not lead to it, as the formulas hold up to {} % of the pressure",
+                percent(*share)
+            ),
+            Some(share) => format!(
+                "{load} is too large for these faces: the formulas hold up to {} % of the pressure; or else {sharp}",
+                percent(*share)
+            ),
+        };
+        let message = format!(
+            "contact circles of asperities have up to {} of the asperities' radius under a pressure of up to {}, and the contact formulas \
+             hold up to {limit}: {cause}",
+            significant((100.0 * ratio).round() / 100.0),
+            pascals(found.peak_pressure)
+        );
+        add(WarningKind::ContactCircles, *ratio, *limit, message);
+    }
     if let Some((frequency, limit)) = found.first_frequency.and_then(|f| Some((f, beyond(f, FREQUENCIES)?))) {
         let message = format!(
             "the first elastic frequency is {} Hz (plausible: {} to {} Hz); are the units right?",
@@ -202,7 +386,8 @@ pub fn of_results(overview: &Overview, found: &Findings) -> Vec<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::structure::{BoltOverview, MaterialOverview};
+    use crate::structure::bolt::Hole;
+    use crate::structure::{BoltOverview, Fit, MaterialOverview};
 
     fn sound() -> (Overview, Findings) {
         let overview = Overview {
@@ -230,6 +415,7 @@ mod tests {
             },
             tightening: Vec::new(),
             rigid_motions: 6,
+            fit: Fit::default(),
         };
         let findings = Findings {
             hardness: Some(9e9),
@@ -238,6 +424,7 @@ mod tests {
             yielded_asperities: Some(0.02),
             in_contact: 0.9,
             first_frequency: Some(170.0),
+            contact_circles: None,
         };
         (overview, findings)
     }
@@ -296,6 +483,155 @@ mod tests {
             only(|_, f| f.first_frequency = Some(2e5)),
             (K::FirstFrequency, 2e5, 1e5)
         );
+    }
+
+    #[test]
+    fn geometry_that_contradicts_the_scene_has_its_warning() {
+        use WarningKind as K;
+        let faces = |change: fn(&mut FacesFit)| {
+            only(|o, _| {
+                let mut faces = FacesFit {
+                    named: true,
+                    ..FacesFit::default()
+                };
+                change(&mut faces);
+                o.fit.faces.push(faces);
+            })
+        };
+        assert_eq!(
+            faces(|f| (f.distance, f.distance_size) = (1e-4, 1e-4)),
+            (K::FacesApart, 1e-4, 20e-6)
+        );
+        // Half of it deep, half of it wide: no mean, and yet not upon one another.
+        assert_eq!(
+            faces(|f| (f.distance, f.distance_size) = (-1e-6, 1e-4)),
+            (K::FacesApart, -1e-4, 20e-6)
+        );
+        assert_eq!(
+            faces(|f| (f.curved, f.distance, f.distance_size) = (true, -1e-4, 1e-4)),
+            (K::FacesApart, -1e-4, 20e-6)
+        );
+        assert_eq!(
+            faces(|f| f.without_partner = [0.5, 0.04]),
+            (K::WithoutPartner, 0.04, 0.01)
+        );
+        let seat = |change: fn(&mut SeatFit)| {
+            only(|o, _| {
+                let mut seat = sound_seat();
+                change(&mut seat);
+                o.fit.seats.push(seat);
+            })
+        };
+        assert_eq!(seat(|s| s.covered = 0.7), (K::SeatBeyondFace, 0.7, 0.8));
+        let hole = |diameter, offset| Some(Hole { diameter, offset });
+        let off = seat(|s| {
+            s.hole = Some(Hole {
+                diameter: 9e-3,
+                offset: 2e-3,
+            })
+        });
+        assert!(
+            off.0 == K::BoltOffHole && off.1 == 2e-3 && (off.2 - 0.5e-3).abs() < 1e-12,
+            "{off:?}"
+        );
+        assert_eq!(
+            seat(|s| s.hole = Some(Hole {
+                diameter: 5e-3,
+                offset: 0.0
+            })),
+            (K::HoleTooNarrow, 8e-3, 5e-3)
+        );
+        let neighbour = |bolt, distance| {
+            Some(Neighbour {
+                bolt,
+                distance,
+                least: 16e-3,
+            })
+        };
+        assert_eq!(
+            only(|o, _| o.fit.seats.push(SeatFit {
+                neighbour: neighbour(1, 15e-3),
+                ..sound_seat()
+            })),
+            (K::SeatsOverlap, 15e-3, 16e-3)
+        );
+        // What is sound: arcs of curved faces, whole faces of plates that overlap in part, a small face on a large one, faces that were
+        // found, round-off of a hole without play, and the other of two seats.
+        let (mut overview, _) = sound();
+        let sound_faces = [
+            (true, true, [0.0, 0.0], [1e-6, 1e-4]),
+            (true, false, [0.33, 0.33], [0.0, 0.0]),
+            (true, false, [0.0, 0.9], [0.0, 0.0]),
+            (false, false, [0.04, 0.04], [0.0, 0.0]),
+        ];
+        overview.fit.faces = sound_faces
+            .map(|(named, curved, without_partner, [distance, distance_size])| FacesFit {
+                named,
+                curved,
+                without_partner,
+                distance,
+                distance_size,
+                ..FacesFit::default()
+            })
+            .into();
+        let holes = [
+            (hole(8e-3, 0.1e-3), None),
+            (hole(9e-3, 0.4e-3), neighbour(3, 15e-3)),
+            (None, neighbour(1, 16e-3)),
+        ];
+        overview.fit.seats = holes
+            .map(|(hole, neighbour)| SeatFit {
+                hole,
+                neighbour,
+                ..sound_seat()
+            })
+            .into();
+        assert_eq!(of_input(&overview), []);
+    }
+
+    fn sound_seat() -> SeatFit {
+        SeatFit {
+            bolt: 2,
+            side: "head".into(),
+            outer: 16e-3,
+            shank: 8e-3,
+            covered: 0.95,
+            hole: None,
+            neighbour: None,
+        }
+    }
+
+    #[test]
+    fn contact_circles_are_put_down_to_the_input_that_leads_to_them() {
+        let message = |share| {
+            let (overview, mut findings) = sound();
+            findings.contact_circles = Some(ContactCircles {
+                ratio: 0.82,
+                limit: 0.41,
+                share,
+                surface: "surface.finish".into(),
+                load: "bolts.torque",
+            });
+            let [warning] = &of_results(&overview, &findings)[..] else {
+                panic!("one warning");
+            };
+            assert_eq!(
+                (warning.kind, warning.value, warning.limit),
+                (WarningKind::ContactCircles, 0.82, 0.41)
+            );
+            warning.message.clone()
+        };
+        let sharp = message(Some(0.2));
+        assert!(
+            sharp.contains("0.41: surface.finish makes asperities too sharp, which would need 4 times")
+                && sharp.contains("20 %")
+        );
+        let heavy = message(Some(0.7));
+        assert!(
+            heavy.contains("0.41: bolts.torque is too large") && heavy.contains("70 %"),
+            "{heavy}"
+        );
+        assert!(message(None).contains("check surface.finish and bolts.torque"));
     }
 
     #[test]

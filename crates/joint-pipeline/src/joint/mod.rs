@@ -3,6 +3,7 @@
 pub mod benchmark;
 pub mod quadratic;
 
+use crate::structure::Fit;
 use quadratic::RaisedElements;
 use reduction::RelativeSystem;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,8 @@ pub struct Joint {
     pub clearance: Option<f64>,
     /// Where and in which direction amplitudes are measured, in words.
     pub response: String,
+    /// How the geometry of a mesh fits what a scene says of it; empty where no mesh was read.
+    pub fit: Fit,
 }
 
 /// What the bodies are made of.

@@ -1,6 +1,7 @@
 //! Structures from input decks of Abaqus and CalculiX.
 
 use super::facing::{Facing, Surfaces};
+use super::fit::{FacesFit, Fit};
 use crate::Error;
 use crate::joint::quadratic;
 use crate::joint::{Bodies, Joint, MeshedBodies, Sides};
@@ -65,6 +66,11 @@ pub(super) fn joint(
     let mut facing = Facing::try_new(&mut assembly.mesh.nodes, &surfaces)?;
     facing.notes().iter().for_each(|note| notes(note));
     let normal = facing.frame[2];
+    // Before nodes are moved, and elements are raised.
+    let faces = FacesFit {
+        named: true,
+        ..facing.fit.clone()
+    };
     assembly.loads = source
         .bolts
         .iter()
@@ -155,6 +161,10 @@ pub(super) fn joint(
             "node {} in direction {:?}",
             source.response.node, source.response.direction
         ),
+        fit: Fit {
+            faces: vec![faces],
+            ..Fit::default()
+        },
     })
 }
 

@@ -3,6 +3,7 @@
 //! Where both have the same nodes, these are paired. Otherwise the finer side carries the jump, and what faces its nodes follows from the
 //! intersection of both meshes ([`zte_assembly::mortar`]).
 
+use super::fit::FacesFit;
 use super::touching;
 use crate::Error;
 use crate::joint::benchmark::ElementOrder;
@@ -12,7 +13,7 @@ use sprs::CsMat;
 use std::collections::{BTreeMap, BTreeSet};
 use substructure::mesh::Face;
 use substructure::sparse::submatrix;
-use zte_assembly::{Covered, Element, InterfaceMesh, Mortar, Operators};
+use zte_assembly::{Covered, Element, InterfaceMesh, Mortar, Operators, Rise};
 
 /// How far nodes that face one another may be apart, relative to the shortest edge of the interface.
 const COINCIDENCE: f64 = 1e-3;
@@ -45,6 +46,8 @@ pub(crate) struct Facing {
     pub(crate) projected: Option<Projected>,
     /// Largest angle between the normal at a node and the mean normal (degrees); zero where the interface is flat.
     pub(crate) angle: f64,
+    /// How the faces lay upon one another before nodes were moved.
+    pub(crate) fit: FacesFit,
 }
 
 /// What was found where the meshes of two faces do not match.
@@ -164,6 +167,10 @@ impl Facing {
         match matching {
             Some(bottom_nodes) => {
                 let moves = pairs.moves(&top_nodes, &bottom_nodes);
+                let mut apart = Rise::default();
+                for (&top, &bottom) in top_nodes.iter().zip(&bottom_nodes) {
+                    apart.add(1.0, pairs.way(top, bottom).1);
+                }
                 let moved = moves.iter().map(|(_, way)| 2.0 * way.norm()).reduce(f64::max);
                 let moved = moved.map(|largest_distance| MovedPairs {
                     count: moves.len() / 2,
@@ -188,6 +195,7 @@ impl Facing {
                     moved,
                     projected: None,
                     angle,
+                    fit: fit(apart, [0.0; 2], angle),
                 })
             }
             None => project(
@@ -237,6 +245,18 @@ impl Facing {
             ));
         }
         notes
+    }
+}
+
+/// Faces that are `apart` along the normal from the top body into the bottom one.
+fn fit(apart: Rise, without_partner: [f64; 2], angle: f64) -> FacesFit {
+    FacesFit {
+        curved: angle > 0.0,
+        without_partner,
+        distance: apart.mean,
+        distance_size: apart.mean_size,
+        distance_range: apart.range,
+        ..FacesFit::default()
     }
 }
 
@@ -438,6 +458,12 @@ fn project(
     );
     let reach = surfaces.within.unwrap_or(REACH * longest);
     let mortar = Mortar::try_new(&own_mesh, &other_mesh, reach)?;
+    let mut without_partner = mortar.areas.map(|area| (1.0 - mortar.rise.area / area).max(0.0));
+    let mut apart = mortar.rise;
+    if !own_is_top {
+        without_partner.reverse();
+        apart = apart.reversed();
+    }
     // Nodes of elements that are faced, with new numbers.
     let elements = mortar.elements.iter().map(|&index| own_mesh.elements[index]);
     let used: BTreeSet<u32> = elements.clone().flat_map(|element| element.nodes().to_vec()).collect();
@@ -493,6 +519,7 @@ fn project(
         moved: None,
         projected: Some(projected),
         angle,
+        fit: fit(apart, without_partner, angle),
     })
 }
 

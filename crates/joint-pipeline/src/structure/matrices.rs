@@ -1,5 +1,6 @@
 //! Structures that come as matrices of other programs.
 
+use super::fit::Fit;
 use super::matrix_contents::{Contents, File};
 use crate::Error;
 use crate::joint::{Bodies, ImportedBodies, Joint};
@@ -153,6 +154,7 @@ pub(super) fn joint(
             MatrixVector::LoadCase(name) => format!("load case {name}"),
             MatrixVector::Terms(_) => "response by terms".into(),
         },
+        fit: Fit::default(),
     })
 }
 

@@ -1,7 +1,9 @@
 //! Structures from mesh files.
 
-use super::bolt::{Bolt, BoltGeometry, HeadContact, Metric};
+use super::bolt::{Bolt, BoltGeometry, HeadContact, Metric, Placed, SIDES, SeatFacts};
 use super::facing::{Facing, Surfaces};
+use super::fit::{FacesFit, Fit, Neighbour, SeatFit};
+use super::overview::significant;
 use super::touching;
 use crate::Error;
 use crate::joint::{Bodies, InterfacePart, Joint, MeshedBodies, ProjectedSide, Sides, quadratic};
@@ -51,9 +53,14 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
     for (number, support) in (1..).zip(&source.supports) {
         file.support(number, support, &mut assembly)?;
     }
+    let (mut placed, mut seats) = (Vec::new(), Vec::new());
     for (number, bolt) in (1..).zip(&source.bolts) {
-        file.bolt(number, bolt, model, &mut assembly, notes)?;
+        let (place, own) = file.bolt(number, bolt, model, &mut assembly, notes)?;
+        file.require_room(&placed, &place)?;
+        placed.push(place);
+        seats.extend(own);
     }
+    find_neighbours(&mut seats, &placed);
     assembly.masses = super::masses::at_positions(&assembly.mesh.nodes, masses)?;
     let (response_node, direction) = file.response(&source.response)?;
     let excitation = match forced.and_then(|forced| Some((forced.node.as_deref()?, forced.direction?))) {
@@ -98,7 +105,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
         }
     };
     let label = |node: u32| file.label(node);
-    let mut joined = Joined::default();
+    let (mut joined, mut faces) = (Joined::default(), Vec::new());
     for named in &surfaces {
         let facing = Facing::try_new(
             &mut assembly.mesh.nodes,
@@ -119,6 +126,11 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
             _ => format!("interface {}: ", named.name),
         };
         facing.notes().iter().for_each(|note| notes(&format!("{about}{note}")));
+        faces.push(FacesFit {
+            interface: named.name.clone(),
+            named: named.interface.top.is_some(),
+            ..facing.fit.clone()
+        });
         joined.parts.push((named, facing));
     }
     let moved_pairs = joined.parts.first().and_then(|(_, facing)| facing.moved);
@@ -147,6 +159,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
             "node {} at {position:?} m in direction {direction:?}",
             file.label(response_node),
         ),
+        fit: Fit { faces, seats },
     })
 }
 
@@ -321,7 +334,31 @@ impl File<'_> {
         Ok(())
     }
 
-    /// Adds a bolt with its load of unit tension.
+    /// Refuses a bolt in the place of one before it.
+    fn require_room(&self, placed: &[Placed], bolt: &Placed) -> Result<(), Error> {
+        let number = placed.len() + 1;
+        let found = (1..).zip(placed);
+        let mut collisions = found.filter_map(|(other, before)| Some((other, before.shank, before.collision(bolt)?)));
+        match collisions.next() {
+            None => Ok(()),
+            Some((other, shank, distance)) => {
+                let [own, shank] = [bolt.shank, shank].map(|shank| match shank > 0.0 {
+                    true => format!("a shank of {} mm", significant(1e3 * shank)),
+                    false => "forces alone".to_owned(),
+                });
+                self.fail(
+                    format!("structure.mesh.bolts, number {number}"),
+                    format!(
+                        "its axis ({own}) is {} mm from that of bolt {other} ({shank}), which clamps the same place; leave one of the two out, \
+                         or correct where it is",
+                        significant((1e7 * distance).round() / 1e4),
+                    ),
+                )
+            }
+        }
+    }
+
+    /// Adds a bolt with its load of unit tension, and says where it is and how its seats fit, if they are found in the mesh.
     fn bolt(
         &self,
         number: usize,
@@ -329,7 +366,7 @@ impl File<'_> {
         model: &Model,
         assembly: &mut Assembly,
         notes: &mut dyn FnMut(&str),
-    ) -> Result<(), Error> {
+    ) -> Result<(Placed, Vec<SeatFit>), Error> {
         let field = || format!("structure.mesh.bolts, number {number}");
         match (&bolt.axis, &bolt.size, &bolt.head, &bolt.nut) {
             (None, None, Some(head), Some(nut)) => {
@@ -359,8 +396,12 @@ impl File<'_> {
                     name: format!("{} against {}", head.name, nut.name),
                     terms: pull(first, 1.0).chain(pull(first + 1, -1.0)).collect(),
                 });
+                let placed = Placed {
+                    ends: [head.reference, nut.reference].map(Vector3::from),
+                    shank: 0.0,
+                };
                 assembly.couplings.extend([head, nut]);
-                Ok(())
+                Ok((placed, Vec::new()))
             }
             (Some(axis), Some(size), None, None) => {
                 let size = Metric::from_name(size)?;
@@ -387,7 +428,23 @@ impl File<'_> {
                     100.0 * facts.seats[0].covered,
                     100.0 * facts.seats[1].covered,
                 ));
-                Ok(())
+                let shank = geometry.thread.diameter;
+                let seats = facts
+                    .seats
+                    .iter()
+                    .zip(&geometry.seats)
+                    .zip(SIDES)
+                    .map(|((found, seat), side)| SeatFit {
+                        bolt: number,
+                        side: side.to_owned(),
+                        outer: seat.outer,
+                        shank,
+                        covered: found.covered,
+                        hole: found.hole,
+                        neighbour: None,
+                    });
+                let ends = facts.seats.map(|seat| Vector3::from(seat.centre));
+                Ok((Placed { ends, shank }, seats.collect()))
             }
             _ => self.fail(
                 field(),
@@ -534,6 +591,30 @@ impl File<'_> {
             }
         }
     }
+}
+
+/// Finds for each seat the nearest one of another bolt in its plane; `placed` are all bolts in turn.
+fn find_neighbours(seats: &mut [SeatFit], placed: &[Placed]) {
+    let known: Vec<(usize, f64, Vector3<f64>)> = (seats.iter())
+        .map(|seat| (seat.bolt, seat.outer, placed[seat.bolt - 1].ends[end_of(seat)]))
+        .collect();
+    for seat in seats {
+        let own = placed[seat.bolt - 1];
+        let others = known.iter().filter(|(bolt, ..)| *bolt != seat.bolt);
+        let beside = others.filter_map(|&(bolt, outer, centre)| {
+            Some(Neighbour {
+                bolt,
+                distance: own.beside(end_of(seat), centre, SeatFacts::depth(seat.outer))?,
+                least: 0.5 * (seat.outer + outer),
+            })
+        });
+        seat.neighbour = beside.min_by(|a, b| a.room().total_cmp(&b.room()));
+    }
+}
+
+/// Zero for the seat under the head, one for that under the nut.
+fn end_of(seat: &SeatFit) -> usize {
+    usize::from(seat.side != SIDES[0])
 }
 
 fn elastic(name: &str, material: &scene::Material) -> Material {

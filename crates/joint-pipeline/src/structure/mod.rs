@@ -5,6 +5,7 @@ mod deck;
 mod displacements;
 pub mod export;
 mod facing;
+mod fit;
 mod masses;
 mod matrices;
 mod matrix_contents;
@@ -18,6 +19,7 @@ mod spectrum;
 mod surface;
 mod touching;
 
+pub use fit::{FacesFit, Fit, Neighbour, SeatFit};
 pub(crate) use matrix_contents::matrix_files_of;
 pub use mode_names::Shares;
 pub use modes::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};

@@ -36,7 +36,9 @@ impl Contact {
             Self::Unstressed => "unstressed, no contact",
             Self::Stuck => "stuck, both faces move together everywhere",
             Self::Linear => "linear interface, uniform springs in the place of the scene's law",
-            Self::Prestressed => "prestressed, the scene's law about the static state with everything in contact stuck, as in `run`",
+            Self::Prestressed => {
+                "prestressed, the scene's law about the static state with everything in contact stuck, as in `run`"
+            }
         }
     }
 

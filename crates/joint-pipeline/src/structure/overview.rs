@@ -1,6 +1,7 @@
 //! What is computed with: sizes, materials, surface, bolts and units, told before anything is computed.
 
 use super::Structure;
+use super::fit::Fit;
 use crate::Error;
 use crate::joint::Bodies;
 use crate::scene::{self, Density, MaterialSource, Scene, StructureSource, Surface, Units};
@@ -40,6 +41,9 @@ pub struct Overview {
     pub tightening: Vec<String>,
     /// Motions without energy that the structure with a stuck interface should have.
     pub rigid_motions: usize,
+    /// How the geometry of a mesh fits what the scene says of it.
+    #[serde(default)]
+    pub fit: Fit,
 }
 
 /// A material.
@@ -116,6 +120,7 @@ impl Structure {
             },
             tightening: tightening(scene, count),
             rigid_motions: self.settings.expected_zem,
+            fit: self.joint.fit.clone(),
         })
     }
 }
@@ -172,6 +177,7 @@ impl Overview {
             significant(1e6 * self.interface_area),
             significant(1e-6 * bolts.nominal_pressure)
         ));
+        lines.extend(self.fit.lines());
         lines
     }
 }

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Scene file.
     scene: PathBuf,
-    /// Backbones of `identify` or `transient`: the folder, or its backbone.csv.
+    /// Backbones of `identify` or `transient`, or of other runs: the folder, or its backbone.csv.
     #[arg(required = true, value_name = "EXPERIMENT")]
     experiments: Vec<PathBuf>,
     /// Numbers of the scene that are free, by their paths: mu,bolts.load.

@@ -1,10 +1,10 @@
-//! `compare`: a run over measured backbones.
+//! `compare`: a run over measured backbones, or over other runs.
 
 use super::identify;
 use super::transient::line;
 use crate::files::{self, Overwrite};
 use anyhow::{Context, Result, bail, ensure};
-use durable_files::Identity;
+use durable_files::{Identity, Manifest};
 use joint_pipeline::analysis::comparison::{Backbone, Misfit, POINTS, Point};
 use modal_identification::signal::{Quantity, Unit};
 use reports::Output;
@@ -12,6 +12,7 @@ use reports::csv::{number, table as csv_table};
 use reports::overlay::{self, Series};
 use reports::run::SUMMARY;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -25,9 +26,9 @@ const CONVERSION: &str = "amplitudes of theory are those of displacement times t
 /// Options of `compare`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Results of a run: the folder, or its summary.json.
+    /// Results of a run: the folder, its summary.json or its backbone.csv.
     run: PathBuf,
-    /// Backbones of `identify` or `transient`: the folder, or its backbone.csv.
+    /// Backbones of `identify` or `transient`: the folder, or its backbone.csv; or results of other runs, read like the first.
     #[arg(required = true, value_name = "EXPERIMENT")]
     experiments: Vec<PathBuf>,
     /// What amplitudes are [default: the quantity of the first experiment].
@@ -63,9 +64,23 @@ struct Compared {
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
-    let theory = Theory::read(&arguments.run)?;
-    let experiments: Vec<Experiment> = (arguments.experiments.iter())
-        .map(|path| Experiment::read(path))
+    let ran = match Results::read(&arguments.run)? {
+        Results::Run(run) => run,
+        Results::Measured(experiment) => bail!(
+            "{}: `{}` is a measured backbone; give first a run (its folder, or its {SUMMARY}), then what it is compared with",
+            arguments.run.display(),
+            experiment.name
+        ),
+    };
+    let references: Vec<Results> = (arguments.experiments.iter())
+        .map(|path| Results::read(path))
+        .collect::<Result<_>>()?;
+    // Like with like: where one of the runs has no first harmonics, all are read by their secants.
+    let harmonic = ran.is_harmonic()
+        && (references.iter()).all(|results| !matches!(results, Results::Run(run) if !run.is_harmonic()));
+    let theory = ran.theory(harmonic)?;
+    let experiments: Vec<Experiment> = (references.into_iter())
+        .map(|results| results.experiment(harmonic))
         .collect::<Result<_>>()?;
     let quantity = match (arguments.amplitude, experiments.first()) {
         (Some(amplitude), _) => amplitude.quantity(),
@@ -114,20 +129,55 @@ fn read(path: &Path) -> Result<String> {
     Ok(input_files::read_text(path, input_files::Kind::Table)?)
 }
 
-/// The file itself, or the one of this name in a folder.
-fn file(path: &Path, name: &str) -> PathBuf {
-    if path.is_dir() {
-        path.join(name)
-    } else {
-        path.to_owned()
+/// The table of a backbone, of a run or of what was identified.
+const TABLE: &str = "backbone.csv";
+
+/// Commands that write a backbone: that of a model, or of what was identified.
+const COMMANDS: [&str; 3] = ["run", "identify", "transient"];
+
+/// The file with the backbone: the path itself, or in a folder what its command has written there.
+///
+/// # Errors
+/// The results are those of a command that writes no backbone.
+fn file(path: &Path) -> Result<PathBuf> {
+    let is_folder = path.is_dir();
+    let folder = if is_folder { Some(path) } else { path.parent() };
+    let is_listed = |manifest: &Manifest| {
+        let name = path.file_name();
+        is_folder || name.is_some_and(|name| manifest.files.keys().any(|listed| name == listed.as_str()))
+    };
+    let identity = match folder.map(Manifest::read) {
+        Some(Ok(manifest)) => is_listed(&manifest).then_some(manifest.identity),
+        Some(Err(error)) if is_folder && !matches!(error, durable_files::Error::NoManifest { .. }) => {
+            return Err(error.into());
+        }
+        // A file may stand beside anything.
+        _ => None,
+    };
+    if let Some(identity) = &identity
+        && !COMMANDS.contains(&identity.command.as_str())
+    {
+        bail!(
+            "{}: the results are those of {identity}, which have no backbone of frequency and damping over amplitude; give the folder of a \
+             `run`, or as an experiment also one of `identify` or `transient`",
+            path.display(),
+        );
     }
+    if !is_folder {
+        return Ok(path.to_owned());
+    }
+    let is_run = match &identity {
+        Some(identity) => identity.command == COMMANDS[0],
+        None => path.join(SUMMARY).exists() || !path.join(TABLE).exists(),
+    };
+    Ok(path.join(if is_run { SUMMARY } else { TABLE }))
 }
 
 /// Name for tables: that of the folder, for a file with a name of its own also that.
-fn title(path: &Path, usual: &str) -> String {
+fn title(path: &Path) -> String {
     let name = |path: Option<&Path>| path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
     match (name(path.parent()), name(Some(path))) {
-        (Some(folder), Some(file)) if file == usual => folder,
+        (Some(folder), Some(file)) if [SUMMARY, TABLE].contains(&file.as_str()) => folder,
         (Some(folder), Some(file)) => format!("{folder}/{file}"),
         (None, Some(file)) => file,
         _ => path.display().to_string(),
@@ -141,15 +191,21 @@ struct Summary {
     ensemble: Option<Ensemble>,
 }
 
-/// An amplitude; its values are missing where it did not converge, those of the first harmonic also where another program
-/// wrote the summary.
+/// An amplitude, by its names in the summary and in the table; its values are missing where it did not converge, those of the first
+/// harmonic also where another program wrote the summary.
 #[derive(Deserialize)]
 struct Amplitude {
+    #[serde(alias = "response_displacement [m]")]
     response_displacement: Option<f64>,
+    #[serde(alias = "frequency [Hz]")]
     frequency_hz: Option<f64>,
+    #[serde(alias = "damping_ratio [-]")]
     damping_ratio: Option<f64>,
+    #[serde(alias = "response_motion [m]")]
     response_motion: Option<f64>,
+    #[serde(alias = "frequency_first_harmonic [Hz]")]
     frequency_first_harmonic_hz: Option<f64>,
+    #[serde(alias = "damping_ratio_first_harmonic [-]")]
     damping_ratio_first_harmonic: Option<f64>,
 }
 
@@ -200,12 +256,21 @@ impl Ensemble {
     }
 }
 
-impl Theory {
-    fn read(path: &Path) -> Result<Self> {
-        let path = file(path, SUMMARY);
-        let at = path.display();
-        let summary: Summary = files::parse(&path, &read(&path)?, files::A_SUMMARY)?;
-        let harmonic = summary.backbone.iter().any(|a| a.frequency_first_harmonic_hz.is_some());
+/// A run as read.
+struct Ran {
+    path: PathBuf,
+    summary: Summary,
+}
+
+impl Ran {
+    fn is_harmonic(&self) -> bool {
+        let mut amplitudes = self.summary.backbone.iter();
+        amplitudes.any(|a| a.frequency_first_harmonic_hz.is_some())
+    }
+
+    /// Its backbone, of first harmonics or of secants.
+    fn theory(&self, harmonic: bool) -> Result<Theory> {
+        let (at, summary) = (self.path.display(), &self.summary);
         let points: Vec<Point> = summary.backbone.iter().filter_map(|a| a.point(harmonic)).collect();
         ensure!(
             !points.is_empty(),
@@ -216,13 +281,67 @@ impl Theory {
             None => None,
             Some(ensemble) => Some(ensemble.edges().with_context(|| format!("{at}: `ensemble`"))?),
         };
-        Ok(Self {
-            name: title(&path, SUMMARY) + if harmonic { "" } else { " (secant)" },
+        Ok(Theory {
+            name: title(&self.path) + if harmonic { "" } else { " (secant)" },
             backbone: Backbone::try_new(&at.to_string(), points)?,
             band,
         })
     }
+}
 
+/// What a path leads to.
+enum Results {
+    Run(Ran),
+    Measured(Experiment),
+}
+
+impl Results {
+    fn read(path: &Path) -> Result<Self> {
+        let path = file(path)?;
+        let text = read(&path)?;
+        if path.extension().is_none_or(|extension| extension != "csv") {
+            let summary = files::parse(&path, &text, files::A_SUMMARY)?;
+            return Ok(Self::Run(Ran { path, summary }));
+        }
+        let at = path.display().to_string();
+        let mut table = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let header = table
+            .headers()
+            .with_context(|| format!("{at}: the first line"))?
+            .clone();
+        if header.iter().any(|name| name == "response_displacement [m]") {
+            let summary = Summary {
+                backbone: rows(table).with_context(|| format!("reading {at}"))?,
+                ensemble: None,
+            };
+            return Ok(Self::Run(Ran { path, summary }));
+        }
+        Experiment::of_table(&path, &header, table).map(Self::Measured)
+    }
+
+    fn experiment(self, harmonic: bool) -> Result<Experiment> {
+        match self {
+            Self::Measured(experiment) => Ok(experiment),
+            Self::Run(run) => {
+                let Theory { name, backbone, .. } = run.theory(harmonic)?;
+                Ok(Experiment {
+                    name,
+                    backbone,
+                    quantity: Quantity::Displacement,
+                })
+            }
+        }
+    }
+}
+
+fn rows<T: DeserializeOwned>(mut table: csv::Reader<&[u8]>) -> csv::Result<Vec<T>> {
+    table.deserialize().collect()
+}
+
+impl Theory {
     fn over(self, quantity: Quantity) -> Result<Self> {
         let over = |backbone: &Backbone| backbone.differentiated(&self.name, quantity.derivatives());
         let band = match &self.band {
@@ -238,18 +357,15 @@ impl Theory {
 }
 
 impl Experiment {
+    /// A backbone of `identify` or `transient`, or that of a run.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        let path = file(path, "backbone.csv");
-        let text = read(&path)?;
+        let results = Results::read(path)?;
+        let harmonic = matches!(&results, Results::Run(run) if run.is_harmonic());
+        results.experiment(harmonic)
+    }
+
+    fn of_table(path: &Path, header: &csv::StringRecord, mut table: csv::Reader<&[u8]>) -> Result<Self> {
         let at = path.display();
-        let mut table = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .flexible(true)
-            .from_reader(text.as_bytes());
-        let header = table
-            .headers()
-            .with_context(|| format!("{at}: the first line"))?
-            .clone();
         let column = |wanted: &str| header.iter().position(|name| name == wanted);
         let (Some(first), Some(frequency), Some(damping)) =
             (header.get(0), column("frequency_hz"), column("damping_ratio"))
@@ -283,7 +399,7 @@ impl Experiment {
             });
         }
         Ok(Self {
-            name: title(&path, "backbone.csv"),
+            name: title(path),
             backbone: Backbone::try_new(&at.to_string(), points)?,
             quantity: unit.quantity,
         })

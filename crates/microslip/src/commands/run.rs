@@ -312,13 +312,6 @@ fn table(out: &mut String, summary: &Summary) {
             "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
         );
     }
-    if let Some(ratio) = summary.validity.beyond_contact_formulas() {
-        let _ = writeln!(
-            out,
-            "contact circles of asperities have up to {ratio:.2} of the asperities' radius: THE CONTACT FORMULAS DO NOT REACH SO \
-             FAR; check strength, radii, density and bolt loads"
-        );
-    }
 }
 
 /// The two formulations beside each other.

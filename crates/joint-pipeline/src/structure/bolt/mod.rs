@@ -6,9 +6,12 @@
 //! together, so that only the parts are meshed. Washers are taken to be rigid.
 
 mod compliance;
+mod hole;
 mod metric;
 
 pub use compliance::{Compliance, Engagement, Term};
+pub use hole::Hole;
+pub(crate) use hole::Placed;
 pub use metric::{Friction, Hexagon, Metric, Thread, Washer};
 
 use crate::Error;
@@ -125,7 +128,7 @@ impl BoltGeometry {
 }
 
 /// What messages call the two ends.
-const SIDES: [&str; 2] = ["head", "nut"];
+pub(crate) const SIDES: [&str; 2] = ["head", "nut"];
 
 /// A bolt in a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -164,6 +167,17 @@ pub struct SeatFacts {
     pub covered: f64,
     /// Largest angle between its faces and the plane at a right angle to the axis (degrees).
     pub tilt: f64,
+    /// Where the axis meets its plane (m).
+    pub centre: [f64; 3],
+    /// The round hole in its plane whose centre is under head, nut or washer; none in a mesh without holes.
+    pub hole: Option<Hole>,
+}
+
+impl SeatFacts {
+    /// How far faces of one seat may be from its plane (m), under a head, nut or washer of this diameter.
+    pub(crate) fn depth(outer: f64) -> f64 {
+        0.01 * outer
+    }
 }
 
 impl Bolt {
@@ -416,7 +430,7 @@ impl FoundSeat {
                 radii[0], radii[1]
             )));
         }
-        let members = grown(&candidates, outermost + 0.01 * seat.outer);
+        let members = grown(&candidates, outermost + SeatFacts::depth(seat.outer));
         let tilt = |c: &&Candidate<'_>| {
             (-c.area.dot(&inward) / c.area.norm())
                 .clamp(-1.0, 1.0)
@@ -455,13 +469,29 @@ impl FoundSeat {
                 0.5 * (radii[1] - radii[0])
             )));
         }
+        let height = moment / area;
+        let centre = origin + inward * height;
+        let in_plane = boundary.iter().filter(|face| {
+            let corners: Vec<Vector3<f64>> = face.corners().iter().map(|&n| nodes[n as usize].into()).collect();
+            let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
+            hole::is_in_plane(
+                area_vector(&corners),
+                middle,
+                centre,
+                -inward,
+                SeatFacts::depth(seat.outer),
+            )
+        });
+        let in_plane: Vec<&Face> = in_plane.collect();
         Ok(Self {
             facts: SeatFacts {
+                centre: centre.into(),
+                hole: Hole::nearest(nodes, &in_plane, centre, -inward, radii[1]),
                 nodes: weights.len(),
                 covered: area / (PI * (radii[1].powi(2) - radii[0].powi(2))),
                 tilt,
             },
-            height: moment / area,
+            height,
             weights,
         })
     }
