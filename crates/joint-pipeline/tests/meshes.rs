@@ -3,8 +3,8 @@
 mod common;
 
 use common::BENCHMARKS;
-use joint_pipeline::joint::quadratic::raise_surfaces;
 use joint_pipeline::analysis::warnings::{WarningKind, of_input};
+use joint_pipeline::joint::quadratic::raise_surfaces;
 use joint_pipeline::joint::{Bodies, Sides};
 use joint_pipeline::progress::Silent;
 use joint_pipeline::structure::{Fit, LinearInterface, Spectrum, Structure};
@@ -646,7 +646,11 @@ fn accuracy_takes_the_elements_of_a_mesh_that_is_not_linear_as_they_are() {
         let corners = &element.cell.nodes()[..8];
         element.cell = Cell::try_new(&HEX8, Formulation::IncompatibleModes, corners).expect("a hexahedron");
     }
-    for group in mixed.faces.iter_mut().filter(|group| ["lower face", "nut"].contains(&group.name.as_str())) {
+    for group in mixed
+        .faces
+        .iter_mut()
+        .filter(|group| ["lower face", "nut"].contains(&group.name.as_str()))
+    {
         for face in &mut group.members {
             *face = Face::from_nodes(face.corners()).expect("a face");
         }
@@ -667,7 +671,10 @@ fn accuracy_takes_the_elements_of_a_mesh_that_is_not_linear_as_they_are() {
         assert!(notes.contains("quadratic already"), "{notes}");
         compare(&spectrum(&found.unwrap()), &reference, [1e-9; 2], "already quadratic");
         let (found, notes) = structure(&written(&mixed, "mixed.msh"), asked);
-        assert!(notes.contains("12 of 24 elements are linear") && notes.contains("stay as they are"), "{notes}");
+        assert!(
+            notes.contains("12 of 24 elements are linear") && notes.contains("stay as they are"),
+            "{notes}"
+        );
         assert_eq!(found.unwrap().describe(None, &Silent).unwrap().raised, None);
     }
     // What is asked for by name is refused where it does not fit.
@@ -675,6 +682,7 @@ fn accuracy_takes_the_elements_of_a_mesh_that_is_not_linear_as_they_are() {
     let model = json!({ "element_order": "quadratic", "material": { "youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0 } });
     let error = structure(&path, json!({ "model": model })).0.unwrap_err();
     assert_eq!(error.field(), Some("model.element_order"), "{error}");
+}
 
 /// How the mesh in a file fits a scene of it, and what is warned of with its value.
 fn fit(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> (Fit, Vec<(WarningKind, f64)>) {
