@@ -453,7 +453,7 @@ fn inadmissible_settings_are_named() {
             steps_per_period,
             ..default()
         };
-        let error = run(&line, &chain.force, &row, &release, &settings, &mut |_| {
+        let error = run(&line, &chain.force, &[1.0; 2], &release, &settings, &mut |_| {
             ControlFlow::Break(())
         })
         .unwrap_err();

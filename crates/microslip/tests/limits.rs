@@ -3,9 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 mod common;
-mod inputs;
 
-use common::{exit_code, folder, messages, run};
+use common::{exit_code, folder, messages, run, succeeds};
 use serde_json::json;
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -33,10 +32,8 @@ fn scene(folder: &Path, refinement: &str) {
 fn work_without_end_is_refused_at_once() {
     let folder = folder("limits-work");
     scene(&folder, "quick");
-    for number in [1, 2] {
-        fs::write(folder.join(format!("hit{number}.csv")), inputs::ring_down(1.0, 0.0)).unwrap();
-    }
-    let hits = ["identify", "hit1.csv", "hit2.csv", "--channel", "acc"];
+    succeeds(&folder, &["samples", "samples"]);
+    let hits = ["identify", "samples/hit1.csv", "samples/hit2.csv"];
     let identify = [&hits[..], &["--points", "1000000000", "--out", "identified"]].concat();
     let memory = ["run", "scene.json", "--no-cache", "--memory", "10MB"];
     for (arguments, words) in [

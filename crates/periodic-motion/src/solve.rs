@@ -95,7 +95,7 @@ impl Reason {
 /// Residuals and products with the Jacobian that may be spent on a backbone, and those that each motion found adds to it; a point of a forced
 /// response may take the first number. With a target for errors, amplitudes of the Brake-Reuss beam take up to 500: what is asked for beyond
 /// these numbers is not within reach of the method.
-pub(crate) const BUDGET: [usize; 2] = [20_000, 5_000];
+pub(crate) const BUDGET: [usize; 2] = [10_000, 2_000];
 
 /// Why a solve gave up.
 #[derive(Clone, Debug, PartialEq)]
