@@ -234,7 +234,7 @@ pub struct BackbonePoint {
 /// on the number of threads. `observer(i)` makes the observer of loop `i`.
 ///
 /// # Errors
-/// Settings outside their range; [`Error::Interrupted`] if an observer stopped the run. A loop that does not converge is a point with a [`Failure`].
+/// Settings outside their range; [`Error::Interrupted`] if an observer or [`Linearisation::limits`] ended the run. A loop that does not converge is a point with a [`Failure`].
 pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
     structure: &Linearisation<'_, F::State>,
     force: &F,
@@ -327,6 +327,10 @@ fn run_followed<F: HystereticForce, O: LoopObserver<F::State>>(
             }
             let mut observer = observer(index);
             let point = run_loop(structure, force, &mode, peak, settings, &mut observer, followers());
+            if point.result.is_err() && structure.limits.stops() {
+                interrupted.store(true, Ordering::Relaxed);
+                return None;
+            }
             if observer.done(&point).is_break() {
                 interrupted.store(true, Ordering::Relaxed);
             }
@@ -357,7 +361,11 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
         let mut stuck = LoopTracer::new(structure, force, mode, peak, settings);
         stuck.path.sticking = Sticking::Full;
         // Without a stuck loop to compare with, all of the damping may be such a remainder.
-        found.zeta_floor += stuck.remainder().map_or(found.zeta.abs(), |zeta| PARTIAL_SLIP * zeta);
+        match stuck.remainder() {
+            Ok(zeta) => found.zeta_floor += PARTIAL_SLIP * zeta,
+            Err(failure) if failure.reason == crate::Reason::Interrupted => result = Err(failure),
+            Err(_) => found.zeta_floor += found.zeta.abs(),
+        }
         effort += stuck.path.sequence.effort;
     }
     BackbonePoint {

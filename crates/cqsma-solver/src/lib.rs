@@ -32,7 +32,7 @@ pub mod transient;
 
 pub use contact_laws::{RegimeCounts, Sticking};
 pub use cqsma::{BackbonePoint, LoopObserver, LoopResult, NoObserver};
-pub use dense_algebra::Reflection;
+pub use dense_algebra::{Limits, Reflection};
 pub use error::Error;
 pub use force::{HystereticForce, PatternView};
 pub use loading::{LoadingPoint, LoadingResult};

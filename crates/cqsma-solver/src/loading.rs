@@ -20,6 +20,7 @@
 use crate::Error;
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
+use crate::modes::Linearisation;
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Reason};
 use crate::path::Path;
 use std::f64::consts::PI;
@@ -111,6 +112,15 @@ pub(crate) fn check(settings: &Settings, field: &'static str, targets: &[f64]) -
         last = value;
     }
     Ok(())
+}
+
+/// A curve, unless it ends because the run does.
+pub(crate) fn finished<S>(
+    structure: &Linearisation<'_, S>,
+    curve: Vec<LoadingPoint>,
+) -> Result<Vec<LoadingPoint>, Error> {
+    let is_cut = curve.last().is_some_and(|point| point.result.is_err()) && structure.limits.stops();
+    if is_cut { Err(Error::Interrupted) } else { Ok(curve) }
 }
 
 /// Goes from the static state through ascending targets; `state` reads modal amplitude `q` and `lambda = alpha / q`.

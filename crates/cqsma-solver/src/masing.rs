@@ -7,7 +7,7 @@
 use crate::Error;
 use crate::force::HystereticForce;
 use crate::linear::{Motion, dot};
-use crate::loading::{LoadingPoint, Settings, check, follow};
+use crate::loading::{LoadingPoint, Settings, check, finished, follow};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::Sequence;
 use crate::path::Path;
@@ -28,8 +28,11 @@ pub fn run<F: HystereticForce>(
     let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
     let solution = (settings.solver, settings.newton);
     let path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, sequence);
-    Ok(follow(path, modal_forces, settings.edges, |path| {
-        let q = dot(&mode.unit.p, &path.sequence.motion.v);
-        (q, path.at / q)
-    }))
+    finished(
+        structure,
+        follow(path, modal_forces, settings.edges, |path| {
+            let q = dot(&mode.unit.p, &path.sequence.motion.v);
+            (q, path.at / q)
+        }),
+    )
 }

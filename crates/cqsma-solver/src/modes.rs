@@ -6,7 +6,7 @@ use crate::force::{HystereticForce, PatternView};
 use crate::linear::{Motion, RoundOff, Stuck, multiply, solve_krylov};
 use crate::newton::Equilibrium;
 use contact_laws::Sticking;
-use dense_algebra::Inner;
+use dense_algebra::{Inner, Limits};
 use faer::{Mat, MatRef};
 
 /// The prestressed structure, ready for its loops.
@@ -24,6 +24,8 @@ pub struct Linearisation<'a, S> {
     pub eigenvalues: Vec<f64>,
     /// Mass-normalised mode shapes, `n x n_modes`.
     pub shapes: Mat<f64>,
+    /// Asked often by the analyses about this state; by default it never ends them.
+    pub limits: Limits<'a>,
 }
 
 impl<S> Linearisation<'_, S> {
@@ -105,6 +107,7 @@ impl<S> Linearisation<'_, S> {
             reference: &self.displacement[..force.n_dofs()],
             reference_force: &self.contact_force,
             round_off: self.round_off,
+            limits: self.limits,
         }
     }
 
@@ -227,5 +230,6 @@ pub fn linearise<'a, F: HystereticForce>(
         contact_force,
         eigenvalues,
         shapes,
+        limits: Limits::default(),
     })
 }

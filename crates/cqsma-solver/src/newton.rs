@@ -3,7 +3,7 @@
 use crate::force::HystereticForce;
 use crate::linear::{Border, Motion, RoundOff, Stuck, dot, multiply, solve_direct, solve_krylov};
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::Vector;
+use dense_algebra::{Limits, Vector};
 use faer::MatRef;
 
 /// Round-off of the forces, relative to that of one evaluation, that a residual may add up to.
@@ -60,6 +60,9 @@ pub enum Reason {
         BUDGET[1]
     )]
     Budget,
+    /// The run was interrupted; no result shows it.
+    #[error("the run was interrupted")]
+    Interrupted,
     /// The residual is small in the energy norm and large as a force: against a contact this stiff hardly any work is done.
     #[error(
         "the forces do not balance, although the residual is small in the energy norm: the contact is too stiff for this \
@@ -149,6 +152,8 @@ pub(crate) struct Equilibrium<'a, F: HystereticForce> {
     pub(crate) reference_force: &'a [f64],
     /// Below it a residual is round-off.
     pub(crate) round_off: RoundOff,
+    /// Asked before each iteration.
+    pub(crate) limits: Limits<'a>,
 }
 
 /// The load of a solve.
@@ -378,6 +383,9 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
             let or_unbalanced = |reason| if is_small { Reason::Unbalanced } else { reason };
             if stalled > 3 {
                 return fail(or_unbalanced(Reason::Stalled), history);
+            }
+            if self.limits.stops() {
+                return fail(Reason::Interrupted, history);
             }
             if iteration == settings.max_iterations {
                 return fail(or_unbalanced(Reason::IterationLimit), history);

@@ -146,7 +146,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             let step = next - from;
             self.predict(next, &origin);
             let mut outcome = self.settle_beside(next, &origin);
-            if outcome.is_err() {
+            if outcome.is_err() && !self.equilibrium.limits.stops() {
                 self.sequence.motion.copy_from(&origin);
                 outcome = self.settle_beside(next, &origin);
             }
@@ -164,7 +164,9 @@ impl<'a, F: HystereticForce> Path<'a, F> {
                 Err(failure) => {
                     self.at = from;
                     self.sequence.motion.copy_from(&origin);
-                    if failure.reason == Reason::BelowRoundOff || step.abs() < SMALLEST_STEP * self.range {
+                    if matches!(failure.reason, Reason::BelowRoundOff | Reason::Interrupted)
+                        || step.abs() < SMALLEST_STEP * self.range
+                    {
                         return Err(failure);
                     }
                     targets.push(from + 0.5 * step);

@@ -7,7 +7,7 @@ use crate::linear::{Motion, Stuck, multiply};
 use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::Inner;
+use dense_algebra::{Inner, Limits};
 use faer::MatRef;
 
 /// A static equilibrium.
@@ -244,6 +244,7 @@ fn search<F: HystereticForce>(
         reference: &zero,
         reference_force: rest,
         round_off: stuck.round_off(force.pattern(), &start[..nc], &contact),
+        limits: Limits::default(),
     };
     let sequence = Sequence::<F>::new(force, guess, history.clone());
     let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), sequence);

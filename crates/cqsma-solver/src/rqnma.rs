@@ -17,7 +17,7 @@
 use crate::Error;
 use crate::force::HystereticForce;
 use crate::linear::Motion;
-use crate::loading::{LoadingPoint, Settings, check, follow};
+use crate::loading::{LoadingPoint, Settings, check, finished, follow};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::Sequence;
 use crate::path::Path;
@@ -43,7 +43,10 @@ pub fn run<F: HystereticForce>(
     let solution = (settings.solver, settings.newton);
     let mut path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, sequence);
     path.mass = Some(structure.mass);
-    Ok(follow(path, modal_amplitudes, settings.edges, |path| {
-        (path.at, path.sequence.lambda)
-    }))
+    finished(
+        structure,
+        follow(path, modal_amplitudes, settings.edges, |path| {
+            (path.at, path.sequence.lambda)
+        }),
+    )
 }

@@ -359,6 +359,34 @@ fn a_stopped_run_begins_no_more_loops() {
 }
 
 #[test]
+fn loops_and_motions_end_where_their_line_is_told_to() {
+    let chain = JenkinsChain::new(6, 2000.0, (400.0, 1.0));
+    let state = chain.force.initial_state();
+    let (stiffness, mass) = (chain.stiffness.as_ref(), chain.mass.as_ref());
+    let mut line = modes::linearise(stiffness, mass, &chain.force, vec![0.0; 6], state, 1).unwrap();
+    let asked = AtomicUsize::new(0);
+    let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 5;
+    line.limits = line.limits.until(&stop);
+    let reported = AtomicUsize::new(0);
+    let loops = run(&line, &chain.force, &[1000.0], &Settings::default(), |_| {
+        StopsAt(&reported)
+    });
+    assert!(matches!(loops, Err(Error::Interrupted)));
+    assert_eq!(reported.into_inner(), 0, "within the first loop");
+    let loading = cqsma_solver::loading::Settings::default();
+    asked.store(0, Ordering::Relaxed);
+    let points = cqsma_solver::masing::run(&line, &chain.force, &[1000.0], &loading);
+    assert!(matches!(points, Err(Error::Interrupted)));
+    asked.store(0, Ordering::Relaxed);
+    let start = cqsma_solver::transient::Start::Release { modal_force: 1000.0 };
+    let settings = cqsma_solver::transient::Settings::default();
+    let motion = cqsma_solver::transient::run(&line, &chain.force, &[1.0; 6], &start, &settings, &mut |_| {
+        ControlFlow::Continue(())
+    });
+    assert!(matches!(motion, Err(Error::Interrupted)));
+}
+
+#[test]
 fn loads_within_the_round_off_of_the_static_forces_are_called_so() {
     let chain = JenkinsChain::new(6, 2000.0, (400.0, 1.0));
     let load = vec![0.1; 6];

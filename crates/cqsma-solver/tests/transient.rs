@@ -447,6 +447,18 @@ fn inadmissible_settings_are_named() {
         .unwrap_err();
         assert!(error.to_string().contains(name), "{name}: {error}");
     }
+    for (periods, steps_per_period) in [(1_000_000_000_000, 100), (usize::MAX, usize::MAX), (100_001, 100)] {
+        let settings = Settings {
+            periods,
+            steps_per_period,
+            ..default()
+        };
+        let error = run(&line, &chain.force, &[1.0; 2], &release, &settings, &mut |_| {
+            ControlFlow::Break(())
+        })
+        .unwrap_err();
+        assert!(error.to_string().contains("1e7 steps"), "{error}");
+    }
     let stopped = run(
         &line,
         &chain.force,

@@ -7,13 +7,16 @@
 //! deflates with an absolute tolerance (a matrix of size 1e12 lost four digits to it, one of size 1e-5 five).
 
 mod fingerprint;
+mod limits;
 mod packed;
 mod reflected;
 mod residuals;
+
 mod subspace;
 mod tiles;
 
 pub use fingerprint::arithmetic_fingerprint;
+pub use limits::Limits;
 pub use packed::Symmetric;
 pub use reflected::{ReflectedInverse, Reflection};
 pub use residuals::{ConjugateResiduals, Inner, Vector};

@@ -141,6 +141,19 @@ pub enum Error {
         /// What stands in the way, and where.
         source: Box<substructure::Error>,
     },
+    /// More memory than there is.
+    #[error(
+        "a reduced model of {coordinates} coordinates takes about {:.1} GB, and {:.1} GB are free for it; take a coarser mesh of the \
+         interface, or allow more memory (`--memory`)", *needed as f64 / 1e9, *limit as f64 / 1e9
+    )]
+    Memory {
+        /// Size of the reduced model.
+        coordinates: usize,
+        /// Estimate (bytes).
+        needed: u64,
+        /// What it may take (bytes).
+        limit: u64,
+    },
     /// Half of a scene that need not be symmetric.
     #[error(
         "{place}: {what} need not be symmetric about y = 0, so that the half cannot stand for the whole; leave out \
@@ -546,6 +559,18 @@ impl Error {
         }
     }
 
+    /// Whether the run was stopped by who started it.
+    pub fn is_interruption(&self) -> bool {
+        matches!(
+            self,
+            Self::Solver(cqsma_solver::Error::Interrupted)
+                | Self::Periodic(periodic_motion::Error::Interrupted)
+                | Self::Surface(surface_characterisation::SurfaceError::Interrupted)
+                | Self::Substructure(substructure::Error::Interrupted)
+                | Self::Reduction(reduction::Error::Substructure(substructure::Error::Interrupted))
+        )
+    }
+
     /// The value that is not admissible, with its unit, where it is a number.
     pub fn value(&self) -> Option<(f64, &'static str)> {
         match *self {
@@ -554,6 +579,7 @@ impl Error {
             Self::NoResponse { mode, .. } => Some((mode as f64, "")),
             Self::ReductionTarget { target, .. } | Self::Bins { target, .. } => Some((target, "")),
             Self::GapBeyondFaces { smallest, .. } => Some((smallest, "m")),
+            Self::Memory { needed, .. } => Some((needed as f64, "bytes")),
             Self::NoContact { load, .. } => Some((load, "N")),
             _ => None,
         }

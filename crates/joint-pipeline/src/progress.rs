@@ -1,5 +1,7 @@
 //! How a run tells what it is doing. Libraries read no clocks; the receiver may.
 
+use crate::Error;
+
 /// The stages of a run, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
@@ -60,8 +62,7 @@ pub trait Progress: Sync {
     fn fraction(&self, _stage: Stage, _done: f64) {}
     /// A stage has ended.
     fn end(&self, _stage: Stage) {}
-    /// Asked after each finished amplitude: whether to stop. What is finished is kept for the next run of the scene if
-    /// there is a cache.
+    /// Asked often, from any thread: whether to stop. What is finished is kept for the next run of the scene if there is a cache.
     fn interrupted(&self) -> bool {
         false
     }
@@ -73,6 +74,14 @@ pub trait Progress: Sync {
     }
     /// A line about what will be computed with, before it is.
     fn echo(&self, _line: &str) {}
+}
+
+/// An error if the run shall stop.
+pub(crate) fn go_on(progress: &dyn Progress) -> Result<(), Error> {
+    match progress.interrupted() {
+        true => Err(Error::Solver(cqsma_solver::Error::Interrupted)),
+        false => Ok(()),
+    }
 }
 
 /// Ignores everything.

@@ -744,12 +744,17 @@ impl Impatient {
 }
 
 impl Progress for Impatient {
-    fn interrupted(&self) -> bool {
+    fn fraction(&self, stage: Stage, _: f64) {
         use std::sync::atomic::Ordering::Relaxed;
-        self.left
-            .fetch_update(Relaxed, Relaxed, |n| Some(n.saturating_sub(1)))
-            .unwrap()
-            <= 1
+        if stage == Stage::Backbone {
+            self.left
+                .fetch_update(Relaxed, Relaxed, |n| Some(n.saturating_sub(1)))
+                .unwrap();
+        }
+    }
+
+    fn interrupted(&self) -> bool {
+        self.left.load(std::sync::atomic::Ordering::Relaxed) == 0
     }
 }
 

@@ -8,7 +8,7 @@ use common::{BENCHMARKS, beam};
 use joint_pipeline::Benchmark;
 use joint_pipeline::analysis::ensemble::Ensemble;
 use joint_pipeline::interface::{ScannedSurface, synthetic};
-use joint_pipeline::progress::{Progress, Silent};
+use joint_pipeline::progress::{Progress, Silent, Stage};
 use joint_pipeline::scene::Length;
 use joint_pipeline::scene::{Gap, LawKind, RefinementLevel, ScanFile, Scans, Surface, SyntheticScan};
 use joint_pipeline::structure::Structure;
@@ -236,10 +236,16 @@ fn errors_name_the_file_and_surfaces_without_samples_have_no_ensemble() {
 struct StopAfter(AtomicUsize);
 
 impl Progress for StopAfter {
+    fn fraction(&self, stage: Stage, _: f64) {
+        if matches!(stage, Stage::Backbone | Stage::Ensemble) {
+            let _ = self
+                .0
+                .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
+        }
+    }
+
     fn interrupted(&self) -> bool {
-        self.0
-            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1))
-            .is_err()
+        self.0.load(Ordering::Relaxed) == 0
     }
 }
 

@@ -11,7 +11,7 @@ use joint_pipeline::{Options, Run as PipelineRun};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use reports::run::{SUMMARY, outputs};
-use run_environment::{GivenScene, peak_memory, provenance, results_of, user_cache};
+use run_environment::{GivenScene, free_memory, peak_memory, provenance, results_of, user_cache};
 use std::path::{Path, PathBuf};
 
 /// Files that every run writes.
@@ -175,6 +175,7 @@ impl Cache {
                 Self::Folder(folder) => Some(folder),
             },
             build: provenance::commit(),
+            memory: free_memory(),
         }
     }
 }

@@ -18,6 +18,9 @@ pub struct MeanPoint {
     pub spread: Option<[f64; 2]>,
 }
 
+/// Most points of a mean backbone: far more than any record has periods, and a table of 100 MB.
+pub const MOST_POINTS: usize = 1_000_000;
+
 /// Averages backbones at `points` amplitudes, equally spaced in their logarithm from the smallest to the largest that any
 /// hit reaches. Each hit counts where it has been; between its points it is interpolated linearly over the logarithm of the
 /// amplitude. Where an amplitude does not fall from one point to the next (noise), the later point is left out.
@@ -25,14 +28,16 @@ pub struct MeanPoint {
 /// A single backbone keeps its points. Points ascend in amplitude.
 ///
 /// # Errors
-/// [`Error::Average`] for no backbone, one without two points, and fewer than two points asked for.
+/// [`Error::Average`] for no backbone, one without two points, fewer than two points or more than [`MOST_POINTS`] asked for.
 pub fn average(backbones: &[&[Point]], points: usize) -> Result<Vec<MeanPoint>, Error> {
     let refuse = |what: String| Err(Error::Average { what });
     if backbones.is_empty() {
         return refuse("there is no backbone".into());
     }
-    if points < 2 {
-        return refuse(format!("{points} points were asked for"));
+    if !(2..=MOST_POINTS).contains(&points) {
+        return refuse(format!(
+            "{points} points were asked for; it must be from 2 to {MOST_POINTS}"
+        ));
     }
     let falling: Vec<Vec<Point>> = backbones.iter().map(|b| falling(b)).collect();
     if let Some(k) = falling.iter().position(|b| b.len() < 2) {

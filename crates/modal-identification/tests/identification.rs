@@ -360,7 +360,12 @@ fn several_hits_are_averaged_with_their_spread() {
     assert_eq!(mean[1].frequency_hz, 101.0);
     assert!((mean[1].spread.unwrap()[0] - 2.0_f64.sqrt()).abs() < 1e-12);
     assert_eq!(average(&[&line(0.0)], 3).unwrap()[0].spread, None);
-    for bad in [average(&[], 3), average(&[&[]], 3), average(&[&line(0.0)], 1)] {
+    for bad in [
+        average(&[], 3),
+        average(&[&[]], 3),
+        average(&[&line(0.0)], 1),
+        average(&[&line(0.0), &line(2.0)], 1_000_000_000),
+    ] {
         assert!(matches!(bad, Err(Error::Average { .. })));
     }
 }

@@ -12,7 +12,9 @@ use crate::aft::Sampling;
 use crate::error::require;
 use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::Harmonics;
-use crate::solve::{Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, parameter_rates, solve};
+use crate::solve::{
+    BUDGET, Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, parameter_rates, solve,
+};
 use crate::system::{Parameter, System, Unknown};
 use cqsma_solver::Linearisation;
 use cqsma_solver::sensitivity::Derivatives;
@@ -170,6 +172,7 @@ pub fn follow<F: PointwiseForce>(
         reported: Vec::new(),
         sampling: settings.sampling,
         is_hard: false,
+        left: BUDGET[0],
     };
     let mut points = Vec::with_capacity(amplitudes.len());
     let mut known = known.into_iter();
@@ -184,6 +187,9 @@ pub fn follow<F: PointwiseForce>(
         known = Vec::new().into_iter();
         let mut effort = Effort::default();
         let result = follower.find(amplitude, &mut effort);
+        if result.is_err() && line.limits.stops() {
+            return Err(Error::Interrupted);
+        }
         let point = Point {
             modal_amplitude: amplitude,
             result,
@@ -238,6 +244,7 @@ pub fn rates<F: DifferentiablePointwiseForce>(
         reported: Vec::new(),
         sampling: motion.sampling,
         is_hard: false,
+        left: BUDGET[0],
     };
     let unknown = follower.unknown_of(motion);
     let amplitude = motion.modal_amplitude;
@@ -346,6 +353,8 @@ struct Follower<'a, 's, F: PointwiseForce> {
     sampling: Sampling,
     /// Whether the last of them needed many Krylov steps, or another preconditioner.
     is_hard: bool,
+    /// Residuals and products that the next amplitude may take.
+    left: usize,
 }
 
 impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
@@ -357,14 +366,16 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         }
     }
 
-    /// Whether the way on from a point shall begin with its mean tangent.
+    /// What may be spent on the way on from a point, and whether it shall begin with its mean tangent.
     fn judge(&mut self, point: &Point) {
         let Effort {
             iterations,
             krylov_steps,
             ..
         } = point.effort;
-        self.is_hard |= point.result.is_ok() && krylov_steps > HARD * iterations;
+        let found = point.result.is_ok();
+        self.is_hard |= found && krylov_steps > HARD * iterations;
+        self.left = self.left.saturating_sub(point.effort.products()) + if found { BUDGET[1] } else { 0 };
     }
 
     /// A motion as it was found.
@@ -510,7 +521,8 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
             Ok(found) => return Ok(found),
             Err(failure) => failure,
         };
-        let Some((_, last)) = self.found.last().filter(|_| !self.system.is_adapted()) else {
+        let again = !(self.system.is_adapted() || failure.reason.is_final());
+        let Some((_, last)) = self.found.last().filter(|_| again) else {
             return Err(failure);
         };
         self.system.adapt(&last.v.with_count(self.system.sampling().harmonics));
@@ -525,7 +537,14 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
             free: &free,
             conditions: &conditions,
         };
-        solve(&self.system, unknown, &closure, &self.settings.newton, effort)
+        solve(
+            &self.system,
+            unknown,
+            &closure,
+            &self.settings.newton,
+            effort,
+            self.left,
+        )
     }
 
     /// The first motion, from the linear mode or on the way from a smaller amplitude.
@@ -533,6 +552,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
         let mut unknown = self.mode(amplitude);
         let failure = match self.solve(amplitude, &mut unknown, effort) {
             Ok(found) => return Ok((unknown, found)),
+            Err(failure) if failure.reason.is_final() => return Err(failure),
             Err(failure) => failure,
         };
         for decade in 1..=FIRST_DECADES {
@@ -569,7 +589,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
                 }
                 Err(failure) => {
                     halvings += 1;
-                    if halvings > MAX_HALVINGS {
+                    if halvings > MAX_HALVINGS || failure.reason.is_final() {
                         return Err(failure);
                     }
                     share *= 0.5;

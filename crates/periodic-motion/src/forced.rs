@@ -10,7 +10,7 @@ use crate::backbone::{LARGEST_DRIFT, check_sampling};
 use crate::error::require;
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
-use crate::solve::{Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, solve};
+use crate::solve::{BUDGET, Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, solve};
 use crate::system::{Parameter, System, Unknown};
 use cqsma_solver::Linearisation;
 use std::ops::ControlFlow;
@@ -115,18 +115,21 @@ pub fn follow<F: PointwiseForce>(
         settings,
         force,
         effort: Effort::default(),
+        before: Effort::default(),
     };
     let mut points = Vec::new();
     let failure = match tracer.trace(&mut points, observe) {
         Ok(()) => None,
-        Err(Stop::Failure(failure)) => Some(failure),
-        Err(Stop::Interrupted) => return Err(Error::Interrupted),
+        Err(Stop::Failure(failure)) if !line.limits.stops() => Some(failure),
+        Err(_) => return Err(Error::Interrupted),
     };
+    let mut effort = tracer.before;
+    effort += tracer.effort;
     Ok(Curve {
         force,
         points,
         failure,
-        effort: tracer.effort,
+        effort,
     })
 }
 
@@ -134,7 +137,7 @@ pub fn follow<F: PointwiseForce>(
 /// downwards in its displacement's cosine.
 ///
 /// # Errors
-/// Sizes that do not fit.
+/// Sizes that do not fit, and [`Error::Interrupted`].
 pub fn resonances<F: PointwiseForce>(
     line: &Linearisation<'_, F::State>,
     law: &F,
@@ -187,7 +190,11 @@ pub fn resonances<F: PointwiseForce>(
             &closure,
             &settings.newton,
             &mut Effort::default(),
+            BUDGET[0],
         );
+        if solved.is_err() && line.limits.stops() {
+            return Err(Error::Interrupted);
+        }
         found.push(solved.map(|converged| Resonance {
             after: index,
             omega: unknown.at(Parameter::Square).sqrt(),
@@ -273,7 +280,10 @@ struct Tracer<'a, 's, F: PointwiseForce> {
     system: System<'a, F>,
     settings: &'s Settings,
     force: f64,
+    /// For the point at hand.
     effort: Effort,
+    /// For all before it.
+    before: Effort,
 }
 
 /// Direction of the curve at a point, of unit length.
@@ -342,6 +352,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                 Err(failure) => Err(failure),
             };
             match outcome {
+                Err(failure) if failure.reason.is_final() => return Err(failure.into()),
                 Err(failure) => {
                     step *= 0.5;
                     if step < SHORTEST {
@@ -364,10 +375,10 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                         // The last point lies at the last frequency.
                         let mut last = next.clone();
                         *last.at_mut(Parameter::Square) = to * to;
-                        if let Ok(found) = self.correct(&mut last, None) {
-                            report(&last, &found, points)?;
-                        } else {
-                            report(&next, &found, points)?;
+                        match self.correct(&mut last, None) {
+                            Ok(found) => report(&last, &found, points)?,
+                            Err(failure) if failure.reason == Reason::Interrupted => return Err(Stop::Interrupted),
+                            Err(_) => report(&next, &found, points)?,
                         }
                         return Ok(());
                     }
@@ -381,6 +392,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                         .into());
                     }
                     let easy = self.effort.iterations - iterations <= EASY;
+                    self.before += std::mem::take(&mut self.effort);
                     tangent = Some(self.secant(&here, &next, length));
                     here = next;
                     if easy {
@@ -428,7 +440,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                 }
                 Err(failure) => {
                     halvings += 1;
-                    if halvings > MAX_RAMP {
+                    if halvings > MAX_RAMP || failure.reason.is_final() {
                         return Err(failure);
                     }
                     share *= 0.5;
@@ -461,7 +473,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                 free: &[],
                 conditions: &|_, _| Vec::new(),
             };
-            let found = solve(&self.system, unknown, &closure, newton, &mut self.effort)?;
+            let found = solve(&self.system, unknown, &closure, newton, &mut self.effort, BUDGET[0])?;
             return periodic(found);
         };
         let scale = self.metric(at);
@@ -484,7 +496,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
             free: &[Parameter::Square],
             conditions: &conditions,
         };
-        let found = solve(&self.system, unknown, &closure, newton, &mut self.effort)?;
+        let found = solve(&self.system, unknown, &closure, newton, &mut self.effort, BUDGET[0])?;
         periodic(found)
     }
 

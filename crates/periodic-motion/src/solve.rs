@@ -72,7 +72,30 @@ pub enum Reason {
     /// The frequency fell to zero or below.
     #[error("no positive frequency balances the forces")]
     NoFrequency,
+    /// More work than motions found so far and this one may take.
+    #[error(
+        "more than {} residuals and products with the Jacobian, and {} for each motion found before, were needed; take smaller amplitudes or \
+         forces, or ask for less accuracy",
+        BUDGET[0],
+        BUDGET[1]
+    )]
+    Budget,
+    /// The run was interrupted; no result shows it.
+    #[error("the run was interrupted")]
+    Interrupted,
 }
+
+impl Reason {
+    /// Whether no other attempt may follow.
+    pub(crate) fn is_final(self) -> bool {
+        matches!(self, Self::Budget | Self::Interrupted)
+    }
+}
+
+/// Residuals and products with the Jacobian that may be spent on a backbone, and those that each motion found adds to it; a point of a forced
+/// response may take the first number. With a target for errors, amplitudes of the Brake-Reuss beam take up to 500: what is asked for beyond
+/// these numbers is not within reach of the method.
+pub(crate) const BUDGET: [usize; 2] = [10_000, 2_000];
 
 /// Why a solve gave up.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,6 +117,13 @@ pub struct Effort {
     pub evaluations: usize,
     /// Steps of the Krylov iteration.
     pub krylov_steps: usize,
+}
+
+impl Effort {
+    /// Residuals and products with the Jacobian.
+    pub(crate) fn products(&self) -> usize {
+        self.evaluations + self.krylov_steps
+    }
 }
 
 impl std::ops::AddAssign for Effort {
@@ -255,6 +285,9 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
         let mut rotations: Vec<(f64, f64)> = Vec::new();
         let mut rhs = vec![norm];
         for index in 0..MAX_KRYLOV {
+            if self.system.line().limits.stops() {
+                return None;
+            }
             let step = self.precondition(&basis[index]);
             let mut image = self.product(&step, &basis[index].conditions);
             let mut h = Vec::with_capacity(index + 2);
@@ -372,13 +405,15 @@ fn inverse(block: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     found.iter().flatten().all(|v| v.is_finite()).then_some(found)
 }
 
-/// Solves for motion and free parameters from the guess in `unknown`, which is left at the solution or where the search ended.
+/// Solves for motion and free parameters from the guess in `unknown`, which is left at the solution or where the search ended; `most` residuals
+/// and products may be in `effort` before an iteration.
 pub(crate) fn solve<F: PointwiseForce>(
     system: &System<'_, F>,
     unknown: &mut Unknown,
     closure: &Closure<'_>,
     settings: &NewtonSettings,
     effort: &mut Effort,
+    most: usize,
 ) -> Result<Converged, Failure> {
     let mut history = Vec::new();
     let fail = |reason, history| Err(Failure { reason, history });
@@ -407,8 +442,14 @@ pub(crate) fn solve<F: PointwiseForce>(
                 evaluation,
             });
         }
+        if system.line().limits.stops() {
+            return fail(Reason::Interrupted, history);
+        }
         if history.len() > settings.max_iterations {
             return fail(Reason::IterationLimit, history);
+        }
+        if effort.products() > most {
+            return fail(Reason::Budget, history);
         }
         if stalled > MAX_STALLED {
             return fail(Reason::Stalled, history);
@@ -430,7 +471,11 @@ pub(crate) fn solve<F: PointwiseForce>(
         };
         let Some((step, krylov)) = bordered.solve(start, forcing) else {
             effort.krylov_steps += MAX_KRYLOV;
-            return fail(Reason::LinearSolve, history);
+            let reason = match system.line().limits.stops() {
+                true => Reason::Interrupted,
+                false => Reason::LinearSolve,
+            };
+            return fail(reason, history);
         };
         effort.krylov_steps += krylov;
         let mut length = 1.0;

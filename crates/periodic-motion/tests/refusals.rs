@@ -6,6 +6,7 @@ use periodic_motion::backbone::{self, Accuracy, Kind};
 use periodic_motion::forced::{self, follow};
 use periodic_motion::{Error, NewtonSettings, Reason, Sampling};
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const SAMPLING: Sampling = Sampling {
     harmonics: 3,
@@ -171,6 +172,69 @@ fn motions_that_cannot_be_reached_are_a_status_with_its_history() {
     .expect("the settings are admissible");
     let failure = points[0].result.as_ref().expect_err("nothing is that small");
     assert!(!failure.history.is_empty());
+}
+
+#[test]
+fn a_backbone_out_of_reach_ends_within_its_budget() {
+    let (stiffness, mass) = chain(2, 1e4);
+    let force = sliders(2);
+    let line = linearised(&stiffness, &mass, &force, 2);
+    let hopeless = backbone::Settings {
+        newton: NewtonSettings {
+            tolerance: 1e-300,
+            ..NewtonSettings::default()
+        },
+        ..settings()
+    };
+    let amplitudes: Vec<f64> = (1..=1000).map(|k| 3e-3 * f64::from(k)).collect();
+    let points = backbone::follow(
+        &line,
+        &force,
+        Kind::Free,
+        &amplitudes,
+        &hopeless,
+        Vec::new(),
+        &mut |_| ControlFlow::Continue(()),
+    )
+    .expect("the settings are admissible");
+    let failures: Vec<_> = points
+        .iter()
+        .map(|p| p.result.as_ref().expect_err("too small"))
+        .collect();
+    assert_ne!(failures[0].reason, Reason::Budget);
+    assert_eq!(failures[999].reason, Reason::Budget);
+    let spent: usize = points
+        .iter()
+        .map(|p| p.effort.evaluations + p.effort.krylov_steps)
+        .sum();
+    // 10 000, what an iteration takes beyond it, and one look at each of the amplitudes left.
+    assert!((10_000..12_000).contains(&spent), "{spent}");
+}
+
+#[test]
+fn periodic_motions_end_where_their_line_is_told_to() {
+    let (stiffness, mass) = chain(2, 1e4);
+    let force = sliders(2);
+    let mut line = linearised(&stiffness, &mass, &force, 2);
+    let asked = AtomicUsize::new(0);
+    let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 3;
+    line.limits = line.limits.until(&stop);
+    let mut heard = 0;
+    let found = backbone::follow(&line, &force, Kind::Free, &[3e-3], &settings(), Vec::new(), &mut |_| {
+        heard += 1;
+        ControlFlow::Continue(())
+    });
+    assert!(matches!(found, Err(Error::Interrupted)), "{found:?}");
+    assert_eq!(heard, 0, "within the first amplitude");
+    asked.store(0, Ordering::Relaxed);
+    let settings = forced::Settings {
+        range: [50.0, 60.0],
+        ..forced::Settings::default()
+    };
+    let curve = follow(&line, &force, &[1.0, 0.0], 1.0, &settings, &mut |_| {
+        ControlFlow::Continue(())
+    });
+    assert!(matches!(curve, Err(Error::Interrupted)));
 }
 
 #[test]

@@ -4,11 +4,12 @@ use crate::Error;
 use crate::craig_bampton::ReducedModel;
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
+use dense_algebra::Limits;
 use faer::Mat;
 use sprs::{CsMat, TriMat};
 use std::borrow::Cow;
 use std::ops::Range;
-use substructure::eigen::{Modes, count_zero, lowest_modes};
+use substructure::eigen::{Modes, count_zero, lowest_modes_within};
 use substructure::sparse::sum;
 
 /// Frequencies of the full system with a linear interface, a stiffness over the jump coordinates (N/m), or without any
@@ -17,26 +18,28 @@ use substructure::sparse::sum;
 /// Returns the number of zero-energy modes and the `n` lowest frequencies above them.
 ///
 /// # Errors
-/// Failures of the factorisation or of the eigensolver.
+/// Failures of the factorisation or of the eigensolver; the `limits`.
 pub fn full_frequencies(
     system: &RelativeSystem,
     interface: Option<&CsMat<f64>>,
     n: usize,
     tolerance: f64,
+    limits: Limits<'_>,
 ) -> Result<(usize, Vec<f64>), Error> {
-    let modes = full_modes(system, interface, n, tolerance)?;
+    let modes = full_modes(system, interface, n, tolerance, limits)?;
     Ok((modes.n_zero, modes.frequencies()))
 }
 
 /// The same with the mode shapes, over `[jump; rest]`.
 ///
 /// # Errors
-/// Failures of the factorisation or of the eigensolver.
+/// Failures of the factorisation or of the eigensolver; the `limits`.
 pub fn full_modes(
     system: &RelativeSystem,
     interface: Option<&CsMat<f64>>,
     n: usize,
     tolerance: f64,
+    limits: Limits<'_>,
 ) -> Result<Modes, Error> {
     let parts = Parts::of(system, interface);
     modes_of_whole(&parts, n, |part, n| {
@@ -61,7 +64,9 @@ pub fn full_modes(
             }
             stiffness = Cow::Owned(sum(&stiffness, 1.0, &springs.to_csr()));
         }
-        Ok(lowest_modes(&stiffness, &mass, &positions, n, tolerance)?)
+        Ok(lowest_modes_within(
+            limits, &stiffness, &mass, &positions, n, tolerance,
+        )?)
     })
 }
 
@@ -138,22 +143,27 @@ fn modes_of_whole(
 /// Frequencies of the full system with the interface stuck (Hz), and the number of its zero-energy modes.
 ///
 /// # Errors
-/// Failures of the factorisation or of the eigensolver.
-pub fn stuck_frequencies(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<(usize, Vec<f64>), Error> {
-    let modes = stuck_modes(system, n, tolerance)?;
+/// Failures of the factorisation or of the eigensolver; the `limits`.
+pub fn stuck_frequencies(
+    system: &RelativeSystem,
+    n: usize,
+    tolerance: f64,
+    limits: Limits<'_>,
+) -> Result<(usize, Vec<f64>), Error> {
+    let modes = stuck_modes(system, n, tolerance, limits)?;
     Ok((modes.n_zero, modes.frequencies()))
 }
 
 /// The same with the mode shapes, over `[jump; rest]`.
 ///
 /// # Errors
-/// Failures of the factorisation or of the eigensolver.
-pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<Modes, Error> {
+/// Failures of the factorisation or of the eigensolver; the `limits`.
+pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64, limits: Limits<'_>) -> Result<Modes, Error> {
     let parts = Parts::of(system, None);
     modes_of_whole(&parts, n, |part, n| {
         let own = parts.system(part);
         let (size, nd) = (own.stiffness.rows(), own.n_relative);
-        let mut modes = modes_of_rest(own, n, tolerance)?;
+        let mut modes = modes_of_rest(own, n, tolerance, limits)?;
         let mut shapes = Mat::zeros(size, modes.shapes.ncols());
         shapes.subrows_mut(nd, size - nd).copy_from(&modes.shapes);
         modes.shapes = shapes;
@@ -162,12 +172,19 @@ pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64) -> Result<
 }
 
 /// Modes of the structure whose jump is held, over the rest.
-pub(crate) fn modes_of_rest(system: Cow<'_, RelativeSystem>, n: usize, tolerance: f64) -> Result<Modes, Error> {
+pub(crate) fn modes_of_rest(
+    system: Cow<'_, RelativeSystem>,
+    n: usize,
+    tolerance: f64,
+    limits: Limits<'_>,
+) -> Result<Modes, Error> {
     let [stiffness, mass] = [&system.stiffness, &system.mass].map(|matrix| system.rest(matrix));
     let positions = system.positions[system.n_relative..].to_vec();
     // It would be in the way of the factor.
     drop(system);
-    Ok(lowest_modes(&stiffness, &mass, &positions, n, tolerance)?)
+    Ok(lowest_modes_within(
+        limits, &stiffness, &mass, &positions, n, tolerance,
+    )?)
 }
 
 /// The reduced model with the same interface: its frequencies, and what they owe to each mode.

@@ -11,7 +11,7 @@ use crate::interior::Interior;
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;
-use dense_algebra::{add_product_lower, product};
+use dense_algebra::{Limits, add_product_lower, product};
 use faer::{Mat, MatRef};
 use sprs::CsMat;
 use substructure::eigen::Modes;
@@ -153,18 +153,19 @@ pub enum Step {
 }
 
 /// Reduces a system; `rows` are quantities to recover, each over `[jump; rest]`; `progress` hears how much of a step is
-/// done, from 0 to 1.
+/// done, from 0 to 1; `limits` are asked at each front and block of vectors.
 ///
 /// # Errors
 /// [`Error::ZeroEnergyModes`] with both numbers, [`Error::UnbalancedLoad`], [`Error::DependentLoad`] with attachment
-/// modes, failures of the factorisations.
+/// modes, failures of the factorisations, the limits.
 pub fn reduce(
     system: &RelativeSystem,
     rows: &[Vec<f64>],
     settings: Settings,
     progress: &mut dyn FnMut(Step, f64),
+    limits: Limits<'_>,
 ) -> Result<ReducedModel, Error> {
-    reduce_parts(&parts_of(system, settings), rows, settings, progress)
+    reduce_parts(&parts_of(system, settings), rows, settings, progress, limits)
 }
 
 /// The parts that a reduction takes one after the other.
@@ -181,8 +182,9 @@ fn reduce_parts(
     rows: &[Vec<f64>],
     settings: Settings,
     progress: &mut dyn FnMut(Step, f64),
+    limits: Limits<'_>,
 ) -> Result<ReducedModel, Error> {
-    let stuck = stuck_modes(parts, settings, progress)?;
+    let stuck = stuck_modes(parts, settings, progress, limits)?;
     let retained = retained(&stuck, settings.n_modes);
     let zem_stuck = stuck.iter().map(|modes| modes.n_zero).sum();
     let mut stuck_frequencies: Vec<f64> = stuck.iter().flat_map(Modes::frequencies).collect();
@@ -194,7 +196,7 @@ fn reduce_parts(
     for (part, stuck) in stuck.into_iter().enumerate() {
         let system = parts.system(part);
         let acting = acting_loads(parts, part, settings);
-        let (basis, condensed) = Basis::try_new(&system, &stuck, retained[part], &acting)?;
+        let (basis, condensed) = Basis::try_new(&system, &stuck, retained[part], &acting, limits)?;
         drop(stuck);
         progress(Step::Stream, 0.8 * (part + 1) as f64 / parts.len() as f64);
         reduced.push(ReducedPart::try_new(basis, condensed, &parts.onto(part, rows))?);
@@ -278,9 +280,10 @@ fn stuck_modes(
     parts: &Parts<'_>,
     settings: Settings,
     progress: &mut dyn FnMut(Step, f64),
+    limits: Limits<'_>,
 ) -> Result<Vec<Modes>, Error> {
     let stuck = modes_of_parts(parts, settings.n_reported.max(settings.n_modes), |part, n| {
-        let modes = modes_of_rest(parts.system(part), n, settings.mode_tolerance)?;
+        let modes = modes_of_rest(parts.system(part), n, settings.mode_tolerance, limits)?;
         if part + 1 < parts.len() {
             progress(Step::Factor, (part + 1) as f64 / parts.len() as f64);
         }
@@ -419,12 +422,12 @@ fn displacements_of_parts(
     model: &ReducedModel,
     motions: MatRef<'_, f64>,
 ) -> Result<Mat<f64>, Error> {
-    let stuck = stuck_modes(parts, settings, &mut |_, _| ())?;
+    let stuck = stuck_modes(parts, settings, &mut |_, _| (), Limits::default())?;
     let retained = retained(&stuck, settings.n_modes);
     let systems: Vec<_> = (0..parts.len()).map(|part| parts.system(part)).collect();
     let bases = systems.iter().enumerate().map(|(part, system)| {
         let acting = acting_loads(parts, part, settings);
-        Ok(Basis::try_new(system, &stuck[part], retained[part], &acting)?.0)
+        Ok(Basis::try_new(system, &stuck[part], retained[part], &acting, Limits::default())?.0)
     });
     let bases = bases.collect::<Result<Vec<_>, Error>>()?;
     let of_basis = |basis: &Basis<'_>| (basis.interior.eigenvalues.clone(), basis.n_attachment);
@@ -473,10 +476,11 @@ impl<'a> Basis<'a> {
         stuck: &Modes,
         n_modes: usize,
         attached: &[usize],
+        limits: Limits<'_>,
     ) -> Result<(Self, Condensed), Error> {
         let nd = system.n_relative;
         let n_rest = system.stiffness.rows() - nd;
-        let (supported, condensed) = Supported::try_new(system, stuck.zero_energy())?;
+        let (supported, condensed) = Supported::try_new(system, stuck.zero_energy(), limits)?;
         let mut interior = Interior::modes(stuck, n_modes);
         // Where no mode is left out, the flexibility at the loads is complete without them.
         let complete = interior.eigenvalues.len() + stuck.n_zero == n_rest;

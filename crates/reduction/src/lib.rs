@@ -16,6 +16,7 @@ mod symmetry;
 mod zem;
 
 pub use craig_bampton::{ReducedModel, Settings, Step, displacements, reduce};
+pub use dense_algebra::Limits;
 pub use error::Error;
 pub use held::{HeldSystem, Hold, LoadCompliance};
 pub use relative::{FacingNodes, InterfacePairs, RelativeSystem, SystemMatrices};

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::relative::RelativeSystem;
+use dense_algebra::Limits;
 use faer::linalg::matmul::matmul;
 use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
@@ -23,13 +24,24 @@ pub(crate) struct Supported {
 impl Supported {
     /// Supports the rest of a system with the given zero-energy modes, and condenses it onto the jump: a rest that is
     /// held follows the jump up to a zero-energy motion.
-    pub(crate) fn try_new(system: &RelativeSystem, modes: MatRef<'_, f64>) -> Result<(Self, Condensed), Error> {
+    pub(crate) fn try_new(
+        system: &RelativeSystem,
+        modes: MatRef<'_, f64>,
+        limits: Limits<'_>,
+    ) -> Result<(Self, Condensed), Error> {
         let nd = system.n_relative;
         let held = components_to_hold(modes);
         let fixed: Vec<usize> = held.iter().map(|component| nd + component).collect();
         let name = "stuck stiffness without its zero-energy modes";
-        let (factor, condensed) =
-            SparseCholesky::condense(&system.stiffness, &system.mass, &system.positions, nd, &fixed, name)?;
+        let (factor, condensed) = SparseCholesky::condense(
+            &system.stiffness,
+            &system.mass,
+            &system.positions,
+            nd,
+            &fixed,
+            name,
+            limits,
+        )?;
         let [_, mass_modes] = system.momentum(None, modes);
         let supported = Self {
             factor,

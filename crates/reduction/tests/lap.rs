@@ -3,7 +3,7 @@
 
 use dense_algebra::product;
 use reduction::{
-    Error, Hold, InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, SystemMatrices, checks, reduce,
+    Error, Hold, InterfacePairs, Limits, ReducedModel, RelativeSystem, Settings, Step, SystemMatrices, checks, reduce,
 };
 use substructure::assemble::System;
 use substructure::eigen::lowest_modes;
@@ -133,12 +133,13 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
         .iter()
         .map(|&stiffness| {
             let penalty = vec![stiffness; relative.n_relative];
-            let (zero, frequencies) = checks::full_frequencies(&relative, Some(&diagonal(&penalty)), 10, 1e-7).unwrap();
+            let (zero, frequencies) =
+                checks::full_frequencies(&relative, Some(&diagonal(&penalty)), 10, 1e-7, Limits::default()).unwrap();
             assert_eq!(zero, 6);
             frequencies
         })
         .collect();
-    let (_, free) = checks::full_frequencies(&relative, None, 10, 1e-7).unwrap();
+    let (_, free) = checks::full_frequencies(&relative, None, 10, 1e-7, Limits::default()).unwrap();
     let errors: Vec<f64> = [5, 20, 80]
         .iter()
         .map(|&n_modes| {
@@ -147,7 +148,7 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
                 n_reported: 10,
                 ..Settings::default()
             };
-            let reduced = reduce(&relative, &[], settings, &mut |_, _| {}).unwrap();
+            let reduced = reduce(&relative, &[], settings, &mut |_, _| {}, Limits::default()).unwrap();
             assert_eq!(reduced.zem_stuck, 6);
             assert!(reduced.asymmetry < 1e-8, "{}", reduced.asymmetry);
             let mut worst = 0.0_f64;
@@ -191,7 +192,7 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
 fn matrices_over_the_jump_are_those_of_the_static_responses() {
     use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
     let (_, relative) = relative(&lap());
-    let reduced = reduce(&relative, &[], Settings::default(), &mut |_, _| {}).unwrap();
+    let reduced = reduce(&relative, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
     let (n, nd) = (relative.stiffness.rows(), relative.n_relative);
     let dense = |a: &sprs::CsMat<f64>| faer::Mat::from_fn(n, n, |i, j| a.get(i, j).copied().unwrap_or(0.0));
     let (k, m) = (dense(&relative.stiffness), dense(&relative.mass));
@@ -248,7 +249,14 @@ fn static_response_of_the_jump_is_exact() {
     let n = relative.stiffness.rows();
     let mut row = vec![0.0; n];
     row[n - 7] = 1.0;
-    let reduced = reduce(&relative, &[row.clone()], Settings::default(), &mut |_, _| {}).unwrap();
+    let reduced = reduce(
+        &relative,
+        &[row.clone()],
+        Settings::default(),
+        &mut |_, _| {},
+        Limits::default(),
+    )
+    .unwrap();
     let nd = relative.n_relative;
     let springs = 1e7;
     let mut small = reduced.stiffness.clone();
@@ -324,7 +332,7 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
         expected_zem: 5,
         ..Settings::default()
     };
-    let error = reduce(&relative_system, &[], settings, &mut |_, _| {}).unwrap_err();
+    let error = reduce(&relative_system, &[], settings, &mut |_, _| {}, Limits::default()).unwrap_err();
     assert!(
         matches!(error, Error::ZeroEnergyModes { found: 6, expected: 5 }),
         "{error}"
@@ -332,7 +340,14 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
     let mut pushed = lap();
     pushed.assembly.loads[0].terms.truncate(1);
     let (_, relative_system) = relative(&pushed);
-    let error = reduce(&relative_system, &[], Settings::default(), &mut |_, _| {}).unwrap_err();
+    let error = reduce(
+        &relative_system,
+        &[],
+        Settings::default(),
+        &mut |_, _| {},
+        Limits::default(),
+    )
+    .unwrap_err();
     assert!(matches!(error, Error::UnbalancedLoad { .. }), "{error}");
 }
 
@@ -356,7 +371,7 @@ fn a_jump_that_is_fixed_stays_as_a_coordinate_that_nothing_moves() {
     }
     // No mode has it.
     let own = lowest_modes(&system.stiffness, &system.mass, &system.positions, 12, 1e-7).unwrap();
-    let (zero, frequencies) = checks::full_frequencies(&relative_system, None, 12, 1e-7).unwrap();
+    let (zero, frequencies) = checks::full_frequencies(&relative_system, None, 12, 1e-7, Limits::default()).unwrap();
     assert_eq!((own.n_zero, zero), (6, 6));
     for (a, b) in own.frequencies().iter().zip(&frequencies) {
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
@@ -366,11 +381,11 @@ fn a_jump_that_is_fixed_stays_as_a_coordinate_that_nothing_moves() {
         n_modes: 80,
         ..Settings::default()
     };
-    let reduced = reduce(&relative_system, &[], settings, &mut |_, _| {}).unwrap();
+    let reduced = reduce(&relative_system, &[], settings, &mut |_, _| {}, Limits::default()).unwrap();
     let springs = |i: usize| if held.contains(&i) { 0.0 } else { 1e8 };
     let springs = diagonal(&(0..relative_system.n_relative).map(springs).collect::<Vec<_>>());
     let small = checks::reduced_spectrum(&reduced, &springs, 12).unwrap().frequencies;
-    let (_, full) = checks::full_frequencies(&relative_system, Some(&springs), 12, 1e-7).unwrap();
+    let (_, full) = checks::full_frequencies(&relative_system, Some(&springs), 12, 1e-7, Limits::default()).unwrap();
     for (a, b) in full.iter().zip(&small) {
         assert!(b / a > 1.0 - 1e-8 && b / a < 1.0 + 3e-3, "{a} {b}");
     }
@@ -448,8 +463,9 @@ fn holding_the_displacement_of_loads_is_the_limit_of_stiff_springs() {
     let penalty = vec![1e6; relative.n_relative];
     let held = relative.locked().unwrap();
     assert_eq!(held.stiffness.rows(), n - 2);
-    let (zero, held) = checks::full_frequencies(&held, Some(&diagonal(&penalty)), 10, 1e-7).unwrap();
-    let (_, free) = checks::full_frequencies(&relative, Some(&diagonal(&penalty)), 10, 1e-7).unwrap();
+    let (zero, held) = checks::full_frequencies(&held, Some(&diagonal(&penalty)), 10, 1e-7, Limits::default()).unwrap();
+    let (_, free) =
+        checks::full_frequencies(&relative, Some(&diagonal(&penalty)), 10, 1e-7, Limits::default()).unwrap();
     assert_eq!(zero, 6);
     // The compliance at a load is of the order of 1e-9 m/N: a spring k leaves 1e9 / k of the motion.
     let errors: Vec<f64> = [1e13, 1e14]
@@ -467,7 +483,8 @@ fn holding_the_displacement_of_loads_is_the_limit_of_stiff_springs() {
             let springs: sprs::CsMat<f64> = triplets.to_csr();
             let mut sprung = relative.clone();
             sprung.stiffness = &relative.stiffness + &springs;
-            let (_, sprung) = checks::full_frequencies(&sprung, Some(&diagonal(&penalty)), 10, 1e-7).unwrap();
+            let (_, sprung) =
+                checks::full_frequencies(&sprung, Some(&diagonal(&penalty)), 10, 1e-7, Limits::default()).unwrap();
             held.iter()
                 .zip(&sprung)
                 .map(|(a, b)| (b / a - 1.0).abs())
@@ -486,7 +503,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
     let stiffnesses = [1e6, 1e8];
     let full = stiffnesses.map(|stiffness| {
         let penalty = vec![stiffness; relative.n_relative];
-        checks::full_frequencies(&held, Some(&diagonal(&penalty)), 10, 1e-7)
+        checks::full_frequencies(&held, Some(&diagonal(&penalty)), 10, 1e-7, Limits::default())
             .unwrap()
             .1
     });
@@ -507,7 +524,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
         worst
     };
     let errors = [5, 20, 80].map(|n_modes| {
-        let reduced = reduce(&relative, &[], attached(n_modes), &mut |_, _| {}).unwrap();
+        let reduced = reduce(&relative, &[], attached(n_modes), &mut |_, _| {}, Limits::default()).unwrap();
         assert_eq!(reduced.mass.nrows(), relative.n_relative + n_modes + 2);
         let locked = reduced.locked().unwrap();
         assert_eq!(locked.mass.nrows(), relative.n_relative + n_modes);
@@ -516,7 +533,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
             attachment_modes: false,
             ..attached(n_modes)
         };
-        let direct = reduce(&held, &[], direct, &mut |_, _| {}).unwrap();
+        let direct = reduce(&held, &[], direct, &mut |_, _| {}, Limits::default()).unwrap();
         (worst(&locked), worst(&direct))
     });
     // The last of 22 modes taken for attachment modes: the flexibility at the loads is missing.
@@ -528,6 +545,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
             ..attached(22)
         },
         &mut |_, _| {},
+        Limits::default(),
     )
     .unwrap();
     without.n_attachment = 2;
@@ -548,7 +566,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
 fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
     let (_, relative) = relative(&bolted());
     let nd = relative.n_relative;
-    let reduced = reduce(&relative, &[], attached(8), &mut |_, _| {}).unwrap();
+    let reduced = reduce(&relative, &[], attached(8), &mut |_, _| {}, Limits::default()).unwrap();
     let compliance = reduced.load_compliance().unwrap();
     let (held, tension) = (3e-6, 2e3);
     let system = compliance
@@ -558,7 +576,7 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
     let mut first = relative.clone();
     first.loads.truncate(1);
     let eliminated = first.locked().unwrap();
-    let direct = reduce(&eliminated, &[], Settings::default(), &mut |_, _| {}).unwrap();
+    let direct = reduce(&eliminated, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
     let size = (0..nd).map(|i| direct.stiffness[(i, i)]).fold(0.0, f64::max);
     for j in 0..nd {
         for i in 0..nd {
@@ -597,7 +615,7 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
         let own = (0..nd).map(|j| system.stiffness[(i, j)] * jump[j]).sum::<f64>() - system.load[i];
         assert!((elastic - load - own).abs() < 1e-9 * size * 1e-6, "{i}");
     }
-    let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}).unwrap();
+    let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
     assert!(matches!(
         without.load_compliance(),
         Err(Error::NoAttachmentModes { .. })
@@ -612,11 +630,24 @@ fn statics_of_the_locked_model_are_those_of_the_locked_system() {
     let mut over_independent = vec![0.0; system.n_dofs()];
     over_independent[7] = 1.0;
     let rows = |of: &RelativeSystem| [of.row(&over_independent)];
-    let locked = reduce(&relative, &rows(&relative), attached(8), &mut |_, _| {})
-        .unwrap()
-        .locked()
-        .unwrap();
-    let direct = reduce(&held, &rows(&held), Settings::default(), &mut |_, _| {}).unwrap();
+    let locked = reduce(
+        &relative,
+        &rows(&relative),
+        attached(8),
+        &mut |_, _| {},
+        Limits::default(),
+    )
+    .unwrap()
+    .locked()
+    .unwrap();
+    let direct = reduce(
+        &held,
+        &rows(&held),
+        Settings::default(),
+        &mut |_, _| {},
+        Limits::default(),
+    )
+    .unwrap();
     let nd = relative.n_relative;
     let jump = |m: &faer::Mat<f64>| m.submatrix(0, 0, nd, nd).to_owned();
     for (name, a, b) in [
@@ -686,7 +717,8 @@ fn a_locked_shank_is_one_whose_overlap_is_held() {
     assert_eq!(held.assembly.rigid_motions().unwrap(), 6);
     let (_, held) = relative(&held);
     let penalty = diagonal(&vec![1e6; loaded.n_relative]);
-    let frequencies = |of: &RelativeSystem| checks::full_frequencies(of, Some(&penalty), 10, 1e-8).unwrap();
+    let frequencies =
+        |of: &RelativeSystem| checks::full_frequencies(of, Some(&penalty), 10, 1e-8, Limits::default()).unwrap();
     let (zero, expected) = frequencies(&held);
     assert_eq!(zero, 6);
     let locked = loaded.locked().unwrap();
@@ -700,7 +732,7 @@ fn a_locked_shank_is_one_whose_overlap_is_held() {
         expected.iter().zip(&free).any(|(a, b)| a / b > 1.001),
         "{expected:?} {free:?}"
     );
-    let reduced = reduce(&loaded, &[], attached(60), &mut |_, _| {}).unwrap();
+    let reduced = reduce(&loaded, &[], attached(60), &mut |_, _| {}, Limits::default()).unwrap();
     let of = |model: &ReducedModel| checks::reduced_spectrum(model, &penalty, 4).unwrap().frequencies;
     for (found, full) in [(of(&reduced), &free), (of(&reduced.locked().unwrap()), &expected)] {
         for (a, b) in full.iter().zip(found) {
@@ -724,8 +756,8 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
     let held = [a[0], a[1], a[2], b[0], b[2], c[0]];
     let kept: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
     let positions: Vec<[f64; 3]> = kept.iter().map(|&i| relative.positions[i]).collect();
-    let with = reduce(&relative, &[], attached(20), &mut |_, _| {}).unwrap();
-    let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}).unwrap();
+    let with = reduce(&relative, &[], attached(20), &mut |_, _| {}, Limits::default()).unwrap();
+    let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
     for springs in [1e6, 1e8] {
         let mut triplets = sprs::TriMat::new((n, n));
         (0..nd).for_each(|i| triplets.add_triplet(i, i, springs));
@@ -754,7 +786,7 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
 #[test]
 fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
     let (_, bolts) = relative(&bolted());
-    let plain = reduce(&bolts, &[], Settings::default(), &mut |_, _| {}).unwrap();
+    let plain = reduce(&bolts, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
     assert!(matches!(
         plain.locked(),
         Err(Error::NoAttachmentModes {
@@ -773,7 +805,7 @@ fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
         );
-        let error = reduce(system, &[], attached(20), &mut |_, _| {}).unwrap_err();
+        let error = reduce(system, &[], attached(20), &mut |_, _| {}, Limits::default()).unwrap_err();
         assert!(
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
@@ -793,7 +825,7 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
         y
     };
     for (settings, kept) in [(Settings::default(), 20), (attached(12), 12), (attached(12), 7)] {
-        let mut model = reduce(&relative, &rows, settings, &mut |_, _| {}).unwrap();
+        let mut model = reduce(&relative, &rows, settings, &mut |_, _| {}, Limits::default()).unwrap();
         model.truncate(kept);
         // No entry is like another.
         let coordinates = |model: &ReducedModel| {
@@ -838,7 +870,7 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
             assert!(error < 1e-9, "{error:.1e}");
         }
         // Another system, and another number of modes.
-        let other = reduce(&relative, &rows, attached(9), &mut |_, _| {}).unwrap();
+        let other = reduce(&relative, &rows, attached(9), &mut |_, _| {}, Limits::default()).unwrap();
         let motions = coordinates(&other);
         let refused = reduction::displacements(&relative, &rows, Settings::default(), &other, motions.as_ref());
         assert!(matches!(refused, Err(Error::OtherModel { .. })), "{refused:?}");
@@ -859,16 +891,16 @@ fn mode_shapes_satisfy_the_equations_of_motion() {
     (0..relative.n_relative).for_each(|i| springs.add_triplet(i, i, 1e7));
     let springs: sprs::CsMat<f64> = springs.to_csr();
     let (n, nd) = (relative.stiffness.rows(), relative.n_relative);
-    let free = checks::full_modes(&relative, None, 6, 1e-8).unwrap();
-    let linear = checks::full_modes(&relative, Some(&springs), 6, 1e-8).unwrap();
-    let stuck = checks::stuck_modes(&relative, 6, 1e-8).unwrap();
+    let free = checks::full_modes(&relative, None, 6, 1e-8, Limits::default()).unwrap();
+    let linear = checks::full_modes(&relative, Some(&springs), 6, 1e-8, Limits::default()).unwrap();
+    let stuck = checks::stuck_modes(&relative, 6, 1e-8, Limits::default()).unwrap();
     assert_eq!(
         (stuck.n_zero, stuck.frequencies()),
-        checks::stuck_frequencies(&relative, 6, 1e-8).unwrap()
+        checks::stuck_frequencies(&relative, 6, 1e-8, Limits::default()).unwrap()
     );
     assert_eq!(
         (linear.n_zero, linear.frequencies()),
-        checks::full_frequencies(&relative, Some(&springs), 6, 1e-8).unwrap()
+        checks::full_frequencies(&relative, Some(&springs), 6, 1e-8, Limits::default()).unwrap()
     );
     for (modes, spring, first) in [(&free, 0.0, 0), (&linear, 1e7, 0), (&stuck, 0.0, nd)] {
         let shapes = modes.elastic();
@@ -960,9 +992,8 @@ fn without_symmetry(lap: &Lap, system: &System) -> RelativeSystem {
 /// The reduced model, and in how many parts it was found.
 fn reduced_in_parts(relative: &RelativeSystem, rows: &[Vec<f64>], settings: Settings) -> (ReducedModel, usize) {
     let mut parts = 0;
-    let model = reduce(relative, rows, settings, &mut |step, _| {
-        parts += usize::from(step == Step::Factor);
-    });
+    let mut count = |step, _| parts += usize::from(step == Step::Factor);
+    let model = reduce(relative, rows, settings, &mut count, Limits::default());
     (model.unwrap(), parts)
 }
 
@@ -1066,7 +1097,8 @@ fn modes_of_parts_are_those_of_the_whole() {
     uneven[..9].fill(3e6);
     for (name, springs, parts_agree) in [("uniform", uniform, 1e-10), ("uneven", uneven, 1e-10)] {
         let springs = diagonal(&springs);
-        let of = |system: &RelativeSystem| checks::full_modes(system, Some(&springs), 12, 1e-9).unwrap();
+        let of =
+            |system: &RelativeSystem| checks::full_modes(system, Some(&springs), 12, 1e-9, Limits::default()).unwrap();
         let (found, expected) = (of(&relative), of(&whole));
         assert_eq!(found.n_zero, expected.n_zero, "{name}");
         for (a, b) in found.frequencies().iter().zip(&expected.frequencies()) {
@@ -1078,7 +1110,7 @@ fn modes_of_parts_are_those_of_the_whole() {
         let unit = faer::Mat::<f64>::identity(masses.nrows(), masses.nrows());
         assert!((masses - unit).norm_max() < 1e-9, "{name}");
     }
-    let stuck = |system: &RelativeSystem| checks::stuck_frequencies(system, 12, 1e-9).unwrap();
+    let stuck = |system: &RelativeSystem| checks::stuck_frequencies(system, 12, 1e-9, Limits::default()).unwrap();
     let (a, b) = (stuck(&relative), stuck(&whole));
     assert_eq!((a.0, a.1.len()), (b.0, b.1.len()));
     for (a, b) in a.1.iter().zip(&b.1) {

@@ -7,7 +7,7 @@
 use crate::Error;
 use crate::factor::SparseCholesky;
 use crate::sparse::{diagonal, multiply_into};
-use dense_algebra::{add_product, product_into};
+use dense_algebra::{Limits, add_product, product_into};
 use faer::{Mat, MatRef, unzip, zip};
 use sprs::CsMat;
 use std::ops::Range;
@@ -84,17 +84,33 @@ pub fn lowest_modes(
     n_elastic: usize,
     tolerance: f64,
 ) -> Result<Modes, Error> {
+    lowest_modes_within(Limits::default(), stiffness, mass, positions, n_elastic, tolerance)
+}
+
+/// As [`lowest_modes`], within limits of time and memory.
+///
+/// # Errors
+/// As [`lowest_modes`]; [`Error::Memory`], [`Error::Interrupted`].
+pub fn lowest_modes_within(
+    limits: Limits<'_>,
+    stiffness: &CsMat<f64>,
+    mass: &CsMat<f64>,
+    positions: &[[f64; 3]],
+    n_elastic: usize,
+    tolerance: f64,
+) -> Result<Modes, Error> {
     let n = stiffness.rows();
     // A subspace of most of the space gains nothing over the whole.
     if n <= WHOLE || n_elastic > n / 4 {
         return all_modes(stiffness, mass, n_elastic);
     }
     let sigma = shift(stiffness, mass);
-    let factor = SparseCholesky::of_sum(stiffness, sigma, mass, positions, "shifted stiffness")?;
+    let vectors = (size_of::<f64>() * n * krylov_limit(n_elastic + 8, 0, n)) as u64;
+    let factor = SparseCholesky::of_sum(stiffness, sigma, mass, positions, "shifted stiffness", vectors, limits)?;
     // The estimate of what has converged within a subspace may be too good. Then a larger one is needed.
     let mut least = 0;
     loop {
-        let found = subspace(stiffness, mass, (&factor, sigma), n_elastic, tolerance, least)?;
+        let found = subspace(stiffness, mass, (&factor, sigma), n_elastic, tolerance, least, limits)?;
         let wanted = n_elastic.min(found.modes.eigenvalues.len() - found.modes.n_zero);
         if found.converged >= wanted {
             return Ok(found.modes);
@@ -130,12 +146,13 @@ fn subspace(
     n_elastic: usize,
     tolerance: f64,
     least: usize,
+    limits: Limits<'_>,
 ) -> Result<Found, Error> {
     let n = stiffness.rows();
     // Room for the usual six rigid motions and a few mechanisms; more, if more turn up.
     let mut wanted = (n_elastic + 8).min(n);
     let (eigenvalues, shapes, n_zero, vectors) = loop {
-        let (vectors, basis) = krylov_basis(mass, factor, wanted, least, tolerance)?;
+        let (vectors, basis) = krylov_basis(mass, factor, wanted, least, tolerance, limits)?;
         let (eigenvalues, shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
         let n_zero = count_zero(&eigenvalues, 1e-4 * sigma);
         if n_zero + n_elastic <= eigenvalues.len() || wanted == n {
@@ -230,6 +247,11 @@ fn all_modes(stiffness: &CsMat<f64>, mass: &CsMat<f64>, n_elastic: usize) -> Res
     Ok(modes)
 }
 
+/// Most vectors of a subspace for the `wanted` lowest modes of `n`.
+fn krylov_limit(wanted: usize, least: usize, n: usize) -> usize {
+    (6 * wanted + 60).max(least).min(n)
+}
+
 /// Approximations of the `wanted` lowest modes, and the size of the subspace they come from, `least` vectors if there are so many.
 fn krylov_basis(
     mass: &CsMat<f64>,
@@ -237,12 +259,16 @@ fn krylov_basis(
     wanted: usize,
     least: usize,
     tolerance: f64,
+    limits: Limits<'_>,
 ) -> Result<(usize, Mat<f64>), Error> {
     let n = mass.rows();
-    let limit = (6 * wanted + 60).max(least).min(n);
+    let limit = krylov_limit(wanted, least, n);
     let mut krylov = Krylov::new(n, limit);
     let mut block = dense_algebra::scattered(n, BLOCK.min(n));
     loop {
+        if limits.stops() {
+            return Err(Error::Interrupted);
+        }
         block = krylov.append(mass, block);
         // The true residual weighs the stiffest components most, the Ritz residual the softest: demand more of it.
         let done = krylov.size() >= least.max(2 * wanted) && krylov.converged(wanted, 1e-3 * tolerance)?;

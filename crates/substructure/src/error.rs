@@ -24,6 +24,22 @@ impl fmt::Display for Position {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// A factorisation that would take more memory than there is.
+    #[error(
+        "the factorisation of the {matrix} would take about {:.1} GB, and {:.1} GB are free for it; take a coarser mesh, or half of a \
+         symmetric structure, or allow more memory", *needed as f64 / 1e9, *limit as f64 / 1e9
+    )]
+    Memory {
+        /// What was to be factored.
+        matrix: &'static str,
+        /// Estimate (bytes).
+        needed: u64,
+        /// What it may take (bytes).
+        limit: u64,
+    },
+    /// Whoever asked for the work has ended it.
+    #[error("the run was interrupted")]
+    Interrupted,
     /// A material constant is outside its admissible range.
     #[error("material `{material}`: {field} = {} is not admissible; it must be {requirement}", format!("{value} {unit}").trim_end())]
     Material {

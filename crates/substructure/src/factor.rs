@@ -9,7 +9,7 @@ use crate::Error;
 use crate::ordering::{Dissection, Part, nested_dissection};
 use crate::sparse::{entries, from_unsorted_rows, sum};
 use dense_algebra::{
-    add_product, add_product_lower, cholesky_in_place, product_into, solve_lower, solve_lower_transposed,
+    Limits, add_product, add_product_lower, cholesky_in_place, product_into, solve_lower, solve_lower_transposed,
 };
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
@@ -136,24 +136,27 @@ impl SparseCholesky {
     /// # Errors
     /// [`Error::NotPositiveDefinite`] with the row at which the factorisation stopped.
     pub fn try_new(matrix: &CsMat<f64>, positions: &[[f64; 3]], name: &'static str) -> Result<Self, Error> {
-        let (factor, _) = Elimination::new(&[matrix], positions, 0, &[]).run(name)?;
+        let (factor, _) = Elimination::new(&[matrix], positions, 0, &[]).run(name, Limits::default())?;
         Ok(factor)
     }
 
-    /// Factors `stiffness + sigma mass`.
+    /// Factors `stiffness + sigma mass`, for work that takes memory `beside` it (bytes).
     ///
     /// # Errors
-    /// As [`Self::try_new`].
+    /// As [`Self::try_new`]; [`Error::Memory`], [`Error::Interrupted`].
     pub(crate) fn of_sum(
         stiffness: &CsMat<f64>,
         sigma: f64,
         mass: &CsMat<f64>,
         positions: &[[f64; 3]],
         name: &'static str,
+        beside: u64,
+        limits: Limits<'_>,
     ) -> Result<Self, Error> {
         // The elimination has what it needs of the sum, which would be in the way of the factor.
         let elimination = Elimination::new(&[&sum(stiffness, sigma, mass)], positions, 0, &[]);
-        Ok(elimination.run(name)?.0)
+        elimination.refuse_too_large(beside, name, limits)?;
+        Ok(elimination.run(name, limits)?.0)
     }
 
     /// Factors all rows of `stiffness` but the first `n_kept`, and condenses it and `mass` onto those. The rows `held` of the
@@ -162,7 +165,7 @@ impl SparseCholesky {
     /// Right-hand sides and solutions of the factor are over the other rows, in their order.
     ///
     /// # Errors
-    /// As [`Self::try_new`].
+    /// As [`Self::try_new`]; [`Error::Memory`], [`Error::Interrupted`].
     pub fn condense(
         stiffness: &CsMat<f64>,
         mass: &CsMat<f64>,
@@ -170,9 +173,11 @@ impl SparseCholesky {
         n_kept: usize,
         held: &[usize],
         name: &'static str,
+        limits: Limits<'_>,
     ) -> Result<(Self, Condensed), Error> {
         let elimination = Elimination::new(&[stiffness, mass], positions, n_kept, held);
-        let (factor, mut left) = elimination.run(name)?;
+        elimination.refuse_too_large(0, name, limits)?;
+        let (factor, mut left) = elimination.run(name, limits)?;
         let kept = factor.n..positions.len();
         let [stiffness, mass] = [0, 1].map(|which| {
             let mut own = elimination.assemble(which, &kept, &[], left.as_mut_slice()).own;
@@ -389,15 +394,49 @@ impl Elimination {
         }
     }
 
+    /// Refuses more work than there is memory for, with `beside` for what is needed at the same time (bytes).
+    fn refuse_too_large(&self, beside: u64, matrix: &'static str, limits: Limits<'_>) -> Result<(), Error> {
+        let needed = self.memory() + beside;
+        match limits.memory() {
+            Some(limit) if needed > limit => Err(Error::Memory { matrix, needed, limit }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Memory that it takes at its peak (bytes), where parts are eliminated one after the other: fronts in work, what waits for their parents,
+    /// and the factor. Threads that work on several small parts at once take little more.
+    fn memory(&self) -> u64 {
+        let n = self.dissection.order.len();
+        let (mut factor, mut peak) = (0, 0);
+        // Of each part: what it leaves, and the most that it and its children take.
+        let mut found: Vec<[usize; 2]> = Vec::with_capacity(self.beyond.len());
+        for (part, beyond) in self.dissection.parts.iter().zip(&self.beyond) {
+            let (own, below) = (part.rows.len(), beyond.len());
+            let n_matrices = self.matrices.len();
+            let (mut waiting, mut most) = (0, 0);
+            for &child in &part.children {
+                most = most.max(waiting + found[child][1]);
+                waiting += found[child][0];
+            }
+            let front = own * (own + 2 * below) + n_matrices * below * below;
+            most = most.max(waiting + front);
+            factor += own * (own.min(PANEL) + own) / 2 + own * beyond.partition_point(|&position| position < n);
+            peak = peak.max(factor + most);
+            found.push([n_matrices * below * below, most]);
+        }
+        let entries: usize = self.matrices.iter().map(CsMat::nnz).sum();
+        (size_of::<f64>() * peak + (size_of::<f64>() + size_of::<usize>()) * entries) as u64
+    }
+
     /// The factor, and what is left on the kept rows.
-    fn run(&self, name: &'static str) -> Result<(SparseCholesky, Option<Update<'_>>), Error> {
+    fn run(&self, name: &'static str, limits: Limits<'_>) -> Result<(SparseCholesky, Option<Update<'_>>), Error> {
         let parts = &self.dissection.parts;
         let n_kept = self.matrices[0].rows() - self.dissection.order.len();
         let order = self.dissection.order.iter().map(|row| row - n_kept).collect();
         let (fronts, left) = match parts.len() {
             0 => (Vec::new(), None),
             n_parts => {
-                let (fronts, left) = self.eliminate(n_parts - 1, name)?;
+                let (fronts, left) = self.eliminate(n_parts - 1, name, limits)?;
                 (fronts, Some(left))
             }
         };
@@ -405,13 +444,27 @@ impl Elimination {
     }
 
     /// Eliminates a part after its children; the fronts of each part come in the order of the dissection.
-    fn eliminate(&self, number: usize, name: &'static str) -> Result<(Vec<Vec<Front>>, Update<'_>), Error> {
+    fn eliminate(
+        &self,
+        number: usize,
+        name: &'static str,
+        limits: Limits<'_>,
+    ) -> Result<(Vec<Vec<Front>>, Update<'_>), Error> {
+        // Between the large products of a front too, as the last fronts are most of the work.
+        let go_on = || {
+            if limits.stops() {
+                Err(Error::Interrupted)
+            } else {
+                Ok(())
+            }
+        };
+        go_on()?;
         let part = &self.dissection.parts[number];
         let rows = part.rows.clone();
         let done: Vec<_> = part
             .children
             .par_iter()
-            .map(|&child| self.eliminate(child, name))
+            .map(|&child| self.eliminate(child, name, limits))
             .collect();
         let (mut fronts, mut children) = (Vec::new(), Vec::with_capacity(done.len()));
         for child in done {
@@ -434,8 +487,11 @@ impl Elimination {
             },
             other => other.into(),
         })?;
+        go_on()?;
         solve_lower(lower.as_ref(), below.transpose_mut());
+        go_on()?;
         add_product_lower(update.as_mut(), below.as_ref(), below.transpose(), -1.0);
+        go_on()?;
         let mut matrices = vec![update];
         if self.matrices.len() > 1 {
             let mut mass = self.assemble(1, &rows, beyond, &mut children);
@@ -443,8 +499,11 @@ impl Elimination {
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
             let mut follow = below.clone();
             solve_lower_transposed(lower.as_ref(), follow.transpose_mut());
+            go_on()?;
             add_product(mass.below.as_mut(), follow.as_ref(), mass.own.as_ref(), -0.5);
+            go_on()?;
             add_product_lower(mass.update.as_mut(), follow.as_ref(), mass.below.transpose(), -1.0);
+            go_on()?;
             add_product_lower(mass.update.as_mut(), mass.below.as_ref(), follow.transpose(), -1.0);
             matrices.push(mass.update);
         }

@@ -1,10 +1,12 @@
 //! Ordering, factorisation and condensation of sparse matrices against dense ones.
 
-use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
+use dense_algebra::{Limits, cholesky, product, solve_lower, solve_lower_transposed};
 use faer::{Mat, MatRef};
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use substructure::Error;
+use substructure::eigen::lowest_modes_within;
 use substructure::factor::{BLOCK, SparseCholesky};
 use substructure::ordering::nested_dissection;
 
@@ -201,7 +203,8 @@ fn condensation_is_the_dense_one() {
         let n = stiffness.rows();
         for n_kept in [0, 1, 50, n] {
             let (factor, condensed) =
-                SparseCholesky::condense(&stiffness, &mass, &positions, n_kept, &[], "test").unwrap();
+                SparseCholesky::condense(&stiffness, &mass, &positions, n_kept, &[], "test", Limits::default())
+                    .unwrap();
             let (k, m) = (dense(&stiffness), dense(&mass));
             let n_rest = n - n_kept;
             let lower = cholesky(k.submatrix(n_kept, n_kept, n_rest, n_rest)).unwrap();
@@ -237,7 +240,8 @@ fn the_number_of_threads_changes_no_bit() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (factor, condensed) = SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test").unwrap();
+            let (factor, condensed) =
+                SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test", Limits::default()).unwrap();
             let mut x = Mat::from_fn(positions.len() - 60, 3 * BLOCK, |i, j| ((i + 3 * j) % 13) as f64);
             factor.solve_in_place(x.as_mut());
             (condensed.stiffness, condensed.mass, x)
@@ -245,6 +249,34 @@ fn the_number_of_threads_changes_no_bit() {
     };
     let one = run(1);
     assert!(one == run(2) && one == run(5));
+}
+
+#[test]
+fn work_beyond_its_limits_is_refused_before_it_is_done() {
+    let ((stiffness, positions), (mass, _)) = (block([20, 6, 5], 3), block([20, 6, 5], 8));
+    let condense = |limits| SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test", limits);
+    let Err(Error::Memory { needed, limit: 1, .. }) = condense(Limits::default().within(Some(1))) else {
+        panic!("one byte is not enough");
+    };
+    // No less than the factor that comes of it.
+    let (factor, _) = condense(Limits::default().within(Some(needed))).unwrap();
+    assert!(needed > 8 * factor.entries() as u64, "{needed} {}", factor.entries());
+    assert!(condense(Limits::default().within(Some(needed - 1))).is_err());
+    let asked = AtomicUsize::new(0);
+    let parts = nested_dissection(&stiffness, &positions, 60).parts.len();
+    for last in [0, 1, parts, 2 * parts] {
+        asked.store(0, Ordering::Relaxed);
+        let stop = || asked.fetch_add(1, Ordering::Relaxed) >= last;
+        let stopped = condense(Limits::default().until(&stop));
+        assert!(matches!(stopped, Err(Error::Interrupted)), "{last}");
+    }
+    let modes = |limits| lowest_modes_within(limits, &stiffness, &mass, &positions, 3, 1e-6);
+    let stopped = modes(Limits::default().until(&|| true));
+    assert!(matches!(stopped, Err(Error::Interrupted)));
+    assert!(matches!(
+        modes(Limits::default().within(Some(1))),
+        Err(Error::Memory { .. })
+    ));
 }
 
 #[test]

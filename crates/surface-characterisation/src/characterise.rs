@@ -135,6 +135,20 @@ pub fn characterise(
     elements: &ElementOutlines,
     options: &Options,
 ) -> Result<Characterisation, SurfaceError> {
+    characterise_until(&|| false, top, bottom, elements, options)
+}
+
+/// As [`characterise`], unless `stop`, which is asked at each element from any thread, ends it.
+///
+/// # Errors
+/// As [`characterise`]; [`SurfaceError::Interrupted`].
+pub fn characterise_until(
+    stop: &(dyn Fn() -> bool + Sync),
+    top: &HeightMap,
+    bottom: &HeightMap,
+    elements: &ElementOutlines,
+    options: &Options,
+) -> Result<Characterisation, SurfaceError> {
     check_material(&options.material)?;
     positive("u_ref", options.u_ref, "m")?;
     positive("packing efficiency", options.packing_efficiency, "1")?;
@@ -153,7 +167,10 @@ pub fn characterise(
         .into_par_iter()
         .zip(bottom_found)
         .enumerate()
-        .map(|(e, (top, bottom))| respond(e, elements, [top, bottom], reference, &interference, options))
+        .map(|(e, (top, bottom))| match stop() {
+            true => Err(SurfaceError::Interrupted),
+            false => respond(e, elements, [top, bottom], reference, &interference, options),
+        })
         .collect::<Vec<_>>();
     Ok(Characterisation {
         elements: responses.into_iter().collect::<Result<_, _>>()?,

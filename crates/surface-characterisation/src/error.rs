@@ -35,6 +35,9 @@ pub enum SurfaceError {
         /// What to do.
         remedy: &'static str,
     },
+    /// Whoever asked for the work has ended it.
+    #[error("the characterisation was interrupted")]
+    Interrupted,
     /// A height is infinite. Missing data are marked by NaN.
     #[error("height of point ({i}, {j}) is {value} m: heights are finite, missing points are NaN")]
     InfiniteHeight {

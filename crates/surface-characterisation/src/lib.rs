@@ -38,7 +38,7 @@ pub mod writers;
 
 pub use areal::{ArealParameters, ArealPatch};
 pub use bootstrap::{Bootstrap, CurveBands, TallestPeak, bootstrap_bands, realisation};
-pub use characterise::{Characterisation, ElementSurface, Summary, characterise};
+pub use characterise::{Characterisation, ElementSurface, Summary, characterise, characterise_until};
 pub use detrend::{Detrend, Plane, fit_plane, trend};
 pub use error::{FileError, SurfaceError};
 pub use evolution::{

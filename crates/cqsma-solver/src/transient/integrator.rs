@@ -6,7 +6,7 @@ use crate::Error;
 use crate::force::HystereticForce;
 use crate::linear::{Motion, RoundOff, Stuck, dot};
 use crate::modes::{Linearisation, Mode};
-use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Sequence};
+use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Reason, Sequence};
 use crate::path::Path;
 use contact_laws::Sticking;
 use dense_algebra::Symmetric;
@@ -286,8 +286,15 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         let Err(failure) = self.step(halvings) else {
             return Ok(Ok(()));
         };
-        if halvings == self.settings.newton.max_halvings {
+        if halvings == self.settings.newton.max_halvings || failure.reason == Reason::Interrupted {
             return Ok(Err(failure));
+        }
+        if !self.sequence.effort.is_within_budget() {
+            let Failure { history, .. } = failure;
+            return Ok(Err(Failure {
+                reason: Reason::Budget,
+                history,
+            }));
         }
         self.halved_steps += 1;
         for _ in 0..2 {
@@ -384,6 +391,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             reference: &self.structure.displacement[..self.force.n_dofs()],
             reference_force: &self.structure.contact_force,
             round_off: level.round_off,
+            limits: self.structure.limits,
         };
         // The inertia of a motion with this energy at the frequency of the mode.
         let energy = self.energy.kinetic + self.energy.elastic;

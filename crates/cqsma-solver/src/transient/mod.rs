@@ -24,6 +24,9 @@ pub use scheme::{AlgorithmicError, algorithmic_error};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+/// Most steps of a motion: a hundred thousand periods of a hundred steps, whose record takes 1 GB. Free motions have decayed long before.
+pub const MOST_STEPS: usize = 10_000_000;
+
 /// Follows the motion of a structure, whose displacement, velocity and acceleration along `row` are recorded; `observe`
 /// hears of every sample and may stop the run.
 ///
@@ -67,6 +70,9 @@ pub fn run<F: HystereticForce>(
             return Err(Error::Interrupted);
         }
     }
+    if failure.is_some() && structure.limits.stops() {
+        return Err(Error::Interrupted);
+    }
     Ok(Transient {
         failure,
         halved_steps: integrator.halved_steps,
@@ -88,6 +94,13 @@ fn check<S>(structure: &Linearisation<'_, S>, row: &[f64], start: &Start, settin
     };
     if settings.steps_per_period < 8 {
         return refuse("steps_per_period", settings.steps_per_period as f64, "at least 8");
+    }
+    if settings.steps_per_period.saturating_mul(settings.periods) > MOST_STEPS {
+        return refuse(
+            "periods",
+            settings.periods as f64,
+            "so few that there are at most 1e7 steps in all; follow fewer periods, or take fewer steps for each",
+        );
     }
     if !(0.0..=1.0).contains(&settings.spectral_radius) {
         return refuse("spectral_radius", settings.spectral_radius, "between 0 and 1");

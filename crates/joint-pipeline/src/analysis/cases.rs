@@ -221,7 +221,7 @@ impl CaseStructure {
             // Cases are the parts of a study that are kept; their loops are not kept one by one.
             options: Options {
                 cache: None,
-                build: options.build.clone(),
+                ..options.clone()
             },
         })
     }

@@ -136,9 +136,7 @@ impl Batch<'_> {
                     loops = analysis.checkpoints;
                     member
                 }
-                Err(Error::Solver(cqsma_solver::Error::Interrupted)) => {
-                    return Err(Error::Solver(cqsma_solver::Error::Interrupted));
-                }
+                Err(error) if error.is_interruption() => return Err(error),
                 Err(error) => describe(k, Err(error)),
             };
             // The loops go first: nobody looks for those of a variant that the checkpoint holds.

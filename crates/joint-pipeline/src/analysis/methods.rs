@@ -147,6 +147,7 @@ impl Request<'_> {
         let displacement = self.prestress.displacement.clone();
         let mut line = modes::linearise(stiffness, mass, force, displacement, state, n_modes)?;
         line.orient(self.response)?;
+        line.limits = self.line.limits;
         let points = cqsma::run(&line, force, self.modal_forces, self.settings, |_| NoObserver)?;
         let points = points.into_iter().map(|(point, _)| MethodPoint {
             result: point.result.map(|r| MethodValues {

@@ -18,13 +18,13 @@ use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, PartReport, SceneInterface};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, Stage, go_on};
 use crate::scene::{Assembly, BoltBehaviour, MeshInterface, Parameter, Scale, Scene, Stress, Surface};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use crate::structure::{OuterSurface, Overview, StructuralModel, Structure, choice_name};
-use cqsma_solver::NewtonSettings;
+use cqsma_solver::{Limits, NewtonSettings};
 use faer::Mat;
 use reduction::ReducedModel;
 use sprs::CsMat;
@@ -194,6 +194,7 @@ pub(super) fn prepare_on(
     progress.begin(Stage::Mesh);
     let structure = Structure::try_new(scene, progress)?;
     progress.end(Stage::Mesh);
+    go_on(progress)?;
     let overview = structure.overview(scene)?;
     overview.lines().iter().for_each(|line| progress.echo(line));
     for warning in warnings::of_input(&overview) {
@@ -266,9 +267,12 @@ impl Prepared {
     ) -> Result<Self, Error> {
         scene.validate(&scene.name)?;
         check_bolts(scene, model.reduced.loads.len())?;
+        go_on(progress)?;
         progress.begin(Stage::Characterise);
         let load = bolt_load(scene, &model);
-        let interface = SceneInterface::try_new(scene, structure.interface(), &structure.joint.parts, load)?;
+        let stop = || progress.interrupted();
+        let limits = Limits::default().until(&stop);
+        let interface = SceneInterface::within(limits, scene, structure.interface(), &structure.joint.parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
         progress.end(Stage::Characterise);
         let (neighbours, differenced) = Neighbours::of(scene, structure, &model, &interface, progress)?;
@@ -648,10 +652,13 @@ impl Solver<'_> {
         let prestress = self.static_state(scene, interface, closure, progress)?;
         let static_load = load_of(reduced, &prestress.tensions);
 
+        go_on(progress)?;
         progress.begin(Stage::Modes);
         let locked = self.locked(scene)?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
-        let line = linearise(scene, vibrating, &force, &prestress.solution)?;
+        let stop = || progress.interrupted();
+        let mut line = linearise(scene, vibrating, &force, &prestress.solution)?;
+        line.limits = line.limits.until(&stop);
         let sensitivities = match self.neighbours {
             [] => None,
             neighbours => Some(Sensitivities::try_new(

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::interface::InterfaceForce;
 use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, Length, Method, Scene};
-use cqsma_solver::transient::{self, Start, Transient};
+use cqsma_solver::transient::{self, MOST_STEPS, Start, Transient};
 use modal_identification::backbone::{Identification, identify};
 use modal_identification::signal::{Quantity, Signal};
 use modal_identification::{backbone, synthetic};
@@ -59,6 +59,37 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// Checks what is known before any work is done.
+    ///
+    /// # Errors
+    /// [`Error::Motion`].
+    pub fn validate(&self) -> Result<(), Error> {
+        let check = |ok, field, value, unit, requirement| match ok {
+            true => Ok(()),
+            false => Err(Error::Motion {
+                field,
+                value,
+                unit,
+                requirement,
+            }),
+        };
+        if let Excitation::Release(amplitude) = self.excitation {
+            let ok = amplitude > 0.0 && amplitude.is_finite();
+            check(ok, "amplitude", amplitude, "m", "positive and finite")?;
+        }
+        let periods = self.periods as f64;
+        check(self.periods > 0, "periods", periods, "(1)", "at least 1")?;
+        check(
+            self.steps_per_period.saturating_mul(self.periods) <= MOST_STEPS,
+            "periods",
+            periods,
+            "(1)",
+            "so few that they have at most 1e7 steps; follow fewer periods, or take fewer steps for each",
+        )
+    }
+}
+
 /// A ring-down.
 #[derive(Clone, Debug)]
 pub struct RingDown {
@@ -91,6 +122,7 @@ pub fn scene_for(mut scene: Scene, amplitude: f64) -> Scene {
 /// # Errors
 /// [`Error::Motion`], [`Error::Transient`] if a step did not converge, [`Error::Solver`].
 pub fn ring_down(run: &Run, settings: &Settings, progress: &dyn Progress) -> Result<RingDown, Error> {
+    settings.validate()?;
     progress.begin(Stage::Transient);
     let scene = &run.scene;
     let reduced = &run.model.reduced;
@@ -100,23 +132,13 @@ pub fn ring_down(run: &Run, settings: &Settings, progress: &dyn Progress) -> Res
     };
     let vibrating = locked.as_ref().unwrap_or(reduced);
     let force = InterfaceForce::new(&run.interface);
-    let line = linearise(scene, vibrating, &force, &run.prestress.solution)?;
+    let stop = || progress.interrupted();
+    let mut line = linearise(scene, vibrating, &force, &run.prestress.solution)?;
+    line.limits = line.limits.until(&stop);
     let row = response(vibrating);
     let mode = run.first().mode - 1;
     let phi: f64 = line.shapes.col(mode).iter().zip(&row).map(|(a, b)| a * b).sum();
-    let refuse = |field, value, unit, requirement| {
-        Err(Error::Motion {
-            field,
-            value,
-            unit,
-            requirement,
-        })
-    };
-    let positive = |value: f64| value > 0.0 && value.is_finite();
     let start = match settings.excitation {
-        Excitation::Release(amplitude) if !positive(amplitude) => {
-            return refuse("amplitude", amplitude, "m", "positive and finite");
-        }
         Excitation::Release(amplitude) => Start::Release {
             modal_force: line.eigenvalues[mode] * amplitude / phi,
         },
@@ -126,9 +148,6 @@ pub fn ring_down(run: &Run, settings: &Settings, progress: &dyn Progress) -> Res
             point: row.clone(),
         },
     };
-    if settings.periods == 0 {
-        return refuse("periods", 0.0, "(1)", "at least 1");
-    }
     let solver = transient::Settings {
         mode,
         steps_per_period: settings.steps_per_period,

@@ -493,7 +493,7 @@ impl<'a> Study<'a> {
         // A stored model would never be asked for again.
         let options = Options {
             cache: None,
-            build: self.options.build.clone(),
+            ..self.options.clone()
         };
         let mut prepared = Prepared::try_new(scene, structure, &options, progress)?;
         if rates == Rates::WhereTheyCostLittle {

@@ -8,6 +8,7 @@ use crate::scene::{Gap, LawKind, Scale, Scene};
 use contact_laws::{
     AsperityPopulation, AsperitySumCurves, CurveFactors, ElasticPair, GapDistribution, TangentialReading,
 };
+use dense_algebra::Limits;
 use std::sync::Arc;
 use surface_characterisation::finish::FlatnessForm;
 use surface_characterisation::{Characterisation, PairAsperities};
@@ -74,8 +75,8 @@ impl Asperities {
     }
 
     /// Those of two scans, element by element.
-    pub(super) fn scanned(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
-        let ScannedSurface { found, files, .. } = ScannedSurface::try_new(scene, mesh)?;
+    pub(super) fn scanned(scene: &Scene, mesh: &InterfaceMesh, limits: Limits<'_>) -> Result<Self, Error> {
+        let ScannedSurface { found, files, .. } = ScannedSurface::within(limits, scene, mesh)?;
         let populations = found.elements.iter().map(|e| population(scene, &e.population));
         Self {
             populations: populations.collect::<Result<_, Error>>()?,

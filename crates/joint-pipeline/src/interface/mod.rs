@@ -27,6 +27,7 @@ use contact_laws::{
     Components, ComponentsMut, ContactCurves, PointParameters, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
 };
+use dense_algebra::Limits;
 use given::GivenLaw;
 use law::{BuiltLaw, NamedLaw, fits_of};
 use serde::{Deserialize, Serialize};
@@ -99,6 +100,7 @@ impl PartLaw {
         operators: Arc<Operators>,
         pressure: f64,
         known: Option<&Self>,
+        limits: Limits<'_>,
     ) -> Result<Self, Error> {
         let element_of: Vec<u32> = operators
             .first_point
@@ -129,7 +131,9 @@ impl PartLaw {
                 })?;
                 law_of(Asperities::measured(&measured, &scene, mesh)?)?
             }
-            (Surface::SyntheticScan(_) | Surface::Scans(_), None) => law_of(Asperities::scanned(&scene, mesh)?)?,
+            (Surface::SyntheticScan(_) | Surface::Scans(_), None) => {
+                law_of(Asperities::scanned(&scene, mesh, limits)?)?
+            }
             (Surface::Finish(_), None) => law_of(Asperities::finished(&scene, mesh)?)?,
         };
         let (gap, clipped_gaps) = match &from {
@@ -230,7 +234,21 @@ impl SceneInterface {
     /// # Errors
     /// Of the law, the surface, the interface; [`Error::NoContact`].
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, parts: &[InterfacePart], load: f64) -> Result<Self, Error> {
-        Self::build(scene, mesh, parts, load, None)
+        Self::within(Limits::default(), scene, mesh, parts, load)
+    }
+
+    /// The same within limits of time.
+    ///
+    /// # Errors
+    /// As [`SceneInterface::try_new`]; an interruption.
+    pub(crate) fn within(
+        limits: Limits<'_>,
+        scene: &Scene,
+        mesh: &InterfaceMesh,
+        parts: &[InterfacePart],
+        load: f64,
+    ) -> Result<Self, Error> {
+        Self::build(scene, mesh, parts, load, None, limits)
     }
 
     /// The interface of a scene that differs in numbers alone. Where they are not those of the surface, it is not measured again.
@@ -244,7 +262,7 @@ impl SceneInterface {
         parts: &[InterfacePart],
         load: f64,
     ) -> Result<Self, Error> {
-        Self::build(scene, mesh, parts, load, Some(self))
+        Self::build(scene, mesh, parts, load, Some(self), Limits::default())
     }
 
     fn build(
@@ -253,6 +271,7 @@ impl SceneInterface {
         parts: &[InterfacePart],
         load: f64,
         known: Option<&Self>,
+        limits: Limits<'_>,
     ) -> Result<Self, Error> {
         let known_part = |number: usize| known.and_then(|known| known.parts.get(number));
         let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
@@ -261,7 +280,7 @@ impl SceneInterface {
         let built = match parts {
             [] => vec![(
                 "interface".to_owned(),
-                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure, known_part(0))?,
+                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure, known_part(0), limits)?,
             )],
             _ => parts
                 .iter()
@@ -270,7 +289,7 @@ impl SceneInterface {
                     let own = scene.of_interface(part.source);
                     let mesh = part.mesh(mesh);
                     let operators = scene.model.symmetry.operators(&mesh, scene.points_per_direction)?;
-                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number))?;
+                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number), limits)?;
                     let source = Some(part.source);
                     Ok((part.name.clone(), PartLaw { source, ..law }))
                 })

@@ -3,13 +3,14 @@
 use crate::Error;
 use crate::scene::{Length, Place, Readings, ScanFile, Scans, Scene, Surface, SyntheticScan};
 use contact_laws::ElasticPair;
+use dense_algebra::Limits;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use surface_characterisation::readers::{self, Declaration, Format};
 use surface_characterisation::{
     Alignment, Bootstrap, Characterisation, ElementOutlines, ElementSurface, FaceSummary, GapChange, HeightMap,
-    LinePeak, Options, Registration, Summary, SurfaceError, SyntheticFace, Waviness, align, characterise, line_peaks,
-    registration_study,
+    LinePeak, Options, Registration, Summary, SurfaceError, SyntheticFace, Waviness, align, characterise_until,
+    line_peaks, registration_study,
 };
 use zte_assembly::{Element, InterfaceMesh};
 
@@ -70,6 +71,14 @@ impl ScannedSurface {
     /// # Errors
     /// [`Error::NoSamples`] for surfaces that are not scanned; of the readers, the alignment, the characterisation.
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
+        Self::within(Limits::default(), scene, mesh)
+    }
+
+    /// The same within limits of time.
+    ///
+    /// # Errors
+    /// As [`ScannedSurface::try_new`]; an interruption.
+    pub(crate) fn within(limits: Limits<'_>, scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
         let outlines =
             ElementOutlines::try_new(mesh.nodes.clone(), mesh.elements.iter().map(Element::outline).collect())?;
         let mut options = Options::new(material(scene)?);
@@ -103,7 +112,7 @@ impl ScannedSurface {
                 return Err(Error::NoSamples);
             }
         };
-        let found = characterise(&faces[0], &faces[1], &outlines, &options)?;
+        let found = characterise_until(&|| limits.stops(), &faces[0], &faces[1], &outlines, &options)?;
         Ok(Self {
             faces,
             outlines,

@@ -11,6 +11,8 @@ pub struct Options {
     /// What distinguishes the build of the program from others of the same version, such as its commit. What other builds
     /// have stored is not read.
     pub build: Option<String>,
+    /// Memory that the run may take beside what the process has (bytes); none: as much as it needs. More is refused before it is taken.
+    pub memory: Option<u64>,
 }
 
 impl Options {
@@ -18,7 +20,7 @@ impl Options {
     pub fn cached(folder: impl Into<PathBuf>) -> Self {
         Self {
             cache: Some(folder.into()),
-            build: None,
+            ..Self::default()
         }
     }
 }

@@ -36,7 +36,7 @@ use crate::progress::Progress;
 use crate::scene::{BoltBehaviour, Density, Model, Scene, StructureSource, Symmetry};
 pub(crate) use reduce::Assembled;
 use reduce::Meshed;
-use reduction::{Settings, checks};
+use reduction::{Limits, Settings, checks};
 use substructure::mesh::{Assembly, Dof, Equation, GroundSpring, Material};
 use zte_assembly::InterfaceMesh;
 
@@ -122,7 +122,9 @@ impl Structure {
             return Err(Error::NoMesh);
         };
         let Meshed { system, relative } = self.meshed(bodies)?;
-        let found = checks::stuck_modes(&relative, mode, self.settings.mode_tolerance)?;
+        let stop = || progress.interrupted();
+        let limits = Limits::default().until(&stop);
+        let found = checks::stuck_modes(&relative, mode, self.settings.mode_tolerance, limits)?;
         let shapes = found.elastic();
         let last = shapes.ncols().min(mode);
         let over = relative.displacements(shapes.subcols(last - 1, 1));

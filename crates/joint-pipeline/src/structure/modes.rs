@@ -8,7 +8,7 @@ use crate::joint::{Bodies, MeshedBodies};
 use crate::progress::{Progress, Stage};
 use dense_algebra::product;
 use faer::Mat;
-use reduction::checks;
+use reduction::{Limits, checks};
 use serde::Serialize;
 use sprs::CsMat;
 use substructure::assemble::System;
@@ -163,6 +163,8 @@ impl Structure {
         let slices = SliceMotions::new(&system.dofs.coordinates, &system.nodal_mass);
         let rigid = rigid_motions(&system, bodies, slices.centre);
         let tolerance = self.settings.mode_tolerance;
+        let stop = || progress.interrupted();
+        let limits = Limits::default().until(&stop);
         let all = [
             (Contact::Unstressed, None),
             (Contact::Stuck, None),
@@ -180,8 +182,8 @@ impl Structure {
             };
             let relative = locked.as_ref().unwrap_or(&relative);
             let found = match contact {
-                Contact::Stuck => checks::stuck_modes(relative, count, tolerance)?,
-                _ => checks::full_modes(relative, interface, count, tolerance)?,
+                Contact::Stuck => checks::stuck_modes(relative, count, tolerance, limits)?,
+                _ => checks::full_modes(relative, interface, count, tolerance, limits)?,
             };
             let over = relative.displacements(found.elastic());
             let mut momentum = Mat::zeros(over.nrows(), over.ncols());

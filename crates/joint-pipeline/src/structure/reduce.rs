@@ -4,13 +4,13 @@ use super::spectrum::CHECK_STIFFNESS;
 use super::{Facts, N_CHECKED, StructuralModel, Structure};
 use crate::Error;
 use crate::joint::{Bodies, ImportedBodies, MeshedBodies, Sides};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, Silent, Stage, go_on};
 use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use faer::Mat;
 use reduction::checks::{self, ReducedSpectrum};
-use reduction::{FacingNodes, InterfacePairs, ReducedModel, RelativeSystem, Settings, Step, reduce};
+use reduction::{FacingNodes, InterfacePairs, Limits, ReducedModel, RelativeSystem, Settings, Step, reduce};
 use sprs::CsMat;
 use std::borrow::Cow;
 use substructure::assemble::System;
@@ -36,6 +36,10 @@ fn multiple(a: &CsMat<f64>, of: &CsMat<f64>) -> Option<f64> {
 /// Difference of the entries of matrices, relative to the largest, that is round-off of their assembly.
 const SAME: f64 = 1e-11;
 
+/// Dense matrices of the size of the reduced model that prestress, modes and loops hold at their peak: 10 were measured on the Brake-Reuss
+/// beam with 588 and with 2352 elements.
+const MATRICES: usize = 10;
+
 /// Residual of the modes of structures whose differences are wanted.
 const NEIGHBOUR_TOLERANCE: f64 = 1e-9;
 
@@ -43,20 +47,25 @@ impl Structure {
     /// The reduced model, from the cache if it holds one for the same inputs.
     ///
     /// # Errors
-    /// Of assembly and reduction. A cache that cannot be written is noted, not fatal.
+    /// Of assembly and reduction, of which memory and interruption; [`Error::Memory`]. A cache that cannot be written is noted, not fatal.
     pub fn reduce(&self, options: &Options, progress: &dyn Progress) -> Result<StructuralModel, Error> {
+        self.refuse_too_large(options.memory)?;
         let (cache, key) = (options.cache.as_deref(), self.key(options.build.as_deref()));
         if let Some((reduced, facts)) = cache.and_then(|directory| cache::load(directory, &key)) {
             progress.note("the reduced model was read from the cache");
             return Ok(StructuralModel { reduced, facts });
         }
         progress.begin(Stage::Assemble);
-        let assembled = self.assemble()?;
+        let assembled = self.assemble_until(progress)?;
         progress.end(Stage::Assemble);
+        go_on(progress)?;
+        let stop = || progress.interrupted();
+        let left = options.memory.map(|memory| memory.saturating_sub(assembled.memory()));
+        let limits = Limits::default().until(&stop).within(left);
         progress.begin(Stage::Factor);
         // Before there is a reduced model, which would be in the way of its factors.
         let springs = self.springs(self.check_interface(), |_| true)?;
-        let full = self.frequencies_to_check(&assembled.relative, &springs)?;
+        let full = self.frequencies_to_check(&assembled.relative, &springs, limits)?;
         progress.fraction(Stage::Factor, 0.4);
         let mut reduced = reduce(
             &assembled.relative,
@@ -72,7 +81,9 @@ impl Structure {
                 }
                 Step::Stream => progress.fraction(Stage::Reduce, 0.9 * done),
             },
+            limits,
         )?;
+        go_on(progress)?;
         check_closing(&reduced)?;
         let facts = self.facts(&assembled, &mut reduced, &springs, full)?;
         let model = StructuralModel { reduced, facts };
@@ -81,6 +92,23 @@ impl Structure {
         }
         progress.end(Stage::Reduce);
         Ok(model)
+    }
+
+    /// Refuses a reduced model that takes more memory than the run may, before any work is done for it.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    fn refuse_too_large(&self, memory: Option<u64>) -> Result<(), Error> {
+        let coordinates = 3 * self.joint.interface.nodes.len() + self.settings.n_modes;
+        let needed = (MATRICES * size_of::<f64>()) as u64 * (coordinates as u64).pow(2);
+        match memory {
+            Some(limit) if needed > limit => Err(Error::Memory {
+                coordinates,
+                needed,
+                limit,
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// The reduced model of a structure whose matrices are multiples of those of `known`, which `model` is the reduced model of: the basis is
@@ -128,18 +156,27 @@ impl Structure {
             mode_tolerance: NEIGHBOUR_TOLERANCE,
             ..self.settings
         };
-        let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| ())?;
+        let stop = || progress.interrupted();
+        let limits = Limits::default().until(&stop);
+        let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| (), limits)?;
         reduced.align_with(model)?;
         Ok(reduced)
     }
 
     /// The system in relative coordinates.
     pub(crate) fn assemble(&self) -> Result<Assembled<'_>, Error> {
+        self.assemble_until(&Silent)
+    }
+
+    fn assemble_until(&self, progress: &dyn Progress) -> Result<Assembled<'_>, Error> {
         let bodies = match &self.joint.bodies {
             Bodies::Imported(bodies) => return Ok(Assembled::imported(bodies)),
             Bodies::Meshed(bodies) => bodies,
         };
-        let meshed = self.meshed(bodies)?;
+        let system = System::try_new(&bodies.assembly)?;
+        go_on(progress)?;
+        let relative = self.relative(&system, &bodies.sides)?;
+        let meshed = Meshed { system, relative };
         let rows = meshed.rows(bodies)?;
         let Meshed { system, relative } = meshed;
         Ok(Assembled {
@@ -201,9 +238,15 @@ impl Structure {
     }
 
     /// Frequencies of the full model that vibrates, with `springs` across its interface.
-    fn frequencies_to_check(&self, relative: &RelativeSystem, springs: &CsMat<f64>) -> Result<Vec<f64>, Error> {
-        let of =
-            |system: &RelativeSystem| checks::full_frequencies(system, Some(springs), N_CHECKED, FREQUENCY_TOLERANCE);
+    fn frequencies_to_check(
+        &self,
+        relative: &RelativeSystem,
+        springs: &CsMat<f64>,
+        limits: Limits<'_>,
+    ) -> Result<Vec<f64>, Error> {
+        let of = |system: &RelativeSystem| {
+            checks::full_frequencies(system, Some(springs), N_CHECKED, FREQUENCY_TOLERANCE, limits)
+        };
         let (_, found) = match self.locks {
             true => of(&relative.locked()?)?,
             false => of(relative)?,
@@ -392,6 +435,12 @@ impl<'a> Assembled<'a> {
             mass: scaled(&model.mass, mass),
             ..model.clone()
         })
+    }
+
+    /// Memory of its matrices (bytes).
+    fn memory(&self) -> u64 {
+        let entries = self.relative.stiffness.nnz() + self.relative.mass.nnz();
+        (entries * (size_of::<f64>() + size_of::<usize>())) as u64
     }
 
     fn imported(bodies: &'a ImportedBodies) -> Self {

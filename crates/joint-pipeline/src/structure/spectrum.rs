@@ -4,8 +4,8 @@ use super::Structure;
 use crate::Error;
 use crate::joint::quadratic::RaisedElements;
 use crate::joint::{Bodies, MovedPairs};
-use crate::progress::{Progress, Stage};
-use reduction::{RelativeSystem, checks};
+use crate::progress::{Progress, Stage, go_on};
+use reduction::{Limits, RelativeSystem, checks};
 use serde::Serialize;
 use sprs::{CsMat, TriMat};
 
@@ -89,6 +89,7 @@ impl Structure {
         progress.begin(Stage::Assemble);
         let assembled = self.assemble()?;
         progress.end(Stage::Assemble);
+        go_on(progress)?;
         let spectrum = spectrum.map(|(count, linear)| {
             let linear = linear.unwrap_or_else(|| self.check_interface());
             self.spectrum(&assembled.relative, count, linear, progress)
@@ -122,8 +123,13 @@ impl Structure {
         let assembled = self.assemble()?;
         let springs = self.springs(linear, closed)?;
         let tolerance = self.settings.mode_tolerance;
-        let (zero_energy_modes, frequencies) =
-            checks::full_frequencies(&assembled.relative, Some(&springs), count + RIGID_MOTIONS, tolerance)?;
+        let (zero_energy_modes, frequencies) = checks::full_frequencies(
+            &assembled.relative,
+            Some(&springs),
+            count + RIGID_MOTIONS,
+            tolerance,
+            Limits::default(),
+        )?;
         // Springs to the ground make modes of rigid motions.
         let rigid = RIGID_MOTIONS.saturating_sub(zero_energy_modes);
         Ok(Frequencies {
@@ -141,16 +147,24 @@ impl Structure {
     ) -> Result<Spectrum, Error> {
         progress.begin(Stage::Factor);
         let tolerance = self.settings.mode_tolerance;
+        let stop = || progress.interrupted();
+        let limits = Limits::default().until(&stop);
         let modes = |(zero_energy_modes, frequencies_hz)| Frequencies {
             zero_energy_modes,
             frequencies_hz,
         };
-        let unstressed = modes(checks::full_frequencies(relative, None, count, tolerance)?);
+        let unstressed = modes(checks::full_frequencies(relative, None, count, tolerance, limits)?);
         progress.fraction(Stage::Factor, 0.33);
-        let stuck = modes(checks::stuck_frequencies(relative, count, tolerance)?);
+        let stuck = modes(checks::stuck_frequencies(relative, count, tolerance, limits)?);
         progress.fraction(Stage::Factor, 0.67);
         let springs = self.springs(linear, |_| true)?;
-        let with_linear = modes(checks::full_frequencies(relative, Some(&springs), count, tolerance)?);
+        let with_linear = modes(checks::full_frequencies(
+            relative,
+            Some(&springs),
+            count,
+            tolerance,
+            limits,
+        )?);
         progress.end(Stage::Factor);
         Ok(Spectrum {
             unstressed,

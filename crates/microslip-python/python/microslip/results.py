@@ -728,7 +728,7 @@ def run(
 ) -> Run:
     """Runs a scene: prestress, modes, and frequency and damping against amplitude.
 
-    Other Python threads go on meanwhile. Ctrl-C stops the run after the amplitude at hand; what is finished is kept in the cache, and
+    Other Python threads go on meanwhile. Ctrl-C stops the run within the stage at hand; what is finished is kept in the cache, and
     the next run of the scene goes on from there.
 
     Parameters

@@ -6,12 +6,11 @@ use crate::arrays::list;
 use crate::error::{Exception, input};
 use crate::work::{pool, supervise};
 use cqsma_solver::NewtonSettings;
-use cqsma_solver::transient::{self, Sample, Start, Transient};
+use cqsma_solver::transient::{self, MOST_STEPS, Sample, Start, Transient};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// Most steps of a motion.
-const MOST_STEPS: usize = 1_000_000_000;
 
 /// The motion after a release (a modal amplitude) or a pulse (impulse and duration), along the first row that is recovered; a
 /// pulse acts along the last one.

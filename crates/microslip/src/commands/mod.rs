@@ -21,7 +21,7 @@ use crate::text;
 use anyhow::{Context, Result, bail};
 use joint_pipeline::{Benchmark, Options};
 pub use run_environment::GivenScene;
-use run_environment::provenance;
+use run_environment::{free_memory, provenance};
 pub use scene::SceneArguments;
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
@@ -111,7 +111,7 @@ pub struct Defaults {
     pub benchmark: Option<&'static dyn Benchmark>,
 }
 
-/// Where reduced models and finished amplitudes are kept.
+/// Where reduced models and finished amplitudes are kept, and how much memory there is for what is computed.
 #[derive(clap::Args)]
 pub struct Cache {
     /// Folder for reduced models and finished amplitudes, made if missing [default: the one that the help of the program names].
@@ -120,6 +120,24 @@ pub struct Cache {
     /// Neither read nor store reduced models and finished amplitudes.
     #[arg(long)]
     no_cache: bool,
+    /// Memory that may be taken, such as 8 or 8GB, or 500MB; what needs more is refused before it is computed [default: what is free, where
+    /// the system tells].
+    #[arg(long, value_name = "GB", value_parser = bytes)]
+    memory: Option<u64>,
+}
+
+/// A size with its unit as a number of bytes; GB where there is none.
+fn bytes(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let (number, unit) = match (text.strip_suffix("GB"), text.strip_suffix("MB")) {
+        (Some(number), _) => (number, 1e9),
+        (_, Some(number)) => (number, 1e6),
+        _ => (text, 1e9),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok((unit * number) as u64),
+        _ => Err("give a positive number of GB, such as 8 or 8GB, or of MB, such as 500MB".into()),
+    }
 }
 
 impl Cache {
@@ -132,6 +150,7 @@ impl Cache {
         Options {
             cache,
             build: provenance::commit(),
+            memory: self.memory.or_else(free_memory),
         }
     }
 }

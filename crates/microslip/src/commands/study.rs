@@ -71,9 +71,6 @@ pub struct Arguments {
     /// Run cases again that have failed or did not converge.
     #[arg(long)]
     retry_failed: bool,
-    /// Memory for cases (GB) [default: most of what is free].
-    #[arg(long, value_name = "GB")]
-    memory: Option<f64>,
     #[command(flatten)]
     overwrite: Overwrite,
     #[command(flatten)]
@@ -94,9 +91,6 @@ enum Engine {
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
     let engine = arguments.engine;
-    if let Some(memory) = arguments.memory.filter(|memory| !(*memory > 0.0)) {
-        bail!("--memory {memory} GB is no memory; give a positive number");
-    }
     match (engine, arguments.workers) {
         (Engine::Slurm, None) => bail!("--engine slurm needs --workers N: the number of tasks that share the cases"),
         (Engine::Slurm, _) if arguments.folders => {
@@ -154,8 +148,7 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
             (store.size(), Tally::default())
         }
         _ => {
-            let memory = arguments.memory.map(|gigabytes| (1e9 * gigabytes) as u64);
-            let tally = parameter_studies::run(&study, &store, &todo, &options, memory, machine)?;
+            let tally = parameter_studies::run(&study, &store, &todo, &options, arguments.cache.memory, machine)?;
             store.refresh()?;
             (store.size(), tally)
         }
@@ -404,8 +397,8 @@ fn job(arguments: &Arguments, options: &Options) -> Result<Job> {
     if arguments.retry_failed {
         command.push("--retry-failed".into());
     }
-    if let Some(memory) = arguments.memory {
-        command.extend(["--memory".into(), memory.to_string()]);
+    if let Some(memory) = arguments.cache.memory {
+        command.extend(["--memory".into(), format!("{}MB", memory as f64 / 1e6)]);
     }
     Ok(Job {
         command,

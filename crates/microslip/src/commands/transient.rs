@@ -102,6 +102,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         spectral_radius: arguments.spectral_radius,
         other_damping: arguments.other_damping,
     };
+    settings.validate()?;
     let options = arguments.cache.options(defaults);
     let monitor = Monitor::new()?;
     let scene = scene_for(scene, arguments.amplitude);

@@ -4,7 +4,7 @@ use super::Case;
 use super::bench::Bench;
 use super::findings::Findings;
 use anyhow::{Context, Result, bail};
-use joint_pipeline::progress::{Progress, Silent};
+use joint_pipeline::progress::{Progress, Silent, Stage};
 use joint_pipeline::{Error, Options, Run, run};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -59,8 +59,16 @@ struct Impatient {
 }
 
 impl Progress for Impatient {
+    fn fraction(&self, stage: Stage, _: f64) {
+        if stage == Stage::Backbone {
+            let _ = self
+                .left
+                .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
+        }
+    }
+
     fn interrupted(&self) -> bool {
-        self.left.fetch_sub(1, Ordering::Relaxed) <= 1
+        self.left.load(Ordering::Relaxed) == 0
     }
 }
 

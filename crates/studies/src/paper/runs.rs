@@ -280,7 +280,7 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
     let silent = batch.task(0.0);
     let options = Options {
         cache: cache.map(Path::to_owned),
-        build: None,
+        ..Options::default()
     };
     let began = Instant::now();
     let reduced = Structure::try_new(&scenes[first], &silent)
