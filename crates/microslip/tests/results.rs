@@ -382,3 +382,28 @@ fn a_run_is_repeated_on_the_inputs_it_was_made_from() {
         &["nodes.inp", "is not the file that the results were computed from"],
     );
 }
+
+/// The range of a loop counts both of its ends; the halves count the last one. Where they differ, the frequency lies beside those of the halves.
+#[test]
+fn loops_that_close_within_their_tolerance_pass_and_others_do_not() {
+    let folder = folder("open-loops");
+    succeeds(&folder, &["samples", "samples"]);
+    let text = std::fs::read_to_string(folder.join("samples/joint-mesh.json")).unwrap();
+    let mut scene = joint_pipeline::scene::parse_json(&text).unwrap();
+    scene["cqsma"] = json!({
+        "amplitudes": 1, "amplitude_from": "50 um", "vertices_per_quarter": 2, "commit": "at-reversals",
+    });
+    std::fs::write(folder.join("samples/open.json"), scene.to_string()).unwrap();
+    succeeds(&folder, &["run", "samples/open.json", "--out", "out", "--no-cache"]);
+    let point = &read_json(&folder.join("out/summary.json"))["backbone"][0];
+    let frequency = point["frequency_hz"].as_f64().unwrap();
+    let halves = [0, 1].map(|half| point["half_frequencies_hz"][half].as_f64().unwrap());
+    assert!(halves.iter().all(|half| frequency < *half), "{frequency} {halves:?}");
+    succeeds(&folder, &["verify", "out"]);
+    // A frequency that is wrong by more than the distance of the ends.
+    let (mut summary, scene) = microslip::check::read(&folder.join("out")).unwrap();
+    assert_eq!(microslip::check::defects(&scene, &summary), Vec::<String>::new());
+    summary.backbone[0].frequency_hz = Some(0.99 * frequency);
+    let defects = microslip::check::defects(&scene, &summary);
+    assert!(defects.len() == 1 && defects[0].contains("halves"), "{defects:?}");
+}
