@@ -570,6 +570,10 @@ fn plans_are_refused_before_anything_runs_with_place_value_and_remedy() {
             &["/gap/size = 1", "/gap is \"flat\"", "correct the pointer"],
         ),
         (values("/mu", json!(-0.1)), &["/mu = -0.1", "not admissible", "must be"]),
+        (
+            values("/model/material/hardness", json!("2 GPa")),
+            &["model.material.hardness", "no result depends on it"],
+        ),
         (values("/bolts/load", json!("9 mm")), &["/bolts/load = \"9 mm\"", "mm"]),
         (
             of(json!({ "/mu": { "values": [0.1, 0.2, "x"] } })),

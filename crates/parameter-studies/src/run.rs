@@ -102,7 +102,7 @@ struct Shared {
 /// Runs cases of a study, by index, and appends each to the store when it is done. `memory` (bytes) stands for what the system says is free.
 ///
 /// # Errors
-/// A line could not be written; [`Error::Plan`] for a parameter that results do not depend on. Whatever ends a case is its record.
+/// A line could not be written. Whatever ends a case is its record.
 pub fn run(
     study: &Study<'_>,
     store: &Store,
@@ -113,9 +113,6 @@ pub fn run(
 ) -> Result<Tally, Error> {
     let began = machine.seconds();
     let all: Vec<&Case> = todo.iter().filter_map(|index| study.cases.get(*index)).collect();
-    if !all.is_empty() {
-        study.refuse_idle()?;
-    }
     let runner = Runner {
         study,
         machine,

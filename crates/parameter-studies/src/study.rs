@@ -224,11 +224,11 @@ impl<'a> Study<'a> {
         Ok(scene)
     }
 
-    /// Refuses a parameter that the results of the first case do not depend on.
+    /// Refuses a parameter that the results of the first case do not depend on. It builds the structure and the contact of that case.
     ///
     /// # Errors
     /// [`Error::Plan`]; those of [`Study::new`].
-    pub(crate) fn refuse_idle(&self) -> Result<(), Error> {
+    pub fn refuse_idle(&self) -> Result<(), Error> {
         let path = |column: &Column| Parameter::new(column.pointer.trim_start_matches('/').replace('/', "."));
         let paths = self.design.columns.iter().map(path);
         refuse_idle(&self.scene(0)?, paths).map_err(|error| Error::Plan {

@@ -130,6 +130,10 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         print(&status(&name, &study, &store, range))?;
         return Ok(Outcome::Success);
     }
+    let todo = study.pending(range.clone(), &store, arguments.retry_failed);
+    if !todo.is_empty() {
+        study.refuse_idle()?;
+    }
     // Before the computation: it would be a pity to find out only afterwards.
     let folder = match arguments.part {
         Some(_) => None,
@@ -139,7 +143,6 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
             Some(arguments.overwrite.open(&arguments.out, &identity, &names)?)
         }
     };
-    let todo = study.pending(range.clone(), &store, arguments.retry_failed);
     announce(&name, &study, &store, range.clone(), todo.len(), machine)?;
     let (segments, tally) = match arguments.engine {
         Engine::Slurm if arguments.part.is_none() => {
