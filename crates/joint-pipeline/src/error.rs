@@ -143,8 +143,8 @@ pub enum Error {
     },
     /// More memory than there is.
     #[error(
-        "a reduced model of {coordinates} coordinates takes about {:.1} GB, and {:.1} GB are free for it; take a coarser mesh of the \
-         interface, or allow more memory (`--memory`)", *needed as f64 / 1e9, *limit as f64 / 1e9
+        "a reduced model of {coordinates} coordinates takes about {:.0} MB, and {:.0} MB are free for it; take a coarser mesh of the \
+         interface, or allow more memory (`--memory`)", *needed as f64 / 1e6, *limit as f64 / 1e6
     )]
     Memory {
         /// Size of the reduced model.

@@ -96,7 +96,7 @@ fn models_that_do_not_fit_into_the_memory_are_refused_with_an_estimate() {
     };
     assert_eq!(needed, 10 * 8 * 608 * 608);
     assert!(
-        error.to_string().contains("0.0 GB") && error.remedy().unwrap().contains("--memory"),
+        error.to_string().contains("30 MB") && error.remedy().unwrap().contains("--memory"),
         "{error}"
     );
     // Fronts and factor are known before they are factored.

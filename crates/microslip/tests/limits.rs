@@ -42,7 +42,7 @@ fn work_without_end_is_refused_at_once() {
             ["periods", "1e7 steps"],
         ),
         (&identify, ["1000000000 points", "1000000"]),
-        (&memory, ["--memory", "GB"]),
+        (&memory, ["--memory", "MB"]),
     ] {
         let began = Instant::now();
         let done = run(&folder, arguments);
@@ -93,8 +93,10 @@ fn ctrl_c_ends_a_run_at_once_whatever_it_is_at_and_leaves_no_half_of_results() {
     for word in ["mesh ...", "assemble ...", "factor ...", "reduce ..."] {
         let took = interrupt_after(&folder, word);
         assert!(took < Duration::from_secs(2), "{word}: {took:?}");
-        let results = folder.join("results");
-        let left = fs::read_dir(&results).map_or(0, Iterator::count);
-        assert_eq!(left, 0, "{word}");
+        // But for the mark of who holds the folder.
+        let names = fs::read_dir(folder.join("results")).into_iter().flatten();
+        let names = names.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
+        let left: Vec<String> = names.filter(|name| !name.starts_with('.')).collect();
+        assert!(left.is_empty(), "{word}: {left:?}");
     }
 }

@@ -26,8 +26,8 @@ impl fmt::Display for Position {
 pub enum Error {
     /// A factorisation that would take more memory than there is.
     #[error(
-        "the factorisation of the {matrix} would take about {:.1} GB, and {:.1} GB are free for it; take a coarser mesh, or half of a \
-         symmetric structure, or allow more memory", *needed as f64 / 1e9, *limit as f64 / 1e9
+        "the factorisation of the {matrix} would take about {:.0} MB, and {:.0} MB are free for it; take a coarser mesh, or half of a \
+         symmetric structure, or allow more memory", *needed as f64 / 1e6, *limit as f64 / 1e6
     )]
     Memory {
         /// What was to be factored.

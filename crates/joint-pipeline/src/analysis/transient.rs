@@ -79,12 +79,12 @@ impl Settings {
             check(ok, "amplitude", amplitude, "m", "positive and finite")?;
         }
         let periods = self.periods as f64;
-        check(self.periods > 0, "periods", periods, "(1)", "at least 1")?;
+        check(self.periods > 0, "periods", periods, "", "at least 1")?;
         check(
             self.steps_per_period.saturating_mul(self.periods) <= MOST_STEPS,
             "periods",
             periods,
-            "(1)",
+            "",
             "so few that they have at most 1e7 steps; follow fewer periods, or take fewer steps for each",
         )
     }

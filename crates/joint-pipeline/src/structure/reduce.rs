@@ -36,6 +36,10 @@ fn multiple(a: &CsMat<f64>, of: &CsMat<f64>) -> Option<f64> {
 /// Difference of the entries of matrices, relative to the largest, that is round-off of their assembly.
 const SAME: f64 = 1e-11;
 
+/// Times that the assembled matrices are held while they are factored: as they are, and as the part, shifted or with springs, that is worked
+/// on.
+const COPIES: u64 = 2;
+
 /// Dense matrices of the size of the reduced model that prestress, modes and loops hold at their peak: 10 were measured on the Brake-Reuss
 /// beam with 588 and with 2352 elements.
 const MATRICES: usize = 10;
@@ -60,7 +64,9 @@ impl Structure {
         progress.end(Stage::Assemble);
         go_on(progress)?;
         let stop = || progress.interrupted();
-        let left = options.memory.map(|memory| memory.saturating_sub(assembled.memory()));
+        let left = options
+            .memory
+            .map(|memory| memory.saturating_sub(COPIES * assembled.memory()));
         let limits = Limits::default().until(&stop).within(left);
         progress.begin(Stage::Factor);
         // Before there is a reduced model, which would be in the way of its factors.
