@@ -453,7 +453,8 @@ fn inadmissible_settings_are_named() {
             steps_per_period,
             ..default()
         };
-        let error = run(&line, &chain.force, &[1.0; 2], &release, &settings, &mut |_| {
+        let start = Start::Release { modal_force: 1.0 };
+        let error = run(&line, &chain.force, &[1.0; 2], &start, &settings, &mut |_| {
             ControlFlow::Break(())
         })
         .unwrap_err();

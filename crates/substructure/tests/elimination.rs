@@ -254,7 +254,8 @@ fn the_number_of_threads_changes_no_bit() {
 #[test]
 fn work_beyond_its_limits_is_refused_before_it_is_done() {
     let ((stiffness, positions), (mass, _)) = (block([20, 6, 5], 3), block([20, 6, 5], 8));
-    let condense = |limits| SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test", limits);
+    let condense =
+        |limits: Limits<'_>| SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test", limits);
     let Err(Error::Memory { needed, limit: 1, .. }) = condense(Limits::default().within(Some(1))) else {
         panic!("one byte is not enough");
     };
@@ -270,7 +271,7 @@ fn work_beyond_its_limits_is_refused_before_it_is_done() {
         let stopped = condense(Limits::default().until(&stop));
         assert!(matches!(stopped, Err(Error::Interrupted)), "{last}");
     }
-    let modes = |limits| lowest_modes_within(limits, &stiffness, &mass, &positions, 3, 1e-6);
+    let modes = |limits: Limits<'_>| lowest_modes_within(limits, &stiffness, &mass, &positions, 3, 1e-6);
     let stopped = modes(Limits::default().until(&|| true));
     assert!(matches!(stopped, Err(Error::Interrupted)));
     assert!(matches!(
