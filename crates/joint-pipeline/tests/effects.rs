@@ -1,5 +1,5 @@
 //! Every number of a scene, varied by every route, changes results or is refused: none is taken and then ignored.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
 mod common;
 
@@ -7,7 +7,7 @@ use common::BENCHMARKS;
 use common::points::{folder, scene as of_points, set, write};
 use faer::Mat;
 use joint_pipeline::analysis::calibration::{Measured, Noise, calibrate};
-use joint_pipeline::analysis::cases::{CaseMode, CaseStructure, as_case, refuse_idle};
+use joint_pipeline::analysis::cases::{CaseMode, CaseStructure, as_case, idle};
 use joint_pipeline::analysis::comparison::{Backbone, Point};
 use joint_pipeline::analysis::uncertainty::run_samples;
 use joint_pipeline::analysis::{Sensitivity, prepare};
@@ -169,7 +169,9 @@ fn of_study(given: &Value, parameter: &Parameter, other: f64) -> Result<bool, Er
     };
     let [own, varied] = [given, &varied].map(read);
     let (own, varied) = (as_case(&own?), as_case(&varied?));
-    refuse_idle(&own, std::iter::once(parameter.clone()))?;
+    if let Some((_, error)) = idle(&own, [parameter.clone()]).pop() {
+        return Err(error);
+    }
     Ok(backbones(&own)? != backbones(&varied)?)
 }
 
@@ -245,7 +247,7 @@ fn what_a_bolt_load_follows_from_acts_by_every_route() {
     let by_load = by_torque(&json!({ "load": 12e3 }));
     let scene = read(&by_load).unwrap();
     let pitch = Parameter::new("bolts.thread.pitch");
-    let error = refuse_idle(&scene, std::iter::once(pitch)).unwrap_err();
+    let (_, error) = idle(&scene, [pitch]).pop().unwrap();
     assert!(error.to_string().contains("no result depends on it"), "{error}");
     // A load and what it follows from cannot vary at the same time.
     let mut both = given;

@@ -1,20 +1,20 @@
 //! A plan with its cases, all of which have been understood and validated.
 
 use crate::Error;
-use crate::design::{Column, Design, put};
+use crate::design::{Column, Design, Kind, put};
 use crate::plan::{Base, Plan};
 use crate::run::Part;
 use crate::store::Store;
 use crate::training::{self, Terms};
-use joint_pipeline::analysis::cases::{CaseHasher, as_case, refuse_idle};
+use joint_pipeline::analysis::cases::{CaseHasher, as_case, idle};
 use joint_pipeline::analysis::hyper_reduced::BorneErrors;
 use joint_pipeline::results::provenance::{Input, inputs_of};
 use joint_pipeline::scene::Parameter;
 use joint_pipeline::{Benchmarks, Scene};
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// The scene of a plan before anything of it varies.
@@ -224,17 +224,38 @@ impl<'a> Study<'a> {
         Ok(scene)
     }
 
-    /// Refuses a parameter that the results of the first case do not depend on. It builds the structure and the contact of that case.
+    /// Refuses a parameter that no result depends on. It builds the structure and the contact of the first case, and of each other case whose
+    /// settings that are no numbers differ, for as long as a parameter is left.
     ///
     /// # Errors
     /// [`Error::Plan`]; those of [`Study::new`].
     pub fn refuse_idle(&self) -> Result<(), Error> {
+        let columns = &self.design.columns;
         let path = |column: &Column| Parameter::new(column.pointer.trim_start_matches('/').replace('/', "."));
-        let paths = self.design.columns.iter().map(path);
-        refuse_idle(&self.scene(0)?, paths).map_err(|error| Error::Plan {
-            plan: self.name.clone(),
-            field: "parameters".into(),
-            reason: error.to_string(),
+        let mut left: Vec<Parameter> = columns.iter().map(path).collect();
+        let mut refused = None;
+        let mut seen = HashSet::new();
+        for number in 0..self.design.number {
+            let own = columns.iter().zip(self.design.values(number));
+            let settings = own.filter(|(column, _)| column.kind == Kind::Text);
+            let settings: Vec<_> = settings.map(|(_, value)| value).collect();
+            if !seen.insert(json!(settings).to_string()) {
+                continue;
+            }
+            let idle = idle(&self.scene(number)?, left);
+            if idle.is_empty() {
+                return Ok(());
+            }
+            let (parameters, errors): (_, Vec<_>) = idle.into_iter().unzip();
+            left = parameters;
+            refused = errors.into_iter().next();
+        }
+        refused.map_or(Ok(()), |error| {
+            Err(Error::Plan {
+                plan: self.name.clone(),
+                field: "parameters".into(),
+                reason: error.to_string(),
+            })
         })
     }
 

@@ -176,9 +176,9 @@ fn motions_that_cannot_be_reached_are_a_status_with_its_history() {
 
 #[test]
 fn a_backbone_out_of_reach_ends_within_its_budget() {
-    let (stiffness, mass) = chain(2, 1e4);
-    let force = sliders(2);
-    let line = linearised(&stiffness, &mass, &force, 2);
+    let (stiffness, mass) = chain(5, 1e4);
+    let force = sliders(5);
+    let line = linearised(&stiffness, &mass, &force, 5);
     let hopeless = backbone::Settings {
         newton: NewtonSettings {
             tolerance: 1e-300,

@@ -56,23 +56,22 @@ pub fn as_case(scene: &Scene) -> Scene {
     case
 }
 
-/// Refuses the first of some numbers of a case that its results do not depend on. Paths that name no number of it are left out, as are cases that
-/// have no interface: what is wrong with them is found when they run.
-///
-/// # Errors
-/// [`Error::Parameter`].
-pub fn refuse_idle(case: &Scene, parameters: impl Iterator<Item = Parameter>) -> Result<(), Error> {
-    let numbers: Vec<Parameter> = parameters.filter(|parameter| parameter.value(case).is_ok()).collect();
-    if numbers.is_empty() {
-        return Ok(());
+/// Those of some numbers of a case that its results do not depend on, with what is said of them. Paths that name no number of it are left out, as
+/// are cases that have no interface: what is wrong with them is found when they run.
+pub fn idle(case: &Scene, parameters: impl IntoIterator<Item = Parameter>) -> Vec<(Parameter, Error)> {
+    let has_value = |parameter: &Parameter| parameter.value(case).is_ok();
+    let mut numbers = parameters.into_iter().filter(has_value).peekable();
+    if numbers.peek().is_none() {
+        return Vec::new();
     }
     let Ok(structure) = Structure::try_new(case, &Silent) else {
-        return Ok(());
+        return Vec::new();
     };
     let Ok(effects) = Effects::try_new(case, &structure, None) else {
-        return Ok(());
+        return Vec::new();
     };
-    numbers.iter().try_for_each(|parameter| effects.require(parameter))
+    let require = |parameter| effects.require(&parameter).err().map(|error| (parameter, error));
+    numbers.filter_map(require).collect()
 }
 
 impl CaseHasher {

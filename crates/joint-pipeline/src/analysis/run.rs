@@ -275,6 +275,7 @@ impl Prepared {
         let interface = SceneInterface::within(limits, scene, structure.interface(), &structure.joint.parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
         progress.end(Stage::Characterise);
+        go_on(progress)?;
         let (neighbours, differenced) = Neighbours::of(scene, structure, &model, &interface, progress)?;
         Ok(Self {
             scene: scene.clone(),
@@ -670,6 +671,7 @@ impl Solver<'_> {
         };
         progress.end(Stage::Modes);
 
+        go_on(progress)?;
         progress.begin(Stage::Backbone);
         let followed = scene.cqsma.followed();
         let response = response(vibrating);
