@@ -476,7 +476,7 @@ def test_ctrl_c_stops_an_analysis():
         print("begin", flush=True)
         try:
             microslip.transient(stiffness, mass, interface, microslip.Release(1e-6), response=np.eye(160)[0],
-                                load=own.pressed(jump, 100.0), periods=1_000_000)
+                                load=own.pressed(jump, 100.0), periods=100_000)
         except KeyboardInterrupt:
             print("stopped", flush=True)
         """
