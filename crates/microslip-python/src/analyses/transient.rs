@@ -10,8 +10,6 @@ use cqsma_solver::transient::{self, MOST_STEPS, Sample, Start, Transient};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Most steps of a motion.
-
 /// The motion after a release (a modal amplitude) or a pulse (impulse and duration), along the first row that is recovered; a
 /// pulse acts along the last one.
 #[pyfunction]
