@@ -467,7 +467,10 @@ pub enum Error {
     Substructure(#[from] substructure::Error),
     /// Reduction.
     #[error(transparent)]
-    Reduction(#[from] reduction::Error),
+    Reduction(reduction::Error),
+    /// A factorisation that would take more memory than there is.
+    #[error("{0} (`--memory`)")]
+    FactorMemory(substructure::Error),
     /// Matrix files.
     #[error(transparent)]
     MatrixFile(Box<matrix_files::Error>),
@@ -617,6 +620,15 @@ fn quantity(value: f64, unit: &str) -> String {
 impl From<surface_characterisation::FileError> for Error {
     fn from(error: surface_characterisation::FileError) -> Self {
         Self::ScanFile(Box::new(error))
+    }
+}
+
+impl From<reduction::Error> for Error {
+    fn from(error: reduction::Error) -> Self {
+        match error {
+            reduction::Error::Substructure(error @ substructure::Error::Memory { .. }) => Self::FactorMemory(error),
+            error => Self::Reduction(error),
+        }
     }
 }
 

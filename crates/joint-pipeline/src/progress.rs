@@ -84,6 +84,12 @@ pub(crate) fn go_on(progress: &dyn Progress) -> Result<(), Error> {
     }
 }
 
+/// Ends a stage that others follow: an error if the run shall stop.
+pub(crate) fn end_stage(progress: &dyn Progress, stage: Stage) -> Result<(), Error> {
+    progress.end(stage);
+    go_on(progress)
+}
+
 /// Ignores everything.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;

@@ -100,12 +100,9 @@ fn models_that_do_not_fit_into_the_memory_are_refused_with_an_estimate() {
     );
     // Fronts and factor are known before they are factored.
     let error = within(31_000_000).unwrap_err();
-    let reduction = matches!(
-        &error,
-        Error::Reduction(reduction::Error::Substructure(substructure::Error::Memory { .. }))
-    );
-    assert!(reduction, "{error}");
-    assert!(error.to_string().contains("allow more memory"), "{error}");
+    let factorisation = matches!(&error, Error::FactorMemory(substructure::Error::Memory { .. }));
+    assert!(factorisation, "{error}");
+    assert!(error.to_string().contains("--memory"), "{error}");
     // 92 MB were measured.
     assert!(within(120_000_000).is_ok());
 }

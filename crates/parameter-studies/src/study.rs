@@ -13,7 +13,7 @@ use joint_pipeline::scene::Parameter;
 use joint_pipeline::{Benchmarks, Scene};
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -238,8 +238,7 @@ impl<'a> Study<'a> {
         for number in 0..self.design.number {
             let own = columns.iter().zip(self.design.values(number));
             let settings = own.filter(|(column, _)| column.kind == Kind::Text);
-            let settings: Vec<_> = settings.map(|(_, value)| value).collect();
-            if !seen.insert(json!(settings).to_string()) {
+            if !seen.insert(settings.map(|(_, value)| value).collect::<Vec<_>>()) {
                 continue;
             }
             let idle = idle(&self.scene(number)?, left);

@@ -18,7 +18,7 @@ use crate::Error;
 use crate::interface::{InterfaceForce, LawReport, PartReport, SceneInterface};
 use crate::joint::MovedPairs;
 use crate::joint::quadratic::RaisedElements;
-use crate::progress::{Progress, Stage, go_on};
+use crate::progress::{Progress, Stage, end_stage, go_on};
 use crate::scene::{Assembly, BoltBehaviour, MeshInterface, Parameter, Scale, Scene, Stress, Surface};
 use crate::store::Options;
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
@@ -193,8 +193,7 @@ pub(super) fn prepare_on(
     scene.validate(&scene.name)?;
     progress.begin(Stage::Mesh);
     let structure = Structure::try_new(scene, progress)?;
-    progress.end(Stage::Mesh);
-    go_on(progress)?;
+    end_stage(progress, Stage::Mesh)?;
     let overview = structure.overview(scene)?;
     overview.lines().iter().for_each(|line| progress.echo(line));
     for warning in warnings::of_input(&overview) {
@@ -274,8 +273,7 @@ impl Prepared {
         let limits = Limits::default().until(&stop);
         let interface = SceneInterface::within(limits, scene, structure.interface(), &structure.joint.parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
-        progress.end(Stage::Characterise);
-        go_on(progress)?;
+        end_stage(progress, Stage::Characterise)?;
         let (neighbours, differenced) = Neighbours::of(scene, structure, &model, &interface, progress)?;
         Ok(Self {
             scene: scene.clone(),
@@ -625,7 +623,7 @@ impl Solver<'_> {
                 checked
             }
         };
-        progress.end(Stage::Prestress);
+        end_stage(progress, Stage::Prestress)?;
         Ok(prestress)
     }
 
@@ -653,7 +651,6 @@ impl Solver<'_> {
         let prestress = self.static_state(scene, interface, closure, progress)?;
         let static_load = load_of(reduced, &prestress.tensions);
 
-        go_on(progress)?;
         progress.begin(Stage::Modes);
         let locked = self.locked(scene)?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
@@ -669,9 +666,7 @@ impl Solver<'_> {
                 &prestress.solution,
             )?),
         };
-        progress.end(Stage::Modes);
-
-        go_on(progress)?;
+        end_stage(progress, Stage::Modes)?;
         progress.begin(Stage::Backbone);
         let followed = scene.cqsma.followed();
         let response = response(vibrating);

@@ -5,7 +5,7 @@ use super::reduce::Meshed;
 use super::{LinearInterface, Structure};
 use crate::Error;
 use crate::joint::{Bodies, MeshedBodies};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, Stage, end_stage};
 use dense_algebra::product;
 use faer::Mat;
 use reduction::{Limits, checks};
@@ -146,7 +146,7 @@ impl Structure {
         };
         progress.begin(Stage::Assemble);
         let Meshed { system, relative } = self.meshed(bodies)?;
-        progress.end(Stage::Assemble);
+        end_stage(progress, Stage::Assemble)?;
         progress.begin(Stage::Factor);
         let linear = linear.unwrap_or_else(|| self.check_interface());
         let springs = self.springs(linear, |_| true)?;

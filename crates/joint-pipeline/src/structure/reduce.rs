@@ -4,7 +4,7 @@ use super::spectrum::CHECK_STIFFNESS;
 use super::{Facts, N_CHECKED, StructuralModel, Structure};
 use crate::Error;
 use crate::joint::{Bodies, ImportedBodies, MeshedBodies, Sides};
-use crate::progress::{Progress, Silent, Stage, go_on};
+use crate::progress::{Progress, Silent, Stage, end_stage, go_on};
 use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
@@ -61,8 +61,7 @@ impl Structure {
         }
         progress.begin(Stage::Assemble);
         let assembled = self.assemble_until(progress)?;
-        progress.end(Stage::Assemble);
-        go_on(progress)?;
+        end_stage(progress, Stage::Assemble)?;
         let stop = || progress.interrupted();
         let left = options
             .memory

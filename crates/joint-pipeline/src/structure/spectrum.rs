@@ -4,7 +4,7 @@ use super::Structure;
 use crate::Error;
 use crate::joint::quadratic::RaisedElements;
 use crate::joint::{Bodies, MovedPairs};
-use crate::progress::{Progress, Stage, go_on};
+use crate::progress::{Progress, Stage, end_stage};
 use reduction::{Limits, RelativeSystem, checks};
 use serde::Serialize;
 use sprs::{CsMat, TriMat};
@@ -88,8 +88,7 @@ impl Structure {
     ) -> Result<Description, Error> {
         progress.begin(Stage::Assemble);
         let assembled = self.assemble()?;
-        progress.end(Stage::Assemble);
-        go_on(progress)?;
+        end_stage(progress, Stage::Assemble)?;
         let spectrum = spectrum.map(|(count, linear)| {
             let linear = linear.unwrap_or_else(|| self.check_interface());
             self.spectrum(&assembled.relative, count, linear, progress)
