@@ -34,8 +34,8 @@ enum Task {
     Study(Study),
     /// Check that the dependencies between the crates point one way only.
     CheckLayering,
-    /// Write the table of requirements and tests into docs/verification.md, from the names of the tests.
-    Requirements(requirements::Arguments),
+    /// List what the tests of the public interfaces demand, from their names.
+    Requirements,
     /// Check a finished run against bounds that hold for every sound scene of the beam.
     CheckResults {
         /// Folder of the run.
@@ -48,9 +48,9 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Task::Brb(arguments) => microslip::execute(|| brb::run(&arguments, &defaults())),
         Task::Program(command) => microslip::execute(|| command.run(&defaults())),
-        Task::Study(_) => hand_over("xtask-studies", args_os().skip(1)),
-        Task::CheckLayering => hand_over("xtask-layering", []),
-        Task::Requirements(arguments) => microslip::execute(|| requirements::run(&arguments).map(success)),
+        Task::Study(_) => hand_over("validation", args_os().skip(1)),
+        Task::CheckLayering => hand_over("validation", args_os().skip(1)),
+        Task::Requirements => microslip::execute(|| requirements::run().map(success)),
         Task::CheckResults { directory } => microslip::execute(|| {
             let count = check::results(&directory, Demand::Complete)?;
             print(&format!("{}: {count} checks passed\n", directory.display())).map(success)

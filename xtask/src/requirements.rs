@@ -1,23 +1,10 @@
-//! The table of requirements and their tests, made from the names of the tests.
+//! Requirements and their tests, listed from the names of the tests.
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use microslip::commands::print;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// The page with the table, and what encloses it there.
-const PAGE: &str = "docs/verification.md";
-const BEGIN: &str = "<!-- Written by `cargo xtask requirements`. -->\n";
-const END: &str = "<!-- End of what is written. -->\n";
-
-/// Options of the command.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Write nothing, and fail if the page is not as it would be written.
-    #[arg(long)]
-    check: bool,
-}
 
 /// A test: its name says what must hold.
 #[derive(Debug, PartialEq, Eq)]
@@ -27,43 +14,24 @@ struct Test {
     ignored: Option<String>,
 }
 
-/// Writes the table into the page, or compares.
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+/// Prints the tables.
+pub(crate) fn run() -> Result<()> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let path = root.join(PAGE);
-    let page = fs::read_to_string(&path).with_context(|| format!("reading {PAGE}"))?;
-    let (table, count) = table(&root)?;
-    let written = with_table(&page, &table)?;
-    if arguments.check {
-        ensure!(
-            written == page,
-            "{PAGE}: the table of tests is stale; run `cargo xtask requirements`"
-        );
-    } else if written != page {
-        fs::write(&path, written).with_context(|| format!("writing {PAGE}"))?;
-    }
-    print(&format!("{PAGE}: {count} requirements with their tests\n"))
+    print(&table(&root)?)
 }
 
-/// The page with another table between the marks.
-fn with_table(page: &str, table: &str) -> Result<String> {
-    let parts = page
-        .split_once(BEGIN)
-        .and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
-    let (before, after) =
-        parts.with_context(|| format!("{PAGE} lacks the lines `{}` and `{}`", BEGIN.trim(), END.trim()))?;
-    Ok(format!("{before}{BEGIN}{table}{END}{after}"))
-}
-
-/// One table for each crate with tests of its public interface, and the number of tests.
-fn table(root: &Path) -> Result<(String, usize)> {
-    let (mut text, mut count) = (String::new(), 0);
+/// One table for each crate with tests of its public interface.
+fn table(root: &Path) -> Result<String> {
+    let mut text = String::new();
     let mut crates = sorted(&root.join("crates"))?;
     crates.push(root.join("xtask"));
     crates.extend(sorted(&root.join("xtask"))?);
     for of in crates.iter().filter(|of| of.join("Cargo.toml").is_file()) {
-        let tests = of.join("tests");
-        let files = if tests.is_dir() { sorted(&tests)? } else { Vec::new() };
+        let mut files = Vec::new();
+        for folder in ["tests", "tests/all"] {
+            let folder = of.join(folder);
+            files.extend(if folder.is_dir() { sorted(&folder)? } else { Vec::new() });
+        }
         let mut rows = String::new();
         for file in files.iter().filter(|file| file.extension().is_some_and(|e| e == "rs")) {
             let source = fs::read_to_string(file).with_context(|| format!("reading {}", file.display()))?;
@@ -74,7 +42,6 @@ fn table(root: &Path) -> Result<(String, usize)> {
                     .map_or_else(|| "gate".into(), |why| format!("on request: {}", why.replace('|', "/")));
                 // Writing to a string cannot fail.
                 let _ = writeln!(rows, "| {} | `{stem}` | {evidence} |", test.name.replace('_', " "));
-                count += 1;
             }
         }
         if !rows.is_empty() {
@@ -92,8 +59,7 @@ fn table(root: &Path) -> Result<(String, usize)> {
             );
         }
     }
-    text.push('\n');
-    Ok((text, count))
+    Ok(text)
 }
 
 fn sorted(folder: &Path) -> Result<Vec<PathBuf>> {
@@ -141,13 +107,5 @@ mod tests {
             ignored: ignored.map(String::from),
         });
         assert_eq!(found(source), expected);
-    }
-
-    #[test]
-    fn the_table_replaces_the_one_between_the_marks_alone() {
-        let page = format!("before\n{BEGIN}old\n{END}after\n");
-        let written = with_table(&page, "new\n").unwrap();
-        assert_eq!(written, format!("before\n{BEGIN}new\n{END}after\n"));
-        assert!(with_table("no marks", "new").is_err());
     }
 }

@@ -4,7 +4,7 @@ use microslip::commands::SceneArguments;
 use microslip::files::Overwrite;
 use std::path::PathBuf;
 
-/// Tasks of the program `xtask-studies`.
+/// Tasks of the program `validation`.
 #[derive(clap::Subcommand)]
 pub enum Study {
     /// Measure what every numerical setting costs and misses: errors, time and memory, setting by setting.

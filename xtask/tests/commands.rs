@@ -1,6 +1,6 @@
 //! The tasks as scripts meet them: the built program, its exit codes, its messages and its files.
 #![allow(clippy::unwrap_used)]
-#[path = "../../crates/microslip/tests/common/mod.rs"]
+#[path = "../../crates/microslip/tests/all/common/mod.rs"]
 mod common;
 
 use common::{assert_same_numbers, exit_code, folder, messages, read_json, run, succeeds};
@@ -281,13 +281,13 @@ fn studies_and_the_layering_are_handed_over() {
     for (arguments, package, passed) in [
         (
             &["paper", "--only", "table3", "--out", "a folder"][..],
-            "xtask-studies",
+            "validation",
             true,
         ),
-        (&["trade", "a scene.json", "--quick"], "xtask-studies", true),
-        (&["bench", "--kernel"], "xtask-studies", true),
-        (&["extremes", "--only", "mu-0"], "xtask-studies", true),
-        (&["check-layering"], "xtask-layering", false),
+        (&["trade", "a scene.json", "--quick"], "validation", true),
+        (&["bench", "--kernel"], "validation", true),
+        (&["extremes", "--only", "mu-0"], "validation", true),
+        (&["check-layering"], "validation", true),
     ] {
         let output = call(&cargo, arguments);
         assert_eq!(exit_code(&output), 3, "{}", messages(&output));

@@ -8,6 +8,7 @@
 #![expect(clippy::print_stdout, reason = "an example prints")]
 use brake_reuss_beam::mesh::Refinement;
 use brake_reuss_beam::{BrakeReussBenchmark, benchmark, published};
+use finite_elements::elements::Formulation;
 use joint_pipeline::analysis::Prepared;
 use joint_pipeline::joint::benchmark::{ElementOrder, MeshSettings, Symmetry};
 use joint_pipeline::progress::Silent;
@@ -16,7 +17,6 @@ use joint_pipeline::structure::Structure;
 use joint_pipeline::{Options, Scene};
 use std::error::Error;
 use std::time::Instant;
-use substructure::elements::Formulation;
 
 type Elements = (&'static str, ElementOrder, Formulation);
 

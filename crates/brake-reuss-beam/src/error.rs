@@ -20,7 +20,7 @@ pub enum Error {
     },
     /// The material or the mesh is refused by the finite elements.
     #[error(transparent)]
-    Material(#[from] substructure::Error),
+    Material(#[from] finite_elements::Error),
     /// Two lengths do not fit together.
     #[error("{place}: {smaller} = {smaller_value} m must be less than {larger} = {larger_value} m; change one of them")]
     Misfit {

@@ -3,9 +3,9 @@
 use crate::geometry::Geometry;
 use crate::mesh::{Refinement, half_beam};
 use crate::{Error, Result};
-use substructure::assemble::System;
-use substructure::eigen::lowest_modes;
-use substructure::mesh::{Assembly, Material};
+use finite_elements::assemble::System;
+use finite_elements::eigen::lowest_modes;
+use finite_elements::mesh::{Assembly, Material};
 
 /// Residual of the modes; the error of their frequencies is of the order of its square.
 const TOLERANCE: f64 = 1e-6;

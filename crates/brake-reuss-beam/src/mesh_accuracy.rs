@@ -1,7 +1,7 @@
 //! Errors of the beam's meshes against the limit of the mesh, as measured (`docs/accuracy.md`, "Mesh").
 
+use finite_elements::elements::Formulation::{self, Full, IncompatibleModes, Reduced};
 use joint_pipeline::joint::benchmark::{ElementOrder, LimitWeight, MeshAccuracy, MeshError, RefinementLevel};
-use substructure::elements::Formulation::{self, Full, IncompatibleModes, Reduced};
 
 /// Of the first mode.
 pub(crate) const MESH_ACCURACY: MeshAccuracy = MeshAccuracy {

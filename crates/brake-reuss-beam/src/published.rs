@@ -9,7 +9,7 @@
 //! - **Tutorial**: `Nidish96/Abaqus4Joints`, a public Abaqus model of the beam.
 //! - **Independent finite elements**: CalculiX on the tutorial's public mesh (40 657 nodes, 31 904 elements) with the
 //!   paper's material; all ties closed.
-use substructure::mesh::Material;
+use finite_elements::mesh::Material;
 
 /// Steel of the beam and its hardware (paper, section 4.1).
 pub fn steel() -> Material {

@@ -1,6 +1,6 @@
 //! Measures of meshes of hexahedra: volume, mass, Jacobian determinants, connected components.
-use substructure::elements::CORNERS;
-use substructure::mesh::{Element, Mesh};
+use finite_elements::elements::CORNERS;
+use finite_elements::mesh::{Element, Mesh};
 
 /// Determinant of the map from the reference cube (edge 2) at the local coordinates `xi`.
 fn jacobian_determinant(mesh: &Mesh, element: &Element, xi: [f64; 3]) -> f64 {

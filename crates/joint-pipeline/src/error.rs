@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub enum Error {
     /// A file cannot be read, is not a regular file, or is too large.
     #[error(transparent)]
-    InputFile(#[from] input_files::Error),
+    InputFile(#[from] file_io::input::Error),
     /// A file could not be written.
     #[error("{}: {operation} failed", path.display())]
     File {
@@ -21,7 +21,7 @@ pub enum Error {
     },
     /// A file could not be replaced safely.
     #[error(transparent)]
-    Store(#[from] durable_files::Error),
+    Store(#[from] file_io::durable::Error),
     /// An input is not the one that a run read.
     #[error(
         "{}: is not the file that the results were computed from (SHA-256 {found} instead of {expected}); restore it, or run the \
@@ -139,7 +139,7 @@ pub enum Error {
         /// The deck.
         deck: PathBuf,
         /// What stands in the way, and where.
-        source: Box<substructure::Error>,
+        source: Box<finite_elements::Error>,
     },
     /// More memory than there is.
     #[error(
@@ -464,13 +464,13 @@ pub enum Error {
     },
     /// Finite elements.
     #[error(transparent)]
-    Substructure(#[from] substructure::Error),
+    Substructure(#[from] finite_elements::Error),
     /// Reduction.
     #[error(transparent)]
     Reduction(reduction::Error),
     /// A factorisation that would take more memory than there is.
     #[error("{0} (`--memory`)")]
-    FactorMemory(substructure::Error),
+    FactorMemory(finite_elements::Error),
     /// Matrix files.
     #[error(transparent)]
     MatrixFile(Box<matrix_files::Error>),
@@ -526,7 +526,7 @@ pub enum Error {
     HyperReduction(#[from] hyper_reduction::Error),
     /// Harmonic balance.
     #[error(transparent)]
-    Periodic(#[from] periodic_motion::Error),
+    Periodic(#[from] harmonic_balance::Error),
 }
 
 impl Error {
@@ -567,10 +567,10 @@ impl Error {
         matches!(
             self,
             Self::Solver(cqsma_solver::Error::Interrupted)
-                | Self::Periodic(periodic_motion::Error::Interrupted)
+                | Self::Periodic(harmonic_balance::Error::Interrupted)
                 | Self::Surface(surface_characterisation::SurfaceError::Interrupted)
-                | Self::Substructure(substructure::Error::Interrupted)
-                | Self::Reduction(reduction::Error::Substructure(substructure::Error::Interrupted))
+                | Self::Substructure(finite_elements::Error::Interrupted)
+                | Self::Reduction(reduction::Error::Substructure(finite_elements::Error::Interrupted))
         )
     }
 
@@ -626,7 +626,7 @@ impl From<surface_characterisation::FileError> for Error {
 impl From<reduction::Error> for Error {
     fn from(error: reduction::Error) -> Self {
         match error {
-            reduction::Error::Substructure(error @ substructure::Error::Memory { .. }) => Self::FactorMemory(error),
+            reduction::Error::Substructure(error @ finite_elements::Error::Memory { .. }) => Self::FactorMemory(error),
             error => Self::Reduction(error),
         }
     }

@@ -3,8 +3,9 @@
 
 use std::collections::BTreeMap;
 
+use file_io::Source;
 use matrix_files::value::{Array, Dof};
-use matrix_files::{Source, mat, matrix_market, npz};
+use matrix_files::{mat, matrix_market, npz};
 
 fn main() -> Result<(), matrix_files::Error> {
     let text = "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 4000\n2 1 -1000\n2 2 1000\n";

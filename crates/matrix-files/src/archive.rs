@@ -2,9 +2,9 @@
 
 use std::io::{Cursor, Read};
 
+use crate::Error;
+use file_io::{Place, Source};
 use zip::ZipArchive;
-
-use crate::{Error, Place, Source};
 
 /// Deflate packs at most 1032 bytes into one.
 pub const INFLATION: usize = 1032;

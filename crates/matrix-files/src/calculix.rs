@@ -7,10 +7,13 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::text::{self, quoted};
+use crate::Error;
+use crate::text;
 use crate::triplets::{self, Entry};
-use crate::value::{Assembled, Dof, Source, plausible};
-use crate::{Error, Place};
+use crate::value::{Assembled, Dof, plausible};
+use file_io::Place;
+use file_io::Source;
+use file_io::quoted;
 
 /// Name of the stiffness among the matrices.
 pub const STIFFNESS: &str = "STIFFNESS";

@@ -1,32 +1,6 @@
 //! Errors of this crate.
 
-use std::fmt;
-
-/// Where in a file something stands.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// Line of a text file, counted from one.
-    Line(usize),
-    /// Byte of a binary file, counted from zero.
-    Byte(usize),
-    /// Byte of a part that is stored compressed or as a member of an archive.
-    Inside {
-        /// The part.
-        part: String,
-        /// Byte of the unpacked part, counted from zero.
-        byte: usize,
-    },
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Line(line) => write!(f, "line {line}"),
-            Self::Byte(byte) => write!(f, "byte {byte}"),
-            Self::Inside { part, byte } => write!(f, "byte {byte} of {part}"),
-        }
-    }
-}
+use file_io::Place;
 
 /// Why a file cannot be read or written. Rows and columns are counted from one.
 #[derive(Debug, thiserror::Error)]
@@ -34,7 +8,7 @@ impl fmt::Display for Place {
 pub enum Error {
     /// The file cannot be opened or read, is not a regular file, or is too large.
     #[error(transparent)]
-    File(#[from] input_files::Error),
+    File(#[from] file_io::input::Error),
     /// The file breaks the rules of its format.
     #[error("{file}, {place}: found {found}, expected {expected}; write the file anew, or check that it is complete")]
     Malformed {

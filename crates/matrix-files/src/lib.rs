@@ -26,6 +26,4 @@ mod triplets;
 pub mod value;
 mod writing;
 
-pub use error::{Error, Place};
-pub use text::quoted;
-pub use value::Source;
+pub use error::Error;

@@ -9,10 +9,12 @@ use std::path::Path;
 
 use sprs::CsMat;
 
-use crate::text::{self, Line, quoted};
+use crate::text::{self, Line};
 use crate::triplets::{self, Entry};
-use crate::value::{Array, Dense, Source, plausible};
+use crate::value::{Array, Dense, plausible};
 use crate::{Error, writing};
+use file_io::Source;
+use file_io::quoted;
 
 /// Reads the file at `path`.
 ///

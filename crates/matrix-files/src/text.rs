@@ -1,13 +1,14 @@
 //! Numbers and lines of text files.
 
+use crate::Error;
 use std::fmt::Display;
 use std::path::Path;
 
-use crate::{Error, Place, Source};
+use file_io::{Place, Source, quoted};
 
 /// The bytes of a file.
 pub(crate) fn load(path: &Path) -> Result<Vec<u8>, Error> {
-    Ok(input_files::read(path, input_files::Kind::Matrices)?)
+    Ok(file_io::input::read(path, file_io::input::Kind::Matrices)?)
 }
 
 /// A line without its end, with its number from one.
@@ -117,17 +118,6 @@ impl<'a> Line<'a> {
             possible,
         }
     }
-}
-
-/// The start of a piece of a file, for messages: in backquotes, at most 60 bytes of it, control characters escaped.
-pub fn quoted(text: &[u8]) -> String {
-    const SHOWN: usize = 60;
-    let shown = String::from_utf8_lossy(&text[..text.len().min(SHOWN)]);
-    format!(
-        "`{}`{}",
-        shown.escape_debug(),
-        if text.len() > SHOWN { " ..." } else { "" }
-    )
 }
 
 /// A number in the spellings of C and Fortran: `1.5`, `1.5E+3`, `1.5D+03`, `1.5+103`.

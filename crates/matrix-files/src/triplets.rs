@@ -1,8 +1,8 @@
 //! Sparse matrices from entries in any order.
 
+use crate::Error;
+use file_io::Place;
 use sprs::CsMat;
-
-use crate::{Error, Place};
 
 /// An entry, counted from zero, and the line or position it stands at.
 #[derive(Clone, Copy, Debug)]

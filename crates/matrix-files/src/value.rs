@@ -7,15 +7,6 @@ use sprs::CsMat;
 
 use crate::Error;
 
-/// The bytes of a file and what to call it in messages.
-#[derive(Clone, Copy, Debug)]
-pub struct Source<'a> {
-    /// Name of the file.
-    pub name: &'a str,
-    /// Its bytes.
-    pub bytes: &'a [u8],
-}
-
 /// A full matrix, stored by columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dense<T> {

@@ -4,8 +4,9 @@
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read, Write};
 
+use file_io::Source;
 use matrix_files::abaqus::{self, Substructure};
-use matrix_files::{Error, Source, calculix, mat, matrix_market, npz};
+use matrix_files::{Error, calculix, mat, matrix_market, npz};
 use test_support::memory::Counting;
 use test_support::{Damage, Sample, Tally};
 

@@ -1,10 +1,10 @@
 //! Errors of the libraries as exceptions of `microslip.errors`.
 
+use host::with_causes;
 use joint_pipeline::Error as PipelineError;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
-use run_environment::with_causes;
 use std::path::{Path, PathBuf};
 use surface_characterisation::SurfaceError;
 
@@ -129,20 +129,20 @@ impl From<PipelineError> for Exception {
     }
 }
 
-impl From<&input_files::Error> for Exception {
-    fn from(error: &input_files::Error) -> Self {
+impl From<&file_io::input::Error> for Exception {
+    fn from(error: &file_io::input::Error) -> Self {
         Self::file(error, Some(error.path()))
     }
 }
 
-impl From<&durable_files::Error> for Exception {
-    fn from(error: &durable_files::Error) -> Self {
+impl From<&file_io::durable::Error> for Exception {
+    fn from(error: &file_io::durable::Error) -> Self {
         Self::file(error, Some(error.path()))
     }
 }
 
-impl From<durable_files::Error> for Exception {
-    fn from(error: durable_files::Error) -> Self {
+impl From<file_io::durable::Error> for Exception {
+    fn from(error: file_io::durable::Error) -> Self {
         Self::from(&error)
     }
 }
@@ -204,9 +204,9 @@ impl From<modal_identification::Error> for Exception {
     }
 }
 
-impl From<substructure::Error> for Exception {
-    fn from(error: substructure::Error) -> Self {
-        use substructure::Error as E;
+impl From<finite_elements::Error> for Exception {
+    fn from(error: finite_elements::Error) -> Self {
+        use finite_elements::Error as E;
         match &error {
             E::InputFile(source) => source.into(),
             E::MeshUnwritable { .. } | E::Dangling { .. } | E::NotFinite { .. } => Self::argument(&error),
@@ -221,9 +221,9 @@ impl From<zte_assembly::Error> for Exception {
     }
 }
 
-impl From<run_environment::Error> for Exception {
-    fn from(error: run_environment::Error) -> Self {
-        use run_environment::Error as E;
+impl From<host::Error> for Exception {
+    fn from(error: host::Error) -> Self {
+        use host::Error as E;
         let message = with_causes(&error);
         match error {
             E::Scene(source) => source.into(),

@@ -5,22 +5,23 @@ use crate::run::Cache;
 use crate::scene::Scene;
 use crate::surfaces::extension;
 use crate::work::{pool, supervise};
+use file_io::Source;
+use finite_elements::elements::{Cell, ELEMENT_TYPES};
+use finite_elements::formats::gmsh;
+use finite_elements::formats::solid_mesh::SolidMesh;
+use finite_elements::formats::vtu::{self, Encoding, Field};
+use finite_elements::mesh::{Element as Solid, Face, Group, Material, Mesh};
 use joint_pipeline::scene::Symmetry;
 use joint_pipeline::structure::Structure;
 use joint_pipeline::structure::export::arrays;
 use matrix_files::value::{Array, Assembled, Collection, Dense, Dof};
-use matrix_files::{Source, abaqus, calculix, mat, matrix_market, npz};
+use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
 use numpy::npyffi::NPY_ORDER;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use substructure::elements::{Cell, ELEMENT_TYPES};
-use substructure::formats::gmsh;
-use substructure::formats::solid_mesh::SolidMesh;
-use substructure::formats::vtu::{self, Encoding, Field};
-use substructure::mesh::{Element as Solid, Face, Group, Material, Mesh};
 
 /// A name, and what belongs to it.
 type Named<T> = (String, T);
@@ -58,7 +59,7 @@ fn collection(path: &Path) -> Result<Collection, Exception> {
         "sti" | "mas" | "dof" => assembled(calculix::read(path)?),
         "mtx" | "mm" => {
             let bytes =
-                input_files::read(path, input_files::Kind::Matrices).map_err(|error| Exception::from(&error))?;
+                file_io::input::read(path, file_io::input::Kind::Matrices).map_err(|error| Exception::from(&error))?;
             let name = path.to_string_lossy();
             let source = Source {
                 name: &name,
@@ -207,7 +208,7 @@ pub(crate) fn write_matrices(
                 return Err(input(format!("matrices are not written as `.{other}`; {remedy}")).of("path", remedy));
             }
         };
-        Ok(durable_files::write(&path, &bytes)?)
+        Ok(file_io::durable::write(&path, &bytes)?)
     })
 }
 
@@ -380,7 +381,7 @@ pub(crate) fn write_mesh(
                 return Err(input(format!("meshes are not written as `.{other}`; {remedy}")).of("path", remedy));
             }
         };
-        Ok(durable_files::write(&path, text.as_bytes())?)
+        Ok(file_io::durable::write(&path, text.as_bytes())?)
     })
 }
 

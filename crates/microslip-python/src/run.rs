@@ -4,14 +4,14 @@ use crate::error::Exception;
 use crate::scene::Scene;
 use crate::work::{Monitor, pool, supervise, within};
 use contact_laws::Regime;
-use durable_files::Folder;
+use file_io::durable::Folder;
+use host::{GivenScene, free_memory, peak_memory, provenance, results_of, user_cache};
 use joint_pipeline::analysis::Fields;
 use joint_pipeline::results::summary::Summary;
 use joint_pipeline::{Options, Run as PipelineRun};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use reports::run::{SUMMARY, outputs};
-use run_environment::{GivenScene, free_memory, peak_memory, provenance, results_of, user_cache};
 use std::path::{Path, PathBuf};
 
 /// Files that every run writes.

@@ -1,9 +1,9 @@
 //! Scenes.
 
 use crate::error::Exception;
+use host::{BENCHMARKS, GivenScene};
 use joint_pipeline::Scene as PipelineScene;
 use pyo3::prelude::*;
-use run_environment::{BENCHMARKS, GivenScene};
 use std::path::PathBuf;
 
 /// A scene that was checked, in SI.

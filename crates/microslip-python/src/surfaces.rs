@@ -97,7 +97,7 @@ pub(crate) fn write_scan(py: Python<'_>, path: PathBuf, map: GivenMap<'_>) -> Re
                 return Err(input(format!("scans are not written as `.{other}`; {remedy}")).of("path", remedy));
             }
         };
-        Ok(durable_files::write(&path, &bytes)?)
+        Ok(file_io::durable::write(&path, &bytes)?)
     })
 }
 

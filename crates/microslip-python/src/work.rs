@@ -1,10 +1,10 @@
 //! Long computations: threads, progress, and how they are stopped.
 
 use crate::error::{Exception, input};
+use host::StageTimes;
 use joint_pipeline::progress::{Progress, Stage};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use run_environment::StageTimes;
 use std::collections::BTreeMap;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,13 +2,13 @@
 
 use crate::files;
 use anyhow::{Context, Result, bail};
+use host::BENCHMARKS;
 use joint_pipeline::Scene;
 use joint_pipeline::joint::benchmark::{Bounds, Symmetry};
 use joint_pipeline::results::summary::Summary;
 use reports::markup;
 use reports::run::{FORCED, FORCED_PICTURE, SUMMARY, amplitude_file};
 use reports::tightening::{TIGHTENING, TIGHTENING_PICTURE};
-use run_environment::BENCHMARKS;
 use std::path::Path;
 
 /// Share of the area that slips beyond which the damping need not rise any more.
@@ -37,7 +37,7 @@ pub enum Demand {
 /// A file that cannot be read, or is no summary of a run.
 pub fn read(directory: &Path) -> Result<(Summary, Scene)> {
     let path = directory.join(SUMMARY);
-    let text = input_files::read_text(&path, input_files::Kind::Table)?;
+    let text = file_io::input::read_text(&path, file_io::input::Kind::Table)?;
     let summary: Summary = files::parse(&path, &text, files::A_SUMMARY)?;
     let scene =
         Scene::from_summary(&summary.scene, &BENCHMARKS).with_context(|| format!("reading {}", path.display()))?;

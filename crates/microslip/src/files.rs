@@ -1,7 +1,7 @@
 //! Folders of results, each written by one command at a time and replaced as a set.
 
 use anyhow::{Result, anyhow};
-use durable_files::{Folder, Identity};
+use file_io::durable::{Folder, Identity};
 use joint_pipeline::scene::read_json;
 use reports::Output;
 use reports::run::{

@@ -18,6 +18,6 @@ mod book {
 }
 
 pub use commands::{Command, Defaults, Outcome, execute};
+pub use host::BENCHMARKS;
 pub use joint_pipeline::results::summary::Summary;
 pub use joint_pipeline::{Error, Options, Run, Scene, run, run_ensemble, run_samples};
-pub use run_environment::BENCHMARKS;

@@ -1,9 +1,9 @@
 //! The program: `microslip --help`.
 
 use clap::{CommandFactory, Parser, Subcommand};
+use host::user_cache;
 use microslip::commands::{self, EXIT_CODES, SceneArguments};
 use microslip::{Defaults, Outcome};
-use run_environment::user_cache;
 use std::process::ExitCode;
 
 /// Frequency and damping of bolted joints against amplitude.

@@ -1,9 +1,9 @@
 //! Progress and timing of a run.
 
 use crate::text;
+use host::StageTimes;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use joint_pipeline::progress::{Progress, Stage};
-use run_environment::StageTimes;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::time::Duration;

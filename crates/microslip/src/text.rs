@@ -1,6 +1,6 @@
 //! Text for terminals: what files hold may be in it, control characters and lines of megabytes included.
 
-use run_environment::with_causes;
+use host::with_causes;
 
 /// An error with its causes in one line, for a terminal.
 pub(crate) fn of_error(error: &anyhow::Error) -> String {

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (i, a) in hit.samples(4096.0, 12_000).iter().enumerate() {
         text += &format!("{:.8},{a:.6}\n", i as f64 / 4096.0);
     }
-    let source = matrix_files::Source {
+    let source = file_io::Source {
         name: "hit.csv",
         bytes: text.as_bytes(),
     };

@@ -2,7 +2,7 @@
 //! read is identified or refused.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use matrix_files::Source;
+use file_io::Source;
 use modal_identification::backbone::{Settings, identify};
 use modal_identification::readers::{self, Recording};
 use modal_identification::signal::{Signal, Stated};

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub enum Error {
     /// The plan cannot be read.
     #[error(transparent)]
-    InputFile(#[from] input_files::Error),
+    InputFile(#[from] file_io::input::Error),
     /// The plan is not JSON, or has fields that plans do not have.
     #[error("{}: {message}", path.display())]
     Syntax {
@@ -47,7 +47,7 @@ pub enum Error {
     Scene(#[from] joint_pipeline::Error),
     /// A file of the store.
     #[error(transparent)]
-    Store(#[from] durable_files::Error),
+    Store(#[from] file_io::durable::Error),
     /// A part that the study does not have.
     #[error("part {text} is not K/N with whole numbers from 1 on and K at most N, such as 3/20")]
     Part {

@@ -1,7 +1,7 @@
 //! Plans: which numbers of a scene vary, and how.
 
 use crate::Error;
-use input_files::Kind;
+use file_io::input::Kind;
 use joint_pipeline::scene::{Length, parse_json, read_json, without_comments};
 use schemars::JsonSchema;
 use serde::de::{Error as _, MapAccess, Visitor};
@@ -197,7 +197,7 @@ impl Plan {
     /// # Errors
     /// [`Error::InputFile`], [`Error::Syntax`].
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = input_files::read_text(path, Kind::Scene)?;
+        let text = file_io::input::read_text(path, Kind::Scene)?;
         let syntax = |message| Error::Syntax {
             path: path.to_owned(),
             message,

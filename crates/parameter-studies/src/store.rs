@@ -1,7 +1,7 @@
 //! Finished cases: append-only segments, each written by one process, in folders by structure.
 
 use crate::Error;
-use durable_files::{Segment, read_segment, segments};
+use file_io::durable::{Segment, read_segment, segments};
 use joint_pipeline::analysis::cases::{CaseMode, CasePoint};
 use joint_pipeline::analysis::hyper_reduced::ErrorEstimate;
 use joint_pipeline::analysis::variants::{Seen, VariantPoint};

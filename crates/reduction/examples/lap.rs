@@ -1,8 +1,8 @@
 //! Two steel blocks, one on the other, reduced: `cargo run --release -p reduction --example lap`.
 #![allow(clippy::print_stdout, reason = "example")]
+use finite_elements::mesh::{Assembly, Cell, Element, Material};
+use finite_elements::{assemble::System, elements::Formulation};
 use reduction::{InterfacePairs, Limits, RelativeSystem, Settings, checks, reduce};
-use substructure::mesh::{Assembly, Cell, Element, Material};
-use substructure::{assemble::System, elements::Formulation};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut blocks = Assembly::default();

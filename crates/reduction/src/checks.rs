@@ -6,11 +6,11 @@ use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use dense_algebra::Limits;
 use faer::Mat;
+use finite_elements::eigen::{Modes, count_zero, lowest_modes_within};
+use finite_elements::sparse::sum;
 use sprs::{CsMat, TriMat};
 use std::borrow::Cow;
 use std::ops::Range;
-use substructure::eigen::{Modes, count_zero, lowest_modes_within};
-use substructure::sparse::sum;
 
 /// Frequencies of the full system with a linear interface, a stiffness over the jump coordinates (N/m), or without any
 /// contact (Hz).

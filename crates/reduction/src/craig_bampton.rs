@@ -13,10 +13,10 @@ use crate::symmetry::Parts;
 use crate::zem::Supported;
 use dense_algebra::{Limits, add_product_lower, product};
 use faer::{Mat, MatRef};
+use finite_elements::eigen::Modes;
+use finite_elements::factor::Condensed;
+use finite_elements::sparse::multiply_into;
 use sprs::CsMat;
-use substructure::eigen::Modes;
-use substructure::factor::Condensed;
-use substructure::sparse::multiply_into;
 
 /// Columns of the condensed matrices that are found again by solves.
 const N_COMPARED: usize = 8;

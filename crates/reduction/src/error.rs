@@ -182,5 +182,5 @@ pub enum Error {
     Dense(#[from] dense_algebra::Error),
     /// The finite-element system.
     #[error(transparent)]
-    Substructure(#[from] substructure::Error),
+    Substructure(#[from] finite_elements::Error),
 }

@@ -3,7 +3,7 @@
 use crate::Error;
 use dense_algebra::product;
 use faer::{Mat, MatRef};
-use substructure::eigen::Modes;
+use finite_elements::eigen::Modes;
 
 /// Least flexibility of a load, relative to its whole one, that the other coordinates must leave to its own.
 const LEAST_FLEXIBILITY: f64 = 1e-8;

@@ -8,8 +8,8 @@ use crate::craig_bampton::ReducedModel;
 use crate::relative::RelativeSystem;
 use dense_algebra::{product, solve_lower, solve_lower_transposed};
 use faer::Mat;
+use finite_elements::sparse::congruence;
 use sprs::{CsMat, TriMat};
-use substructure::sparse::congruence;
 
 /// Least share of a load that must act on the rest of the structure, or be left after others are taken out.
 const LEAST_SHARE: f64 = 1e-9;

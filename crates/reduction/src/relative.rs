@@ -3,12 +3,12 @@
 use crate::Error;
 use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
 use faer::{Mat, MatRef};
+use finite_elements::assemble::System;
+use finite_elements::reflection::Reflection;
+use finite_elements::sparse::{congruence, multiply_into, multiply_vector, numbering, submatrix, symmetric_part};
 use sprs::{CsMat, TriMat};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
-use substructure::assemble::System;
-use substructure::reflection::Reflection;
-use substructure::sparse::{congruence, multiply_into, multiply_vector, numbering, submatrix, symmetric_part};
 
 /// Which nodes face each other, and the axes in which their jump is measured.
 #[derive(Clone, Copy, Debug)]

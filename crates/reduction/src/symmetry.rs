@@ -7,10 +7,10 @@
 use crate::relative::{RelativeSystem, SystemMatrices};
 use dense_algebra::product;
 use faer::Mat;
+use finite_elements::reflection::Reflection;
+use finite_elements::sparse::{congruence, is_kept_by, multiply_into, multiply_vector, numbering, sum};
 use sprs::{CsMat, TriMat};
 use std::borrow::Cow;
-use substructure::reflection::Reflection;
-use substructure::sparse::{congruence, is_kept_by, multiply_into, multiply_vector, numbering, sum};
 
 /// Fewest coordinates beside the jump for which parts are sought: in smaller systems they save nothing that could be noticed.
 const LEAST_REST: usize = 1024;

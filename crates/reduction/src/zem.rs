@@ -6,7 +6,7 @@ use dense_algebra::Limits;
 use faer::linalg::matmul::matmul;
 use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use substructure::factor::{Condensed, SparseCholesky};
+use finite_elements::factor::{Condensed, SparseCholesky};
 
 /// A semi-definite stiffness held at as many components as it has zero-energy modes.
 ///

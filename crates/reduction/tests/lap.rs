@@ -2,16 +2,16 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use dense_algebra::product;
+use finite_elements::assemble::System;
+use finite_elements::eigen::lowest_modes;
+use finite_elements::elements::Formulation;
+use finite_elements::mesh::{
+    Assembly, Cell, Coupling, CouplingKind, Dof, Element, Equation, LoadPattern, Material, Mesh, Section, Shank,
+};
+use finite_elements::sparse::{multiply_vector, numbering, submatrix};
 use reduction::{
     Error, Hold, InterfacePairs, Limits, ReducedModel, RelativeSystem, Settings, Step, SystemMatrices, checks, reduce,
 };
-use substructure::assemble::System;
-use substructure::eigen::lowest_modes;
-use substructure::elements::Formulation;
-use substructure::mesh::{
-    Assembly, Cell, Coupling, CouplingKind, Dof, Element, Equation, LoadPattern, Material, Mesh, Section, Shank,
-};
-use substructure::sparse::{multiply_vector, numbering, submatrix};
 
 struct Lap {
     assembly: Assembly,
@@ -271,7 +271,7 @@ fn static_response_of_the_jump_is_exact() {
     (0..nd).for_each(|i| triplets.add_triplet(i, i, springs));
     let spring: sprs::CsMat<f64> = triplets.to_csr();
     let grounded = &(&relative.stiffness + &spring) + &relative.mass.map(|m| sigma * m);
-    let factor = substructure::factor::SparseCholesky::try_new(&grounded, &relative.positions, "grounded").unwrap();
+    let factor = finite_elements::factor::SparseCholesky::try_new(&grounded, &relative.positions, "grounded").unwrap();
     let mut full = faer::Mat::from_fn(n, 1, |i, _| relative.loads[0][i]);
     factor.solve_in_place(full.as_mut());
     let scale = (0..nd).map(|i| full[(i, 0)].abs()).fold(0.0, f64::max);
@@ -763,7 +763,7 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
         (0..nd).for_each(|i| triplets.add_triplet(i, i, springs));
         let supported = &relative.stiffness + &triplets.to_csr();
         let supported = submatrix(&supported, &kept, &numbering(&kept, n), kept.len());
-        let factor = substructure::factor::SparseCholesky::try_new(&supported, &positions, "supported").unwrap();
+        let factor = finite_elements::factor::SparseCholesky::try_new(&supported, &positions, "supported").unwrap();
         let loads = faer::Mat::from_fn(kept.len(), 2, |i, j| relative.loads[j][kept[i]]);
         let mut x = loads.clone();
         factor.solve_in_place(x.as_mut());
@@ -821,7 +821,7 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
     let rows = [row];
     let times = |a: &sprs::CsMat<f64>, x: &faer::Mat<f64>| {
         let mut y = faer::Mat::zeros(n, x.ncols());
-        substructure::sparse::multiply_into(a, x.as_ref(), y.as_mut());
+        finite_elements::sparse::multiply_into(a, x.as_ref(), y.as_mut());
         y
     };
     for (settings, kept) in [(Settings::default(), 20), (attached(12), 12), (attached(12), 7)] {
@@ -1054,7 +1054,7 @@ fn energies(matrix: faer::MatRef<'_, f64>, motions: &faer::Mat<f64>) -> faer::Ma
 
 fn energies_of_full(matrix: &sprs::CsMat<f64>, motions: &faer::Mat<f64>) -> faer::Mat<f64> {
     let mut momentum = faer::Mat::zeros(matrix.rows(), motions.ncols());
-    substructure::sparse::multiply_into(matrix, motions.as_ref(), momentum.as_mut());
+    finite_elements::sparse::multiply_into(matrix, motions.as_ref(), momentum.as_mut());
     product(motions.transpose(), momentum.as_ref())
 }
 

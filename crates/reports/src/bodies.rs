@@ -1,8 +1,8 @@
 //! Displacements of bodies as VTK files.
 
+use finite_elements::formats::vtu::{self, Encoding, Field};
+use finite_elements::mesh::{Face, Mesh};
 use std::collections::BTreeMap;
-use substructure::formats::vtu::{self, Encoding, Field};
-use substructure::mesh::{Face, Mesh};
 
 /// Elements of a mesh beyond which VTK files hold its surface only.
 pub const LARGEST_VOLUME: usize = 20_000;
@@ -16,7 +16,7 @@ pub fn vtu(
     surface: &[Face],
     name: &str,
     displacement: &[[f64; 3]],
-) -> Result<String, substructure::Error> {
+) -> Result<String, finite_elements::Error> {
     let field = |values| Field {
         name: name.into(),
         components: 3,

@@ -19,10 +19,10 @@ pub enum Error {
     },
     /// Fields of the interface could not be written as a VTK file.
     #[error("encoding the fields of the interface")]
-    Fields(#[source] substructure::Error),
+    Fields(#[source] finite_elements::Error),
     /// Mode shapes could not be written as a VTK file.
     #[error("encoding mode shapes")]
-    Shapes(#[source] substructure::Error),
+    Shapes(#[source] finite_elements::Error),
     /// A page could not be made from its template.
     #[error("making the page")]
     Page(#[source] askama::Error),

@@ -2,10 +2,10 @@
 
 use crate::{Error, csv};
 use contact_laws::Regime;
+use finite_elements::formats::vtu::{self, Encoding, Field};
+use finite_elements::mesh::Face;
 use joint_pipeline::Run;
 use joint_pipeline::analysis::Fields;
-use substructure::formats::vtu::{self, Encoding, Field};
-use substructure::mesh::Face;
 use zte_assembly::InterfaceMesh;
 
 /// An interface and where it lies.

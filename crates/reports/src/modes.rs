@@ -8,9 +8,9 @@ use crate::map::rgb;
 use crate::markup::escape;
 use crate::{Error, Output, bodies, fields};
 use askama::Template;
+use finite_elements::mesh::{Face, Mesh};
 use joint_pipeline::structure::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
 use std::fmt::Write;
-use substructure::mesh::{Face, Mesh};
 
 /// Name of the table.
 pub const TABLE: &str = "modes.csv";

@@ -564,7 +564,7 @@ impl Arrays {
 mod tests {
     use super::*;
     use crate::{csv, markup};
-    use matrix_files::value::Source;
+    use file_io::Source;
     use serde_json::json;
 
     fn level(level: f64, frequency: &[f64], turning_points: &[usize]) -> ForcedSummary {

@@ -1,6 +1,6 @@
 //! The errors of the crate: of surfaces, and of the files that hold them.
 
-use matrix_files::Place;
+use file_io::Place;
 use thiserror::Error;
 
 use crate::readers::{Declaration, Format, UnknownUnit};

@@ -2,8 +2,8 @@
 
 use super::{BrakeReussBeam, Part};
 use crate::{Error, Result};
+use finite_elements::mesh::{Assembly, Cell, Coupling, Dof, Element as Solid, Equation, Face, Mesh, Tie};
 use std::collections::BTreeMap;
-use substructure::mesh::{Assembly, Cell, Coupling, Dof, Element as Solid, Equation, Face, Mesh, Tie};
 use zte_assembly::InterfaceMesh;
 
 /// Nodes this close to the plane lie on it, and images this close to where they should be are found, relative to the

@@ -18,17 +18,17 @@ pub use refinement::{Refinement, Washers};
 
 use crate::geometry::{Geometry, positive};
 use crate::{Error, Result, quality};
+use finite_elements::elements::Formulation;
+use finite_elements::mesh::{
+    Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element as Solid, Equation, Face, LoadPattern,
+    Material, Mesh, Tie,
+};
 use joint_pipeline::joint::benchmark::ElementOrder;
 use joint_pipeline::joint::quadratic;
 use refinement::require_count;
 use section::{Hardware, Lap, Section, centred, sorted};
 use std::collections::HashMap;
 use std::ops::Range;
-use substructure::elements::Formulation;
-use substructure::mesh::{
-    Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element as Solid, Equation, Face, LoadPattern,
-    Material, Mesh, Tie,
-};
 use zte_assembly::mesh::{Element, InterfaceMesh};
 
 /// Neighbouring layers of an arm may differ by this factor at most.

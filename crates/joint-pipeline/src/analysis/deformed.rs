@@ -7,7 +7,7 @@ use crate::scene::BoltBehaviour;
 use crate::structure::{StructuralModel, Structure};
 use dense_algebra::product;
 use faer::Mat;
-use substructure::mesh::Mesh;
+use finite_elements::mesh::Mesh;
 
 /// Displacements of the bodies under the bolt loads, and at the positive peaks of loops.
 #[derive(Clone, Debug)]

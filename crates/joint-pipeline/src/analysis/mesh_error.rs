@@ -14,10 +14,10 @@ use crate::joint::benchmark::{LimitWeight, MeshAccuracy};
 use crate::progress::Silent;
 use crate::scene::{Scene, StructureSource};
 use crate::structure::Structure;
+use finite_elements::elements::Formulation;
+use finite_elements::mesh::Cell;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use substructure::elements::Formulation;
-use substructure::mesh::Cell;
 
 /// Both runs have the same forces, at which their amplitudes differ a little: the outermost ones may lie beyond the other's range by
 /// this factor.

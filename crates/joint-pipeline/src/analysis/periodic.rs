@@ -9,9 +9,9 @@ use crate::scene::{Epmc, Forced, Scene};
 use crate::store::checkpoint::{Checkpoint, Checkpoints};
 use crate::store::key::KeyBuilder;
 use cqsma_solver::Linearisation;
-use periodic_motion::aft::PointHistory;
-use periodic_motion::backbone::{self, Accuracy, Kind, Motion, Point};
-use periodic_motion::{Failure, NewtonSettings, Sampling, forced, interface, synthesis};
+use harmonic_balance::aft::PointHistory;
+use harmonic_balance::backbone::{self, Accuracy, Kind, Motion, Point};
+use harmonic_balance::{Failure, NewtonSettings, Sampling, forced, interface, synthesis};
 use reduction::ReducedModel;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -281,7 +281,7 @@ pub struct ForcedResponse {
     /// Why the curve ends early, if it does.
     pub failure: Option<Failure>,
     /// Work done.
-    pub effort: periodic_motion::Effort,
+    pub effort: harmonic_balance::Effort,
 }
 
 /// The motion of the response point under a force.
@@ -304,7 +304,7 @@ pub struct ForcedPoint {
 }
 
 impl ForcedPoint {
-    fn new(row: &[f64], omega: f64, displacement: &periodic_motion::Harmonics, residual: f64, turns: bool) -> Self {
+    fn new(row: &[f64], omega: f64, displacement: &harmonic_balance::Harmonics, residual: f64, turns: bool) -> Self {
         let along = displacement.along(row);
         let amplitude = |h: usize| along[2 * h - 1].hypot(along[2 * h]);
         Self {

@@ -12,7 +12,7 @@ use cqsma_solver::cqsma::LoopResult;
 use cqsma_solver::prestress::Prestress;
 use cqsma_solver::sensitivity::{Change, Derivatives, LoopRate, ModeRate, ParameterRate, StaticRate, static_rates};
 use faer::Mat;
-use periodic_motion::backbone::{self, Motion, MotionRate, Point};
+use harmonic_balance::backbone::{self, Motion, MotionRate, Point};
 use reduction::ReducedModel;
 use serde::{Deserialize, Serialize};
 use zte_assembly::{State, Variation};

@@ -8,10 +8,10 @@ use crate::interface::InterfaceForce;
 use crate::progress::{Progress, Stage};
 use crate::scene::{BoltBehaviour, Length, Method, Scene};
 use cqsma_solver::transient::{self, MOST_STEPS, Start, Transient};
+use harmonic_balance::backbone::Motion;
 use modal_identification::backbone::{Identification, identify};
 use modal_identification::signal::{Quantity, Signal};
 use modal_identification::{backbone, synthetic};
-use periodic_motion::backbone::Motion;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 

@@ -2,9 +2,9 @@
 
 use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 use cqsma_solver::{DifferentiableForce, HystereticForce, PatternView, Reflection};
-use periodic_motion::{DifferentiablePointwiseForce, PointwiseForce};
+use finite_elements::reflection::Places;
+use harmonic_balance::{DifferentiablePointwiseForce, PointwiseForce};
 use std::ops::Range;
-use substructure::reflection::Places;
 use zte_assembly::{Batches, Interface, State, Variation, Workspace};
 
 /// The interface as the solver sees it.

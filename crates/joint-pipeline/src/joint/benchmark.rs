@@ -5,11 +5,11 @@
 use super::Joint;
 use crate::Error;
 use crate::scoped;
+use finite_elements::elements::{Formulation, HEX8, HEX20};
+use finite_elements::mesh::Material;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::cell::RefCell;
 use std::fmt;
-use substructure::elements::{Formulation, HEX8, HEX20};
-use substructure::mesh::Material;
 use zte_assembly::{InterfaceMesh, Operators};
 
 /// A benchmark structure.

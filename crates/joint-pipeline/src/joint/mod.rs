@@ -4,12 +4,12 @@ pub mod benchmark;
 pub mod quadratic;
 
 use crate::structure::Fit;
+use finite_elements::mesh::{Assembly, Face};
 use quadratic::RaisedElements;
 use reduction::RelativeSystem;
 use serde::{Deserialize, Serialize};
 use sprs::CsMat;
 use std::ops::Range;
-use substructure::mesh::{Assembly, Face};
 use zte_assembly::{Covered, InterfaceMesh};
 
 /// Two bodies with everything that connects and loads them, before contact, and the interface between them.

@@ -1,9 +1,9 @@
 //! Joints of linear elements turned into joints of quadratic ones.
 
+use finite_elements::mesh::{Assembly, Face};
+use finite_elements::{Error, Quadratic};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use substructure::mesh::{Assembly, Face};
-use substructure::{Error, Quadratic};
 use zte_assembly::{Element, InterfaceMesh};
 
 /// Linear elements that were made quadratic after a mesh was read.

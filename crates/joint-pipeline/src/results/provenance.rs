@@ -7,9 +7,9 @@ pub use dense_algebra::arithmetic_fingerprint;
 use crate::scene::{StructureSource, Surface};
 use crate::structure::matrix_files_of;
 use crate::{Error, Scene};
+use finite_elements::formats::abaqus;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use substructure::formats::abaqus;
 
 /// Program, processor and inputs of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -95,13 +95,13 @@ pub enum InputRole {
 
 impl InputRole {
     /// Which limits hold for it.
-    fn kind(self) -> input_files::Kind {
+    fn kind(self) -> file_io::input::Kind {
         match self {
-            Self::BuiltInScene | Self::Plan | Self::Scene => input_files::Kind::Scene,
-            Self::Deck | Self::DeckInclude => input_files::Kind::Deck,
-            Self::Mesh => input_files::Kind::Mesh,
-            Self::Matrices => input_files::Kind::Matrices,
-            Self::TopScan | Self::BottomScan => input_files::Kind::Scan,
+            Self::BuiltInScene | Self::Plan | Self::Scene => file_io::input::Kind::Scene,
+            Self::Deck | Self::DeckInclude => file_io::input::Kind::Deck,
+            Self::Mesh => file_io::input::Kind::Mesh,
+            Self::Matrices => file_io::input::Kind::Matrices,
+            Self::TopScan | Self::BottomScan => file_io::input::Kind::Scan,
         }
     }
 }
@@ -126,8 +126,8 @@ impl Input {
     /// # Errors
     /// [`Error::InputFile`] if it is no regular file within the limit of its kind; [`Error::Store`] if it cannot be read.
     pub fn of_file(role: InputRole, path: &Path) -> Result<Self, Error> {
-        input_files::check(path, role.kind())?;
-        let (bytes, sha256) = durable_files::sha256_of_file(path)?;
+        file_io::input::check(path, role.kind())?;
+        let (bytes, sha256) = file_io::durable::sha256_of_file(path)?;
         Ok(Self {
             role,
             path: path.display().to_string(),
@@ -142,7 +142,7 @@ impl Input {
             role: InputRole::BuiltInScene,
             path: name.to_owned(),
             bytes: text.len() as u64,
-            sha256: durable_files::sha256(text.as_bytes()),
+            sha256: file_io::durable::sha256(text.as_bytes()),
         }
     }
 

@@ -16,7 +16,7 @@ use crate::joint::quadratic::RaisedElements;
 use crate::scene::{BoltBehaviour, Method, PRESETS, Preset, Scene, StructureSource, Symmetry, TorqueReport};
 use crate::structure::Overview;
 use cqsma_solver::Reason;
-use periodic_motion::backbone::Point;
+use harmonic_balance::backbone::Point;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -758,7 +758,7 @@ fn forced(of: &ForcedResponse) -> ForcedSummary {
             failure: found
                 .as_ref()
                 .err()
-                .map(|f: &periodic_motion::Failure| f.reason.to_string()),
+                .map(|f: &harmonic_balance::Failure| f.reason.to_string()),
         }
     };
     ForcedSummary {

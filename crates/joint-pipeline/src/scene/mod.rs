@@ -53,7 +53,7 @@ pub use units::{
 
 pub use crate::joint::benchmark::{ElementOrder, RefinementLevel, Symmetry};
 pub use cqsma_solver::cqsma::Commit;
-pub use substructure::elements::Formulation;
+pub use finite_elements::elements::Formulation;
 
 use self::json::Refusal;
 use crate::Error;
@@ -164,7 +164,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::read`].
     pub fn read_filled(path: &Path, benchmarks: Benchmarks<'_>, fill: &dyn Fn(&mut Value)) -> Result<Self, Error> {
-        let text = input_files::read_text(path, input_files::Kind::Scene)?;
+        let text = file_io::input::read_text(path, file_io::input::Kind::Scene)?;
         let place = path.display().to_string();
         let mut value = json::parse(&text).map_err(|message| refused(&place, message.into()))?;
         fill(&mut value);

@@ -4,10 +4,10 @@ use super::mesh::MeshFile;
 use super::units::{Area, Density, Length, Mass, Stress, SurfaceEnergy, Units};
 use crate::Error;
 use crate::joint::benchmark::{BenchmarkRef, ElementOrder, RefinementLevel, Symmetry};
+use finite_elements::elements::Formulation;
+use finite_elements::formats::abaqus::Includes;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use substructure::elements::Formulation;
-use substructure::formats::abaqus::Includes;
 use zte_assembly::InterfaceMesh;
 
 /// Where the structure comes from.

@@ -30,7 +30,7 @@ fn path_of(directory: &Path, key: &Key) -> PathBuf {
 /// The model stored for `key` and the facts stored with it, if there is an intact file. Damaged or foreign files count as
 /// absent.
 pub(crate) fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(ReducedModel, F)> {
-    let bytes = durable_files::read_sealed(&path_of(directory, key))?;
+    let bytes = file_io::durable::read_sealed(&path_of(directory, key))?;
     let end = bytes.iter().position(|b| *b == b'\n')?;
     let header: Header<F> = serde_json::from_slice(&bytes[..end]).ok()?;
     let payload = &bytes[end + 1..];
@@ -110,5 +110,5 @@ pub(crate) fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: 
     })?;
     bytes.push(b'\n');
     bytes.extend_from_slice(&payload);
-    Ok(durable_files::write_sealed(&path, &bytes)?)
+    Ok(file_io::durable::write_sealed(&path, &bytes)?)
 }

@@ -76,9 +76,9 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     /// was written, such as a line that was cut off, counts as not done.
     pub(crate) fn open(directory: &Path, what: &str, key: &Key) -> Self {
         let path = directory.join(format!("{what}-{}.jsonl", key.short()));
-        let text = input_files::read(&path, input_files::Kind::Checkpoint).unwrap_or_default();
+        let text = file_io::input::read(&path, file_io::input::Kind::Checkpoint).unwrap_or_default();
         let part = |line: &[u8]| {
-            let line: Line<T> = serde_json::from_slice(durable_files::unseal_line(&key.0, line)?).ok()?;
+            let line: Line<T> = serde_json::from_slice(file_io::durable::unseal_line(&key.0, line)?).ok()?;
             Some((line.index, line.value))
         };
         let finished = text.split(|byte| *byte == b'\n').filter_map(part).collect();
@@ -120,7 +120,7 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         let Ok(json) = serde_json::to_vec(&Line { index, value }) else {
             return;
         };
-        let line = durable_files::seal_line(&self.key, &json);
+        let line = file_io::durable::seal_line(&self.key, &json);
         let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = file.write_all(&line).and_then(|()| file.sync_data());
     }

@@ -1,6 +1,6 @@
 //! Hashes of what stored results depend on.
 
-use durable_files::hex;
+use file_io::durable::hex;
 use sha2::{Digest, Sha256};
 
 /// Changes whenever the meaning of the stored numbers or the way they are computed does.

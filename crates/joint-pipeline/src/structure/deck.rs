@@ -6,8 +6,8 @@ use crate::Error;
 use crate::joint::quadratic;
 use crate::joint::{Bodies, Joint, MeshedBodies, Sides};
 use crate::scene::{Deck, DeckBolt, ElementOrder, Forced, Length, MaterialSource, Model, PointMass, Untied};
-use substructure::formats::abaqus::{self, Choices, DeckModel};
-use substructure::mesh::{BeyondTolerance, Dof, LoadPattern};
+use finite_elements::formats::abaqus::{self, Choices, DeckModel};
+use finite_elements::mesh::{BeyondTolerance, Dof, LoadPattern};
 
 /// A structure from an input deck, in SI, with `masses` at nodes that it names, in elements of the order of `model`.
 ///
@@ -102,7 +102,7 @@ pub(super) fn joint(
     for point in masses {
         // Decks name the nodes of all masses.
         let name = point.node.as_deref().unwrap_or_default();
-        assembly.masses.push(substructure::mesh::PointMass {
+        assembly.masses.push(finite_elements::mesh::PointMass {
             node: named_node(&deck, "structure.point_masses[].node", name)?,
             mass: point.mass.si(),
         });

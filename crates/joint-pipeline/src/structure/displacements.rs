@@ -4,7 +4,7 @@ use super::{StructuralModel, Structure};
 use crate::Error;
 use crate::joint::Bodies;
 use faer::{Mat, MatRef};
-use substructure::sparse::multiply_into;
+use finite_elements::sparse::multiply_into;
 
 impl Structure {
     /// Displacement of each node of the mesh (m), motion by motion; motions of the reduced model are columns.

@@ -4,12 +4,12 @@ use super::StructuralModel;
 use crate::joint::{Joint, MeshedBodies, Sides};
 use crate::scene::{self, Length, Units};
 use faer::{Mat, MatRef};
+use finite_elements::formats::abaqus::Includes;
+use finite_elements::mesh::{Dof as Component, Face, Group};
 use matrix_files::Error;
 use matrix_files::value::{Array, Dense, Dof};
 use std::collections::BTreeMap;
 use std::path::Path;
-use substructure::formats::abaqus::Includes;
-use substructure::mesh::{Dof as Component, Face, Group};
 use zte_assembly::shape::QUAD4;
 
 /// What the arrays are; goes with them where the format has room for text.
@@ -131,7 +131,7 @@ pub fn groups(joint: &Joint, bodies: &MeshedBodies) -> ([Group<Face>; 2], [Group
     (sides, [response])
 }
 
-/// What a scene says of the input deck at `path` that [`substructure::formats::abaqus::write`] makes of the bodies and their
+/// What a scene says of the input deck at `path` that [`finite_elements::formats::abaqus::write`] makes of the bodies and their
 /// [`groups`]: the structure is the same. Its `materials` are those that the bodies have, which the deck holds, or the scene's.
 pub fn deck(joint: &Joint, bodies: &MeshedBodies, path: &Path, materials: scene::MaterialSource) -> scene::Deck {
     let normal = joint.frame[2];

@@ -8,11 +8,11 @@ use super::touching;
 use crate::Error;
 use crate::joint::benchmark::ElementOrder;
 use crate::joint::{MovedPairs, ProjectedSide, Sides};
+use finite_elements::mesh::Face;
+use finite_elements::sparse::submatrix;
 use nalgebra::Vector3;
 use sprs::CsMat;
 use std::collections::{BTreeMap, BTreeSet};
-use substructure::mesh::Face;
-use substructure::sparse::submatrix;
 use zte_assembly::{Covered, Element, InterfaceMesh, Mortar, Operators, Rise};
 
 /// How far nodes that face one another may be apart, relative to the shortest edge of the interface.

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::scene::{self, Length, Mass};
-use substructure::mesh::PointMass;
+use finite_elements::mesh::PointMass;
 
 /// How far a node may be from the position of its mass where nothing else is said, relative to the largest extent of the
 /// structure along an axis.

@@ -5,12 +5,12 @@ use super::matrix_contents::{Contents, File};
 use crate::Error;
 use crate::joint::{Bodies, ImportedBodies, Joint};
 use crate::scene::{BoltBehaviour, Bolts, ContactPoint, Coordinates, Forced, Length, Matrices, MatrixVector, Sides};
+use finite_elements::sparse::{multiply_vector, submatrix};
 use matrix_files::value::Dof;
 use reduction::{RelativeSystem, SystemMatrices};
 use sprs::CsMat;
 use std::borrow::Cow;
 use std::collections::HashMap;
-use substructure::sparse::{multiply_vector, submatrix};
 use zte_assembly::{Element, InterfaceMesh, PointContact};
 
 /// Relative difference of the masses that a structure shows along the three axes, up to which it has one mass.

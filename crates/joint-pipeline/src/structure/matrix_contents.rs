@@ -2,12 +2,12 @@
 
 use crate::Error;
 use crate::scene::PlaneMesh;
+use finite_elements::sparse::symmetric_part;
 use matrix_files::value::{Array, Collection, Dense, Dof};
 use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use substructure::sparse::symmetric_part;
 
 /// Arrays that are read; all others are noted.
 const ARRAYS: [&str; 9] = [

@@ -11,15 +11,15 @@ use crate::scene::{
     self, BoltSeat, ContactStiffness, ElementOrder, Length, MeshBolt, MeshFile, MeshInterface, MeshResponse,
     MeshSupport, Model, Scene,
 };
+use finite_elements::formats::solid_mesh::SolidMesh;
+use finite_elements::mesh::{
+    Assembly, BeyondTolerance, Coupling, CouplingKind, Dof, Element, Face, GroundSpring, LoadPattern, Material, Mesh,
+    Tie,
+};
 use nalgebra::Vector3;
 use sprs::CsMat;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
-use substructure::formats::solid_mesh::SolidMesh;
-use substructure::mesh::{
-    Assembly, BeyondTolerance, Coupling, CouplingKind, Dof, Element, Face, GroundSpring, LoadPattern, Material, Mesh,
-    Tie,
-};
 use zte_assembly::InterfaceMesh;
 
 /// How far apart tied faces may be by default, relative to the longest edge of the master.

@@ -34,10 +34,10 @@ use crate::joint::benchmark::MeshSettings;
 use crate::joint::{Bodies, Joint, Sides};
 use crate::progress::Progress;
 use crate::scene::{BoltBehaviour, Density, Model, Scene, StructureSource, Symmetry};
+use finite_elements::mesh::{Assembly, Dof, Equation, GroundSpring, Material};
 pub(crate) use reduce::Assembled;
 use reduce::Meshed;
 use reduction::{Limits, Settings, checks};
-use substructure::mesh::{Assembly, Dof, Equation, GroundSpring, Material};
 use zte_assembly::InterfaceMesh;
 
 /// Frequencies compared between the full and the reduced model.

@@ -8,12 +8,12 @@ use crate::joint::{Bodies, MeshedBodies};
 use crate::progress::{Progress, Stage, end_stage};
 use dense_algebra::product;
 use faer::Mat;
+use finite_elements::assemble::System;
+use finite_elements::eigen;
+use finite_elements::sparse::multiply_into;
 use reduction::{Limits, checks};
 use serde::Serialize;
 use sprs::CsMat;
-use substructure::assemble::System;
-use substructure::eigen;
-use substructure::sparse::multiply_into;
 
 /// What holds the bodies together at the interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -5,9 +5,9 @@ use super::fit::Fit;
 use crate::Error;
 use crate::joint::Bodies;
 use crate::scene::{self, Density, MaterialSource, Scene, StructureSource, Surface, Units};
+use finite_elements::mesh::Mesh;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use substructure::mesh::Mesh;
 
 /// A structure and what loads it, as read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

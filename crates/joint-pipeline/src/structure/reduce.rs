@@ -9,12 +9,12 @@ use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use faer::Mat;
+use finite_elements::assemble::System;
+use finite_elements::mesh::{Cell, Dof};
 use reduction::checks::{self, ReducedSpectrum};
 use reduction::{FacingNodes, InterfacePairs, Limits, ReducedModel, RelativeSystem, Settings, Step, reduce};
 use sprs::CsMat;
 use std::borrow::Cow;
-use substructure::assemble::System;
-use substructure::mesh::{Cell, Dof};
 
 /// Residual that modes reach where only their frequencies matter, whose error is of the order of its square.
 const FREQUENCY_TOLERANCE: f64 = 1e-4;

@@ -215,7 +215,7 @@ impl Structure {
             }
             Bodies::Imported(_) => CHECK_STIFFNESS * self.youngs_modulus.unwrap_or(f64::NAN),
             Bodies::Meshed(bodies) => {
-                let largest = |materials: &[substructure::mesh::Material]| {
+                let largest = |materials: &[finite_elements::mesh::Material]| {
                     materials.iter().map(|own| own.youngs_modulus).fold(0.0, f64::max)
                 };
                 CHECK_STIFFNESS

@@ -1,7 +1,7 @@
 //! What bodies look like from outside.
 
 use crate::joint::{Bodies, Joint, Sides};
-use substructure::mesh::Face;
+use finite_elements::mesh::Face;
 
 /// The outer surface of the bodies without the faces that touch.
 #[derive(Clone, Debug)]

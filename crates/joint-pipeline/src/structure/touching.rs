@@ -1,9 +1,9 @@
 //! Which faces of two bodies touch.
 
+use finite_elements::mesh::Face;
+use finite_elements::sets::DisjointSets;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use substructure::mesh::Face;
-use substructure::sets::DisjointSets;
 
 /// How far faces may be apart that touch by default, relative to the longest edge of the smaller one.
 const REACH: f64 = 0.05;

@@ -2,7 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use matrix_files::{Source, abaqus, calculix, mat, matrix_market, npz};
+use file_io::Source;
+use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
 
 fuzz_target!(|bytes: &[u8]| {
     let source = Source { name: "fuzzed", bytes };

@@ -4,8 +4,10 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use crate::Error;
-use crate::text::{self, Line, quoted};
-use crate::value::{Dense, Dof, Skipped, Source};
+use crate::text::{self, Line};
+use crate::value::{Dense, Dof, Skipped};
+use file_io::Source;
+use file_io::quoted;
 
 /// A reduced substructure.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use super::substructure::{Recovery, Substructure, parse_substructure};
-use crate::value::{Dense, Dof, Source};
+use crate::value::{Dense, Dof};
 use crate::{Error, writing};
+use file_io::Source;
 
 /// The file of a substructure, in the order in which Abaqus writes: stiffness, loads, other matrices, recovery.
 ///

@@ -10,10 +10,10 @@ use super::layout::{
     NAME_LENGTH, OPAQUE_CLASS, SINGLE, SINGLE_CLASS, SPARSE_CLASS, STRUCT_CLASS, UINT8, UINT16, UINT32, UINT64, UTF8,
     UTF16,
 };
+use crate::Error;
 use crate::archive::INFLATION;
-use crate::text;
 use crate::value::{Array, Collection, Dense, Skipped, plausible};
-use crate::{Error, Place};
+use file_io::Place;
 
 /// The inside of an element.
 #[derive(Clone, Copy)]
@@ -240,7 +240,7 @@ impl<'a> View<'a> {
         match std::str::from_utf8(self.bytes) {
             Ok(name) if name.len() <= NAME_LENGTH && !name.contains('\0') => Ok(name.into()),
             _ => Err(self.malformed(
-                text::quoted(self.bytes),
+                file_io::quoted(self.bytes),
                 format!("a name of at most {NAME_LENGTH} letters"),
             )),
         }

@@ -14,9 +14,11 @@ use std::path::Path;
 use self::elements::View;
 use self::layout::{COMPRESSED, MATRIX};
 pub use self::writer::to_bytes;
+use crate::Error;
 use crate::text;
-use crate::value::{Collection, Source};
-use crate::{Error, Place};
+use crate::value::Collection;
+use file_io::Place;
+use file_io::Source;
 
 /// Reads the file at `path`.
 ///
@@ -103,7 +105,7 @@ fn byte_order(source: Source<'_>) -> Result<bool, Error> {
         _ => Err(Error::Malformed {
             file: source.name.into(),
             place: Place::Byte(bytes.len().min(124)),
-            found: level.map_or("the end of the file".into(), text::quoted),
+            found: level.map_or("the end of the file".into(), file_io::quoted),
             expected: "the version and byte order of a MATLAB file of level 5".into(),
         }),
     }

@@ -14,10 +14,12 @@ use self::npy::Npy;
 pub use self::sparse::MATRIX;
 use self::sparse::sparse_matrices;
 pub use self::writer::to_bytes;
+use crate::Error;
 use crate::archive;
 use crate::text;
-use crate::value::{Array, Collection, Skipped, Source};
-use crate::{Error, Place};
+use crate::value::{Array, Collection, Skipped};
+use file_io::Place;
+use file_io::Source;
 
 /// Reads the file at `path`.
 ///

@@ -1,8 +1,8 @@
 //! One array in NumPy's format.
 
-use crate::text;
+use crate::Error;
 use crate::value::{Array, Dense};
-use crate::{Error, Place};
+use file_io::Place;
 
 /// One array file.
 #[derive(Clone, Copy)]
@@ -58,7 +58,7 @@ impl Npy<'_> {
             shape,
         }) = dictionary(header)
         else {
-            return Err(self.malformed(start, text::quoted(header), "`descr`, `fortran_order` and `shape`"));
+            return Err(self.malformed(start, file_io::quoted(header), "`descr`, `fortran_order` and `shape`"));
         };
         let (rows, columns) = match shape[..] {
             [] => (1, 1),
@@ -124,7 +124,7 @@ impl Npy<'_> {
             _ => {
                 return Err(self.malformed(
                     0,
-                    text::quoted(&self.bytes[..self.bytes.len().min(8)]),
+                    file_io::quoted(&self.bytes[..self.bytes.len().min(8)]),
                     "`\\x93NUMPY` and 1 to 3",
                 ));
             }

@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use sprs::CsMat;
 
+use crate::Error;
 use crate::triplets::{self, Entry};
-use crate::value::{Array, Source, plausible};
-use crate::{Error, Place};
+use crate::value::{Array, plausible};
+use file_io::Place;
+use file_io::Source;
 
 /// Name of a sparse matrix that is alone in its file, as `scipy.sparse.save_npz` writes it and `load_npz` reads it.
 pub const MATRIX: &str = "matrix";

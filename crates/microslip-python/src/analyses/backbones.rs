@@ -8,10 +8,10 @@ use crate::work::{Monitor, pool, supervise};
 use cqsma_solver::cqsma::{self, Commit, Cycles, LoopObserver};
 use cqsma_solver::{BackbonePoint, Failure, NewtonSettings};
 use faer::Mat;
+use harmonic_balance::backbone::{self, Accuracy, Kind, Point};
+use harmonic_balance::{Harmonics, Sampling};
 use joint_pipeline::progress::Progress;
 use numpy::{PyArray1, PyArrayMethods};
-use periodic_motion::backbone::{self, Accuracy, Kind, Point};
-use periodic_motion::{Harmonics, Sampling};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::f64::consts::TAU;
@@ -216,10 +216,10 @@ pub(crate) fn run_epmc<'py>(
             max_harmonics: max_sampling[0],
             max_samples: max_sampling[1],
         }),
-        newton: periodic_motion::NewtonSettings {
+        newton: harmonic_balance::NewtonSettings {
             tolerance,
             max_iterations,
-            ..periodic_motion::NewtonSettings::default()
+            ..harmonic_balance::NewtonSettings::default()
         },
     };
     let begin = Begin {

@@ -3,12 +3,12 @@
 use crate::arrays::{check_shape, readable, slice, tuple};
 use crate::error::{Exception, input};
 use faer::Mat;
+use finite_elements::factor::SparseCholesky;
+use finite_elements::sparse::{diagonal, sum, symmetric_part};
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use sprs::{CsMat, TriMat};
-use substructure::factor::SparseCholesky;
-use substructure::sparse::{diagonal, sum, symmetric_part};
 
 /// Relative to the diagonal, by how much mirrored entries may differ.
 const ROUND_OFF: f64 = 1e-6;

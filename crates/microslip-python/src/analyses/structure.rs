@@ -8,6 +8,7 @@ use crate::work::{pool, supervise};
 use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{Failure, Linearisation, NewtonSettings, modes};
 use faer::{Mat, MatRef};
+use finite_elements::sparse::{congruence, diagonal, multiply_vector};
 use joint_pipeline::interface::{InterfaceForce, uniform_closure};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -16,7 +17,6 @@ use reduction::{ReducedModel, RelativeSystem, Settings, SystemMatrices, reduce};
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use substructure::sparse::{congruence, diagonal, multiply_vector};
 use zte_assembly::{Element, Interface, InterfaceMesh, Operators, PointContact, State};
 
 /// Most coordinates whose change to the jump is made with full matrices.

@@ -5,6 +5,7 @@ use super::{Cache, Defaults, Outcome, Threads, default_directory, print, scene};
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
 use anyhow::{Context, Result, bail, ensure};
+use host::results_of;
 use joint_pipeline::analysis::calibration::{self, Calibration, Measured, Noise};
 use joint_pipeline::analysis::comparison::{Backbone, Point};
 use joint_pipeline::scene::{Marginal, Parameter, Scene, Shape};
@@ -13,7 +14,6 @@ use reports::Output;
 use reports::csv::{number, optional, table};
 use reports::overlay::{self, Series};
 use reports::plot::amplitude_label;
-use run_environment::results_of;
 use std::fmt::Write;
 use std::path::PathBuf;
 

@@ -4,7 +4,8 @@ use super::{Defaults, scene};
 use crate::files::{self, Overwrite};
 use anyhow::{Context, Result, bail};
 use contact_laws::FittedCurves;
-use durable_files::Identity;
+use file_io::durable::Identity;
+use host::{benchmarks, results_of};
 use joint_pipeline::Scene;
 use joint_pipeline::interface::{FinishReport, FinishedSurface, SURFACE_SCHEMA_VERSION, ScannedSurface};
 use joint_pipeline::joint::benchmark::BenchmarkRef;
@@ -14,7 +15,6 @@ use joint_pipeline::structure::Structure;
 use reports::Output;
 use reports::fields::{CellField, Placed};
 use reports::{csv, fields, map, plot};
-use run_environment::{benchmarks, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use surface_characterisation::finish::PERCENTILES;
@@ -224,7 +224,7 @@ fn mesh(arguments: &Arguments, scene: &Scene) -> Result<Mesh> {
         .and_then(|name| benchmarks::find(name.to_str()?));
     match (&arguments.mesh, named) {
         (Some(path), None) => {
-            let text = input_files::read_text(path, input_files::Kind::Table)?;
+            let text = file_io::input::read_text(path, file_io::input::Kind::Table)?;
             let plane: PlaneMesh = files::parse(path, &text, "the mesh of an interface, with `nodes` and `elements`")?;
             let plane = plane
                 .interface(arguments.mesh_units.metres(1.0))

@@ -4,7 +4,7 @@ use super::identify;
 use super::transient::line;
 use crate::files::{self, Overwrite};
 use anyhow::{Context, Result, bail, ensure};
-use durable_files::{Identity, Manifest};
+use file_io::durable::{Identity, Manifest};
 use joint_pipeline::analysis::comparison::{Backbone, Misfit, POINTS, Point};
 use modal_identification::signal::{Quantity, Unit};
 use reports::Output;
@@ -126,7 +126,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn read(path: &Path) -> Result<String> {
-    Ok(input_files::read_text(path, input_files::Kind::Table)?)
+    Ok(file_io::input::read_text(path, file_io::input::Kind::Table)?)
 }
 
 /// The table of a backbone, of a run or of what was identified.
@@ -148,7 +148,7 @@ fn file(path: &Path) -> Result<PathBuf> {
     };
     let identity = match folder.map(Manifest::read) {
         Some(Ok(manifest)) => is_listed(&manifest).then_some(manifest.identity),
-        Some(Err(error)) if is_folder && !matches!(error, durable_files::Error::NoManifest { .. }) => {
+        Some(Err(error)) if is_folder && !matches!(error, file_io::durable::Error::NoManifest { .. }) => {
             return Err(error.into());
         }
         // A file may stand beside anything.

@@ -4,6 +4,9 @@ use super::{Cache, Defaults, SceneArguments, default_directory};
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
 use anyhow::{Context, Result, bail};
+use finite_elements::formats::vtu::{self, Encoding};
+use finite_elements::formats::{abaqus, gmsh};
+use host::results_of;
 use joint_pipeline::Scene;
 use joint_pipeline::joint::Bodies;
 use joint_pipeline::scene::{ElementOrder, Gap, MaterialSource, RefinementLevel, StructureSource, Surface, Symmetry};
@@ -12,10 +15,7 @@ use joint_pipeline::structure::export::{ABOUT, arrays, deck, groups};
 use matrix_files::value::Array;
 use matrix_files::{mat, matrix_market, npz};
 use reports::Output;
-use run_environment::results_of;
 use std::path::{Path, PathBuf};
-use substructure::formats::vtu::{self, Encoding};
-use substructure::formats::{abaqus, gmsh};
 
 /// Options of `export`.
 #[derive(clap::Args)]

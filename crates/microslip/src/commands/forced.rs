@@ -4,11 +4,11 @@ use super::run::{Request, conclude};
 use super::{Cache, Defaults, Outcome, SceneArguments, Threads, default_directory, scene};
 use crate::files::{self, Overwrite};
 use anyhow::Result;
+use host::{provenance, results_of};
 use joint_pipeline::results::summary::{ForcedSummary, ResonanceSummary, Summary};
 use joint_pipeline::scene::{Force, Forced, Method};
 use joint_pipeline::{Error, Scene};
 use reports::run::{FORCED, SUMMARY, outputs};
-use run_environment::{provenance, results_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -217,7 +217,7 @@ fn account(summary: &Summary, name: &str, directory: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use run_environment::benchmarks;
+    use host::benchmarks;
 
     fn arguments(levels: Option<&[f64]>, from_hz: Option<f64>, to_hz: Option<f64>) -> Arguments {
         let mut arguments = parsed();

@@ -2,7 +2,7 @@
 
 use crate::files::{self, Overwrite};
 use anyhow::Result;
-use durable_files::Identity;
+use file_io::durable::Identity;
 use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
 use modal_identification::signal::{Quantity, Signal, Stated};

@@ -19,9 +19,9 @@ mod view;
 
 use crate::text;
 use anyhow::{Context, Result, bail};
+pub use host::GivenScene;
+use host::{free_memory, provenance};
 use joint_pipeline::{Benchmark, Options};
-pub use run_environment::GivenScene;
-use run_environment::{free_memory, provenance};
 pub use scene::SceneArguments;
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
@@ -229,7 +229,7 @@ fn write_new(directory: &Path, files: &[(&str, &[u8])]) -> Result<()> {
         }
     }
     for (name, contents) in files {
-        durable_files::write(&directory.join(name), contents)?;
+        file_io::durable::write(&directory.join(name), contents)?;
     }
     Ok(())
 }

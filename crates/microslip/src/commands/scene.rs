@@ -2,12 +2,12 @@
 
 use super::Defaults;
 use anyhow::{Result, bail};
+use finite_elements::formats::abaqus::Includes;
+use host::{BENCHMARKS, GivenScene};
 use joint_pipeline::Benchmark;
 use joint_pipeline::scene::StructureSource;
-use run_environment::{BENCHMARKS, GivenScene};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use substructure::formats::abaqus::Includes;
 
 /// The scene that a command works on.
 #[derive(clap::Args)]

@@ -5,7 +5,8 @@ use super::{Cache, Defaults, Outcome, Threads, print, scene};
 use crate::files::{Overwrite, publish};
 use crate::progress::Bar;
 use anyhow::{Context, Result, anyhow, bail};
-use durable_files::{Identity, MANIFEST};
+use file_io::durable::{Identity, MANIFEST};
+use host::{BENCHMARKS, benchmarks, forget_peak_memory, free_memory, peak_memory, provenance, results_of};
 use joint_pipeline::Options;
 use joint_pipeline::results::provenance::{Input, InputRole, Provenance};
 use joint_pipeline::scene::parse_json;
@@ -14,7 +15,6 @@ use parameter_studies::{Base, BaseScene, CSV, Machine, Memory, PARQUET, Part, Pl
 use rayon::ThreadPoolBuilder;
 use reports::Output;
 use reports::run::SUMMARY;
-use run_environment::{BENCHMARKS, benchmarks, forget_peak_memory, free_memory, peak_memory, provenance, results_of};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -288,7 +288,7 @@ fn base_scene(path: &Path, plan: &Plan, defaults: &Defaults) -> Result<(BaseScen
         Base::Named(name) => {
             let file = parent.join(name);
             if file.exists() {
-                let text = input_files::read_text(&file, input_files::Kind::Scene)?;
+                let text = file_io::input::read_text(&file, file_io::input::Kind::Scene)?;
                 let value = parse_json(&text).map_err(|message| anyhow!("{}: {message}", file.display()))?;
                 let base = BaseScene {
                     value,

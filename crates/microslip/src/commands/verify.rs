@@ -5,12 +5,12 @@ use super::run::{ErrorOf, Request};
 use crate::check::{self, Demand};
 use crate::files::is_of_some_run;
 use anyhow::{Context, Result, bail, ensure};
-use durable_files::Manifest;
+use file_io::durable::Manifest;
+use host::provenance;
 use joint_pipeline::Options;
 use joint_pipeline::results::provenance::{Provenance, arithmetic_fingerprint};
 use joint_pipeline::results::summary::Summary;
 use reports::run::outputs;
-use run_environment::provenance;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use matrix_files::Source;
+use file_io::Source;
 use modal_identification::backbone::{Settings, identify};
 use modal_identification::readers::{self, csv, named, uff, wav};
 use modal_identification::signal::{Signal, Stated};

@@ -6,7 +6,7 @@
 //! columns are called `1`, `2` and so on. Empty cells are missing samples.
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
-use matrix_files::{Place, Source, quoted};
+use file_io::{Place, Source, quoted};
 
 use super::recording::{Recording, malformed, recording, seconds};
 use crate::Error;

@@ -18,7 +18,7 @@ pub mod wav;
 
 use std::path::Path;
 
-use matrix_files::Source;
+use file_io::Source;
 
 use crate::Error;
 pub use recording::Recording;
@@ -28,7 +28,7 @@ pub use recording::Recording;
 /// # Errors
 /// [`Error::File`].
 pub fn read(path: &Path) -> Result<Recording, Error> {
-    let bytes = input_files::read(path, input_files::Kind::Record).map_err(matrix_files::Error::from)?;
+    let bytes = file_io::input::read(path, file_io::input::Kind::Record).map_err(matrix_files::Error::from)?;
     parse(Source {
         name: &path.to_string_lossy(),
         bytes: &bytes,

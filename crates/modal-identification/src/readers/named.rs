@@ -10,8 +10,9 @@
 
 use std::collections::BTreeMap;
 
+use file_io::Source;
 use matrix_files::value::{Array, Collection, Skipped};
-use matrix_files::{Source, mat, npz};
+use matrix_files::{mat, npz};
 
 use super::recording::Recording;
 use crate::Error;

@@ -1,7 +1,7 @@
 //! What the readers make of files, and what they share.
 
+use file_io::{Place, Source};
 use matrix_files::value::Skipped;
-use matrix_files::{Place, Source};
 
 use crate::signal::{Channel, Timing};
 use crate::{Error, Warning};

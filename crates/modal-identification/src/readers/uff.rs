@@ -7,8 +7,8 @@
 //! A channel is called by the first line of its description and its node and direction, `hammer side 3:+Z`; what is blank,
 //! `NONE` or zero is left out. Text has the sampling step with six digits only: state the sample rate beside it.
 
+use file_io::{Place, Source, quoted};
 use matrix_files::value::Skipped;
-use matrix_files::{Place, Source, quoted};
 
 use super::recording::{Recording, malformed, seconds};
 use crate::Error;

@@ -1,8 +1,8 @@
 //! Sound files (`.wav`): PCM of 8, 16, 24 or 32 bits, or numbers in single precision. Integers become fractions of full
 //! scale; the unit to state is then the size of full scale, as `98.1 m/s^2`. Channels are called `1`, `2` and so on.
 
+use file_io::{Place, Source};
 use hound::{SampleFormat, WavReader};
-use matrix_files::{Place, Source};
 
 use super::recording::{Recording, malformed, recording};
 use crate::Error;

@@ -1,10 +1,10 @@
 //! Surfaces in space for the pages.
 
 use super::encode;
+use finite_elements::mesh::Face;
 use joint_pipeline::structure::OuterSurface;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use substructure::mesh::Face;
 
 /// Cosine of the angle between neighbouring faces below which their edge is drawn.
 const SHARP: f64 = 0.85;

@@ -2,9 +2,9 @@
 
 use super::bodies::Bodies;
 use super::encode;
+use finite_elements::mesh::{Face, Mesh};
 use joint_pipeline::structure::{ModalModel, OuterSurface};
 use serde::Serialize;
-use substructure::mesh::{Face, Mesh};
 
 /// Most components of displacements in a page; a component takes less than three bytes.
 const MOST_COMPONENTS: usize = 1_200_000;

@@ -1,6 +1,6 @@
 //! Numbers and text of binary files with the least significant byte first.
-
-use matrix_files::{Error as Layout, Place, Source, quoted};
+use file_io::{Place, Source, quoted};
+use matrix_files::Error as Layout;
 
 use crate::error::FileError;
 

@@ -1,6 +1,6 @@
 //! Points with positions of their own, put onto the grid that they form.
 
-use matrix_files::Place;
+use file_io::Place;
 
 use crate::error::FileError;
 

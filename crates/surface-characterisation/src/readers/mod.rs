@@ -42,10 +42,10 @@ pub mod text;
 mod units;
 pub mod x3p;
 
+use file_io::quoted;
+pub use file_io::{Place, Source};
+use matrix_files::Error as Layout;
 use std::path::Path;
-
-use matrix_files::{Error as Layout, quoted};
-pub use matrix_files::{Place, Source};
 
 pub use crate::error::FileError;
 pub use format::Format;
@@ -58,7 +58,7 @@ pub use units::{Declaration, LengthUnit, UnknownUnit};
 /// # Errors
 /// [`FileError`]; each names the file, the place where there is one, and what to do.
 pub fn read(path: &Path, options: &Options) -> Result<Scan, FileError> {
-    let bytes = input_files::read(path, input_files::Kind::Scan).map_err(Layout::from)?;
+    let bytes = file_io::input::read(path, file_io::input::Kind::Scan).map_err(Layout::from)?;
     parse(
         Source {
             name: &path.to_string_lossy(),

@@ -2,8 +2,9 @@
 //!
 //! The format has no place for units and steps: [`Options`] must name them. Other arrays of an archive are noted.
 
+use file_io::{Place, Source};
+use matrix_files::npz;
 use matrix_files::value::{Array, Dense};
-use matrix_files::{Place, Source, npz};
 
 use super::bytes::{malformed, unsupported};
 use super::format::Format;

@@ -7,8 +7,7 @@
 //! and unsigned types); floating-point numbers within a percent of either end (1.7e308, 3.4e38), which includes 1.797e308
 //! of either sign; NaN; in text also `BAD`. Integers at the other end of their type are heights, and are noted.
 //! Compressed and checksummed data are refused.
-
-use matrix_files::{Place, Source, quoted};
+use file_io::{Place, Source, quoted};
 
 use super::bytes::{Bytes, malformed, oversized, unsupported};
 use super::format::Format;

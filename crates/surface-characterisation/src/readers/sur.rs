@@ -9,9 +9,9 @@
 
 use std::io::Read;
 
+use file_io::{Place, Source, quoted};
 use flate2::read::ZlibDecoder;
 use matrix_files::archive::INFLATION;
-use matrix_files::{Place, Source, quoted};
 
 use super::bytes::Bytes;
 use super::format::Format;

@@ -11,9 +11,8 @@
 //! [`crate::writers::csv`] writes them; `Width`, `Height` (of the whole field) and `Value units` of Gwyddion; three units
 //! in brackets or parentheses, `x [mm] y [mm] z [um]`.
 
+use file_io::{Place, Source, quoted};
 use std::borrow::Cow;
-
-use matrix_files::{Place, Source, quoted};
 
 use super::bytes::{latin_or_utf8, malformed};
 use super::format::Format;

@@ -1,10 +1,10 @@
 //! The hole that a bolt passes, as the faces around it show it, and bolts that are in one another's place.
 
 use super::TILT;
+use finite_elements::mesh::Face;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use substructure::mesh::Face;
 
 /// Largest over least distance of a rim from its centre up to which it counts as round: a square has 1.42, a slot more.
 const ROUND: f64 = 1.5;

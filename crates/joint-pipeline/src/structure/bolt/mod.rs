@@ -15,10 +15,10 @@ pub(crate) use hole::Placed;
 pub use metric::{Friction, Hexagon, Metric, Thread, Washer};
 
 use crate::Error;
+use finite_elements::mesh::{Assembly, Coupling, CouplingKind, Face, LoadPattern, Material, RigidMass, Section, Shank};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
-use substructure::mesh::{Assembly, Coupling, CouplingKind, Face, LoadPattern, Material, RigidMass, Section, Shank};
 
 /// Largest angle between a seat and the plane at a right angle to the axis (degrees).
 const TILT: f64 = 10.0;
@@ -181,7 +181,7 @@ impl SeatFacts {
 }
 
 impl Bolt {
-    /// Finds the seats among `boundary` ([`Mesh::boundary`](substructure::mesh::Mesh::boundary)) and computes the shank.
+    /// Finds the seats among `boundary` ([`Mesh::boundary`](finite_elements::mesh::Mesh::boundary)) and computes the shank.
     ///
     /// A node of a seat is one of its faces' within the annulus. Its weight is its share of the area of these faces, each multiplied by
     /// the part of the face that lies inside of the annulus.

@@ -1,11 +1,11 @@
 //! A small bolted joint: two bars that overlap, as a mesh and as an input deck.
 
 use anyhow::{Context, Result};
+use finite_elements::elements::{Cell, Formulation, HEX8};
+use finite_elements::formats::{abaqus, gmsh};
+use finite_elements::mesh::{Assembly, Coupling, CouplingKind, Element, Face, Group, Material, Mesh};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use substructure::elements::{Cell, Formulation, HEX8};
-use substructure::formats::{abaqus, gmsh};
-use substructure::mesh::{Assembly, Coupling, CouplingKind, Element, Face, Group, Material, Mesh};
 
 /// The faces in contact, along x and y (m), about the origin.
 pub(super) const OVERLAP: [f64; 2] = [18e-3, 12e-3];

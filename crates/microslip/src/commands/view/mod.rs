@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             folder.display()
         );
         let path = folder.join(SUMMARY);
-        let text = input_files::read_text(&path, input_files::Kind::Table)?;
+        let text = file_io::input::read_text(&path, file_io::input::Kind::Table)?;
         let summary: Summary = files::parse(&path, &text, files::A_SUMMARY)?;
         runs.push(summary);
     }

@@ -1,6 +1,6 @@
 //! The axes: where the numbers of points lie in metres.
 
-use matrix_files::quoted;
+use file_io::quoted;
 
 use super::document::{AXES, Document};
 use crate::error::FileError;

@@ -1,11 +1,10 @@
 //! The document of the archive: what its elements say.
 
-use std::borrow::Cow;
-use std::collections::BTreeMap;
-
-use matrix_files::{Place, Source, quoted};
+use file_io::{Place, Source, quoted};
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::Event;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use crate::error::FileError;
 use crate::readers::bytes::{latin_or_utf8, malformed};

@@ -1,7 +1,7 @@
 //! The members of the archive, and their checksums.
 
+use file_io::{Place, Source, quoted};
 use matrix_files::archive::Archive;
-use matrix_files::{Place, Source, quoted};
 use md5::{Digest, Md5};
 
 use super::document::MAIN;

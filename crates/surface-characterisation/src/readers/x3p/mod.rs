@@ -11,8 +11,7 @@ mod axes;
 mod document;
 mod members;
 mod points;
-
-use matrix_files::{Place, Source, quoted};
+use file_io::{Place, Source, quoted};
 
 use self::axes::{DataType, axes};
 use self::document::{Document, MAIN};

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use matrix_files::Place;
+use file_io::Place;
 
 use super::axes::{Axis, DataType};
 use super::document::{Document, MAIN};

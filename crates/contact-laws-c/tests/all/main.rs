@@ -1,0 +1,4 @@
+//! The tests of the public interface, in one program: one file for each subject.
+
+mod c_program;
+mod header;

@@ -1,0 +1,299 @@
+//! Ordering, factorisation and condensation of sparse matrices against dense ones.
+
+use dense_algebra::{Limits, cholesky, product, solve_lower, solve_lower_transposed};
+use faer::{Mat, MatRef};
+use finite_elements::Error;
+use finite_elements::eigen::lowest_modes_within;
+use finite_elements::factor::{BLOCK, SparseCholesky};
+use finite_elements::ordering::nested_dissection;
+use sprs::{CsMat, TriMat};
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Points of a box, three rows each, and a matrix that couples neighbours; `seed` varies its values.
+fn block(size: [usize; 3], seed: usize) -> (CsMat<f64>, Vec<[f64; 3]>) {
+    let [nx, ny, nz] = size;
+    let node = |i: usize, j: usize, k: usize| i + nx * (j + ny * k);
+    let n = 3 * nx * ny * nz;
+    let mut triplets = TriMat::new((n, n));
+    let mut positions = Vec::new();
+    let mut rigid = vec![0.0; n];
+    for k in 0..nz {
+        for j in 0..ny {
+            for i in 0..nx {
+                positions.extend([[i as f64, j as f64, k as f64]; 3]);
+                for (di, dj, dk) in [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (1, 1, 1)] {
+                    if i + di >= nx || j + dj >= ny || k + dk >= nz {
+                        continue;
+                    }
+                    let (a, b) = (node(i, j, k), node(i + di, j + dj, k + dk));
+                    for c in 0..3 {
+                        for d in 0..3 {
+                            let value = (1 + (a * 7 + b * 3 + c * 5 + d * 5 + seed) % 11) as f64;
+                            triplets.add_triplet(3 * a + c, 3 * b + d, -value);
+                            triplets.add_triplet(3 * b + d, 3 * a + c, -value);
+                            rigid[3 * a + c] += value;
+                            rigid[3 * b + d] += value;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    for (i, sum) in rigid.iter().enumerate() {
+        triplets.add_triplet(i, i, sum + 1.0);
+    }
+    (triplets.to_csr(), positions)
+}
+
+fn dense(a: &CsMat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.rows(), a.cols(), |i, j| a.get(i, j).copied().unwrap_or(0.0))
+}
+
+fn difference(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> f64 {
+    (a - b).norm_max() / b.norm_max()
+}
+
+/// Two boxes of which the second is far away: unconnected.
+fn two_blocks() -> (CsMat<f64>, Vec<[f64; 3]>) {
+    let (a, at_a) = block([5, 4, 3], 1);
+    let (b, at_b) = block([4, 4, 4], 2);
+    let n = a.rows() + b.rows();
+    let mut triplets = TriMat::new((n, n));
+    a.iter().for_each(|(v, (i, j))| triplets.add_triplet(i, j, *v));
+    b.iter()
+        .for_each(|(v, (i, j))| triplets.add_triplet(a.rows() + i, a.rows() + j, *v));
+    let far = at_b.into_iter().map(|[x, y, z]| [x + 100.0, y, z]);
+    (triplets.to_csr(), at_a.into_iter().chain(far).collect())
+}
+
+#[test]
+fn every_row_is_eliminated_once_and_reaches_only_ancestors() {
+    let (slender, positions) = block([40, 5, 4], 0);
+    let flat = vec![[0.0; 3]; positions.len()];
+    let undefined = vec![[f64::NAN; 3]; positions.len()];
+    let (apart, apart_positions) = two_blocks();
+    for (matrix, positions, n_kept) in [
+        (&slender, &positions, 0),
+        (&slender, &positions, 100),
+        (&slender, &positions, slender.rows()),
+        (&slender, &flat, 0),
+        (&slender, &undefined, 0),
+        (&apart, &apart_positions, 0),
+        (&apart, &vec![[1.0; 3]; apart.rows()], 0),
+        (&CsMat::eye(2000), &vec![[0.0; 3]; 2000], 0),
+    ] {
+        let n = matrix.rows();
+        let dissection = nested_dissection(matrix, positions, n_kept);
+        let mut sorted = dissection.order.clone();
+        sorted.sort_unstable();
+        assert!(sorted.iter().copied().eq(n_kept..n));
+        let parts = &dissection.parts;
+        let mut parent = vec![usize::MAX; parts.len()];
+        let mut part_of = vec![usize::MAX; n];
+        let mut next = 0;
+        for (number, part) in parts.iter().enumerate() {
+            assert_eq!(part.rows.start, next);
+            next = part.rows.end;
+            part.rows.clone().for_each(|k| part_of[dissection.order[k]] = number);
+            for &child in &part.children {
+                assert!(child < number && parent[child] == usize::MAX);
+                parent[child] = number;
+            }
+        }
+        assert_eq!(
+            parent.iter().filter(|&&p| p == usize::MAX).count(),
+            usize::from(n > n_kept)
+        );
+        for (_, (i, j)) in matrix {
+            let (mut low, high) = (part_of[i].min(part_of[j]), part_of[i].max(part_of[j]));
+            while low < high && high != usize::MAX {
+                low = parent[low];
+            }
+            assert!(
+                low == high || high == usize::MAX,
+                "rows {i} and {j} meet before a separator"
+            );
+        }
+    }
+}
+
+#[test]
+fn planes_and_distances_keep_the_fill_of_a_bar_linear_in_its_length() {
+    let entries = |length: usize, geometry: bool| {
+        let (matrix, mut positions) = block([length, 5, 4], 0);
+        if !geometry {
+            positions.fill([0.0; 3]);
+        }
+        SparseCholesky::try_new(&matrix, &positions, "bar").unwrap().entries() as f64
+    };
+    for geometry in [true, false] {
+        let (short, long) = (entries(40, geometry), entries(80, geometry));
+        println!("{short} {long}");
+        assert!(long < 2.3 * short, "{short} {long}");
+        // Rows of the factor are a few sections of 60 rows long.
+        assert!(short < 40.0 * 60.0 * 180.0, "{short}");
+    }
+}
+
+#[test]
+fn a_long_bar_is_eliminated_from_its_ends() {
+    // Rows left after each separator: on one side of it but for the one that is last, where halves of halves have some on both.
+    let (matrix, positions) = block([160, 5, 4], 0);
+    let dissection = nested_dissection(&matrix, &positions, 0);
+    let section = 60;
+    let mut part_of = vec![0; matrix.rows()];
+    for (number, part) in dissection.parts.iter().enumerate() {
+        part.rows.clone().for_each(|k| part_of[dissection.order[k]] = number);
+    }
+    let mut beyond = vec![BTreeSet::new(); dissection.parts.len()];
+    for (number, part) in dissection.parts.iter().enumerate() {
+        let rows = part.rows.clone().map(|k| dissection.order[k]);
+        let own = rows.flat_map(|row| matrix.outer_view(row).unwrap().indices().to_vec());
+        let children = part.children.iter().flat_map(|&child| beyond[child].iter().copied());
+        beyond[number] = own.chain(children).filter(|&row| part_of[row] > number).collect();
+    }
+    let separators: Vec<usize> = (0..dissection.parts.len())
+        .filter(|&number| !dissection.parts[number].children.is_empty())
+        .filter(|&number| dissection.parts[number].rows.len() == section)
+        .collect();
+    let two_sided = separators
+        .iter()
+        .filter(|&&number| beyond[number].len() > section)
+        .count();
+    assert!(
+        separators.len() > 20 && 4 * two_sided < separators.len(),
+        "{two_sided} of {}",
+        separators.len()
+    );
+    // As deep as the bar is long it must not become: eliminations are nested as deep as the tree.
+    let (matrix, positions) = block([1500, 2, 2], 0);
+    let dissection = nested_dissection(&matrix, &positions, 0);
+    let mut height = vec![0; dissection.parts.len()];
+    for (number, part) in dissection.parts.iter().enumerate() {
+        height[number] = 1 + part.children.iter().map(|&child| height[child]).max().unwrap_or(0);
+    }
+    assert!(height.iter().max() < Some(&90), "{:?}", height.iter().max());
+}
+
+#[test]
+fn solutions_are_those_of_the_dense_factor_for_any_width() {
+    for (matrix, positions) in [block([9, 5, 4], 3), two_blocks(), block([2, 1, 1], 4)] {
+        let n = matrix.rows();
+        let factor = SparseCholesky::try_new(&matrix, &positions, "test").unwrap();
+        let lower = cholesky(dense(&matrix).as_ref()).unwrap();
+        for width in [0, 1, 7, BLOCK + 3] {
+            let rhs = Mat::from_fn(n, width, |i, j| ((i * 31 + j * 17) % 101) as f64 - 50.0);
+            let (mut x, mut expected) = (rhs.clone(), rhs);
+            factor.solve_in_place(x.as_mut());
+            solve_lower(lower.as_ref(), expected.as_mut());
+            solve_lower_transposed(lower.as_ref(), expected.as_mut());
+            if width > 0 {
+                assert!(difference(x.as_ref(), expected.as_ref()) < 1e-11);
+            }
+        }
+    }
+}
+
+#[test]
+fn condensation_is_the_dense_one() {
+    for ((stiffness, positions), (mass, _)) in
+        [(block([9, 5, 4], 3), block([9, 5, 4], 8)), (two_blocks(), two_blocks())]
+    {
+        let n = stiffness.rows();
+        for n_kept in [0, 1, 50, n] {
+            let (factor, condensed) =
+                SparseCholesky::condense(&stiffness, &mass, &positions, n_kept, &[], "test", Limits::default())
+                    .unwrap();
+            let (k, m) = (dense(&stiffness), dense(&mass));
+            let n_rest = n - n_kept;
+            let lower = cholesky(k.submatrix(n_kept, n_kept, n_rest, n_rest)).unwrap();
+            let mut x = k.submatrix(n_kept, 0, n_rest, n_kept).to_owned();
+            solve_lower(lower.as_ref(), x.as_mut());
+            solve_lower_transposed(lower.as_ref(), x.as_mut());
+            let basis = Mat::from_fn(n, n_kept, |i, j| match i < n_kept {
+                true => f64::from(u8::from(i == j)),
+                false => -x[(i - n_kept, j)],
+            });
+            for (full, small) in [(&k, &condensed.stiffness), (&m, &condensed.mass)] {
+                assert_eq!((small.nrows(), small.ncols()), (n_kept, n_kept));
+                assert_eq!(small, &small.transpose().to_owned(), "exactly symmetric");
+                let expected = product(basis.transpose(), product(full.as_ref(), basis.as_ref()).as_ref());
+                if n_kept > 0 {
+                    let error = difference(small.as_ref(), expected.as_ref());
+                    assert!(error < 1e-12, "{n_kept} kept: {error:e}");
+                }
+            }
+            // The factor is that of the rows that are not kept.
+            let mut solved = k.submatrix(n_kept, 0, n_rest, n_kept).to_owned();
+            factor.solve_in_place(solved.as_mut());
+            if n_kept > 0 && n_rest > 0 {
+                assert!(difference(solved.as_ref(), x.as_ref()) < 1e-11);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let ((stiffness, positions), (mass, _)) = (block([20, 6, 5], 3), block([20, 6, 5], 8));
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let (factor, condensed) =
+                SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test", Limits::default()).unwrap();
+            let mut x = Mat::from_fn(positions.len() - 60, 3 * BLOCK, |i, j| ((i + 3 * j) % 13) as f64);
+            factor.solve_in_place(x.as_mut());
+            (condensed.stiffness, condensed.mass, x)
+        })
+    };
+    let one = run(1);
+    assert!(one == run(2) && one == run(5));
+}
+
+#[test]
+fn work_beyond_its_limits_is_refused_before_it_is_done() {
+    let ((stiffness, positions), (mass, _)) = (block([20, 6, 5], 3), block([20, 6, 5], 8));
+    let condense =
+        |limits: Limits<'_>| SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test", limits);
+    let Err(Error::Memory { needed, limit: 1, .. }) = condense(Limits::default().within(Some(1))) else {
+        panic!("one byte is not enough");
+    };
+    // No less than the factor that comes of it.
+    let (factor, _) = condense(Limits::default().within(Some(needed))).unwrap();
+    assert!(needed > 8 * factor.entries() as u64, "{needed} {}", factor.entries());
+    assert!(condense(Limits::default().within(Some(needed - 1))).is_err());
+    let asked = AtomicUsize::new(0);
+    let parts = nested_dissection(&stiffness, &positions, 60).parts.len();
+    for last in [0, 1, parts, 2 * parts] {
+        asked.store(0, Ordering::Relaxed);
+        let stop = || asked.fetch_add(1, Ordering::Relaxed) >= last;
+        let stopped = condense(Limits::default().until(&stop));
+        assert!(matches!(stopped, Err(Error::Interrupted)), "{last}");
+    }
+    let modes = |limits: Limits<'_>| lowest_modes_within(limits, &stiffness, &mass, &positions, 3, 1e-6);
+    let stopped = modes(Limits::default().until(&|| true));
+    assert!(matches!(stopped, Err(Error::Interrupted)));
+    assert!(matches!(
+        modes(Limits::default().within(Some(1))),
+        Err(Error::Memory { .. })
+    ));
+}
+
+#[test]
+fn an_indefinite_matrix_is_refused_with_its_row() {
+    let (mut matrix, positions) = block([9, 5, 4], 3);
+    *matrix.get_mut(77, 77).unwrap() = -1.0;
+    let error = SparseCholesky::try_new(&matrix, &positions, "test matrix").unwrap_err();
+    assert!(
+        matches!(
+            error,
+            Error::NotPositiveDefinite {
+                matrix: "test matrix",
+                pivot: 77,
+                size: 540
+            }
+        ),
+        "{error}"
+    );
+}

@@ -1,0 +1,214 @@
+//! Forced responses: against closed forms, through turning points, and their resonances on backbones.
+
+use crate::common::{Element, Elements, chain, linearised};
+use faer::Mat;
+use harmonic_balance::backbone::{self, Kind};
+use harmonic_balance::forced::{Curve, Settings, follow, resonances};
+use harmonic_balance::{NewtonSettings, Sampling, synthesis};
+use std::ops::ControlFlow;
+
+fn settings(range: [f64; 2], harmonics: usize, background: f64) -> Settings {
+    Settings {
+        range,
+        sampling: Sampling {
+            harmonics,
+            samples: 256,
+            periods: 2,
+        },
+        background,
+        newton: NewtonSettings {
+            tolerance: 1e-10,
+            ..NewtonSettings::default()
+        },
+        ..Settings::default()
+    }
+}
+
+fn go<T>(_: &T) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+#[test]
+fn a_duffing_oscillator_is_followed_through_both_turning_points() {
+    // One harmonic: (k - m w^2 + 3/4 c A^2)^2 A^2 + (d w A)^2 = F^2.
+    let (k, m, cubic, beta, force) = (1.0, 1.0, 0.5, 0.02, 0.1);
+    let (stiffness, mass) = (Mat::full(1, 1, k), Mat::full(1, 1, m));
+    let law = Elements::new(vec![Element::Cubic { coefficient: cubic }]);
+    let line = linearised(&stiffness, &mass, &law, 1);
+    let curve = follow(&line, &law, &[1.0], force, &settings([0.5, 2.0], 1, beta), &mut go).unwrap();
+    assert!(curve.failure.is_none(), "{:?}", curve.failure);
+    assert_eq!(curve.points.iter().filter(|point| point.turns).count(), 2);
+    for point in &curve.points {
+        let along = point.displacement.along(&[1.0]);
+        let amplitude = along[1].hypot(along[2]);
+        let w = point.omega;
+        let stiff = (k - m * w * w + 0.75 * cubic * amplitude * amplitude) * amplitude;
+        let viscous = 2.0 * beta * w * amplitude;
+        assert!((stiff.hypot(viscous) / force - 1.0).abs() < 1e-8, "{w}: {amplitude}");
+    }
+    let found = resonances(&line, &law, &[1.0], &curve, &settings([0.5, 2.0], 1, beta)).unwrap();
+    assert_eq!(found.len(), 1);
+    let resonance = found[0].as_ref().unwrap();
+    let amplitude = resonance.displacement.along(&[1.0])[2];
+    assert!((amplitude * 2.0 * beta * resonance.omega / force - 1.0).abs() < 1e-8);
+    let highest = curve
+        .points
+        .iter()
+        .map(|p| p.displacement.along(&[1.0])[2])
+        .fold(0.0, f64::max);
+    assert!((highest / amplitude - 1.0).abs() < 1e-2);
+}
+
+/// Three masses with sliders to the ground, driven at the first.
+fn sliders() -> (Mat<f64>, Mat<f64>, Elements) {
+    let (stiffness, mass) = chain(3, 2e4);
+    let slider = |stiffness, limit| Element::Jenkins { stiffness, limit };
+    let law = Elements::new(vec![slider(1e3, 2.0), slider(2e3, 1.0), slider(500.0, 0.5)]);
+    (stiffness, mass, law)
+}
+
+fn peak(curve: &Curve, row: &[f64]) -> (f64, f64) {
+    let amplitude = |p: &harmonic_balance::forced::Point| {
+        let along = p.displacement.along(row);
+        along[1].hypot(along[2])
+    };
+    curve
+        .points
+        .iter()
+        .map(|p| (p.omega, amplitude(p)))
+        .fold((0.0, 0.0), |best, next| if next.1 > best.1 { next } else { best })
+}
+
+#[test]
+fn resonances_lie_on_the_backbone_of_phase_resonances_and_near_that_of_free_motions() {
+    let (stiffness, mass, law) = sliders();
+    let line = linearised(&stiffness, &mass, &law, 3);
+    let row = [1.0, 0.0, 0.0];
+    let omega = line.eigenvalues[0].sqrt();
+    let beta = 2e-3;
+    let settings = settings([0.85 * omega, 1.1 * omega], 3, beta);
+    let backbone_settings = backbone::Settings {
+        mode: 0,
+        sampling: settings.sampling,
+        accuracy: None,
+        newton: settings.newton,
+    };
+    let amplitudes: Vec<f64> = (0..40).map(|i| 1e-4 * 10_f64.powf(i as f64 / 13.0)).collect();
+    let kind = Kind::PhaseResonance {
+        row: &row,
+        background: beta,
+    };
+    let free = backbone::follow(
+        &line,
+        &law,
+        Kind::Free,
+        &amplitudes,
+        &backbone_settings,
+        Vec::new(),
+        &mut go,
+    )
+    .unwrap();
+    let free: Vec<_> = free.into_iter().map(|p| p.result.unwrap()).collect();
+    for force in [0.05, 0.5, 2.0] {
+        let curve = follow(&line, &law, &row, force, &settings, &mut go).unwrap();
+        assert!(curve.failure.is_none(), "{force}: {:?}", curve.failure);
+        let found = resonances(&line, &law, &row, &curve, &settings).unwrap();
+        let resonance = found[0].as_ref().unwrap();
+        // The backbone at the amplitude of the resonance has its frequency, and needs its force.
+        let [c, s] = resonance.displacement.pair(1);
+        let q = c.iter().chain(s).map(|v| v * v).sum::<f64>().sqrt();
+        let way = [0.25 * q, 0.5 * q, q];
+        let points = backbone::follow(&line, &law, kind, &way, &backbone_settings, Vec::new(), &mut go).unwrap();
+        let on_backbone = points[2].result.as_ref().unwrap();
+        assert!((resonance.omega / on_backbone.omega - 1.0).abs() < 1e-8, "{force}");
+        assert!((on_backbone.force.unwrap() / force - 1.0).abs() < 1e-8, "{force}");
+        assert!(on_backbone.energy_error < 1e-10);
+        let amplitude = resonance.displacement.along(&row)[2];
+        let (peak_omega, highest) = peak(&curve, &row);
+        assert!(
+            (highest / amplitude - 1.0).abs() < 0.02,
+            "{force}: {highest} {amplitude}"
+        );
+        // Points are up to 2 % of the frequency apart.
+        assert!((peak_omega / resonance.omega - 1.0).abs() < 2e-2);
+        // The mode alone. With 6 % of damping its tip is 4e-3 below the phase resonance, as zeta^2 says.
+        let motions: Vec<_> = free.iter().collect();
+        let alone = synthesis::response(&motions, &row, &row, force, beta, 8);
+        let top = alone
+            .iter()
+            .max_by(|a, b| a.displacement.total_cmp(&b.displacement))
+            .unwrap();
+        assert!(
+            (top.omega / resonance.omega - 1.0).abs() < 6e-3,
+            "{force}: {} {}",
+            top.omega,
+            resonance.omega
+        );
+        assert!(
+            (top.displacement / amplitude - 1.0).abs() < 0.03,
+            "{force}: {} {amplitude}",
+            top.displacement
+        );
+    }
+}
+
+#[test]
+fn harmonics_beyond_the_first_resonate_below_the_mode() {
+    // A cubic spring driven near a third of its mode: the third harmonic peaks there.
+    let (stiffness, mass) = (Mat::full(1, 1, 1.0), Mat::full(1, 1, 1.0));
+    let law = Elements::new(vec![Element::Cubic { coefficient: 0.3 }]);
+    let line = linearised(&stiffness, &mass, &law, 1);
+    let settings = settings([0.2, 0.6], 7, 0.02);
+    let curve = follow(&line, &law, &[1.0], 0.3, &settings, &mut go).unwrap();
+    assert!(curve.failure.is_none());
+    let third = |p: &harmonic_balance::forced::Point| {
+        let along = p.displacement.along(&[1.0]);
+        along[5].hypot(along[6]) / along[1].hypot(along[2])
+    };
+    let top = curve
+        .points
+        .iter()
+        .max_by(|a, b| third(a).total_cmp(&third(b)))
+        .unwrap();
+    assert!(
+        third(top) > 0.1 && (top.omega * 3.0 - 1.0).abs() < 0.1,
+        "{} {}",
+        top.omega,
+        third(top)
+    );
+}
+
+#[test]
+fn proportional_damping_is_that_of_the_linear_structure() {
+    // A linear chain: (K - w^2 M + i w (c_m M + c_k K)) U = F.
+    let (stiffness, mass) = chain(2, 1e4);
+    let law = Elements::new(vec![Element::Cubic { coefficient: 0.0 }; 2]);
+    let line = linearised(&stiffness, &mass, &law, 2);
+    let (of_mass, of_stiffness) = (0.7, 3e-4);
+    let with = Settings {
+        rayleigh: [of_mass, of_stiffness],
+        ..settings([50.0, 75.0], 1, 0.0)
+    };
+    let curve = follow(&line, &law, &[1.0, 0.0], 2.0, &with, &mut go).unwrap();
+    assert!(curve.failure.is_none());
+    for point in &curve.points {
+        let w = point.omega;
+        let [c, s] = point.displacement.pair(1);
+        for i in 0..2 {
+            let product = |matrix: &Mat<f64>, x: &[f64]| (0..2).map(|j| matrix[(i, j)] * x[j]).sum::<f64>();
+            let [kc, ks, mc, ms] = [
+                product(&stiffness, c),
+                product(&stiffness, s),
+                product(&mass, c),
+                product(&mass, s),
+            ];
+            let cosine = kc - w * w * mc + w * (of_mass * ms + of_stiffness * ks);
+            let sine = ks - w * w * ms - w * (of_mass * mc + of_stiffness * kc);
+            let force = if i == 0 { 2.0 } else { 0.0 };
+            assert!(
+                (cosine - force).abs() < 1e-8 && sine.abs() < 1e-8,
+                "{w}: {cosine} {sine}"
+            );
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! The tests of the public interface, in one program: one file for each subject.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bolt;
+mod calibration;
+mod deck;
+mod effects;
+mod finish;
+mod friction;
+mod full_size;
+mod independent_epmc;
+mod limits;
+mod matrices;
+mod meshes;
+mod methods;
+mod modes;
+mod periodic;
+mod periodic_points;
+mod point_contacts;
+mod quadratic;
+mod quick_scene;
+mod resolved_friction;
+mod scans;
+mod scenes;
+mod sensitivities;
+mod stiff_contact;
+mod symmetry;
+mod tightening;
+mod transient;
+mod uncertainty;

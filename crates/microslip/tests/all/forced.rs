@@ -1,0 +1,139 @@
+//! Responses to harmonic forces, from a scene to its files.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use crate::common::{exit_code, folder, messages, read_json, run, succeeds};
+use matrix_files::npz;
+use matrix_files::value::Array;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+const QUICK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenes/brb-quick.json");
+
+/// The coarse beam with few free motions, in a folder of its own.
+fn scene(name: &str) -> PathBuf {
+    let folder = folder(name);
+    let mut scene = read_json(Path::new(QUICK));
+    scene["name"] = json!("joint");
+    scene["methods"] = json!(["rqnma", "epmc"]);
+    scene["epmc"] = json!({ "modal_amplitudes": [2e-5, 6e-5, 2e-4], "samples": 64 });
+    std::fs::write(folder.join("joint.json"), scene.to_string()).unwrap();
+    folder
+}
+
+fn numbers(array: &Array) -> &[f64] {
+    match array {
+        Array::Dense(values) => values.data(),
+        other => panic!("no numbers: {other:?}"),
+    }
+}
+
+#[test]
+fn forced_responses_are_written_as_a_set_that_can_be_repeated() {
+    let folder = scene("forced");
+    let arguments = [
+        "forced",
+        "joint.json",
+        "--levels",
+        "1,4",
+        "--from-hz",
+        "162",
+        "--to-hz",
+        "175",
+    ];
+    let output = run(&folder, &arguments);
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+    let progress = messages(&output);
+    assert!(
+        progress.contains("epmc ... ") && progress.contains("forced ... "),
+        "{progress}"
+    );
+    // No other methods.
+    assert!(!progress.contains("methods ... "), "{progress}");
+
+    let results = folder.join("results/joint-forced");
+    let summary = read_json(&results.join("summary.json"));
+    assert_eq!(summary["backbone"], json!([]));
+    let methods: Vec<&String> = summary["methods"].as_object().unwrap().keys().collect();
+    assert_eq!(methods, ["epmc"]);
+    let levels = summary["forced"].as_array().unwrap();
+    let forces: Vec<f64> = levels.iter().map(|level| level["level"].as_f64().unwrap()).collect();
+    assert_eq!(forces, [1.0, 4.0]);
+    for stage in ["epmc", "forced"] {
+        assert!(summary["timings"][stage].as_f64().unwrap() > 0.0, "{stage}");
+    }
+
+    // The terminal tells what the summary has.
+    let printed = String::from_utf8(output.stdout).unwrap();
+    for level in levels {
+        let frequency = level["resonances"][0]["frequency_hz"].as_f64().unwrap();
+        assert!(printed.contains(&format!("{frequency:.4}")), "{printed}");
+        let points = level["frequency"].as_array().unwrap().len();
+        assert!(printed.contains(&format!("{points} points")), "{printed}");
+        assert!(level["single_mode_error"].is_array());
+    }
+    assert!(printed.contains("stability: not judged"), "{printed}");
+
+    // So do the tables and the arrays.
+    let table = std::fs::read_to_string(results.join("forced.csv")).unwrap();
+    let frequencies = |level: &Value| level["frequency"].as_array().unwrap().clone();
+    let all: Vec<f64> = levels
+        .iter()
+        .flat_map(frequencies)
+        .map(|f| f.as_f64().unwrap())
+        .collect();
+    assert_eq!(table.lines().count(), 1 + all.len());
+    let column = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(2).unwrap().parse().unwrap());
+    assert_eq!(column.collect::<Vec<f64>>(), all);
+    let table = std::fs::read_to_string(results.join("epmc.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 3);
+    let arrays = npz::read(&results.join("periodic.npz")).unwrap().arrays;
+    assert_eq!(numbers(&arrays["forced_frequency"]), all);
+    assert_eq!(numbers(&arrays["epmc_modal_amplitude"]).len(), 3);
+    assert!(!numbers(&arrays["single_mode_amplitude"]).is_empty());
+
+    for (picture, label) in [
+        ("forced.svg", "EPMC backbone"),
+        ("harmonics.svg", "harmonic 2"),
+        ("backbone.svg", "EPMC"),
+    ] {
+        let text = std::fs::read_to_string(results.join(picture)).unwrap();
+        assert!(text.contains("<polyline") && text.contains(label), "{picture}");
+    }
+    let report = std::fs::read_to_string(results.join("report.html")).unwrap();
+    assert!(report.contains("<h2>Periodic motions</h2>") && report.contains("EPMC backbone"));
+    assert!(!report.contains("Backbone in numbers") && !report.contains("All amplitudes converged"));
+
+    let verified = succeeds(&folder, &["verify", "results/joint-forced", "--rerun"]);
+    assert!(verified.contains("bit by bit"), "{verified}");
+}
+
+#[test]
+fn what_is_missing_of_a_forced_response_is_refused_before_anything_is_computed() {
+    let folder = scene("forced-refused");
+    for (arguments, parts) in [
+        (
+            &[][..],
+            &["joint: the block `forced` is missing", "--levels, --from-hz, --to-hz"][..],
+        ),
+        (&["--levels", "1", "--to-hz", "170"], &["pass --from-hz,"]),
+        (
+            &["--levels", "1", "--from-hz", "170", "--to-hz", "170"],
+            &["forced.to_hz = 170 Hz", "another frequency"],
+        ),
+    ] {
+        let output = run(&folder, &[&["forced", "joint.json"], arguments].concat());
+        assert_eq!(exit_code(&output), 1, "{arguments:?}");
+        let text = messages(&output);
+        for part in parts {
+            assert!(text.contains(part), "`{part}` is not in: {text}");
+        }
+    }
+    assert!(!folder.join("results").exists());
+    assert_eq!(
+        exit_code(&run(&folder, &["forced", "joint.json", "--levels", "much"])),
+        2
+    );
+}

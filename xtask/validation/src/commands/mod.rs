@@ -1,0 +1,5 @@
+//! The commands of the program: arguments in, files out.
+pub(crate) mod bench;
+pub(crate) mod extremes;
+pub(crate) mod paper;
+pub(crate) mod trade;

@@ -1,0 +1,55 @@
+//! `cargo xtask paper`: the results of the method paper, recomputed.
+
+use anyhow::Result;
+use file_io::durable::Identity;
+use microslip::commands::print;
+use microslip::files::publish;
+use microslip::progress::Bar;
+use microslip::{Defaults, Outcome};
+use std::path::Path;
+use std::time::Instant;
+use validation::paper::{Paper, select};
+use xtask::study;
+
+/// Name of the page.
+const REPORT: &str = "report.html";
+
+/// A bar for many scenes.
+struct Display(Bar);
+
+impl validation::Display for Display {
+    fn fraction(&self, done: f64) {
+        self.0.fraction(done);
+    }
+
+    fn line(&self, text: &str) {
+        self.0.line(text);
+    }
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &study::Paper, defaults: &Defaults) -> Result<Outcome> {
+    let began = Instant::now();
+    let entries = select(&arguments.only)?;
+    let out = &arguments.out;
+    let folder = arguments.overwrite.open(out, &Identity::new("paper", ""), &[REPORT])?;
+    let cache = defaults.cache.clone().filter(|_| !arguments.no_cache);
+    let display = Display(Bar::new("scenes")?);
+    let paper = Paper::compute(&entries, arguments.quick, cache, &display);
+    display.0.finish();
+    let paper = paper?;
+    publish(folder, &paper.outputs()?)?;
+    if arguments.docs {
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+        for picture in paper.pictures() {
+            file_io::durable::write(&docs.join("paper").join(&picture.name), &picture.contents)?;
+        }
+        file_io::durable::write(&docs.join("paper.md"), paper.markdown().as_bytes())?;
+    }
+    print(&paper.account(out, began.elapsed().as_secs_f64()))?;
+    Ok(if paper.is_complete() {
+        Outcome::Success
+    } else {
+        Outcome::Incomplete
+    })
+}

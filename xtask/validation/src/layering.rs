@@ -1,0 +1,371 @@
+//! Proves from Cargo's own data that the dependencies between the crates point one way only.
+
+use anyhow::{Context, Result, bail};
+use cargo_metadata::{CargoOpt, DependencyKind, Metadata, MetadataCommand, PackageId};
+use microslip::commands::print;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+/// Every crate of the workspace with the crates of the workspace it may use, also for its tests.
+const ALLOWED: [(&str, &[&str]); 23] = [
+    // For tests alone, see `FOR_TESTS`.
+    (FOR_TESTS, &[]),
+    // Dense kernels that must not depend on units or threads, shared by all that factorise.
+    ("dense-algebra", &[]),
+    ("contact-laws", &[]),
+    // Files that users name, and files that others trust; whatever they hold.
+    ("file-io", &[]),
+    ("contact-laws-c", &["contact-laws"]),
+    // Scans come in NumPy files and ZIP archives too.
+    ("surface-characterisation", &["contact-laws", "file-io", "matrix-files"]),
+    ("zte-assembly", &["contact-laws"]),
+    ("finite-elements", &["dense-algebra", "file-io"]),
+    // The relative system is built from the assembled one, and the stuck modes use its eigensolver.
+    ("reduction", &["dense-algebra", "finite-elements"]),
+    // Formats only: what matrices mean is for those who ask for them.
+    ("matrix-files", &["file-io"]),
+    // It reads signals from files of arrays.
+    ("modal-identification", &["file-io", "matrix-files"]),
+    // Forces with memory speak of sticking and count regimes in the words of the laws, which have no dependency themselves.
+    ("cqsma-solver", &["contact-laws", "dense-algebra"]),
+    // It linearises nothing itself: static state, stuck structure and modes are those of the quasi-static solver.
+    ("harmonic-balance", &["contact-laws", "cqsma-solver", "dense-algebra"]),
+    // Loops of the quasi-static solver on an interface of which some points stand for all.
+    (
+        "hyper-reduction",
+        &["contact-laws", "cqsma-solver", "dense-algebra", "zte-assembly"],
+    ),
+    // It is a benchmark that the pipeline runs without knowing it.
+    (
+        "brake-reuss-beam",
+        &["joint-pipeline", "finite-elements", "zte-assembly"],
+    ),
+    (
+        "joint-pipeline",
+        &[
+            "contact-laws",
+            "surface-characterisation",
+            "zte-assembly",
+            "finite-elements",
+            "reduction",
+            "cqsma-solver",
+            "harmonic-balance",
+            "hyper-reduction",
+            "file-io",
+            "matrix-files",
+            // Computed motions are identified like measured ones.
+            "modal-identification",
+            // What is stored is keyed by the arithmetic of the processor.
+            "dense-algebra",
+        ],
+    ),
+    // Documents of what the pipeline, the identification and the characterisation give.
+    (
+        "reports",
+        &[
+            "joint-pipeline",
+            "contact-laws",
+            "surface-characterisation",
+            "zte-assembly",
+            // It writes the fields of the interface.
+            "finite-elements",
+            // It writes arrays of periodic motions.
+            "matrix-files",
+            "modal-identification",
+        ],
+    ),
+    // Many scenes, and the tables and pictures of them.
+    (
+        "parameter-studies",
+        &[
+            "joint-pipeline",
+            "reports",
+            // Plans are files that users name, and finished cases outlive the process.
+            "file-io",
+        ],
+    ),
+    // What programs share and libraries do without: clock, commit, folders of the user, and the benchmarks that scenes may name.
+    ("host", &["joint-pipeline", "brake-reuss-beam", "file-io"]),
+    (
+        "microslip",
+        &[
+            "reports",
+            "parameter-studies",
+            "joint-pipeline",
+            "contact-laws",
+            "surface-characterisation",
+            "zte-assembly",
+            "finite-elements",
+            // What it shares with the Python package.
+            "host",
+            "file-io",
+            "matrix-files",
+            "modal-identification",
+        ],
+    ),
+    // For Python users; it hands out what the crates below offer.
+    (
+        "microslip-python",
+        &[
+            "host",
+            "reports",
+            "joint-pipeline",
+            "brake-reuss-beam",
+            "contact-laws",
+            "cqsma-solver",
+            "dense-algebra",
+            "file-io",
+            "matrix-files",
+            "modal-identification",
+            "harmonic-balance",
+            "reduction",
+            "finite-elements",
+            "surface-characterisation",
+            "zte-assembly",
+        ],
+    ),
+    // Arguments in, files out: what is computed is in the libraries. Its scenes are on the beam unless they say otherwise.
+    ("xtask", &["microslip", "reports", "brake-reuss-beam"]),
+    // A program of its own, so that `cargo xtask brb` need not compile it.
+    (
+        "validation",
+        &[
+            "xtask",
+            "microslip",
+            "host",
+            "reports",
+            "joint-pipeline",
+            "contact-laws",
+            "surface-characterisation",
+            "zte-assembly",
+            "finite-elements",
+            "cqsma-solver",
+            "harmonic-balance",
+            "brake-reuss-beam",
+            "matrix-files",
+            // Finished scenes are stored like reduced models.
+            "file-io",
+        ],
+    ),
+];
+
+/// The crate that the tests of every crate may use, and nothing else may.
+const FOR_TESTS: &str = "test-support";
+
+/// Further edges that only tests may have.
+const IN_TESTS: [(&str, &str); 2] = [
+    // The pipeline knows no benchmark; its tests run scenes on one.
+    ("joint-pipeline", "brake-reuss-beam"),
+    ("parameter-studies", "brake-reuss-beam"),
+];
+
+/// Packages that must not be reached from a crate, except through those named last.
+const KEPT_OUT: [(&str, &str, &[&str]); 6] = [
+    ("contact-laws", "faer", &[]),
+    ("contact-laws", "nalgebra", &[]),
+    ("zte-assembly", "faer", &[]),
+    ("zte-assembly", "nalgebra", &[]),
+    ("surface-characterisation", "faer", &[]),
+    ("brake-reuss-beam", "faer", &["joint-pipeline", "finite-elements"]),
+];
+
+/// Crates whose default build needs no other package.
+const ALONE: [&str; 1] = ["contact-laws"];
+
+/// Checks the workspace.
+pub(crate) fn check() -> Result<()> {
+    let defects = defects(&metadata()?)?;
+    if !defects.is_empty() {
+        bail!("the layering is broken:\n  {}", defects.join("\n  "));
+    }
+    print("the dependencies between the crates are as they should be\n")
+}
+
+fn metadata() -> Result<Metadata> {
+    let ask = |more: &[&str]| {
+        MetadataCommand::new()
+            .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml"))
+            .features(CargoOpt::AllFeatures)
+            .other_options(more.iter().map(ToString::to_string).collect::<Vec<_>>())
+            .exec()
+    };
+    // Packages for other systems may not have been downloaded yet.
+    ask(&["--locked", "--offline"])
+        .or_else(|_| ask(&["--locked"]))
+        .context("running `cargo metadata`")
+}
+
+/// All violations, each naming the edge.
+fn defects(metadata: &Metadata) -> Result<Vec<String>> {
+    let members = metadata.workspace_packages();
+    let workspace: BTreeSet<&str> = members.iter().map(|package| package.name.as_str()).collect();
+    let mut defects = Vec::new();
+    for package in members {
+        let name = package.name.as_str();
+        match ALLOWED.iter().find(|(known, _)| *known == name) {
+            None => defects.push(format!("{name}: this crate has no place in the layering yet")),
+            Some((_, allowed)) => {
+                for dependency in &package.dependencies {
+                    let other = dependency.name.as_str();
+                    let in_tests = dependency.kind == DependencyKind::Development
+                        && (other == FOR_TESTS || IN_TESTS.contains(&(name, other)));
+                    if workspace.contains(other) && other != name && !in_tests && !allowed.contains(&other) {
+                        defects.push(format!("{name} -> {other}: not allowed"));
+                    }
+                }
+            }
+        }
+        if ALONE.contains(&name) {
+            for dependency in &package.dependencies {
+                if !dependency.optional && dependency.kind != DependencyKind::Development {
+                    defects.push(format!("{name} -> {}: must be optional", dependency.name));
+                }
+            }
+        }
+    }
+    let edges = edges(metadata)?;
+    for (from, unwanted, except) in KEPT_OUT {
+        if let Some(path) = path(&edges, from, unwanted, except) {
+            defects.push(format!("{}: {unwanted} must stay out of {from}", path.join(" -> ")));
+        }
+    }
+    Ok(defects)
+}
+
+/// Resolved dependencies by package name, without those of tests.
+fn edges(metadata: &Metadata) -> Result<BTreeMap<&str, BTreeSet<&str>>> {
+    let names: BTreeMap<&PackageId, &str> = metadata.packages.iter().map(|p| (&p.id, p.name.as_str())).collect();
+    let name = |id: &PackageId| names.get(id).copied().with_context(|| format!("unknown package {id}"));
+    let resolve = metadata
+        .resolve
+        .as_ref()
+        .context("`cargo metadata` resolves no dependencies")?;
+    let mut edges: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for node in &resolve.nodes {
+        let targets = edges.entry(name(&node.id)?).or_default();
+        for dependency in &node.deps {
+            let kinds = &dependency.dep_kinds;
+            if kinds.iter().any(|info| info.kind != DependencyKind::Development) {
+                targets.insert(name(&dependency.pkg)?);
+            }
+        }
+    }
+    Ok(edges)
+}
+
+/// Shortest way `from` a package `to` another that does not pass `except`.
+fn path<'a>(
+    edges: &BTreeMap<&'a str, BTreeSet<&'a str>>,
+    from: &'a str,
+    to: &str,
+    except: &[&str],
+) -> Option<Vec<&'a str>> {
+    let mut reached_from: BTreeMap<&str, &str> = BTreeMap::new();
+    let mut queue = VecDeque::from([from]);
+    while let Some(package) = queue.pop_front() {
+        if package == to {
+            let mut way = vec![package];
+            while let Some(&before) = way.last().and_then(|last| reached_from.get(last)) {
+                way.push(before);
+            }
+            way.reverse();
+            return Some(way);
+        }
+        for &next in edges.get(package).into_iter().flatten() {
+            if next != from && !except.contains(&next) && !reached_from.contains_key(next) {
+                reached_from.insert(next, package);
+                queue.push_back(next);
+            }
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// A workspace as Cargo describes it: `(crate, dependency, kind, optional)`; its members are those of the layering and `more`.
+    fn workspace(edges: &[(&str, &str, Option<&str>, bool)], more: &[&str]) -> Metadata {
+        let members: Vec<&str> = ALLOWED
+            .iter()
+            .map(|(name, _)| *name)
+            .chain(more.iter().copied())
+            .collect();
+        let mut names: BTreeSet<&str> = members.iter().copied().collect();
+        names.extend(edges.iter().flat_map(|e| [e.0, e.1]));
+        let of = |name: &&str| edges.iter().filter(move |e| e.0 == *name).collect::<Vec<_>>();
+        let described = json!({
+            "version": 1,
+            "workspace_root": "/",
+            "target_directory": "/target",
+            "workspace_members": members,
+            "packages": names.iter().map(|n| json!({
+                "id": n, "name": n, "version": "1.0.0", "targets": [], "features": {}, "manifest_path": "/Cargo.toml",
+                "dependencies": of(n).iter().map(|e| json!({
+                    "name": e.1, "kind": e.2, "optional": e.3, "req": "*", "uses_default_features": true, "features": [],
+                })).collect::<Vec<_>>(),
+            })).collect::<Vec<_>>(),
+            "resolve": { "root": null, "nodes": names.iter().map(|n| json!({
+                "id": n,
+                "dependencies": [],
+                "deps": of(n).iter().map(|e| json!({ "name": e.1, "pkg": e.1, "dep_kinds": [{ "kind": e.2 }] }))
+                    .collect::<Vec<_>>(),
+            })).collect::<Vec<_>>() },
+        });
+        serde_json::from_value(described).unwrap()
+    }
+
+    #[test]
+    fn the_workspace_itself_is_layered() {
+        assert_eq!(defects(&metadata().unwrap()).unwrap(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn every_forbidden_edge_is_named() {
+        let sound = workspace(
+            &[
+                ("zte-assembly", "contact-laws", None, false),
+                ("contact-laws", "serde", None, true),
+                ("contact-laws", "nalgebra", Some("dev"), false),
+                ("contact-laws", "test-support", Some("dev"), false),
+                ("brake-reuss-beam", "finite-elements", None, false),
+                ("finite-elements", "faer", None, false),
+            ],
+            &[],
+        );
+        assert_eq!(defects(&sound).unwrap(), Vec::<String>::new());
+        for (edges, expected) in [
+            (
+                vec![("contact-laws", "zte-assembly", Some("dev"), false)],
+                "contact-laws -> zte-assembly: not allowed",
+            ),
+            (
+                vec![("zte-assembly", "test-support", None, false)],
+                "zte-assembly -> test-support: not allowed",
+            ),
+            (
+                vec![("contact-laws", "libm", None, false)],
+                "contact-laws -> libm: must be optional",
+            ),
+            (
+                vec![
+                    ("zte-assembly", "helper", None, false),
+                    ("helper", "faer", Some("build"), false),
+                ],
+                "zte-assembly -> helper -> faer: faer must stay out of zte-assembly",
+            ),
+            (
+                vec![("brake-reuss-beam", "faer", None, false)],
+                "brake-reuss-beam -> faer: faer must stay out of brake-reuss-beam",
+            ),
+        ] {
+            assert_eq!(defects(&workspace(&edges, &[])).unwrap(), [expected]);
+        }
+        let unknown = workspace(&[("newcomer", "serde", None, false)], &["newcomer"]);
+        assert_eq!(
+            defects(&unknown).unwrap(),
+            ["newcomer: this crate has no place in the layering yet"]
+        );
+    }
+}

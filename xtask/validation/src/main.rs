@@ -1,0 +1,39 @@
+//! Runs the validation tasks of the workspace. `cargo xtask` starts it, and has checked the arguments.
+mod commands;
+mod layering;
+
+use clap::{Parser, Subcommand};
+use commands::{bench, extremes, paper, trade};
+use microslip::Outcome;
+use std::process::ExitCode;
+use xtask::study::Study;
+use xtask::{brb, defaults};
+
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    command: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    #[command(flatten)]
+    Study(Study),
+    /// `trade` runs every setting in a process of its own.
+    Brb(brb::Arguments),
+    CheckLayering,
+}
+
+fn main() -> ExitCode {
+    let task = Cli::parse().command;
+    let success = |()| Outcome::Success;
+    microslip::execute(|| match task {
+        Task::Study(Study::Trade(arguments)) => trade::run(&arguments, &defaults()),
+        Task::Study(Study::Paper(arguments)) => paper::run(&arguments, &defaults()),
+        Task::Study(Study::Bench(arguments)) => bench::run(&arguments).map(success),
+        Task::Study(Study::Extremes(arguments)) => extremes::run(&arguments).map(success),
+        Task::CheckLayering => layering::check().map(success),
+        Task::Brb(arguments) => brb::run(&arguments, &defaults()),
+    })
+}

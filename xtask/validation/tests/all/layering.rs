@@ -1,0 +1,55 @@
+//! The program as `cargo xtask check-layering` meets it, and what else Cargo knows of the dependencies.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+#[test]
+fn the_layering_holds() {
+    let output = Command::new(env!("CARGO_BIN_EXE_validation"))
+        .arg("check-layering")
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+}
+
+/// Otherwise running one after the other would compile everything anew.
+#[test]
+fn the_programs_share_one_build_of_what_they_use() {
+    let packages = |program: &str| -> BTreeMap<String, BTreeSet<String>> {
+        let output = Command::new(env!("CARGO"))
+            .args([
+                "tree",
+                "--offline",
+                "--edges",
+                "normal,build",
+                "--prefix",
+                "none",
+                "--no-dedupe",
+            ])
+            .args(["--format", "{p}|{f}", "--package", program])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let mut features: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        for line in String::from_utf8(output.stdout).unwrap().lines() {
+            let (package, enabled) = line.split_once('|').unwrap();
+            features.entry(package.into()).or_default().insert(enabled.into());
+        }
+        features
+    };
+    let tasks = packages("xtask");
+    assert!(
+        tasks.keys().any(|package| package.starts_with("joint-pipeline ")),
+        "{tasks:?}"
+    );
+    for other in ["microslip", "validation"] {
+        for (package, features) in packages(other) {
+            if let Some(of_tasks) = tasks.get(&package) {
+                assert_eq!(&features, of_tasks, "features of {package}: {other}, xtask");
+            }
+        }
+    }
+}
