@@ -55,9 +55,6 @@ pub struct Paper {
     /// A coarse mesh and few amplitudes, for a look: the figures are not those of the paper's mesh.
     #[arg(long)]
     pub quick: bool,
-    /// Also write docs/paper.md and its pictures.
-    #[arg(long, conflicts_with_all = ["only", "quick"])]
-    pub docs: bool,
 }
 
 /// Arguments of `bench`.

@@ -6,15 +6,16 @@
 //! `finest`, formulation `C3D8I`, `C3D8R`, `C3D20` or `C3D20R`, gap `flat` or `measured`. Interface elements have two points per
 //! direction, quadratic ones three.
 #![expect(clippy::print_stdout, reason = "an example prints")]
+use analyses::Prepared;
 use brake_reuss_beam::mesh::Refinement;
 use brake_reuss_beam::{BrakeReussBenchmark, benchmark, published};
 use finite_elements::elements::Formulation;
-use joint_pipeline::analysis::Prepared;
-use joint_pipeline::joint::benchmark::{ElementOrder, MeshSettings, Symmetry};
-use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::Gap;
-use joint_pipeline::structure::Structure;
-use joint_pipeline::{Options, Scene};
+use joint_model::benchmark::{ElementOrder, MeshSettings, Symmetry};
+use joints::Options;
+use joints::progress::Silent;
+use joints::structure::Structure;
+use scenes::Gap;
+use scenes::Scene;
 use std::error::Error;
 use std::time::Instant;
 

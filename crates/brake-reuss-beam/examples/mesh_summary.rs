@@ -1,7 +1,7 @@
 //! Meshes the beam at every preset and prints what came out.
 #![expect(clippy::print_stdout, reason = "an example prints")]
 use brake_reuss_beam::{geometry::Geometry, mesh, published, quality};
-use joint_pipeline::joint::benchmark::ElementOrder;
+use joint_model::benchmark::ElementOrder;
 
 fn main() -> brake_reuss_beam::Result<()> {
     let (geometry, steel) = (Geometry::default(), published::steel());

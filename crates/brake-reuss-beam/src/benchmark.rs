@@ -4,12 +4,11 @@ use crate::geometry::Geometry;
 use crate::mesh::{Refinement, build};
 use crate::mesh_accuracy::MESH_ACCURACY;
 use crate::published;
-use joint_pipeline::joint::benchmark::{
+use joint_model::benchmark::{
     Benchmark, BenchmarkError, Bounds, MeasuredSurface, MeshAccuracy, MeshSettings, Symmetry,
 };
-use joint_pipeline::joint::{Bodies, Joint, MeshedBodies, Sides};
-use joint_pipeline::scene::{Density, Force, Stress, SurfaceEnergy};
-use joint_pipeline::structure::Fit;
+use joint_model::fit::Fit;
+use joint_model::{Bodies, Joint, MeshedBodies, Sides};
 use serde_json::{Value, json};
 
 /// The Brake-Reuss beam of the method paper, as `{ "benchmark": "brake-reuss-beam" }` in scenes.
@@ -21,6 +20,11 @@ const FRICTION_COEFFICIENT: f64 = 0.2;
 
 /// Mass of the block mesh with the paper's material (kg).
 const MESH_MASS: f64 = 3.70;
+
+/// A quantity as scenes write it, which reads back bit by bit.
+fn quantity(value: f64, unit: &str) -> String {
+    format!("{value:?} {unit}")
+}
 
 impl Benchmark for BrakeReussBenchmark {
     fn name(&self) -> &'static str {
@@ -40,13 +44,13 @@ impl Benchmark for BrakeReussBenchmark {
         let figures = published::ADHESION;
         json!({
             "model": { "material": {
-                "youngs_modulus": Stress::from_si(steel.youngs_modulus).text(),
+                "youngs_modulus": quantity(steel.youngs_modulus, "Pa"),
                 "poisson_ratio": steel.poisson_ratio,
-                "density": Density::from_si(steel.density).text(),
-                "hardness": Stress::from_si(figures.hardness).text(),
-                "work_of_adhesion": SurfaceEnergy::from_si(figures.work_of_adhesion).text(),
+                "density": quantity(steel.density, "kg/m^3"),
+                "hardness": quantity(figures.hardness, "Pa"),
+                "work_of_adhesion": quantity(figures.work_of_adhesion, "J/m^2"),
             } },
-            "bolts": { "load": Force::from_si(published::BOLT_LOAD).text() },
+            "bolts": { "load": quantity(published::BOLT_LOAD, "N") },
             "mu": FRICTION_COEFFICIENT,
             "surface": "measured",
         })

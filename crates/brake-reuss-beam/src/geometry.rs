@@ -1,6 +1,6 @@
 //! Dimensions of the beam, its bolts, washers and nuts.
 use crate::{Error, Result};
-use joint_pipeline::joint::benchmark::ElementOrder;
+use joint_model::benchmark::ElementOrder;
 
 const INCH: f64 = 0.0254;
 

@@ -1,7 +1,7 @@
-//! Errors of the beam's meshes against the limit of the mesh, as measured (`docs/accuracy.md`, "Mesh").
+//! Errors of the beam's meshes against the limit of the mesh, as measured (`docs/validation.md`, "Mesh").
 
 use finite_elements::elements::Formulation::{self, Full, IncompatibleModes, Reduced};
-use joint_pipeline::joint::benchmark::{ElementOrder, LimitWeight, MeshAccuracy, MeshError, RefinementLevel};
+use joint_model::benchmark::{ElementOrder, LimitWeight, MeshAccuracy, MeshError, RefinementLevel};
 
 /// Of the first mode.
 pub(crate) const MESH_ACCURACY: MeshAccuracy = MeshAccuracy {
@@ -38,7 +38,7 @@ pub(crate) const MESH_ACCURACY: MeshAccuracy = MeshAccuracy {
     source: "measured for the first mode of the Brake-Reuss beam against the extrapolated limit of its block mesh, flat and with \
              the measured gap, mu 0.2, 12.845 kN, frequencies up to 0.6 mm, damping at 0.2 and 0.6 mm; C3D8I and C3D20R from quick to \
              default also with mu 0.1 to 0.6 and 6 to 16 kN, where the damping ratio is above 0.5 % (at the onset of slip \
-             damping is less certain, see Mesh in docs/accuracy.md)",
+             damping is less certain, see Mesh in docs/validation.md)",
 };
 
 /// Relative uncertainty of the limit of the first frequency.

@@ -7,6 +7,96 @@
 #include <stdint.h>
 
 /*
+ History rule. Midpoint rule along the closed part of the path.
+ */
+#define CL_HISTORY_INCREMENTAL 0
+
+/*
+ History rule. As published: linearised about the end point, with the total displacement.
+ */
+#define CL_HISTORY_PAPER 1
+
+/*
+ History rule. With the stiffness at the end of the path, along the whole path.
+ */
+#define CL_HISTORY_END_POINT 3
+
+/*
+ History rule. From a potential, with the elastic stretch as state.
+ */
+#define CL_HISTORY_POTENTIAL 2
+
+/*
+ Slip limit, with Coulomb's limit L = mu t_n. t_x^2 + t_y^2 <= L^2: the same in every direction.
+ */
+#define CL_CONE_CIRCLE 0
+
+/*
+ Slip limit, with Coulomb's limit L = mu t_n. |t_x| <= L and |t_y| <= L: each direction slips on its own. A point slips if one direction does.
+ */
+#define CL_CONE_BOX 1
+
+/*
+ Slip limit of an asperity. A constant share of the normal force.
+ */
+#define CL_LIMIT_COULOMB 0
+
+/*
+ Slip limit of an asperity. First yield under both forces.
+ */
+#define CL_LIMIT_CEB 1
+
+/*
+ Slip limit of an asperity. The shear strength that the normal pressure leaves.
+ */
+#define CL_LIMIT_SHEAR_STRENGTH 2
+
+/*
+ Jumps in the published curves of yield. They are taken out.
+ */
+#define CL_YIELD_CONTINUOUS 0
+
+/*
+ Jumps in the published curves of yield. They stay.
+ */
+#define CL_YIELD_PUBLISHED 1
+
+/*
+ Sticking. Points slip at the Coulomb limit.
+ */
+#define CL_STICKING_COULOMB 0
+
+/*
+ Sticking. Every closed point sticks, whatever its traction; open points still carry none.
+ */
+#define CL_STICKING_FULL 1
+
+/*
+ Sticking. No point carries a tangential traction, as with mu = 0.
+ */
+#define CL_STICKING_FRICTIONLESS 2
+
+/*
+ Fitted tangential stiffness outside its range. Log-slope towards 1/2 below, kept above: for fits to Mindlin stiffnesses.
+ */
+#define CL_ENDS_MINDLIN 0
+
+/*
+ Fitted tangential stiffness outside its range. Towards constants on both sides: for fits to the published, bounded stiffness.
+ */
+#define CL_ENDS_CONSTANT 1
+
+/*
+ Tangential stiffness of an asperity. Mindlin's stiffness of each Hertz contact: proportional to its contact radius, equal in all directions.
+ */
+#define CL_READING_MINDLIN 0
+
+/*
+ Tangential stiffness of an asperity. As published: every loaded asperity has the same stiffness.
+ */
+#define CL_READING_PAPER 1
+
+/*
  Status: the call was refused and nothing was written but the message.
  */
 #define CL_ERROR -1
@@ -20,96 +110,6 @@
  Status: computed.
  */
 #define CL_SUCCESS 1
-
-/*
- History rule: midpoint rule along the closed part of the path since the state committed last.
- */
-#define CL_HISTORY_INCREMENTAL 0
-
-/*
- History rule: as published, linearised about the end point, with the total displacement.
- */
-#define CL_HISTORY_PAPER 1
-
-/*
- From a potential, with the elastic stretch as state.
- */
-#define CL_HISTORY_POTENTIAL 2
-
-/*
- History rule: with the stiffness at the end of the path.
- */
-#define CL_HISTORY_END_POINT 3
-
-/*
- Slip limit of an asperity: the same in every direction.
- */
-#define CL_CONE_CIRCLE 0
-
-/*
- Slip limit of an asperity: for x and y apart.
- */
-#define CL_CONE_BOX 1
-
-/*
- Slip limit of an asperity: the friction coefficient times its normal force.
- */
-#define CL_LIMIT_COULOMB 0
-
-/*
- Slip limit of an asperity that yields: first yield under both forces.
- */
-#define CL_LIMIT_CEB 1
-
-/*
- Slip limit of an asperity that yields: the shear strength that its pressure leaves.
- */
-#define CL_LIMIT_SHEAR_STRENGTH 2
-
-/*
- Yield: without the jumps of the published curves.
- */
-#define CL_YIELD_CONTINUOUS 0
-
-/*
- Yield: the published curves, with their jumps.
- */
-#define CL_YIELD_PUBLISHED 1
-
-/*
- Sticking: points slip at the Coulomb limit.
- */
-#define CL_STICKING_COULOMB 0
-
-/*
- Sticking: every closed point sticks, for a first prestress and for stuck tangents.
- */
-#define CL_STICKING_FULL 1
-
-/*
- Sticking: no tangential tractions, as with a friction coefficient of zero.
- */
-#define CL_STICKING_FRICTIONLESS 2
-
-/*
- Fitted tangential stiffness outside its range: towards a log-slope of 1/2 below, with its end slope above.
- */
-#define CL_ENDS_MINDLIN 0
-
-/*
- Fitted tangential stiffness outside its range: towards constants.
- */
-#define CL_ENDS_CONSTANT 1
-
-/*
- Tangential stiffness of an asperity: Mindlin's, proportional to its contact radius.
- */
-#define CL_READING_MINDLIN 0
-
-/*
- Tangential stiffness of an asperity: as published, the same for every loaded one.
- */
-#define CL_READING_PAPER 1
 
 /*
  Regime: in contact below the slip limit.
@@ -174,9 +174,9 @@ extern "C" {
  - ranges: fitted ranges (m), 6 x n_sets numbers: lower and upper end of the normal fit, of the fit along x, of the
    fit along y. Beyond them the curves go on smoothly. NULL: the formulas hold everywhere.
  - n_sets: 1 (the same for all points) or n_points (one set per point).
- - ends: CL_ENDS_MINDLIN or CL_ENDS_CONSTANT; without effect where ranges is NULL.
+ - ends: one of CL_ENDS_...; without effect where ranges is NULL.
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT.
+ - history: one of CL_HISTORY_...
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
    One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
@@ -206,8 +206,7 @@ struct cl_law *cl_rough_law(size_t n_points,
  - k_n, k_x, k_y: normal and tangential stiffnesses per area (Pa/m), n_sets numbers each.
  - n_sets: 1 (the same for all points) or n_points (one set per point).
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT; they differ only where an open point
-   closes and in what the state remembers.
+ - history: one of CL_HISTORY_...; they differ only where an open point closes and in what the state remembers.
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
    One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
@@ -237,11 +236,11 @@ struct cl_law *cl_elastic_dry_friction_law(size_t n_points,
  - density: asperity pairs per area (1/m^2).
  - radius_x, radius_y: effective radii of the pairs (m).
  - youngs_modulus (Pa), poisson_ratio: the material.
- - reading: CL_READING_MINDLIN or CL_READING_PAPER, the tangential stiffness of an asperity.
+ - reading: one of CL_READING_..., the tangential stiffness of an asperity.
  - range_lower, range_upper: interferences (m) between which the curves are tabulated, with a relative error of at
    most 1e-5 (normal) and 1e-4 (tangential). Beyond them they go on smoothly.
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT.
+ - history: one of CL_HISTORY_...
  - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
    One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 
@@ -281,11 +280,10 @@ struct cl_law *cl_asperity_table_law(size_t n_points,
  - youngs_modulus (Pa), poisson_ratio: the material.
  - yield_strength (Pa): 0 for elastic asperities.
  - tangent_modulus (Pa): of the hardening material, 0 or more; without effect where yield_strength is 0.
- - yield_curves: CL_YIELD_CONTINUOUS or CL_YIELD_PUBLISHED; without effect where yield_strength is 0.
+ - yield_curves: one of CL_YIELD_...; without effect where yield_strength is 0.
  - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
- - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL (elastic asperities only) or
-   CL_HISTORY_END_POINT.
- - cone: CL_CONE_CIRCLE or CL_CONE_BOX.
+ - history: one of CL_HISTORY_...; CL_HISTORY_POTENTIAL for elastic asperities only.
+ - cone: one of CL_CONE_...
  - limit: CL_LIMIT_COULOMB, or for asperities that yield CL_LIMIT_CEB or CL_LIMIT_SHEAR_STRENGTH, with which mu is without
    effect.
  - n_annuli: 0: an asperity sticks or slips as a whole. 1 to 256: it slips from its rim inwards, in so many annuli.
@@ -322,7 +320,7 @@ struct cl_law *cl_resolved_law(size_t n_points,
  Tractions, end state and, on request, tangent and regimes of the points first, ..., first + count - 1 of a law.
  Entry i of every array belongs to point first + i. Allocates nothing.
 
- - sticking: CL_STICKING_COULOMB, CL_STICKING_FULL or CL_STICKING_FRICTIONLESS.
+ - sticking: one of CL_STICKING_...
  - jump_x, jump_y, jump_n: jump (m), count numbers each; jump_n > 0 is interference, the gap already subtracted.
  - begin: state committed last, component by component: component c of point first + i is begin[c * stride + i].
    It reaches over (cl_law_n_state(law) - 1) * stride + count numbers. All zeros is a point that touches nothing.

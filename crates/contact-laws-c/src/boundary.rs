@@ -44,16 +44,11 @@ pub(crate) enum Error {
         n_state: usize,
         most: usize,
     },
-    /// Which set of parameters a point uses.
-    Index {
-        point: usize,
-        index: u32,
-        n_sets: usize,
-    },
     Code {
         argument: &'static str,
         code: i32,
-        allowed: &'static str,
+        /// Writes the codes that there are.
+        allowed: fn(&mut fmt::Formatter<'_>) -> fmt::Result,
     },
     Parameters {
         set: usize,
@@ -114,15 +109,14 @@ impl fmt::Display for Error {
                 f,
                 "the law has {n_state} state components per point: at most {most} fit, take fewer bins or radii"
             ),
-            Error::Index { point, index, n_sets } => write!(
-                f,
-                "set_of_point[{point}] = {index}: must be below n_sets = {n_sets}, sets are counted from 0"
-            ),
             Error::Code {
                 argument,
                 code,
                 allowed,
-            } => write!(f, "{argument} = {code}: must be {allowed}"),
+            } => {
+                write!(f, "{argument} = {code}: must be ")?;
+                allowed(f)
+            }
             Error::Parameters { set, error } => write!(f, "parameter set {set} (counted from 0): {error}"),
             Error::Law(error) => error.fmt(f),
         }

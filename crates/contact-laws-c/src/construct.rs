@@ -3,18 +3,14 @@
 use core::ffi::c_char;
 
 use contact_laws::{
-    Asperity, AsperityBins, AsperityFriction, AsperityLimit, AsperityPopulation, AsperitySumCurves, Cone,
-    ElasticCurves, ElasticDryFriction, ElasticPair, FittedCurves, FittedPoints, GapDistribution, HistoryRule,
-    NormalFit, PointParameters, ResolvedLaw, RoughLaw, TableLaw, TableOptions, Tabulated, TangentialEnds,
-    TangentialFit, TangentialReading, Yield, YieldCurves,
+    Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, ElasticCurves, ElasticDryFriction,
+    ElasticPair, FittedCurves, FittedPoints, GapDistribution, NormalFit, PointParameters, ResolvedLaw, RoughLaw,
+    TableLaw, TableOptions, Tabulated, TangentialFit, Yield,
 };
 
+use crate::Law;
 use crate::boundary::{Error, Message, array, guarded, rows};
-use crate::{
-    CL_CONE_BOX, CL_CONE_CIRCLE, CL_ENDS_CONSTANT, CL_ENDS_MINDLIN, CL_HISTORY_END_POINT, CL_HISTORY_INCREMENTAL,
-    CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL, CL_LIMIT_CEB, CL_LIMIT_COULOMB, CL_LIMIT_SHEAR_STRENGTH,
-    CL_READING_MINDLIN, CL_READING_PAPER, CL_YIELD_CONTINUOUS, CL_YIELD_PUBLISHED, Law,
-};
+use crate::choice::choice;
 
 /// Rough contact by fitted curves (eqs. 28 and 29 of Balaji, Chen and Brake 2020) with friction. With
 /// U = u_n / u_ref and natural logarithms, ln(t_n / 1 Pa) = a + b ln U + c exp(-((ln U + d)/e)^2 / 2) and
@@ -27,9 +23,9 @@ use crate::{
 /// - ranges: fitted ranges (m), 6 x n_sets numbers: lower and upper end of the normal fit, of the fit along x, of the
 ///   fit along y. Beyond them the curves go on smoothly. NULL: the formulas hold everywhere.
 /// - n_sets: 1 (the same for all points) or n_points (one set per point).
-/// - ends: CL_ENDS_MINDLIN or CL_ENDS_CONSTANT; without effect where ranges is NULL.
+/// - ends: one of CL_ENDS_...; without effect where ranges is NULL.
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT.
+/// - history: one of CL_HISTORY_...
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
@@ -71,12 +67,8 @@ pub unsafe extern "C" fn cl_rough_law(
             // SAFETY: as above.
             false => Some(unsafe { rows::<6>(message, "ranges", ranges, n_sets) }?),
         };
-        let ends = match ends {
-            CL_ENDS_MINDLIN => TangentialEnds::Mindlin,
-            CL_ENDS_CONSTANT => TangentialEnds::Constant,
-            code => return Err(unknown("ends", code, "CL_ENDS_MINDLIN or CL_ENDS_CONSTANT")),
-        };
-        let curves = per_set(n_sets, n_points, |set| {
+        let ends = choice("ends", ends)?;
+        let curves = per_set(n_sets, |set| {
             let range = |fit: usize| ranges.map(|r| [r[2 * fit][set], r[2 * fit + 1][set]]);
             let tangential = |[a, b, c, d]: [&[f64]; 4], fit| TangentialFit {
                 a: a[set],
@@ -100,12 +92,13 @@ pub unsafe extern "C" fn cl_rough_law(
             };
             FittedCurves::try_new(normal, [tangential(x, 1), tangential(y, 2)])
         })?;
+        let curves = PointParameters::one_or_each(curves, n_points);
         // SAFETY: as above.
         let mu = unsafe { friction(message, mu, n_mu, n_points) }?;
         Law::try_new(RoughLaw::try_new(
             FittedPoints::new(&curves),
             mu,
-            history_rule(history)?,
+            choice("history", history)?,
         )?)
     };
     // SAFETY: the caller vouches for the message buffer.
@@ -118,8 +111,7 @@ pub unsafe extern "C" fn cl_rough_law(
 /// - k_n, k_x, k_y: normal and tangential stiffnesses per area (Pa/m), n_sets numbers each.
 /// - n_sets: 1 (the same for all points) or n_points (one set per point).
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT; they differ only where an open point
-///   closes and in what the state remembers.
+/// - history: one of CL_HISTORY_...; they differ only where an open point closes and in what the state remembers.
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
@@ -153,10 +145,9 @@ pub unsafe extern "C" fn cl_elastic_dry_friction_law(
                 friction(message, mu, n_mu, n_points)?,
             )
         };
-        let curves = per_set(n_sets, n_points, |set| {
-            ElasticCurves::try_new(k_n[set], [k_x[set], k_y[set]])
-        })?;
-        Law::try_new(ElasticDryFriction::try_new(curves, mu, history_rule(history)?)?)
+        let curves = per_set(n_sets, |set| ElasticCurves::try_new(k_n[set], [k_x[set], k_y[set]]))?;
+        let curves = PointParameters::one_or_each(curves, n_points);
+        Law::try_new(ElasticDryFriction::try_new(curves, mu, choice("history", history)?)?)
     };
     // SAFETY: the caller vouches for the message buffer.
     hand_over(unsafe { guarded(message, make) })
@@ -171,11 +162,11 @@ pub unsafe extern "C" fn cl_elastic_dry_friction_law(
 /// - density: asperity pairs per area (1/m^2).
 /// - radius_x, radius_y: effective radii of the pairs (m).
 /// - youngs_modulus (Pa), poisson_ratio: the material.
-/// - reading: CL_READING_MINDLIN or CL_READING_PAPER, the tangential stiffness of an asperity.
+/// - reading: one of CL_READING_..., the tangential stiffness of an asperity.
 /// - range_lower, range_upper: interferences (m) between which the curves are tabulated, with a relative error of at
 ///   most 1e-5 (normal) and 1e-4 (tangential). Beyond them they go on smoothly.
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT.
+/// - history: one of CL_HISTORY_...
 /// - message: NULL, or a buffer of message_capacity bytes that receives the reason of a refusal, ended by a zero.
 ///   One that overlaps an array is refused, and left alone. Parameter arrays may overlap one another.
 ///
@@ -214,18 +205,14 @@ pub unsafe extern "C" fn cl_asperity_table_law(
                 friction(message, mu, n_mu, n_points)?,
             )
         };
-        let reading = match reading {
-            CL_READING_MINDLIN => TangentialReading::Mindlin,
-            CL_READING_PAPER => TangentialReading::Paper,
-            code => return Err(unknown("reading", code, "CL_READING_MINDLIN or CL_READING_PAPER")),
-        };
+        let reading = choice("reading", reading)?;
         let gaps = GapDistribution::try_from_quantiles(probabilities, gaps)?;
         let population = AsperityPopulation::try_new(gaps, density, [radius_x, radius_y])?;
         let material = ElasticPair::new(youngs_modulus, poisson_ratio);
         let curves = AsperitySumCurves::try_new(population, material, reading)?;
         let table = Tabulated::try_new(curves, [range_lower, range_upper], TableOptions::default())?;
         let curves = PointParameters::uniform(table, n_points);
-        Law::try_new(TableLaw::try_new(curves, mu, history_rule(history)?)?)
+        Law::try_new(TableLaw::try_new(curves, mu, choice("history", history)?)?)
     };
     // SAFETY: the caller vouches for the message buffer.
     hand_over(unsafe { guarded(message, make) })
@@ -243,11 +230,10 @@ pub unsafe extern "C" fn cl_asperity_table_law(
 /// - youngs_modulus (Pa), poisson_ratio: the material.
 /// - yield_strength (Pa): 0 for elastic asperities.
 /// - tangent_modulus (Pa): of the hardening material, 0 or more; without effect where yield_strength is 0.
-/// - yield_curves: CL_YIELD_CONTINUOUS or CL_YIELD_PUBLISHED; without effect where yield_strength is 0.
+/// - yield_curves: one of CL_YIELD_...; without effect where yield_strength is 0.
 /// - mu: friction coefficient, n_mu numbers; n_mu is 1 or n_points.
-/// - history: CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL (elastic asperities only) or
-///   CL_HISTORY_END_POINT.
-/// - cone: CL_CONE_CIRCLE or CL_CONE_BOX.
+/// - history: one of CL_HISTORY_...; CL_HISTORY_POTENTIAL for elastic asperities only.
+/// - cone: one of CL_CONE_...
 /// - limit: CL_LIMIT_COULOMB, or for asperities that yield CL_LIMIT_CEB or CL_LIMIT_SHEAR_STRENGTH, with which mu is without
 ///   effect.
 /// - n_annuli: 0: an asperity sticks or slips as a whole. 1 to 256: it slips from its rim inwards, in so many annuli.
@@ -289,9 +275,8 @@ pub unsafe extern "C" fn cl_resolved_law(
             // SAFETY: the length is the documented one, for which the caller vouches.
             false => Some(unsafe { array(message, "set_of_point", set_of_point, n_points) }?),
         };
-        match index {
-            None => require_sets("n_sets", n_sets, n_points)?,
-            Some(index) => require_indices(index, n_sets)?,
+        if index.is_none() {
+            require_sets("n_sets", n_sets, n_points)?;
         }
         let total = |argument| n_bins.checked_mul(n_sets).ok_or(Error::TooLong { argument });
         // SAFETY: as above.
@@ -302,54 +287,27 @@ pub unsafe extern "C" fn cl_resolved_law(
                 friction(message, mu, n_mu, n_points)?,
             )
         };
-        let curves = match yield_curves {
-            CL_YIELD_CONTINUOUS => YieldCurves::Continuous,
-            CL_YIELD_PUBLISHED => YieldCurves::Published,
-            code => {
-                return Err(unknown(
-                    "yield_curves",
-                    code,
-                    "CL_YIELD_CONTINUOUS or CL_YIELD_PUBLISHED",
-                ));
-            }
-        };
+        let curves = choice("yield_curves", yield_curves)?;
         let yielding = (yield_strength != 0.0).then_some(Yield {
             strength: yield_strength,
             tangent_modulus,
             curves,
         });
         let asperity = Asperity::try_new(ElasticPair::new(youngs_modulus, poisson_ratio), radius, yielding)?;
-        let sets = (0..n_sets).map(|set| {
+        let sets = per_set(n_sets, |set| {
             let of = |values: &[f64]| values.chunks_exact(n_sets).map(|bin| bin[set]).collect();
-            AsperityBins::try_new(asperity, of(gaps), of(densities)).map_err(|error| Error::Parameters { set, error })
-        });
-        let sets = sets.collect::<Result<Vec<_>, _>>()?;
+            AsperityBins::try_new(asperity, of(gaps), of(densities))
+        })?;
         let bins = match index {
-            None => spread(sets, n_points),
+            None => PointParameters::one_or_each(sets, n_points),
             Some(index) => PointParameters::try_indexed(sets, index.to_vec())?,
         };
-        let history = history_rule(history)?;
+        let history = choice("history", history)?;
         let friction = match n_annuli {
             0 => AsperityFriction::StickSlip(history),
             n => AsperityFriction::Annuli(history, n),
         };
-        let cone = match cone {
-            CL_CONE_CIRCLE => Cone::Circle,
-            CL_CONE_BOX => Cone::Box,
-            code => return Err(unknown("cone", code, "CL_CONE_CIRCLE or CL_CONE_BOX")),
-        };
-        let limit = match limit {
-            CL_LIMIT_COULOMB => AsperityLimit::Coulomb,
-            CL_LIMIT_CEB => AsperityLimit::Ceb,
-            CL_LIMIT_SHEAR_STRENGTH => AsperityLimit::ShearStrength,
-            code => {
-                return Err(unknown(
-                    "limit",
-                    code,
-                    "CL_LIMIT_COULOMB, CL_LIMIT_CEB or CL_LIMIT_SHEAR_STRENGTH",
-                ));
-            }
-        };
+        let (cone, limit) = (choice("cone", cone)?, choice("limit", limit)?);
         Law::try_new(ResolvedLaw::try_new(bins, mu, friction, cone)?.with_limit(limit)?)
     };
     // SAFETY: the caller vouches for the message buffer.
@@ -381,17 +339,6 @@ fn require_sets(argument: &'static str, n_sets: usize, n_points: usize) -> Resul
     }
 }
 
-fn require_indices(index: &[u32], n_sets: usize) -> Result<(), Error> {
-    match index.iter().position(|&set| set as usize >= n_sets) {
-        None => Ok(()),
-        Some(point) => Err(Error::Index {
-            point,
-            index: index[point],
-            n_sets,
-        }),
-    }
-}
-
 /// The friction coefficients.
 ///
 /// # Safety
@@ -405,44 +352,11 @@ unsafe fn friction(
     require_sets("n_mu", n_mu, n_points)?;
     // SAFETY: the caller's promise.
     let mu = unsafe { array(message, "mu", mu, n_mu) }?;
-    Ok(spread(mu.to_vec(), n_points))
+    Ok(PointParameters::one_or_each(mu.to_vec(), n_points))
 }
 
-fn per_set<C>(
-    n_sets: usize,
-    n_points: usize,
-    make: impl Fn(usize) -> Result<C, contact_laws::Error>,
-) -> Result<PointParameters<C>, Error> {
+/// What is made of every set of parameters.
+fn per_set<C>(n_sets: usize, make: impl Fn(usize) -> Result<C, contact_laws::Error>) -> Result<Vec<C>, Error> {
     let made = (0..n_sets).map(|set| make(set).map_err(|error| Error::Parameters { set, error }));
-    Ok(spread(made.collect::<Result<_, _>>()?, n_points))
-}
-
-/// One value for all points, or one for each.
-fn spread<T>(mut values: Vec<T>, n_points: usize) -> PointParameters<T> {
-    match values.len() {
-        1 => PointParameters::uniform(values.remove(0), n_points),
-        _ => PointParameters::per_point(values),
-    }
-}
-
-fn history_rule(code: i32) -> Result<HistoryRule, Error> {
-    match code {
-        CL_HISTORY_INCREMENTAL => Ok(HistoryRule::Incremental),
-        CL_HISTORY_PAPER => Ok(HistoryRule::Paper),
-        CL_HISTORY_POTENTIAL => Ok(HistoryRule::Potential),
-        CL_HISTORY_END_POINT => Ok(HistoryRule::EndPoint),
-        _ => Err(unknown(
-            "history",
-            code,
-            "CL_HISTORY_INCREMENTAL, CL_HISTORY_PAPER, CL_HISTORY_POTENTIAL or CL_HISTORY_END_POINT",
-        )),
-    }
-}
-
-fn unknown(argument: &'static str, code: i32, allowed: &'static str) -> Error {
-    Error::Code {
-        argument,
-        code,
-        allowed,
-    }
+    made.collect()
 }

@@ -9,9 +9,9 @@ use core::slice;
 use contact_laws::{Components, ComponentsMut, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 
 use crate::boundary::{Error, Message, Region, array, check, guarded};
+use crate::choice::choice;
 use crate::{
-    CL_ERROR, CL_INVALID_POINTS, CL_REGIME_INVALID, CL_REGIME_OPEN, CL_REGIME_SLIP, CL_REGIME_STICK,
-    CL_STICKING_COULOMB, CL_STICKING_FRICTIONLESS, CL_STICKING_FULL, CL_SUCCESS, Law,
+    CL_ERROR, CL_INVALID_POINTS, CL_REGIME_INVALID, CL_REGIME_OPEN, CL_REGIME_SLIP, CL_REGIME_STICK, CL_SUCCESS, Law,
 };
 
 /// Number of points in each regime.
@@ -48,7 +48,7 @@ impl From<RegimeCounts> for Counts {
 /// Tractions, end state and, on request, tangent and regimes of the points first, ..., first + count - 1 of a law.
 /// Entry i of every array belongs to point first + i. Allocates nothing.
 ///
-/// - sticking: CL_STICKING_COULOMB, CL_STICKING_FULL or CL_STICKING_FRICTIONLESS.
+/// - sticking: one of CL_STICKING_...
 /// - jump_x, jump_y, jump_n: jump (m), count numbers each; jump_n > 0 is interference, the gap already subtracted.
 /// - begin: state committed last, component by component: component c of point first + i is begin[c * stride + i].
 ///   It reaches over (cl_law_n_state(law) - 1) * stride + count numbers. All zeros is a point that touches nothing.
@@ -101,18 +101,7 @@ pub unsafe extern "C" fn cl_law_evaluate(
         let batch = Batch {
             law,
             points: points(law, first, count)?,
-            sticking: match sticking {
-                CL_STICKING_COULOMB => Sticking::Coulomb,
-                CL_STICKING_FULL => Sticking::Full,
-                CL_STICKING_FRICTIONLESS => Sticking::Frictionless,
-                code => {
-                    return Err(Error::Code {
-                        argument: "sticking",
-                        code,
-                        allowed: "CL_STICKING_COULOMB, CL_STICKING_FULL or CL_STICKING_FRICTIONLESS",
-                    });
-                }
-            },
+            sticking: choice("sticking", sticking)?,
             jump: [jump_x, jump_y, jump_n],
             begin,
             end,

@@ -53,6 +53,7 @@
 #![warn(clippy::undocumented_unsafe_blocks)]
 
 mod boundary;
+mod choice;
 mod construct;
 mod evaluate;
 mod queries;
@@ -64,6 +65,7 @@ use std::ffi::CString;
 
 use contact_laws::{Quantity, TractionLaw};
 
+pub use choice::Constant;
 pub use construct::{cl_asperity_table_law, cl_elastic_dry_friction_law, cl_resolved_law, cl_rough_law};
 pub use evaluate::{Counts, cl_law_evaluate};
 pub use queries::{
@@ -77,50 +79,6 @@ pub const CL_ERROR: i32 = -1;
 pub const CL_INVALID_POINTS: i32 = 0;
 /// Status: computed.
 pub const CL_SUCCESS: i32 = 1;
-
-/// History rule: midpoint rule along the closed part of the path since the state committed last.
-pub const CL_HISTORY_INCREMENTAL: i32 = 0;
-/// History rule: as published, linearised about the end point, with the total displacement.
-pub const CL_HISTORY_PAPER: i32 = 1;
-/// From a potential, with the elastic stretch as state.
-pub const CL_HISTORY_POTENTIAL: i32 = 2;
-
-/// History rule: with the stiffness at the end of the path.
-pub const CL_HISTORY_END_POINT: i32 = 3;
-
-/// Slip limit of an asperity: the same in every direction.
-pub const CL_CONE_CIRCLE: i32 = 0;
-/// Slip limit of an asperity: for x and y apart.
-pub const CL_CONE_BOX: i32 = 1;
-
-/// Slip limit of an asperity: the friction coefficient times its normal force.
-pub const CL_LIMIT_COULOMB: i32 = 0;
-/// Slip limit of an asperity that yields: first yield under both forces.
-pub const CL_LIMIT_CEB: i32 = 1;
-/// Slip limit of an asperity that yields: the shear strength that its pressure leaves.
-pub const CL_LIMIT_SHEAR_STRENGTH: i32 = 2;
-
-/// Yield: without the jumps of the published curves.
-pub const CL_YIELD_CONTINUOUS: i32 = 0;
-/// Yield: the published curves, with their jumps.
-pub const CL_YIELD_PUBLISHED: i32 = 1;
-
-/// Sticking: points slip at the Coulomb limit.
-pub const CL_STICKING_COULOMB: i32 = 0;
-/// Sticking: every closed point sticks, for a first prestress and for stuck tangents.
-pub const CL_STICKING_FULL: i32 = 1;
-/// Sticking: no tangential tractions, as with a friction coefficient of zero.
-pub const CL_STICKING_FRICTIONLESS: i32 = 2;
-
-/// Fitted tangential stiffness outside its range: towards a log-slope of 1/2 below, with its end slope above.
-pub const CL_ENDS_MINDLIN: i32 = 0;
-/// Fitted tangential stiffness outside its range: towards constants.
-pub const CL_ENDS_CONSTANT: i32 = 1;
-
-/// Tangential stiffness of an asperity: Mindlin's, proportional to its contact radius.
-pub const CL_READING_MINDLIN: i32 = 0;
-/// Tangential stiffness of an asperity: as published, the same for every loaded one.
-pub const CL_READING_PAPER: i32 = 1;
 
 /// Regime: in contact below the slip limit.
 pub const CL_REGIME_STICK: i32 = 0;

@@ -5,6 +5,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::ptr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use contact_laws::{Choice, HistoryRule, Sticking};
 use contact_laws_c::*;
 
 /// The system's allocator with a count of the blocks handed out.
@@ -35,8 +36,20 @@ fn evaluations_do_not_allocate() {
     let (k, mu) = (1e12, 0.2);
     let made = BLOCKS.load(Ordering::SeqCst);
     // SAFETY: one set of parameters, one friction coefficient, no message.
-    let law =
-        unsafe { cl_elastic_dry_friction_law(N, &k, &k, &k, 1, &mu, 1, CL_HISTORY_INCREMENTAL, ptr::null_mut(), 0) };
+    let law = unsafe {
+        cl_elastic_dry_friction_law(
+            N,
+            &k,
+            &k,
+            &k,
+            1,
+            &mu,
+            1,
+            HistoryRule::Incremental.number(),
+            ptr::null_mut(),
+            0,
+        )
+    };
     // The count counts.
     assert!(!law.is_null() && BLOCKS.load(Ordering::SeqCst) > made);
 
@@ -53,7 +66,7 @@ fn evaluations_do_not_allocate() {
                 law,
                 0,
                 count,
-                CL_STICKING_COULOMB,
+                Sticking::Coulomb.number(),
                 jump.as_ptr(),
                 jump.as_ptr(),
                 jump.as_ptr(),

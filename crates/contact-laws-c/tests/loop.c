@@ -212,7 +212,7 @@ static void refused_laws(void) {
     REFUSED(ELASTIC(2, &good, 1, mu, 2, CL_HISTORY_INCREMENTAL), "mu = NaN (no unit) at point 1");
     REFUSED(ELASTIC(1, NULL, 1, mu, 1, CL_HISTORY_INCREMENTAL), "k_n is NULL");
     REFUSED(ELASTIC(1, &good, 1, NULL, 1, CL_HISTORY_INCREMENTAL), "mu is NULL");
-    REFUSED(ELASTIC(1, &good, 1, mu, 1, 7), "history = 7");
+    REFUSED(ELASTIC(1, &good, 1, mu, 1, 1000), "history = 1000: must be CL_HISTORY_INCREMENTAL, ");
     REFUSED(ELASTIC(0, &good, 1, mu, 1, CL_HISTORY_INCREMENTAL), "n_points = 0");
     REFUSED(ELASTIC(SIZE_MAX, &good, 1, mu, 1, CL_HISTORY_INCREMENTAL), "n_points = ");
     REFUSED(ELASTIC(3, &good, 1, mu, 2, CL_HISTORY_INCREMENTAL), "n_mu = 2");
@@ -243,8 +243,8 @@ static void refused_laws(void) {
     cl_resolved_law(2, gaps, densities, n_bins, n_sets, sets, 1e-3, 2e11, 0.3, strength, tangent, 0, mu, 1, history,   \
                     cone, limit, n_radii, message, sizeof message)
     REFUSED(RESOLVED(gaps, densities, 2, 3, NULL, 0, 0, 3, 0, 0, 0), "n_sets = 3: must be 1 or the number of points, 2");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, missing, 0, 0, 3, 0, 0, 0), "set_of_point[1] = 2: must be below n_sets = 2");
-    REFUSED(RESOLVED(gaps, densities, 2, 0, sets, 0, 0, 3, 0, 0, 0), "set_of_point[0] = 0: must be below n_sets = 0");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, missing, 0, 0, 3, 0, 0, 0), "point 1 asks for parameter set 2, but there are 2");
+    REFUSED(RESOLVED(gaps, densities, 2, 0, sets, 0, 0, 3, 0, 0, 0), "point 0 asks for parameter set 0, but there are 0");
     REFUSED(RESOLVED(NULL, densities, 2, 2, sets, 0, 0, 3, 0, 0, 0), "gaps is NULL");
     REFUSED(RESOLVED(gaps, NULL, 2, 2, sets, 0, 0, 3, 0, 0, 0), "densities is NULL");
     REFUSED(RESOLVED(gaps, densities, 0, 2, sets, 0, 0, 3, 0, 0, 0), "set 0 (counted from 0): bins = 0e0");
@@ -253,7 +253,7 @@ static void refused_laws(void) {
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, -1, 0, 3, 0, 0, 0), "yield_strength = -1e0");
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 2e11, 3, 0, 0, 0), "tangent_modulus = 2e11");
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 0, CL_HISTORY_POTENTIAL, 0, 0, 0), "asperities that yield");
-    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 4, 0, 0, 0), "history = 4");
+    REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, -1, 0, 0, 0), "history = -1");
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 2, 0, 0), "cone = 2");
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 3e8, 0, 3, 0, 3, 0), "limit = 3");
     REFUSED(RESOLVED(gaps, densities, 2, 2, sets, 0, 0, 3, 0, CL_LIMIT_CEB, 0), "elastic asperities");

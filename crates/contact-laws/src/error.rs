@@ -1,5 +1,7 @@
 use core::fmt;
 
+use crate::parameters::{Bounds, Parameter};
+
 /// Where in the input a refused value stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
@@ -167,12 +169,5 @@ pub(crate) fn require(
 
 /// Refuses a parameter that is not finite and above zero.
 pub(crate) fn require_positive(parameter: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
-    require(
-        value.is_finite() && value > 0.0,
-        parameter,
-        value,
-        unit,
-        Place::Whole,
-        "finite and above zero",
-    )
+    Parameter::new(parameter, unit, Bounds::Positive).check(value)
 }

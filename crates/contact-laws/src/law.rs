@@ -7,6 +7,8 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use core::ops::{AddAssign, Range};
 
+use crate::choice::choices;
+
 /// The method paper, where eqs. (18)-(20), (28), (29), (45) are from.
 pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";
 
@@ -222,16 +224,15 @@ impl AddAssign for RegimeCounts {
     }
 }
 
-/// Whether friction limits the tangential traction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sticking {
-    /// Points slip at the Coulomb limit.
-    Coulomb,
-    /// Every closed point sticks, whatever its traction; open points still carry none. For the first guess of a
-    /// prestress, and for the stuck tangent about a state.
-    Full,
-    /// No point carries a tangential traction, as with `mu = 0`. For joints that are assembled without friction.
-    Frictionless,
+choices! {
+    /// Whether friction limits the tangential traction.
+    pub enum Sticking, "STICKING", "Sticking" {
+        Coulomb = "coulomb", 0, "Points slip at the Coulomb limit.";
+        /// For the first guess of a prestress, and for the stuck tangent about a state.
+        Full = "full", 1, "Every closed point sticks, whatever its traction; open points still carry none.";
+        /// For joints that are assembled without friction.
+        Frictionless = "frictionless", 2, "No point carries a tangential traction, as with `mu = 0`.";
+    }
 }
 
 /// Name and SI unit of a state component or a parameter.
@@ -281,6 +282,71 @@ pub(crate) struct Along<'a> {
     pub(crate) d_traction: ComponentsMut<'a>,
 }
 
+/// [`TractionLaw::evaluate`] and [`TractionLaw::derivative`] by one method of the law, which takes the arguments of the
+/// first and a direction, if there is one: `evaluates_by!(method)`, or `evaluates_by!(method in blocks)` for a method
+/// that is compiled for each size of blocks.
+macro_rules! evaluates_by {
+    ($($method:tt)+) => {
+        fn evaluate(
+            &self,
+            points: core::ops::Range<usize>,
+            sticking: $crate::law::Sticking,
+            jump: $crate::law::Components<'_>,
+            begin: $crate::law::StateView<'_>,
+            end: $crate::law::StateViewMut<'_>,
+            traction: $crate::law::ComponentsMut<'_>,
+            tangent: Option<$crate::law::TangentMut<'_>>,
+            regimes: Option<&mut [$crate::law::Regime]>,
+        ) -> $crate::law::RegimeCounts {
+            $crate::law::check_points(&points, self);
+            $crate::law::evaluated!(
+                self, $($method)+, points, sticking, jump, begin, end, traction, tangent, regimes, None
+            )
+        }
+
+        fn derivative(
+            &self,
+            points: core::ops::Range<usize>,
+            sticking: $crate::law::Sticking,
+            jump: $crate::law::Components<'_>,
+            begin: $crate::law::StateView<'_>,
+            d_jump: $crate::law::Components<'_>,
+            d_begin: $crate::law::StateView<'_>,
+            end: $crate::law::StateViewMut<'_>,
+            d_end: $crate::law::StateViewMut<'_>,
+            traction: $crate::law::ComponentsMut<'_>,
+            d_traction: $crate::law::ComponentsMut<'_>,
+        ) -> $crate::law::RegimeCounts {
+            $crate::law::check_points(&points, self);
+            let along = Some($crate::law::Along {
+                d_jump,
+                d_begin,
+                d_end,
+                d_traction,
+            });
+            $crate::law::evaluated!(
+                self, $($method)+, points, sticking, jump, begin, end, traction, None, None, along
+            )
+        }
+    };
+}
+pub(crate) use evaluates_by;
+
+/// The call of [`evaluates_by`].
+macro_rules! evaluated {
+    ($law:ident, $method:ident in blocks, $points:ident, $($argument:expr),+) => {
+        if $points.len() <= $crate::simd::SHORT_BLOCK {
+            $law.$method::<{ $crate::simd::SHORT_BLOCK }>($points, $($argument),+)
+        } else {
+            $law.$method::<{ $crate::simd::BLOCK }>($points, $($argument),+)
+        }
+    };
+    ($law:ident, $method:ident, $($argument:expr),+) => {
+        $law.$method($($argument),+)
+    };
+}
+pub(crate) use evaluated;
+
 /// Panics when `points` exceeds the law, as [`TractionLaw::evaluate`] promises.
 pub(crate) fn check_points(points: &Range<usize>, law: &impl TractionLaw) {
     let count = law.len();
@@ -288,6 +354,9 @@ pub(crate) fn check_points(points: &Range<usize>, law: &impl TractionLaw) {
 }
 
 /// A traction law over a set of points with fixed parameters.
+///
+/// A law is independent of the rate: [`Self::evaluate`] is given where a point is and where it was at the commit, but not
+/// the time between the two. A law that depends on the velocity of sliding cannot be written with it.
 pub trait TractionLaw: Send + Sync {
     /// Description, with the names and units of state and parameters.
     fn info(&self) -> &LawInfo;

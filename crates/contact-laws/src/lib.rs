@@ -54,6 +54,7 @@ extern crate alloc;
 #[cfg(not(any(feature = "std", feature = "libm")))]
 compile_error!("contact-laws needs elementary functions: enable the feature `std` or the feature `libm`");
 
+pub mod choice;
 pub mod curves;
 mod error;
 pub mod friction;
@@ -77,13 +78,14 @@ mod tests;
 #[doc = include_str!("../README.md")]
 mod readme {}
 
+pub use choice::Choice;
 pub use curves::asperity_sum::{AsperitySumCurves, TangentialReading};
 pub use curves::elastic::ElasticCurves;
 pub use curves::fitted::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 pub use curves::fitted_points::FittedPoints;
 pub use curves::greenwood_williamson::{GreenwoodWilliamsonCurves, GreenwoodWilliamsonSurface};
 pub use curves::table::{TableOptions, Tabulated};
-pub use curves::{ContactCurves, CurveBlock, CurveFactors, CurvesInfo, Exponents, PointCurves};
+pub use curves::{CURVES, ContactCurves, CurveBlock, CurveFactors, CurvesInfo, Exponents, PointCurves};
 pub use error::{Error, Place};
 pub use friction::linearised::{LinearisedContact, StaticPoint};
 pub use friction::mindlin_iwan::MindlinIwan;
@@ -91,14 +93,15 @@ pub use friction::radii::Radii;
 pub use friction::resolved::{AsperityFriction, ResolvedLaw};
 pub use friction::similarity::{Scaling, Similarity};
 pub use friction::{
-    AsperityLaw, Cone, ElasticDryFriction, FrictionalLaw, GreenwoodWilliamsonLaw, HistoryRule, RoughLaw, TableLaw,
+    AsperityLaw, Cone, ElasticDryFriction, FrictionalLaw, GreenwoodWilliamsonLaw, HISTORY_RULES, HistoryRule,
+    HistoryRuleInfo, RoughLaw, TableLaw,
 };
 pub use jet::Jet;
 pub use law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
     TractionLaw,
 };
-pub use parameters::PointParameters;
+pub use parameters::{Bounds, Parameter, PointParameters};
 pub use physics::adhesion::Adhesion;
 pub use physics::bins::{AsperityBins, MAX_BINS};
 pub use physics::elastic_plastic::{Asperity, Contact, Dent, Unloading, Yield, YieldCurves};

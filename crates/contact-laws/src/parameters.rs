@@ -1,6 +1,86 @@
 use alloc::vec::Vec;
 
-use crate::error::Error;
+use crate::error::{Error, Place, require};
+use crate::law::Quantity;
+
+/// A parameter of curves: what documents and refusals say of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Name, unique among the parameters of its curves.
+    pub name: &'static str,
+    /// SI unit, `1` without.
+    pub unit: &'static str,
+    /// What is asked of its value.
+    pub bounds: Bounds,
+}
+
+/// What is asked of a value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bounds {
+    /// Finite and above zero.
+    Positive,
+    /// Finite and not negative.
+    NotNegative,
+    /// Between two values, both included; the text says the same.
+    Within([f64; 2], &'static str),
+    /// More than one number can tell.
+    Other(&'static str),
+}
+
+impl Bounds {
+    /// The same in words, after "must be".
+    pub const fn text(&self) -> &'static str {
+        match self {
+            Self::Positive => "finite and above zero",
+            Self::NotNegative => "finite and not negative",
+            Self::Within(_, text) | Self::Other(text) => text,
+        }
+    }
+
+    fn admit(&self, value: f64) -> bool {
+        match self {
+            Self::Positive => value.is_finite() && value > 0.0,
+            Self::NotNegative => value.is_finite() && value >= 0.0,
+            Self::Within([lower, upper], _) => (*lower..=*upper).contains(&value),
+            Self::Other(_) => true,
+        }
+    }
+}
+
+impl Parameter {
+    /// With its bounds.
+    pub const fn new(name: &'static str, unit: &'static str, bounds: Bounds) -> Self {
+        Self { name, unit, bounds }
+    }
+
+    /// The same bounds for a value of another name.
+    pub(crate) const fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
+    }
+
+    /// Name and unit.
+    pub const fn quantity(&self) -> Quantity {
+        Quantity::new(self.name, self.unit)
+    }
+
+    /// Refuses a value out of bounds.
+    pub(crate) fn check(&self, value: f64) -> Result<(), Error> {
+        self.check_at(Place::Whole, value)
+    }
+
+    /// The same of one entry of a list, or of one point.
+    pub(crate) fn check_at(&self, place: Place, value: f64) -> Result<(), Error> {
+        let unit = if self.unit == "1" { "(no unit)" } else { self.unit };
+        require(
+            self.bounds.admit(value),
+            self.name,
+            value,
+            unit,
+            place,
+            self.bounds.text(),
+        )
+    }
+}
 
 /// A parameter, or a set of parameters, for every point of a law.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +97,14 @@ impl<T> PointParameters<T> {
     /// The same `value` at `n_points` points.
     pub fn uniform(value: T, n_points: usize) -> Self {
         Self(Storage::Uniform { value, n_points })
+    }
+
+    /// One value for all of `n_points` points, or else one per point.
+    pub fn one_or_each(mut values: Vec<T>, n_points: usize) -> Self {
+        match values.len() {
+            1 => Self::uniform(values.remove(0), n_points),
+            _ => Self::per_point(values),
+        }
     }
 
     /// One value per point.

@@ -35,38 +35,22 @@ pub fn evaluate_point<L: TractionLaw + ?Sized>(
     begin: &[f64],
 ) -> PointResponse {
     let mut end = vec![0.0; law.info().n_state()];
-    let [mut x, mut y, mut n] = [0.0; 3];
+    let [mut x, mut y, mut n] = [[0.0]; 3];
     let mut j = [[0.0]; 9];
     let mut regime = [Regime::Open];
     law.evaluate(
         point..point + 1,
         sticking,
-        Components {
-            x: &jump[..1],
-            y: &jump[1..2],
-            n: &jump[2..],
-        },
-        StateView {
-            data: begin,
-            stride: 1,
-            offset: 0,
-        },
-        StateViewMut {
-            data: &mut end,
-            stride: 1,
-            offset: 0,
-        },
-        ComponentsMut {
-            x: core::slice::from_mut(&mut x),
-            y: core::slice::from_mut(&mut y),
-            n: core::slice::from_mut(&mut n),
-        },
+        Components::new(&jump[..1], &jump[1..2], &jump[2..]),
+        StateView::new(begin, 1, 0),
+        StateViewMut::new(&mut end, 1, 0),
+        ComponentsMut::new(&mut x, &mut y, &mut n),
         Some(TangentMut::from_entries(j.each_mut().map(|entry| entry.as_mut_slice()))),
         Some(&mut regime),
     );
     let tangent = core::array::from_fn(|i| core::array::from_fn(|k| j[3 * i + k][0]));
     PointResponse {
-        traction: [x, y, n],
+        traction: [x[0], y[0], n[0]],
         tangent,
         end,
         regime: regime[0],
@@ -74,15 +58,24 @@ pub fn evaluate_point<L: TractionLaw + ?Sized>(
 }
 
 impl PointResponse {
+    /// All numbers: traction, tangent, state reached.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        let all = self.traction.iter().chain(self.tangent.as_flattened()).chain(&self.end);
+        all.copied()
+    }
+
     /// Whether both have the same bits, up to the payload of what is not a number.
     pub fn is_identical(&self, other: &Self) -> bool {
-        let numbers = |response: &Self| -> Vec<u64> {
-            let tangent = response.tangent.as_flattened();
-            let all = response.traction.iter().chain(tangent).chain(&response.end);
-            all.map(|v| if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() })
-                .collect()
-        };
-        self.regime == other.regime && numbers(self) == numbers(other)
+        self.regime == other.regime && self.numbers().map(bits).eq(other.numbers().map(bits))
+    }
+}
+
+/// The bits of a number, the same for all that are none.
+fn bits(value: f64) -> u64 {
+    if value.is_nan() {
+        f64::NAN.to_bits()
+    } else {
+        value.to_bits()
     }
 }
 
@@ -116,11 +109,7 @@ pub fn evaluate_batch<L: TractionLaw + ?Sized>(
             sticking,
             Components::new(&jump[0][c.clone()], &jump[1][c.clone()], &jump[2][c.clone()]),
             StateView::new(&begin, n, c.start),
-            StateViewMut {
-                data: &mut end,
-                stride: n,
-                offset: c.start,
-            },
+            StateViewMut::new(&mut end, n, c.start),
             ComponentsMut::new(x, y, n_),
             Some(TangentMut::from_entries(tangent)),
             Some(&mut found),
@@ -160,8 +149,7 @@ impl PointDerivative {
         let numbers = |found: &Self| -> Vec<u64> {
             let tractions = found.traction.iter().chain(&found.d_traction);
             let all = tractions.chain(&found.end).chain(&found.d_end);
-            all.map(|v| if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() })
-                .collect()
+            all.copied().map(bits).collect()
         };
         numbers(self) == numbers(other)
     }

@@ -9,8 +9,8 @@ use crate::curves::asperity_sum::{AsperitySumCurves, TangentialReading};
 use crate::curves::fitted::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 use crate::error::Error;
 use crate::law::{
-    Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw,
+    Along, Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
+    TangentMut, TractionLaw, evaluates_by,
 };
 use crate::parameters::PointParameters;
 use crate::physics::hertz::ElasticPair;
@@ -204,16 +204,8 @@ impl<const N: usize> LoadStoreFloor<N> {
     }
 }
 
-impl<const N: usize> TractionLaw for LoadStoreFloor<N> {
-    fn info(&self) -> &LawInfo {
-        &self.info
-    }
-
-    fn len(&self) -> usize {
-        self.columns[0].len()
-    }
-
-    fn evaluate(
+impl<const N: usize> LoadStoreFloor<N> {
+    fn touch(
         &self,
         points: Range<usize>,
         _sticking: Sticking,
@@ -223,6 +215,7 @@ impl<const N: usize> TractionLaw for LoadStoreFloor<N> {
         traction: ComponentsMut<'_>,
         tangent: Option<TangentMut<'_>>,
         _regimes: Option<&mut [Regime]>,
+        along: Option<Along<'_>>,
     ) -> RegimeCounts {
         let n = points.len();
         run(Touch::<N> {
@@ -233,42 +226,30 @@ impl<const N: usize> TractionLaw for LoadStoreFloor<N> {
             traction: [traction.x, traction.y, traction.n],
             tangent: tangent.map(TangentMut::into_entries),
         });
+        if let Some(along) = along {
+            run(Touch::<0> {
+                jump: [along.d_jump.x, along.d_jump.y, along.d_jump.n],
+                begin: along.d_begin.components::<5>(n),
+                columns: [],
+                end: along.d_end.components::<5>(n),
+                traction: [along.d_traction.x, along.d_traction.y, along.d_traction.n],
+                tangent: None,
+            });
+        }
         RegimeCounts::default()
+    }
+}
+
+impl<const N: usize> TractionLaw for LoadStoreFloor<N> {
+    fn info(&self) -> &LawInfo {
+        &self.info
     }
 
-    fn derivative(
-        &self,
-        points: Range<usize>,
-        _sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        d_jump: Components<'_>,
-        d_begin: StateView<'_>,
-        end: StateViewMut<'_>,
-        d_end: StateViewMut<'_>,
-        traction: ComponentsMut<'_>,
-        d_traction: ComponentsMut<'_>,
-    ) -> RegimeCounts {
-        let n = points.len();
-        let columns = core::array::from_fn(|c| &self.columns[c][points.clone()]);
-        run(Touch::<N> {
-            jump: [jump.x, jump.y, jump.n],
-            begin: begin.components::<5>(n),
-            columns,
-            end: end.components::<5>(n),
-            traction: [traction.x, traction.y, traction.n],
-            tangent: None,
-        });
-        run(Touch::<0> {
-            jump: [d_jump.x, d_jump.y, d_jump.n],
-            begin: d_begin.components::<5>(n),
-            columns: [],
-            end: d_end.components::<5>(n),
-            traction: [d_traction.x, d_traction.y, d_traction.n],
-            tangent: None,
-        });
-        RegimeCounts::default()
+    fn len(&self) -> usize {
+        self.columns[0].len()
     }
+
+    evaluates_by!(touch);
 }
 
 /// Block by block, the inputs are added up and the sum, a little changed for each, is written to all outputs.

@@ -2,7 +2,8 @@
 
 use crate::Error;
 use brake_reuss_beam::BrakeReussBenchmark;
-use joint_pipeline::{Benchmark, Scene};
+use joint_model::Benchmark;
+use scenes::Scene;
 
 /// All of them; a new one is a row here.
 pub static BENCHMARKS: [&dyn Benchmark; 1] = [&BrakeReussBenchmark];
@@ -43,6 +44,6 @@ pub fn scene_text(name: &str) -> Result<(&'static str, &'static str), Error> {
 ///
 /// # Errors
 /// Those of [`Scene::from_json`].
-pub fn read(name: &str, text: &str) -> Result<Scene, joint_pipeline::Error> {
+pub fn read(name: &str, text: &str) -> Result<Scene, scenes::Error> {
     Scene::from_json(text, &format!("the built-in scene {name}"), name, &BENCHMARKS)
 }

@@ -25,7 +25,7 @@ pub fn with_causes(error: &dyn std::error::Error) -> String {
 pub enum Error {
     /// A scene cannot be read, or a file that it names.
     #[error(transparent)]
-    Scene(#[from] joint_pipeline::Error),
+    Scene(#[from] analyses::Error),
     /// There is no benchmark of this name.
     #[error("there is no benchmark `{name}`; there are {known}")]
     NoBenchmark {
@@ -55,4 +55,10 @@ pub enum Error {
     /// The working directory is gone.
     #[error("finding the working directory")]
     WorkingDirectory(#[source] io::Error),
+}
+
+impl From<scenes::Error> for Error {
+    fn from(error: scenes::Error) -> Self {
+        Self::Scene(error.into())
+    }
 }

@@ -2,8 +2,8 @@
 
 use etcetera::base_strategy::BaseStrategy;
 use file_io::durable::Identity;
-use joint_pipeline::Scene;
-use joint_pipeline::scene::StructureSource;
+use scenes::Scene;
+use scenes::StructureSource;
 use std::path::{Path, PathBuf};
 
 /// The folder `microslip` among the user's caches; none for a user without a home.

@@ -1,8 +1,8 @@
 //! A scene and where it is from.
 
 use crate::{BENCHMARKS, Error, benchmarks};
-use joint_pipeline::Scene;
-use joint_pipeline::results::provenance::{Input, InputRole, inputs_of};
+use analyses::results::provenance::{Input, InputRole, inputs_of};
+use scenes::Scene;
 use serde_json::Value;
 use std::path::Path;
 

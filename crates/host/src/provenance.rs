@@ -1,7 +1,7 @@
 //! What only programs know about where their results come from.
 
 use crate::Error;
-use joint_pipeline::results::provenance::{Input, ProgramBuild, Provenance};
+use analyses::results::provenance::{Input, ProgramBuild, Provenance};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Name of the program, whichever of its faces was used.

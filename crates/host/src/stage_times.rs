@@ -1,6 +1,6 @@
 //! How long the stages of a run take.
 
-use joint_pipeline::progress::Stage;
+use joints::progress::Stage;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! Errors of the libraries as exceptions of `microslip.errors`.
 
+use analyses::Error as PipelineError;
 use host::with_causes;
-use joint_pipeline::Error as PipelineError;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};

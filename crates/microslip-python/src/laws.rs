@@ -4,6 +4,7 @@ mod curves;
 mod law;
 
 use crate::error::{Exception, input};
+use contact_laws::Choice;
 pub(crate) use curves::Curves;
 pub(crate) use law::{Law, regime_number, time_law};
 
@@ -27,4 +28,13 @@ pub(crate) fn choice<T: Copy>(argument: &str, name: &str, names: &[(&str, T)]) -
             )))
         }
     }
+}
+
+/// What a name of the registry stands for.
+///
+/// # Errors
+/// `InputError` with the names that there are.
+pub(crate) fn chosen<T: Choice>(argument: &str, name: &str) -> Result<T, Exception> {
+    let names: Vec<(&str, T)> = T::ALL.iter().map(|&value| (value.name(), value)).collect();
+    choice(argument, name, &names)
 }

@@ -1,7 +1,7 @@
 //! Measured ring-downs, their backbones, and backbones beside one another.
 
 use crate::error::{Exception, input};
-use joint_pipeline::analysis::comparison::{Backbone, Difference, Point};
+use analyses::comparison::{Backbone, Difference, Point};
 use modal_identification::average::average;
 use modal_identification::backbone::{self, Identification, Settings};
 use modal_identification::signal::{Channel, Quantity, Signal, Stated, Timing};

@@ -3,12 +3,13 @@
 use crate::error::Exception;
 use crate::scene::Scene;
 use crate::work::{Monitor, pool, supervise, within};
+use analyses::Fields;
+use analyses::Run as PipelineRun;
+use analyses::results::summary::Summary;
 use contact_laws::Regime;
 use file_io::durable::Folder;
 use host::{GivenScene, free_memory, peak_memory, provenance, results_of, user_cache};
-use joint_pipeline::analysis::Fields;
-use joint_pipeline::results::summary::Summary;
-use joint_pipeline::{Options, Run as PipelineRun};
+use joints::Options;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use reports::run::{SUMMARY, outputs};
@@ -97,7 +98,7 @@ impl Run {
     /// Per mode followed, the amplitudes of which fields were stored: their numbers from 1, and the fields as in `prestress`.
     #[pyo3(signature = () -> "list[list[tuple[int, tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.float64]]]]]")]
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Vec<Vec<(usize, PointFields<'py>)>>> {
-        let of_mode = |mode: &joint_pipeline::analysis::ModeBackbone| {
+        let of_mode = |mode: &analyses::ModeBackbone| {
             let stored = (1..).zip(&mode.amplitudes).filter_map(|(number, amplitude)| {
                 let fields = amplitude.fields.as_ref()?.fields.as_ref()?;
                 Some((number, fields))
@@ -189,9 +190,9 @@ fn compute(
 ) -> Result<Run, Exception> {
     let provenance = provenance::of(given.inputs()?)?;
     let (run, ensemble) = match ensemble {
-        None => (joint_pipeline::run(&given.scene, options, monitor)?, None),
+        None => (analyses::run(&given.scene, options, monitor)?, None),
         Some(k) => {
-            let (run, ensemble) = joint_pipeline::run_ensemble(&given.scene, k, options, monitor)?;
+            let (run, ensemble) = analyses::run_ensemble(&given.scene, k, options, monitor)?;
             (run, Some(ensemble))
         }
     };
@@ -209,7 +210,7 @@ fn compute(
 }
 
 /// Takes hold of a folder for the results of a scene.
-fn open(directory: &Path, scene: &joint_pipeline::Scene, overwrite: bool) -> Result<Folder, Exception> {
+fn open(directory: &Path, scene: &scenes::Scene, overwrite: bool) -> Result<Folder, Exception> {
     let folder = Folder::open(directory, &results_of("run", scene), overwrite)?;
     folder.expect(FILES)?;
     Ok(folder)

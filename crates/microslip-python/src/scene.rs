@@ -2,8 +2,8 @@
 
 use crate::error::Exception;
 use host::{BENCHMARKS, GivenScene};
-use joint_pipeline::Scene as PipelineScene;
 use pyo3::prelude::*;
+use scenes::Scene as PipelineScene;
 use std::path::PathBuf;
 
 /// A scene that was checked, in SI.
@@ -64,7 +64,7 @@ impl Scene {
 /// Names of the scenes that come with the package, as `BENCHMARK/SCENE`.
 #[pyfunction]
 pub(crate) fn benchmarks() -> Vec<String> {
-    let of = |known: &&dyn joint_pipeline::Benchmark| {
+    let of = |known: &&dyn joint_model::Benchmark| {
         let benchmark = known.name();
         let scenes = known.scenes().iter();
         scenes

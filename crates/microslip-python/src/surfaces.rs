@@ -3,11 +3,11 @@
 use crate::error::{Exception, input};
 use crate::work::pool;
 use contact_laws::{ElasticPair, TangentialReading};
-use joint_pipeline::interface::in_frame;
-use joint_pipeline::scene::Place;
+use joints::interface::in_frame;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use scenes::Place;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};

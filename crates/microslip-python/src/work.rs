@@ -2,7 +2,7 @@
 
 use crate::error::{Exception, input};
 use host::StageTimes;
-use joint_pipeline::progress::{Progress, Stage};
+use joints::progress::{Progress, Stage};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::BTreeMap;

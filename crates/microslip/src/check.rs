@@ -1,14 +1,14 @@
 //! Checks a finished run against bounds that hold for every sound run.
 
 use crate::files;
+use analyses::results::summary::Summary;
 use anyhow::{Context, Result, bail};
 use host::BENCHMARKS;
-use joint_pipeline::Scene;
-use joint_pipeline::joint::benchmark::{Bounds, Symmetry};
-use joint_pipeline::results::summary::Summary;
+use joint_model::benchmark::{Bounds, Symmetry};
 use reports::markup;
 use reports::run::{FORCED, FORCED_PICTURE, SUMMARY, amplitude_file};
 use reports::tightening::{TIGHTENING, TIGHTENING_PICTURE};
+use scenes::Scene;
 use std::path::Path;
 
 /// Share of the area that slips beyond which the damping need not rise any more.

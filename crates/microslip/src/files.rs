@@ -2,7 +2,6 @@
 
 use anyhow::{Result, anyhow};
 use file_io::durable::{Folder, Identity};
-use joint_pipeline::scene::read_json;
 use reports::Output;
 use reports::run::{
     BODIES_PRESTRESS, ELEMENT_LOOPS, ENSEMBLE, EPMC, FORCED, FORCED_PICTURE, LOOPS, PERIODIC, amplitude_file,
@@ -10,6 +9,7 @@ use reports::run::{
 };
 use reports::tightening::{TIGHTENING, TIGHTENING_PICTURE};
 use reports::uncertainty::{BANDS, INFLUENCES, SAMPLES, bands_picture};
+use scenes::read_json;
 use serde::de::DeserializeOwned;
 use std::io::Write;
 use std::path::Path;

@@ -17,7 +17,9 @@ mod book {
     mod mindlin_iwan {}
 }
 
+pub use analyses::results::summary::Summary;
+pub use analyses::{Error, Run, run, run_ensemble, run_samples};
 pub use commands::{Command, Defaults, Outcome, execute};
 pub use host::BENCHMARKS;
-pub use joint_pipeline::results::summary::Summary;
-pub use joint_pipeline::{Error, Options, Run, Scene, run, run_ensemble, run_samples};
+pub use joints::Options;
+pub use scenes::Scene;

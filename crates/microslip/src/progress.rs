@@ -3,7 +3,7 @@
 use crate::text;
 use host::StageTimes;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use joint_pipeline::progress::{Progress, Stage};
+use joints::progress::{Progress, Stage};
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::time::Duration;

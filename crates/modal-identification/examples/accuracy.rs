@@ -1,4 +1,4 @@
-//! The table of errors against bandwidth, noise, neighbouring mode and sample rate in docs/accuracy.md.
+//! The table of errors against bandwidth, noise, neighbouring mode and sample rate in docs/validation.md.
 #![expect(clippy::print_stdout, reason = "the table goes there")]
 
 use std::error::Error;

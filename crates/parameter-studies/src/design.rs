@@ -2,8 +2,8 @@
 
 use crate::Error;
 use crate::plan::{Design as Kinds, Listed, Parameter, Plan, Spacing};
-use joint_pipeline::analysis::unit_cube;
-use joint_pipeline::scene::SamplingMethod;
+use analyses::unit_cube;
+use scenes::SamplingMethod;
 use serde_json::{Number, Value};
 
 /// Most cases of a plan.

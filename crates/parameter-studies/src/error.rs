@@ -41,10 +41,10 @@ pub enum Error {
     },
     /// The scene of a case is not admissible.
     #[error("{0}")]
-    Case(#[source] joint_pipeline::Error),
+    Case(#[source] analyses::Error),
     /// The scene of the plan, or the pipeline.
     #[error(transparent)]
-    Scene(#[from] joint_pipeline::Error),
+    Scene(#[from] analyses::Error),
     /// A file of the store.
     #[error(transparent)]
     Store(#[from] file_io::durable::Error),
@@ -92,6 +92,7 @@ pub enum Error {
     #[error("writing a table")]
     Table(#[from] csv::Error),
     /// A table could not be written as Parquet.
+    #[cfg(feature = "parquet")]
     #[error("writing a table as Parquet")]
     Parquet(#[from] parquet::errors::ParquetError),
     /// A picture or a page.

@@ -2,6 +2,8 @@
 
 mod design;
 mod error;
+#[cfg(feature = "parquet")]
+mod parquet_table;
 mod plan;
 mod report;
 mod run;

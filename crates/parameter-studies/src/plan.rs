@@ -2,7 +2,7 @@
 
 use crate::Error;
 use file_io::input::Kind;
-use joint_pipeline::scene::{Length, parse_json, read_json, without_comments};
+use scenes::{Length, parse_json, read_json, without_comments};
 use schemars::JsonSchema;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::ser::SerializeMap;

@@ -4,8 +4,8 @@ use crate::Error;
 use crate::design::Column;
 use crate::store::Store;
 use crate::study::Study;
-use crate::table::{CSV, PARQUET, Table};
-use joint_pipeline::analysis::variants::{Curve, Reading};
+use crate::table::{CSV, Table};
+use analyses::variants::{Curve, Reading};
 use reports::Output;
 use reports::html::{Picture, Table as HtmlTable};
 use reports::parameters::{Axis, parallel, response_surface};
@@ -30,7 +30,7 @@ struct Drawn {
 /// The files of a study: tables, plan and page; `facts` are pairs of a name and a figure for the page.
 ///
 /// # Errors
-/// [`Error::Table`], [`Error::Parquet`], [`Error::Report`].
+/// [`Error::Table`], [`Error::Report`]; one of Parquet, where it is built in.
 pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> Result<Vec<Output>, Error> {
     let table = Table::new(study, store);
     let mut plan = serde_json::to_vec_pretty(&study.resolved()).map_err(|source| Error::Encoding {
@@ -38,11 +38,9 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
         source,
     })?;
     plan.push(b'\n');
-    let mut outputs = vec![
-        Output::new(CSV, table.csv()?),
-        Output::new(PARQUET, table.parquet()?),
-        Output::new(PLAN, plan),
-    ];
+    let mut outputs = vec![Output::new(CSV, table.csv()?), Output::new(PLAN, plan)];
+    #[cfg(feature = "parquet")]
+    outputs.push(Output::new(crate::table::PARQUET, table.parquet()?));
     drop(table);
     let facts = HtmlTable {
         headings: vec!["of the study".into(), "figure".into()],
@@ -56,7 +54,10 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
         title: "The study",
         inputs: "What was run, and what came of it.",
         findings: Ok(Findings {
-            judgement: "The tables results.csv and results.parquet hold every case, mode and amplitude.",
+            judgement: match cfg!(feature = "parquet") {
+                true => "The tables results.csv and results.parquet hold every case, mode and amplitude.",
+                false => "The table results.csv holds every case, mode and amplitude.",
+            },
             pictures: Vec::new(),
             table: facts,
             remark: String::new(),

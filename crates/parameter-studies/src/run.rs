@@ -3,12 +3,12 @@
 use crate::Error;
 use crate::store::{Record, Store, Writer};
 use crate::study::{Case, Study};
-use joint_pipeline::Options;
-use joint_pipeline::Scene;
-use joint_pipeline::analysis::cases::{CaseMode, CaseStructure};
-use joint_pipeline::analysis::hyper_reduced::{Lesson, Training};
-use joint_pipeline::interface::SceneInterface;
-use joint_pipeline::progress::Silent;
+use analyses::cases::{CaseMode, CaseStructure};
+use analyses::hyper_reduced::{Lesson, Training};
+use joints::Options;
+use joints::interface::SceneInterface;
+use joints::progress::Silent;
+use scenes::Scene;
 use std::collections::BTreeMap;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -434,7 +434,7 @@ fn interface(
     scene: &Scene,
     structure: &CaseStructure,
     shared: Option<&Shared>,
-) -> Result<Arc<SceneInterface>, joint_pipeline::Error> {
+) -> Result<Arc<SceneInterface>, analyses::Error> {
     let Some(shared) = shared else {
         return structure.interface(scene, None).map(Arc::new);
     };

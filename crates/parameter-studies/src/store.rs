@@ -1,10 +1,10 @@
 //! Finished cases: append-only segments, each written by one process, in folders by structure.
 
 use crate::Error;
+use analyses::cases::{CaseMode, CasePoint};
+use analyses::hyper_reduced::ErrorEstimate;
+use analyses::variants::{Seen, VariantPoint};
 use file_io::durable::{Segment, read_segment, segments};
-use joint_pipeline::analysis::cases::{CaseMode, CasePoint};
-use joint_pipeline::analysis::hyper_reduced::ErrorEstimate;
-use joint_pipeline::analysis::variants::{Seen, VariantPoint};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};

@@ -6,12 +6,13 @@ use crate::plan::{Base, Plan};
 use crate::run::Part;
 use crate::store::Store;
 use crate::training::{self, Terms};
-use joint_pipeline::analysis::cases::{CaseHasher, as_case, idle};
-use joint_pipeline::analysis::hyper_reduced::BorneErrors;
-use joint_pipeline::results::provenance::{Input, inputs_of};
-use joint_pipeline::scene::Parameter;
-use joint_pipeline::{Benchmarks, Scene};
+use analyses::cases::{CaseHasher, as_case, idle};
+use analyses::hyper_reduced::BorneErrors;
+use analyses::results::provenance::{Input, inputs_of};
+use joint_model::Benchmarks;
 use rayon::prelude::*;
+use scenes::Parameter;
+use scenes::Scene;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -83,7 +84,7 @@ pub struct Counts {
 }
 
 impl<'a> Study<'a> {
-    /// Understands and validates the scenes of all cases. `build` is that of the program, see [`joint_pipeline::Options::build`].
+    /// Understands and validates the scenes of all cases. `build` is that of the program, see [`joints::Options::build`].
     ///
     /// # Errors
     /// [`Error::Plan`], [`Error::Pointer`], [`Error::Case`] of the first case that is not admissible; a file that a scene names cannot be read.
@@ -217,7 +218,7 @@ impl<'a> Study<'a> {
             place.push(')');
         }
         let scene = Scene::from_value(value, &place, &self.base.name, self.benchmarks);
-        let mut scene = scene.map_err(Error::Case)?;
+        let mut scene = scene.map_err(|error| Error::Case(error.into()))?;
         if let Some(folder) = &self.base.folder {
             scene.resolve(folder);
         }

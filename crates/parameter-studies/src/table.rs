@@ -1,17 +1,12 @@
-//! The table of a study: one row per case, mode and amplitude, in the order of the plan, as CSV and as Parquet.
+//! The table of a study: one row per case, mode and amplitude, in the order of the plan, as CSV; as Parquet by a module of its own.
 
 use crate::Error;
 use crate::design::Kind;
 use crate::store::Store;
 use crate::study::Study;
-use joint_pipeline::analysis::cases::CasePoint;
-use joint_pipeline::analysis::hyper_reduced::ErrorEstimate;
-use joint_pipeline::analysis::variants::VariantPoint;
-use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::Type;
+use analyses::cases::CasePoint;
+use analyses::hyper_reduced::ErrorEstimate;
+use analyses::variants::VariantPoint;
 use reports::csv::number;
 use serde_json::Value;
 use std::sync::Arc;
@@ -22,22 +17,20 @@ pub const CSV: &str = "results.csv";
 /// Name of the table as Parquet.
 pub const PARQUET: &str = "results.parquet";
 
-/// Rows of a row group.
-const ROWS: usize = 131_072;
-
 /// A table, column by column.
 pub(crate) struct Table {
-    columns: Vec<Column>,
+    pub(super) columns: Vec<Column>,
 }
 
-struct Column {
-    name: String,
+pub(super) struct Column {
+    pub(super) name: String,
     /// Whether every row has a value.
-    required: bool,
-    data: Data,
+    #[cfg_attr(not(feature = "parquet"), expect(dead_code, reason = "CSV knows no schema"))]
+    pub(super) required: bool,
+    pub(super) data: Data,
 }
 
-enum Data {
+pub(super) enum Data {
     Text(Vec<Option<Arc<str>>>),
     Real(Vec<Option<f64>>),
     Whole(Vec<Option<i32>>),
@@ -205,70 +198,5 @@ impl Table {
             let source = std::io::Error::other(error.to_string());
             Error::Table(csv::Error::from(source))
         })
-    }
-
-    /// As Parquet, without compression.
-    pub(crate) fn parquet(&self) -> Result<Vec<u8>, Error> {
-        let field = |column: &Column| {
-            let (physical, logical) = match column.data {
-                Data::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-                Data::Real(_) => (Physical::DOUBLE, None),
-                Data::Whole(_) => (Physical::INT32, None),
-            };
-            let repetition = match column.required {
-                true => Repetition::REQUIRED,
-                false => Repetition::OPTIONAL,
-            };
-            let built = Type::primitive_type_builder(&column.name, physical)
-                .with_repetition(repetition)
-                .with_logical_type(logical)
-                .build()?;
-            Ok::<_, Error>(Arc::new(built))
-        };
-        let fields = self.columns.iter().map(field).collect::<Result<_, _>>()?;
-        let schema = Type::group_type_builder("study").with_fields(fields).build()?;
-        let properties = Arc::new(WriterProperties::builder().build());
-        let mut bytes = Vec::new();
-        let mut writer = SerializedFileWriter::new(&mut bytes, Arc::new(schema), properties)?;
-        let mut from = 0;
-        while from < self.len() {
-            let rows = from..(from + ROWS).min(self.len());
-            let mut group = writer.next_row_group()?;
-            for column in &self.columns {
-                column.write(rows.clone(), &mut group)?;
-            }
-            group.close()?;
-            from = rows.end;
-        }
-        writer.close()?;
-        Ok(bytes)
-    }
-}
-
-impl Column {
-    fn write<W: std::io::Write + Send>(
-        &self,
-        rows: std::ops::Range<usize>,
-        group: &mut SerializedRowGroupWriter<'_, W>,
-    ) -> Result<(), Error> {
-        let Some(mut writer) = group.next_column()? else {
-            return Ok(());
-        };
-        macro_rules! write {
-            ($data:expr, $type:ty, $value:expr) => {{
-                let rows = $data.get(rows).unwrap_or_default();
-                let levels: Vec<i16> = rows.iter().map(|value| i16::from(value.is_some())).collect();
-                let values: Vec<_> = rows.iter().flatten().map($value).collect();
-                let levels = (!self.required).then_some(levels.as_slice());
-                writer.typed::<$type>().write_batch(&values, levels, None)?;
-            }};
-        }
-        match &self.data {
-            Data::Text(data) => write!(data, ByteArrayType, |text: &Arc<str>| ByteArray::from(&**text)),
-            Data::Real(data) => write!(data, DoubleType, |value: &f64| *value),
-            Data::Whole(data) => write!(data, Int32Type, |value: &i32| *value),
-        }
-        writer.close()?;
-        Ok(())
     }
 }

@@ -1,12 +1,12 @@
 //! Tables as comma-separated values.
 
 use crate::Error;
-use joint_pipeline::Run;
-use joint_pipeline::analysis::element_centres;
-use joint_pipeline::analysis::ensemble::{Ensemble, MemberPoint};
-use joint_pipeline::analysis::periodic::PointLoop;
-use joint_pipeline::analysis::registration::Moved;
-use joint_pipeline::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, Summary};
+use analyses::Run;
+use analyses::element_centres;
+use analyses::ensemble::{Ensemble, MemberPoint};
+use analyses::periodic::PointLoop;
+use analyses::registration::Moved;
+use analyses::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, Summary};
 
 /// A number as the shortest text that reads back as the same.
 pub fn number(value: f64) -> String {

@@ -1,11 +1,11 @@
 //! Fields of the interface as means over its elements, for pictures and files.
 
 use crate::{Error, csv};
+use analyses::Fields;
+use analyses::Run;
 use contact_laws::Regime;
 use finite_elements::formats::vtu::{self, Encoding, Field};
 use finite_elements::mesh::Face;
-use joint_pipeline::Run;
-use joint_pipeline::analysis::Fields;
 use zte_assembly::InterfaceMesh;
 
 /// An interface and where it lies.

@@ -9,7 +9,7 @@ use crate::markup::escape;
 use crate::{Error, Output, bodies, fields};
 use askama::Template;
 use finite_elements::mesh::{Face, Mesh};
-use joint_pipeline::structure::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
+use joints::structure::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
 use std::fmt::Write;
 
 /// Name of the table.

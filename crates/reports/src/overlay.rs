@@ -2,7 +2,7 @@
 
 use crate::plot::{Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
 use crate::{Drawing, Error};
-use joint_pipeline::analysis::comparison::{Backbone, Point};
+use analyses::comparison::{Backbone, Point};
 use plotters::prelude::*;
 use std::ops::Range;
 

@@ -6,17 +6,16 @@ use crate::interactive::{Document, Live};
 use crate::run::{damping, tensions};
 use crate::tightening::Section;
 use crate::{Error, fields, map, plot, sensitivity, uncertainty};
+use analyses::ModeBackbone;
+use analyses::Run;
+use analyses::mesh_error::{FrequencyEstimate, ModeEstimate};
+use analyses::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, ResonanceSummary, Status, Summary};
+use analyses::warnings::Warning;
 use askama::Template;
-use joint_pipeline::analysis::ModeBackbone;
-use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, ModeEstimate};
-use joint_pipeline::analysis::warnings::Warning;
-use joint_pipeline::interface::AsperityReport;
-use joint_pipeline::results::summary::{
-    BackboneSummary, ForcedSummary, MethodSummary, ResonanceSummary, Status, Summary,
-};
-use joint_pipeline::scene::Method;
-use joint_pipeline::structure::{Overview, choice_name};
-use joint_pipeline::{Run, Scene};
+use joints::interface::AsperityReport;
+use joints::structure::{Overview, choice_name};
+use scenes::Method;
+use scenes::Scene;
 
 /// Names with values.
 type Facts = Vec<(String, String)>;

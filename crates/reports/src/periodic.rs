@@ -4,13 +4,13 @@ use crate::plot::{
     Canvas, Curve, Marks, Points, amplitude_label, bounds, decimals, log, margin, panel, picture, power, ticks, widen,
 };
 use crate::{Drawing, Error};
-use joint_pipeline::Run;
-use joint_pipeline::analysis::periodic::PointLoop;
-use joint_pipeline::results::summary::{ForcedSummary, MethodSummary, Summary};
-use joint_pipeline::scene::Method;
+use analyses::Run;
+use analyses::periodic::PointLoop;
+use analyses::results::summary::{ForcedSummary, MethodSummary, Summary};
 use matrix_files::npz;
 use matrix_files::value::{Array, Dense};
 use plotters::prelude::*;
+use scenes::Method;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::Range;

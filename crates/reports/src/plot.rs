@@ -1,10 +1,10 @@
 //! Pictures: the backbone, the response and the profiles of an element, and the cost of a load point.
 
 use crate::{Drawing, Error};
+use analyses::ensemble::BandPoint;
+use analyses::results::summary::{BackboneSummary, MethodSummary, Status, Summary};
 use contact_laws::{ContactCurves, FittedCurves};
-use joint_pipeline::analysis::ensemble::BandPoint;
-use joint_pipeline::interface::Profile;
-use joint_pipeline::results::summary::{BackboneSummary, MethodSummary, Status, Summary};
+use joints::interface::Profile;
 use plotters::coord::Shift;
 use plotters::coord::combinators::{LogCoord, WithKeyPoints};
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};

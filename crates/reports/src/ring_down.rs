@@ -3,7 +3,7 @@
 use crate::overlay::{self, Series};
 use crate::plot::{BLUE, Canvas, Curve, Marks, bounds, panel, picture, plain};
 use crate::{Drawing, Error};
-use joint_pipeline::analysis::comparison::Backbone;
+use analyses::comparison::Backbone;
 use plotters::prelude::*;
 
 const SIZE: (u32, u32) = (900, 1080);

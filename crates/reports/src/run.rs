@@ -3,10 +3,10 @@
 use crate::html::Picture;
 use crate::periodic::{self, PeriodicMotions};
 use crate::{Error, Output, bodies, csv, fields, page, plot, sensitivity, tightening, uncertainty};
+use analyses::Run;
+use analyses::results::summary::{BackboneSummary, Status, Summary};
+use analyses::{Deformed, Fields};
 use finite_elements::mesh::Face;
-use joint_pipeline::Run;
-use joint_pipeline::analysis::{Deformed, Fields};
-use joint_pipeline::results::summary::{BackboneSummary, Status, Summary};
 
 /// Name of the machine-readable account of a run.
 pub const SUMMARY: &str = "summary.json";

@@ -3,8 +3,8 @@
 use crate::csv::{number, optional, table};
 use crate::plot::{self, Curve, Marks, Panel};
 use crate::{Error, html};
-use joint_pipeline::analysis::{FoundBy, Per, Sensitivity};
-use joint_pipeline::results::summary::Summary;
+use analyses::results::summary::Summary;
+use analyses::{FoundBy, Per, Sensitivity};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use std::fmt::Write as _;
 

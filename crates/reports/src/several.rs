@@ -4,8 +4,8 @@ use crate::Error;
 use crate::html::render;
 use crate::interactive::{Live, Runs};
 use crate::page::frequencies;
+use analyses::results::summary::Summary;
 use askama::Template;
-use joint_pipeline::results::summary::Summary;
 
 /// A run of several.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use crate::html::{Picture, Table};
 use crate::periodic::shade;
 use crate::plot::{Curve, Marks, Panel, stack};
 use crate::{Error, Output};
-use joint_pipeline::analysis::TighteningResult;
+use analyses::TighteningResult;
 use plotters::chart::SeriesLabelPosition;
 use plotters::style::RGBColor;
 
@@ -147,7 +147,7 @@ impl Section<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use joint_pipeline::analysis::{TighteningEnergy, TighteningStep};
+    use analyses::{TighteningEnergy, TighteningStep};
 
     fn example() -> TighteningResult {
         let step = |bolt: usize, tensions: [f64; 2], interaction: [f64; 2]| TighteningStep {

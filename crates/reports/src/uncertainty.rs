@@ -4,8 +4,8 @@ use crate::csv::{number, optional, table};
 use crate::html::{Picture, Table};
 use crate::plot::{self, BLUE, Band as Shade, Curve, Marks, RED};
 use crate::{Drawing, Error, Output};
-use joint_pipeline::analysis::uncertainty::{Band, ModeBands, Spread, Uncertainty};
-use joint_pipeline::analysis::variants::Reading;
+use analyses::uncertainty::{Band, ModeBands, Spread, Uncertainty};
+use analyses::variants::Reading;
 use plotters::prelude::*;
 
 /// Name of the table of bands.
@@ -342,7 +342,7 @@ pub fn inputs_table(uncertainty: &Uncertainty) -> Table {
         "mean".into(),
         "standard deviation".into(),
     ];
-    let row = |input: &joint_pipeline::analysis::uncertainty::Input| {
+    let row = |input: &analyses::uncertainty::Input| {
         let mut row = vec![input.parameter.to_string(), input.unit.clone()];
         row.extend([input.nominal, input.mean, input.sd].map(short));
         row.extend(input.quantiles.map(short));

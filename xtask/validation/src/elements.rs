@@ -2,9 +2,9 @@
 
 use anyhow::{Context, Result};
 use contact_laws::{ContactCurves, FittedCurves};
-use joint_pipeline::scene::{Curves, Length, ParameterSet, Parameters, Per, Stress, Surface};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+use scenes::{Curves, Length, ParameterSet, Parameters, Per, Stress, Surface};
 use surface_characterisation::ElementSurface;
 
 /// Seed of the element that is drawn.

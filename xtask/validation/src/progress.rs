@@ -1,6 +1,6 @@
 //! How a study of many scenes tells what it is doing.
 
-use joint_pipeline::progress::{Progress, Stage};
+use joints::progress::{Progress, Stage};
 use std::sync::{Mutex, PoisonError};
 
 /// Shows how far a study is; calls may come from several threads.

@@ -23,8 +23,8 @@ use finite_elements::mesh::{
     Assembly, BeyondTolerance, Cell, Coupling, CouplingKind, Dof, Element as Solid, Equation, Face, LoadPattern,
     Material, Mesh, Tie,
 };
-use joint_pipeline::joint::benchmark::ElementOrder;
-use joint_pipeline::joint::quadratic;
+use joint_model::benchmark::ElementOrder;
+use joint_model::quadratic;
 use refinement::require_count;
 use section::{Hardware, Lap, Section, centred, sorted};
 use std::collections::HashMap;

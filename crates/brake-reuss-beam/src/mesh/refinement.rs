@@ -1,6 +1,6 @@
 //! How finely the beam is meshed.
 use crate::{Error, Result};
-use joint_pipeline::joint::benchmark::{ElementOrder, RefinementLevel};
+use joint_model::benchmark::{ElementOrder, RefinementLevel};
 
 /// Element counts of the block mesh. The default gives the interface of 588 quadrilaterals and 692 nodes.
 ///

@@ -2,7 +2,7 @@
 use super::refinement::{Refinement, Washers};
 use crate::Result;
 use crate::geometry::{Geometry, equal_area_radius, require_less};
-use joint_pipeline::joint::benchmark::ElementOrder;
+use joint_model::benchmark::ElementOrder;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 

@@ -6,7 +6,7 @@ use brake_reuss_beam::published;
 use finite_elements::assemble::System;
 use finite_elements::factor::SparseCholesky;
 use finite_elements::mesh::Dof;
-use joint_pipeline::joint::benchmark::ElementOrder;
+use joint_model::benchmark::ElementOrder;
 
 /// Force per axial strain in the middle of a shank (N).
 fn force_per_strain(geometry: &Geometry) -> f64 {

@@ -6,7 +6,7 @@ use brake_reuss_beam::{Error, published, quality};
 use finite_elements::assemble::System;
 use finite_elements::eigen::lowest_modes;
 use finite_elements::mesh::{CouplingKind, Dof, Mesh};
-use joint_pipeline::joint::benchmark::ElementOrder;
+use joint_model::benchmark::ElementOrder;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::f64::consts::{PI, SQRT_2};
 

@@ -7,7 +7,7 @@ use brake_reuss_beam::published;
 use finite_elements::assemble::System;
 use finite_elements::eigen::lowest_modes;
 use finite_elements::mesh::{Assembly, Dof, Equation};
-use joint_pipeline::joint::benchmark::ElementOrder;
+use joint_model::benchmark::ElementOrder;
 
 fn modes(assembly: &Assembly, n_elastic: usize) -> (usize, Vec<f64>) {
     let system = System::try_new(assembly).unwrap();

@@ -62,42 +62,40 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
+use crate::choice::choices;
 use crate::curves::{ContactCurves, CurveFactors, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require};
 use crate::jet::Jet;
-use crate::law::{PAPER_DOI, Quantity};
+use crate::law::PAPER_DOI;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::{Bounds, Parameter};
 use crate::physics::hertz::ElasticPair;
+use crate::physics::hertz::{POISSON_RATIO, YOUNGS_MODULUS};
 use crate::physics::population::AsperityPopulation;
+use crate::physics::population::{BETA_X, BETA_Y, DENSITY};
 
-static INFO: CurvesInfo = CurvesInfo {
+pub(super) static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, asperity sum",
     reference: PAPER_DOI,
+    page: "asperity-sum.md",
     parameters: &[
-        Quantity::new("asperity_density", "1/m^2"),
-        Quantity::new("beta_x", "m"),
-        Quantity::new("beta_y", "m"),
-        Quantity::new("asperity gaps", "m"),
-        Quantity::new("youngs_modulus", "Pa"),
-        Quantity::new("poisson_ratio", "1"),
+        DENSITY,
+        BETA_X,
+        BETA_Y,
+        Parameter::new("asperity gaps", "m", Bounds::Other("not negative, in a distribution")),
+        YOUNGS_MODULUS,
+        POISSON_RATIO,
     ],
 };
 
-/// Which tangential stiffness the asperities have; see the [module](self).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum TangentialReading {
-    /// Mindlin's stiffness of each Hertz contact: proportional to its contact radius, equal in all directions.
-    #[default]
-    Mindlin,
-    /// As published: every loaded asperity has the same stiffness.
-    Paper,
+choices! {
+    /// Which tangential stiffness the asperities have; see the [module](self).
+    pub enum TangentialReading, "READING", "Tangential stiffness of an asperity" {
+        Mindlin = "mindlin", 0,
+            "Mindlin's stiffness of each Hertz contact: proportional to its contact radius, equal in all directions.";
+        Paper = "paper", 1, "As published: every loaded asperity has the same stiffness.";
+    }
 }
 
 /// The curves of an asperity population.

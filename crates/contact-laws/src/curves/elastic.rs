@@ -61,18 +61,20 @@
 #![doc = include_str!("../../katex.html")]
 
 use crate::curves::{ContactCurves, CurvesInfo, Exponents};
-use crate::error::{Error, Place, require, require_positive};
+use crate::error::Error;
 use crate::jet::Jet;
-use crate::law::{PAPER_DOI, Quantity};
+use crate::law::PAPER_DOI;
+use crate::parameters::{Bounds, Parameter};
 
-static INFO: CurvesInfo = CurvesInfo {
+const K_N: Parameter = Parameter::new("k_n", "Pa/m", Bounds::Positive);
+const K_X: Parameter = Parameter::new("k_x", "Pa/m", Bounds::NotNegative);
+const K_Y: Parameter = K_X.named("k_y");
+
+pub(super) static INFO: CurvesInfo = CurvesInfo {
     name: "elastic dry friction",
     reference: PAPER_DOI,
-    parameters: &[
-        Quantity::new("k_n", "Pa/m"),
-        Quantity::new("k_x", "Pa/m"),
-        Quantity::new("k_y", "Pa/m"),
-    ],
+    page: "elastic.md",
+    parameters: &[K_N, K_X, K_Y],
 };
 
 /// Constant stiffnesses per area.
@@ -88,17 +90,9 @@ impl ElasticCurves {
     /// # Errors
     /// [`Error::Parameter`] with the value.
     pub fn try_new(normal: f64, tangential: [f64; 2]) -> Result<Self, Error> {
-        require_positive("k_n", normal, "Pa/m")?;
-        for (name, k) in ["k_x", "k_y"].into_iter().zip(tangential) {
-            require(
-                k.is_finite() && k >= 0.0,
-                name,
-                k,
-                "Pa/m",
-                Place::Whole,
-                "finite and not negative",
-            )?;
-        }
+        K_N.check(normal)?;
+        K_X.check(tangential[0])?;
+        K_Y.check(tangential[1])?;
         Ok(Self { normal, tangential })
     }
 }

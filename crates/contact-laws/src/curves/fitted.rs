@@ -110,37 +110,53 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
+use crate::choice::choices;
 use crate::curves::continuation::End;
 use crate::curves::{ContactCurves, CurveFactors, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require, require_positive};
 use crate::jet::Jet;
-use crate::law::{PAPER_DOI, Quantity};
+use crate::law::PAPER_DOI;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::{Bounds, Parameter};
+
+// Magnitudes far beyond any fit, for which products stay exact enough; of the third term a fit may use no more than the far tail.
+const NORMAL_A: Parameter = Parameter::new("normal a", "1", Bounds::Within([-1e6, 1e6], "between -1e6 and 1e6"));
+const NORMAL_C: Parameter = Parameter::new(
+    "normal c",
+    "1",
+    Bounds::Within([-1e100, 1e100], "between -1e100 and 1e100"),
+);
+const NORMAL_E: Parameter = Parameter::new("normal e", "1", Bounds::Within([1e-6, 1e6], "between 1e-6 and 1e6"));
+const TANGENTIAL_A: Parameter = NORMAL_A.named("tangential a");
+const TANGENTIAL_B: Parameter = Parameter::new("tangential b", "1", Bounds::Within([0.0, 1e6], "between 0 and 1e6"));
+const U_REF: Parameter = Parameter::new(
+    "u_ref",
+    "m",
+    Bounds::Within([1e-150, 1e150], "between 1e-150 and 1e150"),
+);
+const T_REF: Parameter = Parameter::new("t_ref", "Pa", Bounds::Positive);
+const K_REF: Parameter = Parameter::new("k_ref", "Pa/m", Bounds::Positive);
 
 pub(crate) static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, fitted curves",
     reference: PAPER_DOI,
+    page: "fitted.md",
     parameters: &[
-        Quantity::new("normal a", "1"),
-        Quantity::new("normal b", "1"),
-        Quantity::new("normal c", "1"),
-        Quantity::new("normal d", "1"),
-        Quantity::new("normal e", "1"),
-        Quantity::new("tangential a", "1"),
-        Quantity::new("tangential b", "1"),
-        Quantity::new("tangential c", "1"),
-        Quantity::new("tangential d", "1"),
-        Quantity::new("u_ref", "m"),
-        Quantity::new("t_ref", "Pa"),
-        Quantity::new("k_ref", "Pa/m"),
+        NORMAL_A,
+        NORMAL_A.named("normal b"),
+        NORMAL_C,
+        NORMAL_A.named("normal d"),
+        NORMAL_E,
+        TANGENTIAL_A,
+        TANGENTIAL_B,
+        TANGENTIAL_A.named("tangential c"),
+        TANGENTIAL_B.named("tangential d"),
+        U_REF,
+        T_REF,
+        K_REF,
     ],
 };
-
-/// Largest magnitude of the parameters without unit: far beyond any fit, and products of them stay exact enough.
-const LARGEST: f64 = 1e6;
-/// Largest magnitude of the third term's height: a fit may use no more than the far tail of it.
-const LARGEST_BELL: f64 = 1e100;
 
 /// Parameters of eq. (28).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -201,18 +217,12 @@ fn one() -> f64 {
     1.0
 }
 
-/// How a fitted tangential stiffness goes on outside its range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum TangentialEnds {
-    /// Log-slope towards 1/2 below, kept above: for fits to Mindlin stiffnesses.
-    Mindlin,
-    /// Towards constants on both sides: for fits to the published, bounded stiffness.
-    Constant,
+choices! {
+    /// How a fitted tangential stiffness goes on outside its range.
+    pub enum TangentialEnds, "ENDS", "Fitted tangential stiffness outside its range" {
+        Mindlin = "mindlin", 0, "Log-slope towards 1/2 below, kept above: for fits to Mindlin stiffnesses.";
+        Constant = "constant", 1, "Towards constants on both sides: for fits to the published, bounded stiffness.";
+    }
 }
 
 impl NormalFit {
@@ -229,36 +239,13 @@ impl NormalFit {
     }
 
     fn validate(&self) -> Result<(), Error> {
-        for (name, v) in [("normal a", self.a), ("normal b", self.b), ("normal d", self.d)] {
-            require(
-                v.abs() <= LARGEST,
-                name,
-                v,
-                "(no unit)",
-                Place::Whole,
-                "between -1e6 and 1e6",
-            )?;
-        }
-        let ok = self.c.abs() <= LARGEST_BELL;
-        require(
-            ok,
-            "normal c",
-            self.c,
-            "(no unit)",
-            Place::Whole,
-            "between -1e100 and 1e100",
-        )?;
-        let ok = (1.0 / LARGEST..=LARGEST).contains(&self.e);
-        require(
-            ok,
-            "normal e",
-            self.e,
-            "(no unit)",
-            Place::Whole,
-            "between 1e-6 and 1e6",
-        )?;
-        validate_reference("normal u_ref", self.u_ref)?;
-        require_positive("normal t_ref", self.t_ref, "Pa")?;
+        NORMAL_A.check(self.a)?;
+        NORMAL_A.named("normal b").check(self.b)?;
+        NORMAL_A.named("normal d").check(self.d)?;
+        NORMAL_C.check(self.c)?;
+        NORMAL_E.check(self.e)?;
+        U_REF.named("normal u_ref").check(self.u_ref)?;
+        T_REF.named("normal t_ref").check(self.t_ref)?;
         validate_range("normal range", self.range)?;
 
         // The log-slope is extreme at y = -1 and y = 1, so it is least there or at the ends of the range.
@@ -286,14 +273,10 @@ impl NormalFit {
         }
         let ends = self.range.unwrap_or([self.u_ref; 2]).map(|u| self.formula(u).0);
         for value in ends.into_iter().chain([self.t_ref * self.a.exp()]) {
-            let ok = value.is_finite() && value > 0.0;
-            require(
-                ok,
+            require_positive(
                 "normal traction of eq. (28) at the ends of its range or at u_ref",
                 value,
                 "Pa",
-                Place::Whole,
-                "finite and above zero",
             )?;
         }
         Ok(())
@@ -325,33 +308,15 @@ impl TangentialFit {
     }
 
     fn validate(&self) -> Result<(), Error> {
-        for (name, v) in [("tangential a", self.a), ("tangential c", self.c)] {
-            require(
-                v.abs() <= LARGEST,
-                name,
-                v,
-                "(no unit)",
-                Place::Whole,
-                "between -1e6 and 1e6",
-            )?;
-        }
-        for (name, v) in [("tangential b", self.b), ("tangential d", self.d)] {
-            let ok = (0.0..=LARGEST).contains(&v);
-            require(ok, name, v, "(no unit)", Place::Whole, "between 0 and 1e6")?;
-        }
-        validate_reference("tangential u_ref", self.u_ref)?;
-        require_positive("tangential k_ref", self.k_ref, "Pa/m")?;
+        TANGENTIAL_A.check(self.a)?;
+        TANGENTIAL_A.named("tangential c").check(self.c)?;
+        TANGENTIAL_B.check(self.b)?;
+        TANGENTIAL_B.named("tangential d").check(self.d)?;
+        U_REF.named("tangential u_ref").check(self.u_ref)?;
+        K_REF.named("tangential k_ref").check(self.k_ref)?;
         validate_range("tangential range", self.range)?;
         for value in [self.a - self.b, self.a + self.b].map(|ln_k| self.k_ref * ln_k.exp()) {
-            let ok = value.is_finite() && value > 0.0;
-            require(
-                ok,
-                "tangential stiffness of eq. (29)",
-                value,
-                "Pa/m",
-                Place::Whole,
-                "finite and above zero",
-            )?;
+            require_positive("tangential stiffness of eq. (29)", value, "Pa/m")?;
         }
         Ok(())
     }
@@ -362,11 +327,6 @@ impl TangentialFit {
 #[inline]
 fn ln_ratio(u_n: f64, u_ref: f64) -> f64 {
     (u_n / u_ref).clamp(1e-150, 1e150).ln()
-}
-
-fn validate_reference(name: &'static str, u_ref: f64) -> Result<(), Error> {
-    let ok = (1e-150..=1e150).contains(&u_ref);
-    require(ok, name, u_ref, "m", Place::Whole, "between 1e-150 and 1e150")
 }
 
 fn validate_range(name: &'static str, range: Option<[f64; 2]>) -> Result<(), Error> {

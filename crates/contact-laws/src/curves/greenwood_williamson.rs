@@ -80,25 +80,31 @@ use core::f64::consts::PI;
 use crate::curves::asperity_sum::TangentialReading;
 use crate::curves::continuation::End;
 use crate::curves::{ContactCurves, CurvesInfo, Exponents};
-use crate::error::{Error, Place, require, require_positive};
+use crate::error::{Error, Place, require};
 use crate::jet::Jet;
-use crate::law::Quantity;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::{Bounds, Parameter};
 use crate::physics::heights::HeightDistribution;
+use crate::physics::heights::SCALE;
 use crate::physics::hertz::ElasticPair;
+use crate::physics::hertz::{POISSON_RATIO, YOUNGS_MODULUS};
+use crate::physics::population::{BETA_X, BETA_Y, DENSITY};
 
-static INFO: CurvesInfo = CurvesInfo {
+const REFERENCE_HEIGHT: Parameter = Parameter::new("reference_height", "m", Bounds::Positive);
+
+pub(super) static INFO: CurvesInfo = CurvesInfo {
     name: "rough contact, Greenwood-Williamson",
     reference: "https://doi.org/10.1098/rspa.1966.0242",
+    page: "greenwood-williamson.md",
     parameters: &[
-        Quantity::new("scale of the heights", "m"),
-        Quantity::new("reference_height", "m"),
-        Quantity::new("asperity_density", "1/m^2"),
-        Quantity::new("beta_x", "m"),
-        Quantity::new("beta_y", "m"),
-        Quantity::new("youngs_modulus", "Pa"),
-        Quantity::new("poisson_ratio", "1"),
+        SCALE,
+        REFERENCE_HEIGHT,
+        DENSITY,
+        BETA_X,
+        BETA_Y,
+        YOUNGS_MODULUS,
+        POISSON_RATIO,
     ],
 };
 
@@ -159,10 +165,10 @@ impl GreenwoodWilliamsonCurves {
             radii,
         } = surface;
         heights.validate()?;
-        require_positive("reference_height", reference_height, "m")?;
-        require_positive("asperity_density", density, "1/m^2")?;
-        require_positive("beta_x", radii[0], "m")?;
-        require_positive("beta_y", radii[1], "m")?;
+        REFERENCE_HEIGHT.check(reference_height)?;
+        DENSITY.check(density)?;
+        BETA_X.check(radii[0])?;
+        BETA_Y.check(radii[1])?;
         material.validate()?;
 
         let scale = heights.scale();

@@ -11,8 +11,7 @@ pub mod table;
 
 use crate::error::{Error, require_positive};
 use crate::jet::Jet;
-use crate::law::Quantity;
-use crate::parameters::PointParameters;
+use crate::parameters::{Parameter, PointParameters};
 use crate::simd::Lanes;
 
 /// Log-slopes `d ln f / d ln u_n` of the curves as the interference vanishes.
@@ -51,15 +50,26 @@ impl CurveFactors {
 }
 
 /// Description of contact curves.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct CurvesInfo {
     /// Name of the law that these curves make together with friction.
     pub name: &'static str,
     /// Where they are described.
     pub reference: &'static str,
+    /// Their page in `docs/laws`.
+    pub page: &'static str,
     /// Their parameters.
-    pub parameters: &'static [Quantity],
+    pub parameters: &'static [Parameter],
 }
+
+/// The registry of curves: a row for each file of this folder that has some. Tests compare the pages with it.
+pub static CURVES: &[&CurvesInfo] = &[
+    &asperity_sum::INFO,
+    &elastic::INFO,
+    &fitted::INFO,
+    &greenwood_williamson::INFO,
+    &table::INFO,
+];
 
 /// The curves of one point (or of all points of an element): `t_n(u_n)`, `k_x(u_n)`, `k_y(u_n)`.
 ///

@@ -69,16 +69,20 @@ use crate::curves::continuation::End;
 use crate::curves::{ContactCurves, CurveFactors, CurvesInfo, Exponents};
 use crate::error::{Error, Place, require, require_positive};
 use crate::jet::Jet;
-use crate::law::{PAPER_DOI, Quantity};
+use crate::law::PAPER_DOI;
+use crate::parameters::{Bounds, Parameter};
 
-static INFO: CurvesInfo = CurvesInfo {
+const AT_KNOTS: Bounds = Bounds::Other("finite and not negative at every knot of a table, with a slope");
+
+pub(super) static INFO: CurvesInfo = CurvesInfo {
     name: "tabulated contact curves",
     reference: PAPER_DOI,
+    page: "table.md",
     parameters: &[
-        Quantity::new("u_n", "m"),
-        Quantity::new("t_n", "Pa"),
-        Quantity::new("k_x", "Pa/m"),
-        Quantity::new("k_y", "Pa/m"),
+        Parameter::new("u_n", "m", Bounds::Other("at the knots of a range")),
+        Parameter::new("t_n", "Pa", AT_KNOTS),
+        Parameter::new("k_x", "Pa/m", AT_KNOTS),
+        Parameter::new("k_y", "Pa/m", AT_KNOTS),
     ],
 };
 
@@ -431,7 +435,7 @@ impl Curves {
         for i in 0..=grid.n_cells {
             let u = grid.knot(i);
             for ((knots, sample), name) in knots.iter_mut().zip(sample(source, u)).zip(CURVES) {
-                let requirement = "finite and not negative at every knot of a table, with a slope";
+                let requirement = AT_KNOTS.text();
                 let ok = sample.value.is_finite() && sample.value >= 0.0 && !sample.slope.is_nan();
                 require(ok, name, sample.value, "(Pa or Pa/m)", Place::Entry(i), requirement)?;
                 let before = knots.last().map_or(0.0, |knot| knot.value);

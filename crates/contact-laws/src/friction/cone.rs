@@ -1,25 +1,18 @@
 //! The set of tangential tractions that friction can carry.
 
 use super::history_rule::HistoryRule;
-use super::return_map::{Block, CurveChange, Derivative, SLIP, TRACTION, Workspace};
+use super::return_map::{Block, Derivative, SLIP, TRACTION, Workspace};
+use crate::choice::choices;
 use crate::law::RegimeCounts;
 use crate::simd::Lanes;
 use crate::simd::bounds::{bounded, within};
 
-/// Shape of the limit of the tangential traction at a point, with Coulomb's limit `L = mu t_n`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum Cone {
-    /// `t_x^2 + t_y^2 <= L^2`: the same in every direction.
-    #[default]
-    Circle,
-    /// `|t_x| <= L` and `|t_y| <= L`: each direction slips on its own. A point slips if one direction does.
-    Box,
+choices! {
+    /// Shape of the limit of the tangential traction at a point, with Coulomb's limit `L = mu t_n`.
+    pub enum Cone, "CONE", "Slip limit, with Coulomb's limit L = mu t_n" {
+        Circle = "circle", 0, "`t_x^2 + t_y^2 <= L^2`: the same in every direction.";
+        Box = "box", 1, "`|t_x| <= L` and `|t_y| <= L`: each direction slips on its own. A point slips if one direction does.";
+    }
 }
 
 /// Numbers of a block that is answered one direction at a time.
@@ -28,13 +21,6 @@ pub(crate) struct BoxWorkspace<const B: usize> {
     tangent: [Lanes<f64, B>; 9],
     memory: [Lanes<f64, B>; 2],
     derivative: Changes<B>,
-}
-
-/// What [`Derivative`] has of one direction of the surface.
-struct Along<'a, const B: usize> {
-    jump: [&'a [f64]; 3],
-    begin: [&'a [f64]; 5],
-    curves: &'a CurveChange<B>,
 }
 
 /// Derivatives along one direction of the surface.
@@ -76,8 +62,8 @@ fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block
     let still = [0.0; B];
     let still = &still[..n];
     let Block {
-        jump: [u_x, u_y, u_n],
-        begin: [x_0, y_0, n_0, m_x, m_y],
+        jump,
+        begin,
         mu,
         mu_slope,
         u_n: closed,
@@ -91,57 +77,33 @@ fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block
         regimes,
         mut derivative,
     } = block;
-    let alone = |jump,
-                 begin,
-                 workspace: &mut Workspace<B>,
-                 own: &mut BoxWorkspace<B>,
-                 with_tangent: bool,
-                 along: Option<Along<'_, B>>| {
-        history.respond(Block {
-            jump,
-            begin,
-            mu,
-            mu_slope,
-            u_n: closed,
-            present,
-            curves,
-            sticking,
-            workspace,
-            memory: own.memory.each_mut().map(|lanes| &mut lanes.0[..n]),
-            traction: own.traction.each_mut().map(|lanes| &mut lanes.0[..n]),
-            tangent: with_tangent.then(|| own.tangent.each_mut().map(|lanes| &mut lanes.0[..n])),
-            regimes: None,
-            derivative: along.map(|Along { jump, begin, curves }| Derivative {
-                jump,
-                begin,
-                curves,
-                memory: own.derivative.memory.each_mut().map(|lanes| &mut lanes.0[..n]),
-                traction: own.derivative.traction.each_mut().map(|lanes| &mut lanes.0[..n]),
-            }),
-        });
-    };
     let with_tangent = tangent.is_some();
-    let along = derivative.as_ref().map(|derivative| {
-        let Derivative {
-            jump: [d_x, _, d_n],
-            begin: [d_x0, _, d_n0, d_memory, _],
-            curves,
-            ..
-        } = *derivative;
-        Along {
-            jump: [d_x, still, d_n],
-            begin: [d_x0, still, d_n0, d_memory, still],
-            curves,
-        }
-    });
-    alone(
-        [u_x, still, u_n],
-        [x_0, still, n_0, m_x, still],
-        workspace,
-        own,
-        with_tangent,
-        along,
-    );
+    let alone =
+        |q: usize, workspace: &mut Workspace<B>, own: &mut BoxWorkspace<B>, derivative: Option<&Derivative<'_, B>>| {
+            history.respond(Block {
+                jump: only_jump(q, jump, still),
+                begin: only_state(q, begin, still),
+                mu,
+                mu_slope,
+                u_n: closed,
+                present,
+                curves,
+                sticking,
+                workspace,
+                memory: own.memory.each_mut().map(|lanes| &mut lanes.0[..n]),
+                traction: own.traction.each_mut().map(|lanes| &mut lanes.0[..n]),
+                tangent: with_tangent.then(|| own.tangent.each_mut().map(|lanes| &mut lanes.0[..n])),
+                regimes: None,
+                derivative: derivative.map(|derivative| Derivative {
+                    jump: only_jump(q, derivative.jump, still),
+                    begin: only_state(q, derivative.begin, still),
+                    curves: derivative.curves,
+                    memory: own.derivative.memory.each_mut().map(|lanes| &mut lanes.0[..n]),
+                    traction: own.derivative.traction.each_mut().map(|lanes| &mut lanes.0[..n]),
+                }),
+            });
+        };
+    alone(0, workspace, own, derivative.as_ref());
     let along_x = workspace.regime;
     for i in 0..n {
         (t_x[i], t_n[i], end_x[i]) = (own.traction[0].0[i], own.traction[2].0[i], own.memory[0].0[i]);
@@ -163,27 +125,7 @@ fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block
             d_end_x[i] = own.derivative.memory[0].0[i];
         }
     }
-    let along = derivative.as_ref().map(|derivative| {
-        let Derivative {
-            jump: [_, d_y, d_n],
-            begin: [_, d_y0, d_n0, _, d_memory],
-            curves,
-            ..
-        } = *derivative;
-        Along {
-            jump: [still, d_y, d_n],
-            begin: [still, d_y0, d_n0, still, d_memory],
-            curves,
-        }
-    });
-    alone(
-        [still, u_y, u_n],
-        [still, y_0, n_0, still, m_y],
-        workspace,
-        own,
-        with_tangent,
-        along,
-    );
+    alone(1, workspace, own, derivative.as_ref());
     // Both answers hold the normal traction of the curves; what the stretch of each direction adds counts once.
     let without = |both: f64, curve: f64, closed: f64| if closed > 0.0 { both - curve } else { both };
     for i in 0..n {
@@ -215,4 +157,20 @@ fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block
     }
     workspace.sum = workspace.regime.0[..n].iter().sum();
     workspace.report(n, regimes)
+}
+
+/// The jump of a block, or its change, as if the direction of the surface that is not `q` did not move.
+fn only_jump<'a>(q: usize, [x, y, n]: [&'a [f64]; 3], still: &'a [f64]) -> [&'a [f64]; 3] {
+    match q {
+        0 => [x, still, n],
+        _ => [still, y, n],
+    }
+}
+
+/// The same of the begin state.
+fn only_state<'a>(q: usize, [x, y, n, x_1, y_1]: [&'a [f64]; 5], still: &'a [f64]) -> [&'a [f64]; 5] {
+    match q {
+        0 => [x, still, n, x_1, still],
+        _ => [still, y, n, still, y_1],
+    }
 }

@@ -12,11 +12,11 @@ use crate::curves::{CurveBlock, PointCurves};
 use crate::error::Error;
 use crate::law::{
     Along, Components, ComponentsMut, LawInfo, PAPER_DOI, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
-    TangentMut, TractionLaw, check_points,
+    TangentMut, TractionLaw, evaluates_by,
 };
-use crate::parameters::PointParameters;
+use crate::parameters::{Parameter, PointParameters};
 use crate::simd::bounds::{bounded, is_finite};
-use crate::simd::{BLOCK, Lanes, Pass, SHORT_BLOCK, part, part_mut, run};
+use crate::simd::{Lanes, Pass, part, part_mut, run};
 
 /// Contact curves with Coulomb friction. State per point: `u_x, u_y, u_n` (m) and `t_x, t_y` (Pa), or with
 /// [`HistoryRule::Potential`] `e_x, e_y` (m).
@@ -45,7 +45,7 @@ impl<C: PointCurves> FrictionalLaw<C> {
             name,
             reference,
             state: JUMP.into_iter().chain(history.needs().memory.quantities()).collect(),
-            parameters: parameters.iter().cloned().chain([MU]).collect(),
+            parameters: parameters.iter().map(Parameter::quantity).chain([MU]).collect(),
         };
         Ok(Self {
             curves,
@@ -172,51 +172,7 @@ impl<C: PointCurves> TractionLaw for FrictionalLaw<C> {
         self.curves.len()
     }
 
-    fn evaluate(
-        &self,
-        points: Range<usize>,
-        sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        end: StateViewMut<'_>,
-        traction: ComponentsMut<'_>,
-        tangent: Option<TangentMut<'_>>,
-        regimes: Option<&mut [Regime]>,
-    ) -> RegimeCounts {
-        check_points(&points, self);
-        if points.len() <= SHORT_BLOCK {
-            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes, None)
-        } else {
-            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes, None)
-        }
-    }
-
-    fn derivative(
-        &self,
-        points: Range<usize>,
-        sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        d_jump: Components<'_>,
-        d_begin: StateView<'_>,
-        end: StateViewMut<'_>,
-        d_end: StateViewMut<'_>,
-        traction: ComponentsMut<'_>,
-        d_traction: ComponentsMut<'_>,
-    ) -> RegimeCounts {
-        check_points(&points, self);
-        let along = Some(Along {
-            d_jump,
-            d_begin,
-            d_end,
-            d_traction,
-        });
-        if points.len() <= SHORT_BLOCK {
-            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, None, None, along)
-        } else {
-            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, None, None, along)
-        }
-    }
+    evaluates_by!(evaluate_blocks in blocks);
 
     fn friction_coefficient(&self, point: usize) -> Option<f64> {
         Some(*self.mu.at(point))

@@ -67,12 +67,13 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+
 use core::ops::Range;
 
 use crate::error::{Error, Place, require};
 use crate::law::{
-    Components, ComponentsMut, LawInfo, PAPER_DOI, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
-    TangentMut, TractionLaw, check_points,
+    Along, Components, ComponentsMut, LawInfo, PAPER_DOI, Quantity, Regime, RegimeCounts, StateView, StateViewMut,
+    Sticking, TangentMut, TractionLaw, evaluates_by,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -312,16 +313,8 @@ impl StaticPoint {
     }
 }
 
-impl TractionLaw for LinearisedContact {
-    fn info(&self) -> &LawInfo {
-        &self.info
-    }
-
-    fn len(&self) -> usize {
-        self.points.len()
-    }
-
-    fn evaluate(
+impl LinearisedContact {
+    fn answer(
         &self,
         points: Range<usize>,
         sticking: Sticking,
@@ -331,11 +324,18 @@ impl TractionLaw for LinearisedContact {
         traction: ComponentsMut<'_>,
         mut tangent: Option<TangentMut<'_>>,
         mut regimes: Option<&mut [Regime]>,
+        along: Option<Along<'_>>,
     ) -> RegimeCounts {
-        check_points(&points, self);
         let n = points.len();
         let begin = begin.components::<N_STATE>(n);
         let mut end = end.components::<N_STATE>(n);
+        let mut along = along.map(|along| {
+            let (d_begin, d_end) = (
+                along.d_begin.components::<N_STATE>(n),
+                along.d_end.components::<N_STATE>(n),
+            );
+            (along.d_jump, d_begin, d_end, along.d_traction)
+        });
         let mut counts = RegimeCounts::default();
         for (i, point) in self.points[points].iter().enumerate() {
             let u = [jump.x[i], jump.y[i], jump.n[i]];
@@ -344,6 +344,14 @@ impl TractionLaw for LinearisedContact {
             [traction.x[i], traction.y[i], traction.n[i]] = response.traction;
             for (component, value) in end.iter_mut().zip(response.end) {
                 component[i] = value;
+            }
+            if let Some((d_jump, d_begin, d_end, d_traction)) = &mut along {
+                let d = [d_jump.x[i], d_jump.y[i], d_jump.n[i]];
+                let (change, end_change) = response.change(d, d_begin.map(|component| component[i]));
+                [d_traction.x[i], d_traction.y[i], d_traction.n[i]] = change;
+                for (component, value) in d_end.iter_mut().zip(end_change) {
+                    component[i] = value;
+                }
             }
             if let Some(out) = tangent.as_mut() {
                 [out.xx[i], out.xy[i], out.yx[i], out.yy[i], out.nn[i]] = response.tangent();
@@ -363,37 +371,16 @@ impl TractionLaw for LinearisedContact {
         }
         counts
     }
+}
 
-    fn derivative(
-        &self,
-        points: Range<usize>,
-        sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        d_jump: Components<'_>,
-        d_begin: StateView<'_>,
-        end: StateViewMut<'_>,
-        d_end: StateViewMut<'_>,
-        traction: ComponentsMut<'_>,
-        d_traction: ComponentsMut<'_>,
-    ) -> RegimeCounts {
-        check_points(&points, self);
-        let n = points.len();
-        let [begin, d_begin] = [begin, d_begin].map(|state| state.components::<N_STATE>(n));
-        let [end, d_end] = [end, d_end].map(|state| state.components::<N_STATE>(n));
-        let mut counts = RegimeCounts::default();
-        for (i, point) in self.points[points].iter().enumerate() {
-            let [u, d] = [jump, d_jump].map(|jump| [jump.x[i], jump.y[i], jump.n[i]]);
-            let [begin, d_begin] = [begin, d_begin].map(|state| state.map(|component| component[i]));
-            let response = Response::new(point.as_ref(), sticking, u, begin);
-            let (change, end_change) = response.change(d, d_begin);
-            [traction.x[i], traction.y[i], traction.n[i]] = response.traction;
-            [d_traction.x[i], d_traction.y[i], d_traction.n[i]] = change;
-            for c in 0..N_STATE {
-                (end[c][i], d_end[c][i]) = (response.end[c], end_change[c]);
-            }
-            counts.count(response.regime);
-        }
-        counts
+impl TractionLaw for LinearisedContact {
+    fn info(&self) -> &LawInfo {
+        &self.info
     }
+
+    fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    evaluates_by!(answer);
 }

@@ -121,21 +121,28 @@
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::vec::Vec;
+
 use core::ops::Range;
 
 use crate::curves::ContactCurves;
-use crate::error::{Error, Place, require};
+use crate::error::Error;
 use crate::friction::{JUMP, MU, require_friction};
 use crate::law::{
     Along, Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
-    TangentMut, TractionLaw, check_points,
+    TangentMut, TractionLaw, evaluates_by,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::parameters::PointParameters;
+use crate::parameters::{Bounds, Parameter, PointParameters};
 
 /// Most sliders that a [`MindlinIwan`] takes.
 pub const MAX_SLIDERS: usize = 256;
+
+pub(super) const N_SLIDERS: Parameter = Parameter::new(
+    "n_sliders",
+    "1",
+    Bounds::Within([1.0, MAX_SLIDERS as f64], "from 1 to 256"),
+);
 
 /// Exponent of the grading of the sliders, see the [module](self).
 const GRADING: f64 = 6.0;
@@ -172,14 +179,7 @@ impl<C: ContactCurves> MindlinIwan<C> {
     /// not finite or when the number of sliders is out of bounds.
     pub fn try_new(curves: PointParameters<C>, mu: PointParameters<f64>, n_sliders: usize) -> Result<Self, Error> {
         require_friction(&mu, curves.len())?;
-        require(
-            (1..=MAX_SLIDERS).contains(&n_sliders),
-            "n_sliders",
-            n_sliders as f64,
-            "(no unit)",
-            Place::Whole,
-            "from 1 to 256",
-        )?;
+        N_SLIDERS.check(n_sliders as f64)?;
 
         let stretches = (1..=n_sliders).flat_map(|i| {
             ["x", "y"].map(|q| Quantity {
@@ -195,7 +195,7 @@ impl<C: ContactCurves> MindlinIwan<C> {
             name: "Mindlin-Iwan friction",
             reference: "10.1115/1.3625199",
             state: JUMP.into_iter().chain(stretches).collect(),
-            parameters: parameters.iter().cloned().chain([MU]).collect(),
+            parameters: parameters.iter().map(Parameter::quantity).chain([MU]).collect(),
         };
         Ok(Self {
             curves,
@@ -218,6 +218,28 @@ impl<C: ContactCurves> MindlinIwan<C> {
     /// Number of sliders at every point.
     pub fn n_sliders(&self) -> usize {
         self.sliders.len()
+    }
+
+    fn answer(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        end: StateViewMut<'_>,
+        traction: ComponentsMut<'_>,
+        tangent: Option<TangentMut<'_>>,
+        regimes: Option<&mut [Regime]>,
+        along: Option<Along<'_>>,
+    ) -> RegimeCounts {
+        let run = match (tangent.is_some(), along.is_some()) {
+            (_, true) => Self::run::<false, true>,
+            (true, false) => Self::run::<true, false>,
+            (false, false) => Self::run::<false, false>,
+        };
+        run(
+            self, points, sticking, jump, begin, end, traction, tangent, regimes, along,
+        )
     }
 
     /// The loop over the points, compiled apart with and without tangent and along a direction.
@@ -316,49 +338,7 @@ impl<C: ContactCurves> TractionLaw for MindlinIwan<C> {
         self.curves.len()
     }
 
-    fn evaluate(
-        &self,
-        points: Range<usize>,
-        sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        end: StateViewMut<'_>,
-        traction: ComponentsMut<'_>,
-        tangent: Option<TangentMut<'_>>,
-        regimes: Option<&mut [Regime]>,
-    ) -> RegimeCounts {
-        check_points(&points, self);
-        let run = match tangent.is_some() {
-            false => Self::run::<false, false>,
-            true => Self::run::<true, false>,
-        };
-        run(
-            self, points, sticking, jump, begin, end, traction, tangent, regimes, None,
-        )
-    }
-
-    fn derivative(
-        &self,
-        points: Range<usize>,
-        sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        d_jump: Components<'_>,
-        d_begin: StateView<'_>,
-        end: StateViewMut<'_>,
-        d_end: StateViewMut<'_>,
-        traction: ComponentsMut<'_>,
-        d_traction: ComponentsMut<'_>,
-    ) -> RegimeCounts {
-        check_points(&points, self);
-        let along = Some(Along {
-            d_jump,
-            d_begin,
-            d_end,
-            d_traction,
-        });
-        self.run::<false, true>(points, sticking, jump, begin, end, traction, None, None, along)
-    }
+    evaluates_by!(answer);
 
     fn friction_coefficient(&self, point: usize) -> Option<f64> {
         Some(*self.mu.at(point))

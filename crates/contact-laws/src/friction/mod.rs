@@ -2,14 +2,8 @@
 //! `|t_t| <= mu t_n` (or in a [box](Cone)), no traction when open.
 //!
 //! With the begin state (index 0), the jump `u_x, u_y, u_n` and the curves `t_n(u_n)`, `k_q(u_n)`, `q` in {x, y}, the
-//! stuck trial of the tangential traction follows by a [`HistoryRule`]:
-//!
-//! | rule | stuck trial | state beside the jump |
-//! |---|---|---|
-//! | [`Incremental`](incremental) | midpoint rule along the closed part of the path | traction |
-//! | [`Paper`](paper) | as published (eq. 18), linearised about the end point | traction |
-//! | [`EndPoint`](end_point) | stiffness at the end point, along the whole path | traction |
-//! | [`Potential`](potential) | from a potential | elastic stretch |
+//! stuck trial of the tangential traction follows by a [`HistoryRule`]: the [table of rules](HISTORY_RULES) has
+//! them all.
 //!
 //! [`resolved`] applies a rule to every asperity. Two laws have no history rule: [`mindlin_iwan`] slips part by part,
 //! [`linearised`] keeps the slip limit of a static state.
@@ -63,7 +57,7 @@
 //! |---|---|
 //! | friction coefficient `mu`, not negative, per point | 1 |
 //! | state `u_x, u_y, u_n` of the point committed last | m |
-//! | state `t_x, t_y` (`Incremental`, `Paper`, `EndPoint`) | Pa |
+//! | state `t_x, t_y`, unless the rule says otherwise | Pa |
 //! | state `e_x, e_y` (`Potential`) | m |
 //!
 //! Source: N. N. Balaji, W. Chen and M. R. W. Brake, *Traction-based multi-scale nonlinear dynamic modeling of bolted
@@ -107,15 +101,11 @@
 
 mod block_start;
 mod cone;
-pub mod end_point;
 mod frictional_law;
-mod history_rule;
-pub mod incremental;
+pub mod history_rule;
 mod laws;
 pub mod linearised;
 pub mod mindlin_iwan;
-pub mod paper;
-pub mod potential;
 pub mod radii;
 pub mod resolved;
 mod return_map;
@@ -124,12 +114,12 @@ pub mod similarity;
 
 pub use cone::Cone;
 pub use frictional_law::FrictionalLaw;
-pub use history_rule::HistoryRule;
+pub use history_rule::{HISTORY_RULES, HistoryRule, HistoryRuleInfo};
 pub use laws::{AsperityLaw, ElasticDryFriction, GreenwoodWilliamsonLaw, RoughLaw, TableLaw};
 
-use crate::error::{Error, Place, require};
+use crate::error::{Error, Place};
 use crate::law::Quantity;
-use crate::parameters::PointParameters;
+use crate::parameters::{Bounds, Parameter, PointParameters};
 
 /// State of the laws of this crate: first the jump committed last.
 pub(crate) const JUMP: [Quantity; 3] = [
@@ -139,7 +129,8 @@ pub(crate) const JUMP: [Quantity; 3] = [
 ];
 
 /// Friction coefficient, as it appears in every law's parameters.
-pub(crate) const MU: Quantity = Quantity::new("mu", "1");
+pub(crate) const MU: Quantity = COEFFICIENT.quantity();
+const COEFFICIENT: Parameter = Parameter::new("mu", "1", Bounds::NotNegative);
 
 /// Whether any point has friction.
 pub(crate) fn has_friction(mu: &PointParameters<f64>) -> bool {
@@ -157,16 +148,7 @@ pub(crate) fn require_friction(mu: &PointParameters<f64>, n_points: usize) -> Re
     }
     // A uniform value needs to be looked at once only.
     for point in 0..if mu.is_uniform() { n_points.min(1) } else { n_points } {
-        let value = *mu.at(point);
-        let ok = value.is_finite() && value >= 0.0;
-        require(
-            ok,
-            "mu",
-            value,
-            "(no unit)",
-            Place::Point(point),
-            "finite and not negative",
-        )?;
+        COEFFICIENT.check_at(Place::Point(point), *mu.at(point))?;
     }
     Ok(())
 }

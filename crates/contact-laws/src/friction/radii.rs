@@ -26,9 +26,10 @@
 //! jointed structures*, Mech. Syst. Signal Process. 192 (2023) 110210.
 
 use super::cone::Cone;
-use crate::error::{Error, Place, require};
+use crate::error::Error;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::{Bounds, Parameter};
 use crate::simd::bounds::within;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -65,8 +66,8 @@ impl Radii {
     /// # Errors
     /// [`Error::Parameter`] when `n` is not from 3 to [`MAX_RADII`].
     pub fn equally_spaced(n: usize) -> Result<Self, Error> {
-        let ok = (3..=MAX_RADII).contains(&n);
-        require(ok, "radii", n as f64, "(no unit)", Place::Whole, "from 3 to 256")?;
+        let bounds = Bounds::Within([3.0, MAX_RADII as f64], "from 3 to 256");
+        Parameter::new("radii", "1", bounds).check(n as f64)?;
         let spacing = 1.0 / (n - 1) as f64;
         let nodes = (0..n).map(|i| {
             // The edge carries nothing.
@@ -161,8 +162,6 @@ impl Radii {
             radius_before,
             du,
             limit: [total, total_slope],
-            cone,
-            unlimited,
             ..
         } = *circle;
         let area = PI * a * a;
@@ -200,11 +199,7 @@ impl Radii {
                 closing[q] = (moved - k * du[q]) * growth;
             }
             let limit_slope = mean_slope * node.limit - 2.0 * limit * growth;
-            let cut = if unlimited {
-                Cut::stuck(trial, k, closing)
-            } else {
-                Cut::new(cone, trial, k, closing, limit, limit_slope)
-            };
+            let cut = Cut::new(circle, trial, k, closing, limit, limit_slope);
             reaction.slips &= cut.slips;
             // The outermost of equally spaced radii carries nothing and counts for nothing.
             let (t, tangent) = if node.limit > 0.0 {
@@ -243,8 +238,6 @@ impl Radii {
             radius_before,
             du,
             limit: [total, _],
-            cone,
-            unlimited,
             ..
         } = *circle;
         let mut force_change = [0.0; 2];
@@ -277,11 +270,7 @@ impl Radii {
                 within(stuck + within(k * (change.du[q] - growth * du[q]), LARGEST), LARGEST)
             });
             let limit_change = within(mean_change * node.limit - 2.0 * limit * growth, LARGEST);
-            let cut = if unlimited {
-                Cut::stuck(trial, k, trial_change)
-            } else {
-                Cut::new(cone, trial, k, trial_change, limit, limit_change)
-            };
+            let cut = Cut::new(circle, trial, k, trial_change, limit, limit_change);
             // The outermost of equally spaced radii carries nothing and counts for nothing.
             let (t, t_change) = if node.limit > 0.0 {
                 (cut.traction, cut.tangent.map(|row| row[2]))
@@ -338,9 +327,10 @@ impl Cut {
     }
 
     #[inline]
-    fn new(cone: Cone, trial: [f64; 2], k: f64, closing: [f64; 2], limit: f64, limit_slope: f64) -> Self {
+    fn new(circle: &Circle, trial: [f64; 2], k: f64, closing: [f64; 2], limit: f64, limit_slope: f64) -> Self {
         let stuck = Self::stuck(trial, k, closing);
-        match cone {
+        match circle.cone {
+            _ if circle.unlimited => stuck,
             Cone::Box => {
                 let mut cut = stuck;
                 for q in 0..2 {

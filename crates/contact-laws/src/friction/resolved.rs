@@ -106,16 +106,16 @@
 use super::block_start::Present;
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
-use super::mindlin_iwan::{self, MAX_SLIDERS};
+use super::mindlin_iwan::{self, N_SLIDERS};
 use super::radii::{Circle, CircleChange, MAX_RADII, Radii, Reaction};
 use super::return_map::{Block, CurveChange, Derivative, OPEN, SLIP, STICK, Workspace};
 use super::rule::{Memory, StiffnessAt};
 use super::{JUMP, MU, has_friction, require_friction};
 use crate::curves::CurveBlock;
-use crate::error::{Error, Place, require};
+use crate::error::Error;
 use crate::law::{
     Along, Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
-    TangentMut, TractionLaw, check_points,
+    TangentMut, TractionLaw, evaluates_by,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -125,7 +125,7 @@ use crate::physics::elastic_plastic::{Asperity, Dent, Unloading};
 use crate::physics::slip_limit::AsperityLimit;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::elementary::{max, min};
-use crate::simd::{BLOCK, Lanes, Pass, SHORT_BLOCK, part, part_mut, run};
+use crate::simd::{Lanes, Pass, part, part_mut, run};
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::vec::Vec;
@@ -146,7 +146,7 @@ const LARGEST: f64 = 1e300;
 pub enum AsperityFriction {
     /// It sticks or slips as a whole.
     StickSlip(HistoryRule),
-    /// It slips from its rim inwards: 1 to [`MAX_SLIDERS`] annuli of its contact circle stick or slip, with the shares of stiffness and slip
+    /// It slips from its rim inwards: 1 to [`MAX_SLIDERS`](mindlin_iwan::MAX_SLIDERS) annuli of its contact circle stick or slip, with the shares of stiffness and slip
     /// limit that follow Mindlin's loading curve ([`mindlin_iwan`], with its errors). An annulus remembers its
     /// force and keeps its place relative to the contact radius.
     Annuli(HistoryRule, usize),
@@ -163,6 +163,14 @@ impl AsperityFriction {
                 (needs.stiffness, needs.curvature)
             }
             Self::MindlinIwan(_) => (StiffnessAt::End, false),
+        }
+    }
+
+    /// Whether a stretch adds to the normal force.
+    fn presses(&self) -> bool {
+        match self {
+            Self::StickSlip(history) | Self::Annuli(history, _) => history.needs().memory == Memory::Stretch,
+            Self::MindlinIwan(_) => false,
         }
     }
 
@@ -280,17 +288,13 @@ impl ResolvedLaw {
         let tables = Tables::new(bins.sets());
         let shares = match friction {
             AsperityFriction::Annuli(_, n) => {
-                let ok = (1..=MAX_SLIDERS).contains(&n);
-                require(ok, "annuli", n as f64, "(no unit)", Place::Whole, "from 1 to 256")?;
+                N_SLIDERS.named("annuli").check(n as f64)?;
                 mindlin_iwan::shares(n)
             }
             AsperityFriction::StickSlip(_) | AsperityFriction::MindlinIwan(_) => Vec::new(),
         };
-        let potential = matches!(
-            friction,
-            AsperityFriction::StickSlip(HistoryRule::Potential) | AsperityFriction::Annuli(HistoryRule::Potential, _)
-        );
-        if tables.yields && potential {
+
+        if tables.yields && friction.presses() {
             return Err(Error::Combination {
                 first: "asperities that yield",
                 second: "the history rule `potential`",
@@ -476,10 +480,7 @@ impl ResolvedLaw {
     ) {
         let tables = &self.tables;
         let (stiffness, curvature) = self.friction.stiffness();
-        let couples = matches!(
-            self.friction,
-            AsperityFriction::StickSlip(HistoryRule::Potential) | AsperityFriction::Annuli(HistoryRule::Potential, _)
-        );
+        let couples = self.friction.presses();
         let entries: &[usize] = match (with_tangent, couples) {
             (false, _) => &[],
             (true, false) => &UNCOUPLED,
@@ -969,51 +970,7 @@ impl TractionLaw for ResolvedLaw {
         self.bins.len()
     }
 
-    fn evaluate(
-        &self,
-        points: Range<usize>,
-        sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        end: StateViewMut<'_>,
-        traction: ComponentsMut<'_>,
-        tangent: Option<TangentMut<'_>>,
-        regimes: Option<&mut [Regime]>,
-    ) -> RegimeCounts {
-        check_points(&points, self);
-        if points.len() <= SHORT_BLOCK {
-            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes, None)
-        } else {
-            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, tangent, regimes, None)
-        }
-    }
-
-    fn derivative(
-        &self,
-        points: Range<usize>,
-        sticking: Sticking,
-        jump: Components<'_>,
-        begin: StateView<'_>,
-        d_jump: Components<'_>,
-        d_begin: StateView<'_>,
-        end: StateViewMut<'_>,
-        d_end: StateViewMut<'_>,
-        traction: ComponentsMut<'_>,
-        d_traction: ComponentsMut<'_>,
-    ) -> RegimeCounts {
-        check_points(&points, self);
-        let along = Some(Along {
-            d_jump,
-            d_begin,
-            d_end,
-            d_traction,
-        });
-        if points.len() <= SHORT_BLOCK {
-            self.evaluate_blocks::<SHORT_BLOCK>(points, sticking, jump, begin, end, traction, None, None, along)
-        } else {
-            self.evaluate_blocks::<BLOCK>(points, sticking, jump, begin, end, traction, None, None, along)
-        }
-    }
+    evaluates_by!(evaluate_blocks in blocks);
 
     fn friction_coefficient(&self, point: usize) -> Option<f64> {
         (self.limit == AsperityLimit::Coulomb).then(|| *self.mu.at(point))

@@ -198,60 +198,28 @@ impl<R: FrictionRule, const B: usize> Pass for StuckTrials<'_, '_, R, B> {
 /// Stuck trials along x and y.
 #[inline(always)]
 fn both_trials<R: FrictionRule, const REOPENS: bool, const B: usize>(rule: R, block: &mut Block<'_, B>) {
-    let [u_x, u_y, u_n] = block.jump;
-    let [u_x0, u_y0, u_n0, memory_x, memory_y] = block.begin;
-    let Workspace {
-        trial: [trial_x, trial_y],
-        along: [along_x, along_y],
-        closing: [closing_x, closing_y],
-        stretch: [stretch_x, stretch_y],
-        stretch_slope: [stretch_slope_x, stretch_slope_y],
-        share,
-        share_slope,
-        ..
-    } = &mut *block.workspace;
-    let CurveBlock {
-        tangential: [k_x, k_y],
-        tangential_slope: [slope_x, slope_y],
-        tangential_curvature: [curvature_x, curvature_y],
-        ..
-    } = block.curves;
-    trials::<R, REOPENS, B>(
-        rule,
-        u_x,
-        u_x0,
-        u_n,
-        u_n0,
-        memory_x,
-        k_x,
-        slope_x,
-        curvature_x,
-        share,
-        share_slope,
-        trial_x,
-        along_x,
-        closing_x,
-        stretch_x,
-        stretch_slope_x,
-    );
-    trials::<R, REOPENS, B>(
-        rule,
-        u_y,
-        u_y0,
-        u_n,
-        u_n0,
-        memory_y,
-        k_y,
-        slope_y,
-        curvature_y,
-        share,
-        share_slope,
-        trial_y,
-        along_y,
-        closing_y,
-        stretch_y,
-        stretch_slope_y,
-    );
+    let (u_n, u_n0, curves) = (block.jump[2], block.begin[2], block.curves);
+    let workspace = &mut *block.workspace;
+    for q in 0..2 {
+        trials::<R, REOPENS, B>(
+            rule,
+            block.jump[q],
+            block.begin[q],
+            u_n,
+            u_n0,
+            block.begin[3 + q],
+            &curves.tangential[q],
+            &curves.tangential_slope[q],
+            &curves.tangential_curvature[q],
+            &workspace.share,
+            &workspace.share_slope,
+            &mut workspace.trial[q],
+            &mut workspace.along[q],
+            &mut workspace.closing[q],
+            &mut workspace.stretch[q],
+            &mut workspace.stretch_slope[q],
+        );
+    }
 }
 
 /// Share of each path that is closed, and its derivative with respect to `u_n`.
@@ -702,59 +670,29 @@ fn both_trial_changes<R: FrictionRule, const REOPENS: bool, const B: usize>(
     trial: &mut [Lanes<f64, B>; 2],
     stretch: &mut [Lanes<f64, B>; 2],
 ) {
-    let [u_x, u_y, u_n] = block.jump;
-    let [u_x0, u_y0, u_n0, memory_x, memory_y] = block.begin;
-    let [change_x, change_y, change_n] = derivative.jump;
-    let [change_x0, change_y0, change_n0, change_1, change_2] = derivative.begin;
-    let ([trial_x, trial_y], [stretch_x, stretch_y]) = (trial, stretch);
-    let CurveBlock {
-        tangential: [k_x, k_y],
-        tangential_slope: [slope_x, slope_y],
-        ..
-    } = block.curves;
-    let CurveChange {
-        tangential: [k_change_x, k_change_y],
-        tangential_slope: [slope_change_x, slope_change_y],
-        ..
-    } = derivative.curves;
-    trial_changes::<R, REOPENS, B>(
-        rule,
-        u_x,
-        u_x0,
-        u_n,
-        u_n0,
-        memory_x,
-        change_x,
-        change_x0,
-        change_n,
-        change_n0,
-        change_1,
-        k_x,
-        slope_x,
-        k_change_x,
-        slope_change_x,
-        trial_x,
-        stretch_x,
-    );
-    trial_changes::<R, REOPENS, B>(
-        rule,
-        u_y,
-        u_y0,
-        u_n,
-        u_n0,
-        memory_y,
-        change_y,
-        change_y0,
-        change_n,
-        change_n0,
-        change_2,
-        k_y,
-        slope_y,
-        k_change_y,
-        slope_change_y,
-        trial_y,
-        stretch_y,
-    );
+    let (jump, begin) = (block.jump, block.begin);
+    let (curves, changes) = (block.curves, derivative.curves);
+    for q in 0..2 {
+        trial_changes::<R, REOPENS, B>(
+            rule,
+            jump[q],
+            begin[q],
+            jump[2],
+            begin[2],
+            begin[3 + q],
+            derivative.jump[q],
+            derivative.begin[q],
+            derivative.jump[2],
+            derivative.begin[2],
+            derivative.begin[3 + q],
+            &curves.tangential[q],
+            &curves.tangential_slope[q],
+            &changes.tangential[q],
+            &changes.tangential_slope[q],
+            &mut trial[q],
+            &mut stretch[q],
+        );
+    }
 }
 
 /// Changes of the stuck trials along one direction of the surface.

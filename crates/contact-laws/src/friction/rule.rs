@@ -40,6 +40,11 @@ pub(crate) trait FrictionRule: Copy {
             closing: 0.0,
         }
     }
+
+    /// [`Self::trial`] a second time, from the description alone and with derivatives by dual numbers: what the tests of all
+    /// rules compare it with.
+    #[cfg(test)]
+    fn described(path: &crate::tests::oracle::Described<'_>) -> crate::tests::oracle::Quantity3;
 }
 
 /// Two numbers per point beside the jump.

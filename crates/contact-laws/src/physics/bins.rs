@@ -3,6 +3,7 @@
 use crate::error::{Error, Place, require};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::{Bounds, Parameter};
 use crate::physics::elastic_plastic::Asperity;
 use crate::physics::population::{AsperityPopulation, GapDistribution};
 use alloc::vec::Vec;
@@ -26,7 +27,7 @@ impl AsperityBins {
     /// [`Error::Length`] when the lists differ in length, [`Error::Parameter`] when there are no bins or more than
     /// [`MAX_BINS`], or when an entry is negative or not finite.
     pub fn try_new(asperity: Asperity, gaps: Vec<f64>, densities: Vec<f64>) -> Result<Self, Error> {
-        require_count(gaps.len())?;
+        COUNT.check(gaps.len() as f64)?;
         if densities.len() != gaps.len() {
             return Err(Error::Length {
                 list: "asperity densities of the bins",
@@ -34,10 +35,9 @@ impl AsperityBins {
                 found: densities.len(),
             });
         }
-        for (name, unit, values) in [("bin_gap", "m", &gaps), ("bin_density", "1/m^2", &densities)] {
+        for (parameter, values) in [(GAP, &gaps), (DENSITY, &densities)] {
             for (i, &value) in values.iter().enumerate() {
-                let ok = (0.0..=1e100).contains(&value);
-                require(ok, name, value, unit, Place::Entry(i), "from 0 to 1e100")?;
+                parameter.check_at(Place::Entry(i), value)?;
             }
         }
         Ok(Self {
@@ -53,7 +53,7 @@ impl AsperityBins {
     /// # Errors
     /// [`Error::Parameter`] when `n` is not from 1 to [`MAX_BINS`].
     pub fn equally_spaced(asperity: Asperity, population: &AsperityPopulation, n: usize) -> Result<Self, Error> {
-        require_count(n)?;
+        COUNT.check(n as f64)?;
         let gaps = population.gaps();
         let spacing = gaps.largest() / (n.max(2) - 1) as f64;
         let edge = |j: usize| (j as f64 - 0.5) * spacing;
@@ -189,10 +189,9 @@ impl AsperityBins {
     }
 }
 
-fn require_count(n: usize) -> Result<(), Error> {
-    let ok = (1..=MAX_BINS).contains(&n);
-    require(ok, "bins", n as f64, "(no unit)", Place::Whole, "from 1 to 1024")
-}
+const GAP: Parameter = Parameter::new("bin_gap", "m", Bounds::Within([0.0, 1e100], "from 0 to 1e100"));
+const DENSITY: Parameter = Parameter::new("bin_density", "1/m^2", GAP.bounds);
+const COUNT: Parameter = Parameter::new("bins", "1", Bounds::Within([1.0, MAX_BINS as f64], "from 1 to 1024"));
 
 /// Exponent of the limits between intervals: of 0.5, 0.65, 0.8 and 1 the one with the smallest errors for 8 to 16 bins.
 const GRADING: f64 = 0.65;

@@ -58,6 +58,7 @@
 //! the form above and not that of the printed equation.
 #![doc = include_str!("../../katex.html")]
 
+use crate::choice::choices;
 use crate::error::{Error, Place, require, require_positive};
 use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
@@ -66,20 +67,12 @@ use crate::physics::hertz::ElasticPair;
 use crate::physics::slip_limit;
 use core::f64::consts::PI;
 
-/// What is made of the jumps in the published curves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum YieldCurves {
-    /// They are taken out.
-    #[default]
-    Continuous,
-    /// They stay.
-    Published,
+choices! {
+    /// What is made of the jumps in the published curves.
+    pub enum YieldCurves, "YIELD", "Jumps in the published curves of yield" {
+        Continuous = "continuous", 0, "They are taken out.";
+        Published = "published", 1, "They stay.";
+    }
 }
 
 /// Interference of the onset of yield in the force, over `delta_y`.

@@ -2,10 +2,13 @@
 
 use core::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-use crate::error::{Error, require_positive};
+use crate::error::Error;
 use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::{Bounds, Parameter};
+
+pub(crate) const SCALE: Parameter = Parameter::new("scale of the heights", "m", Bounds::Positive);
 
 /// Distribution of the asperity heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,10 +46,10 @@ impl HeightDistribution {
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
         match *self {
-            Self::Exponential { scale } => require_positive("scale of the heights", scale, "m"),
-            Self::Gaussian { standard_deviation } => {
-                require_positive("standard_deviation of the heights", standard_deviation, "m")
-            }
+            Self::Exponential { scale } => SCALE.check(scale),
+            Self::Gaussian { standard_deviation } => SCALE
+                .named("standard_deviation of the heights")
+                .check(standard_deviation),
         }
     }
 

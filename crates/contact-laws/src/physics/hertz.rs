@@ -39,9 +39,17 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use crate::error::{Error, Place, require, require_positive};
+use crate::error::Error;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::{Bounds, Parameter};
+
+pub(crate) const YOUNGS_MODULUS: Parameter = Parameter::new("youngs_modulus", "Pa", Bounds::Positive);
+pub(crate) const POISSON_RATIO: Parameter = Parameter::new(
+    "poisson_ratio",
+    "1",
+    Bounds::Within([(-1.0_f64).next_up(), 0.5], "above -1 and at most 0.5"),
+);
 
 /// The material of two equal elastic bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,16 +79,8 @@ impl ElasticPair {
     /// # Errors
     /// [`Error::Parameter`] with the value.
     pub fn validate(&self) -> Result<(), Error> {
-        require_positive("youngs_modulus", self.youngs_modulus, "Pa")?;
-        let nu = self.poisson_ratio;
-        require(
-            nu > -1.0 && nu <= 0.5,
-            "poisson_ratio",
-            nu,
-            "(no unit)",
-            Place::Whole,
-            "above -1 and at most 0.5",
-        )
+        YOUNGS_MODULUS.check(self.youngs_modulus)?;
+        POISSON_RATIO.check(self.poisson_ratio)
     }
 
     /// Composite modulus `E* = E / (2 (1 - nu^2))` (Pa).

@@ -6,6 +6,11 @@ use crate::error::{Error, Place, require, require_positive};
 use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::{Bounds, Parameter};
+
+pub(crate) const DENSITY: Parameter = Parameter::new("asperity_density", "1/m^2", Bounds::Positive);
+pub(crate) const BETA_X: Parameter = Parameter::new("beta_x", "m", Bounds::Positive);
+pub(crate) const BETA_Y: Parameter = BETA_X.named("beta_y");
 
 /// Distribution of the asperities' initial gaps `s` (m): pieces of uniform density, of which single samples are the
 /// limit of zero width.
@@ -38,7 +43,7 @@ impl GapDistribution {
             });
         }
         for (i, &s) in samples.iter().enumerate() {
-            require_gap(s, i)?;
+            GAP.check_at(Place::Entry(i), s)?;
         }
         samples.sort_by(f64::total_cmp);
         let probability = 1.0 / samples.len() as f64;
@@ -77,26 +82,13 @@ impl GapDistribution {
             });
         }
         let (first, last) = (probabilities[0], probabilities[n - 1]);
-        require(
-            first == 0.0,
-            "probability",
-            first,
-            "(no unit)",
-            Place::Entry(0),
-            "0 for the first entry",
-        )?;
-        require(
-            last == 1.0,
-            "probability",
-            last,
-            "(no unit)",
-            Place::Entry(n - 1),
-            "1 for the last entry",
-        )?;
-        require_gap(values[0], 0)?;
+        let probability = |at, text| Parameter::new("probability", "1", Bounds::Within([at; 2], text));
+        probability(0.0, "0 for the first entry").check_at(Place::Entry(0), first)?;
+        probability(1.0, "1 for the last entry").check_at(Place::Entry(n - 1), last)?;
+        GAP.check_at(Place::Entry(0), values[0])?;
         let mut pieces = Vec::with_capacity(n - 1);
         for i in 1..n {
-            require_gap(values[i], i)?;
+            GAP.check_at(Place::Entry(i), values[i])?;
             let (width, probability) = (values[i] - values[i - 1], probabilities[i] - probabilities[i - 1]);
             let requirement = "not below the entry before";
             require(
@@ -280,17 +272,11 @@ impl Loaded {
     }
 }
 
-fn require_gap(s: f64, entry: usize) -> Result<(), Error> {
-    let ok = s.is_finite() && s >= 0.0;
-    require(
-        ok,
-        "asperity gap",
-        s,
-        "m",
-        Place::Entry(entry),
-        "finite and not negative: measure it from first touch",
-    )
-}
+const GAP: Parameter = Parameter::new(
+    "asperity gap",
+    "m",
+    Bounds::Within([0.0, f64::MAX], "finite and not negative: measure it from first touch"),
+);
 
 /// Asperity pairs of an area.
 #[derive(Debug, Clone, PartialEq)]
@@ -307,9 +293,9 @@ impl AsperityPopulation {
     /// # Errors
     /// [`Error::Parameter`] when density or radii are not above zero.
     pub fn try_new(gaps: GapDistribution, density: f64, radii: [f64; 2]) -> Result<Self, Error> {
-        require_positive("asperity_density", density, "1/m^2")?;
-        require_positive("beta_x", radii[0], "m")?;
-        require_positive("beta_y", radii[1], "m")?;
+        DENSITY.check(density)?;
+        BETA_X.check(radii[0])?;
+        BETA_Y.check(radii[1])?;
         Ok(Self { gaps, density, radii })
     }
 
@@ -319,7 +305,7 @@ impl AsperityPopulation {
     /// [`Error::Parameter`] when a factor, or what it leaves, is not above zero and finite.
     pub fn scaled(&self, gaps: f64, density: f64, radii: f64) -> Result<Self, Error> {
         require_positive("factor of the asperity gaps", gaps, "(no unit)")?;
-        require_gap(self.gaps.largest() * gaps, 0)?;
+        GAP.check_at(Place::Entry(0), self.gaps.largest() * gaps)?;
         Self::try_new(
             self.gaps.scaled(gaps),
             self.density * density,

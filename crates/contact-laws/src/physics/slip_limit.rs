@@ -45,27 +45,19 @@
 #![doc = include_str!("../../katex.html")]
 
 use super::elastic_plastic::{Asperity, Dent, Plastic, Unloading};
+use crate::choice::choices;
 use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use core::f64::consts::PI;
 
-/// What limits the tangential force of an asperity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum AsperityLimit {
-    /// A constant share of the normal force.
-    #[default]
-    Coulomb,
-    /// First yield under both forces.
-    Ceb,
-    /// The shear strength that the normal pressure leaves.
-    ShearStrength,
+choices! {
+    /// What limits the tangential force of an asperity.
+    pub enum AsperityLimit, "LIMIT", "Slip limit of an asperity" {
+        Coulomb = "coulomb", 0, "A constant share of the normal force.";
+        Ceb = "ceb", 1, "First yield under both forces.";
+        ShearStrength = "shear-strength", 2, "The shear strength that the normal pressure leaves.";
+    }
 }
 
 /// `C_f` of the limit [`AsperityLimit::Ceb`].

@@ -68,6 +68,30 @@ pub(crate) fn ln_pair<R: Real, const FMA: bool>(x: R, y: R) -> (R, R) {
     )
 }
 
+/// What both kinds of numbers do with the same words.
+macro_rules! alike {
+    () => {
+        #[inline(always)]
+        fn times_plus<const FMA: bool>(self, factor: Self, addend: Self) -> Self {
+            #[cfg(feature = "std")]
+            if FMA {
+                return self.mul_add(factor, addend);
+            }
+            self * factor + addend
+        }
+
+        #[inline(always)]
+        fn magnitude(self) -> Self {
+            self.abs()
+        }
+
+        #[inline(always)]
+        fn with_sign(self, sign: Self) -> Self {
+            self.copysign(sign)
+        }
+    };
+}
+
 impl Real for f64 {
     const RANGE: [f64; 2] = [1e-150, 1e150];
     const LARGEST_EXPONENT: f64 = 700.0;
@@ -82,24 +106,7 @@ impl Real for f64 {
         self
     }
 
-    #[inline(always)]
-    fn times_plus<const FMA: bool>(self, factor: Self, addend: Self) -> Self {
-        #[cfg(feature = "std")]
-        if FMA {
-            return self.mul_add(factor, addend);
-        }
-        self * factor + addend
-    }
-
-    #[inline(always)]
-    fn magnitude(self) -> Self {
-        self.abs()
-    }
-
-    #[inline(always)]
-    fn with_sign(self, sign: Self) -> Self {
-        self.copysign(sign)
-    }
+    alike!();
 
     #[inline(always)]
     fn natural_exp<const FMA: bool>(self) -> Self {
@@ -159,24 +166,7 @@ impl Real for f32 {
         self.into()
     }
 
-    #[inline(always)]
-    fn times_plus<const FMA: bool>(self, factor: Self, addend: Self) -> Self {
-        #[cfg(feature = "std")]
-        if FMA {
-            return self.mul_add(factor, addend);
-        }
-        self * factor + addend
-    }
-
-    #[inline(always)]
-    fn magnitude(self) -> Self {
-        self.abs()
-    }
-
-    #[inline(always)]
-    fn with_sign(self, sign: Self) -> Self {
-        self.copysign(sign)
-    }
+    alike!();
 
     #[inline(always)]
     fn natural_exp<const FMA: bool>(self) -> Self {

@@ -1,6 +1,6 @@
 //! Adhesive force and traction against direct integration, limits and the method paper's statements.
 
-use super::{STEEL, population, reference, relative};
+use super::{STEEL, measured_population, population, relative};
 use crate::*;
 use std::f64::consts::PI;
 
@@ -225,37 +225,14 @@ fn adhesion_does_not_depend_on_the_unit() {
     assert!(relative(si.tabor_parameter(&STEEL, 1e-3), mm.tabor_parameter(&stiff, 1.0)) < 1e-14);
 }
 
-#[test]
-fn refused_adhesion_is_named() {
-    assert!(
-        Adhesion::try_new(0.0, 4e-10)
-            .unwrap_err()
-            .to_string()
-            .contains("work_of_adhesion = 0")
-    );
-    assert!(
-        Adhesion::try_new(2.5, f64::NAN)
-            .unwrap_err()
-            .to_string()
-            .contains("intermolecular_distance")
-    );
-}
-
 /// Section 3.2.1 with the measured population: `epsilon/omega_c` below 0.1 %, a threshold below which adhesion may not
 /// be neglected, and more than an order of magnitude between the tractions from about a micron on.
 #[test]
 fn adhesion_is_small_at_working_interference() {
-    let Some(data) = reference("brb_surface.json") else {
+    let Some(population) = measured_population() else {
         return;
     };
-    let values = data["asperity_gap_quantiles"]["values"].as_array().unwrap();
-    let values: Vec<f64> = values.iter().map(|v| v.as_f64().unwrap()).collect();
-    let last = values.len() - 1;
-    let probabilities: Vec<f64> = (0..=last).map(|i| i as f64 / last as f64).collect();
-    let gaps = GapDistribution::try_from_quantiles(&probabilities, &values).unwrap();
-    let radius = data["effective_radius"].as_f64().unwrap();
-    let density = data["asperities_per_area"].as_f64().unwrap();
-    let population = AsperityPopulation::try_new(gaps, density, [radius; 2]).unwrap();
+    let radius = population.effective_radius();
     let adhesion = paper();
 
     let omega_c = adhesion::critical_interference(&STEEL, 9.47e9, radius);

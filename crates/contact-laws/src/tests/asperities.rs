@@ -1,6 +1,6 @@
 //! Asperity sums against closed forms for exponential and Gaussian heights and against single contacts.
 
-use super::{STEEL, asperities, exponential_gaps, population, relative};
+use super::{STEEL, asperities, exponential_gaps, relative};
 use crate::*;
 
 fn single(gap: f64, density: f64, radii: [f64; 2], reading: TangentialReading) -> AsperitySumCurves {
@@ -197,35 +197,4 @@ fn yield_is_a_fraction_of_the_loaded_asperities() {
     assert!(relative(yielded(1e-6), 2.0 / 3.0) < 1e-15);
     assert_eq!((yielded(0.0), yielded(3e-6)), (1.0, 0.0));
     assert_eq!(curves.yielded_fraction(0.0, 1e-6), Some(0.0));
-}
-
-#[test]
-fn refused_populations_are_named() {
-    let text = |result: Result<GapDistribution, Error>| result.unwrap_err().to_string();
-    assert!(text(GapDistribution::try_from_samples(vec![])).contains("samples"));
-    assert!(text(GapDistribution::try_from_samples(vec![0.0, f64::NAN])).contains("at entry 1"));
-    assert!(text(GapDistribution::try_from_samples(vec![-1e-9])).contains("from first touch"));
-    assert!(text(GapDistribution::try_from_quantiles(&[0.0, 1.0], &[0.0])).contains("1 entries where 2"));
-    assert!(text(GapDistribution::try_from_quantiles(&[0.0, 0.9], &[0.0, 1.0])).contains("last entry"));
-    assert!(text(GapDistribution::try_from_quantiles(&[0.0, 0.5, 1.0], &[0.0, 2.0, 1.0])).contains("at entry 2"));
-    assert!(
-        text(GapDistribution::try_from_quantiles(
-            &[0.0, f64::NAN, 1.0],
-            &[0.0, 1.0, 1.0]
-        ))
-        .contains("probability")
-    );
-    let gaps = population().gaps().clone();
-    assert!(
-        AsperityPopulation::try_new(gaps.clone(), 0.0, [1e-3; 2])
-            .unwrap_err()
-            .to_string()
-            .contains("density")
-    );
-    assert!(
-        AsperityPopulation::try_new(gaps, 1e6, [1e-3, -1.0])
-            .unwrap_err()
-            .to_string()
-            .contains("beta_y")
-    );
 }

@@ -5,13 +5,12 @@ use std::collections::BTreeMap;
 use std::iter::once;
 
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 
 use super::batches::chunks;
 use super::invariants::{TABLE, laws};
 use super::kinks::extreme;
 use super::resolved::{cases, paths};
-use super::{HISTORIES, elastic, fitted};
+use super::{any_history, elastic, fitted, hold};
 use crate::testing::{
     PointDerivative, derivative_at_point, derivative_batch, derivative_error, evaluate_point, log_uniform,
 };
@@ -158,11 +157,8 @@ fn seen<S: Strategy>(
         ..ProptestConfig::default()
     };
     let tally = RefCell::new(Tally::new());
-    let outcome = TestRunner::new(config).run(strategy, |value| check(value, &tally));
+    hold(config, strategy, |value| check(value, &tally));
     println!("{name}: compared, of, largest error: {:?}", tally.borrow());
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     tally.into_inner()
 }
 
@@ -205,7 +201,7 @@ fn with_steps() -> impl Strategy<Value = (f64, Vec<([f64; 3], Sticking)>)> {
 #[test]
 fn friction_on_curves() {
     let cones = prop::sample::select(vec![Cone::Circle, Cone::Box]);
-    let strategy = (with_steps(), cones, prop::sample::select(HISTORIES.to_vec()), weights());
+    let strategy = (with_steps(), cones, any_history(), weights());
     let tally = seen(
         "friction_on_curves",
         400,
@@ -339,7 +335,7 @@ proptest! {
     /// Chunks change no bit. What is not finite makes derivatives NaN, of a direction the derivatives alone.
     #[test]
     fn batches_do_not_change_a_bit(
-        (points, weights, cuts) in points(), box_cone: bool, history in prop::sample::select(HISTORIES.to_vec()),
+        (points, weights, cuts) in points(), box_cone: bool, history in any_history(),
     ) {
         let n = points.len();
         let cone = if box_cone { Cone::Box } else { Cone::Circle };
@@ -398,7 +394,7 @@ proptest! {
     #[test]
     fn finite_input_gives_finite_derivatives(
         numbers in prop::collection::vec(extreme(), 120), box_cone: bool,
-        history in prop::sample::select(HISTORIES.to_vec()), mu in extreme(),
+        history in any_history(), mu in extreme(),
     ) {
         let cone = if box_cone { Cone::Box } else { Cone::Circle };
         for law in many(1, mu.abs(), cone, history) {

@@ -3,7 +3,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Field operations and analytic functions, enough to write a traction law once for values and derivatives.
-pub(super) trait Real:
+pub(crate) trait Real:
     Copy
     + From<f64>
     + Add<Output = Self>
@@ -48,14 +48,14 @@ pub(super) trait Real:
 /// A number with a bound of its rounding error in units of the rounding of one operation (running error analysis,
 /// Wilkinson 1963): how much of a result is left after cancellation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rounded {
+pub(crate) struct Rounded {
     pub(super) value: f64,
     pub(super) rounding: f64,
 }
 
 /// A number with its derivatives with respect to `N` variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Dual<T, const N: usize> {
+pub(crate) struct Dual<T, const N: usize> {
     pub(super) value: T,
     pub(super) derivatives: [T; N],
 }

@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
+use super::config;
 use super::dual::{Dual, Real, Rounded};
 use super::relative;
 use crate::slip_limit::ceb_factor;
@@ -347,12 +348,7 @@ fn run<S: Strategy>(name: &'static str, cases: u32, strategy: S, check: impl Fn(
 where
     S::Value: std::fmt::Debug,
 {
-    let config = ProptestConfig {
-        cases,
-        source_file: Some(file!()),
-        test_name: Some(name),
-        ..ProptestConfig::default()
-    };
+    let config = config(cases, file!(), Some(name));
     if let Err(error) = TestRunner::new(config).run(&strategy, check) {
         panic!("{error}");
     }

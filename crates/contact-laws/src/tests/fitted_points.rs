@@ -5,10 +5,9 @@ use std::cell::Cell;
 use std::iter::once;
 
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 
 use super::oracle::{Expected, SMALLEST, expected};
-use super::{HISTORIES, normal_fit, remembered, tangential_fit};
+use super::{config, histories, hold, normal_fit, remembered, tangential_fit};
 use crate::curves::{CurveBlock, PointCurves};
 use crate::simd::BLOCK;
 use crate::simd::elementary::Real;
@@ -72,11 +71,7 @@ fn errors(found: [f64; 8], expected: [f64; 8], u_n: f64) -> [f64; 3] {
 
 /// Largest errors of curves in precision `R` over random fits and interferences between two bounds.
 fn largest_errors<R: Real>(bounds: [f64; 2]) -> [f64; 3] {
-    let config = ProptestConfig {
-        cases: 400,
-        source_file: Some(file!()),
-        ..ProptestConfig::default()
-    };
+    let config = config(400, file!(), None);
     let worst = Cell::new([0.0_f64; 3]);
     let points = batch_of_fits(1..150).prop_flat_map(move |curves| {
         let n = curves.len();
@@ -86,7 +81,7 @@ fn largest_errors<R: Real>(bounds: [f64; 2]) -> [f64; 3] {
             any::<bool>(),
         )
     });
-    let outcome = TestRunner::new(config).run(&points, |(curves, u_n, uniform)| {
+    hold(config, &points, |(curves, u_n, uniform)| {
         let curves = match uniform {
             true => PointParameters::uniform(curves[0], curves.len()),
             false => PointParameters::per_point(curves),
@@ -107,9 +102,6 @@ fn largest_errors<R: Real>(bounds: [f64; 2]) -> [f64; 3] {
         }
         Ok(())
     });
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     worst.get()
 }
 
@@ -236,23 +228,19 @@ fn law_errors(found: &PointResponse, by_point: &PointResponse, expected: &Expect
 
 #[test]
 fn laws_agree_on_both_paths() {
-    let config = ProptestConfig {
-        cases: 150,
-        source_file: Some(file!()),
-        ..ProptestConfig::default()
-    };
+    let config = config(150, file!(), None);
     let (worst, counts) = (Cell::new([0.0_f64; 2]), Cell::new(RegimeCounts::default()));
     let points = batch_of_fits(1..100).prop_flat_map(|curves| {
         let n = curves.len();
         let steps = prop::collection::vec(step(), n);
         (Just(curves), prop::collection::vec(friction_coefficient(), n), steps)
     });
-    let outcome = TestRunner::new(config).run(&points, |(curves, mu, steps)| {
+    hold(config, &points, |(curves, mu, steps)| {
         let n = curves.len();
         let each = PointParameters::per_point(curves);
         let mu = PointParameters::per_point(mu);
         let jump: Vec<[f64; 3]> = steps.iter().map(|step| step.0).collect();
-        for history in HISTORIES {
+        for history in histories() {
             let begin: Vec<Vec<f64>> = steps.iter().map(|step| remembered(history, step.1).to_vec()).collect();
             let vector = RoughLaw::try_new(FittedPoints::new(&each), mu.clone(), history).unwrap();
             let scalar = FrictionalLaw::try_new(each.clone(), mu.clone(), history).unwrap();
@@ -299,9 +287,6 @@ fn laws_agree_on_both_paths() {
         }
         Ok(())
     });
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     let ([tractions, tangents], counts) = (worst.get(), counts.get());
     println!("{counts:?}: tractions within {tractions:.1e}, tangents within {tangents:.1e} of their row");
     let least = counts.total() / 20;

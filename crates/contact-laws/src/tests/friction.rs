@@ -125,39 +125,6 @@ fn full_sticking_ignores_the_cone_but_not_the_opening() {
     assert_eq!((open.regime, open.traction), (Regime::Open, [0.0; 3]));
 }
 
-#[test]
-fn refused_parameters_are_named() {
-    let points = |n| PointParameters::uniform(elastic(), n);
-    let refused = |mu| {
-        FrictionalLaw::try_new(points(3), mu, HistoryRule::Incremental)
-            .unwrap_err()
-            .to_string()
-    };
-    let text = refused(PointParameters::per_point(vec![0.1, -0.2, 0.3]));
-    assert!(
-        text.contains("mu = -2e-1") && text.contains("at point 1") && text.contains("not negative"),
-        "{text}"
-    );
-    assert!(refused(PointParameters::uniform(f64::NAN, 3)).contains("mu = NaN"));
-    assert!(refused(PointParameters::uniform(0.1, 2)).contains("2 entries where 3"));
-    let text = PointParameters::try_indexed(vec![0.1], vec![0, 1])
-        .unwrap_err()
-        .to_string();
-    assert!(text.contains("point 1") && text.contains("set 1"), "{text}");
-    assert!(
-        ElasticCurves::try_new(0.0, [1.0; 2])
-            .unwrap_err()
-            .to_string()
-            .contains("k_n")
-    );
-    assert!(
-        ElasticCurves::try_new(1.0, [1.0, f64::NAN])
-            .unwrap_err()
-            .to_string()
-            .contains("k_y")
-    );
-}
-
 /// A law over points that have nothing in common but their kind.
 #[test]
 fn points_use_their_own_parameters() {

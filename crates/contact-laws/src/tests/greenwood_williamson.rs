@@ -503,32 +503,3 @@ fn finite_interferences_give_numbers() {
         }
     }
 }
-
-#[test]
-fn refused_surfaces_are_named() {
-    let refused = |change: fn(&mut GreenwoodWilliamsonSurface)| {
-        let mut surface = surface(GAUSSIAN);
-        change(&mut surface);
-        GreenwoodWilliamsonCurves::try_new(surface, STEEL, TangentialReading::Mindlin)
-            .unwrap_err()
-            .to_string()
-    };
-    let text = refused(|s| {
-        s.heights = HeightDistribution::Gaussian {
-            standard_deviation: 0.0,
-        }
-    });
-    assert!(text.contains("standard_deviation of the heights = 0"), "{text}");
-    let text = refused(|s| s.heights = HeightDistribution::Exponential { scale: f64::NAN });
-    assert!(text.contains("scale of the heights = NaN"), "{text}");
-    assert!(refused(|s| s.reference_height = -1e-6).contains("reference_height"));
-    assert!(refused(|s| s.asperity_density = f64::INFINITY).contains("asperity_density"));
-    assert!(refused(|s| s.asperity_density = 1e300).contains("neither overflow"));
-    assert!(refused(|s| s.radii = [1e-320; 2]).contains("asperity_density"));
-    assert!(refused(|s| s.radii[1] = 0.0).contains("beta_y"));
-    // 40 standard deviations up there is no asperity in any number that a computer knows.
-    assert!(refused(|s| s.reference_height = 8e-5).contains("within reach of the heights"));
-    let soft = ElasticPair::new(-1.0, 0.3);
-    let error = GreenwoodWilliamsonCurves::try_new(surface(GAUSSIAN), soft, TangentialReading::Mindlin).unwrap_err();
-    assert!(error.to_string().contains("youngs_modulus"));
-}

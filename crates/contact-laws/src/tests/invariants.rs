@@ -3,10 +3,12 @@
 use std::cell::Cell;
 
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 
-use super::{HISTORIES, asperities, elastic, fitted, greenwood_williamson, law, memory, remembered, rough, table};
+use super::{
+    any_history, asperities, config, elastic, fitted, greenwood_williamson, hold, law, memory, remembered, rough, table,
+};
 use crate::friction::rule::Memory;
+use crate::law::{Along, evaluates_by};
 use crate::testing::{
     begin_state, closed_interference, evaluate_point, fitted_curves, friction_coefficient, jump, log_uniform, step,
     tangent_error, work_along,
@@ -30,10 +32,6 @@ thread_local! {
     pub(super) static TABLE: Tabulated<AsperitySumCurves> = table();
 }
 
-fn history() -> impl Strategy<Value = HistoryRule> {
-    prop::sample::select(HISTORIES.to_vec())
-}
-
 /// Elastic energy per area of the stretch in a state, at the stiffness `k` of both directions.
 fn stored(history: HistoryRule, state: &[f64], k: f64) -> f64 {
     let square = state[3] * state[3] + state[4] * state[4];
@@ -55,14 +53,7 @@ fn check(
     let found = evaluate_point(law, 0, Sticking::Coulomb, u, &begin);
     let [x, y, n] = found.traction;
     prop_assert!(n >= 0.0);
-    prop_assert!(
-        found
-            .traction
-            .iter()
-            .chain(found.tangent.iter().flatten())
-            .all(|v| v.is_finite()),
-        "{found:?}"
-    );
+    prop_assert!(found.numbers().all(f64::is_finite), "{found:?}");
     // The last term: denormal numbers have no relative accuracy.
     prop_assert!(x.hypot(y) <= mu * n * (1.0 + 1e-14) + 1e-320, "{found:?}");
     prop_assert_eq!(found.regime == Regime::Open, u[2] <= 0.0);
@@ -103,7 +94,7 @@ proptest! {
 
     #[test]
     fn every_answer_is_admissible(
-        mu in friction_coefficient(), history in history(), (u, begin) in step(),
+        mu in friction_coefficient(), history in any_history(), (u, begin) in step(),
     ) {
         for law in laws(mu, history) {
             check(&*law, mu, history, u, begin)?;
@@ -112,7 +103,7 @@ proptest! {
 
     #[test]
     fn every_fit_is_admissible(
-        curves in fitted_curves(), mu in friction_coefficient(), history in history(), (u, begin) in step(),
+        curves in fitted_curves(), mu in friction_coefficient(), history in any_history(), (u, begin) in step(),
     ) {
         check(&law(curves, mu, history), mu, history, u, begin)?;
         check(&rough(curves, mu, history), mu, history, u, begin)?;
@@ -120,7 +111,7 @@ proptest! {
 
     #[test]
     fn equal_stiffnesses_turn_with_the_axes(
-        mu in friction_coefficient(), history in history(), u in jump(), begin in begin_state(), angle in 0.0..6.3_f64,
+        mu in friction_coefficient(), history in any_history(), u in jump(), begin in begin_state(), angle in 0.0..6.3_f64,
     ) {
         let law = law(asperities(TangentialReading::Mindlin), mu, history);
         let (s, c) = angle.sin_cos();
@@ -163,7 +154,7 @@ proptest! {
     /// branch after a reversal is the first loading scaled by two (Masing).
     #[test]
     fn cycles_at_constant_interference(
-        curves in fitted_curves(), mu in friction_coefficient(), history in history(), n in closed_interference(),
+        curves in fitted_curves(), mu in friction_coefficient(), history in any_history(), n in closed_interference(),
         reach in log_uniform(1e-3, 1e3), [c, s] in direction(),
     ) {
         let fits: [Box<dyn TractionLaw>; 2] = [
@@ -216,7 +207,7 @@ proptest! {
     /// least the energy that is stored at its end.
     #[test]
     fn collinear_paths_dissipate(
-        mu in friction_coefficient(), history in history(), n in closed_interference(),
+        mu in friction_coefficient(), history in any_history(), n in closed_interference(),
         turns in prop::collection::vec(-3.0..3.0_f64, 1..8), [c, s] in direction(),
     ) {
         for law in laws(mu, history) {
@@ -249,7 +240,7 @@ proptest! {
     /// energy that is stored at its end; a closed one from rest dissipates.
     #[test]
     fn planar_paths_dissipate(
-        mu in friction_coefficient(), history in history(), n in closed_interference(),
+        mu in friction_coefficient(), history in any_history(), n in closed_interference(),
         corners in prop::collection::vec(prop::array::uniform2(-3.0..3.0_f64), 1..12),
     ) {
         let [x, _] = *fitted().tangential_fits();
@@ -296,19 +287,15 @@ fn stuck(law: &dyn TractionLaw, n: f64) -> [f64; 3] {
 fn tangents_are_the_differences_of_tractions() {
     let judged = [const { Cell::new(0) }; 4];
     let worst = [const { Cell::new(0.0_f64) }; 4];
-    let config = ProptestConfig {
-        cases: 3000,
-        source_file: Some(file!()),
-        ..ProptestConfig::default()
-    };
+    let config = config(3000, file!(), None);
     let strategy = (
         fitted_curves(),
         friction_coefficient(),
-        history(),
+        any_history(),
         step(),
         closed_interference(),
     );
-    let outcome = TestRunner::new(config).run(&strategy, |(curves, mu, history, (mut u, begin), n)| {
+    hold(config, &strategy, |(curves, mu, history, (mut u, begin), n)| {
         if u[2] < 1e-12 {
             u[2] = n;
         }
@@ -335,9 +322,6 @@ fn tangents_are_the_differences_of_tractions() {
         }
         Ok(())
     });
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     println!("fitted, in blocks, elastic, table: judged {judged:?} of 6000, errors up to {worst:?}");
     assert!(judged.iter().all(|n| n.get() > 4000));
 }
@@ -347,14 +331,8 @@ fn tangents_are_the_differences_of_tractions() {
 fn wrong_tangents_are_found() {
     /// A law with one entry of its tangent changed.
     struct Wrong(FrictionalLaw<PointParameters<FittedCurves>>, fn(&mut TangentMut<'_>));
-    impl TractionLaw for Wrong {
-        fn info(&self) -> &LawInfo {
-            self.0.info()
-        }
-        fn len(&self) -> usize {
-            self.0.len()
-        }
-        fn evaluate(
+    impl Wrong {
+        fn answer(
             &self,
             points: std::ops::Range<usize>,
             sticking: Sticking,
@@ -364,45 +342,25 @@ fn wrong_tangents_are_found() {
             traction: ComponentsMut<'_>,
             tangent: Option<TangentMut<'_>>,
             regimes: Option<&mut [Regime]>,
+            _along: Option<Along<'_>>,
         ) -> RegimeCounts {
-            let mut tangent = tangent.expect("asked for by the checker");
-            let [xx, xy, xn] = [&mut *tangent.xx, &mut *tangent.xy, &mut *tangent.xn];
-            let [yx, yy, yn] = [&mut *tangent.yx, &mut *tangent.yy, &mut *tangent.yn];
-            let [nx, ny, nn] = [&mut *tangent.nx, &mut *tangent.ny, &mut *tangent.nn];
-            let inner = TangentMut {
-                xx,
-                xy,
-                xn,
-                yx,
-                yy,
-                yn,
-                nx,
-                ny,
-                nn,
-            };
+            let mut entries = tangent.expect("asked for by the checker").into_entries();
+            let inner = TangentMut::from_entries(entries.each_mut().map(|entry| &mut **entry));
             let counts = self
                 .0
                 .evaluate(points, sticking, jump, begin, end, traction, Some(inner), regimes);
-            self.1(&mut tangent);
+            self.1(&mut TangentMut::from_entries(entries));
             counts
         }
-        fn derivative(
-            &self,
-            points: std::ops::Range<usize>,
-            sticking: Sticking,
-            jump: Components<'_>,
-            begin: StateView<'_>,
-            d_jump: Components<'_>,
-            d_begin: StateView<'_>,
-            end: StateViewMut<'_>,
-            d_end: StateViewMut<'_>,
-            traction: ComponentsMut<'_>,
-            d_traction: ComponentsMut<'_>,
-        ) -> RegimeCounts {
-            self.0.derivative(
-                points, sticking, jump, begin, d_jump, d_begin, end, d_end, traction, d_traction,
-            )
+    }
+    impl TractionLaw for Wrong {
+        fn info(&self) -> &LawInfo {
+            self.0.info()
         }
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+        evaluates_by!(answer);
     }
     let begin = [1e-7, 0.0, 8e-7, 1e4, -2e4];
     // Stuck and slipping.

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::invariants::{TABLE, laws};
-use super::{HISTORIES, fitted, law, memory, normal_fit, relative, rough};
+use super::{any_history, fitted, histories, law, memory, normal_fit, relative, rough};
 use crate::friction::rule::Memory;
 use crate::testing::{PointResponse, evaluate_point, log_uniform};
 use crate::*;
@@ -57,7 +57,7 @@ fn assert_column(found: &PointResponse, k: usize, (expected, step): ([f64; 3], f
 #[test]
 fn trial_on_the_cone() {
     let u = [2e-6, -1e-6, 3e-6];
-    for history in HISTORIES {
+    for history in histories() {
         for mu in [1e-3, 0.3, 10.0] {
             for law in laws(mu, history) {
                 let name = law.info().name;
@@ -118,7 +118,7 @@ fn trial_on_the_cone() {
 #[test]
 fn zero_interference() {
     let tiny = f64::from_bits(1);
-    for history in HISTORIES {
+    for history in histories() {
         for mu in [0.0, 0.3, 10.0] {
             for law in laws(mu, history) {
                 for begin_n in [-1e-6, -0.0, 0.0, tiny, 1e-6] {
@@ -153,7 +153,7 @@ fn ends_of_the_range() {
     let fitted_inward = [1e-4, -1e-4];
     // A cell begins at its lower knot, and the continuation at the last one.
     let table_upward = [1e-4, 1e-4];
-    for history in HISTORIES {
+    for history in histories() {
         let vector = rough(fitted(), 0.5, history);
         let fitted = law(fitted(), 0.5, history);
         let table = law(TABLE.with(|table| table.clone()), 0.5, history);
@@ -201,7 +201,7 @@ fn ends_of_the_range() {
 /// Begin and end coincide, as at a reversal: the traction stays, and the tangent is that of sticking.
 #[test]
 fn coincident_states() {
-    for history in HISTORIES {
+    for history in histories() {
         for law in laws(0.5, history) {
             for n in [1e-12, 1e-9, 1e-6, 1e-2] {
                 let u = [3e-6, -2e-6, n];
@@ -236,7 +236,7 @@ fn coincident_states() {
 /// A trial of zero length: without friction it slips with no tangential tangent, with friction it sticks.
 #[test]
 fn trials_of_zero_length() {
-    for history in HISTORIES {
+    for history in histories() {
         for n in [1e-12, 1e-6, 1e-2] {
             let (u, begin) = ([1e-6, 0.0, n], [1e-6, 0.0, n, 0.0, 0.0]);
             for law in laws(0.0, history) {
@@ -298,14 +298,13 @@ proptest! {
     #[test]
     fn finite_input_gives_finite_output(
         mu in prop_oneof![3 => 0.0..10.0, 1 => extreme().prop_map(f64::abs)],
-        history in prop::sample::select(HISTORIES.to_vec()),
+        history in any_history(),
         u in prop::array::uniform3(extreme()), begin in prop::array::uniform5(extreme()),
     ) {
         for law in laws(mu, history) {
             for sticking in [Sticking::Coulomb, Sticking::Full] {
                 let found = evaluate_point(&*law, 0, sticking, u, &begin);
-                let mut numbers = found.traction.iter().chain(found.tangent.as_flattened()).chain(&found.end);
-                prop_assert!(numbers.all(|v| v.is_finite()), "{} {sticking:?} {found:?}", law.info().name);
+                prop_assert!(found.numbers().all(f64::is_finite), "{} {sticking:?} {found:?}", law.info().name);
                 prop_assert_eq!(found.regime == Regime::Open, u[2] <= 0.0);
                 prop_assert!(found.regime != Regime::Invalid && found.traction[2] >= 0.0);
             }
@@ -315,7 +314,7 @@ proptest! {
     /// Input that is no finite number is counted, and nothing that comes out can be taken for a number.
     #[test]
     fn input_that_is_no_number_is_invalid(
-        mu in 0.0..10.0, history in prop::sample::select(HISTORIES.to_vec()),
+        mu in 0.0..10.0, history in any_history(),
         u in prop::array::uniform3(extreme()), begin in prop::array::uniform5(extreme()), which in 0..8_usize,
         value in prop::sample::select(vec![f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY]),
     ) {
@@ -325,8 +324,7 @@ proptest! {
             for sticking in [Sticking::Coulomb, Sticking::Full] {
                 let found = evaluate_point(&*law, 0, sticking, u, &begin);
                 prop_assert_eq!(found.regime, Regime::Invalid);
-                prop_assert!(found.traction.iter().chain(found.tangent.as_flattened()).all(|v| v.is_nan()));
-                prop_assert!(found.end.iter().all(|v| v.is_nan()), "{found:?}");
+                prop_assert!(found.numbers().all(f64::is_nan), "{found:?}");
             }
         }
     }
@@ -354,7 +352,7 @@ fn check_accepted<C: ContactCurves + Clone>(
     begin: [f64; 5],
 ) -> Result<(), TestCaseError> {
     let Ok(curves) = curves else { return Ok(()) };
-    for history in HISTORIES {
+    for history in histories() {
         check_finite(&law(curves.clone(), mu, history), u, begin)?;
     }
     Ok(())
@@ -363,12 +361,7 @@ fn check_accepted<C: ContactCurves + Clone>(
 fn check_finite(law: &dyn TractionLaw, u: [f64; 3], begin: [f64; 5]) -> Result<(), TestCaseError> {
     for sticking in [Sticking::Coulomb, Sticking::Full] {
         let found = evaluate_point(law, 0, sticking, u, &begin);
-        let mut numbers = found
-            .traction
-            .iter()
-            .chain(found.tangent.as_flattened())
-            .chain(&found.end);
-        prop_assert!(numbers.all(|v| v.is_finite()), "{sticking:?} {found:?}");
+        prop_assert!(found.numbers().all(f64::is_finite), "{sticking:?} {found:?}");
         prop_assert!(found.traction[2] >= 0.0);
     }
     Ok(())
@@ -393,7 +386,7 @@ proptest! {
         check_accepted(curves.clone(), mu, u, begin)?;
         let Ok(curves) = curves else { return Ok(()) };
         let curves = PointParameters::uniform(curves, 1);
-        for history in HISTORIES {
+        for history in histories() {
             let mu = PointParameters::uniform(mu, 1);
             check_finite(&RoughLaw::try_new(FittedPoints::new(&curves), mu.clone(), history).unwrap(), u, begin)?;
             let single = FittedPoints::<f32>::new(&curves);

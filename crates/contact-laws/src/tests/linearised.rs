@@ -192,14 +192,7 @@ fn what_is_not_finite_is_invalid() {
     ] {
         let found = coulomb(&law, u, &begin);
         assert_eq!(found.regime, Regime::Invalid);
-        assert!(
-            found
-                .traction
-                .iter()
-                .chain(&found.end)
-                .chain(found.tangent.as_flattened())
-                .all(|v| v.is_nan())
-        );
+        assert!(found.numbers().all(f64::is_nan));
     }
 }
 
@@ -217,8 +210,7 @@ proptest! {
         let sticking = if full { Sticking::Full } else { Sticking::Coulomb };
         let begin = [begin.0, begin.1, begin.2, begin.3];
         let found = evaluate_point(&law, 0, sticking, [x, y, n], &begin);
-        let all = found.traction.iter().chain(&found.end).chain(found.tangent.as_flattened());
-        prop_assert!(all.into_iter().all(|v| v.is_finite()));
+        prop_assert!(found.numbers().all(f64::is_finite));
         let length = found.traction[0].hypot(found.traction[1]);
         prop_assert!(full || length <= limit * (1.0 + 1e-15));
         // Going on from the state reached changes nothing.

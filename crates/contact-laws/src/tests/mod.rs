@@ -16,13 +16,17 @@ mod invariants;
 mod kinks;
 mod linearised;
 mod mindlin_iwan;
-mod oracle;
+pub(crate) mod oracle;
 mod radii;
 mod refusals;
+mod registry;
 mod resolved;
 mod resolved_properties;
 mod slip_limit;
 mod tables;
+
+use proptest::prelude::*;
+use proptest::test_runner::{TestCaseResult, TestRunner};
 
 use crate::friction::rule::Memory;
 use crate::*;
@@ -141,12 +145,31 @@ fn rough(curves: FittedCurves, mu: f64, history: HistoryRule) -> RoughLaw {
 }
 
 /// All rules: the tests of any rule are about these.
-const HISTORIES: [HistoryRule; 4] = [
-    HistoryRule::Incremental,
-    HistoryRule::Paper,
-    HistoryRule::EndPoint,
-    HistoryRule::Potential,
-];
+fn histories() -> impl Iterator<Item = HistoryRule> + Clone {
+    HISTORY_RULES.iter().map(|row| row.rule)
+}
+
+/// Any of the rules.
+fn any_history() -> impl Strategy<Value = HistoryRule> {
+    prop::sample::select(histories().collect::<Vec<_>>())
+}
+
+/// Of a property test: the number of cases, and where failures are kept.
+fn config(cases: u32, file: &'static str, name: Option<&'static str>) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        source_file: Some(file),
+        test_name: name,
+        ..ProptestConfig::default()
+    }
+}
+
+/// Panics with the smallest input on which a property does not hold.
+fn hold<S: Strategy>(config: ProptestConfig, strategy: &S, property: impl Fn(S::Value) -> TestCaseResult) {
+    if let Err(error) = TestRunner::new(config).run(strategy, property) {
+        panic!("{error}");
+    }
+}
 
 fn memory(history: HistoryRule) -> Memory {
     history.needs().memory
@@ -188,4 +211,17 @@ fn reference(file: &str) -> Option<serde_json::Value> {
     let path = workspace.join(folder).join(file);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     Some(serde_json::from_str(&text).unwrap())
+}
+
+/// The measured population of a real interface.
+fn measured_population() -> Option<AsperityPopulation> {
+    let data = reference("brb_surface.json")?;
+    let values = data["asperity_gap_quantiles"]["values"].as_array().unwrap();
+    let values: Vec<f64> = values.iter().map(|v| v.as_f64().unwrap()).collect();
+    let last = values.len() - 1;
+    let probabilities: Vec<f64> = (0..=last).map(|i| i as f64 / last as f64).collect();
+    let gaps = GapDistribution::try_from_quantiles(&probabilities, &values).unwrap();
+    let number = |name: &str| data[name].as_f64().unwrap();
+    let radius = number("effective_radius");
+    Some(AsperityPopulation::try_new(gaps, number("asperities_per_area"), [radius; 2]).unwrap())
 }

@@ -4,10 +4,9 @@
 use std::cell::Cell;
 
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 
 use super::dual::{Dual, Real, Rounded};
-use super::{HISTORIES, STEEL, law, memory, remembered, rough, table};
+use super::{STEEL, config, histories, hold, law, memory, remembered, rough, table};
 use crate::friction::rule::Memory;
 use crate::testing::{
     PointResponse, closed_interference, evaluate_point, fitted_curves, friction_coefficient, log_uniform, step,
@@ -16,7 +15,7 @@ use crate::testing::{
 use crate::*;
 
 /// A quantity with its derivatives with respect to the jump.
-pub(super) type Quantity3 = Dual<Rounded, 3>;
+pub(crate) type Quantity3 = Dual<Rounded, 3>;
 
 /// Normal traction and tangential stiffnesses as functions of the interference.
 pub(super) trait Curves {
@@ -219,6 +218,30 @@ pub(super) fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// The path of a point along one tangential direction, as descriptions of rules speak of it.
+pub(crate) struct Described<'a> {
+    /// What the state remembers beside the jump: traction or stretch.
+    pub(crate) memory: Quantity3,
+    /// Jump reached, and its change since the state committed last.
+    pub(crate) u: Quantity3,
+    pub(crate) moved: Quantity3,
+    /// The same of the interference.
+    pub(crate) u_n: Quantity3,
+    pub(crate) moved_n: Quantity3,
+    /// Interference at which the closed part of the path begins.
+    pub(crate) closed_from: Quantity3,
+    /// Share of the path that is closed.
+    pub(crate) share: Quantity3,
+    /// Tangential stiffness at an interference, and its slope.
+    pub(crate) k: &'a dyn Fn(Quantity3) -> (Quantity3, Quantity3),
+}
+
+impl Described<'_> {
+    pub(crate) fn middle(&self) -> Quantity3 {
+        (self.u_n + self.closed_from) / Quantity3::from(2.0)
+    }
+}
+
 /// What the description says.
 #[derive(Debug)]
 pub(super) struct Expected {
@@ -252,25 +275,25 @@ pub(super) fn expected(
     }
     let u: [Quantity3; 3] = std::array::from_fn(|q| Dual::variable(Rounded::from(jump[q]), q));
     let moved: [Quantity3; 3] = std::array::from_fn(|q| u[q] - number(begin[q]));
-    let lower = number(begin[2].max(0.0));
+    let closed_from = number(begin[2].max(0.0));
     let share = if begin[2] < 0.0 {
-        (u[2] - lower) / moved[2]
+        (u[2] - closed_from) / moved[2]
     } else {
         number(1.0)
     };
     let normal = curves.normal(u[2]);
     // Stuck tangential tractions.
-    let trial: [Quantity3; 2] = std::array::from_fn(|q| match rule {
-        HistoryRule::Incremental => {
-            let middle = (u[2] + lower) / number(2.0);
-            number(begin[3 + q]) + share * curves.tangential(q, middle) * moved[q]
-        }
-        HistoryRule::Paper => {
-            let (k, slope) = with_slope(|u| curves.tangential(q, u), u[2]);
-            number(begin[3 + q]) + k * moved[q] + slope * moved[2] * u[q]
-        }
-        HistoryRule::EndPoint => number(begin[3 + q]) + curves.tangential(q, u[2]) * moved[q],
-        HistoryRule::Potential => curves.tangential(q, u[2]) * (number(begin[3 + q]) + share * moved[q]),
+    let trial: [Quantity3; 2] = std::array::from_fn(|q| {
+        rule.described(&Described {
+            memory: number(begin[3 + q]),
+            u: u[q],
+            moved: moved[q],
+            u_n: u[2],
+            moved_n: moved[2],
+            closed_from,
+            share,
+            k: &|u| with_slope(|u| curves.tangential(q, u), u),
+        })
     });
 
     let limit = curves.limit(mu, u[2]);
@@ -368,15 +391,10 @@ fn measure<S: Strategy>(
 ) where
     S::Value: std::fmt::Debug,
 {
-    let config = ProptestConfig {
-        cases,
-        source_file: Some(file!()),
-        test_name: Some(name),
-        ..ProptestConfig::default()
-    };
+    let config = config(cases, file!(), Some(name));
     let worst = Cell::new(Worst::default());
     let counted = Cell::new([0_u32; 3]);
-    let outcome = TestRunner::new(config).run(&strategy, |case| {
+    hold(config, &strategy, |case| {
         for (found, expected) in compare(case) {
             let here = Worst::of(&found, &expected);
             prop_assert!(
@@ -397,9 +415,6 @@ fn measure<S: Strategy>(
         }
         Ok(())
     });
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     let [stick, slip, open] = counted.get();
     let Worst { traction, tangent } = worst.get();
     println!(
@@ -420,7 +435,7 @@ fn both<L: TractionLaw>(
     begin: [f64; 5],
 ) -> Vec<(PointResponse, Expected)> {
     let mut pairs = Vec::new();
-    for history in HISTORIES {
+    for history in histories() {
         let (law, begin) = (law(history), remembered(history, begin));
         for sticking in [Sticking::Coulomb, Sticking::Full] {
             let found = evaluate_point(&law, 0, sticking, jump, &begin);
@@ -633,11 +648,7 @@ fn without_elastic_traction(law: &dyn TractionLaw, u: [f64; 3], begin: &[f64]) -
 #[test]
 fn potential_cycles_dissipate() {
     const CASES: u32 = 100;
-    let config = ProptestConfig {
-        cases: CASES,
-        source_file: Some(file!()),
-        ..ProptestConfig::default()
-    };
+    let config = config(CASES, file!(), None);
     let (dissipating, opening) = (Cell::new(0), Cell::new(0));
     let strategy = (
         (fitted_curves(), friction_coefficient()),
@@ -645,7 +656,7 @@ fn potential_cycles_dissipate() {
         prop::array::uniform2(0.01..3.0_f64),
         prop::array::uniform3(0.0..6.3_f64),
     );
-    let outcome = TestRunner::new(config).run(&strategy, |((curves, mu), (size, depth), shares, phases)| {
+    hold(config, &strategy, |((curves, mu), (size, depth), shares, phases)| {
         let amplitudes = [shares[0] * size, shares[1] * size, size];
         let path = |n| closed_path(amplitudes, phases, depth, n);
         let (scalar, vector) = (
@@ -681,9 +692,6 @@ fn potential_cycles_dissipate() {
         opening.set(opening.get() + u32::from(path(250).iter().any(|u| u[2] <= 0.0)));
         Ok(())
     });
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     let (dissipating, opening) = (dissipating.get(), opening.get());
     println!("{dissipating} of {CASES} cycles dissipate, {opening} open on their way");
     assert!(dissipating > CASES / 3 && opening > CASES / 6);
@@ -709,15 +717,11 @@ fn dissipated(found: &PointResponse, jump: [f64; 3], begin: &[f64]) -> (f64, f64
 /// In every single step, whatever the curves do, the traction works against the slip.
 #[test]
 fn potential_steps_dissipate() {
-    let config = ProptestConfig {
-        cases: 10_000,
-        source_file: Some(file!()),
-        ..ProptestConfig::default()
-    };
+    let config = config(10_000, file!(), None);
     let slipping = Cell::new([0_u32; 2]);
     let worst = Cell::new(0.0_f64);
     let strategy = (fitted_curves(), friction_coefficient(), step());
-    let outcome = TestRunner::new(config).run(&strategy, |(curves, mu, (jump, begin))| {
+    hold(config, &strategy, |(curves, mu, (jump, begin))| {
         let begin = remembered(HistoryRule::Potential, begin);
         let laws: [Box<dyn TractionLaw>; 2] = [
             Box::new(law(curves, mu, HistoryRule::Potential)),
@@ -742,9 +746,6 @@ fn potential_steps_dissipate() {
         }
         Ok(())
     });
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     let ([closed, reopened], worst) = (slipping.get(), worst.get());
     println!("{closed} closed and {reopened} reopened points dissipate by slip, least share of the parts {worst:.1e}");
     assert!(closed > 1000 && reopened > 200);

@@ -1,6 +1,8 @@
 //! Every field of every constructor, out of its bounds: the error names parameter, value, unit and place.
 
-use super::{HISTORIES, STEEL, elastic, fitted, greenwood_williamson, normal_fit, population, tangential_fit};
+use super::{
+    STEEL, elastic, fitted, greenwood_williamson, histories, normal_fit, population, relative, tangential_fit,
+};
 use crate::testing::evaluate_point;
 use crate::*;
 
@@ -77,8 +79,14 @@ fn material(modulus: f64, nu: f64) -> Result<(), Error> {
     AsperitySumCurves::try_new(population(), ElasticPair::new(modulus, nu), TangentialReading::Mindlin).map(drop)
 }
 
-fn tabulated(range: [f64; 2], options: TableOptions) -> Result<(), Error> {
-    Tabulated::try_new(elastic(), range, options).map(drop)
+fn tabulated(range: [f64; 2]) -> Result<(), Error> {
+    Tabulated::try_new(elastic(), range, TableOptions::default()).map(drop)
+}
+
+fn tabulated_with(change: impl Fn(&mut TableOptions)) -> Result<(), Error> {
+    let mut options = TableOptions::default();
+    change(&mut options);
+    Tabulated::try_new(elastic(), [1e-8, 1e-5], options).map(drop)
 }
 
 fn friction(mu: PointParameters<f64>) -> Result<(), Error> {
@@ -108,13 +116,6 @@ fn on_greenwood(modulus: f64, nu: f64) -> Result<(), Error> {
 }
 
 fn fields() -> Vec<Field> {
-    let field = |name, unit, bad, make| Field {
-        name,
-        unit,
-        place: Place::Whole,
-        bad,
-        make,
-    };
     let placed = |name, unit, place, bad, make| Field {
         name,
         unit,
@@ -122,6 +123,7 @@ fn fields() -> Vec<Field> {
         bad,
         make,
     };
+    let field = |name, unit, bad, make| placed(name, unit, Place::Whole, bad, make);
     vec![
         field("normal a", "(no unit)", OUTSIZE, |v| normal(|fit| fit.a = v)),
         field("normal b", "(no unit)", OUTSIZE, |v| normal(|fit| fit.b = v)),
@@ -219,40 +221,24 @@ fn fields() -> Vec<Field> {
         field("poisson_ratio", "(no unit)", &[NAN, INF, -INF, -1.0, 0.51], |v| {
             material(STEEL.youngs_modulus, v)
         }),
-        field("table range, lower end", " m", NOT_POSITIVE, |v| {
-            tabulated([v, 1e-5], TableOptions::default())
-        }),
+        field("table range, lower end", " m", NOT_POSITIVE, |v| tabulated([v, 1e-5])),
         field(
             "table range, upper end",
             " m",
             &[NAN, INF, -INF, 0.0, -1.0, 1e-8, 0.9e-8],
-            |v| tabulated([1e-8, v], TableOptions::default()),
+            |v| tabulated([1e-8, v]),
         ),
         field("tolerance_normal", "(no unit)", NOT_POSITIVE, |v| {
-            let options = TableOptions {
-                tolerance_normal: v,
-                ..TableOptions::default()
-            };
-            tabulated([1e-8, 1e-5], options)
+            tabulated_with(|options| options.tolerance_normal = v)
         }),
         field("tolerance_tangential", "(no unit)", NOT_POSITIVE, |v| {
-            let options = TableOptions {
-                tolerance_tangential: v,
-                ..TableOptions::default()
-            };
-            tabulated([1e-8, 1e-5], options)
+            tabulated_with(|options| options.tolerance_tangential = v)
         }),
         field(
             "max_knots_per_octave",
             "(no unit)",
             &[0.0, 1.0, 2.0, 24.0, 131_072.0],
-            |v| {
-                let options = TableOptions {
-                    max_knots_per_octave: v as u32,
-                    ..TableOptions::default()
-                };
-                tabulated([1e-8, 1e-5], options)
-            },
+            |v| tabulated_with(|options| options.max_knots_per_octave = v as u32),
         ),
         field("scale of the heights", " m", NOT_POSITIVE, |v| {
             greenwood(|surface| surface.heights = HeightDistribution::Exponential { scale: v })
@@ -409,7 +395,7 @@ fn bounds_belong_to_the_domain() {
     for (normal, tangential) in fits {
         let curves = FittedCurves::try_new(normal, [tangential; 2]).unwrap_or_else(|e| panic!("{normal:?}: {e}"));
         let curves = PointParameters::uniform(curves, 1);
-        for history in HISTORIES {
+        for history in histories() {
             let mu = || PointParameters::uniform(0.3, 1);
             let laws: [Box<dyn TractionLaw>; 3] = [
                 Box::new(FrictionalLaw::try_new(curves.clone(), mu(), history).unwrap()),
@@ -420,13 +406,8 @@ fn bounds_belong_to_the_domain() {
                 for n in [f64::from_bits(1), 1e-150, 1e-9, 1e-6, 1.0, 1e150, f64::MAX] {
                     let begin = [0.0, 0.0, 0.5 * n, 0.0, 0.0];
                     let found = evaluate_point(&*law, 0, Sticking::Coulomb, [1e-7, -1e-7, n], &begin);
-                    let mut numbers = found
-                        .traction
-                        .iter()
-                        .chain(found.tangent.as_flattened())
-                        .chain(&found.end);
                     assert!(
-                        numbers.all(|v| v.is_finite()),
+                        found.numbers().all(f64::is_finite),
                         "{normal:?} {tangential:?} {n:e} {found:?}"
                     );
                 }
@@ -455,6 +436,9 @@ fn lists_and_curves_that_do_not_fit() {
             n_sets: 2
         }
     );
+    let text = |result: Result<GapDistribution, Error>| result.unwrap_err().to_string();
+    assert!(text(GapDistribution::try_from_samples(vec![])).contains("samples"));
+    assert!(text(GapDistribution::try_from_quantiles(&[0.0, 1.0], &[0.0])).contains("1 entries where 2"));
     // Fits that fall somewhere in the range: in the middle, at its end, and far away where there is no range.
     let falling = [
         NormalFit {
@@ -495,6 +479,15 @@ fn lists_and_curves_that_do_not_fit() {
             other => panic!("{fit:?}: {other:?}"),
         }
     }
+    // The first of them stops rising where u = exp(e - d) um; on a range without this point it is accepted.
+    let found = FittedCurves::try_new(falling[0], *fitted().tangential_fits());
+    let least = 1e-6 * 0.3_f64.exp();
+    assert!(matches!(found, Err(Error::NotMonotone { interference, .. }) if relative(interference, least) < 1e-12));
+    let beyond = NormalFit {
+        range: Some([4e-6, 1e-5]),
+        ..falling[0]
+    };
+    assert!(FittedCurves::try_new(beyond, *fitted().tangential_fits()).is_ok());
     // A log-slope that is no number does not rise.
     let narrow = NormalFit {
         b: 0.0,
@@ -511,6 +504,26 @@ fn lists_and_curves_that_do_not_fit() {
         let text = tangential(1, |fit| fit.a = a).unwrap_err().to_string();
         assert!(text.contains("eq. (29)") && text.contains("Pa/m"), "{text}");
     }
+}
+
+/// Surfaces whose tractions leave the number range, or that have no asperity within reach: 40 standard deviations up there
+/// is none in any number that a computer knows.
+#[test]
+fn surfaces_beyond_the_number_range() {
+    let gaussian = HeightDistribution::Gaussian {
+        standard_deviation: 2e-6,
+    };
+    let refused = |change: fn(&mut GreenwoodWilliamsonSurface)| {
+        greenwood(|surface| {
+            surface.heights = gaussian;
+            change(surface);
+        })
+        .unwrap_err()
+        .to_string()
+    };
+    assert!(refused(|surface| surface.asperity_density = 1e300).contains("neither overflow"));
+    assert!(refused(|surface| surface.radii = [1e-320; 2]).contains("asperity_density"));
+    assert!(refused(|surface| surface.reference_height = 8e-5).contains("within reach of the heights"));
 }
 
 /// Parameters that are positive each but whose product leaves the number range: the law would be NaN where it is not

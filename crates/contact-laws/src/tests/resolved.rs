@@ -5,12 +5,12 @@ use std::cell::Cell;
 use std::f64::consts::PI;
 
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
 
 use super::dual::{Dual, Real, Rounded};
 use super::elastic_plastic::{At, Formulas, published};
-use super::oracle::{Curves, Quantity3, error, expected};
-use super::{HISTORIES, law, relative};
+use super::oracle::{Curves, Described, Quantity3, error, expected};
+use super::{config, histories, hold, law, relative};
+use crate::friction::rule::Memory;
 use crate::testing::{evaluate_point, log_uniform, step};
 use crate::*;
 
@@ -134,7 +134,6 @@ fn in_box(bin: &Bin, mu: f64, rule: HistoryRule, sticking: Sticking, jump: [f64;
         true => u[2] / (u[2] - number(begin[2])),
         false => number(1.0),
     };
-    let k = |u: Quantity3| bin.tangential(0, u);
     let with_slope = |u: Quantity3| {
         let of = bin.tangential(0, Dual::<Quantity3, 1>::variable(u, 0));
         (of.value, of.derivatives[0])
@@ -146,21 +145,17 @@ fn in_box(bin: &Bin, mu: f64, rule: HistoryRule, sticking: Sticking, jump: [f64;
     for q in 0..2 {
         let moved = u[q] - number(begin[q]);
         let memory = number(begin[3 + q]);
-        let (trial, stretch) = match rule {
-            HistoryRule::Incremental => {
-                let middle = (u[2] + closed_from) / number(2.0);
-                (memory + share * k(middle) * moved, None)
-            }
-            HistoryRule::EndPoint => (memory + k(u[2]) * moved, None),
-            HistoryRule::Paper => {
-                let (k, slope) = with_slope(u[2]);
-                (memory + k * moved + slope * (u[2] - number(begin[2])) * u[q], None)
-            }
-            HistoryRule::Potential => {
-                let stretch = memory + share * moved;
-                (k(u[2]) * stretch, Some(stretch))
-            }
-        };
+        let trial = rule.described(&Described {
+            memory,
+            u: u[q],
+            moved,
+            u_n: u[2],
+            moved_n: u[2] - number(begin[2]),
+            closed_from,
+            share,
+            k: &with_slope,
+        });
+        let stretch = (super::memory(rule) == Memory::Stretch).then(|| memory + share * moved);
         let slips = sticking == Sticking::Coulomb && !(trial.value().abs() <= limit.value() && limit.value() > 0.0);
         let signed = if trial.value() < 0.0 { -limit } else { limit };
         sum[q] = if slips { signed } else { trial };
@@ -410,7 +405,7 @@ fn populations() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
 }
 
 pub(super) fn frictions(yields: bool) -> impl Strategy<Value = AsperityFriction> {
-    let rules = HISTORIES.into_iter();
+    let rules = histories();
     let rules = rules.filter(move |rule| !yields || *rule != HistoryRule::Potential);
     let rules: Vec<HistoryRule> = rules.collect();
     let radii = (3..8_usize).prop_map(|n| Radii::equally_spaced(n).unwrap());
@@ -482,12 +477,7 @@ pub(super) fn paths(mu: f64) -> impl Strategy<Value = Vec<[f64; 3]>> {
 /// Tractions within 1e-11, tangents within 1e-9, of values of the size of their terms.
 #[test]
 fn tractions_and_tangents_follow_the_description() {
-    let config = ProptestConfig {
-        cases: 6000,
-        source_file: Some(file!()),
-        test_name: Some("resolved_oracle"),
-        ..ProptestConfig::default()
-    };
+    let config = config(6000, file!(), Some("resolved_oracle"));
     let kinds = Cell::new([0_u32; 4]);
     let regimes = Cell::new([0_u32; 3]);
     let worst = Cell::new([0.0_f64; 2]);
@@ -495,7 +485,7 @@ fn tractions_and_tangents_follow_the_description() {
         let mu = case.mu;
         (Just(case), paths(mu))
     });
-    let outcome = TestRunner::new(config).run(&strategy, |(case, path)| {
+    hold(config, &strategy, |(case, path)| {
         let law = case.law();
         let mut state = vec![0.0; law.info().n_state()];
         for u in path {
@@ -537,9 +527,6 @@ fn tractions_and_tangents_follow_the_description() {
         }
         Ok(())
     });
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     let ([loading, unloading, closing, dented], [stick, slip, open]) = (kinds.get(), regimes.get());
     println!(
         "{stick} stuck, {slip} slipping, {open} open; bins: {loading} load beyond the onset, {unloading} below a dent's \
@@ -559,18 +546,13 @@ fn one_bin_is_friction_on_hertz_and_mindlin() {
     let gaps = GapDistribution::try_from_samples(vec![0.0]).unwrap();
     let population = AsperityPopulation::try_new(gaps, 1.0, [radius; 2]).unwrap();
     let curves = AsperitySumCurves::try_new(population, steel, TangentialReading::Mindlin).unwrap();
-    let config = ProptestConfig {
-        cases: 3000,
-        source_file: Some(file!()),
-        test_name: Some("one_bin"),
-        ..ProptestConfig::default()
-    };
+    let config = config(3000, file!(), Some("one_bin"));
     let regimes = Cell::new([0_u32; 4]);
     let strategy = (step(), log_uniform(1e-3, 10.0));
-    let outcome = TestRunner::new(config).run(&strategy, |((u, begin), mu)| {
+    hold(config, &strategy, |((u, begin), mu)| {
         // Third derivatives of the oracle leave the number range beside zero.
         prop_assume!(u[2] <= 0.0 || u[2] >= 1e-12);
-        for history in HISTORIES {
+        for history in histories() {
             let mut begin = super::remembered(history, begin);
             // Forces of a single asperity, or the stretch as it is.
             if super::memory(history) == crate::friction::rule::Memory::Traction {
@@ -618,9 +600,6 @@ fn one_bin_is_friction_on_hertz_and_mindlin() {
         }
         Ok(())
     });
-    if let Err(error) = outcome {
-        panic!("{error}");
-    }
     let counts = regimes.get();
     assert!(counts[..3].iter().all(|count| *count > 1000), "{counts:?}");
 }

@@ -1,6 +1,6 @@
 //! Tables against the curves they are made from.
 
-use super::{STEEL, asperities, elastic, fitted, reference, relative, table};
+use super::{STEEL, asperities, elastic, fitted, measured_population, relative, table};
 use crate::*;
 
 fn sweep(range: [f64; 2], n: u32) -> impl Iterator<Item = f64> {
@@ -238,38 +238,12 @@ fn tables_do_not_depend_on_the_unit() {
     }
 }
 
-#[test]
-fn refused_tables_are_named() {
-    let refused = |range, options| Tabulated::try_new(elastic(), range, options).unwrap_err().to_string();
-    assert!(refused([0.0, 1e-5], TableOptions::default()).contains("lower end = 0"));
-    assert!(refused([1e-5, 1e-5], TableOptions::default()).contains("upper end"));
-    assert!(refused([1e-8, f64::NAN], TableOptions::default()).contains("upper end"));
-    let options = TableOptions {
-        max_knots_per_octave: 100,
-        ..TableOptions::default()
-    };
-    assert!(refused([1e-8, 1e-5], options).contains("power of two"));
-    let options = TableOptions {
-        tolerance_normal: 0.0,
-        ..TableOptions::default()
-    };
-    assert!(refused([1e-8, 1e-5], options).contains("tolerance_normal"));
-}
-
 /// The measured population of a real interface.
 #[test]
 fn the_measured_surface_meets_the_default_tolerances() {
-    let Some(data) = reference("brb_surface.json") else {
+    let Some(population) = measured_population() else {
         return;
     };
-    let values = data["asperity_gap_quantiles"]["values"].as_array().unwrap();
-    let values: Vec<f64> = values.iter().map(|v| v.as_f64().unwrap()).collect();
-    let last = values.len() - 1;
-    let probabilities: Vec<f64> = (0..=last).map(|i| i as f64 / last as f64).collect();
-    let gaps = GapDistribution::try_from_quantiles(&probabilities, &values).unwrap();
-    let density = data["asperities_per_area"].as_f64().unwrap();
-    let radius = data["effective_radius"].as_f64().unwrap();
-    let population = AsperityPopulation::try_new(gaps, density, [radius; 2]).unwrap();
     let curves = AsperitySumCurves::try_new(population, STEEL, TangentialReading::Mindlin).unwrap();
     let table = Tabulated::try_new(curves.clone(), [1e-8, 1e-4], TableOptions::default()).unwrap();
     println!(

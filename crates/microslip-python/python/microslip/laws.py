@@ -779,10 +779,9 @@ class FrictionalLaw(Law):
         Normal traction and tangential stiffness.
     mu : array_like
         Friction coefficient, one or one for each point.
-    history : {'incremental', 'paper', 'end-point', 'potential'}
-        How the stuck traction follows from the state committed last: by the midpoint rule along the closed part of the path;
-        as published, linearised about the end point; with the stiffness at the end point; from a potential, which never gains
-        energy when every step is committed.
+    history : History
+        How the stuck traction follows from the state committed last. By default by the midpoint rule along the closed part of
+        the path; 'potential' never gains energy when every step is committed. The page on friction has the equations of all.
     cone : {'circle', 'box'}
         Slip limit: the same in every direction, or each direction by itself.
     n_points : int, optional
@@ -883,7 +882,7 @@ class ResolvedLaw(Law):
         Tangent modulus of the hardening material [Pa].
     yield_curves : {'continuous', 'published'}
         Whether the jumps of the published curves are taken out.
-    history : {'incremental', 'paper', 'end-point', 'potential'}
+    history : History
         As for :class:`FrictionalLaw`; 'potential' for elastic asperities only.
     annuli : int, optional
         Asperities slip from their rim inwards, in so many annuli, 1 to 256.

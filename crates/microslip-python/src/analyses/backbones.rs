@@ -10,7 +10,7 @@ use cqsma_solver::{BackbonePoint, Failure, NewtonSettings};
 use faer::Mat;
 use harmonic_balance::backbone::{self, Accuracy, Kind, Point};
 use harmonic_balance::{Harmonics, Sampling};
-use joint_pipeline::progress::Progress;
+use joints::progress::Progress;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -9,7 +9,7 @@ use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{Failure, Linearisation, NewtonSettings, modes};
 use faer::{Mat, MatRef};
 use finite_elements::sparse::{congruence, diagonal, multiply_vector};
-use joint_pipeline::interface::{InterfaceForce, uniform_closure};
+use joints::interface::{InterfaceForce, uniform_closure};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

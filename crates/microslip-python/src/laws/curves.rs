@@ -1,12 +1,12 @@
 //! Contact curves: normal traction and tangential stiffness as functions of the interference.
 
-use super::{choice, refused};
+use super::{choice, chosen, refused};
 use crate::arrays::{readable, slice};
 use crate::error::{Exception, input};
 use contact_laws::{
     AsperityPopulation, AsperitySumCurves, ContactCurves, CurvesInfo, ElasticCurves, ElasticPair, Exponents,
     FittedCurves, GapDistribution, GreenwoodWilliamsonCurves, GreenwoodWilliamsonSurface, HeightDistribution, Jet,
-    NormalFit, TableOptions, Tabulated, TangentialEnds, TangentialFit, TangentialReading,
+    NormalFit, TableOptions, Tabulated, TangentialFit,
 };
 use pyo3::prelude::*;
 
@@ -104,6 +104,15 @@ impl Parameter {
         Ok(Self { name, values })
     }
 
+    /// Several of them.
+    fn all<const N: usize>(names: [&'static str; N], values: [&Bound<'_, PyAny>; N]) -> Result<[Self; N], Exception> {
+        let mut made = Vec::with_capacity(N);
+        for (name, value) in names.into_iter().zip(values) {
+            made.push(Self::new(name, value)?);
+        }
+        made.try_into().map_err(|_| input("as many parameters as names"))
+    }
+
     pub(crate) fn at(&self, set: usize) -> f64 {
         if self.values.len() == 1 {
             self.values[0]
@@ -150,23 +159,34 @@ fn sets<C>(
     parameters: &[&Parameter],
     make: impl Fn(usize) -> Result<C, contact_laws::Error>,
 ) -> Result<Vec<C>, Exception> {
-    let count = n_sets(parameters)?;
+    per_set(n_sets(parameters)?, make)
+}
+
+/// What is made of every set of parameters.
+pub(crate) fn per_set<T>(
+    count: usize,
+    make: impl Fn(usize) -> Result<T, contact_laws::Error>,
+) -> Result<Vec<T>, Exception> {
     (0..count)
         .map(|set| make(set).map_err(|error| of_set(error, set, count)))
         .collect()
 }
 
 /// A refusal with the set that it is about.
-pub(crate) fn of_set(error: contact_laws::Error, set: usize, count: usize) -> Exception {
+fn of_set(error: contact_laws::Error, set: usize, count: usize) -> Exception {
     match count {
         1 => refused(error),
         _ => input(format!("parameters with the index {set}: {error}")),
     }
 }
 
-const READINGS: [(&str, TangentialReading); 2] = [
-    ("mindlin", TangentialReading::Mindlin),
-    ("paper", TangentialReading::Paper),
+/// Parameters of a population of asperities.
+const ASPERITIES: [&str; 5] = [
+    "asperity_density",
+    "beta_x",
+    "beta_y",
+    "youngs_modulus",
+    "poisson_ratio",
 ];
 
 /// Contact curves of all points.
@@ -183,11 +203,7 @@ impl Curves {
     /// Constant stiffnesses.
     #[staticmethod]
     fn elastic(k_n: &Bound<'_, PyAny>, k_x: &Bound<'_, PyAny>, k_y: &Bound<'_, PyAny>) -> Result<Self, Exception> {
-        let (k_n, k_x, k_y) = (
-            Parameter::new("k_n", k_n)?,
-            Parameter::new("k_x", k_x)?,
-            Parameter::new("k_y", k_y)?,
-        );
+        let [k_n, k_x, k_y] = Parameter::all(["k_n", "k_x", "k_y"], [k_n, k_x, k_y])?;
         let list = sets(&[&k_n, &k_x, &k_y], |set| {
             ElasticCurves::try_new(k_n.at(set), [k_x.at(set), k_y.at(set)])
         })?;
@@ -204,34 +220,18 @@ impl Curves {
         ranges: Option<[[f64; 2]; 3]>,
         ends: &str,
     ) -> Result<Self, Exception> {
-        let ends = choice(
-            "ends",
-            ends,
-            &[
-                ("mindlin", TangentialEnds::Mindlin),
-                ("constant", TangentialEnds::Constant),
-            ],
+        let ends = chosen("ends", ends)?;
+        let normal = Parameter::all(
+            ["normal a", "normal b", "normal c", "normal d", "normal e"],
+            normal.each_ref(),
         )?;
-        let named = |names: [&'static str; 4], values: &[Bound<'_, PyAny>; 4]| -> Result<Vec<Parameter>, Exception> {
-            names
-                .into_iter()
-                .zip(values)
-                .map(|(name, value)| Parameter::new(name, value))
-                .collect()
-        };
-        let names = ["normal a", "normal b", "normal c", "normal d", "normal e"];
-        let normal = names
-            .into_iter()
-            .zip(&normal)
-            .map(|(name, value)| Parameter::new(name, value));
-        let normal = normal.collect::<Result<Vec<_>, Exception>>()?;
-        let x = named(
+        let x = Parameter::all(
             ["tangential_x a", "tangential_x b", "tangential_x c", "tangential_x d"],
-            &tangential_x,
+            tangential_x.each_ref(),
         )?;
-        let y = named(
+        let y = Parameter::all(
             ["tangential_y a", "tangential_y b", "tangential_y c", "tangential_y d"],
-            &tangential_y,
+            tangential_y.each_ref(),
         )?;
         let u_ref = Parameter::new("u_ref", u_ref)?;
         let all: Vec<&Parameter> = normal.iter().chain(&x).chain(&y).chain([&u_ref]).collect();
@@ -273,7 +273,7 @@ impl Curves {
         poisson_ratio: &Bound<'_, PyAny>,
         reading: &str,
     ) -> Result<Self, Exception> {
-        let reading = choice("reading", reading, &READINGS)?;
+        let reading = chosen("reading", reading)?;
         let gaps = Parameter::new("gaps", gaps)?.into_values();
         let gaps = match probabilities {
             None => GapDistribution::try_from_samples(gaps),
@@ -283,12 +283,10 @@ impl Curves {
             }
         }
         .map_err(refused)?;
-        let density = Parameter::new("asperity_density", asperity_density)?;
-        let (beta_x, beta_y) = (Parameter::new("beta_x", beta_x)?, Parameter::new("beta_y", beta_y)?);
-        let (modulus, ratio) = (
-            Parameter::new("youngs_modulus", youngs_modulus)?,
-            Parameter::new("poisson_ratio", poisson_ratio)?,
-        );
+        let [density, beta_x, beta_y, modulus, ratio] = Parameter::all(
+            ASPERITIES,
+            [asperity_density, beta_x, beta_y, youngs_modulus, poisson_ratio],
+        )?;
         let list = sets(&[&density, &beta_x, &beta_y, &modulus, &ratio], |set| {
             let radii = [beta_x.at(set), beta_y.at(set)];
             let population = AsperityPopulation::try_new(gaps.clone(), density.at(set), radii)?;
@@ -310,18 +308,13 @@ impl Curves {
         poisson_ratio: &Bound<'_, PyAny>,
         reading: &str,
     ) -> Result<Self, Exception> {
-        let reading = choice("reading", reading, &READINGS)?;
+        let reading = chosen("reading", reading)?;
         let is_gaussian = choice("heights", heights, &[("exponential", false), ("gaussian", true)])?;
-        let (scale, reference) = (
-            Parameter::new("scale", scale)?,
-            Parameter::new("reference_height", reference_height)?,
-        );
-        let density = Parameter::new("asperity_density", asperity_density)?;
-        let (beta_x, beta_y) = (Parameter::new("beta_x", beta_x)?, Parameter::new("beta_y", beta_y)?);
-        let (modulus, ratio) = (
-            Parameter::new("youngs_modulus", youngs_modulus)?,
-            Parameter::new("poisson_ratio", poisson_ratio)?,
-        );
+        let [scale, reference] = Parameter::all(["scale", "reference_height"], [scale, reference_height])?;
+        let [density, beta_x, beta_y, modulus, ratio] = Parameter::all(
+            ASPERITIES,
+            [asperity_density, beta_x, beta_y, youngs_modulus, poisson_ratio],
+        )?;
         let all = [&scale, &reference, &density, &beta_x, &beta_y, &modulus, &ratio];
         let list = sets(&all, |set| {
             let scale = scale.at(set);

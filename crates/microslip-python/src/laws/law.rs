@@ -1,32 +1,18 @@
 //! Laws, and their evaluation on arrays.
 
-use super::curves::{Curves, Parameter, Sets, of_set};
-use super::{choice, refused};
+use super::curves::{Curves, Parameter, Sets, per_set};
+use super::{chosen, refused};
 use crate::arrays::{check_shape, readable, slice, writable};
 use crate::error::{Exception, input};
 use contact_laws::{
-    Asperity, AsperityBins, AsperityFriction, AsperityLimit, Components, ComponentsMut, Cone, ContactCurves,
-    ElasticPair, FittedPoints, FrictionalLaw, HistoryRule, LinearisedContact, MindlinIwan, PointCurves,
-    PointParameters, Quantity, Radii, Regime, ResolvedLaw, StateView, StateViewMut, StaticPoint, Sticking, TangentMut,
-    TractionLaw, Yield, YieldCurves,
+    Asperity, AsperityBins, AsperityFriction, Components, ComponentsMut, Cone, ContactCurves, ElasticPair,
+    FittedPoints, FrictionalLaw, HistoryRule, LinearisedContact, MindlinIwan, PointCurves, PointParameters, Quantity,
+    Radii, Regime, ResolvedLaw, StateView, StateViewMut, StaticPoint, Sticking, TangentMut, TractionLaw, Yield,
 };
 use numpy::{PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
-
-const HISTORIES: [(&str, HistoryRule); 4] = [
-    ("incremental", HistoryRule::Incremental),
-    ("paper", HistoryRule::Paper),
-    ("end-point", HistoryRule::EndPoint),
-    ("potential", HistoryRule::Potential),
-];
-const CONES: [(&str, Cone); 2] = [("circle", Cone::Circle), ("box", Cone::Box)];
-const STICKING: [(&str, Sticking); 3] = [
-    ("coulomb", Sticking::Coulomb),
-    ("full", Sticking::Full),
-    ("frictionless", Sticking::Frictionless),
-];
 
 /// Names and units.
 type Labels = Vec<(String, &'static str)>;
@@ -100,18 +86,14 @@ impl Points {
     }
 
     fn spread<T: Clone>(&self, sets: &[T]) -> Result<PointParameters<T>, Exception> {
-        Ok(match (&self.index, sets) {
-            (Some(index), _) => PointParameters::try_indexed(sets.to_vec(), index.clone()).map_err(refused)?,
-            (None, [one]) => PointParameters::uniform(one.clone(), self.count),
-            (None, _) => PointParameters::per_point(sets.to_vec()),
-        })
+        match &self.index {
+            Some(index) => PointParameters::try_indexed(sets.to_vec(), index.clone()).map_err(refused),
+            None => Ok(PointParameters::one_or_each(sets.to_vec(), self.count)),
+        }
     }
 
     fn friction(&self, mu: Parameter) -> PointParameters<f64> {
-        match mu.len() {
-            1 => PointParameters::uniform(mu.at(0), self.count),
-            _ => PointParameters::per_point(mu.into_values()),
-        }
+        PointParameters::one_or_each(mu.into_values(), self.count)
     }
 }
 
@@ -128,7 +110,7 @@ impl Law {
         n_points: Option<usize>,
         index: Option<&Bound<'_, PyAny>>,
     ) -> Result<Self, Exception> {
-        let (history, cone) = (choice("history", history, &HISTORIES)?, choice("cone", cone, &CONES)?);
+        let (history, cone) = (chosen("history", history)?, chosen("cone", cone)?);
         let mu = Parameter::new("mu", mu)?;
         let points = Points::new(&[("curves", curves.0.len())], &[("mu", mu.len())], n_points, index)?;
         let mu = points.friction(mu);
@@ -192,26 +174,15 @@ impl Law {
         n_points: Option<usize>,
         index: Option<&Bound<'_, PyAny>>,
     ) -> Result<Self, Exception> {
-        let limits = [
-            ("coulomb", AsperityLimit::Coulomb),
-            ("ceb", AsperityLimit::Ceb),
-            ("shear-strength", AsperityLimit::ShearStrength),
-        ];
-        let limit = choice("slip_limit", slip_limit, &limits)?;
-        let (history, cone) = (choice("history", history, &HISTORIES)?, choice("cone", cone, &CONES)?);
+        let limit = chosen("slip_limit", slip_limit)?;
+        let (history, cone) = (chosen("history", history)?, chosen("cone", cone)?);
         let yielding = match yielding {
             None => None,
-            Some((strength, tangent_modulus, curves)) => {
-                let known = [
-                    ("continuous", YieldCurves::Continuous),
-                    ("published", YieldCurves::Published),
-                ];
-                Some(Yield {
-                    strength,
-                    tangent_modulus,
-                    curves: choice("yield_curves", &curves, &known)?,
-                })
-            }
+            Some((strength, tangent_modulus, curves)) => Some(Yield {
+                strength,
+                tangent_modulus,
+                curves: chosen("yield_curves", &curves)?,
+            }),
         };
         let friction = match (annuli, radii) {
             (None, None) => AsperityFriction::StickSlip(history),
@@ -226,11 +197,9 @@ impl Law {
         check_shape("densities", densities.shape(), gaps.shape())?;
         let n_sets = gaps.shape()[1];
         let column = |of: &PyReadonlyArray2<'_, f64>, set: usize| of.as_array().column(set).to_vec();
-        let bins = (0..n_sets).map(|set| {
+        let bins = per_set(n_sets, |set| {
             AsperityBins::try_new(asperity, column(&gaps, set), column(&densities, set))
-                .map_err(|error| of_set(error, set, n_sets))
-        });
-        let bins = bins.collect::<Result<Vec<_>, Exception>>()?;
+        })?;
         let mu = Parameter::new("mu", mu)?;
         let points = Points::new(&[("gaps", n_sets)], &[("mu", mu.len())], n_points, index)?;
         let law = ResolvedLaw::try_new(points.spread(&bins)?, points.friction(mu), friction, cone)
@@ -332,7 +301,7 @@ impl Law {
         end: &Bound<'_, PyAny>,
     ) -> Result<(), Exception> {
         let (n, law) = (self.law.len(), self.law.as_ref());
-        let sticking = choice("sticking", sticking, &STICKING)?;
+        let sticking = chosen("sticking", sticking)?;
         let (jump, begin) = (self.jump("jump", jump)?, self.state("state", begin)?);
         let (jump, begin) = (slice("jump", &jump)?, slice("state", &begin)?);
         let mut traction = writable::<numpy::Ix2>("traction", traction, &[3, n])?;
@@ -365,7 +334,7 @@ impl Law {
         d_end: &Bound<'_, PyAny>,
     ) -> Result<(), Exception> {
         let (n, law) = (self.law.len(), self.law.as_ref());
-        let sticking = choice("sticking", sticking, &STICKING)?;
+        let sticking = chosen("sticking", sticking)?;
         let (jump, d_jump) = (self.jump("jump", jump)?, self.jump("d_jump", d_jump)?);
         let (jump, d_jump) = (slice("jump", &jump)?, slice("d_jump", &d_jump)?);
         let (begin, d_begin) = (self.state("state", begin)?, self.state("d_state", d_begin)?);

@@ -3,9 +3,9 @@
 use super::identify;
 use super::transient::line;
 use crate::files::{self, Overwrite};
+use analyses::comparison::{Backbone, Misfit, POINTS, Point};
 use anyhow::{Context, Result, bail, ensure};
 use file_io::durable::{Identity, Manifest};
-use joint_pipeline::analysis::comparison::{Backbone, Misfit, POINTS, Point};
 use modal_identification::signal::{Quantity, Unit};
 use reports::Output;
 use reports::csv::{number, table as csv_table};

@@ -7,14 +7,15 @@ use anyhow::{Context, Result, bail};
 use finite_elements::formats::vtu::{self, Encoding};
 use finite_elements::formats::{abaqus, gmsh};
 use host::results_of;
-use joint_pipeline::Scene;
-use joint_pipeline::joint::Bodies;
-use joint_pipeline::scene::{ElementOrder, Gap, MaterialSource, RefinementLevel, StructureSource, Surface, Symmetry};
-use joint_pipeline::structure::Structure;
-use joint_pipeline::structure::export::{ABOUT, arrays, deck, groups};
+use joint_model::Bodies;
+use joint_model::benchmark::{ElementOrder, RefinementLevel, Symmetry};
+use joints::structure::Structure;
+use joints::structure::export::{ABOUT, arrays, deck, groups};
 use matrix_files::value::Array;
 use matrix_files::{mat, matrix_market, npz};
 use reports::Output;
+use scenes::Scene;
+use scenes::{Gap, MaterialSource, StructureSource, Surface};
 use std::path::{Path, PathBuf};
 
 /// Options of `export`.

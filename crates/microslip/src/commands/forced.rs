@@ -3,12 +3,13 @@
 use super::run::{Request, conclude};
 use super::{Cache, Defaults, Outcome, SceneArguments, Threads, default_directory, scene};
 use crate::files::{self, Overwrite};
+use analyses::results::summary::{ForcedSummary, ResonanceSummary, Summary};
 use anyhow::Result;
 use host::{provenance, results_of};
-use joint_pipeline::results::summary::{ForcedSummary, ResonanceSummary, Summary};
-use joint_pipeline::scene::{Force, Forced, Method};
-use joint_pipeline::{Error, Scene};
 use reports::run::{FORCED, SUMMARY, outputs};
+use scenes::Error;
+use scenes::Scene;
+use scenes::{Force, Forced, Method};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

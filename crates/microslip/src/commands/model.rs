@@ -3,13 +3,13 @@
 use super::{Cache, Defaults, SceneArguments, default_directory};
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
+use analyses::{Prepared, warnings};
 use anyhow::{Context, Result, bail};
 use host::{provenance, results_of};
-use joint_pipeline::analysis::{Prepared, warnings};
-use joint_pipeline::joint::Bodies;
-use joint_pipeline::progress::Progress;
-use joint_pipeline::scene::Symmetry;
-use joint_pipeline::structure::{Contact, Frequencies, LinearInterface, ModalModel, Structure};
+use joint_model::Bodies;
+use joint_model::benchmark::Symmetry;
+use joints::progress::Progress;
+use joints::structure::{Contact, Frequencies, LinearInterface, ModalModel, Structure};
 use reports::Output;
 use reports::bodies::LARGEST_VOLUME;
 use reports::modes;

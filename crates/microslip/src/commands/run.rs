@@ -4,20 +4,24 @@ use super::{Cache, Defaults, GivenScene, Outcome, Threads, default_directory, fo
 use crate::check;
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
+use analyses::Run;
+use analyses::error_estimate::ErrorEstimate;
+use analyses::mesh_error::{FrequencyEstimate, MeshEstimate, Partner};
+use analyses::registration;
+use analyses::registration::Moved;
+use analyses::results::summary::Summary;
+use analyses::uncertainty::Uncertainty;
 use anyhow::{Context, Result, anyhow};
 use host::{peak_memory, provenance, results_of};
-use joint_pipeline::analysis::error_estimate::ErrorEstimate;
-use joint_pipeline::analysis::mesh_error::{FrequencyEstimate, MeshEstimate, Partner};
-use joint_pipeline::analysis::registration::{self, Moved};
-use joint_pipeline::analysis::uncertainty::Uncertainty;
-use joint_pipeline::progress::Progress;
-use joint_pipeline::results::summary::Summary;
-use joint_pipeline::scene::{self, Length};
-use joint_pipeline::{Options, Run, Scene};
+use joints::Options;
+use joints::progress::Progress;
 use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
 use reports::tightening::TIGHTENING;
 use reports::uncertainty::{self, BANDS, INFLUENCES, SAMPLES};
 use reports::{Output, csv, plot, sensitivity};
+use scenes;
+use scenes::Length;
+use scenes::Scene;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -168,10 +172,10 @@ impl Request {
     /// Refuses what cannot be computed for the scene.
     fn check(&self, scene: &Scene) -> Result<()> {
         if self.ensemble.is_some() && !scene.surface.is_scanned() {
-            return Err(joint_pipeline::Error::NoSamples.into());
+            return Err(joints::Error::NoSamples.into());
         }
         match self.estimate_error {
-            Some(ErrorOf::Settings) => drop(scene::refined(scene)?),
+            Some(ErrorOf::Settings) => drop(scenes::refined(scene)?),
             Some(ErrorOf::Mesh) => drop(Partner::try_new(scene)?),
             None => {}
         }
@@ -199,11 +203,11 @@ impl Request {
         }
         let result = match (self.ensemble, self.samples) {
             (Some(k), _) => {
-                joint_pipeline::run_ensemble(scene, k, options, &monitor).map(|(run, all)| (run, Some(all), None))
+                analyses::run_ensemble(scene, k, options, &monitor).map(|(run, all)| (run, Some(all), None))
             }
-            (None, Some((number, seed))) => joint_pipeline::run_samples(scene, number, seed, options, &monitor)
+            (None, Some((number, seed))) => analyses::run_samples(scene, number, seed, options, &monitor)
                 .map(|(run, found)| (run, None, Some(found))),
-            (None, None) => joint_pipeline::run(scene, options, &monitor).map(|run| (run, None, None)),
+            (None, None) => analyses::run(scene, options, &monitor).map(|run| (run, None, None)),
         };
         let timings = monitor.finish();
         let (mut run, ensemble, uncertainty) = result.with_context(|| format!("running the scene {}", scene.name))?;
@@ -212,7 +216,7 @@ impl Request {
         summary.uncertainty = uncertainty;
         match self.estimate_error {
             Some(ErrorOf::Settings) => {
-                let (preset, finer) = scene::refined(scene)?;
+                let (preset, finer) = scenes::refined(scene)?;
                 let fine = again(
                     &finer,
                     &format!("the settings `{}`", preset.name),
@@ -249,7 +253,7 @@ impl Request {
 fn again(scene: &Scene, with: &str, time: &str, options: &Options) -> Result<Run> {
     let monitor = Monitor::new()?;
     monitor.note(&format!("again, with {with}: expect {time}"));
-    let result = joint_pipeline::run(scene, options, &monitor);
+    let result = analyses::run(scene, options, &monitor);
     monitor.finish();
     result.with_context(|| format!("running the scene {} with {with}", scene.name))
 }

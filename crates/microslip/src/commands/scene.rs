@@ -4,8 +4,8 @@ use super::Defaults;
 use anyhow::{Result, bail};
 use finite_elements::formats::abaqus::Includes;
 use host::{BENCHMARKS, GivenScene};
-use joint_pipeline::Benchmark;
-use joint_pipeline::scene::StructureSource;
+use joint_model::Benchmark;
+use scenes::StructureSource;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

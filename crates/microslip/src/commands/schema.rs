@@ -1,8 +1,8 @@
 //! `schema`: JSON Schema of the files that the program reads and writes, for editors and scripts.
 
+use analyses::results::summary::Summary;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
-use joint_pipeline::results::summary::Summary;
 
 /// What a schema is of.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -25,7 +25,7 @@ pub struct Arguments {
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let schema = match arguments.subject {
-        Subject::Scene => joint_pipeline::scene::file_schema(),
+        Subject::Scene => scenes::file_schema(),
         Subject::Summary => schemars::schema_for!(Summary),
         Subject::Plan => parameter_studies::schema(),
     };

@@ -4,18 +4,19 @@ use super::identify::{table, trims};
 use super::{Cache, Defaults, SceneArguments, default_directory, scene};
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
+use analyses::Run;
+use analyses::comparison::{Backbone, Misfit, Point};
+use analyses::transient::{Excitation, RingDown, Settings, backbones, ring_down, scene_for};
 use anyhow::{Context, Result};
 use host::results_of;
-use joint_pipeline::analysis::Checkpoints;
-use joint_pipeline::analysis::comparison::{Backbone, Misfit, Point};
-use joint_pipeline::analysis::transient::{Excitation, RingDown, Settings, backbones, ring_down, scene_for};
-use joint_pipeline::progress::Progress;
-use joint_pipeline::{Run, Scene};
+use joints::progress::Progress;
+use joints::store::checkpoint::Checkpoints;
 use modal_identification::average::average;
 use modal_identification::backbone::Identification;
 use modal_identification::signal::Quantity;
 use reports::Output;
 use reports::{csv, ring_down as ring_down_picture};
+use scenes::Scene;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -107,7 +108,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let monitor = Monitor::new()?;
     let scene = scene_for(scene, arguments.amplitude);
     let name = scene.name.clone();
-    let found = joint_pipeline::run(&scene, &options, &monitor)
+    let found = analyses::run(&scene, &options, &monitor)
         .and_then(|run| follow(run, &settings, &monitor))
         .with_context(|| format!("following the scene {name}"));
     monitor.finish();
@@ -126,7 +127,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     super::print(&format!("{text}written to {}: {names}\n", directory.display()))
 }
 
-fn follow(run: Run, settings: &Settings, progress: &dyn Progress) -> Result<Found, joint_pipeline::Error> {
+fn follow(run: Run, settings: &Settings, progress: &dyn Progress) -> Result<Found, analyses::Error> {
     let began = Instant::now();
     let ring = ring_down(&run, settings, progress)?;
     let seconds = began.elapsed().as_secs_f64();

@@ -18,10 +18,7 @@ use std::sync::OnceLock;
 
 const QUICK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenes/brb-quick.json");
 /// Two bars of three bricks each.
-const DECK: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../joint-pipeline/tests/fixtures/bricks.inp"
-);
+const DECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../analyses/tests/fixtures/bricks.inp");
 const SHIM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/fault-injection/faults.c");
 
 /// How calls fail, see the shim.

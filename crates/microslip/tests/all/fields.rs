@@ -6,10 +6,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 /// Two bricks on one another; the interface is the plane z = 0 with x from 0 to 60 mm and y from 0 to 20 mm.
-const DECK: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../joint-pipeline/tests/fixtures/bricks.inp"
-);
+const DECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../analyses/tests/fixtures/bricks.inp");
 
 /// A rotation, rows being the images' components, and a shift (m).
 #[derive(Clone, Copy)]

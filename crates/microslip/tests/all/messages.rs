@@ -8,10 +8,7 @@ use std::path::Path;
 
 const QUICK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenes/brb-quick.json");
 /// Two bars of three bricks each.
-const DECK: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../joint-pipeline/tests/fixtures/bricks.inp"
-);
+const DECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../analyses/tests/fixtures/bricks.inp");
 
 /// What a command prints that must fail, in one readable piece.
 fn fails(folder: &Path, arguments: &[&str], expected: &[&str]) -> String {

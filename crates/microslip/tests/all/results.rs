@@ -386,7 +386,7 @@ fn loops_that_close_within_their_tolerance_pass_and_others_do_not() {
     let folder = folder("open-loops");
     succeeds(&folder, &["samples", "samples"]);
     let text = std::fs::read_to_string(folder.join("samples/joint-mesh.json")).unwrap();
-    let mut scene = joint_pipeline::scene::parse_json(&text).unwrap();
+    let mut scene = scenes::parse_json(&text).unwrap();
     scene["cqsma"] = json!({
         "amplitudes": 1, "amplitude_from": "50 um", "vertices_per_quarter": 2, "commit": "at-reversals",
     });

@@ -4,8 +4,6 @@
 #![allow(clippy::print_stdout, reason = "tests say what they skip")]
 
 use crate::common::{exit_code, folder, messages, read_json, run, succeeds};
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::record::Field;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,7 +12,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const TABLES: [&str; 2] = ["results.csv", "results.parquet"];
+const TABLES: &[&str] = match cfg!(feature = "parquet") {
+    true => &["results.csv", "results.parquet"],
+    false => &["results.csv"],
+};
 const FIXTURES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures");
 
 /// The coarse beam with two amplitudes.
@@ -41,8 +42,9 @@ fn plan(folder: &Path) {
     fs::write(folder.join("plan.json"), text).unwrap();
 }
 
-fn tables(folder: &Path, out: &str) -> [Vec<u8>; 2] {
-    TABLES.map(|name| fs::read(folder.join(out).join(name)).unwrap())
+fn tables(folder: &Path, out: &str) -> Vec<Vec<u8>> {
+    let read = |name: &&str| fs::read(folder.join(out).join(name)).unwrap();
+    TABLES.iter().map(read).collect()
 }
 
 /// The lines of all segments below a folder.
@@ -156,6 +158,7 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
     // The resolved plan is a plan of the same cases, in its own order.
     succeeds(&folder, &["study", "two/plan.json", "--out", "again", "--cache", "a"]);
     assert_eq!(expected, tables(&folder, "again"));
+    #[cfg(feature = "parquet")]
     same_in_parquet(&folder.join("two"), &rows);
 }
 
@@ -315,7 +318,10 @@ fn what_cases_learn_does_not_depend_on_the_order_of_a_plan() {
 }
 
 /// Asserts that the Parquet file holds the rows of the CSV file.
+#[cfg(feature = "parquet")]
 fn same_in_parquet(results: &Path, rows: &[Vec<&str>]) {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
     let file = fs::File::open(results.join("results.parquet")).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();
     let mut read = 0;
@@ -525,7 +531,7 @@ fn cases_that_fail_are_rows_and_are_run_again_on_request_alone() {
     let arguments = ["study", "plan.json", "--out", "out", "--cache", "cache"];
     let done = run(&folder, &arguments);
     assert_eq!(exit_code(&done), 3, "{}", messages(&done));
-    let [table, _] = tables(&folder, "out").map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    let table = String::from_utf8_lossy(&tables(&folder, "out")[0]).into_owned();
     let rows: Vec<&str> = table.lines().collect();
     assert_eq!(rows.len(), 1 + 2 + 1 + 1, "{table}");
     assert!(rows[3].contains(",failed,") && rows[3].contains("3"), "{}", rows[3]);
@@ -628,7 +634,7 @@ fn the_schema_of_plans_accepts_the_plans_that_come_with_the_program() {
     let index = compiler.compile("plan.json", &mut schemas).unwrap();
     for name in ["quick", "thousand"] {
         let text = fs::read_to_string(Path::new(FIXTURES).join(format!("studies/{name}.json"))).unwrap();
-        let plan = joint_pipeline::scene::parse_json(&text).unwrap();
+        let plan = scenes::parse_json(&text).unwrap();
         schemas
             .validate(&plan, index)
             .unwrap_or_else(|error| panic!("{name}: {error:#}"));

@@ -1,11 +1,13 @@
 //! Cases of studies: what they share changes no bit, and what they are addressed by is all that they depend on.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+use analyses::cases::{CaseHasher, CaseKeys, CaseMode, CaseStructure, as_case};
+use analyses::run;
 use brake_reuss_beam::BrakeReussBenchmark;
-use joint_pipeline::Benchmark;
-use joint_pipeline::analysis::cases::{CaseHasher, CaseKeys, CaseMode, CaseStructure, as_case};
-use joint_pipeline::progress::Silent;
-use joint_pipeline::{Options, Scene, run};
+use joint_model::Benchmark;
+use joints::Options;
+use joints::progress::Silent;
+use scenes::Scene;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 

@@ -2,11 +2,13 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 #![allow(clippy::print_stdout, reason = "measurements")]
 
+use analyses::cases::{CaseMode, CasePoint, CaseStructure, as_case};
+use analyses::hyper_reduced::{BorneErrors, Lesson, Training};
 use brake_reuss_beam::BrakeReussBenchmark;
-use joint_pipeline::analysis::cases::{CaseMode, CasePoint, CaseStructure, as_case};
-use joint_pipeline::analysis::hyper_reduced::{BorneErrors, Lesson, Training};
-use joint_pipeline::progress::Silent;
-use joint_pipeline::{Benchmark, Options, Scene};
+use joint_model::Benchmark;
+use joints::Options;
+use joints::progress::Silent;
+use scenes::Scene;
 use serde_json::{Value, json};
 use std::time::Instant;
 

@@ -2,7 +2,7 @@
 
 use super::encode;
 use finite_elements::mesh::Face;
-use joint_pipeline::structure::OuterSurface;
+use joints::structure::OuterSurface;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

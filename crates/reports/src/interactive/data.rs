@@ -5,11 +5,11 @@ use super::encode::{self, Sequences};
 use crate::fields::{Placed, total_flux};
 use crate::periodic::PeriodicMotions;
 use crate::{Error, csv, plot, run};
+use analyses::Run;
+use analyses::ensemble::BandPoint;
+use analyses::results::summary::{MethodSummary, Summary};
+use analyses::{ElementLoops, Fields, ModeBackbone};
 use contact_laws::Regime;
-use joint_pipeline::Run;
-use joint_pipeline::analysis::ensemble::BandPoint;
-use joint_pipeline::analysis::{ElementLoops, Fields, ModeBackbone};
-use joint_pipeline::results::summary::{MethodSummary, Summary};
 use serde::Serialize;
 
 /// Most numbers that the loops of a page have; a number takes about half a byte.

@@ -2,7 +2,7 @@
 
 use super::data::{Backbone, Band, bands};
 use crate::Error;
-use joint_pipeline::results::summary::Summary;
+use analyses::results::summary::Summary;
 use serde::Serialize;
 use serde_json::Value;
 

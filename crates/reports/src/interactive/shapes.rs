@@ -3,7 +3,7 @@
 use super::bodies::Bodies;
 use super::encode;
 use finite_elements::mesh::{Face, Mesh};
-use joint_pipeline::structure::{ModalModel, OuterSurface};
+use joints::structure::{ModalModel, OuterSurface};
 use serde::Serialize;
 
 /// Most components of displacements in a page; a component takes less than three bytes.

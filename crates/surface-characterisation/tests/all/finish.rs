@@ -1,7 +1,7 @@
 //! Faces from drawings: what is synthesised, what theory expects of it, and how far the interval of the law holds.
 //!
 //! `cargo test --release -p surface-characterisation --test all finish:: -- --ignored --nocapture` makes the slow comparisons and prints
-//! all figures of `docs/accuracy.md`.
+//! their figures.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::PI;

@@ -4,7 +4,7 @@ mod periodic;
 mod solver;
 
 use anyhow::Result;
-use joint_pipeline::progress::Progress;
+use joints::progress::Progress;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -2,14 +2,15 @@
 
 use super::Instruments;
 use super::solver::{Bench, fastest};
+use analyses::prepare;
 use anyhow::{Context, Result, anyhow};
 use brake_reuss_beam::BrakeReussBenchmark;
 use harmonic_balance::backbone::{Kind, Settings, follow};
 use harmonic_balance::probe::Probe;
 use harmonic_balance::{Effort, NewtonSettings, Sampling};
-use joint_pipeline::analysis::prepare;
-use joint_pipeline::scene::RefinementLevel;
-use joint_pipeline::{Options, Scene};
+use joint_model::benchmark::RefinementLevel;
+use joints::Options;
+use scenes::Scene;
 use serde_json::{Value, json};
 use std::hint::black_box;
 use std::ops::ControlFlow;

@@ -1,6 +1,7 @@
 //! The solver at full size: interface, load points, backbone, reduction.
 
 use super::Instruments;
+use analyses::{Prepared, prepare};
 use anyhow::{Context, Result, anyhow};
 use brake_reuss_beam::mesh::Refinement;
 use brake_reuss_beam::{BrakeReussBenchmark, benchmark, published};
@@ -10,11 +11,11 @@ use cqsma_solver::{BackbonePoint, HystereticForce};
 use cqsma_solver::{LinearSolver, Linearisation, NewtonSettings, NoObserver, Sticking, cqsma, modes, prestress};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use joint_pipeline::analysis::{Prepared, prepare};
-use joint_pipeline::interface::InterfaceForce;
-use joint_pipeline::joint::benchmark::MeshSettings;
-use joint_pipeline::structure::Structure;
-use joint_pipeline::{Options, Scene};
+use joint_model::benchmark::MeshSettings;
+use joints::Options;
+use joints::interface::InterfaceForce;
+use joints::structure::Structure;
+use scenes::Scene;
 use serde_json::{Value, json};
 use std::hint::black_box;
 use std::path::PathBuf;

@@ -6,7 +6,6 @@ use microslip::commands::print;
 use microslip::files::publish;
 use microslip::progress::Bar;
 use microslip::{Defaults, Outcome};
-use std::path::Path;
 use std::time::Instant;
 use validation::paper::{Paper, select};
 use xtask::study;
@@ -39,13 +38,6 @@ pub(crate) fn run(arguments: &study::Paper, defaults: &Defaults) -> Result<Outco
     display.0.finish();
     let paper = paper?;
     publish(folder, &paper.outputs()?)?;
-    if arguments.docs {
-        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-        for picture in paper.pictures() {
-            file_io::durable::write(&docs.join("paper").join(&picture.name), &picture.contents)?;
-        }
-        file_io::durable::write(&docs.join("paper.md"), paper.markdown().as_bytes())?;
-    }
     print(&paper.account(out, began.elapsed().as_secs_f64()))?;
     Ok(if paper.is_complete() {
         Outcome::Success

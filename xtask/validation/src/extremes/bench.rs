@@ -1,15 +1,16 @@
 //! The scene that the cases start from, and ways to run it.
 
+use analyses::Prepared;
+use analyses::{Error, Run, run};
 use anyhow::{Context, Result, bail};
 use brake_reuss_beam::BrakeReussBenchmark;
-use joint_pipeline::analysis::Prepared;
-use joint_pipeline::joint::{Bodies, MeshedBodies};
-use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{
-    ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, RefinementLevel, Stress, Surface,
-};
-use joint_pipeline::structure::Structure;
-use joint_pipeline::{Error, Options, Run, Scene, run};
+use joint_model::benchmark::RefinementLevel;
+use joint_model::{Bodies, MeshedBodies};
+use joints::Options;
+use joints::progress::Silent;
+use joints::structure::Structure;
+use scenes::Scene;
+use scenes::{ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, Stress, Surface};
 use std::path::PathBuf;
 
 /// The scene of all cases as it is before anything is done to it, and what came of that.
@@ -92,7 +93,7 @@ impl Bench {
 
     /// The structure of the scene.
     pub(super) fn structure(&self) -> Result<Structure, Error> {
-        Structure::try_new(&self.scene, &Silent)
+        Ok(Structure::try_new(&self.scene, &Silent)?)
     }
 
     /// First frequency of the scene without contact and with a stuck interface (Hz), beyond which none can be.

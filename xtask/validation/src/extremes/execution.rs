@@ -3,9 +3,10 @@
 use super::Case;
 use super::bench::Bench;
 use super::findings::Findings;
+use analyses::{Error, Run, run};
 use anyhow::{Context, Result, bail};
-use joint_pipeline::progress::{Progress, Silent, Stage};
-use joint_pipeline::{Error, Options, Run, run};
+use joints::Options;
+use joints::progress::{Progress, Silent, Stage};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 pub(super) static CASES: &[Case] = &[

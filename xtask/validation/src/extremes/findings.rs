@@ -1,7 +1,7 @@
 //! What came of a case.
 
+use analyses::{Error, Run};
 use anyhow::{Context, Result};
-use joint_pipeline::{Error, Run};
 use serde_json::{Map, Value, json};
 
 /// Outcome, work and checks of a case.
@@ -266,11 +266,14 @@ mod tests {
     #[test]
     fn a_refusal_must_name_place_value_and_remedy() {
         let outcome = || {
-            Err::<(), _>(Error::NoContact {
-                load: 3.0,
-                closure: 1.0,
-                carried: 0.5,
-            })
+            Err::<(), Error>(
+                joints::Error::NoContact {
+                    load: 3.0,
+                    closure: 1.0,
+                    carried: 0.5,
+                }
+                .into(),
+            )
         };
         let names = |remedy| Refusal {
             place: "bolt load",

@@ -3,16 +3,17 @@
 use super::Case;
 use super::bench::Bench;
 use super::findings::{Findings, Refusal, worst};
+
+use analyses::Fields;
 use anyhow::{Context, Result};
 use brake_reuss_beam::BrakeReussBenchmark;
 use contact_laws::{AsperityLimit, ElasticPair, YieldCurves};
-use joint_pipeline::analysis::Fields;
-use joint_pipeline::interface::{ScannedSurface, synthetic};
-use joint_pipeline::scene::{
+use joint_model::Benchmark;
+use joints::interface::{ScannedSurface, synthetic};
+use scenes::{
     Assembly, Bins, ContactStiffness, Curves, Elastic, Fitted, Force, Friction, Gap, LawKind, Length, Method,
     ParameterSet, Parameters, Per, ScanFile, Scans, Scene, Stress, Surface, SyntheticScan, Yield,
 };
-use joint_pipeline::{Benchmark, Error};
 use std::f64::consts::TAU;
 use surface_characterisation::{AsperityCount, HeightMap, writers};
 
@@ -624,7 +625,7 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     // The smoothest of them on which every element has a peak.
     let characterised = |part: f64| ScannedSurface::try_new(&on(smooth(part), LawKind::Fitted), &bench.base.mesh);
     let (mut part, mut next) = (0.5, characterised(0.5));
-    let mut found = Err(Error::NoSamples);
+    let mut found = Err(joints::Error::NoSamples);
     while next.is_ok() {
         found = next;
         part += 0.1;

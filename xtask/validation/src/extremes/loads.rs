@@ -3,15 +3,17 @@
 use super::Case;
 use super::bench::Bench;
 use super::findings::{Findings, Refusal, worst};
+use analyses::results::summary::{Status, Summary};
+use analyses::{Error, Run, run};
 use anyhow::{Context, Result};
 use brake_reuss_beam::BrakeReussBenchmark;
-use joint_pipeline::joint::benchmark::BenchmarkRef;
-use joint_pipeline::progress::Silent;
-use joint_pipeline::results::summary::{Status, Summary};
-use joint_pipeline::scene::{Coordinates, Force, Length, Matrices, MatrixVector, StructureSource, Surface, Units};
-use joint_pipeline::structure::export::arrays;
-use joint_pipeline::{Error, Options, Run, Scene, run};
+use joints::Options;
+use joints::progress::Silent;
+use joints::structure::export::arrays;
 use matrix_files::npz;
+use scenes::BenchmarkRef;
+use scenes::Scene;
+use scenes::{Coordinates, Force, Length, Matrices, MatrixVector, StructureSource, Surface, Units};
 use serde_json::json;
 use std::collections::BTreeMap;
 
@@ -287,7 +289,12 @@ fn stiffness(bench: &Bench, factor: f64) -> Result<Findings> {
         }
         (Err(alone), Err(equivalent)) => {
             // The same reason, at closures that only the gap of the law limits.
-            let prestress = |error: &Error| matches!(error, Error::Prestress { .. } | Error::NoContact { .. });
+            let prestress = |error: &Error| {
+                matches!(
+                    error,
+                    Error::Prestress { .. } | Error::Joint(joints::Error::NoContact { .. })
+                )
+            };
             findings.that("refused alike", prestress(&alone) && prestress(&equivalent));
             findings.outcome = format!("{:.4e} Hz with the load; alone refused: {alone}", both.frequencies[0]);
         }

@@ -3,14 +3,16 @@
 use super::Case;
 use super::bench::{Bench, meshed};
 use super::findings::{Findings, Refusal};
+use analyses::Prepared;
+use analyses::{Error, Run};
 use anyhow::{Context, Result, bail};
 use finite_elements::mesh::{Cell, Element as Solid};
-use joint_pipeline::analysis::Prepared;
-use joint_pipeline::joint::{MeshedBodies, Sides};
-use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{ElementOrder, Formulation, RefinementLevel, Symmetry};
-use joint_pipeline::structure::Structure;
-use joint_pipeline::{Error, Options, Run};
+use joint_model::benchmark::{ElementOrder, RefinementLevel, Symmetry};
+use joint_model::{MeshedBodies, Sides};
+use joints::Options;
+use joints::progress::Silent;
+use joints::structure::Structure;
+use scenes::Formulation;
 
 pub(super) static CASES: &[Case] = &[
     Case {

@@ -3,15 +3,15 @@
 use super::runs::{Point, Record};
 use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, mesh_error, per_element};
 use crate::elements::given;
+use analyses::results::trends::{PowerLaw, at, power_law};
 use anyhow::{Context, Result, bail};
 use brake_reuss_beam::published::{self, BACKBONE_FLAT, BACKBONE_TOPOGRAPHY, BackbonePoint};
 use contact_laws::{HistoryRule, TangentialReading};
-use joint_pipeline::Scene;
-use joint_pipeline::results::trends::{PowerLaw, at, power_law};
-use joint_pipeline::scene::{Commit, Curves, Gap, Law, LawKind, Method};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use reports::map::rgb;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack, title};
+use scenes::Scene;
+use scenes::{Commit, Gap, Law, LawKind, Method};
 use surface_characterisation::{
     AsperityCount, HeightCombination, Options, PackingHeight, PairRadius, RadiusStatistic, characterise,
 };
@@ -395,7 +395,13 @@ fn readings(inputs: &Inputs) -> Result<Plan<'_>> {
         let [top, bottom] = &pair.faces;
         let found = characterise(top, bottom, &pair.outlines, &options)?;
         let mut scene = base(name);
-        scene.surface = given(found.elements.iter().map(Curves::from).collect());
+        scene.surface = given(
+            found
+                .elements
+                .iter()
+                .map(joints::interface::curves_of_element)
+                .collect(),
+        );
         Ok(scene)
     };
     scenes.push(scan("scans, radius: mean", &|o| o.radius = RadiusStatistic::Mean)?);

@@ -2,12 +2,12 @@
 
 use super::backbones::{EXTENDED, LARGEST, MUS, SMALLEST, extended, family};
 use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim};
+use analyses::results::trends;
 use anyhow::{Context, Result};
-use joint_pipeline::Scene;
-use joint_pipeline::results::trends;
-use joint_pipeline::scene::Gap;
 use plotters::prelude::SeriesLabelPosition;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use scenes::Gap;
+use scenes::Scene;
 
 pub(super) const CLAIMS: Entry = Entry {
     id: "claims",

@@ -9,11 +9,11 @@ use brake_reuss_beam::mesh::Refinement;
 use brake_reuss_beam::published::{self, BOLT_STRAIN_TABLE, BoltStrainRow, FIRST_FREQUENCY, LINEARISED_FREQUENCIES};
 use contact_laws::ElasticPair;
 use contact_laws::adhesion::{critical_interference, hardness_coefficient};
-use joint_pipeline::Scene;
-use joint_pipeline::scene::{ContactStiffness, Curves, Elastic, Force, Gap};
-use joint_pipeline::structure::{LinearInterface, Structure};
+use joints::structure::{LinearInterface, Structure};
 use plotters::prelude::SeriesLabelPosition;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use scenes::Scene;
+use scenes::{ContactStiffness, Curves, Elastic, Force, Gap};
 use surface_characterisation::ElementSurface;
 
 /// Standard gravity (m/s^2).
@@ -31,7 +31,7 @@ pub(super) const TABLE_1: Entry = Entry {
 /// A static scene on flat faces with the fit of one element everywhere.
 pub(super) fn uniform(inputs: &Inputs, name: &str, element: &ElementSurface) -> Scene {
     let mut scene = inputs.prestress(name, Gap::Flat);
-    scene.surface = given(vec![Curves::from(element)]);
+    scene.surface = given(vec![joints::interface::curves_of_element(element)]);
     scene
 }
 

@@ -5,13 +5,13 @@ use super::linear::uniform;
 use super::runs::{Point, PointFields, Record};
 use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, per_element};
 use crate::elements::Representatives;
+use analyses::results::trends::power_law;
 use anyhow::{Result, bail};
 use brake_reuss_beam::published;
-use joint_pipeline::results::trends::power_law;
-use joint_pipeline::scene::Gap;
 use plotters::prelude::SeriesLabelPosition;
 use reports::map::{Map, several};
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use scenes::Gap;
 use zte_assembly::InterfaceMesh;
 
 pub(super) const FIG_17: Entry = Entry {

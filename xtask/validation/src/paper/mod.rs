@@ -9,18 +9,19 @@ mod runs;
 mod surface;
 
 use crate::Display;
+use analyses::mesh_error::ErrorBar;
 use anyhow::{Context, Result, anyhow, bail};
 use brake_reuss_beam::BrakeReussBenchmark;
-use joint_pipeline::Scene;
-use joint_pipeline::analysis::mesh_error::ErrorBar;
-use joint_pipeline::interface::ScannedSurface;
-use joint_pipeline::joint::benchmark::Benchmark as _;
-use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{Gap, LawKind, Length, RefinementLevel, Surface, SyntheticScan};
-use joint_pipeline::structure::Structure;
+use joint_model::benchmark::Benchmark as _;
+use joint_model::benchmark::RefinementLevel;
+use joints::interface::ScannedSurface;
+use joints::progress::Silent;
+use joints::structure::Structure;
 use reports::Output;
 use reports::plot::amplitude_label;
 use runs::{Record, RunResult};
+use scenes::Scene;
+use scenes::{Gap, LawKind, Length, Surface, SyntheticScan};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
@@ -375,18 +376,12 @@ impl Paper {
         Ok(outputs)
     }
 
-    /// Pictures alone.
-    pub fn pictures(&self) -> Vec<Output> {
+    fn pictures(&self) -> Vec<Output> {
         let found = self.computed.iter().filter_map(|c| c.findings.as_ref().ok());
         let pictures = found.flat_map(|found| &found.pictures);
         pictures
             .map(|picture| Output::new(format!("{}.svg", picture.name), picture.svg.clone()))
             .collect()
-    }
-
-    /// The page in Markdown, whose pictures are in the folder `paper` beside it.
-    pub fn markdown(&self) -> String {
-        page::markdown(&self.computed)
     }
 
     /// A few lines of text: the judgements, the folder of the results and the time taken.
@@ -575,7 +570,7 @@ mod tests {
         assert!(rows[2]["computed"]["f1 (Hz)"].as_f64().expect("a number") > 100.0);
         assert!(!paper.is_complete());
         let page = page::html(computed, true).expect("a page");
-        assert!(page.contains("Failed: there is no scan") && paper.markdown().contains("failed: there is"));
+        assert!(page.contains("Failed: there is no scan"));
         let fine = Paper {
             computed: paper.computed.into_iter().skip(2).collect(),
             quick: true,

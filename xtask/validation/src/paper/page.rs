@@ -1,4 +1,4 @@
-//! The entries as a page, in HTML and in Markdown, and as a few lines of text.
+//! The entries as a page in HTML, and as a few lines of text.
 
 use super::{Computed, Figure};
 use reports::Error;
@@ -97,39 +97,6 @@ fn findings(found: &super::Findings, seconds: f64) -> Findings<'_> {
         },
         remark: format!("{seconds:.0} s of computation; {}.", comparable(found.comparable)),
     }
-}
-
-/// The page as Markdown; pictures are files in the folder `paper` beside it.
-pub(super) fn markdown(computed: &[Computed]) -> String {
-    let mut out = format!(
-        "# {TITLE}\n\nMade by `cargo xtask paper --docs`; `--only ID` runs one entry, and `results/paper/` holds the same as `report.html` \
-         and `paper.json`.\n\n{INTRODUCTION}\n\n| entry | judgement |\n|---|---|\n"
-    );
-    let cell = |text: &str| text.replace('|', "\\|");
-    for Computed { entry, findings, .. } in computed {
-        let judgement = findings
-            .as_ref()
-            .map_or_else(|reason| format!("failed: {reason}"), |f| f.judgement.clone());
-        let _ = writeln!(out, "| [{0}](#{0}) | {1} |", entry.id, cell(&judgement));
-    }
-    for Computed { entry, findings, .. } in computed {
-        let _ = writeln!(
-            out,
-            "\n<a id=\"{}\"></a>\n\n## {}\n\n{}",
-            entry.id, entry.title, entry.inputs
-        );
-        let Ok(found) = findings else { continue };
-        let _ = writeln!(out, "\n**{}** ({}.)\n", found.judgement, comparable(found.comparable));
-        for picture in &found.pictures {
-            let _ = writeln!(out, "![{}](paper/{}.svg)\n", picture.caption, picture.name);
-        }
-        let _ = writeln!(out, "| {} |\n|---|---|---|---|---|", HEADINGS.join(" | "));
-        for figure in &found.figures {
-            let row: Vec<String> = cells(figure).iter().map(|text| cell(text)).collect();
-            let _ = writeln!(out, "| {} |", row.join(" | "));
-        }
-    }
-    out
 }
 
 /// What is printed at the end.

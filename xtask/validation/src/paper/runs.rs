@@ -1,14 +1,17 @@
 //! The scenes behind the entries: each run once, what is needed of it kept on disk.
 
 use crate::progress::{Batch, Display, Task};
+use analyses::Run;
+use analyses::results::provenance::arithmetic_fingerprint;
+use analyses::results::summary::Summary;
+use analyses::{Fields, Prepared};
 use anyhow::{Context, Result};
 use contact_laws::Regime;
-use joint_pipeline::analysis::{Checkpoints, Fields, Prepared};
-use joint_pipeline::progress::Progress;
-use joint_pipeline::results::provenance::arithmetic_fingerprint;
-use joint_pipeline::results::summary::Summary;
-use joint_pipeline::structure::Structure;
-use joint_pipeline::{Options, Run, Scene};
+use joints::Options;
+use joints::progress::Progress;
+use joints::store::checkpoint::Checkpoints;
+use joints::structure::Structure;
+use scenes::Scene;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

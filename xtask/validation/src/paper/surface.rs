@@ -2,14 +2,14 @@
 
 use super::{Entry, Figure, Findings, Inputs, Picture, Plan, per_element, synthetic};
 use crate::elements::Representatives;
+use analyses::results::trends::histogram;
 use anyhow::{Context, Result};
 use brake_reuss_beam::published;
 use contact_laws::adhesion::{Adhesion, critical_interference};
 use contact_laws::{AsperitySumCurves, ContactCurves, ElasticPair, TangentialReading};
-use joint_pipeline::results::trends::histogram;
-use joint_pipeline::scene::{Gap, SyntheticScan};
 use plotters::prelude::SeriesLabelPosition;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use scenes::{Gap, SyntheticScan};
 use surface_characterisation::{CorrelationOptions, ElementField, benjamini_hochberg, changes, correlate, p_as89};
 
 pub(super) const FIG_12: Entry = Entry {

@@ -6,16 +6,16 @@
 mod page;
 mod parameters;
 
+use analyses::comparison::{Backbone, Point};
+use analyses::mesh_error::ErrorBar;
+use analyses::results::summary::Summary;
+use analyses::results::trends::{Extrapolation, extrapolate};
 use anyhow::{Context, Result, anyhow, bail};
-use joint_pipeline::Scene;
-use joint_pipeline::analysis::comparison::{Backbone, Point};
-use joint_pipeline::analysis::mesh_error::ErrorBar;
-use joint_pipeline::results::summary::Summary;
-use joint_pipeline::results::trends::{Extrapolation, extrapolate};
-use joint_pipeline::scene::PRESETS;
 use parameters::{AMPLITUDES, Parameter, Setting, Share, Source};
 use reports::Output;
 use reports::run::SUMMARY;
+use scenes::PRESETS;
+use scenes::Scene;
 use serde_json::{Map, Value, json};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -4,14 +4,15 @@ use crate::elements::{Representatives, given};
 use anyhow::Result;
 use brake_reuss_beam::published;
 use contact_laws::{AsperityLimit, Cone, HistoryRule, TangentialReading, YieldCurves};
-use joint_pipeline::Scene;
-use joint_pipeline::interface::ScannedSurface;
-use joint_pipeline::progress::Silent;
-use joint_pipeline::scene::{
-    Bins, Commit, Curves, ElementOrder, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset,
-    RadialRule, RefinementLevel, Stress, Surface, Symmetry, SyntheticScan, Yield,
+use joint_model::benchmark::{ElementOrder, RefinementLevel, Symmetry};
+use joints::interface::ScannedSurface;
+use joints::progress::Silent;
+use joints::structure::Structure;
+use scenes::Scene;
+use scenes::{
+    Bins, Commit, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RadialRule, Stress,
+    Surface, SyntheticScan, Yield,
 };
-use joint_pipeline::structure::Structure;
 
 /// Response amplitudes at which settings are compared (m): at the onset of slip, in microslip, near macroslip.
 pub(crate) const AMPLITUDES: [f64; 3] = [5e-5, 2e-4, 6e-4];
@@ -480,7 +481,7 @@ fn uniform(scan: &Scene) -> Result<Setting> {
     let surface = ScannedSurface::try_new(scan, structure.interface())?;
     let median = Representatives::try_new(&surface.found.elements)?.median;
     let mut scene = scan.clone();
-    scene.surface = given(vec![Curves::from(median)]);
+    scene.surface = given(vec![joints::interface::curves_of_element(median)]);
     // The curves say what they are.
     scene.law.kind = Law::default().kind;
     Ok(Setting::new("fitted, uniform", scene))

@@ -42,7 +42,7 @@ fn the_programs_share_one_build_of_what_they_use() {
     };
     let tasks = packages("xtask");
     assert!(
-        tasks.keys().any(|package| package.starts_with("joint-pipeline ")),
+        tasks.keys().any(|package| package.starts_with("analyses ")),
         "{tasks:?}"
     );
     for other in ["microslip", "validation"] {

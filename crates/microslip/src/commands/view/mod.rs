@@ -3,8 +3,8 @@
 mod server;
 
 use crate::files;
+use analyses::results::summary::Summary;
 use anyhow::{Context, Result, ensure};
-use joint_pipeline::results::summary::Summary;
 use reports::run::SUMMARY;
 use reports::several::{self, Entry};
 use server::Site;

@@ -1,0 +1,85 @@
+//! The bodies as loads deform them.
+
+use super::outcome::Analysis;
+use crate::Error;
+use dense_algebra::product;
+use faer::Mat;
+use finite_elements::mesh::Mesh;
+use joint_model::Bodies;
+use joints::structure::{StructuralModel, Structure};
+use scenes::BoltBehaviour;
+
+/// Displacements of the bodies under the bolt loads, and at the positive peaks of loops.
+#[derive(Clone, Debug)]
+pub struct Deformed {
+    /// The mesh, undeformed.
+    pub mesh: Mesh,
+    /// Displacement of each node in the static state (m).
+    pub prestress: Vec<[f64; 3]>,
+    /// The same at the positive peak, bolt loads included, by mode followed and by amplitude; of the amplitudes whose fields are stored.
+    pub peaks: Vec<Vec<Option<Vec<[f64; 3]>>>>,
+}
+
+impl Deformed {
+    pub(super) fn new(
+        structure: &Structure,
+        model: &StructuralModel,
+        behaviour: BoltBehaviour,
+        analysis: &Analysis,
+    ) -> Result<Self, Error> {
+        let Bodies::Meshed(bodies) = &structure.joint.bodies else {
+            return Err(joints::Error::NoMesh.into());
+        };
+        let at_rest = &analysis.prestress.solution.displacement;
+        let amplitudes = analysis.modes.iter().flat_map(|mode| &mode.amplitudes);
+        let peaks: Vec<&[f64]> = amplitudes
+            .filter_map(|amplitude| amplitude.fields.as_ref()?.displacement.as_deref())
+            .collect();
+        let motions = motions(model, behaviour, at_rest, &peaks)?;
+        let mut found = structure.displacements(model, motions.as_ref())?.into_iter();
+        let prestress = found.next().unwrap_or_default();
+        let mut of_amplitude = |is_stored: bool| is_stored.then(|| found.next()).flatten();
+        let peaks = analysis.modes.iter().map(|mode| {
+            let stored = mode.amplitudes.iter().map(|amplitude| {
+                let fields = amplitude.fields.as_ref();
+                fields.is_some_and(|fields| fields.displacement.is_some())
+            });
+            stored.map(&mut of_amplitude).collect()
+        });
+        Ok(Self {
+            peaks: peaks.collect(),
+            mesh: bodies.assembly.mesh.clone(),
+            prestress,
+        })
+    }
+}
+
+/// The static state and the peaks as columns over the coordinates of the reduced structure.
+///
+/// Bolts that are locked in vibration take coordinates away. Those beside the jump count from the static state then.
+fn motions(
+    model: &StructuralModel,
+    behaviour: BoltBehaviour,
+    at_rest: &[f64],
+    peaks: &[&[f64]],
+) -> Result<Mat<f64>, Error> {
+    let n = at_rest.len();
+    let mut motions = Mat::from_fn(n, 1 + peaks.len(), |i, _| at_rest[i]);
+    if peaks.is_empty() {
+        return Ok(motions);
+    }
+    let vibrating = peaks[0].len();
+    let nd = model.reduced.n_relative;
+    let start = |i: usize| match behaviour {
+        BoltBehaviour::Locked if i >= nd => 0.0,
+        _ => at_rest[i],
+    };
+    let since = Mat::from_fn(vibrating, peaks.len(), |i, j| peaks[j][i] - start(i));
+    let change = match behaviour {
+        BoltBehaviour::DeadLoad => since,
+        BoltBehaviour::Locked => product(model.reduced.locked_with_motions()?.1.as_ref(), since.as_ref()),
+    };
+    let mut of_peaks = motions.subcols_mut(1, peaks.len());
+    of_peaks += change;
+    Ok(motions)
+}

@@ -1,0 +1,42 @@
+#![doc = include_str!("../README.md")]
+
+mod backbone;
+pub mod calibration;
+pub mod cases;
+pub mod comparison;
+mod deformed;
+mod effects;
+mod element_loops;
+pub mod ensemble;
+mod error;
+pub mod error_estimate;
+pub mod finite_differences;
+pub mod hyper_reduced;
+pub mod mesh_error;
+pub mod methods;
+mod observer;
+mod outcome;
+pub mod periodic;
+mod prestress;
+pub mod registration;
+pub mod results;
+mod run;
+mod sampling;
+mod sensitivities;
+mod tightening;
+pub mod transient;
+pub mod uncertainty;
+pub mod validity;
+pub mod variants;
+pub mod warnings;
+
+pub use deformed::Deformed;
+pub use element_loops::{ElementLoops, MOST_RECORDED, element_centres};
+pub use error::Error;
+pub use joints::store::checkpoint::Checkpoints;
+pub use outcome::{AmplitudeResult, Fields, LoopFields, PrestressResult};
+pub use run::{ModeBackbone, Prepared, Run, prepare, run, run_ensemble};
+pub use sampling::unit_cube;
+pub use sensitivities::{FoundBy, Per, Sensitivity};
+pub use tightening::{ENERGY_TOLERANCE, TighteningEnergy, TighteningResult, TighteningStep};
+pub use uncertainty::run_samples;

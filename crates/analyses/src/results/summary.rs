@@ -1,0 +1,847 @@
+//! The machine-readable account of a run: the contract that scripts rely on, all in SI.
+
+use super::provenance::Provenance;
+use crate::ensemble::Ensemble;
+use crate::error_estimate::ErrorEstimate;
+use crate::mesh_error::{ErrorBar, MeshEstimate};
+use crate::methods::MethodPoint;
+use crate::periodic::{ForcedPoint, ForcedResponse};
+use crate::uncertainty::Uncertainty;
+use crate::validity::Validity;
+use crate::warnings::Warning;
+use crate::{AmplitudeResult, ModeBackbone, Run, Sensitivity, TighteningResult};
+use cqsma_solver::Reason;
+use harmonic_balance::backbone::Point;
+use joint_model::MovedPairs;
+use joint_model::benchmark::Symmetry;
+use joint_model::quadratic::RaisedElements;
+use joints::interface::{LawReport, PartReport};
+use joints::structure::Overview;
+use scenes::{BoltBehaviour, Method, PRESETS, Preset, Scene, StructureSource, TorqueReport};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// Version of the layout of [`Summary`]; grows with every change that is not a mere addition.
+pub const SCHEMA_VERSION: u32 = 2;
+
+/// A run in numbers.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Summary {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// The scene with all defaults filled in, in SI.
+    pub scene: serde_json::Value,
+    /// The structure in words: the title of a benchmark, or the file it comes from.
+    #[serde(default)]
+    pub title: String,
+    /// Where and in which direction amplitudes are measured, in words.
+    #[serde(default)]
+    pub response: String,
+    /// What was computed with: sizes, materials, surface, bolts and units; missing in older summaries.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overview: Option<Overview>,
+    /// What is implausible in the input or the results.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
+    /// The structure.
+    pub model: ModelSummary,
+    /// The law; of the first interface where there are several.
+    pub law: LawReport,
+    /// Interfaces, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub interfaces: Vec<PartReport>,
+    /// The gap.
+    pub gap: GapSummary,
+    /// The static state.
+    pub prestress: PrestressSummary,
+    /// Torque of the bolts; left out unless the scene knows their thread.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque: Option<TorqueReport>,
+    /// How the bolts were tightened one after the other; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tightening: Option<TighteningResult>,
+    /// Modes about it.
+    pub modes: Vec<ModeSummary>,
+    /// Amplitudes in ascending order.
+    pub backbone: Vec<BackboneSummary>,
+    /// Backbones of the methods beside CQSMA, by the names that scenes use.
+    pub methods: BTreeMap<String, Vec<MethodSummary>>,
+    /// Where several modes are followed: each of them. `backbone`, `methods` and `validity` are those of the first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub backbones: Vec<ModeBackboneSummary>,
+    /// Derivatives of all backbones with respect to the numbers that the scene's `sensitivities` name; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivities: Vec<Sensitivity>,
+    /// Backbones of bootstrap realisations; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ensemble: Option<Ensemble>,
+    /// Bands from uncertain inputs; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Uncertainty>,
+    /// The measured set of settings that the accuracy asked for led to; left out of scenes that ask for none.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "preset_of_name"
+    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<serde_json::Value>"))]
+    pub accuracy: Option<&'static Preset>,
+    /// Differences to a run with finer settings; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_estimate: Option<ErrorEstimate>,
+    /// The limit of the mesh, estimated by a run with the other formulation of the elements; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_estimate: Option<MeshEstimate>,
+    /// Forced responses, level by level; empty unless asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub forced: Vec<ForcedSummary>,
+    /// Limits of the model.
+    pub validity: Validity,
+    /// What the scene does not require and was left out, and why; empty if nothing was.
+    pub skipped: BTreeMap<String, String>,
+    /// Program, processor and inputs; left out of summaries that a library made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub provenance: Option<Provenance>,
+    /// Seconds per stage, and in total.
+    pub timings: BTreeMap<String, f64>,
+    /// Largest memory of the process (bytes), where the system tells.
+    pub peak_memory: Option<u64>,
+}
+
+/// The backbone of a mode.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ModeBackboneSummary {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Its linearised frequency (Hz).
+    pub frequency_hz: f64,
+    /// Amplitudes in ascending order.
+    pub backbone: Vec<BackboneSummary>,
+    /// Backbones of the methods beside CQSMA, by the names that scenes use.
+    pub methods: BTreeMap<String, Vec<MethodSummary>>,
+    /// Limits of the model.
+    pub validity: Validity,
+}
+
+/// A preset as a summary has it, by its name.
+fn preset_of_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<&'static Preset>, D::Error> {
+    #[derive(Deserialize)]
+    struct Named {
+        name: String,
+    }
+    let Some(Named { name }) = Option::<Named>::deserialize(deserializer)? else {
+        return Ok(None);
+    };
+    let found = PRESETS.iter().find(|preset| preset.name == name);
+    found
+        .map(Some)
+        .ok_or_else(|| D::Error::custom(format!("there is no set of settings `{name}`")))
+}
+
+/// The structure.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ModelSummary {
+    /// Nodes of the solid mesh.
+    pub n_nodes: Option<usize>,
+    /// Its elements.
+    pub n_elements: Option<usize>,
+    /// Independent displacement components, or coordinates of imported matrices.
+    pub n_dofs: usize,
+    /// Mass (kg), if it is known.
+    pub mass: Option<f64>,
+    /// Area of the interface by quadrature (m^2).
+    pub interface_area: f64,
+    /// Interface elements.
+    pub n_interface_elements: usize,
+    /// Quadrature points.
+    pub n_interface_points: usize,
+    /// Jump coordinates.
+    pub n_relative_dofs: usize,
+    /// Retained stuck-interface modes.
+    pub n_modes: usize,
+    /// Zero-energy modes without contact.
+    pub zem_unstressed: usize,
+    /// Zero-energy modes with the interface stuck.
+    pub zem_stuck: usize,
+    /// Frequencies with the interface stuck (Hz).
+    pub stuck_frequencies_hz: Vec<f64>,
+    /// Frequencies without contact (Hz).
+    pub unstressed_frequencies_hz: Vec<f64>,
+    /// Full model with a uniform linear interface stiffness (Hz).
+    pub penalty_frequencies_hz: Vec<f64>,
+    /// Largest relative difference of the reduced model to these.
+    pub penalty_spectrum_error: f64,
+    /// Difference between reduced matrices from condensation and from solves, relative to their largest entry.
+    pub reduction_asymmetry: f64,
+    /// Pairs of interface nodes of a deck that were moved to their midpoints; left out where all nodes coincide in pairs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moved_pairs: Option<MovedPairs>,
+    /// Linear elements of a deck that were made quadratic; left out where the elements have the order that they were meshed in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub raised: Option<RaisedElements>,
+    /// How far results on this mesh are from the limit of the mesh.
+    #[serde(default)]
+    pub error_bar: ErrorBar,
+}
+
+/// The gap.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GapSummary {
+    /// Smallest at a point (m).
+    pub smallest: f64,
+    /// Largest at a point (m).
+    pub largest: f64,
+    /// Points whose value came out negative and was set to zero.
+    pub clipped_points: usize,
+}
+
+/// The static state.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PrestressSummary {
+    /// Tension of each bolt (N); of the first where they differ.
+    pub bolt_load: f64,
+    /// Tension of each bolt where the scene gives them one by one (N), and the residual one where bolts are tightened one after the other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bolt_loads: Vec<f64>,
+    /// Newton iterations with everything stuck and with friction, together.
+    pub iterations: usize,
+    /// Sum of absolute residual forces over sum of absolute loads on the interface.
+    pub residual_ratio: f64,
+    /// Relative error of the integrated pressure against the bolt loads.
+    pub equilibrium_error: f64,
+    /// Area in contact over nominal area, by points.
+    pub contact_area_fraction: f64,
+    /// Largest pressure at a point (Pa).
+    pub max_pressure: f64,
+    /// Bolt loads over nominal area (Pa).
+    pub mean_pressure: f64,
+    /// Always true here: a prestress that does not converge is an error.
+    pub converged: bool,
+}
+
+/// A mode.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ModeSummary {
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+}
+
+/// What came of an amplitude.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// All vertices converged, and the damping is larger than the noise.
+    Resolved,
+    /// All vertices converged, but what was found of damping may be noise.
+    BelowFloor,
+    /// The load is within the round-off of the contact forces: there is neither frequency nor damping.
+    BelowRoundOff,
+    /// Bolts of constant tension cannot hold the halves against the inertia of the mode at this force
+    /// ([`Validity::separation_modal_force`]).
+    NoEquilibrium,
+    /// A vertex did not converge.
+    NotConverged,
+}
+
+/// One amplitude; `null` where the loop did not converge.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct BackboneSummary {
+    /// What came of it.
+    pub status: Status,
+    /// Peak modal force (sqrt(kg) m/s^2).
+    pub modal_force: f64,
+    /// Modal amplitude (sqrt(kg) m).
+    pub modal_amplitude: Option<f64>,
+    /// Secant frequency (Hz).
+    pub frequency_hz: Option<f64>,
+    /// Frequency of the first harmonic of the modal force in a sinusoidal motion (Hz): closer to a free oscillation's.
+    #[serde(default)]
+    pub frequency_first_harmonic_hz: Option<f64>,
+    /// Secant frequencies of the halves of positive and of negative modal force (Hz).
+    pub half_frequencies_hz: Option<[f64; 2]>,
+    /// Total damping ratio, friction plus background; `null` below the floor.
+    pub damping_ratio: Option<f64>,
+    /// Part of it due to friction.
+    pub friction_damping_ratio: Option<f64>,
+    /// Total damping ratio with the frequency of the first harmonic in the place of the secant one; `null` below the floor.
+    #[serde(default)]
+    pub damping_ratio_first_harmonic: Option<f64>,
+    /// What residuals, an open loop, and with commits at reversals points that do not slip, may make of the friction part.
+    pub damping_floor: Option<f64>,
+    /// Dissipation per cycle summed over the points (J).
+    pub dissipation: Option<f64>,
+    /// The same from the modal loop (J).
+    pub loop_area: Option<f64>,
+    /// The same from every second vertex of the loop (J).
+    pub coarse_loop_area: Option<f64>,
+    /// Acceleration amplitude at the response point by the linearised mode (m/s^2).
+    pub response_acceleration: Option<f64>,
+    /// Displacement amplitude at the response point by the linearised mode, modal amplitude times mode shape (m).
+    pub response_displacement: Option<f64>,
+    /// Displacement amplitude at the response point as it moved: half its range over the loop (m).
+    #[serde(default)]
+    pub response_motion: Option<f64>,
+    /// Area fraction slipping at the positive peak.
+    pub slip_fraction: Option<f64>,
+    /// Area fraction open there.
+    pub open_fraction: Option<f64>,
+    /// Equilibria found, all cycles together.
+    pub load_points: usize,
+    /// Newton iterations of the whole loop.
+    pub iterations: usize,
+    /// Evaluations of the interface.
+    pub evaluations: usize,
+    /// Preconditioned Krylov steps.
+    pub krylov_steps: usize,
+    /// Direct factorisations.
+    pub factorisations: usize,
+    /// Part of the peak motion that is mass-orthogonal to the mode.
+    pub shape_deviation: Option<f64>,
+    /// Cycles computed, the measured one included.
+    pub cycles: Option<usize>,
+    /// Whether the measured loop was computed one way only, because the cycle before it dissipated nothing.
+    #[serde(default)]
+    pub one_way: Option<bool>,
+    /// Whether the loop closed; `null` for a fixed number of cycles.
+    pub closed: Option<bool>,
+    /// Distance between the ends of the measured loop relative to the motion there (energy norm): what points under low
+    /// pressure creep on in a cycle counts, also where force and amplitude close.
+    pub loop_closure: Option<f64>,
+    /// Largest residual of a vertex relative to the peak load (energy norm).
+    pub residual: Option<f64>,
+    /// Whether all vertices converged.
+    pub converged: bool,
+    /// If not: why.
+    pub failure: Option<String>,
+}
+
+/// One amplitude of a method beside CQSMA; `null` where it did not converge.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodSummary {
+    /// Displacement amplitude at the response point (m).
+    pub response_displacement: Option<f64>,
+    /// Secant frequency (Hz).
+    pub frequency_hz: Option<f64>,
+    /// Frequency of the first harmonic (Hz); that of `masing` and `rqnma` belongs to the loop by Masing's rule.
+    #[serde(default)]
+    pub frequency_first_harmonic_hz: Option<f64>,
+    /// Total damping ratio, friction plus background; `null` below the floor.
+    pub damping_ratio: Option<f64>,
+    /// What residuals may make of the friction part.
+    pub damping_floor: Option<f64>,
+    /// Modal force (sqrt(kg) m/s^2).
+    pub modal_force: Option<f64>,
+    /// Modal amplitude (sqrt(kg) m).
+    pub modal_amplitude: Option<f64>,
+    /// Residual relative to the load (energy norm).
+    pub residual: Option<f64>,
+    /// Highest harmonic; of `epmc` alone, as all that follows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub harmonics: Option<usize>,
+    /// Samples per period.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub samples: Option<usize>,
+    /// Amplitudes of the harmonics from the first on over that of the first, in the norm of the mass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share_of_harmonics: Option<Vec<f64>>,
+    /// Energy that the contact takes per period (J).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipation: Option<f64>,
+    /// What is missing in the balance of energies, as a damping ratio.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_error: Option<f64>,
+    /// Periods that the history was followed for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub periods: Option<usize>,
+    /// Change of the tractions from the last period to the one before, relative to their range: what creeps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<f64>,
+    /// Estimated relative errors of the frequency by too few harmonics and by too few samples, where an accuracy is asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequency_errors: Option<[f64; 2]>,
+    /// Errors of the damping ratio by the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping_errors: Option<[f64; 2]>,
+    /// Newton iterations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub iterations: Option<usize>,
+    /// Residuals evaluated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub evaluations: Option<usize>,
+    /// Preconditioned Krylov steps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub krylov_steps: Option<usize>,
+    /// Whether it converged.
+    pub converged: bool,
+    /// If not: why.
+    pub failure: Option<String>,
+}
+
+/// The response to a harmonic force of one amplitude; lists run along the curve.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ForcedSummary {
+    /// Amplitude of the force (N).
+    pub level: f64,
+    /// Frequencies of the force (Hz).
+    pub frequency: Vec<f64>,
+    /// Amplitudes of the first harmonic of the displacement at the response point (m).
+    pub amplitude: Vec<f64>,
+    /// How far it lags behind the force (degrees).
+    pub phase: Vec<f64>,
+    /// Amplitudes of all harmonics of the displacement from the first on (m).
+    pub harmonics: Vec<Vec<f64>>,
+    /// Cosines and sines of the same harmonics, the force being a cosine (m).
+    #[serde(default)]
+    pub components: Vec<Vec<[f64; 2]>>,
+    /// Mean displacements at the response point from the static state (m).
+    #[serde(default)]
+    pub mean: Vec<f64>,
+    /// Residuals relative to the elastic forces (energy norm).
+    pub residual: Vec<f64>,
+    /// Indices of the points at which the frequency turns back.
+    pub turning_points: Vec<usize>,
+    /// Where the response is a quarter period behind the force.
+    pub resonances: Vec<ResonanceSummary>,
+    /// Where the share of a harmonic above the first has a maximum of more than a thousandth.
+    #[serde(default)]
+    pub superharmonics: Vec<SuperharmonicSummary>,
+    /// The largest first harmonic of the curve: frequency (Hz) and amplitude (m).
+    pub peak: Option<[f64; 2]>,
+    /// The same by the response of the nonlinear mode alone, where an EPMC backbone is there.
+    pub single_mode_peak: Option<[f64; 2]>,
+    /// Differences of the two, relative to the first.
+    pub single_mode_error: Option<[f64; 2]>,
+    /// Whether it is known that the motions are stable: never with friction, whose histories have no monodromy matrix; between
+    /// turning points they usually are not.
+    pub stability: String,
+    /// Krylov steps of the whole curve.
+    pub krylov_steps: usize,
+    /// Why the curve ends early, if it does.
+    pub failure: Option<String>,
+}
+
+/// A maximum of the share of a harmonic.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SuperharmonicSummary {
+    /// The harmonic.
+    pub harmonic: usize,
+    /// Frequency of the force there (Hz).
+    pub frequency_hz: f64,
+    /// Amplitude of the harmonic over that of the first, at the response point.
+    pub share: f64,
+}
+
+/// A resonance of a forced response.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ResonanceSummary {
+    /// Frequency (Hz); `null` where it was not found.
+    pub frequency_hz: Option<f64>,
+    /// Amplitude of the first harmonic (m).
+    pub amplitude: Option<f64>,
+    /// Residual relative to the elastic forces (energy norm).
+    pub residual: Option<f64>,
+    /// Why there is none.
+    pub failure: Option<String>,
+}
+
+impl Summary {
+    /// Summarises a run without an ensemble; times and memory are the caller's to know.
+    pub fn new(run: &Run, timings: BTreeMap<String, f64>, peak_memory: Option<u64>) -> Self {
+        let (reduced, facts) = (&run.model.reduced, &run.model.facts);
+        let operators = run.interface.operators();
+        let prestress = &run.prestress;
+        let residual = prestress.tightening.is_some().then_some(&prestress.tensions);
+        let all = residual
+            .and_then(|tensions| tensions.first().copied())
+            .unwrap_or_else(|| run.scene.bolts.load.si());
+        let bolts = all * prestress.tensions.iter().map(|tension| tension / all).sum::<f64>();
+        let gaps = || run.interface.gap().unwrap_or(&[0.0]).iter().copied();
+        Self {
+            schema_version: SCHEMA_VERSION,
+            scene: serde_json::to_value(&run.scene).unwrap_or(serde_json::Value::Null),
+            title: match &run.scene.structure.source {
+                StructureSource::Benchmark(benchmark) => benchmark.title().to_owned(),
+                StructureSource::Deck(deck) => deck.path.display().to_string(),
+                StructureSource::Mesh(mesh) => mesh.path.display().to_string(),
+                StructureSource::Matrices(matrices) => matrices.path.display().to_string(),
+            },
+            response: run.response.clone(),
+            overview: Some(Overview {
+                mass: facts.mass.or(run.overview.mass),
+                ..run.overview.clone()
+            }),
+            warnings: run.warnings.clone(),
+            model: ModelSummary {
+                n_nodes: facts.n_nodes,
+                n_elements: facts.n_elements,
+                n_dofs: facts.n_dofs,
+                mass: facts.mass,
+                interface_area: operators.area(),
+                n_interface_elements: operators.n_elements(),
+                n_interface_points: operators.n_points(),
+                n_relative_dofs: reduced.n_relative,
+                n_modes: reduced.n_modes(),
+                zem_unstressed: facts.zem_unstressed,
+                zem_stuck: reduced.zem_stuck,
+                stuck_frequencies_hz: reduced.stuck_frequencies.iter().take(10).copied().collect(),
+                unstressed_frequencies_hz: facts.unstressed_frequencies_hz.clone(),
+                penalty_frequencies_hz: facts.penalty_frequencies_hz.clone(),
+                penalty_spectrum_error: facts.penalty_error,
+                reduction_asymmetry: reduced.asymmetry,
+                moved_pairs: run.moved_pairs,
+                raised: run.raised,
+                error_bar: ErrorBar::of(&run.scene),
+            },
+            law: run.law.clone(),
+            interfaces: match run.interfaces.len() {
+                1 => Vec::new(),
+                _ => run.interfaces.clone(),
+            },
+            gap: GapSummary {
+                smallest: gaps().fold(f64::INFINITY, f64::min),
+                largest: gaps().fold(0.0, f64::max),
+                clipped_points: run.clipped_gaps,
+            },
+            prestress: PrestressSummary {
+                bolt_load: all,
+                bolt_loads: match residual {
+                    Some(tensions) => tensions.clone(),
+                    None => run.scene.bolts.loads.iter().map(|load| load.si()).collect(),
+                },
+                iterations: prestress.solution.iterations.iter().sum(),
+                residual_ratio: prestress.residual_ratio,
+                equilibrium_error: prestress.equilibrium_error,
+                contact_area_fraction: run.validity().contact_area_fraction_by_points,
+                max_pressure: prestress.fields.traction[2].iter().copied().fold(0.0, f64::max),
+                mean_pressure: bolts / operators.area(),
+                converged: true,
+            },
+            torque: run.scene.torque_report(reduced.loads.len()),
+            tightening: prestress.tightening.clone(),
+            modes: run
+                .frequencies
+                .iter()
+                .map(|&frequency_hz| ModeSummary { frequency_hz })
+                .collect(),
+            backbone: backbone(run.first(), &run.scene),
+            methods: methods(run.first(), &run.scene),
+            backbones: match run.backbones.as_slice() {
+                [_] => Vec::new(),
+                several => several.iter().map(|of| mode_backbone(of, run)).collect(),
+            },
+            sensitivities: run.backbones.iter().flat_map(sensitivities).cloned().collect(),
+            ensemble: None,
+            uncertainty: None,
+            accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.preset().ok()),
+            error_estimate: None,
+            mesh_estimate: None,
+            forced: run.forced.iter().map(forced).collect(),
+            validity: run.validity().clone(),
+            skipped: skipped(run),
+            provenance: None,
+            timings,
+            peak_memory,
+        }
+    }
+}
+
+impl Summary {
+    /// One summary per mode followed, with the backbone, the methods and the validity of that mode. The first is the summary
+    /// itself; the others go with their mode, counted from 1.
+    pub fn by_mode(&self) -> impl Iterator<Item = (Option<usize>, Cow<'_, Self>)> {
+        let further = self.backbones.iter().skip(1);
+        let further = further.map(|of| (Some(of.mode), Cow::Owned(self.of_mode(of))));
+        std::iter::once((None, Cow::Borrowed(self))).chain(further)
+    }
+
+    fn of_mode(&self, mode: &ModeBackboneSummary) -> Self {
+        Self {
+            backbone: mode.backbone.clone(),
+            methods: mode.methods.clone(),
+            validity: mode.validity.clone(),
+            backbones: Vec::new(),
+            sensitivities: Vec::new(),
+            ensemble: None,
+            error_estimate: None,
+            mesh_estimate: None,
+            forced: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
+/// What the scene does not require, and is therefore not computed, not stored or not modelled.
+fn skipped(run: &Run) -> BTreeMap<String, String> {
+    let scene = &run.scene;
+    let mut skipped = BTreeMap::new();
+    if run.interface.gap().is_none() {
+        let reason = "the faces touch everywhere before the bolts are tightened: no gap is kept or subtracted";
+        skipped.insert("gap".to_owned(), reason.to_owned());
+    }
+    let (open, points) = (run.prestress.solution.counts.open, run.interface.operators().n_points());
+    if open > 0 {
+        let reason = format!(
+            "{open} of {points} points are open under the bolt loads; where neighbours are open as well, only their closure is \
+             computed, at every vertex anew"
+        );
+        skipped.insert("laws_of_open_points".to_owned(), reason);
+    }
+    if scene.cqsma.amplitudes > 0 && !run.interface.dissipates() {
+        let reason = "mu is zero: the history of friction cannot change what follows; no cycle is computed before the measured one, \
+                      and that only one way, as the way back passes the same vertices";
+        skipped.insert("way_back_of_loops".to_owned(), reason.to_owned());
+    }
+    if scene.model.symmetry == Symmetry::Half {
+        let reason = "model.symmetry is half: only modes symmetric about y = 0 are in the results, numbered among themselves; \
+                      mass, energies, forces and areas are those of the whole structure, while nodes, elements, points, \
+                      coordinates and fields are those of its half y >= 0";
+        skipped.insert("half_of_the_structure".to_owned(), reason.to_owned());
+    }
+    if scene.bolts.behaviour == BoltBehaviour::DeadLoad && scene.bolts.tightening.is_none() {
+        let reason = "bolts.behaviour is dead-load: no static responses to the bolt loads join the modes";
+        skipped.insert("attachment_modes".to_owned(), reason.to_owned());
+    }
+    let efforts = || run.amplitudes().iter().map(|amplitude| amplitude.point.effort);
+    let (solves, factorisations): (usize, usize) = efforts()
+        .map(|e| (e.solves, e.factorisations))
+        .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    if solves > factorisations {
+        let reason = format!(
+            "the structure with everything in contact stuck is inverted once: of {solves} equilibria of the loops {factorisations} \
+             needed a factorisation, the others iterate about it on what slips, opens or changes its stiffness"
+        );
+        skipped.insert("factorisations".to_owned(), reason);
+    }
+    let (amplitudes, stored) = (scene.cqsma.amplitudes, scene.fields_at().len());
+    if stored < amplitudes {
+        let reason = format!(
+            "output.fields_at asks for the fields of {stored} of {amplitudes} amplitudes; the others keep sums over the interface"
+        );
+        skipped.insert("fields".to_owned(), reason);
+    }
+    let quiet = run
+        .amplitudes()
+        .iter()
+        .filter(|a| a.point.result.as_ref().is_ok_and(|r| r.one_way));
+    let quiet = quiet.count();
+    if quiet > 0 && run.interface.dissipates() {
+        let reason = format!(
+            "of {amplitudes} loops {quiet} were computed one way only: the closed cycle before them dissipated nothing that can be \
+             told from the residuals, so that the way back passes the same vertices"
+        );
+        skipped.insert("way_back_of_loops".to_owned(), reason);
+    }
+    skipped
+}
+
+fn hertz(omega: f64) -> f64 {
+    omega / (2.0 * std::f64::consts::PI)
+}
+
+fn method(point: &MethodPoint, scene: &Scene) -> MethodSummary {
+    match &point.result {
+        Ok(values) => MethodSummary {
+            response_displacement: Some(values.response_displacement),
+            frequency_hz: Some(hertz(values.omega)),
+            frequency_first_harmonic_hz: Some(hertz(values.harmonic_omega)),
+            damping_ratio: values.zeta.map(|zeta| zeta + scene.background_damping),
+            damping_floor: Some(values.zeta_floor),
+            modal_force: Some(values.modal_force),
+            modal_amplitude: Some(values.modal_amplitude),
+            residual: Some(values.residual),
+            converged: true,
+            failure: None,
+            ..MethodSummary::default()
+        },
+        Err(failure) => MethodSummary {
+            failure: Some(failure.reason.to_string()),
+            ..MethodSummary::default()
+        },
+    }
+}
+
+fn mode_backbone(of: &ModeBackbone, run: &Run) -> ModeBackboneSummary {
+    ModeBackboneSummary {
+        mode: of.mode,
+        frequency_hz: run.frequencies[of.mode - 1],
+        backbone: backbone(of, &run.scene),
+        methods: methods(of, &run.scene),
+        validity: of.validity.clone(),
+    }
+}
+
+/// Those of the loops, then those of free motions.
+fn sensitivities(of: &ModeBackbone) -> impl Iterator<Item = &Sensitivity> {
+    let free = of.epmc.iter().flat_map(|found| &found.sensitivities);
+    of.sensitivities.iter().chain(free)
+}
+
+fn methods(of: &ModeBackbone, scene: &Scene) -> BTreeMap<String, Vec<MethodSummary>> {
+    let points = |points: &[MethodPoint]| points.iter().map(|p| method(p, scene)).collect();
+    let methods = of.methods.iter();
+    let periodic = of.epmc.iter().map(|found| {
+        let points = found.points.iter().zip(&found.response_displacement);
+        let points = points.map(|(point, displacement)| periodic(point, *displacement, scene));
+        (Method::Epmc.name().to_owned(), points.collect())
+    });
+    methods
+        .map(|m| (m.method.name().to_owned(), points(&m.points)))
+        .chain(periodic)
+        .collect()
+}
+
+fn periodic(point: &Point, response_displacement: Option<f64>, scene: &Scene) -> MethodSummary {
+    let effort = point.effort;
+    let work = MethodSummary {
+        iterations: Some(effort.iterations),
+        evaluations: Some(effort.evaluations),
+        krylov_steps: Some(effort.krylov_steps),
+        ..MethodSummary::default()
+    };
+    match &point.result {
+        Ok(motion) => MethodSummary {
+            response_displacement,
+            frequency_hz: Some(hertz(motion.omega)),
+            frequency_first_harmonic_hz: Some(hertz(motion.omega)),
+            damping_ratio: motion.zeta.map(|zeta| zeta + scene.background_damping),
+            damping_floor: Some(motion.energy_error.max(motion.residual)),
+            modal_force: Some(motion.omega * motion.omega * motion.modal_amplitude),
+            modal_amplitude: Some(motion.modal_amplitude),
+            residual: Some(motion.residual),
+            harmonics: Some(motion.sampling.harmonics),
+            samples: Some(motion.sampling.samples),
+            periods: Some(motion.sampling.periods),
+            drift: Some(motion.drift),
+            share_of_harmonics: Some(motion.share_of_harmonics.clone()),
+            dissipation: Some(motion.dissipation),
+            energy_error: Some(motion.energy_error),
+            frequency_errors: motion.errors.map(|errors| errors.frequency),
+            damping_errors: motion.errors.map(|errors| errors.damping),
+            converged: true,
+            ..work
+        },
+        Err(failure) => MethodSummary {
+            modal_amplitude: Some(point.modal_amplitude),
+            failure: Some(failure.reason.to_string()),
+            ..work
+        },
+    }
+}
+
+fn forced(of: &ForcedResponse) -> ForcedSummary {
+    let each = |value: &dyn Fn(&ForcedPoint) -> f64| of.points.iter().map(value).collect::<Vec<f64>>();
+    let peak = of.peak().map(|p| [p.frequency_hz, p.harmonics[0]]);
+    let alone = of
+        .synthesis
+        .iter()
+        .max_by(|a, b| a.displacement.total_cmp(&b.displacement));
+    let alone = alone.map(|p| [hertz(p.omega), p.displacement]);
+    let resonance = |found: &Result<ForcedPoint, _>| {
+        let point = found.as_ref().ok();
+        ResonanceSummary {
+            frequency_hz: point.map(|p: &ForcedPoint| p.frequency_hz),
+            amplitude: point.map(|p| p.harmonics[0]),
+            residual: point.map(|p| p.residual),
+            failure: found
+                .as_ref()
+                .err()
+                .map(|f: &harmonic_balance::Failure| f.reason.to_string()),
+        }
+    };
+    ForcedSummary {
+        level: of.level,
+        frequency: each(&|p| p.frequency_hz),
+        amplitude: each(&|p| p.harmonics[0]),
+        phase: each(&|p| p.phase.to_degrees()),
+        harmonics: of.points.iter().map(|p| p.harmonics.clone()).collect(),
+        components: of.points.iter().map(|p| p.components.clone()).collect(),
+        mean: each(&|p| p.mean),
+        residual: each(&|p| p.residual),
+        turning_points: (0..of.points.len()).filter(|i| of.points[*i].turns).collect(),
+        resonances: of.resonances.iter().map(resonance).collect(),
+        superharmonics: of
+            .superharmonics()
+            .into_iter()
+            .map(|(harmonic, point)| SuperharmonicSummary {
+                harmonic,
+                frequency_hz: point.frequency_hz,
+                share: point.harmonics[harmonic - 1] / point.harmonics[0],
+            })
+            .collect(),
+        single_mode_error: peak.zip(alone).map(|(p, a)| [a[0] / p[0] - 1.0, a[1] / p[1] - 1.0]),
+        peak,
+        single_mode_peak: alone,
+        stability: "not judged: the history of friction has no monodromy matrix; motions between two turning points are usually unstable"
+            .to_owned(),
+        krylov_steps: of.effort.krylov_steps,
+        failure: of.failure.as_ref().map(|f| f.reason.to_string()),
+    }
+}
+
+fn backbone(of: &ModeBackbone, scene: &Scene) -> Vec<BackboneSummary> {
+    let holds = of.validity.separation_modal_force.unwrap_or(f64::INFINITY);
+    of.amplitudes.iter().map(|a| backbone_point(a, scene, holds)).collect()
+}
+
+/// `holds` is the modal force up to which bolts can hold the structure together.
+fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, holds: f64) -> BackboneSummary {
+    let point = &amplitude.point;
+    let result = point.result.as_ref().ok();
+    let fields = amplitude.fields.as_ref();
+    let zeta = result.filter(|r| r.is_resolved()).map(|r| r.zeta);
+    BackboneSummary {
+        status: match (&point.result, zeta) {
+            (Err(failure), _) if failure.reason == Reason::BelowRoundOff => Status::BelowRoundOff,
+            (Err(_), _) if point.modal_force > holds => Status::NoEquilibrium,
+            (Err(_), _) => Status::NotConverged,
+            (Ok(_), None) => Status::BelowFloor,
+            _ => Status::Resolved,
+        },
+        modal_force: point.modal_force,
+        modal_amplitude: result.map(|r| r.modal_amplitude),
+        frequency_hz: result.map(|r| hertz(r.omega)),
+        frequency_first_harmonic_hz: result.map(|r| hertz(r.harmonic_omega)),
+        half_frequencies_hz: result.map(|r| r.half_omegas.map(hertz)),
+        damping_ratio: zeta.map(|zeta| zeta + scene.background_damping),
+        friction_damping_ratio: zeta,
+        damping_ratio_first_harmonic: result
+            .filter(|r| r.is_resolved())
+            .map(|r| r.harmonic_zeta() + scene.background_damping),
+        damping_floor: result.map(|r| r.zeta_floor),
+        dissipation: fields.map(|f| f.dissipation),
+        loop_area: result.map(|r| r.loop_area),
+        coarse_loop_area: result.and_then(|r| r.coarse_loop_area),
+        response_acceleration: amplitude.response_acceleration,
+        response_displacement: amplitude.response_displacement,
+        response_motion: fields.map(|f| f.response_motion),
+        slip_fraction: fields.map(|f| f.slip_fraction),
+        open_fraction: fields.map(|f| f.open_fraction),
+        load_points: point.effort.solves,
+        iterations: point.effort.iterations,
+        evaluations: point.effort.evaluations,
+        krylov_steps: point.effort.krylov_steps,
+        factorisations: point.effort.factorisations,
+        shape_deviation: result.map(|r| r.shape_deviation),
+        cycles: result.map(|r| r.cycles),
+        one_way: result.map(|r| r.one_way),
+        closed: result.filter(|_| scene.cqsma.cycles.is_none()).map(|r| r.closed),
+        loop_closure: result.map(|r| r.closure),
+        residual: result.map(|r| r.residual),
+        converged: result.is_some(),
+        failure: point.result.as_ref().err().map(|f| f.reason.to_string()),
+    }
+}

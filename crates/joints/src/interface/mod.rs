@@ -1,0 +1,538 @@
+//! From a scene's surface and law to the interface.
+
+mod asperities;
+mod finish;
+mod force;
+mod friction;
+mod given;
+mod law;
+mod resolved;
+mod surface;
+mod variation;
+
+pub use asperities::Asperities;
+pub use finish::{FinishReport, FinishedFace, FinishedSurface, GreenwoodWilliamsonParameters};
+pub use force::InterfaceForce;
+pub use given::curves_of_element;
+pub use law::{AsperityReport, LawReport};
+pub use resolved::ResolvedReport;
+pub use surface::{
+    FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport, in_frame, synthetic,
+};
+
+use crate::Error;
+use asperities::population;
+use contact_laws::{
+    Components, ComponentsMut, ContactCurves, PointParameters, StateView, StateViewMut, Sticking, TangentMut,
+    TractionLaw,
+};
+use dense_algebra::Limits;
+use given::GivenLaw;
+use joint_model::InterfacePart;
+use law::{BuiltLaw, NamedLaw, fits_of};
+use scenes::{LawKind, Scene, Surface};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use surface_characterisation::PairAsperities;
+use zte_assembly::{Interface, InterfaceMesh, Operators};
+
+/// The interface of a scene.
+pub struct SceneInterface {
+    /// Ready for evaluation.
+    pub interface: Interface,
+    /// What is reported about the law of each part of the interface; never empty.
+    pub reports: Vec<PartReport>,
+    /// Points whose gap came out negative and was set to zero.
+    pub clipped_gaps: usize,
+    /// Uniform closure `u_n` above the gap that carries the bolt load (m), zero without one: the guess that prestress starts from.
+    pub closure: f64,
+    operators: Arc<Operators>,
+    /// The parts, in the order of their points.
+    parts: Vec<PartLaw>,
+}
+
+/// What is reported about a part of an interface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PartReport {
+    /// Its name.
+    pub name: String,
+    /// Area that is in contact at most (m^2).
+    pub area: f64,
+    /// Elements.
+    pub elements: usize,
+    /// Friction coefficient (-), where no zone has its own.
+    pub mu: f64,
+    /// Its law.
+    pub law: LawReport,
+}
+
+impl std::fmt::Debug for SceneInterface {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SceneInterface")
+            .field("interface", &self.interface)
+            .field("reports", &self.reports)
+            .finish()
+    }
+}
+
+/// A part of an interface with its law, before the parts are joined.
+struct PartLaw {
+    /// With the surface, gap, law and friction of the part.
+    scene: Scene,
+    /// Number of the interface in the scene that it belongs to, where the scene has several.
+    source: Option<usize>,
+    operators: Arc<Operators>,
+    element_of: Vec<u32>,
+    /// Friction coefficients of the points.
+    mu: PointParameters<f64>,
+    from: Source,
+    /// Gap of the points (m), and how many were negative.
+    gap: Vec<f64>,
+    clipped_gaps: usize,
+}
+
+impl PartLaw {
+    /// Builds law and gap over a mesh in its own plane coordinates, with its operators; `pressure` is the mean one of the bolts (Pa).
+    /// Asperities that are known already are those of `known`, a part whose surface is the same.
+    fn try_new(
+        scene: Scene,
+        mesh: &InterfaceMesh,
+        operators: Arc<Operators>,
+        pressure: f64,
+        known: Option<&Self>,
+        limits: Limits<'_>,
+    ) -> Result<Self, Error> {
+        let element_of: Vec<u32> = operators
+            .first_point
+            .windows(2)
+            .enumerate()
+            .flat_map(|(e, r)| vec![e as u32; r[1] - r[0]])
+            .collect();
+        let mu = friction::coefficients(&scene, &operators.positions)?;
+        let law_of = |asperities: Asperities| -> Result<Source, Error> {
+            let built = asperities.law(&scene, &operators, &element_of, &mu, pressure)?;
+            Ok(Source::Asperities(Box::new(built)))
+        };
+        // Populations depend on the surface, and on how the law takes them.
+        let is_same = |part: &&Self| part.scene.surface == scene.surface && part.scene.law.kind == scene.law.kind;
+        let known = known.filter(is_same).and_then(|part| match &part.from {
+            Source::Given(_) => None,
+            Source::Asperities(built) => Some(&built.asperities),
+        });
+        let from = match (&scene.surface, known) {
+            (Surface::Parameters(parameters), _) => {
+                Source::Given(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?)
+            }
+            (_, Some(known)) => law_of(known.varied(&scene)?)?,
+            (Surface::Measured | Surface::Benchmark(_), None) => {
+                let measured = scene
+                    .measured_surface()
+                    .ok_or_else(|| scenes::Error::NoMeasuredSurface {
+                        place: scene.name.clone(),
+                        field: "surface",
+                    })?;
+                law_of(Asperities::measured(&measured, &scene, mesh)?)?
+            }
+            (Surface::SyntheticScan(_) | Surface::Scans(_), None) => {
+                law_of(Asperities::scanned(&scene, mesh, limits)?)?
+            }
+            (Surface::Finish(_), None) => law_of(Asperities::finished(&scene, mesh)?)?,
+        };
+        let (gap, clipped_gaps) = match &from {
+            Source::Given(given) => (given.gap.clone(), 0),
+            Source::Asperities(built) => {
+                let clipped = built.known_gap.iter().filter(|g| **g < 0.0).count();
+                let known = built.known_gap.iter().map(|g| g.max(0.0));
+                (scene.scale.gaps(known, &operators.positions), clipped)
+            }
+        };
+        refuse_gap_beyond_the_faces(&gap, mesh)?;
+        Ok(Self {
+            scene,
+            operators,
+            source: None,
+            element_of,
+            mu,
+            from,
+            gap,
+            clipped_gaps,
+        })
+    }
+
+    fn law(&self) -> Arc<dyn TractionLaw> {
+        match &self.from {
+            Source::Given(given) => given.law.clone(),
+            Source::Asperities(built) => built.law.clone(),
+        }
+    }
+
+    /// Interference at each point that a preload belongs to (m).
+    fn interference(&self) -> Vec<f64> {
+        match &self.from {
+            Source::Given(given) => given.interference.clone(),
+            Source::Asperities(_) => vec![0.0; self.gap.len()],
+        }
+    }
+
+    /// The part alone.
+    fn interface(&self) -> Result<Interface, Error> {
+        let n = self.gap.len();
+        let interface = Interface::try_new(self.operators.clone(), vec![(0..n, self.law())], self.gap.clone())?;
+        Ok(match &self.from {
+            Source::Given(given) => interface.with_interference(given.interference.clone())?,
+            Source::Asperities(_) => interface,
+        })
+    }
+
+    /// What is reported about it where the bolts load it by `load` (N).
+    fn report(&self, load: f64) -> Result<LawReport, Error> {
+        let (scene, operators) = (&self.scene, &self.operators);
+        let (mean_closure, mean_pressure) = match &self.from {
+            // What the preload holds together moves little from where it is.
+            Source::Given(given) if load == 0.0 => {
+                let [closure, pressure] = mean(operators, |p| [given.interference[p], given.preload[p]]);
+                (closure, pressure)
+            }
+            _ => {
+                let flat = self.interface()?.with_gap(vec![0.0; self.gap.len()])?;
+                (uniform_closure(&flat, load)?, load / operators.area())
+            }
+        };
+        let (kind, resolved) = match &self.from {
+            Source::Given(given) => (given.kind, None),
+            Source::Asperities(built) => (built.kind, built.resolved.clone()),
+        };
+        let (stiffness, asperity_report) = match &self.from {
+            Source::Given(given) => {
+                let of_curves = |p: usize| stiffnesses(given.at(p), mean_closure);
+                (mean(operators, of_curves), None)
+            }
+            Source::Asperities(built) => {
+                let (stiffness, report) = built.describe(scene, operators, &self.element_of, mean_closure)?;
+                let stiffness = match &resolved {
+                    None => stiffness,
+                    Some(_) => mean(operators, |p| stuck_stiffness(&*built.law, p, mean_closure)),
+                };
+                (stiffness, Some(report))
+            }
+        };
+        Ok(LawReport {
+            kind: kind.to_owned(),
+            history: scene.law.history,
+            asperities: asperity_report,
+            resolved,
+            mean_closure,
+            mean_pressure,
+            normal_stiffness: stiffness[0],
+            tangential_stiffness: stiffness[1],
+        })
+    }
+}
+
+impl SceneInterface {
+    /// Builds laws and gaps; `parts` are those of `mesh`, none where it is one whole. `load` is the sum of the bolt loads (N), zero only
+    /// for given parameters with a preload.
+    ///
+    /// # Errors
+    /// Of the law, the surface, the interface; [`Error::NoContact`].
+    pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, parts: &[InterfacePart], load: f64) -> Result<Self, Error> {
+        Self::within(Limits::default(), scene, mesh, parts, load)
+    }
+
+    /// The same within limits of time.
+    ///
+    /// # Errors
+    /// As [`SceneInterface::try_new`]; an interruption.
+    pub fn within(
+        limits: Limits<'_>,
+        scene: &Scene,
+        mesh: &InterfaceMesh,
+        parts: &[InterfacePart],
+        load: f64,
+    ) -> Result<Self, Error> {
+        Self::build(scene, mesh, parts, load, None, limits)
+    }
+
+    /// The interface of a scene that differs in numbers alone. Where they are not those of the surface, it is not measured again.
+    ///
+    /// # Errors
+    /// As [`SceneInterface::try_new`].
+    pub fn varied(
+        &self,
+        scene: &Scene,
+        mesh: &InterfaceMesh,
+        parts: &[InterfacePart],
+        load: f64,
+    ) -> Result<Self, Error> {
+        Self::build(scene, mesh, parts, load, Some(self), Limits::default())
+    }
+
+    fn build(
+        scene: &Scene,
+        mesh: &InterfaceMesh,
+        parts: &[InterfacePart],
+        load: f64,
+        known: Option<&Self>,
+        limits: Limits<'_>,
+    ) -> Result<Self, Error> {
+        let known_part = |number: usize| known.and_then(|known| known.parts.get(number));
+        let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
+        let pressure = load / operators.area();
+        let share = |area: f64| pressure * area;
+        let built = match parts {
+            [] => vec![(
+                "interface".to_owned(),
+                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure, known_part(0), limits)?,
+            )],
+            _ => parts
+                .iter()
+                .enumerate()
+                .map(|(number, part)| {
+                    let own = scene.of_interface(part.source);
+                    let mesh = part.mesh(mesh);
+                    let operators = scene.model.symmetry.operators(&mesh, scene.points_per_direction)?;
+                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number), limits)?;
+                    let source = Some(part.source);
+                    Ok((part.name.clone(), PartLaw { source, ..law }))
+                })
+                .collect::<Result<Vec<_>, Error>>()?,
+        };
+        let mut laws = Vec::with_capacity(built.len());
+        let mut first = 0;
+        for (_, part) in &built {
+            let range = first..first + part.gap.len();
+            first = range.end;
+            laws.push((range, part.law()));
+        }
+        let gap = built.iter().flat_map(|(_, part)| part.gap.iter().copied()).collect();
+        let mut interface = Interface::try_new(operators.clone(), laws, gap)?;
+        if built.iter().any(|(_, part)| matches!(part.from, Source::Given(_))) {
+            interface =
+                interface.with_interference(built.iter().flat_map(|(_, part)| part.interference()).collect())?;
+        }
+        let is_given = built.iter().all(|(_, part)| matches!(part.from, Source::Given(_)));
+        let closure = match is_given && load == 0.0 {
+            true => 0.0,
+            false => uniform_closure(&interface, load)?,
+        };
+        let reports = built.iter().map(|(name, part)| {
+            let area = part.operators.area();
+            // The whole carries the whole load, to the last bit.
+            let load = if built.len() == 1 { load } else { share(area) };
+            Ok(PartReport {
+                name: name.clone(),
+                area,
+                elements: part.operators.n_elements(),
+                mu: part.scene.mu,
+                law: part.report(load)?,
+            })
+        });
+        Ok(Self {
+            reports: reports.collect::<Result<_, Error>>()?,
+            clipped_gaps: built.iter().map(|(_, part)| part.clipped_gaps).sum(),
+            interface,
+            closure,
+            operators,
+            parts: built.into_iter().map(|(_, part)| part).collect(),
+        })
+    }
+
+    /// The law of the whole interface, or of its first part.
+    pub fn report(&self) -> &LawReport {
+        &self.reports[0].law
+    }
+
+    /// The asperities of all parts together; none where the parameters of the law of a part are given.
+    pub fn asperities(&self) -> Option<Asperities> {
+        let of_parts = self.parts.iter().map(|part| match &part.from {
+            Source::Given(_) => None,
+            Source::Asperities(built) => Some(&built.asperities),
+        });
+        Asperities::joined(of_parts.collect::<Option<Vec<_>>>()?)
+    }
+
+    /// The interface with the laws of bootstrap realisation `k` of all elements, and the closure as in
+    /// [`SceneInterface::closure`]. Gaps are those of this interface; where a realisation lacks the tallest peak, contact
+    /// begins at its own tallest, by so much later.
+    ///
+    /// # Errors
+    /// [`Error::NoSamples`] unless the surface of all parts is scanned; else as [`SceneInterface::try_new`].
+    pub fn realisation(&self, k: usize, load: f64) -> Result<(Interface, f64), Error> {
+        let mut laws = Vec::with_capacity(self.parts.len());
+        let mut gap = Vec::new();
+        let pressure = load / self.operators.area();
+        for part in &self.parts {
+            let (law, of_part) = part.realisation(k, pressure)?;
+            laws.push((gap.len()..gap.len() + of_part.len(), law));
+            gap.extend(of_part);
+        }
+        for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
+            *gap += own;
+        }
+        let interface = Interface::try_new(self.operators.clone(), laws, gap)?;
+        let closure = uniform_closure(&interface, load)?;
+        Ok((interface, closure))
+    }
+
+    /// What the readers of the scans had to settle by convention, one sentence each.
+    pub fn notes(&self) -> impl Iterator<Item = String> {
+        let reports = self.reports.iter().filter_map(|part| part.law.asperities.as_ref());
+        let scans = reports.flat_map(|report| &report.scans);
+        scans.flat_map(|file| file.notes.iter().map(|note| format!("{}: {note}", file.path.display())))
+    }
+}
+
+impl PartLaw {
+    /// The law of a realisation, and by how much later contact begins at each point (m); `pressure` is the mean one of the bolts (Pa).
+    fn realisation(&self, k: usize, pressure: f64) -> Result<(Arc<dyn TractionLaw>, Vec<f64>), Error> {
+        let scene = &self.scene;
+        let Source::Asperities(built) = &self.from else {
+            return Err(Error::NoSamples);
+        };
+        let asperities = &built.asperities;
+        let (scan, _) = asperities.scan.as_deref().ok_or(Error::NoSamples)?;
+        let drawn: Vec<_> = scan
+            .realisation(k)?
+            .iter()
+            .map(PairAsperities::from_own_tallest)
+            .collect();
+        let populations = drawn.iter().map(|(pair, _)| population(scene, pair));
+        let populations = populations.collect::<Result<_, Error>>()?;
+        let realisation = asperities.with_populations(populations, &scene.scale)?;
+        let sums = realisation.sums(scene.law.tangential)?;
+        let fits = match scene.law.kind {
+            LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,
+            LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
+        };
+        let NamedLaw { law, .. } =
+            realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressure)?;
+        let height = scene.scale.asperity_height;
+        let later = self.element_of.iter().map(|&e| height * drawn[e as usize].1).collect();
+        Ok((law, later))
+    }
+}
+
+/// What the law follows from.
+enum Source {
+    Given(GivenLaw),
+    Asperities(Box<BuiltLaw>),
+}
+
+/// Average over the area of values at the points.
+fn mean(operators: &Operators, of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    let points = operators.weights.iter().enumerate();
+    let sum = points.fold([0.0; 2], |sum, (p, w)| {
+        let value = of(p);
+        [sum[0] + w * value[0], sum[1] + w * value[1]]
+    });
+    sum.map(|sum| sum / operators.area())
+}
+
+/// Normal and mean tangential stiffness of curves at an interference.
+fn stiffnesses(curves: &dyn ContactCurves, u: f64) -> [f64; 2] {
+    let k = curves.tangential(u);
+    [curves.normal(u).1, 0.5 * (k[0].value + k[1].value)]
+}
+
+/// Normal and mean tangential stiffness (Pa/m) of a point that was closed to an interference and sticks there.
+fn stuck_stiffness(law: &dyn TractionLaw, point: usize, u: f64) -> [f64; 2] {
+    let n_state = law.info().n_state();
+    let (mut begin, mut end) = (vec![0.0; n_state], vec![0.0; n_state]);
+    let mut tangent = [[0.0]; 9];
+    // First loading, and then from there.
+    for _ in 0..2 {
+        let [mut x, mut y, mut n] = [[0.0]; 3];
+        law.evaluate(
+            point..point + 1,
+            Sticking::Full,
+            Components::new(&[0.0], &[0.0], &[u]),
+            StateView::new(&begin, 1, 0),
+            StateViewMut::new(&mut end, 1, 0),
+            ComponentsMut::new(&mut x, &mut y, &mut n),
+            Some(TangentMut::from_entries(
+                tangent.each_mut().map(|entry| entry.as_mut_slice()),
+            )),
+            None,
+        );
+        begin.copy_from_slice(&end);
+    }
+    let [[x], _, _, _, [y], _, _, _, [n]] = tangent;
+    [n, 0.5 * (x + y)]
+}
+
+/// Refuses faces that are farther apart everywhere than they are long: small motions cannot close them. Points have no length.
+fn refuse_gap_beyond_the_faces(gap: &[f64], mesh: &InterfaceMesh) -> Result<(), Error> {
+    if mesh.is_of_points() {
+        return Ok(());
+    }
+    let smallest = gap.iter().copied().fold(f64::INFINITY, f64::min);
+    let size = |axis: usize| {
+        let along = mesh.nodes.iter().map(|x| x[axis]);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    };
+    let extent = size(0).hypot(size(1));
+    if smallest > extent {
+        return Err(Error::GapBeyondFaces { smallest, extent });
+    }
+    Ok(())
+}
+
+/// The rigid approach of the two faces at which the interface carries `load` (N); bisection on a rising function.
+///
+/// # Errors
+/// [`Error::NoContact`] if a closure of 1 m does not carry it.
+pub fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
+    let state = interface.initial_state();
+    let mut end = state.clone();
+    let mut workspace = interface.workspace();
+    let mut force = vec![0.0; interface.n_dofs()];
+    let mut carried = |closure: f64| {
+        let jump: Vec<f64> = (0..interface.n_dofs())
+            .map(|i| if i % 3 == 2 { closure } else { 0.0 })
+            .collect();
+        interface.evaluate(
+            &jump,
+            Sticking::Coulomb,
+            &state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
+        force.iter().skip(2).step_by(3).sum::<f64>()
+    };
+    let smallest = interface
+        .gap()
+        .unwrap_or(&[0.0])
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    // Beyond round-off of the gap, or the bracket would never grow.
+    let first = f64::max(1e-9, 4.0 * f64::EPSILON * smallest.abs());
+    let (mut low, mut high) = (smallest, smallest + first);
+    while carried(high) < load {
+        low = high;
+        high = smallest + 2.0 * (high - smallest);
+        if high > smallest + 1.0 {
+            return Err(Error::NoContact {
+                load,
+                closure: high,
+                carried: carried(high),
+            });
+        }
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if carried(middle) < load {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    Ok(0.5 * (low + high))
+}

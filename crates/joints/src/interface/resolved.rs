@@ -1,0 +1,192 @@
+//! Laws with a history for every asperity.
+
+use super::asperities::Asperities;
+use crate::Error;
+use contact_laws::{
+    Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, ContactCurves, PointParameters,
+    Radii, ResolvedLaw,
+};
+use rayon::prelude::*;
+use scenes::{Bins, Friction, RadialRule, Scene};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Interferences are expected up to that which carries so many times the mean pressure of the bolts.
+const PRESSURE_REACH: f64 = 10.0;
+
+/// Different places of the bins, which neighbouring points take in turn.
+const SHIFTS: usize = 16;
+
+/// Numbers of bins that are tried.
+const COUNTS: [usize; 12] = [4, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128];
+
+/// Bins that errors are measured against.
+const FINEST: usize = 1000;
+
+/// Populations at which errors are measured, if there are more.
+const MEASURED: usize = 8;
+
+/// Amplitudes over gross slip from which the error of the dissipated energy counts.
+const SMALLEST_AMPLITUDE: f64 = 0.1;
+
+/// What is reported about a law with a history for every asperity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ResolvedReport {
+    /// Most bins at a point.
+    pub bins: usize,
+    /// Largest interference that they were chosen for (m) (mean over the populations); asperities beyond are in two bins. Equally
+    /// spaced bins reach to the largest gap.
+    pub reach: f64,
+    /// Measured relative errors of elastic asperities in these bins: normal traction, tangential stiffness, dissipated energy.
+    pub bin_errors: [f64; 3],
+    /// Radii of an asperity; none where it slips as a whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radii: Option<usize>,
+    /// Interference at the onset of yield (m) (mean over the populations); none for elastic asperities.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub onset_of_yield: Option<f64>,
+}
+
+/// One population and what its bins are made from.
+struct Source<'a> {
+    asperity: Asperity,
+    population: &'a AsperityPopulation,
+    reach: f64,
+}
+
+impl Source<'_> {
+    /// Bins at the places with these numbers.
+    fn bins(&self, bins: Bins, count: usize, places: &[usize]) -> Result<Vec<AsperityBins>, Error> {
+        Ok(match bins {
+            Bins::EquallySpaced(n) => {
+                let same = AsperityBins::equally_spaced(self.asperity, self.population, n)?;
+                vec![same; places.len()]
+            }
+            Bins::Error(_) | Bins::Gauss(_) => {
+                let golden = |place: usize| (0.5 + place as f64 * 0.618_033_988_749_895).fract();
+                let shifts: Vec<f64> = places.iter().map(|&place| golden(place)).collect();
+                AsperityBins::gauss(self.asperity, self.population, count, self.reach, &shifts)?
+            }
+        })
+    }
+
+    /// Errors of bins against others of the same population.
+    fn errors(&self, bins: Bins, count: usize, reference: &AsperityBins) -> Result<[f64; 3], Error> {
+        let places: Vec<usize> = (0..SHIFTS).collect();
+        let found = self.bins(bins, count, &places)?;
+        Ok(AsperityBins::errors(&found, reference, self.reach, SMALLEST_AMPLITUDE))
+    }
+}
+
+impl Asperities {
+    /// The law of all points, from the mean pressure of the bolts (Pa).
+    pub(super) fn resolved_law(
+        &self,
+        scene: &Scene,
+        element_of: &[u32],
+        mu: &PointParameters<f64>,
+        sums: &[AsperitySumCurves],
+        pressure: f64,
+    ) -> Result<(ResolvedLaw, ResolvedReport), Error> {
+        let law = &scene.law;
+        let yielding = law.yielding();
+        let sources = self.populations.iter().zip(sums).map(|(population, sum)| {
+            Ok(Source {
+                asperity: Asperity::try_new(self.material, population.effective_radius(), yielding)?,
+                population,
+                reach: interference_at(sum, PRESSURE_REACH * pressure),
+            })
+        });
+        let sources = sources.collect::<Result<Vec<_>, Error>>()?;
+        let (count, bin_errors) = count(&sources, law.bins)?;
+
+        // The sets that points need: a population, and a place of the bins.
+        let key = |(point, &element): (usize, &u32)| (self.of_element[element as usize], point % SHIFTS);
+        let mut needed: BTreeMap<u32, BTreeMap<usize, u32>> = BTreeMap::new();
+        for (population, place) in element_of.iter().enumerate().map(key) {
+            needed.entry(population).or_default().insert(place, 0);
+        }
+        let made = needed.par_iter().map(|(&population, places)| {
+            let places: Vec<usize> = places.keys().copied().collect();
+            sources[population as usize].bins(law.bins, count, &places)
+        });
+        let made = made.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+        let numbers = needed.values_mut().flat_map(BTreeMap::values_mut);
+        numbers.zip(0..).for_each(|(number, next)| *number = next);
+        let sets: Vec<AsperityBins> = made.into_iter().flatten().collect();
+        let index = element_of.iter().enumerate().map(key);
+        let index = index.map(|(population, place)| needed[&population][&place]).collect();
+
+        let mean = |of: &dyn Fn(&Source<'_>) -> f64| sources.iter().map(of).sum::<f64>() / sources.len() as f64;
+        let (friction, radii) = match (law.friction, law.radii) {
+            (Friction::Lumped | Friction::Resolved, _) => (AsperityFriction::StickSlip(law.history), None),
+            (Friction::MindlinIwan, RadialRule::Annuli(n)) => (AsperityFriction::Annuli(law.history, n), Some(n)),
+            (Friction::MindlinIwan, RadialRule::EquallySpaced(n)) => {
+                (AsperityFriction::MindlinIwan(Radii::equally_spaced(n)?), Some(n))
+            }
+        };
+        let report = ResolvedReport {
+            bins: sets.iter().map(AsperityBins::len).max().unwrap_or(0),
+            reach: mean(&|source| source.reach),
+            bin_errors,
+            radii,
+            onset_of_yield: yielding.map(|_| mean(&|source| source.asperity.onset_of_yield())),
+        };
+        let bins = PointParameters::try_indexed(sets, index)?;
+        let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
+        Ok((law, report))
+    }
+}
+
+/// Gauss bins per point, and the errors measured with them.
+fn count(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3]), Error> {
+    let every = sources.len().div_ceil(MEASURED).max(1);
+    let mut measured = Vec::with_capacity(MEASURED);
+    for source in sources.iter().step_by(every) {
+        let finest = AsperityBins::gauss(source.asperity, source.population, FINEST, source.reach, &[0.0])?;
+        measured.extend(finest.into_iter().map(|finest| (source, finest)));
+    }
+    let errors = |count: usize| -> Result<[f64; 3], Error> {
+        let of_each = measured
+            .par_iter()
+            .map(|(source, finest)| source.errors(bins, count, finest));
+        let of_each = of_each.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+        let largest = |q: usize| of_each.iter().map(|errors| errors[q]).fold(0.0, f64::max);
+        Ok([0, 1, 2].map(largest))
+    };
+    match bins {
+        Bins::Gauss(n) | Bins::EquallySpaced(n) => Ok((n, errors(n)?)),
+        Bins::Error(target) => {
+            let mut best = f64::INFINITY;
+            for count in COUNTS {
+                let found = errors(count)?;
+                let worst = found.into_iter().fold(0.0, f64::max);
+                if worst <= target {
+                    return Ok((count, found));
+                }
+                best = best.min(worst);
+            }
+            Err(Error::Bins { target, reached: best })
+        }
+    }
+}
+
+/// The interference at which a population carries a pressure; bisection on a rising function.
+fn interference_at(sum: &AsperitySumCurves, pressure: f64) -> f64 {
+    let smallest = sum.population().gaps().smallest();
+    let (mut low, mut high) = (smallest, smallest + 1e-9);
+    while sum.normal(high).0 < pressure && high < 1.0 {
+        low = high;
+        high = smallest + 2.0 * (high - smallest);
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if sum.normal(middle).0 < pressure {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}

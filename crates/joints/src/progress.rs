@@ -1,0 +1,97 @@
+//! How a run tells what it is doing. Libraries read no clocks; the receiver may.
+
+use crate::Error;
+
+/// The stages of a run, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// Meshing.
+    Mesh,
+    /// Assembling mass and stiffness.
+    Assemble,
+    /// Factorising it, and its modes with the interface stuck.
+    Factor,
+    /// Reducing the model (this and the two before are skipped when the cache holds it).
+    Reduce,
+    /// From surface to traction laws.
+    Characterise,
+    /// Static equilibrium.
+    Prestress,
+    /// Linearised modes.
+    Modes,
+    /// Hysteresis loops.
+    Backbone,
+    /// Methods beside CQSMA (skipped when none is asked for).
+    Methods,
+    /// Free periodic motions (skipped when none is asked for).
+    Epmc,
+    /// Forced responses (skipped when none is asked for).
+    Forced,
+    /// Realisations of an ensemble (skipped when none is asked for).
+    Ensemble,
+    /// A motion followed in time (none in a run of a scene alone).
+    Transient,
+}
+
+impl Stage {
+    /// Name as used in the outputs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Mesh => "mesh",
+            Stage::Assemble => "assemble",
+            Stage::Factor => "factor",
+            Stage::Reduce => "reduce",
+            Stage::Characterise => "characterise",
+            Stage::Prestress => "prestress",
+            Stage::Modes => "modes",
+            Stage::Backbone => "backbone",
+            Stage::Methods => "methods",
+            Stage::Epmc => "epmc",
+            Stage::Forced => "forced",
+            Stage::Ensemble => "ensemble",
+            Stage::Transient => "transient",
+        }
+    }
+}
+
+/// Receives the progress of a run; calls may come from several threads.
+pub trait Progress: Sync {
+    /// A stage begins.
+    fn begin(&self, _stage: Stage) {}
+    /// Part of the current stage that is done, from 0 to 1.
+    fn fraction(&self, _stage: Stage, _done: f64) {}
+    /// A stage has ended.
+    fn end(&self, _stage: Stage) {}
+    /// Asked often, from any thread: whether to stop. What is finished is kept for the next run of the scene if there is a cache.
+    fn interrupted(&self) -> bool {
+        false
+    }
+    /// Something the user should know.
+    fn note(&self, _text: &str) {}
+    /// Something implausible, in a sentence.
+    fn warn(&self, text: &str) {
+        self.note(&format!("warning: {text}"));
+    }
+    /// A line about what will be computed with, before it is.
+    fn echo(&self, _line: &str) {}
+}
+
+/// An error if the run shall stop.
+pub fn go_on(progress: &dyn Progress) -> Result<(), Error> {
+    match progress.interrupted() {
+        true => Err(Error::Interrupted(cqsma_solver::Error::Interrupted)),
+        false => Ok(()),
+    }
+}
+
+/// Ends a stage that others follow: an error if the run shall stop.
+pub fn end_stage(progress: &dyn Progress, stage: Stage) -> Result<(), Error> {
+    progress.end(stage);
+    go_on(progress)
+}
+
+/// Ignores everything.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {}

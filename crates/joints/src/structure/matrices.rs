@@ -1,0 +1,376 @@
+//! Structures that come as matrices of other programs.
+
+use super::matrix_contents::{Contents, File};
+use crate::Error;
+use finite_elements::sparse::{multiply_vector, submatrix};
+use joint_model::fit::Fit;
+use joint_model::{Bodies, ImportedBodies, Joint};
+use matrix_files::value::Dof;
+use reduction::{RelativeSystem, SystemMatrices};
+use scenes::{BoltBehaviour, Bolts, ContactPoint, Coordinates, Forced, Length, Matrices, MatrixVector, Sides};
+use sprs::CsMat;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use zte_assembly::{Element, InterfaceMesh, PointContact};
+
+/// Relative difference of the masses that a structure shows along the three axes, up to which it has one mass.
+const SAME_MASS: f64 = 1e-3;
+
+/// Most bolts of a structure whose bolts the scene does not name: each load is a vector over all coordinates.
+const MOST_BOLTS: usize = 1000;
+
+/// Reads the matrices that a scene names, with the loads that its `bolts` need.
+///
+/// # Errors
+/// Of the files; [`Error::Matrices`] for what does not fit together; of the change of coordinates.
+pub(super) fn joint(
+    source: &Matrices,
+    bolts: &Bolts,
+    forced: Option<&Forced>,
+    notes: &mut dyn FnMut(&str),
+) -> Result<Joint, Error> {
+    let file = File { path: &source.path };
+    let mut contents = file.contents(notes)?;
+    let (length, unit_mass) = (source.units.length_in_si(), source.units.mass_in_si());
+    let place: HashMap<Dof, usize> = contents.dofs.iter().zip(0..).map(|(&dof, row)| (dof, row)).collect();
+    if place.len() < contents.dofs.len() {
+        return Err(file.fail("its map of degrees of freedom names one twice"));
+    }
+    // In coordinates of the dimension of length, matrices carry the unit of mass alone, and responses and loads of unit
+    // tension none.
+    let scaled = |matrix: Option<CsMat<f64>>, what| -> Result<CsMat<f64>, Error> {
+        let matrix = matrix.ok_or_else(|| file.fail(&format!("it has no {what}")))?;
+        Ok(file.symmetric(matrix, what)?.map(|value| value * unit_mass))
+    };
+    let (stiffness, mass) = (
+        scaled(contents.stiffness.take(), "stiffness K")?,
+        scaled(contents.mass.take(), "mass M")?,
+    );
+    let n = stiffness.rows();
+    file.check_sizes(&contents, n, mass.rows())?;
+    let vectors = Vectors {
+        file: &file,
+        contents: &contents,
+        place: &place,
+    };
+    let interface = match &source.points {
+        Some(points) => vectors.points(points, &source.coordinates)?,
+        None => {
+            let plane = source.interface.clone().or_else(|| contents.mesh.clone());
+            let plane = plane.ok_or_else(|| {
+                file.fail("it has no interface mesh: give structure.matrices.interface, or points of contact as structure.matrices.points")
+            })?;
+            plane
+                .interface(length)
+                .map_err(|error| file.fail(&format!("its interface mesh, counted from 0: {error}")))?
+        }
+    };
+    let n_nodes = interface.nodes.len();
+    let (loads, response) = (
+        vectors.loads(source.bolts.as_deref(), bolts)?,
+        vectors.response(&source.response)?,
+    );
+    let system = SystemMatrices {
+        stiffness: &stiffness,
+        mass: &mass,
+        loads: &loads,
+        positions: &vec![[0.0; 3]; n],
+    };
+    let rows_of = |labels: &mut dyn Iterator<Item = u64>| {
+        labels
+            .flat_map(|node| (1..=3).map(move |component| Dof::Nodal { node, component }))
+            .map(|dof| vectors.row(dof))
+            .collect::<Result<Vec<usize>, Error>>()
+    };
+    let (relative, frame) = match &source.coordinates {
+        Coordinates::Jump => {
+            let jump: Vec<Option<usize>> = match &source.points {
+                Some(points) => vectors.jump_of(points),
+                None => rows_of(&mut (1..=n_nodes as u64))?.into_iter().map(Some).collect(),
+            };
+            let relative = match &contents.lift {
+                None => RelativeSystem::from_relative(system, &jump)?,
+                Some(lift) => {
+                    // Points that lack a component were refused.
+                    let jump: Vec<usize> = jump.into_iter().flatten().collect();
+                    let column: Vec<Option<usize>> = (0..n).map(Some).collect();
+                    RelativeSystem::from_combinations(system, &submatrix(lift, &jump, &column, n))?
+                }
+            };
+            let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            (relative, contents.frame.unwrap_or(axes))
+        }
+        Coordinates::BothSides(sides) => {
+            let sides = match &source.points {
+                Some(points) => Cow::Owned(vectors.sides_of(points, sides)?),
+                None => Cow::Borrowed(sides),
+            };
+            if contents.lift.is_some() {
+                return Err(file.fail("L is read with `coordinates: \"jump\"` only"));
+            }
+            for (side, labels) in [("top", &sides.top), ("bottom", &sides.bottom)] {
+                if labels.len() != n_nodes {
+                    let found = labels.len();
+                    return Err(file.fail(&format!(
+                        "the {side} side names {found} nodes, but the interface mesh has {n_nodes}"
+                    )));
+                }
+            }
+            let top = rows_of(&mut sides.top.iter().copied())?;
+            let bottom = rows_of(&mut sides.bottom.iter().copied())?;
+            (
+                RelativeSystem::from_both_sides(system, &top, &bottom, sides.frame)?,
+                sides.frame,
+            )
+        }
+    };
+    let excitation = match forced {
+        None => None,
+        Some(forced) => vectors.excitation(forced)?.map(|row| relative.row(&row)),
+    };
+    let is_reduced = source.coordinates == Coordinates::Jump;
+    let bodies = ImportedBodies {
+        response: relative.row(&response),
+        excitation,
+        relative,
+        is_reduced,
+        zero_energy_modes: source.zero_energy_modes.unwrap_or(if is_reduced { 0 } else { 6 }),
+        mass: if is_reduced {
+            None
+        } else {
+            translated_mass(&contents.dofs, &mass)
+        },
+    };
+    Ok(Joint {
+        bodies: Bodies::Imported(bodies),
+        interface,
+        frame,
+        node_frames: Vec::new(),
+        parts: Vec::new(),
+        positions: None,
+        clearance: source.bolt_hole_clearance.map(Length::si),
+        response: match &source.response {
+            MatrixVector::Number(number) => format!("response {number} of the matrices"),
+            MatrixVector::LoadCase(name) => format!("load case {name}"),
+            MatrixVector::Terms(_) => "response by terms".into(),
+        },
+        fit: Fit::default(),
+    })
+}
+
+/// Vectors over the coordinates of the matrices.
+struct Vectors<'a> {
+    file: &'a File<'a>,
+    contents: &'a Contents,
+    place: &'a HashMap<Dof, usize>,
+}
+
+impl Vectors<'_> {
+    fn row(&self, dof: Dof) -> Result<usize, Error> {
+        let (label, component) = (dof.label(), dof.component());
+        self.place.get(&dof).copied().ok_or_else(|| {
+            self.file.fail(&format!(
+                "component {component} of {label} is not in its map of degrees of freedom; it must be free and retained"
+            ))
+        })
+    }
+
+    /// Mesh of points of contact, in their order. Over the jump, components that the matrices lack are held.
+    fn points(&self, points: &[ContactPoint], coordinates: &Coordinates) -> Result<InterfaceMesh, Error> {
+        let mut number_of = HashMap::with_capacity(points.len());
+        let mut elements = Vec::with_capacity(points.len());
+        for (index, point) in points.iter().enumerate() {
+            let number = index + 1;
+            if let Some(first) = number_of.insert(point.node, number) {
+                return Err(self.file.fail(&format!(
+                    "points of contact {first} and {number} are both at node {}; give one point per node, with the area of both",
+                    point.node
+                )));
+            }
+            let held = match coordinates {
+                Coordinates::Jump => self.components(point).map(|row| row.is_none()),
+                Coordinates::BothSides(_) => [false; 3],
+            };
+            if held == [true; 3] {
+                return Err(self.file.fail(&format!(
+                    "point of contact {number} is at node {}, which is not in its map of degrees of freedom",
+                    point.node
+                )));
+            }
+            if held != [false; 3] && self.contents.lift.is_some() {
+                return Err(self.file.fail(&format!(
+                    "node {} of point of contact {number} lacks a component among the rows of L; add it",
+                    point.node
+                )));
+            }
+            let area = point.area.si();
+            elements.push(Element::point(index as u32, PointContact { area, held }));
+        }
+        let mesh = InterfaceMesh::flat(
+            points.iter().map(|point| point.position.map(Length::si)).collect(),
+            elements,
+        );
+        mesh.validate().map_err(|error| {
+            self.file
+                .fail(&format!("its points of contact, counted from 0: {error}"))
+        })?;
+        Ok(mesh)
+    }
+
+    /// Rows of the components at the node of a point of contact; none for one that the matrices do not have.
+    fn components(&self, point: &ContactPoint) -> [Option<usize>; 3] {
+        let row = |component| {
+            let dof = Dof::Nodal {
+                node: point.node,
+                component,
+            };
+            self.place.get(&dof).copied()
+        };
+        [1, 2, 3].map(row)
+    }
+
+    /// The jump at points of contact: three rows each.
+    fn jump_of(&self, points: &[ContactPoint]) -> Vec<Option<usize>> {
+        points.iter().flat_map(|point| self.components(point)).collect()
+    }
+
+    /// The sides in the order of the points of contact, which name the nodes of the top one.
+    fn sides_of(&self, points: &[ContactPoint], sides: &Sides) -> Result<Sides, Error> {
+        let mut bottom_of: HashMap<u64, u64> = sides.top.iter().copied().zip(sides.bottom.iter().copied()).collect();
+        let found = [sides.top.len(), sides.bottom.len()];
+        if found != [bottom_of.len(); 2] {
+            return Err(self.file.fail(&format!(
+                "the top side names {} nodes, of which {} differ, and the bottom side {}; give pairs of nodes, each once",
+                found[0],
+                bottom_of.len(),
+                found[1]
+            )));
+        }
+        let top: Vec<u64> = points.iter().map(|point| point.node).collect();
+        let other = |(number, node): (usize, &u64)| {
+            bottom_of.remove(node).ok_or_else(|| {
+                self.file.fail(&format!(
+                    "point of contact {number} is at node {node}, which faces no other: name it among the top nodes, and the one \
+                     that faces it among the bottom nodes"
+                ))
+            })
+        };
+        let bottom = (1..).zip(&top).map(other).collect::<Result<Vec<u64>, Error>>()?;
+        if let Some(node) = bottom_of.keys().min() {
+            return Err(self.file.fail(&format!(
+                "top node {node} has no point of contact; add one, or leave the node out of the sides"
+            )));
+        }
+        let frame = sides.frame;
+        Ok(Sides { top, bottom, frame })
+    }
+
+    /// Loads of unit tension: those that are named, or all of the file unless bolts without tension do nothing.
+    fn loads(&self, named: Option<&[MatrixVector]>, bolts: &Bolts) -> Result<Vec<Vec<f64>>, Error> {
+        let contents = self.contents;
+        let is_idle = bolts.load.si() == 0.0 && bolts.behaviour == BoltBehaviour::DeadLoad;
+        if is_idle && named.is_none() {
+            return Ok(Vec::new());
+        }
+        let loads = match named {
+            Some(bolts) => bolts
+                .iter()
+                .map(|bolt| match bolt {
+                    MatrixVector::Number(number) => self.numbered("load", contents.loads.as_ref(), *number),
+                    MatrixVector::LoadCase(name) => contents.load_cases.get(name).cloned().ok_or_else(|| {
+                        let known: Vec<&str> = contents.load_cases.keys().map(String::as_str).collect();
+                        self.file
+                            .fail(&format!("it has no load case `{name}`; it has: {}", known.join(", ")))
+                    }),
+                    MatrixVector::Terms(terms) => self.terms(terms),
+                })
+                .collect::<Result<Vec<_>, _>>()?,
+            None => {
+                let numbered = contents.loads.as_ref().map_or(0, CsMat::rows);
+                let found = numbered + contents.load_cases.len();
+                if found > MOST_BOLTS {
+                    return Err(self.file.fail(&format!(
+                        "it has {found} loads, and at most {MOST_BOLTS} are taken for bolts: name those of the bolts as \
+                         structure.matrices.bolts"
+                    )));
+                }
+                let rows = contents.loads.iter().flat_map(|loads| loads.outer_iterator());
+                let cases = contents.load_cases.values().cloned();
+                rows.map(|row| row.to_dense().to_vec()).chain(cases).collect()
+            }
+        };
+        if loads.is_empty() {
+            return Err(self
+                .file
+                .fail("it has no bolt loads: name them as structure.matrices.bolts"));
+        }
+        Ok(loads)
+    }
+
+    fn response(&self, response: &MatrixVector) -> Result<Vec<f64>, Error> {
+        match response {
+            MatrixVector::Number(number) => {
+                self.numbered("row of the recovery R", self.contents.recovery.as_ref(), *number)
+            }
+            MatrixVector::Terms(terms) => self.terms(terms),
+            MatrixVector::LoadCase(name) => Err(self.file.fail(&format!(
+                "the response cannot be the load case `{name}`; give a number or terms as structure.matrices.response"
+            ))),
+        }
+    }
+
+    /// What a force acts on, if it is not the response.
+    fn excitation(&self, forced: &Forced) -> Result<Option<Vec<f64>>, Error> {
+        if let Some(terms) = &forced.terms {
+            return self.terms(terms).map(Some);
+        }
+        let (Some(node), Some(direction)) = (&forced.node, forced.direction) else {
+            return Ok(None);
+        };
+        let label: i64 = node.parse().map_err(|_| {
+            self.file.fail(&format!(
+                "forced.node = \"{node}\" is no label of a node; give a whole number as text"
+            ))
+        })?;
+        let terms: Vec<(i64, u32, f64)> = (1..)
+            .zip(direction)
+            .filter(|(_, d)| *d != 0.0)
+            .map(|(c, d)| (label, c, d))
+            .collect();
+        self.terms(&terms).map(Some)
+    }
+
+    /// One row of a matrix whose columns were compared with the coordinates.
+    fn numbered(&self, what: &str, of: Option<&CsMat<f64>>, number: usize) -> Result<Vec<f64>, Error> {
+        let found = of.and_then(|of| of.outer_view(number.checked_sub(1)?));
+        found.map(|row| row.to_dense().to_vec()).ok_or_else(|| {
+            let count = of.map_or(0, CsMat::rows);
+            self.file.fail(&format!(
+                "it has no {what} number {number} (there are {count}); give another number, or terms"
+            ))
+        })
+    }
+
+    fn terms(&self, terms: &[(i64, u32, f64)]) -> Result<Vec<f64>, Error> {
+        let mut vector = vec![0.0; self.contents.dofs.len()];
+        for &(label, component, factor) in terms {
+            vector[self.row(Dof::new(label, component))?] += factor;
+        }
+        Ok(match &self.contents.lift {
+            None => vector,
+            Some(lift) => multiply_vector(&lift.transpose_view().to_csr(), &vector),
+        })
+    }
+}
+
+/// Total mass as seen by translations along the three axes; `None` if they disagree.
+fn translated_mass(dofs: &[Dof], mass: &CsMat<f64>) -> Option<f64> {
+    let masses = [1, 2, 3].map(|along| {
+        let moves = |row: usize| matches!(dofs[row], Dof::Nodal { component, .. } if component == along);
+        let terms = mass.iter().filter(|(_, (i, j))| moves(*i) && moves(*j));
+        terms.map(|(value, _)| *value).sum::<f64>()
+    });
+    let mean = masses.iter().sum::<f64>() / 3.0;
+    let same = |m: &f64| (m - mean).abs() <= SAME_MASS * mean;
+    masses.iter().all(same).then_some(mean)
+}

@@ -1,0 +1,487 @@
+//! Assembly and reduction of a structure.
+
+use super::spectrum::CHECK_STIFFNESS;
+use super::{Facts, N_CHECKED, StructuralModel, Structure};
+use crate::Error;
+use crate::progress::{Progress, Silent, Stage, end_stage, go_on};
+use crate::store::Options;
+use crate::store::cache;
+use crate::store::key::{Key, KeyBuilder};
+use faer::Mat;
+use finite_elements::assemble::System;
+use finite_elements::mesh::{Cell, Dof};
+use joint_model::{Bodies, ImportedBodies, MeshedBodies, Sides};
+use reduction::checks::{self, ReducedSpectrum};
+use reduction::{FacingNodes, InterfacePairs, Limits, ReducedModel, RelativeSystem, Settings, Step, reduce};
+use sprs::CsMat;
+use std::borrow::Cow;
+
+/// Residual that modes reach where only their frequencies matter, whose error is of the order of its square.
+const FREQUENCY_TOLERANCE: f64 = 1e-4;
+
+/// The factor between two matrices, if one is a multiple of the other but for round-off.
+fn multiple(a: &CsMat<f64>, of: &CsMat<f64>) -> Option<f64> {
+    if a.indptr() != of.indptr() || a.indices() != of.indices() {
+        return None;
+    }
+    let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+    let factor = (square(a.data()) / square(of.data())).sqrt();
+    let largest = of.data().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let mut pairs = a.data().iter().zip(of.data());
+    // Also catches NaN.
+    let holds = pairs.all(|(a, b)| (a - factor * b).abs() <= SAME * factor * largest);
+    (factor > 0.0 && holds).then_some(factor)
+}
+
+/// Difference of the entries of matrices, relative to the largest, that is round-off of their assembly.
+const SAME: f64 = 1e-11;
+
+/// Times that the assembled matrices are held while they are factored: as they are, and as the part, shifted or with springs, that is worked
+/// on.
+const COPIES: u64 = 2;
+
+/// Dense matrices of the size of the reduced model that prestress, modes and loops hold at their peak: 10 were measured on the Brake-Reuss
+/// beam with 588 and with 2352 elements.
+const MATRICES: usize = 10;
+
+/// Residual of the modes of structures whose differences are wanted.
+const NEIGHBOUR_TOLERANCE: f64 = 1e-9;
+
+impl Structure {
+    /// The reduced model, from the cache if it holds one for the same inputs.
+    ///
+    /// # Errors
+    /// Of assembly and reduction, of which memory and interruption; [`Error::Memory`]. A cache that cannot be written is noted, not fatal.
+    pub fn reduce(&self, options: &Options, progress: &dyn Progress) -> Result<StructuralModel, Error> {
+        self.refuse_too_large(options.memory)?;
+        let (cache, key) = (options.cache.as_deref(), self.key(options.build.as_deref()));
+        if let Some((reduced, facts)) = cache.and_then(|directory| cache::load(directory, &key)) {
+            progress.note("the reduced model was read from the cache");
+            return Ok(StructuralModel { reduced, facts });
+        }
+        progress.begin(Stage::Assemble);
+        let assembled = self.assemble_until(progress)?;
+        end_stage(progress, Stage::Assemble)?;
+        let stop = || progress.interrupted();
+        let left = options
+            .memory
+            .map(|memory| memory.saturating_sub(COPIES * assembled.memory()));
+        let limits = Limits::default().until(&stop).within(left);
+        progress.begin(Stage::Factor);
+        // Before there is a reduced model, which would be in the way of its factors.
+        let springs = self.springs(self.check_interface(), |_| true)?;
+        let full = self.frequencies_to_check(&assembled.relative, &springs, limits)?;
+        progress.fraction(Stage::Factor, 0.4);
+        let mut reduced = reduce(
+            &assembled.relative,
+            &assembled.rows,
+            self.settings,
+            &mut |step, done| match step {
+                Step::Factor => {
+                    progress.fraction(Stage::Factor, 0.4 + 0.6 * done);
+                    if done == 1.0 {
+                        progress.end(Stage::Factor);
+                        progress.begin(Stage::Reduce);
+                    }
+                }
+                Step::Stream => progress.fraction(Stage::Reduce, 0.9 * done),
+            },
+            limits,
+        )?;
+        go_on(progress)?;
+        check_closing(&reduced)?;
+        let facts = self.facts(&assembled, &mut reduced, &springs, full)?;
+        let model = StructuralModel { reduced, facts };
+        if let Some(Err(error)) = cache.map(|directory| cache::store(directory, &key, &model.reduced, &model.facts)) {
+            progress.note(&format!("the reduced model was not cached: {error}"));
+        }
+        progress.end(Stage::Reduce);
+        Ok(model)
+    }
+
+    /// Refuses a reduced model that takes more memory than the run may, before any work is done for it.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    fn refuse_too_large(&self, memory: Option<u64>) -> Result<(), Error> {
+        let coordinates = 3 * self.joint.interface.nodes.len() + self.settings.n_modes;
+        let needed = (MATRICES * size_of::<f64>()) as u64 * (coordinates as u64).pow(2);
+        match memory {
+            Some(limit) if needed > limit => Err(Error::Memory {
+                coordinates,
+                needed,
+                limit,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The reduced model of a structure whose matrices are multiples of those of `known`, which `model` is the reduced model of: the basis is
+    /// the same, and nothing is reduced. None of any other structure. What is known of the full model beside its mass is not carried over.
+    ///
+    /// # Errors
+    /// Of the assembly.
+    pub fn multiple_of(
+        &self,
+        known: &Assembled<'_>,
+        model: &StructuralModel,
+    ) -> Result<Option<StructuralModel>, Error> {
+        let assembled = self.assemble()?;
+        let found = assembled.multiple_of(known, &model.reduced);
+        Ok(found.map(|reduced| StructuralModel {
+            reduced,
+            facts: Facts {
+                mass: assembled.mass,
+                unstressed_frequencies_hz: Vec::new(),
+                penalty_frequencies_hz: Vec::new(),
+                penalty_error: f64::NAN,
+                ..model.facts
+            },
+        }))
+    }
+
+    /// The reduced model of a structure that differs little from that of `model`, over the same coordinates: modes in the same order, with the same
+    /// signs. `known` is the system of that one; if the matrices are multiples of its own, nothing is reduced, as the basis is the same.
+    ///
+    /// # Errors
+    /// As [`Structure::reduce`]; [`reduction::Error::OtherModel`] for a structure with other coordinates.
+    pub fn neighbour_of(
+        &self,
+        known: &Assembled<'_>,
+        model: &ReducedModel,
+        progress: &dyn Progress,
+    ) -> Result<ReducedModel, Error> {
+        let assembled = self.assemble()?;
+        if let Some(scaled) = assembled.multiple_of(known, model) {
+            return Ok(scaled);
+        }
+        progress.note("the structure is reduced again, for a derivative");
+        let settings = Settings {
+            n_modes: model.n_modes(),
+            mode_tolerance: NEIGHBOUR_TOLERANCE,
+            ..self.settings
+        };
+        let stop = || progress.interrupted();
+        let limits = Limits::default().until(&stop);
+        let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| (), limits)?;
+        reduced.align_with(model)?;
+        Ok(reduced)
+    }
+
+    /// The system in relative coordinates.
+    pub fn assemble(&self) -> Result<Assembled<'_>, Error> {
+        self.assemble_until(&Silent)
+    }
+
+    fn assemble_until(&self, progress: &dyn Progress) -> Result<Assembled<'_>, Error> {
+        let bodies = match &self.joint.bodies {
+            Bodies::Imported(bodies) => return Ok(Assembled::imported(bodies)),
+            Bodies::Meshed(bodies) => bodies,
+        };
+        let system = System::try_new(&bodies.assembly)?;
+        go_on(progress)?;
+        let relative = self.relative(&system, &bodies.sides)?;
+        let meshed = Meshed { system, relative };
+        let rows = meshed.rows(bodies)?;
+        let Meshed { system, relative } = meshed;
+        Ok(Assembled {
+            relative: Cow::Owned(relative),
+            rows,
+            n_nodes: Some(bodies.assembly.mesh.nodes.len()),
+            n_elements: Some(bodies.assembly.mesh.elements.len()),
+            mass: Some(system.total_mass),
+            n_untied_slaves: system.dofs.untied.len(),
+            largest_adjustment: system.dofs.largest_adjustment,
+        })
+    }
+
+    /// The system of bodies of finite elements, and the same in relative coordinates.
+    pub(super) fn meshed(&self, bodies: &MeshedBodies) -> Result<Meshed, Error> {
+        let system = System::try_new(&bodies.assembly)?;
+        let relative = self.relative(&system, &bodies.sides)?;
+        Ok(Meshed { system, relative })
+    }
+
+    /// The system with the jump as coordinates.
+    fn relative(&self, system: &System, sides: &Sides) -> Result<RelativeSystem, Error> {
+        let frame = self.joint.frame;
+        let node_frames = match self.joint.node_frames.is_empty() {
+            true => Cow::Owned(vec![frame; self.joint.interface.nodes.len()]),
+            false => Cow::Borrowed(&self.joint.node_frames),
+        };
+        Ok(match sides {
+            Sides::Pairs { top, bottom } if self.joint.node_frames.is_empty() => {
+                RelativeSystem::try_new(system, InterfacePairs { top, bottom, frame })?
+            }
+            Sides::Pairs { top, bottom } => {
+                let projection = CsMat::eye(top.len());
+                let side = FacingNodes {
+                    own: top,
+                    own_is_top: true,
+                    other: bottom,
+                    projection: &projection,
+                    frames: &node_frames,
+                };
+                RelativeSystem::from_facing(system, &[side])?
+            }
+            Sides::Projected(parts) => {
+                let mut first = 0;
+                let facing = parts.iter().map(|part| {
+                    let frames = first..first + part.own.len();
+                    first = frames.end;
+                    FacingNodes {
+                        own: &part.own,
+                        own_is_top: part.own_is_top,
+                        other: &part.other,
+                        projection: &part.projection,
+                        frames: &node_frames[frames],
+                    }
+                });
+                RelativeSystem::from_facing(system, &facing.collect::<Vec<_>>())?
+            }
+        })
+    }
+
+    /// Frequencies of the full model that vibrates, with `springs` across its interface.
+    fn frequencies_to_check(
+        &self,
+        relative: &RelativeSystem,
+        springs: &CsMat<f64>,
+        limits: Limits<'_>,
+    ) -> Result<Vec<f64>, Error> {
+        let of = |system: &RelativeSystem| {
+            checks::full_frequencies(system, Some(springs), N_CHECKED, FREQUENCY_TOLERANCE, limits)
+        };
+        let (_, found) = match self.locks {
+            true => of(&relative.locked()?)?,
+            false => of(relative)?,
+        };
+        Ok(found)
+    }
+
+    /// Compares the reduced model with the frequencies of the full one, after leaving out the modes that the wanted accuracy does not need.
+    fn facts(
+        &self,
+        assembled: &Assembled<'_>,
+        reduced: &mut ReducedModel,
+        springs: &CsMat<f64>,
+        full: Vec<f64>,
+    ) -> Result<Facts, Error> {
+        let is_locked = self.locks;
+        let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
+        let vibrating = |reduced: &ReducedModel| match is_locked {
+            true => checks::reduced_spectrum(&reduced.locked()?, springs, N_CHECKED),
+            false => checks::reduced_spectrum(reduced, springs, N_CHECKED),
+        };
+        let error_of = |small: &ReducedSpectrum| {
+            let errors = full.iter().zip(&small.frequencies).map(|(a, b)| (b / a - 1.0).abs());
+            errors.fold(0.0, f64::max)
+        };
+        let small = vibrating(reduced)?;
+        let mut error = error_of(&small);
+        if let Some(target) = self.reduction_error {
+            // Modes are left out of the model before it is locked.
+            let without = match is_locked {
+                true => checks::reduced_spectrum(reduced, springs, N_CHECKED)?.without_mode,
+                false => small.without_mode,
+            };
+            // From the highest mode down, as long as what is left out stays within the target.
+            let mut left_out = error;
+            let dispensable = without.iter().rev().take_while(|rise| {
+                left_out += **rise;
+                left_out <= target
+            });
+            let n_modes = without.len() - dispensable.count();
+            if error > target {
+                return Err(Error::ReductionTarget {
+                    target,
+                    error,
+                    modes: without.len(),
+                });
+            }
+            if n_modes < without.len() {
+                reduced.truncate(n_modes);
+                error = error_of(&vibrating(reduced)?);
+            }
+        }
+        Ok(Facts {
+            n_nodes: assembled.n_nodes,
+            n_elements: assembled.n_elements,
+            n_dofs: assembled.relative.stiffness.rows(),
+            mass: assembled.mass,
+            zem_unstressed,
+            unstressed_frequencies_hz: unstressed,
+            penalty_frequencies_hz: full,
+            penalty_error: error,
+        })
+    }
+
+    /// Hash of what the file of a reduced model depends on.
+    fn key(&self, build: Option<&str>) -> Key {
+        let mut key = self.hash(build);
+        // The springs of the spectrum check depend on these.
+        key.text(&format!("{:?}{:?}", self.youngs_modulus, (N_CHECKED, CHECK_STIFFNESS)));
+        let interface = &self.joint.interface;
+        key.numbers(interface.nodes.iter().flatten().chain(&interface.heights).copied());
+        key.text(&format!("{:?}{:?}", interface.elements, interface.covered));
+        key.finish()
+    }
+
+    /// Hash of everything that the reduced matrices depend on.
+    pub fn hash(&self, build: Option<&str>) -> KeyBuilder {
+        let mut key = KeyBuilder::new(build);
+        key.numbers(self.joint.frame.iter().flatten().copied());
+        key.numbers(self.joint.node_frames.iter().flatten().flatten().copied());
+        key.text(&format!("{:?}{:?}", self.settings, self.reduction_error));
+        key.integers([u64::from(self.locks)]);
+        match &self.joint.bodies {
+            Bodies::Imported(bodies) => {
+                let relative = &bodies.relative;
+                for matrix in [&relative.stiffness, &relative.mass] {
+                    key.integers(matrix.indptr().raw_storage().iter().map(|&i| i as u64));
+                    key.integers(matrix.indices().iter().map(|&i| i as u64));
+                    key.numbers(matrix.data().iter().copied());
+                }
+                key.numbers(relative.loads.iter().flatten().chain(&bodies.response).copied());
+                key.numbers(bodies.excitation.iter().flatten().copied());
+                key.text(&format!("{:?}", (relative.n_relative, bodies.mass)));
+            }
+            Bodies::Meshed(bodies) => {
+                let assembly = &bodies.assembly;
+                key.numbers(assembly.mesh.nodes.iter().flatten().copied());
+                key.integers(assembly.mesh.elements.iter().flat_map(|e| {
+                    e.cell
+                        .nodes()
+                        .iter()
+                        .map(|&n| u64::from(n))
+                        .chain([u64::from(e.material), kind(&e.cell)])
+                }));
+                match &bodies.sides {
+                    Sides::Pairs { top, bottom } => key.integers(top.iter().chain(bottom).map(|&n| u64::from(n))),
+                    Sides::Projected(parts) => {
+                        for part in parts {
+                            let nodes = part.own.iter().chain(&part.other);
+                            key.integers(nodes.map(|&n| u64::from(n)).chain([u64::from(part.own_is_top)]));
+                            key.integers(part.projection.indices().iter().map(|&i| i as u64));
+                            key.numbers(part.projection.data().iter().copied());
+                        }
+                    }
+                }
+                key.numbers(bodies.response_direction);
+                if let Some((node, direction)) = bodies.excitation {
+                    key.integers([u64::from(node)]);
+                    key.numbers(direction);
+                }
+                // Small parts, where a readable form costs nothing.
+                key.text(&format!(
+                    "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+                    assembly.mesh.materials,
+                    assembly.ties,
+                    assembly.couplings,
+                    assembly.equations,
+                    assembly.loads,
+                    assembly.supports,
+                    assembly.springs,
+                    assembly.masses,
+                    bodies.response_node,
+                ));
+            }
+        }
+        key
+    }
+}
+
+/// Matrices of bodies of finite elements.
+pub(super) struct Meshed {
+    pub(super) system: System,
+    pub(super) relative: RelativeSystem,
+}
+
+impl Meshed {
+    /// What is recovered from reduced coordinates, over those of the relative system.
+    pub(super) fn rows(&self, bodies: &MeshedBodies) -> Result<Vec<Vec<f64>>, Error> {
+        let row = |what, (node, direction): (u32, [f64; 3])| -> Result<Vec<f64>, Error> {
+            let terms: Vec<_> = (0..3_u8).zip(direction).map(|(c, d)| (Dof::Node(node, c), d)).collect();
+            Ok(self
+                .relative
+                .row(&self.system.dofs.force(&bodies.assembly, what, &terms)?))
+        };
+        let mut rows = vec![row("the response", (bodies.response_node, bodies.response_direction))?];
+        if let Some(excitation) = bodies.excitation {
+            rows.push(row("the force", excitation)?);
+        }
+        Ok(rows)
+    }
+}
+
+/// A system in relative coordinates, and what is known of it.
+pub struct Assembled<'a> {
+    pub(super) relative: Cow<'a, RelativeSystem>,
+    /// Quantities to recover: the response, and where forced responses are excited elsewhere the displacement along the force.
+    pub(super) rows: Vec<Vec<f64>>,
+    pub(super) n_nodes: Option<usize>,
+    pub(super) n_elements: Option<usize>,
+    pub(super) mass: Option<f64>,
+    pub(super) n_untied_slaves: usize,
+    pub(super) largest_adjustment: f64,
+}
+
+impl<'a> Assembled<'a> {
+    /// The reduced model where the matrices are multiples of those of `known`, whose reduced model is `model`.
+    fn multiple_of(&self, known: &Assembled<'_>, model: &ReducedModel) -> Option<ReducedModel> {
+        if self.rows != known.rows {
+            return None;
+        }
+        let (own, known) = (&self.relative, &known.relative);
+        let (stiffness, mass) = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass))?;
+        let scaled = |a: &Mat<f64>, factor: f64| Mat::from_fn(a.nrows(), a.ncols(), |i, j| factor * a[(i, j)]);
+        (own.loads == known.loads).then(|| ReducedModel {
+            stiffness: scaled(&model.stiffness, stiffness),
+            mass: scaled(&model.mass, mass),
+            ..model.clone()
+        })
+    }
+
+    /// Memory of its matrices (bytes).
+    fn memory(&self) -> u64 {
+        let entries = self.relative.stiffness.nnz() + self.relative.mass.nnz();
+        (entries * (size_of::<f64>() + size_of::<usize>())) as u64
+    }
+
+    fn imported(bodies: &'a ImportedBodies) -> Self {
+        Self {
+            relative: Cow::Borrowed(&bodies.relative),
+            rows: std::iter::once(&bodies.response)
+                .chain(&bodies.excitation)
+                .cloned()
+                .collect(),
+            n_nodes: None,
+            n_elements: None,
+            mass: bodies.mass,
+            n_untied_slaves: 0,
+            largest_adjustment: 0.0,
+        }
+    }
+}
+
+/// Number of a cell's type and formulation, for keys.
+fn kind(cell: &Cell) -> u64 {
+    u64::from(cell.element_type().vtk.number) << 8 | cell.formulation() as u64
+}
+
+/// Refuses bolts that do not close the interface: of all uniform jumps, a closure must yield most to their load.
+fn check_closing(reduced: &ReducedModel) -> Result<(), Error> {
+    for (index, load) in reduced.loads.iter().enumerate() {
+        let [x, y, closing] = [0, 1, 2].map(|c| load[c..reduced.n_relative].iter().step_by(3).sum::<f64>());
+        let sliding = x.hypot(y);
+        // Also catches NaN.
+        if !(closing > sliding) {
+            return Err(Error::OpeningLoad {
+                bolt: index + 1,
+                closing,
+                sliding,
+            });
+        }
+    }
+    Ok(())
+}
