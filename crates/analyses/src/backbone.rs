@@ -250,7 +250,7 @@ impl<'a> Request<'a> {
         key.numbers(forces.iter().copied());
         key.integers([LAYOUT]);
         let finished = Finished::open(directory, "loops", &key.finish());
-        let (found, all) = (finished.len(), forces.len());
+        let (found, all) = (finished.n_finished(), forces.len());
         if found > 0 {
             progress.note(&format!(
                 "{found} of {all} amplitudes were taken from an interrupted run"

@@ -99,7 +99,7 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     }
 
     /// Number of finished parts.
-    pub fn len(&self) -> usize {
+    pub fn n_finished(&self) -> usize {
         self.finished.len()
     }
 
