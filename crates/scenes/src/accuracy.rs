@@ -43,7 +43,7 @@ const STANDARD_SECONDS: f64 = 12.4;
 const TIMED_AMPLITUDES: usize = 20;
 
 /// From the cheapest to the finest. Errors are against the limit of the mesh and rounded up: those of
-/// [`ErrorBar`](analyses::mesh_error::ErrorBar) with those of the vertices.
+/// `ErrorBar` of `analyses` with those of the vertices.
 pub static PRESETS: [Preset; 4] = [
     Preset {
         name: "draft",
