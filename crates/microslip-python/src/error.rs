@@ -100,15 +100,16 @@ impl From<Details> for Exception {
 impl From<PipelineError> for Exception {
     fn from(error: PipelineError) -> Self {
         use PipelineError as E;
+        use joints::Error as J;
         let class = match &error {
-            E::InputFile(source) => return source.into(),
-            E::Store(source) => return source.into(),
-            E::File { path, .. } | E::InputChanged { path, .. } => return Self::file(&error, Some(path)),
-            E::MatrixFile(_) | E::ScanFile(_) => return Self::file(&error, None),
+            E::Scene(scenes::Error::InputFile(source)) => return source.into(),
+            E::Store(source) | E::Joint(J::Store(source)) => return source.into(),
+            E::Joint(J::File { path, .. }) | E::InputChanged { path, .. } => return Self::file(&error, Some(path)),
+            E::Joint(J::MatrixFile(_) | J::ScanFile(_)) => return Self::file(&error, None),
             E::Prestress { .. } | E::Transient { .. } | E::Unbalanced { .. } | E::NothingInContact => {
                 "ConvergenceError"
             }
-            E::Reduction(_) | E::Solver(_) | E::Periodic(_) => "SolverError",
+            E::Joint(J::Reduction(_)) | E::Solver(_) | E::Periodic(_) => "SolverError",
             _ => "SceneError",
         };
         let value = error.value();
@@ -126,6 +127,18 @@ impl From<PipelineError> for Exception {
             },
         };
         details.into()
+    }
+}
+
+impl From<joints::Error> for Exception {
+    fn from(error: joints::Error) -> Self {
+        PipelineError::from(error).into()
+    }
+}
+
+impl From<scenes::Error> for Exception {
+    fn from(error: scenes::Error) -> Self {
+        PipelineError::from(error).into()
     }
 }
 
