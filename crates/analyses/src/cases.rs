@@ -252,10 +252,7 @@ impl CaseStructure {
         check_bolts(case, self.model.reduced.loads.len())?;
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
         let load = bolt_load(case, &self.model);
-        Ok(match known {
-            Some(known) => known.varied(case, mesh, parts, load)?,
-            None => SceneInterface::try_new(case, mesh, parts, load)?,
-        })
+        Ok(SceneInterface::knowing(known, case, mesh, parts, load)?)
     }
 
     /// The backbones of a case with its interface, mode by mode.

@@ -117,10 +117,7 @@ impl<'a> Effects<'a> {
 fn contact_of(scene: &Scene, structure: &Structure, known: Option<&SceneInterface>) -> Result<SceneInterface, Error> {
     let load = (0..structure.n_bolts()).map(|bolt| scene.tension(bolt)).sum();
     let (mesh, parts) = (structure.interface(), &structure.joint.parts);
-    Ok(match known {
-        Some(known) => known.varied(scene, mesh, parts, load)?,
-        None => SceneInterface::try_new(scene, mesh, parts, load)?,
-    })
+    Ok(SceneInterface::knowing(known, scene, mesh, parts, load)?)
 }
 
 /// Whether forces differ from others by more than round-off.

@@ -224,6 +224,8 @@ impl From<joints::Error> for Error {
     fn from(error: joints::Error) -> Self {
         match error {
             joints::Error::Scene(error) => Self::Scene(error),
+            // Whoever was asked, the same has happened.
+            joints::Error::Interrupted => Self::Solver(cqsma_solver::Error::Interrupted),
             error => Self::Joint(error),
         }
     }

@@ -7,8 +7,7 @@ use joints::progress::{Progress, Silent};
 use joints::store::Options;
 use joints::store::checkpoint::Checkpoints;
 use joints::structure::Structure;
-use scenes::Scene;
-use scenes::{Length, Registration};
+use scenes::{Length, Registration, Scene};
 use serde::Serialize;
 
 /// A backbone with the bottom face moved.

@@ -8,6 +8,7 @@ use super::run::{Prepared, Solver, kept, prepare_on};
 use super::sensitivities::{Neighbours, Per, Sensitivity};
 use crate::Error;
 use cqsma_solver::LoopResult;
+use joints::interface::SceneInterface;
 use joints::progress::{Progress, Stage};
 use joints::store::Options;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
@@ -467,7 +468,7 @@ impl<'a> Study<'a> {
         };
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
         let load = bolt_load(&scene, &model);
-        let interface = self.prepared.interface().varied(&scene, mesh, parts, load)?;
+        let interface = SceneInterface::knowing(Some(self.prepared.interface()), &scene, mesh, parts, load)?;
         let neighbours = match rates {
             Rates::None => Vec::new(),
             Rates::WhereTheyCostLittle => Neighbours::without_reduction(&scene, self.parameters.iter(), &interface)?,

@@ -14,8 +14,7 @@ use joint_model::benchmark::{ElementOrder, MeshSettings, Symmetry};
 use joints::Options;
 use joints::progress::Silent;
 use joints::structure::Structure;
-use scenes::Gap;
-use scenes::Scene;
+use scenes::{Gap, Scene};
 use std::error::Error;
 use std::time::Instant;
 

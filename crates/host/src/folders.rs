@@ -2,8 +2,7 @@
 
 use etcetera::base_strategy::BaseStrategy;
 use file_io::durable::Identity;
-use scenes::Scene;
-use scenes::StructureSource;
+use scenes::{Scene, StructureSource};
 use std::path::{Path, PathBuf};
 
 /// The folder `microslip` among the user's caches; none for a user without a home.

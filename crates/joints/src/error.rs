@@ -11,8 +11,8 @@ pub enum Error {
     #[error(transparent)]
     Scene(#[from] scenes::Error),
     /// The run was stopped by who started it.
-    #[error(transparent)]
-    Interrupted(cqsma_solver::Error),
+    #[error("{}", cqsma_solver::Error::Interrupted)]
+    Interrupted,
     /// A file could not be written.
     #[error("{}: {operation} failed", path.display())]
     File {
@@ -281,7 +281,7 @@ impl Error {
     pub fn is_interruption(&self) -> bool {
         matches!(
             self,
-            Self::Interrupted(_)
+            Self::Interrupted
                 | Self::Surface(surface_characterisation::SurfaceError::Interrupted)
                 | Self::Substructure(finite_elements::Error::Interrupted)
                 | Self::Reduction(reduction::Error::Substructure(finite_elements::Error::Interrupted))

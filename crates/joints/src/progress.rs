@@ -79,7 +79,7 @@ pub trait Progress: Sync {
 /// An error if the run shall stop.
 pub fn go_on(progress: &dyn Progress) -> Result<(), Error> {
     match progress.interrupted() {
-        true => Err(Error::Interrupted(cqsma_solver::Error::Interrupted)),
+        true => Err(Error::Interrupted),
         false => Ok(()),
     }
 }

@@ -11,9 +11,7 @@ use crate::Error;
 use crate::text;
 use crate::triplets::{self, Entry};
 use crate::value::{Assembled, Dof, plausible};
-use file_io::Place;
-use file_io::Source;
-use file_io::quoted;
+use file_io::{Place, Source, quoted};
 
 /// Name of the stiffness among the matrices.
 pub const STIFFNESS: &str = "STIFFNESS";

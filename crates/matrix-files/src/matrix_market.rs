@@ -13,8 +13,7 @@ use crate::text::{self, Line};
 use crate::triplets::{self, Entry};
 use crate::value::{Array, Dense, plausible};
 use crate::{Error, writing};
-use file_io::Source;
-use file_io::quoted;
+use file_io::{Source, quoted};
 
 /// Reads the file at `path`.
 ///

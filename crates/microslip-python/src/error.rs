@@ -1,6 +1,6 @@
 //! Errors of the libraries as exceptions of `microslip.errors`.
 
-use analyses::Error as PipelineError;
+use analyses::Error as AnalysisError;
 use host::with_causes;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -97,9 +97,9 @@ impl From<Details> for Exception {
     }
 }
 
-impl From<PipelineError> for Exception {
-    fn from(error: PipelineError) -> Self {
-        use PipelineError as E;
+impl From<AnalysisError> for Exception {
+    fn from(error: AnalysisError) -> Self {
+        use AnalysisError as E;
         use joints::Error as J;
         let class = match &error {
             E::Scene(scenes::Error::InputFile(source)) => return source.into(),
@@ -132,13 +132,13 @@ impl From<PipelineError> for Exception {
 
 impl From<joints::Error> for Exception {
     fn from(error: joints::Error) -> Self {
-        PipelineError::from(error).into()
+        AnalysisError::from(error).into()
     }
 }
 
 impl From<scenes::Error> for Exception {
     fn from(error: scenes::Error) -> Self {
-        PipelineError::from(error).into()
+        AnalysisError::from(error).into()
     }
 }
 

@@ -4,7 +4,7 @@ use crate::error::Exception;
 use crate::scene::Scene;
 use crate::work::{Monitor, pool, supervise, within};
 use analyses::Fields;
-use analyses::Run as PipelineRun;
+use analyses::Run as LibraryRun;
 use analyses::results::summary::Summary;
 use contact_laws::Regime;
 use file_io::durable::Folder;
@@ -21,7 +21,7 @@ const FILES: [&str; 3] = [SUMMARY, "report.html", "backbone.csv"];
 /// A finished run.
 #[pyclass(frozen, module = "microslip._native")]
 pub(crate) struct Run {
-    run: PipelineRun,
+    run: LibraryRun,
     summary: Summary,
 }
 
@@ -216,7 +216,7 @@ fn open(directory: &Path, scene: &scenes::Scene, overwrite: bool) -> Result<Fold
     Ok(folder)
 }
 
-fn publish(folder: Folder, run: &PipelineRun, summary: &Summary) -> Result<(), Exception> {
+fn publish(folder: Folder, run: &LibraryRun, summary: &Summary) -> Result<(), Exception> {
     let outputs = outputs(run, summary)?;
     let files: Vec<(&str, &[u8])> = outputs.iter().map(|o| (o.name.as_str(), &o.contents[..])).collect();
     Ok(folder.publish(&files)?)

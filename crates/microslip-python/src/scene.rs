@@ -3,7 +3,7 @@
 use crate::error::Exception;
 use host::{BENCHMARKS, GivenScene};
 use pyo3::prelude::*;
-use scenes::Scene as PipelineScene;
+use scenes::Scene as LibraryScene;
 use std::path::PathBuf;
 
 /// A scene that was checked, in SI.
@@ -23,7 +23,7 @@ impl Scene {
     #[staticmethod]
     #[pyo3(signature = (text: "str", place: "str", name: "str", directory: "str | None") -> "Scene")]
     fn from_json(text: &str, place: &str, name: &str, directory: Option<PathBuf>) -> Result<Self, Exception> {
-        let mut scene = PipelineScene::from_json(text, place, name, &BENCHMARKS)?;
+        let mut scene = LibraryScene::from_json(text, place, name, &BENCHMARKS)?;
         if let Some(directory) = directory {
             scene.resolve(&directory);
         }
@@ -40,7 +40,7 @@ impl Scene {
     #[staticmethod]
     fn from_state(scene: &str, source: &str) -> Result<Self, Exception> {
         let value = serde_json::from_str(scene)?;
-        let scene = PipelineScene::from_summary(&value, &BENCHMARKS)?;
+        let scene = LibraryScene::from_summary(&value, &BENCHMARKS)?;
         scene.validate(&scene.name)?;
         Ok(Self(GivenScene {
             scene,

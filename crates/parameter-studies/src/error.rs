@@ -42,7 +42,7 @@ pub enum Error {
     /// The scene of a case is not admissible.
     #[error("{0}")]
     Case(#[source] analyses::Error),
-    /// The scene of the plan, or the pipeline.
+    /// The scene of the plan, or an analysis.
     #[error(transparent)]
     Scene(#[from] analyses::Error),
     /// A file of the store.

@@ -1,12 +1,11 @@
 //! Tables as comma-separated values.
 
 use crate::Error;
-use analyses::Run;
-use analyses::element_centres;
 use analyses::ensemble::{Ensemble, MemberPoint};
 use analyses::periodic::PointLoop;
 use analyses::registration::Moved;
 use analyses::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, Summary};
+use analyses::{Run, element_centres};
 
 /// A number as the shortest text that reads back as the same.
 pub fn number(value: f64) -> String {

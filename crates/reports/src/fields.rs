@@ -1,8 +1,7 @@
 //! Fields of the interface as means over its elements, for pictures and files.
 
 use crate::{Error, csv};
-use analyses::Fields;
-use analyses::Run;
+use analyses::{Fields, Run};
 use contact_laws::Regime;
 use finite_elements::formats::vtu::{self, Encoding, Field};
 use finite_elements::mesh::Face;

@@ -6,16 +6,14 @@ use crate::interactive::{Document, Live};
 use crate::run::{damping, tensions};
 use crate::tightening::Section;
 use crate::{Error, fields, map, plot, sensitivity, uncertainty};
-use analyses::ModeBackbone;
-use analyses::Run;
 use analyses::mesh_error::{FrequencyEstimate, ModeEstimate};
 use analyses::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, ResonanceSummary, Status, Summary};
 use analyses::warnings::Warning;
+use analyses::{ModeBackbone, Run};
 use askama::Template;
 use joints::interface::AsperityReport;
 use joints::structure::{Overview, choice_name};
-use scenes::Method;
-use scenes::Scene;
+use scenes::{Method, Scene};
 
 /// Names with values.
 type Facts = Vec<(String, String)>;

@@ -3,9 +3,8 @@
 use crate::html::Picture;
 use crate::periodic::{self, PeriodicMotions};
 use crate::{Error, Output, bodies, csv, fields, page, plot, sensitivity, tightening, uncertainty};
-use analyses::Run;
 use analyses::results::summary::{BackboneSummary, Status, Summary};
-use analyses::{Deformed, Fields};
+use analyses::{Deformed, Fields, Run};
 use finite_elements::mesh::Face;
 
 /// Name of the machine-readable account of a run.

@@ -157,7 +157,6 @@ const ALLOWED: [(&str, &[&str]); 26] = [
             "joints",
             "scenes",
             "joint-model",
-            "brake-reuss-beam",
             "contact-laws",
             "cqsma-solver",
             "dense-algebra",

@@ -7,8 +7,7 @@ pub use dense_algebra::arithmetic_fingerprint;
 use crate::Error;
 use finite_elements::formats::abaqus;
 use joints::structure::matrix_files_of;
-use scenes::Scene;
-use scenes::{StructureSource, Surface};
+use scenes::{Scene, StructureSource, Surface};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -5,9 +5,8 @@
 use crate::common::points::{folder, read, scene, set, write};
 use analyses::calibration::{Calibration, Measured, Noise, calibrate};
 use analyses::comparison::{Backbone, Point};
-use analyses::transient;
 use analyses::transient::{Excitation, ring_down};
-use analyses::{Error, run};
+use analyses::{Error, run, transient};
 use faer::Mat;
 use joints::Options;
 use joints::progress::Silent;
@@ -15,8 +14,7 @@ use modal_identification::backbone::identify;
 use modal_identification::synthetic::add_noise;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use scenes::Scene;
-use scenes::{Force, Length, Marginal, Parameter, Shape};
+use scenes::{Force, Length, Marginal, Parameter, Scene, Shape};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 

@@ -14,9 +14,10 @@ use joint_model::{Bodies, MeshedBodies, MovedPairs, Sides};
 use joints::Options;
 use joints::progress::Silent;
 use joints::structure::{Description, LinearInterface, Spectrum, Structure, export};
-use scenes::Scene;
-use scenes::{ContactStiffness, Force, Length, MaterialSource, Stress, StructureSource};
-use scenes::{Curves, Elastic, ParameterSet, Parameters, Per, Surface};
+use scenes::{
+    ContactStiffness, Curves, Elastic, Force, Length, MaterialSource, ParameterSet, Parameters, Per, Scene, Stress,
+    StructureSource, Surface,
+};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use test_support::TemporaryFolder;

@@ -7,13 +7,11 @@ use analyses::calibration::{Measured, Noise, calibrate};
 use analyses::cases::{CaseMode, CaseStructure, as_case, idle};
 use analyses::comparison::{Backbone, Point};
 use analyses::uncertainty::run_samples;
-use analyses::{Error, run};
-use analyses::{Sensitivity, prepare};
+use analyses::{Error, Sensitivity, prepare, run};
 use faer::Mat;
 use joints::Options;
 use joints::progress::Silent;
-use scenes::Scene;
-use scenes::{Parameter, parse_json};
+use scenes::{Parameter, Scene, parse_json};
 use serde_json::{Value, json};
 
 /// Change of a number by which results must differ.

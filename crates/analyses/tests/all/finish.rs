@@ -8,8 +8,7 @@ use joints::Options;
 use joints::interface::{FinishReport, FinishedSurface, SceneInterface};
 use joints::progress::Silent;
 use joints::structure::Structure;
-use scenes::Scene;
-use scenes::{Gap, LawKind, Length, Route, Surface};
+use scenes::{Gap, LawKind, Length, Route, Scene, Surface};
 use std::sync::OnceLock;
 
 const FACE: &str = r#"{ "ra": "0.8 um", "rsm": "400 um" }"#;

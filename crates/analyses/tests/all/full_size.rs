@@ -8,8 +8,7 @@ use brake_reuss_beam::published::STUCK_FREQUENCIES;
 use contact_laws::TangentialReading;
 use joints::Options;
 use joints::progress::Silent;
-use scenes::Gap;
-use scenes::Scene;
+use scenes::{Gap, Scene};
 
 /// Low-amplitude first frequencies of an independent computation on another mesh of the same beam (Hz): measured
 /// asperity statistics, Mindlin stiffness unless said otherwise.

@@ -7,8 +7,7 @@ use joint_model::benchmark::RefinementLevel;
 use joints::Options;
 use joints::progress::{Progress, Silent, Stage};
 use joints::structure::Structure;
-use scenes::Method;
-use scenes::Scene;
+use scenes::{Method, Scene};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 

@@ -13,9 +13,9 @@ use joint_model::benchmark::RefinementLevel;
 use joints::Options;
 use joints::interface::InterfaceForce;
 use joints::progress::Silent;
-use scenes::Scene;
-use scenes::{ContactStiffness, Length, Stress};
-use scenes::{Curves, Elastic, Gap, Method, ParameterSet, Parameters, Per, Surface};
+use scenes::{
+    ContactStiffness, Curves, Elastic, Gap, Length, Method, ParameterSet, Parameters, Per, Scene, Stress, Surface,
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use zte_assembly::{Element, Interface, InterfaceMesh, Operators, State, Workspace};

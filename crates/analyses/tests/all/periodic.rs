@@ -2,8 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use crate::common::beam;
-use analyses::{Prepared, prepare};
-use analyses::{Run, run};
+use analyses::{Prepared, Run, prepare, run};
 use cqsma_solver::transient::{self, Start};
 use cqsma_solver::{Linearisation, NewtonSettings, modes, prestress};
 use harmonic_balance::backbone::Motion;
@@ -12,8 +11,7 @@ use joint_model::benchmark::RefinementLevel;
 use joints::Options;
 use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Silent, Stage};
-use scenes::Scene;
-use scenes::{Amplitudes, Epmc, Method, ModalAmplitude, SamplingAccuracy};
+use scenes::{Amplitudes, Epmc, Method, ModalAmplitude, SamplingAccuracy, Scene};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -177,7 +177,7 @@ impl<'a> Stepper<'a> {
     }
 }
 
-/// Prestress, and frequency and damping of mode `mode` at amplitudes of the response: by steps here and by the pipeline.
+/// Prestress, and frequency and damping of mode `mode` at amplitudes of the response: by steps here and by the crate.
 fn compare(test: &str, dofs: &[(i64, u32)], stiffness: &Mat<f64>, nodes: &[u64], sliders: &[Slider]) {
     let folder = folder(test);
     let path = folder.join("structure.npz");
@@ -196,7 +196,7 @@ fn compare(test: &str, dofs: &[(i64, u32)], stiffness: &Mat<f64>, nodes: &[u64],
 
     let mut static_state = Stepper::new(stiffness, sliders);
     static_state.step(&vec![0.0; n]);
-    // The pipeline has the jump first.
+    // The crate has the jump first.
     let jump: Vec<usize> = sliders.iter().flat_map(|s| s.first..s.first + 3).collect();
     let largest = static_state.u.iter().fold(0.0_f64, |a, u| a.max(u.abs()));
     assert!(largest > 0.0);

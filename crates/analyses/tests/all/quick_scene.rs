@@ -3,8 +3,7 @@
 
 use crate::common::{BENCHMARKS, beam};
 use analyses::results::summary::{Status, Summary};
-use analyses::{Error, Run, run};
-use analyses::{Prepared, prepare};
+use analyses::{Error, Prepared, Run, prepare, run};
 use cqsma_solver::{NewtonSettings, prestress};
 use joint_model::benchmark::RefinementLevel;
 use joint_model::{Bodies, Sides};
@@ -12,9 +11,7 @@ use joints::Options;
 use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Silent, Stage};
 use joints::structure::Structure;
-use scenes::Scene;
-use scenes::{BoltBehaviour, Commit, Gap, LawKind, Surface, SyntheticScan};
-use scenes::{Force, Length, Mass, PointMass};
+use scenes::{BoltBehaviour, Commit, Force, Gap, LawKind, Length, Mass, PointMass, Scene, Surface, SyntheticScan};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};

@@ -8,8 +8,7 @@ use joint_model::benchmark::Benchmark as _;
 use joint_model::benchmark::RefinementLevel;
 use joints::Options;
 use joints::progress::Silent;
-use scenes::Scene;
-use scenes::{Assembly, Bins, Friction, RadialRule};
+use scenes::{Assembly, Bins, Friction, RadialRule, Scene};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 

@@ -6,8 +6,7 @@ use analyses::Error;
 use analyses::mesh_error::{ErrorBar, Partner};
 use finite_elements::elements::Formulation;
 use joint_model::benchmark::{ElementOrder, RefinementLevel};
-use scenes::Scene;
-use scenes::{Accuracy, Influence, Length, PRESETS, Parameter, Surface, Target, refined};
+use scenes::{Accuracy, Influence, Length, PRESETS, Parameter, Scene, Surface, Target, refined};
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -7,8 +7,7 @@ use analyses::{FoundBy, Per, Prepared, Sensitivity};
 use joints::Options;
 use joints::progress::Silent;
 use joints::structure::{StructuralModel, Structure};
-use scenes::Scene;
-use scenes::{Influence, Length, Parameter};
+use scenes::{Influence, Length, Parameter, Scene};
 use serde_json::{Value, json};
 
 const AMPLITUDES: usize = 10;

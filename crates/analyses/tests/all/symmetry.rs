@@ -13,10 +13,7 @@ use joint_model::benchmark::{RefinementLevel, Symmetry};
 use joints::Options;
 use joints::progress::Silent;
 use joints::structure::Structure;
-use scenes::BenchmarkRef;
-use scenes::Length;
-use scenes::Scene;
-use scenes::{BoltBehaviour, Deck, Gap, Method, StructureSource, Surface, SyntheticScan};
+use scenes::{BenchmarkRef, BoltBehaviour, Deck, Gap, Length, Method, Scene, StructureSource, Surface, SyntheticScan};
 use std::collections::BTreeMap;
 
 fn scene(symmetry: Symmetry) -> Scene {

@@ -254,18 +254,19 @@ impl SceneInterface {
         Self::build(scene, mesh, parts, load, None, limits)
     }
 
-    /// The interface of a scene that differs in numbers alone. Where they are not those of the surface, it is not measured again.
+    /// The interface of a scene that may differ from that of a `known` one in numbers alone. Where they are not those of the surface, it is
+    /// not measured again.
     ///
     /// # Errors
     /// As [`SceneInterface::try_new`].
-    pub fn varied(
-        &self,
+    pub fn knowing(
+        known: Option<&Self>,
         scene: &Scene,
         mesh: &InterfaceMesh,
         parts: &[InterfacePart],
         load: f64,
     ) -> Result<Self, Error> {
-        Self::build(scene, mesh, parts, load, Some(self), Limits::default())
+        Self::build(scene, mesh, parts, load, known, Limits::default())
     }
 
     fn build(

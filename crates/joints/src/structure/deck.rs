@@ -6,8 +6,7 @@ use finite_elements::formats::abaqus::{self, Choices, DeckModel};
 use finite_elements::mesh::{BeyondTolerance, Dof, LoadPattern};
 use joint_model::benchmark::ElementOrder;
 use joint_model::fit::{FacesFit, Fit};
-use joint_model::quadratic;
-use joint_model::{Bodies, Joint, MeshedBodies, Sides};
+use joint_model::{Bodies, Joint, MeshedBodies, Sides, quadratic};
 use scenes::{Deck, DeckBolt, Forced, Length, MaterialSource, Model, PointMass, Untied};
 
 /// A structure from an input deck, in SI, with `masses` at nodes that it names, in elements of the order of `model`.

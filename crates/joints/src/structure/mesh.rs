@@ -11,8 +11,7 @@ use finite_elements::mesh::{
 };
 use joint_model::benchmark::ElementOrder;
 use joint_model::fit::{FacesFit, Fit, Neighbour, SeatFit};
-use joint_model::significant;
-use joint_model::{Bodies, InterfacePart, Joint, MeshedBodies, ProjectedSide, Sides, quadratic};
+use joint_model::{Bodies, InterfacePart, Joint, MeshedBodies, ProjectedSide, Sides, quadratic, significant};
 use nalgebra::Vector3;
 use scenes::metric::Metric;
 use scenes::{

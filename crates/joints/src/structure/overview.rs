@@ -3,9 +3,8 @@
 use super::Structure;
 use crate::Error;
 use finite_elements::mesh::Mesh;
-use joint_model::Bodies;
 use joint_model::fit::Fit;
-use joint_model::significant;
+use joint_model::{Bodies, significant};
 use scenes::{Density, MaterialSource, Scene, StructureSource, Surface, Units};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -8,9 +8,7 @@ use crate::Error;
 use crate::text;
 use crate::triplets::{self, Entry};
 use crate::value::{Assembled, Dof};
-use file_io::Place;
-use file_io::Source;
-use file_io::quoted;
+use file_io::{Place, Source, quoted};
 
 /// Reads assembled matrices from the files of one model, each under a name of the caller's, as `*MATRIX OUTPUT` writes
 /// them in its formats `MATRIX INPUT` and `LABELS`.

@@ -6,8 +6,7 @@ use std::path::Path;
 use crate::Error;
 use crate::text::{self, Line};
 use crate::value::{Dense, Dof, Skipped};
-use file_io::Source;
-use file_io::quoted;
+use file_io::{Source, quoted};
 
 /// A reduced substructure.
 #[derive(Clone, Debug, Default, PartialEq)]

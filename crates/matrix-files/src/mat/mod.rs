@@ -17,8 +17,7 @@ pub use self::writer::to_bytes;
 use crate::Error;
 use crate::text;
 use crate::value::Collection;
-use file_io::Place;
-use file_io::Source;
+use file_io::{Place, Source};
 
 /// Reads the file at `path`.
 ///

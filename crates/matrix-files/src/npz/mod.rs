@@ -18,8 +18,7 @@ use crate::Error;
 use crate::archive;
 use crate::text;
 use crate::value::{Array, Collection, Skipped};
-use file_io::Place;
-use file_io::Source;
+use file_io::{Place, Source};
 
 /// Reads the file at `path`.
 ///

@@ -7,8 +7,7 @@ use sprs::CsMat;
 use crate::Error;
 use crate::triplets::{self, Entry};
 use crate::value::{Array, plausible};
-use file_io::Place;
-use file_io::Source;
+use file_io::{Place, Source};
 
 /// Name of a sparse matrix that is alone in its file, as `scipy.sparse.save_npz` writes it and `load_npz` reads it.
 pub const MATRIX: &str = "matrix";

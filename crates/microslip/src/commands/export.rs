@@ -14,8 +14,7 @@ use joints::structure::export::{ABOUT, arrays, deck, groups};
 use matrix_files::value::Array;
 use matrix_files::{mat, matrix_market, npz};
 use reports::Output;
-use scenes::Scene;
-use scenes::{Gap, MaterialSource, StructureSource, Surface};
+use scenes::{Gap, MaterialSource, Scene, StructureSource, Surface};
 use std::path::{Path, PathBuf};
 
 /// Options of `export`.

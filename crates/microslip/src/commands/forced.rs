@@ -7,9 +7,7 @@ use analyses::results::summary::{ForcedSummary, ResonanceSummary, Summary};
 use anyhow::Result;
 use host::{provenance, results_of};
 use reports::run::{FORCED, SUMMARY, outputs};
-use scenes::Error;
-use scenes::Scene;
-use scenes::{Force, Forced, Method};
+use scenes::{Error, Force, Forced, Method, Scene};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

@@ -1,20 +1,14 @@
 //! Files that users name, where they are none that can be read: every command ends with a message.
 #![allow(clippy::unwrap_used)]
 #![cfg(target_os = "linux")]
-use crate::common::{exit_code, folder, messages};
+use crate::common::{exit_code, folder, messages, run_program};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::Command;
 
 /// What the program says; if it does not end, it is ended.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = Command::new("timeout")
-        .args(["60", crate::PROGRAM])
-        .args(arguments)
-        .current_dir(folder)
-        .env("XDG_CACHE_HOME", folder.join("caches"))
-        .output()
-        .unwrap();
+    let output = run_program("timeout", folder, &[&["60", crate::PROGRAM], arguments].concat());
     let text = messages(&output);
     assert_eq!(exit_code(&output), 1, "{arguments:?}: {text}");
     text

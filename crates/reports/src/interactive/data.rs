@@ -5,10 +5,9 @@ use super::encode::{self, Sequences};
 use crate::fields::{Placed, total_flux};
 use crate::periodic::PeriodicMotions;
 use crate::{Error, csv, plot, run};
-use analyses::Run;
 use analyses::ensemble::BandPoint;
 use analyses::results::summary::{MethodSummary, Summary};
-use analyses::{ElementLoops, Fields, ModeBackbone};
+use analyses::{ElementLoops, Fields, ModeBackbone, Run};
 use contact_laws::Regime;
 use serde::Serialize;
 

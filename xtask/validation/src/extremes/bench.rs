@@ -1,7 +1,6 @@
 //! The scene that the cases start from, and ways to run it.
 
-use analyses::Prepared;
-use analyses::{Error, Run, run};
+use analyses::{Error, Prepared, Run, run};
 use anyhow::{Context, Result, bail};
 use brake_reuss_beam::BrakeReussBenchmark;
 use joint_model::benchmark::RefinementLevel;
@@ -9,8 +8,7 @@ use joint_model::{Bodies, MeshedBodies};
 use joints::Options;
 use joints::progress::Silent;
 use joints::structure::Structure;
-use scenes::Scene;
-use scenes::{ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, Stress, Surface};
+use scenes::{ContactStiffness, Curves, Elastic, Length, ParameterSet, Parameters, Per, Scene, Stress, Surface};
 use std::path::PathBuf;
 
 /// The scene of all cases as it is before anything is done to it, and what came of that.

@@ -11,9 +11,9 @@ use joints::Options;
 use joints::progress::Silent;
 use joints::structure::export::arrays;
 use matrix_files::npz;
-use scenes::BenchmarkRef;
-use scenes::Scene;
-use scenes::{Coordinates, Force, Length, Matrices, MatrixVector, StructureSource, Surface, Units};
+use scenes::{
+    BenchmarkRef, Coordinates, Force, Length, Matrices, MatrixVector, Scene, StructureSource, Surface, Units,
+};
 use serde_json::json;
 use std::collections::BTreeMap;
 

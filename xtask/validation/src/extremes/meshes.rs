@@ -3,8 +3,7 @@
 use super::Case;
 use super::bench::{Bench, meshed};
 use super::findings::{Findings, Refusal};
-use analyses::Prepared;
-use analyses::{Error, Run};
+use analyses::{Error, Prepared, Run};
 use anyhow::{Context, Result, bail};
 use finite_elements::mesh::{Cell, Element as Solid};
 use joint_model::benchmark::{ElementOrder, RefinementLevel, Symmetry};

@@ -10,8 +10,7 @@ use contact_laws::{HistoryRule, TangentialReading};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use reports::map::rgb;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack, title};
-use scenes::Scene;
-use scenes::{Commit, Gap, Law, LawKind, Method};
+use scenes::{Commit, Gap, Law, LawKind, Method, Scene};
 use surface_characterisation::{
     AsperityCount, HeightCombination, Options, PackingHeight, PairRadius, RadiusStatistic, characterise,
 };

@@ -6,8 +6,7 @@ use analyses::results::trends;
 use anyhow::{Context, Result};
 use plotters::prelude::SeriesLabelPosition;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
-use scenes::Gap;
-use scenes::Scene;
+use scenes::{Gap, Scene};
 
 pub(super) const CLAIMS: Entry = Entry {
     id: "claims",

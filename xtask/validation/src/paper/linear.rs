@@ -12,8 +12,7 @@ use contact_laws::adhesion::{critical_interference, hardness_coefficient};
 use joints::structure::{LinearInterface, Structure};
 use plotters::prelude::SeriesLabelPosition;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
-use scenes::Scene;
-use scenes::{ContactStiffness, Curves, Elastic, Force, Gap};
+use scenes::{ContactStiffness, Curves, Elastic, Force, Gap, Scene};
 use surface_characterisation::ElementSurface;
 
 /// Standard gravity (m/s^2).

@@ -1,10 +1,9 @@
 //! The scenes behind the entries: each run once, what is needed of it kept on disk.
 
 use crate::progress::{Batch, Display, Task};
-use analyses::Run;
 use analyses::results::provenance::arithmetic_fingerprint;
 use analyses::results::summary::Summary;
-use analyses::{Fields, Prepared};
+use analyses::{Fields, Prepared, Run};
 use anyhow::{Context, Result};
 use contact_laws::Regime;
 use joints::Options;

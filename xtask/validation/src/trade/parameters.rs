@@ -8,9 +8,8 @@ use joint_model::benchmark::{ElementOrder, RefinementLevel, Symmetry};
 use joints::interface::ScannedSurface;
 use joints::progress::Silent;
 use joints::structure::Structure;
-use scenes::Scene;
 use scenes::{
-    Bins, Commit, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RadialRule, Stress,
+    Bins, Commit, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RadialRule, Scene, Stress,
     Surface, SyntheticScan, Yield,
 };
 

@@ -7,9 +7,14 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Runs the program that the test file names, with a cache of its own.
+/// Runs the program of this binary, with a cache of its own.
 pub(crate) fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(crate::PROGRAM)
+    run_program(crate::PROGRAM, folder, arguments)
+}
+
+/// Runs a program in the same way.
+pub(crate) fn run_program(program: &str, folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(program)
         .args(arguments)
         .current_dir(folder)
         .env("XDG_CACHE_HOME", folder.join("caches"))
