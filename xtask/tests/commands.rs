@@ -125,7 +125,7 @@ fn a_check_names_what_is_wrong() {
 fn a_check_names_the_amplitudes_that_did_not_converge() {
     let folder = folder("too-far");
     let mut scene = read_json(Path::new(QUICK));
-    scene["cqsma"] = json!({ "amplitudes": 2, "vertices_per_quarter": 1, "amplitude_to": 1e6 });
+    scene["analyses"]["backbone"] = json!({ "amplitudes": 2, "vertices_per_quarter": 1, "amplitude_to": 1e6 });
     std::fs::write(folder.join("too-far.json"), scene.to_string()).unwrap();
     let output = run(&folder, &["brb", "too-far.json"]);
     assert_eq!(exit_code(&output), 3, "{}", messages(&output));
@@ -151,7 +151,7 @@ fn an_accuracy_chooses_settings_and_an_error_is_estimated() {
     let mut scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "accuracy": "draft",
-        "cqsma": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 },
+        "analyses": { "backbone": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 } },
     });
     std::fs::write(folder.join("draft.json"), scene.to_string()).unwrap();
     let text = succeeds(&folder, &["brb", "draft.json", "--out", "run", "--estimate-error"]);
@@ -191,7 +191,7 @@ fn two_formulations_of_the_elements_estimate_the_limit_of_the_mesh() {
     let mut scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "model": { "refinement": "coarse", "symmetry": "half" },
-        "cqsma": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 },
+        "analyses": { "backbone": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 } },
     });
     std::fs::write(folder.join("coarse.json"), scene.to_string()).unwrap();
     let text = succeeds(

@@ -17,7 +17,7 @@ use std::hint::black_box;
 fn loops(c: &mut Criterion) {
     let mut scene = Scene::of(&BrakeReussBenchmark, "bench").unwrap();
     scene.model.refinement = RefinementLevel::Quick;
-    scene.points_per_direction = 5;
+    scene.interfaces.points_per_direction = 5;
     let prepared = prepare(&scene, &Options::default(), &Silent).unwrap();
     let reduced = &prepared.model().reduced;
     let (stiffness, mass) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());

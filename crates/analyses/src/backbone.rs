@@ -1,7 +1,9 @@
 //! The backbone of one mode: hysteresis loops over amplitudes, and the methods beside CQSMA.
 
+use super::amplitude::{AmplitudeResult, LoopFields};
 use super::observer::{Stored, Watcher};
-use super::outcome::{AmplitudeResult, LoopFields, ModeAnalysis, PrestressResult};
+use super::outcome::ModeAnalysis;
+use super::prestress::PrestressResult;
 use super::sensitivities::Sensitivities;
 use super::{methods, periodic};
 use crate::Error;
@@ -14,7 +16,7 @@ use joints::progress::{Progress, Stage};
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use joints::store::key::KeyBuilder;
 use reduction::ReducedModel;
-use scenes::{Length, Method, Scene};
+use scenes::{Length, Scene};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -136,21 +138,20 @@ impl<'a> Request<'a> {
             settings: &settings,
         };
         let mut checkpoints = checkpoints;
-        let epmc = match self.scene.methods.contains(&Method::Epmc) {
-            false => None,
-            true => {
+        let epmc = match &self.scene.analyses.epmc {
+            None => None,
+            Some(settings) => {
                 let request = periodic::Request {
                     scene: self.scene,
                     force: self.force,
                     vibrating: self.vibrating,
                     line: self.line,
                 };
-                let settings = self.scene.epmc.clone().unwrap_or_default();
                 let amplitudes = displacements(self.scene, EPMC_AMPLITUDES)
                     .iter()
                     .map(|x| x / phi.abs())
                     .collect();
-                let (mut found, resume) = request.epmc(&settings, self.mode, amplitudes, epmc_key, progress)?;
+                let (mut found, resume) = request.epmc(settings, self.mode, amplitudes, epmc_key, progress)?;
                 checkpoints.extend(resume);
                 if let Some((sensitivities, derivatives)) = &derivatives {
                     found.sensitivities = sensitivities.of_motions(
@@ -220,7 +221,7 @@ impl<'a> Request<'a> {
     }
 
     pub(super) fn settings(&self) -> Settings {
-        let cqsma = &self.scene.cqsma;
+        let cqsma = &self.scene.analyses.backbone;
         Settings {
             mode: self.mode,
             vertices_per_quarter: cqsma.vertices_per_quarter,
@@ -348,7 +349,7 @@ pub(super) fn uniform(reduced: &ReducedModel, closure: f64) -> Vec<f64> {
 /// Displacements at the response point that the modal forces are chosen for, by linear estimate (m); `otherwise` is their number where
 /// the scene asks for no loops.
 fn displacements(scene: &Scene, otherwise: usize) -> Vec<f64> {
-    let c = &scene.cqsma;
+    let c = &scene.analyses.backbone;
     let count = if c.amplitudes == 0 { otherwise } else { c.amplitudes };
     let [from, to] = [c.amplitude_from, c.amplitude_to].map(Length::si);
     let ratio = (to / from).ln();

@@ -505,7 +505,7 @@ pub fn calibrate(
         }
         if name.is_drawn() {
             return Err(refused(format!(
-                "backbones do not change smoothly with {name}; take scale.asperity_radius, scale.asperity_density and scale.asperity_height"
+                "backbones do not change smoothly with {name}; take interfaces.scale.asperity_radius, interfaces.scale.asperity_density and interfaces.scale.asperity_height"
             )));
         }
     }
@@ -516,11 +516,16 @@ pub fn calibrate(
         ));
     }
     let modes = measured.iter().map(|measured| {
-        let place = scene.cqsma.followed().iter().position(|mode| *mode == measured.mode);
+        let place = scene
+            .analyses
+            .modes
+            .followed
+            .iter()
+            .position(|mode| *mode == measured.mode);
         place.ok_or_else(|| {
-            let followed: Vec<String> = scene.cqsma.followed().iter().map(usize::to_string).collect();
+            let followed: Vec<String> = scene.analyses.modes.followed.iter().map(usize::to_string).collect();
             refused(format!(
-                "{} is of mode {}, and the scene follows {}; add it to cqsma.modes_of_interest",
+                "{} is of mode {}, and the scene follows {}; add it to analyses.modes.followed",
                 measured.name,
                 measured.mode,
                 followed.join(", ")

@@ -2,10 +2,10 @@
 
 use super::effects::Effects;
 use super::ensemble::loops_alone;
-use super::hyper_reduced::BorneErrors;
 use super::outcome::ModeAnalysis;
+use super::prepared::check_bolts;
 use super::prestress::bolt_load;
-use super::run::{Solver, check_bolts};
+use super::solver::Solver;
 use super::variants::{Curve, VariantPoint};
 use crate::Error;
 use crate::results::provenance::{Input, InputRole, inputs_of};
@@ -36,6 +36,15 @@ pub struct CaseKeys {
     pub structure: String,
     /// Of what its asperities follow from.
     pub surface: String,
+}
+
+/// Largest relative errors of results that are borne.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBounds {
+    /// Of the frequency.
+    pub frequency: f64,
+    /// Of the damping ratio.
+    pub damping: f64,
 }
 
 /// Makes the keys of cases. Files are read once per combination of structure and surfaces that names them.
@@ -88,10 +97,17 @@ impl CaseHasher {
     /// # Errors
     /// A file that the scene names cannot be read.
     pub fn keys(&self, case: &Scene) -> Result<CaseKeys, Error> {
-        let (whole, alone) = (case.encoded()?, case.clone().alone().encoded()?);
-        let surfaces = json!([whole["surface"], whole["law"], whole["structure"]]).to_string();
+        let whole = case.encoded()?;
+        let interfaces = &whole["interfaces"];
+        let surfaces = json!([
+            interfaces["surface"],
+            interfaces["law"],
+            interfaces["each"],
+            whole["structure"]
+        ])
+        .to_string();
         let files = self.files(&surfaces, case)?;
-        let mut model = alone["model"].clone();
+        let mut model = whole["model"].clone();
         if let Some(material) = model.pointer_mut("/material").and_then(Value::as_object_mut) {
             // Judgements of results, which no matrix depends on.
             material.remove("hardness");
@@ -101,10 +117,10 @@ impl CaseHasher {
         // Matrices without bolts need no loads.
         let is_idle = bolts.load.si() == 0.0;
         let structure = json!([
-            alone["structure"],
+            whole["structure"],
             model,
-            alone["bolts"]["behaviour"],
-            bolts.tightening.is_some(),
+            whole["bolts"]["behaviour"],
+            case.analyses.tightening.is_some(),
             is_idle,
         ])
         .to_string();
@@ -127,7 +143,7 @@ impl CaseHasher {
     }
 
     /// The address of a case with results that others taught it, from its own address, theirs and what its results may be off by.
-    pub fn trained(&self, case: &str, teachers: &[String], borne: BorneErrors) -> String {
+    pub fn trained(&self, case: &str, teachers: &[String], borne: ErrorBounds) -> String {
         let mut key = KeyBuilder::new(self.build.as_deref());
         key.integers([LAYOUT]);
         key.text(case);

@@ -5,7 +5,7 @@
 //! range that both backbones cover.
 
 use crate::Error;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Amplitudes at which backbones are compared.
@@ -42,7 +42,8 @@ pub struct PointDifference {
 }
 
 /// How far a backbone lies from another, the reference.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Difference {
     /// Mean, with its sign.
     pub mean: f64,
@@ -64,7 +65,8 @@ impl Difference {
 }
 
 /// Theory minus reference over the amplitudes that both cover.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Misfit {
     /// Smallest and largest amplitude compared.
     pub amplitudes: [f64; 2],

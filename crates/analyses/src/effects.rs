@@ -59,7 +59,7 @@ impl<'a> Effects<'a> {
     /// Of the structure and the interface of the other one.
     pub(crate) fn differs(&self, other: &Scene) -> Result<bool, Error> {
         let loads = |scene: &Scene| -> Vec<f64> { (0..self.structure.n_bolts()).map(|n| scene.tension(n)).collect() };
-        if loads(other) != loads(self.scene) || other.bolts.tightening != self.scene.bolts.tightening {
+        if loads(other) != loads(self.scene) || other.analyses.tightening != self.scene.analyses.tightening {
             return Ok(true);
         }
         let own;
@@ -91,11 +91,9 @@ impl<'a> Effects<'a> {
             true => STEPS_FROM_ZERO.to_vec(),
             false => vec![value * (1.0 + STEP), value * (1.0 - STEP)],
         };
-        let bare = Scene {
-            sensitivities: Vec::new(),
-            uncertain: None,
-            ..self.scene.clone()
-        };
+        let mut bare = self.scene.clone();
+        bare.analyses.sensitivities.clear();
+        bare.uncertain = None;
         for other in beside {
             let varied = parameter.with(&bare, other).map_err(Error::from);
             match varied.and_then(|varied| self.differs(&varied)) {

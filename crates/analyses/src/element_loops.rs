@@ -2,11 +2,11 @@
 
 use crate::Error;
 use joint_model::significant;
-use scenes::{Cqsma, InterfacePlace, Length};
+use scenes::{Analyses, InterfacePlace, Length};
 use serde::{Deserialize, Serialize};
 use zte_assembly::{InterfaceMesh, Operators, Workspace};
 
-/// Most bytes that the loops of all elements may take in a run. Above it those of the scene's `cqsma.loops_at` alone are recorded.
+/// Most bytes that the loops of all elements may take in a run. Above it those of the scene's `analyses.backbone.loops_at` alone are recorded.
 pub const MOST_RECORDED: usize = 100_000_000;
 
 /// Motion and traction of interface elements along a loop, as means over the area of each element.
@@ -17,7 +17,7 @@ pub const MOST_RECORDED: usize = 100_000_000;
 /// text of about three times that size.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ElementLoops {
-    /// The elements recorded, ascending: all of the interface, or those of `cqsma.loops_at`.
+    /// The elements recorded, ascending: all of the interface, or those of `analyses.backbone.loops_at`.
     pub elements: Vec<usize>,
     /// Modal force (sqrt(kg) m/s^2) at each vertex of the loop, in the order of the motion. The first and the last vertex are at the
     /// positive peak.
@@ -64,9 +64,9 @@ impl ElementLoops {
 
 /// The elements whose loops are recorded, ascending: all `n_elements` where a run has room for them at `stored` amplitudes of each
 /// mode, otherwise those `asked_for`.
-pub(super) fn recorded(cqsma: &Cqsma, stored: usize, n_elements: usize, asked_for: &[usize]) -> Vec<usize> {
-    let vertices = 4 * cqsma.vertices_per_quarter + 1;
-    let loops = stored * cqsma.followed().len();
+pub(super) fn recorded(analyses: &Analyses, stored: usize, n_elements: usize, asked_for: &[usize]) -> Vec<usize> {
+    let vertices = 4 * analyses.backbone.vertices_per_quarter + 1;
+    let loops = stored * analyses.modes.followed.len();
     let bytes = [vertices, loops, 6 * size_of::<f64>()].into_iter();
     if bytes.fold(n_elements, usize::saturating_mul) <= MOST_RECORDED {
         return (0..n_elements).collect();
@@ -188,18 +188,19 @@ mod tests {
 
     #[test]
     fn a_run_records_all_elements_up_to_the_limit_and_those_asked_for_beyond() {
-        let cqsma = |vertices_per_quarter: usize, modes: usize| Cqsma {
-            vertices_per_quarter,
-            modes_of_interest: (1..=modes).collect(),
-            ..Cqsma::default()
+        let asked = |vertices_per_quarter: usize, modes: usize| {
+            let mut asked = Analyses::default();
+            asked.backbone.vertices_per_quarter = vertices_per_quarter;
+            asked.modes.followed = (1..=modes).collect();
+            asked
         };
         // 2352 elements with 16 vertices per quarter take 7.3 MB per amplitude.
         for (stored, modes, all) in [(4, 1, true), (13, 1, true), (4, 3, true), (14, 1, false), (7, 2, false)] {
-            let found = recorded(&cqsma(16, modes), stored, 2352, &[7, 3]);
+            let found = recorded(&asked(16, modes), stored, 2352, &[7, 3]);
             assert_eq!(found.len() == 2352, all, "{stored} of {modes} modes");
             assert!(all || found == [3, 7]);
         }
-        assert!(recorded(&cqsma(4096, 1), usize::MAX / 2, 2352, &[]).is_empty());
+        assert!(recorded(&asked(4096, 1), usize::MAX / 2, 2352, &[]).is_empty());
     }
 
     #[test]
@@ -220,7 +221,7 @@ mod tests {
         let refusal = |place| at(place).unwrap_err().to_string();
         let beside = refusal(model([1.03, 0.03, 0.005]));
         for part in [
-            "cqsma.loops_at, number 2",
+            "analyses.backbone.loops_at, number 2",
             "[1.03, 0.03, 0.005] m",
             "number 2",
             "[1, 0.03, 0.005] m",

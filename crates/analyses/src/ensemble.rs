@@ -4,12 +4,13 @@
 //! prestress, modes and loops on the same reduced structure. Everything in it depends on the seed and `k` alone, so
 //! neither the number of threads nor an interruption changes a bit.
 
-use super::outcome::{AmplitudeResult, Analysis};
+use super::amplitude::AmplitudeResult;
+use super::outcome::Analysis;
 use crate::Error;
 use joints::progress::{Progress, Stage};
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use rayon::prelude::*;
-use scenes::Scene;
+use scenes::{Analyses, Backbone, Scene};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -81,17 +82,22 @@ pub struct Ensemble {
 pub(super) fn loops_alone(scene: &Scene, all_modes: bool) -> Scene {
     let mut scene = scene.clone();
     if !all_modes {
-        scene.cqsma.mode = scene.cqsma.followed()[0];
-        scene.cqsma.modes_of_interest.clear();
+        scene.analyses.modes.followed.truncate(1);
     }
-    scene.methods.clear();
-    scene.epmc = None;
-    scene.forced = None;
-    scene.sensitivities.clear();
+    let asked = std::mem::take(&mut scene.analyses);
+    scene.analyses = Analyses {
+        modes: asked.modes,
+        backbone: Backbone {
+            methods: Vec::new(),
+            loops_at: Vec::new(),
+            ..asked.backbone
+        },
+        tightening: asked.tightening,
+        ..Analyses::default()
+    };
     scene.uncertain = None;
     scene.output.fields_at = Some(Vec::new());
     scene.output.deformed = false;
-    scene.cqsma.loops_at.clear();
     scene
 }
 

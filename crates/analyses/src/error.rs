@@ -1,6 +1,6 @@
 //! Errors of this crate.
 
-use scenes::{behind_semicolon, quantity};
+use scenes::behind_semicolon;
 use std::path::PathBuf;
 
 /// Why a scene cannot be run.
@@ -61,7 +61,7 @@ pub enum Error {
     /// A step of tightening without equilibrium.
     #[error(
         "no equilibrium was found while bolt {bolt} was tightened in pass {pass} (residuals {history:?}): {reason}; tighten in more passes, \
-         such as \"passes\": [0.3, 0.6, 1.0], or in more increments per step, \"increments\": 4, of bolts.tightening"
+         such as \"passes\": [0.3, 0.6, 1.0], or in more increments per step, \"increments\": 4, of analyses.tightening"
     )]
     Tightening {
         /// Pass, counted from 1.
@@ -84,7 +84,7 @@ pub enum Error {
         bolts: usize,
     },
     /// A place for loops that is not on the interface.
-    #[error("cqsma.loops_at, number {number}: {reason}")]
+    #[error("analyses.backbone.loops_at, number {number}: {reason}")]
     LoopPlace {
         /// From 1 on.
         number: usize,
@@ -102,7 +102,7 @@ pub enum Error {
     /// The forces of the prestress, evaluated anew, are out of balance: nothing that follows from it can be believed.
     #[error(
         "the prestress is out of balance: the residual forces at the interface add up to {residual_ratio:.1e} of the loads there, \
-         where at most {limit:.0e} is accepted; ask for a smaller `cqsma.tolerance`, or make a contact that is far stiffer than the \
+         where at most {limit:.0e} is accepted; ask for a smaller `analyses.backbone.tolerance`, or make a contact that is far stiffer than the \
          structure softer"
     )]
     Unbalanced {
@@ -127,18 +127,6 @@ pub enum Error {
     /// Identification of a computed motion.
     #[error(transparent)]
     Identification(Box<modal_identification::Error>),
-    /// A setting of a computed motion outside its range.
-    #[error("{field} = {} is not admissible; it must be {requirement}", quantity(*value, unit))]
-    Motion {
-        /// Setting.
-        field: &'static str,
-        /// Value.
-        value: f64,
-        /// Unit.
-        unit: &'static str,
-        /// What would be accepted.
-        requirement: &'static str,
-    },
     /// A motion that could not be followed to where it was to be identified.
     #[error(
         "the motion could not be followed beyond {time:.4e} s of {wanted:.4e} s: {reason}; relative residuals {history:?}; take more steps per period"
@@ -177,10 +165,9 @@ impl Error {
             Self::Scene(error) => error.field(),
             Self::Joint(error) => error.field(),
             Self::Derivatives { .. } => Some("sensitivities"),
-            Self::Motion { field, .. } => Some(field),
             Self::BoltLoads { .. } => Some("bolts.loads"),
-            Self::Tightening { .. } => Some("bolts.tightening"),
-            Self::NoResponse { .. } => Some("cqsma.mode"),
+            Self::Tightening { .. } => Some("analyses.tightening"),
+            Self::NoResponse { .. } => Some("analyses.modes.followed"),
             _ => None,
         }
     }
@@ -201,7 +188,6 @@ impl Error {
         match *self {
             Self::Scene(ref error) => error.value(),
             Self::Joint(ref error) => error.value(),
-            Self::Motion { value, unit, .. } => Some((value, unit)),
             Self::BoltLoads { given, .. } => Some((given as f64, "(values)")),
             Self::NoResponse { mode, .. } => Some((mode as f64, "")),
             _ => None,
@@ -213,7 +199,6 @@ impl Error {
         match self {
             Self::Scene(error) => error.remedy(),
             Self::Joint(error) => error.remedy(),
-            Self::Motion { requirement, .. } => Some(format!("it must be {requirement}")),
             Self::Prestress { .. } => None,
             _ => behind_semicolon(&self.to_string()),
         }

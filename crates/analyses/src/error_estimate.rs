@@ -2,7 +2,6 @@
 
 use super::comparison::Backbone;
 use super::run::Run;
-use super::transient;
 use scenes::Preset;
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +23,10 @@ impl ErrorEstimate {
     /// Compares a run with one of the scene that [`refined`](scenes::refined) gave.
     pub fn new(run: &Run, finer: &Preset, fine: &Run) -> Self {
         let mode = run.first().mode - 1;
-        let cqsma = |run| -> Option<Backbone> { Some(transient::backbones(run).ok()?.swap_remove(0).1) };
+        let cqsma = |run: &Run| -> Option<Backbone> {
+            let all = run.first().over_acceleration(run.scene.background_damping);
+            Some(all.ok()?.into_iter().next()?.1)
+        };
         let misfit = cqsma(run).zip(cqsma(fine)).and_then(|(own, fine)| own.misfit(&fine));
         Self {
             finer: finer.name.to_owned(),

@@ -1,10 +1,10 @@
 //! Cases on one structure that learn from some of them: loops over few coordinates and from few points of contact.
 
 use super::backbone::Request;
-use super::cases::{CaseMode, CasePoint, CaseStructure};
+use super::cases::{CaseMode, CasePoint, CaseStructure, ErrorBounds};
 use super::observer::ResponseMotion;
 use super::prestress::{linearise, load_of, response};
-use super::run::newton_settings;
+use super::solver::newton_settings;
 use super::variants::VariantPoint;
 use crate::Error;
 use cqsma_solver::cqsma;
@@ -21,15 +21,6 @@ use zte_assembly::State;
 
 /// Most amplitudes of a mode of a case that are learned from.
 const LESSONS: usize = 12;
-
-/// Largest relative errors of results that are borne.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BorneErrors {
-    /// Of the frequency.
-    pub frequency: f64,
-    /// Of the damping ratio.
-    pub damping: f64,
-}
 
 /// What a case teaches: its modes with their loops.
 #[derive(Clone, Debug)]
@@ -105,7 +96,7 @@ impl CaseStructure {
     pub fn train(&self, case: &Scene, interface: &SceneInterface, lessons: Vec<Lesson>) -> Result<Training, Error> {
         let locked = self.solver().locked(case)?;
         let vibrating = locked.as_ref().unwrap_or(self.reduced());
-        let followed = case.cqsma.followed();
+        let followed = &case.analyses.modes.followed;
         let mut of_modes: Vec<Vec<TrainingMode>> = followed.iter().map(|_| Vec::new()).collect();
         for lesson in lessons {
             of_modes
@@ -129,7 +120,7 @@ impl CaseStructure {
     pub fn backbones_by(
         &self,
         training: &Training,
-        borne: BorneErrors,
+        borne: ErrorBounds,
         case: &Scene,
         interface: &SceneInterface,
         progress: &dyn Progress,
@@ -154,14 +145,14 @@ impl CaseStructure {
     ) -> Result<Vec<R>, Error> {
         let solver = self.solver();
         let reduced = self.reduced();
-        let prestress = solver.static_state(case, &interface.interface, interface.closure, progress)?;
+        let (prestress, _) = solver.static_state(case, &interface.interface, interface.closure, progress)?;
         let static_load = load_of(reduced, &prestress.tensions);
         let locked = solver.locked(case)?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
         let force = InterfaceForce::new(&interface.interface);
         let line = linearise(case, vibrating, &force, &prestress.solution)?;
         let response = response(vibrating);
-        let followed = case.cqsma.followed();
+        let followed = &case.analyses.modes.followed;
         let requests = followed.iter().map(|mode| Request {
             scene: case,
             force: &force,
@@ -189,7 +180,7 @@ impl Request<'_> {
         &self,
         case: &Scene,
         learned: Option<&Trained>,
-        borne: BorneErrors,
+        borne: ErrorBounds,
     ) -> Result<Vec<Result<CasePoint, String>>, Error> {
         use cqsma_solver::Error::Interrupted;
         use hyper_reduction::Error::Solver;

@@ -7,7 +7,8 @@
 //! see [`LimitWeight`]. Damping has no such order: both formulations may lie on one side.
 
 use super::comparison::{Backbone, Point};
-use super::run::{ModeBackbone, Run};
+use super::outcome::ModeBackbone;
+use super::run::Run;
 use crate::Error;
 use finite_elements::elements::Formulation;
 use finite_elements::mesh::Cell;
@@ -107,7 +108,7 @@ fn accuracy(scene: &Scene) -> Result<MeshAccuracy, &'static str> {
     if scene.model.arm_layers.is_some() {
         return Err("model.arm_layers replaces what the refinement had when it was measured");
     }
-    if scene.cqsma.followed() != [accuracy.mode] {
+    if scene.analyses.modes.followed != [accuracy.mode] {
         return Err("refinements were measured for the first mode alone, and the scene follows another one");
     }
     Ok(accuracy)

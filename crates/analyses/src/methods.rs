@@ -4,8 +4,7 @@ use crate::Error;
 use cqsma_solver::loading::{self, LoadingPoint};
 use cqsma_solver::newton::Effort;
 use cqsma_solver::prestress::Prestress;
-use cqsma_solver::{Failure, HystereticForce, Linearisation, NoObserver, Sticking, cqsma, masing, modes, rqnma};
-use faer::MatRef;
+use cqsma_solver::{Failure, Linearisation, NoObserver, cqsma, masing, modes, rqnma};
 use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Stage};
 use rayon::prelude::*;
@@ -70,18 +69,15 @@ impl Request<'_> {
     /// Runs what the scene asks for.
     pub(super) fn run(&self, progress: &dyn Progress) -> Result<Vec<MethodResult>, Error> {
         type Run<'r> = fn(&Request<'r>) -> Result<Vec<MethodPoint>, Error>;
-        let quasi_static = |&method: &Method| {
+        let run_of = |&method: &Method| {
             let run: Run<'_> = match method {
                 Method::Qsma => Self::qsma,
-                Method::QsmaTwice => Self::qsma_twice,
                 Method::Masing => Self::masing,
                 Method::Rqnma => Self::rqnma,
-                // Has settings and results of its own.
-                Method::Epmc => return None,
             };
-            Some((method, run))
+            (method, run)
         };
-        let methods: Vec<_> = self.scene.methods.iter().filter_map(quasi_static).collect();
+        let methods: Vec<_> = self.scene.analyses.backbone.methods.iter().map(run_of).collect();
         if methods.is_empty() {
             return Ok(Vec::new());
         }
@@ -105,45 +101,13 @@ impl Request<'_> {
         } = self.prestress;
         let jump = &displacement[..self.interface.n_dofs()];
         let (linear, state) = self.interface.linearised(jump, state)?;
-        self.loops(self.reduced.stiffness.as_ref(), &InterfaceForce::new(&linear), state)
+        self.loops(&InterfaceForce::new(&linear), state)
     }
 
-    /// QSMA with the contact as it is beside the normal stiffness that linearising it gave.
-    fn qsma_twice(&self) -> Result<Vec<MethodPoint>, Error> {
-        let (force, pattern) = (self.force, self.force.pattern());
-        let jump = &self.prestress.displacement[..force.n_dofs()];
-        let begin = &self.prestress.state;
-        let (mut end, mut workspace) = (begin.clone(), force.workspace());
-        let (mut contact, mut tangent) = (vec![0.0; jump.len()], vec![0.0; pattern.indices.len()]);
-        force.evaluate(
-            jump,
-            Sticking::Full,
-            begin,
-            &mut end,
-            &mut workspace,
-            &mut contact,
-            Some(&mut tangent),
-        );
-        let mut stiffness = self.reduced.stiffness.clone();
-        for row in (2..jump.len()).step_by(3) {
-            for entry in pattern.indptr[row]..pattern.indptr[row + 1] {
-                let column = pattern.indices[entry];
-                if column % 3 == 2 {
-                    stiffness[(row, column)] += tangent[entry];
-                }
-            }
-        }
-        self.loops(stiffness.as_ref(), force, begin.clone())
-    }
-
-    /// Loops about the static state with another stiffness or another force.
-    fn loops(
-        &self,
-        stiffness: MatRef<'_, f64>,
-        force: &InterfaceForce<'_>,
-        state: State,
-    ) -> Result<Vec<MethodPoint>, Error> {
-        let (mass, n_modes) = (self.reduced.mass.as_ref(), self.line.eigenvalues.len());
+    /// Loops about the static state with another force.
+    fn loops(&self, force: &InterfaceForce<'_>, state: State) -> Result<Vec<MethodPoint>, Error> {
+        let (stiffness, mass) = (self.reduced.stiffness.as_ref(), self.reduced.mass.as_ref());
+        let n_modes = self.line.eigenvalues.len();
         let displacement = self.prestress.displacement.clone();
         let mut line = modes::linearise(stiffness, mass, force, displacement, state, n_modes)?;
         line.orient(self.response)?;

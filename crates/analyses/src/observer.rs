@@ -1,7 +1,7 @@
 //! Watches hysteresis loops at the quadrature points.
 
+use super::amplitude::{Fields, LoopFields};
 use super::element_loops::ElementLoops;
-use super::outcome::{Fields, LoopFields};
 use contact_laws::{Regime, Sticking};
 use cqsma_solver::{BackbonePoint, LoopObserver};
 use std::ops::ControlFlow;

@@ -1,6 +1,6 @@
 //! The static state of a scene, and the structure linearised about it.
 
-use super::outcome::{Fields, PrestressResult};
+use super::amplitude::Fields;
 use crate::Error;
 use contact_laws::Sticking;
 use cqsma_solver::prestress::{self, Prestress};
@@ -10,6 +10,21 @@ use joints::structure::StructuralModel;
 use reduction::ReducedModel;
 use scenes::{BoltBehaviour, Scene};
 use zte_assembly::{Interface, State};
+
+/// The static state.
+#[derive(Clone, Debug)]
+pub struct PrestressResult {
+    /// Solver's account.
+    pub solution: Prestress<State>,
+    /// Sum of the absolute residual forces over the interface relative to that of the loads.
+    pub residual_ratio: f64,
+    /// Relative difference between the integrated pressure and the bolt loads.
+    pub equilibrium_error: f64,
+    /// Fields.
+    pub fields: Fields,
+    /// Tension of each bolt (N).
+    pub tensions: Vec<f64>,
+}
 
 /// Largest sum of residual forces over that of the loads, all at the interface, evaluated anew from stiffness and laws. It
 /// bounds what is missing in the balance of forces and, times the largest lever, of moments.
@@ -150,7 +165,6 @@ fn describe(
             flux: std::array::from_fn(|_| vec![0.0; interface.operators().n_points()]),
         },
         tensions,
-        tightening: None,
     }
 }
 
@@ -181,7 +195,7 @@ pub(crate) fn linearise<'a>(
         let (displacement, state) = (displacement.clone(), solution.state.clone());
         modes::linearise(stiffness, mass, force, displacement, state, n_modes)
     };
-    let wanted = scene.cqsma.modes.min(mass.nrows());
+    let wanted = scene.analyses.modes.number.min(mass.nrows());
     let mut line = about(wanted).or_else(|error| {
         use cqsma_solver::Error::{Dense, Setting};
         if !matches!(
@@ -197,10 +211,10 @@ pub(crate) fn linearise<'a>(
         }
     })?;
     let found = line.eigenvalues.len();
-    if let Some(mode) = scene.cqsma.followed().iter().find(|mode| **mode > found) {
+    if let Some(mode) = scene.analyses.modes.followed.iter().find(|mode| **mode > found) {
         return Err(scenes::Error::Value {
             place: scene.name.clone(),
-            field: "cqsma.mode",
+            field: "analyses.modes.followed",
             value: *mode as f64,
             unit: "",
             requirement: "no more than the modes of the structure, of which there are as many as coordinates with a mass",

@@ -1,7 +1,7 @@
 //! What the position of one face on the other does to a backbone.
 
 use super::ensemble::{Member, MemberPoint};
-use super::run::Prepared;
+use super::prepared::Prepared;
 use crate::Error;
 use joints::progress::{Progress, Silent};
 use joints::store::Options;
@@ -39,7 +39,11 @@ pub fn study(
     progress: &dyn Progress,
 ) -> Result<(Vec<Moved>, Checkpoints), Error> {
     let mut scene = scene.clone();
-    let base = *scene.surface.registration().ok_or(joints::Error::NoSamples)?;
+    let base = *scene
+        .interfaces
+        .surface
+        .registration()
+        .ok_or(joints::Error::NoSamples)?;
     let mut all = vec![base];
     for axis in 0..2 {
         for sign in [-1.0, 1.0] {
@@ -56,7 +60,7 @@ pub fn study(
     let mut checkpoints = Checkpoints::default();
     for (index, &registration) in all.iter().enumerate() {
         progress.note(&format!("registration {} of {}", index + 1, all.len()));
-        if let Some(place) = scene.surface.registration() {
+        if let Some(place) = scene.interfaces.surface.registration() {
             *place = registration;
         }
         // The first run shows its stages, and reduces the structure for all.

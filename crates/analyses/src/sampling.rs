@@ -141,9 +141,8 @@ mod tests {
                 "response": { "terms": [] }
             } },
             "model": { "material": { "youngs_modulus": 2e11, "poisson_ratio": 0.3 } },
-            "mu": 0.2,
-            "surface": { "parameters": { "per": "interface", "sets": [{
-                "curves": { "elastic": { "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] } } }] } },
+            "interfaces": { "mu": 0.2, "surface": { "parameters": { "per": "interface", "sets": [{
+                "curves": { "elastic": { "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] } } }] } } },
             "bolts": { "load": 1000.0 }
         });
         let scene = Scene::from_summary(&text, &[]).unwrap();
@@ -155,7 +154,7 @@ mod tests {
             }),
             ..Distribution::default()
         };
-        let [mu, load] = ["mu", "bolts.load"].map(Parameter::new);
+        let [mu, load] = ["interfaces.mu", "bolts.load"].map(Parameter::new);
         let mut uncertain = Uncertain {
             parameters: BTreeMap::from([(mu.clone(), normal(0.2, 0.02)), (load.clone(), normal(1000.0, 50.0))]),
             correlations: vec![(mu, load, 0.5)],

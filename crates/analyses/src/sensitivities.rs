@@ -13,7 +13,7 @@ use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::Progress;
 use joints::structure::{StructuralModel, Structure};
 use reduction::ReducedModel;
-use scenes::{BoltBehaviour, Influence, Method, Parameter, Scene};
+use scenes::{BoltBehaviour, EPMC, Influence, Parameter, Scene};
 use serde::{Deserialize, Serialize};
 use zte_assembly::{State, Variation};
 
@@ -121,16 +121,16 @@ impl Neighbours {
         let is_locked = scene.bolts.behaviour == BoltBehaviour::Locked;
         let (mut all, mut others) = (Vec::new(), Vec::new());
         let mut known = None;
-        let effects = match scene.sensitivities.as_slice() {
+        let effects = match scene.analyses.sensitivities.as_slice() {
             [] => None,
             _ => Some(Effects::try_new(scene, structure, Some(interface))?),
         };
-        for parameter in &scene.sensitivities {
+        for parameter in &scene.analyses.sensitivities {
             if let Some(effects) = &effects {
                 effects.require(parameter)?;
             }
             let is_structural = parameter.influence() == Influence::Structure;
-            let is_left = scene.bolts.tightening.is_some() || (is_structural && is_locked);
+            let is_left = scene.analyses.tightening.is_some() || (is_structural && is_locked);
             let beside = match is_left {
                 true => None,
                 false => Self::beside(scene, parameter)?.with_law(interface)?,
@@ -175,7 +175,7 @@ impl Neighbours {
         let mut all = Vec::new();
         for parameter in parameters {
             let is_smooth = parameter.influence() != Influence::Structure && !parameter.is_drawn();
-            if !is_smooth || scene.bolts.tightening.is_some() {
+            if !is_smooth || scene.analyses.tightening.is_some() {
                 continue;
             }
             // A number at the edge of what is admissible has no neighbours.
@@ -206,7 +206,7 @@ impl Neighbours {
             ),
         };
         let mut bare = scene.clone();
-        bare.sensitivities.clear();
+        bare.analyses.sensitivities.clear();
         let varied = |number: f64| {
             parameter.with(&bare, number).map_err(|error| match value == 0.0 {
                 true => scenes::Error::Parameter {
@@ -455,12 +455,7 @@ impl<'a> Sensitivities<'a> {
                     dln_damping: damping,
                     dln_dissipation: none(),
                     dln_response: none(),
-                    ..ingredients.of_mode(
-                        (derivatives.mode(), Method::Epmc.name()),
-                        (shape, eigenvalue),
-                        response,
-                        &rate.mode,
-                    )
+                    ..ingredients.of_mode((derivatives.mode(), EPMC), (shape, eigenvalue), response, &rate.mode)
                 }
             })
             .collect()

@@ -1,6 +1,6 @@
 //! What a run says about its own validity: where the assumptions of the model end.
 
-use super::outcome::{AmplitudeResult, Fields};
+use super::amplitude::{AmplitudeResult, Fields};
 use contact_laws::adhesion::critical_interference;
 use contact_laws::{Asperity, AsperityPopulation, Yield};
 use joints::interface::Asperities;

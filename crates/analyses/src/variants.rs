@@ -1,11 +1,13 @@
 //! A scene with other numbers, over and over: what samples, finite differences and calibrations run.
 
+use super::amplitude::AmplitudeResult;
 use super::effects::Effects;
 use super::ensemble::{self, Batch};
-use super::outcome::{AmplitudeResult, Analysis, ModeAnalysis};
+use super::outcome::{Analysis, ModeAnalysis};
+use super::prepared::{Prepared, prepare_on};
 use super::prestress::bolt_load;
-use super::run::{Prepared, Solver, kept, prepare_on};
 use super::sensitivities::{Neighbours, Per, Sensitivity};
+use super::solver::{Solver, kept};
 use crate::Error;
 use cqsma_solver::LoopResult;
 use joints::interface::SceneInterface;
@@ -473,7 +475,7 @@ impl<'a> Study<'a> {
             Rates::None => Vec::new(),
             Rates::WhereTheyCostLittle => Neighbours::without_reduction(&scene, self.parameters.iter(), &interface)?,
         };
-        scene.sensitivities = neighbours.iter().map(|one| one.parameter().clone()).collect();
+        scene.analyses.sensitivities = neighbours.iter().map(|one| one.parameter().clone()).collect();
         let solver = Solver {
             model: &model,
             neighbours: &neighbours,
@@ -588,7 +590,7 @@ impl<'a> Study<'a> {
                 .map(Vec::len)
                 .max()
                 .unwrap_or(0)
-                * self.scene.cqsma.followed().len(),
+                * self.scene.analyses.modes.followed.len(),
             progress,
         };
         let found = batch.run(

@@ -612,7 +612,7 @@ mod tests {
                 ratio: 0.82,
                 limit: 0.41,
                 share,
-                surface: "surface.finish".into(),
+                surface: "interfaces.surface.finish".into(),
                 load: "bolts.torque",
             });
             let [warning] = &of_results(&overview, &findings)[..] else {
@@ -626,7 +626,7 @@ mod tests {
         };
         let sharp = message(Some(0.2));
         assert!(
-            sharp.contains("0.41: surface.finish makes asperities too sharp, which would need 4 times")
+            sharp.contains("0.41: interfaces.surface.finish makes asperities too sharp, which would need 4 times")
                 && sharp.contains("20 %")
         );
         let heavy = message(Some(0.7));
@@ -634,7 +634,7 @@ mod tests {
             heavy.contains("0.41: bolts.torque is too large") && heavy.contains("70 %"),
             "{heavy}"
         );
-        assert!(message(None).contains("check surface.finish and bolts.torque"));
+        assert!(message(None).contains("check interfaces.surface.finish and bolts.torque"));
     }
 
     #[test]

@@ -83,12 +83,14 @@ fn on_deck() -> Value {
             "response": { "node": "TIP", "direction": [0.0, 0.0, 1.0] },
         } },
         "model": { "material": material() },
-        "mu": 0.2,
-        "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
-            "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12],
-        } } }] } },
+        "interfaces": {
+            "mu": 0.2,
+            "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
+                "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12],
+            } } }] } },
+        },
         "bolts": { "load": "2 kN" },
-        "cqsma": { "amplitudes": 2 },
+        "analyses": { "backbone": { "amplitudes": 2 } },
     })
 }
 
@@ -117,8 +119,9 @@ fn subjects() -> Vec<Subject> {
     let matrices = lap(Path::new("lap.sti"), 1.0, &json!({}));
     let mut scanned = on_deck();
     let file = |name: &str| json!({ "path": name, "place": "centred", "lateral_step": [400.0, 400.0], "lateral_unit": "um", "height_unit": "um", "first_row": "lowest-y", "height_step": "0.1 um" });
-    scanned["surface"] = json!({ "scans": { "top": file("top.csv"), "bottom": file("bottom.csv"), "bootstrap": 0 } });
-    scanned["gap"] = json!("scan");
+    scanned["interfaces"]["surface"] =
+        json!({ "scans": { "top": file("top.csv"), "bottom": file("bottom.csv"), "bootstrap": 0 } });
+    scanned["interfaces"]["gap"] = json!("scan");
     let mut subjects = vec![
         Subject {
             name: "deck",

@@ -101,11 +101,11 @@ fn first(refinement: &Refinement, (_, element_order, hexahedra): Elements, gap: 
     };
     scene.model.element_order = element_order;
     if element_order == ElementOrder::Quadratic {
-        scene.points_per_direction = 3;
+        scene.interfaces.points_per_direction = 3;
     }
     scene.model.formulation = Some(hexahedra);
-    scene.cqsma.amplitudes = 0;
-    scene.gap = gap;
+    scene.analyses.backbone.amplitudes = 0;
+    scene.interfaces.gap = gap;
     let settings = MeshSettings {
         refinement: scene.model.refinement,
         arm_layers: None,
@@ -120,7 +120,7 @@ fn first(refinement: &Refinement, (_, element_order, hexahedra): Elements, gap: 
     let run = prepared.solve(&Silent)?;
     Ok(First {
         unknowns: run.model.facts.n_dofs,
-        pairs: run.mesh.nodes.len(),
+        pairs: run.joint.mesh.nodes.len(),
         frequency: run.frequencies[0],
     })
 }

@@ -51,8 +51,7 @@ impl Benchmark for BrakeReussBenchmark {
                 "work_of_adhesion": quantity(figures.work_of_adhesion, "J/m^2"),
             } },
             "bolts": { "load": quantity(published::BOLT_LOAD, "N") },
-            "mu": FRICTION_COEFFICIENT,
-            "surface": "measured",
+            "interfaces": { "surface": "measured", "mu": FRICTION_COEFFICIENT },
         })
     }
 

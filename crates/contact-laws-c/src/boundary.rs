@@ -321,6 +321,18 @@ pub(crate) unsafe fn rows<'a, const ROWS: usize>(
     Ok(core::array::from_fn(|row| &all[row * len..][..len]))
 }
 
+/// Points evaluated at a time, and room for their states.
+pub(crate) const CHUNK: usize = 128;
+pub(crate) const SCRATCH: usize = 16 * CHUNK;
+
+/// Refuses a law if the states of one point do not fit into the scratch memory.
+pub(crate) fn require_state_fits(n_state: usize) -> Result<(), Error> {
+    match n_state {
+        1..=SCRATCH => Ok(()),
+        _ => Err(Error::State { n_state, most: SCRATCH }),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ use core::slice;
 
 use contact_laws::{Components, ComponentsMut, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 
-use crate::boundary::{Error, Message, Region, array, check, guarded};
+use crate::boundary::{CHUNK, Error, Message, Region, SCRATCH, array, check, guarded};
 use crate::choice::choice;
 use crate::{
     CL_ERROR, CL_INVALID_POINTS, CL_REGIME_INVALID, CL_REGIME_OPEN, CL_REGIME_SLIP, CL_REGIME_STICK, CL_SUCCESS, Law,
@@ -198,18 +198,6 @@ impl Regions {
         check(argument, pointer, len)?;
         self.push(Region::new(argument, pointer, len));
         Ok(())
-    }
-}
-
-/// Points evaluated at a time, and room for their states.
-const CHUNK: usize = 128;
-const SCRATCH: usize = 16 * CHUNK;
-
-/// Refuses a law if the states of one point do not fit into the scratch memory.
-pub(crate) fn require_state_fits(n_state: usize) -> Result<(), Error> {
-    match n_state {
-        1..=SCRATCH => Ok(()),
-        _ => Err(Error::State { n_state, most: SCRATCH }),
     }
 }
 

@@ -115,7 +115,7 @@ impl Law {
             quantities.iter().map(label).collect::<Vec<_>>()
         };
         let info = law.info();
-        evaluate::require_state_fits(info.n_state())?;
+        boundary::require_state_fits(info.n_state())?;
         Ok(Self {
             name: text(info.name),
             reference: text(info.reference),

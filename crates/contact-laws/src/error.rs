@@ -1,7 +1,5 @@
 use core::fmt;
 
-use crate::parameters::{Bounds, Parameter};
-
 /// Where in the input a refused value stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
@@ -165,9 +163,4 @@ pub(crate) fn require(
             requirement,
         })
     }
-}
-
-/// Refuses a parameter that is not finite and above zero.
-pub(crate) fn require_positive(parameter: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
-    Parameter::new(parameter, unit, Bounds::Positive).check(value)
 }

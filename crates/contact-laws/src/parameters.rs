@@ -82,6 +82,11 @@ impl Parameter {
     }
 }
 
+/// Refuses a parameter that is not finite and above zero.
+pub(crate) fn require_positive(parameter: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
+    Parameter::new(parameter, unit, Bounds::Positive).check(value)
+}
+
 /// A parameter, or a set of parameters, for every point of a law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointParameters<T>(Storage<T>);

@@ -1,14 +1,11 @@
 //! A joint with few coordinates and few points, in one static state.
 
 use crate::error::Error;
-use crate::estimate::{ErrorEstimate, estimate};
 use crate::force::PointForce;
 use crate::training::{Trained, shape_of};
-use cqsma_solver::cqsma::{self, Commit, Cycles, Settings};
-use cqsma_solver::{BackbonePoint, Linearisation, LoopObserver, modes};
+use cqsma_solver::Linearisation;
 use dense_algebra::product;
 use faer::Mat;
-use std::ops::ControlFlow;
 use zte_assembly::{Interface, State};
 
 /// A joint about a static state whose motions are those of one mode and of what was learned beside it.
@@ -19,27 +16,16 @@ pub struct HyperReducedJoint<'a> {
     interface: &'a Interface,
     whole: &'a Linearisation<'a, State>,
     /// Motions of the coordinates, the mode first.
-    basis: Mat<f64>,
+    pub(crate) basis: Mat<f64>,
     /// Elastic forces of these motions.
     elastic: Mat<f64>,
-    stiffness: Mat<f64>,
-    mass: Mat<f64>,
-    force: PointForce<'a>,
+    pub(crate) stiffness: Mat<f64>,
+    pub(crate) mass: Mat<f64>,
+    pub(crate) force: PointForce<'a>,
     /// Mass times the mass-normalised shape of the mode, and its frequency (rad/s).
     inertia: Vec<f64>,
-    omega: f64,
-    mode: usize,
-}
-
-/// A loop of the reduced joint.
-#[derive(Clone, Debug)]
-pub struct JudgedLoop {
-    /// The loop.
-    pub point: BackbonePoint,
-    /// Half the range of the displacement at the response point (m).
-    pub response_motion: f64,
-    /// Its estimated errors; none of a loop that did not converge, or for which they could not be found.
-    pub estimate: Option<ErrorEstimate>,
+    pub(crate) omega: f64,
+    pub(crate) mode: usize,
 }
 
 impl<'a> HyperReducedJoint<'a> {
@@ -82,48 +68,6 @@ impl<'a> HyperReducedJoint<'a> {
             omega,
             mode,
         })
-    }
-
-    /// Loops at modal forces (sqrt(kg) m/s^2), with the settings of those of the whole joint. `response` recovers the displacement at the response
-    /// point from that of the whole joint.
-    ///
-    /// # Errors
-    /// [`Error::Loops`] for loops that the estimates do not know how to judge; else as [`cqsma::run`].
-    pub fn run(&self, modal_forces: &[f64], settings: &Settings, response: &[f64]) -> Result<Vec<JudgedLoop>, Error> {
-        if settings.commit != Commit::AtEveryVertex || matches!(settings.cycles, Cycles::Fixed(_)) {
-            return Err(Error::Loops);
-        }
-        let state = self.force.state();
-        let coordinates = self.basis.ncols();
-        // No more modes lie below that of the whole joint than there.
-        let n_modes = coordinates.min(self.mode + 1);
-        let at_rest = vec![0.0; coordinates];
-        let (stiffness, mass) = (self.stiffness.as_ref(), self.mass.as_ref());
-        let mut structure = modes::linearise(stiffness, mass, &self.force, at_rest, state, n_modes)?;
-        let mut of_mode = vec![0.0; coordinates];
-        of_mode[0] = 1.0;
-        structure.orient(&of_mode)?;
-        let distance = |mode: &usize| (structure.eigenvalues[*mode].sqrt() / self.omega - 1.0).abs();
-        let mode = (0..n_modes).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let settings = Settings {
-            mode: mode.unwrap_or_default(),
-            ..*settings
-        };
-        let along = |column: faer::ColRef<'_, f64>| column.iter().zip(response).map(|(a, b)| a * b).sum();
-        let response: Vec<f64> = self.basis.col_iter().map(along).collect();
-        let found = cqsma::run(&structure, &self.force, modal_forces, &settings, |_| Judge {
-            joint: self,
-            response: &response,
-            loads: Vec::new(),
-            coordinates: Vec::new(),
-            estimate: None,
-        })?;
-        let found = found.into_iter().map(|(point, judge)| JudgedLoop {
-            response_motion: judge.response_motion(),
-            estimate: judge.estimate,
-            point,
-        });
-        Ok(found.collect())
     }
 
     pub(crate) fn interface(&self) -> &'a Interface {
@@ -175,46 +119,4 @@ fn combined(columns: &Mat<f64>, factors: &[f64]) -> Vec<f64> {
             .for_each(|(sum, value)| *sum += factor * value);
     }
     sum
-}
-
-/// Estimates the errors of a loop when it is done.
-struct Judge<'a> {
-    joint: &'a HyperReducedJoint<'a>,
-    /// Recovers the displacement at the response point from the coordinates.
-    response: &'a [f64],
-    loads: Vec<f64>,
-    coordinates: Vec<Vec<f64>>,
-    estimate: Option<ErrorEstimate>,
-}
-
-impl Judge<'_> {
-    fn response_motion(&self) -> f64 {
-        let motions = self
-            .coordinates
-            .iter()
-            .map(|y| y.iter().zip(self.response).map(|(y, r)| y * r).sum());
-        let (low, high) = motions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x: f64| {
-            (low.min(x), high.max(x))
-        });
-        0.5 * (high - low)
-    }
-}
-
-impl LoopObserver<Vec<f64>> for Judge<'_> {
-    fn begin(&mut self) {
-        self.loads.clear();
-        self.coordinates.clear();
-    }
-
-    fn vertex(&mut self, modal_force: f64, displacement: &[f64], _: &Vec<f64>) {
-        self.loads.push(modal_force);
-        self.coordinates.push(displacement.to_vec());
-    }
-
-    fn done(&mut self, point: &BackbonePoint) -> ControlFlow<()> {
-        if let Ok(result) = &point.result {
-            self.estimate = estimate(self.joint, result, &self.loads, &self.coordinates);
-        }
-        ControlFlow::Continue(())
-    }
 }

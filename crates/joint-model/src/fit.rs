@@ -1,6 +1,6 @@
 //! How the geometry of a mesh fits what a scene says of it: faces that touch, and seats of bolts.
 
-use crate::significant;
+use crate::significant_digits::significant;
 use serde::{Deserialize, Serialize};
 
 /// Interfaces of which the geometry is told.

@@ -3,8 +3,10 @@
 pub mod benchmark;
 pub mod fit;
 pub mod quadratic;
+mod significant_digits;
 
 pub use benchmark::{Benchmark, Benchmarks};
+pub use significant_digits::significant;
 
 use finite_elements::mesh::{Assembly, Face};
 use fit::Fit;
@@ -204,15 +206,4 @@ pub struct ImportedBodies {
     pub zero_energy_modes: usize,
     /// Mass (kg), if the coordinates show it.
     pub mass: Option<f64>,
-}
-
-/// A number with five significant digits, without zeros at its end.
-pub fn significant(value: f64) -> String {
-    let text = format!("{value:.4e}");
-    let rounded: f64 = text.parse().unwrap_or(value);
-    match rounded.abs() {
-        0.0 => "0".to_owned(),
-        size if (1e-3..1e7).contains(&size) => rounded.to_string(),
-        _ => format!("{rounded:e}"),
-    }
 }

@@ -99,7 +99,7 @@ pub enum Error {
     #[error(
         "{} forces without a bolt between them: no elongation can be held while other bolts are tightened, because only that of the clamped \
          parts is known; give it a shank with axial compliance (structure.mesh.bolts with `axis` and `size`, or a bolt in the mesh), or leave \
-         out bolts.tightening", bolt.map_or_else(|| "a bolt is a pair of".to_owned(), |bolt| format!("bolt {bolt} is a pair of"))
+         out analyses.tightening", bolt.map_or_else(|| "a bolt is a pair of".to_owned(), |bolt| format!("bolt {bolt} is a pair of"))
     )]
     NoElongation {
         /// The bolt, counted from 1, where it is known.
@@ -131,13 +131,13 @@ pub enum Error {
         reason: String,
     },
     /// Parameters of the law that do not fit the interface.
-    #[error("surface.parameters: {reason}")]
+    #[error("interfaces.surface.parameters: {reason}")]
     Parameters {
         /// What is wrong, and where.
         reason: String,
     },
     /// A zone of friction that does not fit the interface.
-    #[error("friction_zones, number {number}: {reason}")]
+    #[error("interfaces.friction_zones, number {number}: {reason}")]
     FrictionZone {
         /// From 1 on.
         number: usize,
@@ -201,12 +201,12 @@ pub enum Error {
     /// Samples of heights are asked for of a surface that has none.
     #[error(
         "the surface has no samples of heights to draw from: measured quantiles, roughness parameters and given parameters of the \
-         law have none; describe it by surface.scans or surface.synthetic-scan"
+         law have none; describe it by interfaces.surface.scans or interfaces.surface.synthetic-scan"
     )]
     NoSamples,
     /// No number of bins is exact enough.
     #[error(
-        "law.bins.error = {target:e}: 128 bins reach {reached:.1e}; ask for less, or give their number with \
+        "interfaces.law.bins.error = {target:e}: 128 bins reach {reached:.1e}; ask for less, or give their number with \
          \"bins\": {{ \"gauss\": N }}"
     )]
     Bins {
@@ -265,14 +265,14 @@ impl Error {
             Self::MeshScene { field, .. } => Some(field),
             Self::NodeSet { field, .. } => Some(field),
             Self::NotRaisable { .. } => Some("model.element_order"),
-            Self::Parameters { .. } => Some("surface.parameters"),
+            Self::Parameters { .. } => Some("interfaces.surface.parameters"),
             Self::Bolt { .. } => Some("structure.mesh.bolts"),
-            Self::NoElongation { .. } => Some("bolts.tightening"),
-            Self::FrictionZone { .. } => Some("friction_zones"),
+            Self::NoElongation { .. } => Some("analyses.tightening"),
+            Self::FrictionZone { .. } => Some("interfaces.friction_zones"),
             Self::NoNodeNear { .. } => Some("structure.point_masses"),
             Self::ReductionTarget { .. } => Some("model.reduction_error"),
-            Self::Bins { .. } => Some("law.bins.error"),
-            Self::NoSamples => Some("surface"),
+            Self::Bins { .. } => Some("interfaces.law.bins.error"),
+            Self::NoSamples => Some("interfaces.surface"),
             _ => None,
         }
     }

@@ -37,20 +37,21 @@ scene = microslip.Scene.from_dict({
         "refinement": "quick",
         "formulation": "reduced",
         "material": {"youngs_modulus": "192.31 GPa", "poisson_ratio": 0.3, "density": 7784.3}},
-    "surface": "measured",
-    "gap": "flat",
-    "mu": 0.03,
-    "points_per_direction": 1,
-    "law": {
-        "friction": "resolved",
-        "history": "end-point",
-        "cone": "box",
-        "bins": {"equally-spaced": 101},
-        "yield": {"strength": "331.7 MPa", "tangent_modulus": "620 MPa"}},
+    "interfaces": {
+        "surface": "measured",
+        "gap": "flat",
+        "mu": 0.03,
+        "points_per_direction": 1,
+        "law": {
+            "friction": "resolved",
+            "history": "end-point",
+            "cone": "box",
+            "bins": {"equally-spaced": 101},
+            "yield": {"strength": "331.7 MPa", "tangent_modulus": "620 MPa"}}},
     "bolts": {"load": 12249, "assembly": "frictionless"},
     "background_damping": 0.00087,
-    "cqsma": {"amplitudes": 9, "amplitude_from": 1e-7, "amplitude_to": 6.8e-5, "vertices_per_quarter": 8}})
-runs = {"flat": microslip.run(scene), "topography": microslip.run(scene.replace(gap="measured"))}
+    "analyses": {"backbone": {"amplitudes": 9, "amplitude_from": 1e-7, "amplitude_to": 6.8e-5, "vertices_per_quarter": 8}}})
+runs = {"flat": microslip.run(scene), "topography": microslip.run(scene.replace({"interfaces.gap": "measured"}))}
 
 # %%
 import matplotlib.pyplot as plt

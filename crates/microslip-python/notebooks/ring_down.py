@@ -22,7 +22,8 @@ import microslip
 folder = Path(tempfile.mkdtemp())
 sample_joint.write(folder)
 scene = microslip.Scene.from_dict({**sample_joint.SCENE, "background_damping": 5e-4}, folder)
-run = microslip.run(scene.replace({"cqsma.amplitude_from": 1e-6, "cqsma.amplitude_to": 60e-6, "cqsma.amplitudes": 20}))
+amplitudes = {"amplitude_from": 1e-6, "amplitude_to": 60e-6, "amplitudes": 20}
+run = microslip.run(scene.replace({"analyses.backbone": amplitudes}))
 
 # %% [markdown]
 # ## The measurement

@@ -78,7 +78,7 @@ axes.legend(frameon=False)
 
 # %%
 scene = microslip.Scene.from_dict(
-    {**sample_joint.SCENE, "surface": {"scans": ["top.x3p", "bottom.x3p"]}, "gap": "scan"},
+    {**sample_joint.SCENE, "interfaces": {"surface": {"scans": ["top.x3p", "bottom.x3p"]}, "gap": "scan", "mu": 0.2}},
     folder,
 )
 run = microslip.run(scene, ensemble=20)

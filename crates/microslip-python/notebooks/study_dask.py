@@ -20,10 +20,13 @@ from dask.distributed import Client, LocalCluster
 import microslip
 
 base = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace(
-    {"cqsma.amplitudes": 10, "cqsma.amplitude_from": 2e-5, "cqsma.amplitude_to": 1e-3, "cqsma.vertices_per_quarter": 4}
+    {"analyses.backbone": {"amplitudes": 10, "amplitude_from": 2e-5, "amplitude_to": 1e-3, "vertices_per_quarter": 4}}
 )
 mus, loads = (0.1, 0.2, 0.4), (6e3, 12e3, 18e3)
-scenes = [base.replace({"mu": mu, "bolts.load": load}, name=f"mu {mu}, {load / 1e3:g} kN") for mu, load in itertools.product(mus, loads)]
+scenes = [
+    base.replace({"interfaces.mu": mu, "bolts.load": load}, name=f"mu {mu}, {load / 1e3:g} kN")
+    for mu, load in itertools.product(mus, loads)
+]
 
 # %% [markdown]
 # One process per worker, one thread each: a study has more scenes than processors. In a script this belongs below
@@ -50,7 +53,7 @@ import pandas
 at = 100e-6  # response displacement (m)
 table = pandas.DataFrame(
     {
-        "mu": scene.to_dict()["mu"],
+        "mu": scene.to_dict()["interfaces"]["mu"],
         "load (kN)": scene.to_dict()["bolts"]["load"] / 1e3,
         "frequency (Hz)": np.interp(np.log(at), np.log(run.response_displacement), run.frequency_hz),
         "damping ratio": np.interp(np.log(at), np.log(run.response_displacement), run.damping_ratio),

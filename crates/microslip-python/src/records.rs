@@ -283,7 +283,8 @@ pub(crate) fn misfit<'py>(
         over_theory.differences(&over_reference),
     ) else {
         let ([a, b], [c, d]) = (over_theory.range(), over_reference.range());
-        let remedy = "run the scene with other cqsma.amplitude_from and cqsma.amplitude_to, or check the unit and the place of the sensor";
+        let remedy = "run the scene with other analyses.backbone.amplitude_from and analyses.backbone.amplitude_to, or check the \
+                      unit and the place of the sensor";
         let found = format!(
             "{} and {} share no amplitude: {a:.3e} to {b:.3e} against {c:.3e} to {d:.3e} {}; {remedy}",
             theory.0,

@@ -12,7 +12,8 @@ use host::{GivenScene, free_memory, peak_memory, provenance, results_of, user_ca
 use joints::Options;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use reports::run::{SUMMARY, outputs};
+use reports::names::SUMMARY;
+use reports::run::outputs;
 use std::path::{Path, PathBuf};
 
 /// Files that every run writes.
@@ -58,9 +59,16 @@ impl Run {
     #[pyo3(signature = () -> "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None, numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64] | None, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None]")]
     fn geometry<'py>(&self, py: Python<'py>) -> PyResult<Geometry<'py>> {
         let (run, operators) = (&self.run, self.run.interface.operators());
-        let longest = run.mesh.elements.iter().map(|e| e.nodes().len()).max().unwrap_or(0);
-        let mut elements = Vec::with_capacity(longest * run.mesh.elements.len());
-        for element in &run.mesh.elements {
+        let longest = run
+            .joint
+            .mesh
+            .elements
+            .iter()
+            .map(|e| e.nodes().len())
+            .max()
+            .unwrap_or(0);
+        let mut elements = Vec::with_capacity(longest * run.joint.mesh.elements.len());
+        for element in &run.joint.mesh.elements {
             let nodes = element.nodes().iter().map(|node| i64::from(*node));
             elements.extend(nodes.chain(std::iter::repeat(-1)).take(longest));
         }
@@ -69,11 +77,11 @@ impl Run {
             let points = operators.first_point[element]..operators.first_point[element + 1];
             of_point.extend(points.map(|_| element as i64));
         }
-        let frames = run.node_frames.as_flattened().as_flattened();
+        let frames = run.joint.node_frames.as_flattened().as_flattened();
         Ok((
-            rows(py, &run.mesh.nodes)?,
-            run.positions.as_deref().map(|all| rows(py, all)).transpose()?,
-            PyArray1::from_vec(py, elements).reshape([run.mesh.elements.len(), longest])?,
+            rows(py, &run.joint.mesh.nodes)?,
+            run.joint.positions.as_deref().map(|all| rows(py, all)).transpose()?,
+            PyArray1::from_vec(py, elements).reshape([run.joint.mesh.elements.len(), longest])?,
             rows(py, &operators.positions)?,
             reports::fields::point_positions(run)
                 .map(|all| rows(py, &all))
@@ -81,10 +89,10 @@ impl Run {
             PyArray1::from_slice(py, &operators.weights),
             PyArray1::from_vec(py, of_point),
             run.interface.gap().map(|gap| PyArray1::from_slice(py, gap)),
-            rows(py, &run.frame)?,
+            rows(py, &run.joint.frame)?,
             match frames {
                 [] => None,
-                _ => Some(PyArray1::from_slice(py, frames).reshape([run.node_frames.len(), 3, 3])?),
+                _ => Some(PyArray1::from_slice(py, frames).reshape([run.joint.node_frames.len(), 3, 3])?),
             },
         ))
     }

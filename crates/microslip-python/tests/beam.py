@@ -18,17 +18,19 @@ SCENE = {
         }
     },
     "model": {"material": {"youngs_modulus": "200 GPa", "poisson_ratio": 0.3}},
-    "mu": 0.3,
-    "surface": {
-        "parameters": {
-            "per": "point",
-            "sets": [
-                {"curves": {"elastic": {"normal_stiffness": 2e5, "tangential_stiffness": [1e5, 1e5]}}, "preload": 50.0},
-                {"curves": {"elastic": {"normal_stiffness": 1e5, "tangential_stiffness": [5e4, 5e4]}}, "mu": 0.2, "preload": 20.0},
-            ],
-        }
+    "interfaces": {
+        "mu": 0.3,
+        "surface": {
+            "parameters": {
+                "per": "point",
+                "sets": [
+                    {"curves": {"elastic": {"normal_stiffness": 2e5, "tangential_stiffness": [1e5, 1e5]}}, "preload": 50.0},
+                    {"curves": {"elastic": {"normal_stiffness": 1e5, "tangential_stiffness": [5e4, 5e4]}}, "mu": 0.2, "preload": 20.0},
+                ],
+            }
+        },
     },
-    "cqsma": {"amplitude_from": "1 um", "amplitude_to": "0.5 mm"},
+    "analyses": {"backbone": {"amplitude_from": "1 um", "amplitude_to": "0.5 mm"}},
 }
 
 

@@ -196,9 +196,9 @@ def test_reduced_models_run_as_matrices(quick_scene: microslip.Scene, quick_run:
     fields["structure"] = {"matrices": {"path": str(tmp_path / "reduced.npz"), "coordinates": "jump", "response": {"number": 1}}}
     material = fields["model"]["material"]
     fields["model"] = {"material": {name: material[name] for name in ("youngs_modulus", "poisson_ratio")}}
-    fields["surface"] = {"benchmark": "brake-reuss-beam"}
-    if fields.get("gap") == "measured":
-        fields["gap"] = {"benchmark": "brake-reuss-beam"}
+    fields["interfaces"]["surface"] = {"benchmark": "brake-reuss-beam"}
+    if fields["interfaces"].get("gap") == "measured":
+        fields["interfaces"]["gap"] = {"benchmark": "brake-reuss-beam"}
     again = microslip.run(microslip.Scene.from_dict(fields), cache=False)
     np.testing.assert_allclose(again.frequency_hz, quick_run.frequency_hz, rtol=1e-6)
 

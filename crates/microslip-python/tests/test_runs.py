@@ -22,7 +22,7 @@ import microslip
 from conftest import QUICK, REPOSITORY
 
 # A run of some seconds, as amplitudes have many vertices.
-LONG = {"cqsma.amplitudes": 200, "cqsma.vertices_per_quarter": 64}
+LONG = {"analyses.backbone.amplitudes": 200, "analyses.backbone.vertices_per_quarter": 64}
 
 
 def numbers(run: microslip.Run) -> dict[str, object]:
@@ -72,11 +72,11 @@ def test_fields_balance_the_bolts(quick_run: microslip.Run) -> None:
 def test_several_modes_methods_and_forces(beam_file: Path) -> None:
     scene = microslip.Scene.from_file(beam_file).replace(
         {
-            "cqsma.mode": None,
-            "cqsma.modes_of_interest": [2, 1],
-            "cqsma.amplitudes": 4,
-            "methods": ["masing", "rqnma", "epmc"],
-            "forced": {"levels": [2.0], "from_hz": 60.0, "to_hz": 90.0, "terms": [[7, 1, 0.8]], "harmonics": 5, "samples": 64},
+            "analyses.modes.followed": [2, 1],
+            "analyses.backbone.amplitudes": 4,
+            "analyses.backbone.methods": ["masing", "rqnma"],
+            "analyses.epmc": {},
+            "analyses.forced": {"levels": [2.0], "from_hz": 60.0, "to_hz": 90.0, "terms": [[7, 1, 0.8]], "harmonics": 5, "samples": 64},
         }
     )
     run = microslip.run(scene, cache=False)
@@ -169,7 +169,7 @@ def test_what_progress_raises_stops_the_run_which_goes_on_from_there(beam_file: 
 
 INTERRUPTED = """
 import sys, microslip
-scene = microslip.Scene.from_file(sys.argv[1]).replace({"cqsma.amplitudes": 2000, "cqsma.vertices_per_quarter": 64})
+scene = microslip.Scene.from_file(sys.argv[1]).replace({"analyses.backbone.amplitudes": 2000, "analyses.backbone.vertices_per_quarter": 64})
 def tell(stage, done):
     if stage == "backbone" and done > 0.0:
         print("going", flush=True)
@@ -202,7 +202,7 @@ def test_ctrl_c_stops_a_run_which_goes_on_from_there(beam_file: Path, tmp_path: 
     (kept,) = tmp_path.glob("*.jsonl")
     finished = len(kept.read_bytes().splitlines())
     assert finished > 0
-    scene = microslip.Scene.from_file(beam_file).replace({"cqsma.amplitudes": 2000, "cqsma.vertices_per_quarter": 64})
+    scene = microslip.Scene.from_file(beam_file).replace({"analyses.backbone.amplitudes": 2000, "analyses.backbone.vertices_per_quarter": 64})
 
     def stop(stage: str, fraction: float) -> None:
         if stage == "backbone" and fraction > 0.0:
@@ -220,7 +220,7 @@ import os, sys, microslip
 def resident():
     with open("/proc/self/statm") as statm:
         return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-scene = microslip.Scene.from_file(sys.argv[1]).replace({"cqsma.amplitudes": 3})
+scene = microslip.Scene.from_file(sys.argv[1]).replace({"analyses.backbone.amplitudes": 3})
 for _ in range(50):
     microslip.run(scene, cache=False, progress=lambda stage, done: None)
 before = resident()
@@ -297,7 +297,7 @@ def test_results_are_saved_loaded_and_protected(beam_file: Path, tmp_path: Path)
 def test_tables_and_pictures(quick_run: microslip.Run, beam_file: Path, tmp_path: Path) -> None:
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("matplotlib")
-    scene = microslip.Scene.from_file(beam_file).replace({"methods": ["masing"], "cqsma.amplitudes": 5})
+    scene = microslip.Scene.from_file(beam_file).replace({"analyses.backbone.methods": ["masing"], "analyses.backbone.amplitudes": 5})
     run = microslip.run(scene, cache=False)
     table = run.to_pandas()
     assert isinstance(table, pandas.DataFrame) and table["method"].tolist() == ["cqsma"] * 5 + ["masing"] * 5

@@ -26,16 +26,23 @@ def changed(**fields: Any) -> dict[str, Any]:
 WRONG = [
     ({"structure": {"benchmark": "brake-reuss-beam"}}, "units", None, "`units` is missing", None),
     ({"units": UNITS}, "structure", None, "`structure` is missing", None),
-    (changed(mu=-0.5), "mu", -0.5, "mu = -0.5 is not admissible", "finite and not negative"),
+    (changed(interfaces={"mu": -0.5}), "interfaces.mu", -0.5, "interfaces.mu = -0.5 is not admissible", "finite and not negative"),
+    (changed(mu=0.3), "mu", None, "mu is now interfaces.mu", None),
     (changed(colour="red"), "colour", None, "unknown field `colour`", None),
     (changed(bolts={"load": "12 parsec"}), "bolts.load", None, "12 parsec", None),
     (changed(structure={"benchmark": "no-such-beam"}), "structure.benchmark", None, "no benchmark `no-such-beam`", "brake-reuss-beam"),
-    (changed(cqsma={"amplitude_from": -1e-6}), "cqsma.amplitude_from", -1e-6, "cqsma.amplitude_from = -0.000001 m", "positive"),
+    (
+        changed(analyses={"backbone": {"amplitude_from": -1e-6}}),
+        "analyses.backbone.amplitude_from",
+        -1e-6,
+        "analyses.backbone.amplitude_from = -0.000001 m",
+        "positive",
+    ),
     (changed(bolts={"load": 1.0, "loads": [1.0, 2.0, 3.0]}), "bolts.load", None, "bolts.loads has one for each", "leave one of them out"),
-    (changed(law={"radii": "measured", "friction": "lumped", "bins": {"error": 1e-3}}), None, None, "law", None),
+    (changed(interfaces={"law": {"radii": "measured", "friction": "lumped", "bins": {"error": 1e-3}}}), None, None, "law", None),
     (changed(accuracy={"damping": 1e-9}), "accuracy", None, "no measured set of settings", None),
     (changed(background_damping=-0.01), "background_damping", -0.01, "background_damping = -0.01", "it must be"),
-    (changed(mu="rough"), "mu", None, "mu", None),
+    (changed(interfaces={"mu": "rough"}), "interfaces.mu", None, "mu", None),
 ]
 
 
@@ -70,7 +77,7 @@ def test_wrong_arguments_are_input_errors(beam_file: Path, tmp_path: Path) -> No
     with pytest.raises(microslip.InputError):
         microslip.Scene.from_dict({"units": object()})
     with pytest.raises(microslip.InputError):
-        scene.replace({"mu.x": 1.0})
+        scene.replace({"interfaces.mu.x": 1.0})
     with pytest.raises(TypeError):
         microslip.Scene.from_file(3)  # type: ignore[arg-type]
     with pytest.raises(microslip.SceneError, match="no samples of heights"):
@@ -101,7 +108,7 @@ def test_a_prestress_that_does_not_exist_is_a_convergence_error(tmp_path: Path) 
     np.savez(tmp_path / "beam.npz", K=np.diag([1e4, 1e4, 0.0]), M=np.eye(3), dofs=np.array([[10, 1], [10, 2], [10, 3]]))
     fields = copy.deepcopy(beam.SCENE)
     fields["structure"]["matrices"]["points"] = [{"node": 10}]
-    del fields["surface"]["parameters"]["sets"][1]
+    del fields["interfaces"]["surface"]["parameters"]["sets"][1]
     with pytest.raises(microslip.ConvergenceError, match="nothing is in contact") as caught:
         microslip.run(microslip.Scene.from_dict(fields, tmp_path), cache=False)
     assert caught.value.remedy == "give a structure that does, or bolts with a load"
@@ -112,7 +119,7 @@ def test_matrices_that_cannot_be_solved_are_a_solver_error(tmp_path: Path) -> No
     np.savez(tmp_path / "beam.npz", K=np.diag([1e4, 1e4, 1e-6]), M=np.eye(3), dofs=np.array([[10, 1], [10, 2], [10, 3]]))
     fields = copy.deepcopy(beam.SCENE)
     fields["structure"]["matrices"]["points"] = [{"node": 10}]
-    del fields["surface"]["parameters"]["sets"][1]
+    del fields["interfaces"]["surface"]["parameters"]["sets"][1]
     with pytest.raises(microslip.SolverError):
         microslip.run(microslip.Scene.from_dict(fields, tmp_path), cache=False)
 
@@ -130,10 +137,10 @@ def test_scenes_survive_dictionaries_and_pickling(path: Path) -> None:
 
 def test_scenes_take_numpy_values_paths_and_folders(beam_file: Path) -> None:
     fields = copy.deepcopy(beam.SCENE)
-    fields["mu"] = np.float64(0.3)
+    fields["interfaces"]["mu"] = np.float64(0.3)
     fields["structure"]["matrices"]["path"] = beam_file.parent / "beam.npz"
     fields["structure"]["matrices"]["response"]["terms"] = [[np.int64(10), 1, np.float32(1.0)]]
-    fields["surface"]["parameters"]["sets"][0]["curves"]["elastic"]["tangential_stiffness"] = np.array([1e5, 1e5])
+    fields["interfaces"]["surface"]["parameters"]["sets"][0]["curves"]["elastic"]["tangential_stiffness"] = np.array([1e5, 1e5])
     here = microslip.Scene.from_dict(fields)
     there = microslip.Scene.from_dict(beam.SCENE, beam_file.parent)
     assert here.to_dict() == there.to_dict()
@@ -143,10 +150,10 @@ def test_scenes_take_numpy_values_paths_and_folders(beam_file: Path) -> None:
 
 def test_fields_are_replaced_and_reset() -> None:
     scene = microslip.Scene.from_file(QUICK)
-    other = scene.replace({"cqsma.amplitudes": 7, "bolts.load": "9 kN"})
-    assert other.to_dict()["cqsma"]["amplitudes"] == 7 and other.to_dict()["bolts"]["load"] == 9e3
-    default = other.replace({"cqsma.amplitudes": None})
-    assert default.to_dict()["cqsma"]["amplitudes"] == 20
+    other = scene.replace({"analyses.backbone.amplitudes": 7, "bolts.load": "9 kN"})
+    assert other.to_dict()["analyses"]["backbone"]["amplitudes"] == 7 and other.to_dict()["bolts"]["load"] == 9e3
+    default = other.replace({"analyses.backbone.amplitudes": None})
+    assert default.to_dict()["analyses"]["backbone"]["amplitudes"] == 20
     with pytest.raises(microslip.SceneError) as caught:
         scene.replace({"bolts.lod": 1.0})
     assert "lod" in caught.value.message

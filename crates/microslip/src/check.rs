@@ -6,7 +6,8 @@ use anyhow::{Context, Result, bail};
 use host::BENCHMARKS;
 use joint_model::benchmark::{Bounds, Symmetry};
 use reports::markup;
-use reports::run::{FORCED, FORCED_PICTURE, SUMMARY, amplitude_file};
+use reports::names::{SUMMARY, amplitude_file};
+use reports::periodic::{FORCED, FORCED_PICTURE};
 use reports::tightening::{TIGHTENING, TIGHTENING_PICTURE};
 use scenes::Scene;
 use std::path::Path;
@@ -113,7 +114,7 @@ impl Checks {
         self.that(prestress.converged, || "prestress.converged is not true".into());
         let (residual, equilibrium) = (prestress.residual_ratio, prestress.equilibrium_error);
         // A residual of forces follows the tolerance in the energy norm; the run itself refuses one above the upper end.
-        let bound = (1e3 * scene.cqsma.tolerance).clamp(1e-6, 1e-3);
+        let bound = (1e3 * scene.analyses.backbone.tolerance).clamp(1e-6, 1e-3);
         self.between("prestress.residual_ratio", residual, 0.0, bound);
         self.between("prestress.equilibrium_error", equilibrium, 0.0, 10.0 * residual + 1e-12);
         if let Some(result) = &summary.tightening {
@@ -184,7 +185,7 @@ impl Checks {
     }
 
     fn backbone(&mut self, scene: &Scene, summary: &Summary) -> Result<()> {
-        let (found, expected) = (summary.backbone.len(), scene.cqsma.amplitudes);
+        let (found, expected) = (summary.backbone.len(), scene.analyses.backbone.amplitudes);
         self.that(found == expected, || {
             format!("backbone has {found} amplitudes instead of {expected}")
         });
@@ -206,7 +207,7 @@ impl Checks {
             let dissipation = value("dissipation", point.dissipation)?;
             let area = value("loop_area", point.loop_area)?;
             let load = point.modal_force * value("modal_amplitude", point.modal_amplitude)?;
-            let bound = 1e-6 * dissipation.abs() + 10.0 * scene.cqsma.tolerance * load;
+            let bound = 1e-6 * dissipation.abs() + 10.0 * scene.analyses.backbone.tolerance * load;
             self.that((dissipation - area).abs() <= bound, || {
                 format!(
                     "amplitude {n}: dissipation {dissipation} J by points and {area} J by the loop differ by more than \
@@ -289,7 +290,7 @@ impl Checks {
 fn stored(scene: &Scene, summary: &Summary) -> impl Iterator<Item = usize> {
     // By default at least the first and the last.
     let asked = scene.output.fields_at.clone();
-    let asked = asked.unwrap_or_else(|| vec![1, scene.cqsma.amplitudes]);
+    let asked = asked.unwrap_or_else(|| vec![1, scene.analyses.backbone.amplitudes]);
     let converged = |n: &usize| {
         summary
             .backbone

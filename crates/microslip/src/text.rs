@@ -1,6 +1,19 @@
 //! Text for terminals: what files hold may be in it, control characters and lines of megabytes included.
 
+use anyhow::Result;
 use host::with_causes;
+use std::io::Write;
+
+/// Prints a finished text; a reader that has gone away (as `head` does) is no error.
+///
+/// # Errors
+/// Standard output cannot be written.
+pub fn print(text: &str) -> Result<()> {
+    match std::io::stdout().write_all(visible(text).as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
 
 /// An error with its causes in one line, for a terminal.
 pub(crate) fn of_error(error: &anyhow::Error) -> String {

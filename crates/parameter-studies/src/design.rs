@@ -452,8 +452,9 @@ mod tests {
     #[test]
     fn grids_are_in_order_and_keep_units() {
         // `serde_json::Value` sorts names, so the plan is text.
-        let text = r#"{ "scene": "s", "parameters": { "/mu": { "from": 0.1, "to": 0.5, "number": 5 }, "/bolts/load": { "values": ["8 kN", "10 kN"] },
-            "/gap": { "values": ["flat"] }, "/n": { "from": 4, "to": 16, "number": 4 } } }"#;
+        let text = r#"{ "scene": "s", "parameters": { "/interfaces/mu": { "from": 0.1, "to": 0.5, "number": 5 },
+            "/bolts/load": { "values": ["8 kN", "10 kN"] }, "/interfaces/gap": { "values": ["flat"] },
+            "/n": { "from": 4, "to": 16, "number": 4 } } }"#;
         let plan: Plan = serde_json::from_str(text).unwrap();
         let found = Design::new(&plan, "plan.json").unwrap();
         assert_eq!(found.number, 40);
@@ -464,7 +465,10 @@ mod tests {
         assert_eq!(row(&found, 16)[0], json!(0.3));
         assert_eq!(row(&found, 39), [json!(0.5), json!("10 kN"), json!("flat"), json!(16)]);
         let headings: Vec<String> = found.columns.iter().map(Column::heading).collect();
-        assert_eq!(headings, ["/mu", "/bolts/load [kN]", "/gap", "/n"]);
+        assert_eq!(
+            headings,
+            ["/interfaces/mu", "/bolts/load [kN]", "/interfaces/gap", "/n"]
+        );
         assert_eq!(found.columns[1].number(&json!("8 kN")), Some(8.0));
         assert_eq!(amount(&json!("1e3 N m")), Some((1e3, Some("N m"))));
         assert_eq!(amount(&json!("7")), None);
@@ -504,32 +508,32 @@ mod tests {
         for (plan, words) in [
             (of(json!({})), ["parameters", "nothing varies"]),
             (
-                of(json!({ "/mu": { "values": [] } })),
-                ["parameters./mu", "at least one"],
+                of(json!({ "/interfaces/mu": { "values": [] } })),
+                ["parameters./interfaces/mu", "at least one"],
             ),
             (
-                of(json!({ "/mu": { "values": [1], "number": 2 } })),
-                ["parameters./mu", "leave them out"],
+                of(json!({ "/interfaces/mu": { "values": [1], "number": 2 } })),
+                ["parameters./interfaces/mu", "leave them out"],
             ),
             (
-                of(json!({ "/mu": { "from": 1 } })),
-                ["parameters./mu", "`from` and `to`"],
+                of(json!({ "/interfaces/mu": { "from": 1 } })),
+                ["parameters./interfaces/mu", "`from` and `to`"],
             ),
             (
-                of(json!({ "/mu": { "from": 1, "to": 2 } })),
-                ["parameters./mu", "\"number\": 10"],
+                of(json!({ "/interfaces/mu": { "from": 1, "to": 2 } })),
+                ["parameters./interfaces/mu", "\"number\": 10"],
             ),
             (
-                of(json!({ "/mu": { "from": "1 N", "to": "2 kN", "number": 2 } })),
-                ["parameters./mu", "one unit"],
+                of(json!({ "/interfaces/mu": { "from": "1 N", "to": "2 kN", "number": 2 } })),
+                ["parameters./interfaces/mu", "one unit"],
             ),
             (
-                of(json!({ "/mu": { "values": ["1 N", "2 kN"] } })),
-                ["parameters./mu", "one unit"],
+                of(json!({ "/interfaces/mu": { "values": ["1 N", "2 kN"] } })),
+                ["parameters./interfaces/mu", "one unit"],
             ),
             (
-                of(json!({ "/mu": { "from": 0, "to": 2, "number": 2, "spacing": "logarithmic" } })),
-                ["parameters./mu", "positive"],
+                of(json!({ "/interfaces/mu": { "from": 0, "to": 2, "number": 2, "spacing": "logarithmic" } })),
+                ["parameters./interfaces/mu", "positive"],
             ),
             (
                 of(json!({ "mu": { "values": [1] } })),
@@ -568,19 +572,19 @@ mod tests {
 
     #[test]
     fn pointers_follow_rfc_6901_and_make_the_blocks_that_are_missing() {
-        let mut scene = json!({ "a/b": { "m~n": 1 }, "list": [1, 2], "gap": "flat" });
+        let mut scene = json!({ "a/b": { "m~n": 1 }, "list": [1, 2], "interfaces": { "gap": "flat" } });
         put(&mut scene, "/a~1b/m~0n", json!(2)).unwrap();
         put(&mut scene, "/list/1", json!(3)).unwrap();
-        put(&mut scene, "/scale/gap", json!(0.5)).unwrap();
+        put(&mut scene, "/interfaces/scale/gap", json!(0.5)).unwrap();
         assert_eq!(
             scene,
-            json!({ "a/b": { "m~n": 2 }, "list": [1, 3], "gap": "flat", "scale": { "gap": 0.5 } })
+            json!({ "a/b": { "m~n": 2 }, "list": [1, 3], "interfaces": { "gap": "flat", "scale": { "gap": 0.5 } } })
         );
         assert!(put(&mut scene, "/list/2", json!(3)).unwrap_err().contains("2 elements"));
         assert!(put(&mut scene, "/list/01", json!(3)).is_err());
-        let message = put(&mut scene, "/gap/flat", json!(3)).unwrap_err();
+        let message = put(&mut scene, "/interfaces/gap/flat", json!(3)).unwrap_err();
         assert!(
-            message.contains("/gap is \"flat\"") && message.contains("correct"),
+            message.contains("/interfaces/gap is \"flat\"") && message.contains("correct"),
             "{message}"
         );
     }

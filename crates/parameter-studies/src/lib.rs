@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod case;
 mod design;
 mod error;
 #[cfg(feature = "parquet")]
@@ -13,11 +14,12 @@ mod study;
 mod table;
 mod training;
 
+pub use case::Part;
 pub use design::{Column, Kind};
 pub use error::Error;
 pub use plan::{Base, Design, HyperReduction, Listed, Parameter, Plan, Sample, Spacing, schema};
 pub use report::outputs;
-pub use run::{Machine, Memory, Part, Tally, run};
+pub use run::{Machine, Memory, Tally, run};
 pub use store::{Record, Store};
 pub use study::{BaseScene, Counts, Study};
 pub use table::{CSV, PARQUET};

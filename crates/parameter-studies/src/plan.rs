@@ -21,7 +21,7 @@ pub struct Plan {
     /// The scene: the path of a file, relative to the plan; the name of a scene that comes with the program, such as
     /// `"brake-reuss-beam/brb-quick"`; or the scene itself.
     pub scene: Base,
-    /// What varies: values by JSON pointers (RFC 6901) into the scene, such as `/mu` or `/bolts/load`.
+    /// What varies: values by JSON pointers (RFC 6901) into the scene, such as `/interfaces/mu` or `/bolts/load`.
     #[serde(default, skip_serializing_if = "Listed::is_empty")]
     pub parameters: Listed<Parameter>,
     /// Which combinations of values are run; by default all.

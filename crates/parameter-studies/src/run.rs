@@ -1,8 +1,9 @@
 //! Runs cases in this process: structure by structure, and on each the cases in parallel, with one thread each.
 
 use crate::Error;
+use crate::case::Case;
 use crate::store::{Record, Store, Writer};
-use crate::study::{Case, Study};
+use crate::study::Study;
 use analyses::cases::{CaseMode, CaseStructure};
 use analyses::hyper_reduced::{Lesson, Training};
 use joints::Options;
@@ -10,7 +11,6 @@ use joints::interface::SceneInterface;
 use joints::progress::Silent;
 use scenes::Scene;
 use std::collections::BTreeMap;
-use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -44,36 +44,6 @@ pub struct Memory {
     pub peak: u64,
     /// What the process may still take.
     pub free: u64,
-}
-
-/// One of several parts of equal numbers of cases. Which cases a part has depends on the plan alone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// Which, from 1.
-    pub number: usize,
-    /// Of how many.
-    pub of: usize,
-}
-
-impl Part {
-    /// Its cases of so many.
-    pub(crate) fn range(self, cases: usize) -> std::ops::Range<usize> {
-        let end = |part: usize| (part as u128 * cases as u128 / self.of as u128) as usize;
-        end(self.number - 1)..end(self.number)
-    }
-}
-
-impl FromStr for Part {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let number = |text: &str| text.trim().parse::<usize>().ok();
-        let parts = text.split_once('/').and_then(|(k, n)| Some((number(k)?, number(n)?)));
-        match parts {
-            Some((number, of)) if (1..=of).contains(&number) => Ok(Self { number, of }),
-            _ => Err(Error::Part { text: text.into() }),
-        }
-    }
 }
 
 /// What was run.
@@ -457,26 +427,4 @@ fn interface(
     };
     *known = Some(found.clone());
     Ok(found)
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests")]
-    use super::*;
-
-    #[test]
-    fn parts_have_every_case_once() {
-        for (cases, of) in [(10, 3), (7, 7), (3, 8), (1000, 2), (1, 1)] {
-            let mut covered = Vec::new();
-            for number in 1..=of {
-                covered.extend(Part { number, of }.range(cases));
-            }
-            assert_eq!(covered, (0..cases).collect::<Vec<_>>());
-        }
-        assert_eq!("2/5".parse::<Part>().unwrap(), Part { number: 2, of: 5 });
-        for text in ["0/5", "6/5", "1", "a/b", "1/0", "-1/2"] {
-            let message = text.parse::<Part>().unwrap_err().to_string();
-            assert!(message.contains(text) && message.contains("3/20"), "{message}");
-        }
-    }
 }

@@ -4,7 +4,8 @@
 //! limit or a kill. What is done is known from the store alone, never from what the scheduler says of a task.
 
 use crate::Error;
-use crate::run::{Machine, Part};
+use crate::case::Part;
+use crate::run::Machine;
 use crate::store::Store;
 use crate::study::Study;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,13 +1,12 @@
 //! A plan with its cases, all of which have been understood and validated.
 
 use crate::Error;
+use crate::case::{Case, Part};
 use crate::design::{Column, Design, Kind, put};
 use crate::plan::{Base, Plan};
-use crate::run::Part;
 use crate::store::Store;
 use crate::training::{self, Terms};
 use analyses::cases::{CaseHasher, as_case, idle};
-use analyses::hyper_reduced::BorneErrors;
 use analyses::results::provenance::{Input, inputs_of};
 use joint_model::Benchmarks;
 use rayon::prelude::*;
@@ -26,23 +25,6 @@ pub struct BaseScene {
     pub name: String,
     /// Folder that relative paths in it start from.
     pub folder: Option<PathBuf>,
-}
-
-/// A case that differs from all others.
-#[derive(Clone, Debug)]
-pub(crate) struct Case {
-    /// SHA-256 of all that it depends on.
-    pub(crate) address: String,
-    /// Its first number in the plan.
-    pub(crate) number: usize,
-    /// Index of its structure.
-    pub(crate) structure: usize,
-    /// Index of its surface.
-    pub(crate) surface: usize,
-    /// Damping ratio apart from friction.
-    pub(crate) background: f64,
-    /// What its results may be off by where it learns from other cases.
-    pub(crate) learns: Option<BorneErrors>,
 }
 
 /// A plan with its cases.
@@ -276,7 +258,7 @@ impl<'a> Study<'a> {
     /// Those of [`Study::new`].
     pub fn rows_per_case(&self) -> Result<usize, Error> {
         let scene = self.scene(0)?;
-        Ok(scene.cqsma.amplitudes * scene.cqsma.followed().len())
+        Ok(scene.analyses.backbone.amplitudes * scene.analyses.modes.followed.len())
     }
 
     /// Name of the scene.
@@ -295,17 +277,21 @@ impl<'a> Study<'a> {
         &self.design.columns
     }
 
-    /// Analyses of the scene beside CQSMA, which studies leave out, by the names of their blocks.
-    pub fn left_out(&self) -> Vec<&'static str> {
-        let asks = |name: &&str| {
-            self.base.value.get(*name).is_some_and(|value| match value {
-                Value::Array(list) => !list.is_empty(),
-                other => !other.is_null(),
-            })
+    /// Analyses of the scene beside CQSMA, which studies leave out, by the paths of their blocks.
+    pub fn left_out(&self) -> Vec<String> {
+        let asks = |value: &Value| match value {
+            Value::Array(list) => !list.is_empty(),
+            other => !other.is_null(),
         };
-        let mut names = vec!["methods", "forced", "sensitivities", "uncertain"];
-        names.retain(|name| asks(name));
-        names
+        let scene = &self.base.value;
+        let methods = scene.pointer("/analyses/backbone/methods");
+        let methods = methods.map(|value| ("analyses.backbone.methods".to_owned(), value));
+        let analyses = scene.get("analyses").and_then(Value::as_object).into_iter().flatten();
+        let others = analyses.filter(|(name, _)| !["modes", "backbone", "tightening"].contains(&name.as_str()));
+        let others = others.map(|(name, value)| (format!("analyses.{name}"), value));
+        let uncertain = scene.get("uncertain").map(|value| ("uncertain".to_owned(), value));
+        let all = methods.into_iter().chain(others).chain(uncertain);
+        all.filter(|(_, value)| asks(value)).map(|(path, _)| path).collect()
     }
 
     /// The distinct cases of a part, or all, by index.

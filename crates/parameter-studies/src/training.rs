@@ -1,10 +1,11 @@
 //! Which cases of a structure the others learn from.
 
 use crate::Error;
+use crate::case::Case;
 use crate::design::Design;
 use crate::plan::{HyperReduction, Plan};
-use crate::study::Case;
-use analyses::hyper_reduced::{BorneErrors, ErrorEstimate};
+use analyses::cases::ErrorBounds;
+use analyses::hyper_reduced::ErrorEstimate;
 use scenes::{Accuracy, Commit, Scene};
 use serde_json::Value;
 use std::cmp::Ordering;
@@ -17,7 +18,7 @@ const CASES: [usize; 2] = [9, 27];
 const MOST_CASES: usize = 64;
 
 /// Errors that are borne where neither the plan nor the accuracy of the scene says so.
-const BORNE: BorneErrors = BorneErrors {
+const BORNE: ErrorBounds = ErrorBounds {
     frequency: 5e-4,
     damping: 1e-2,
 };
@@ -32,7 +33,7 @@ pub(crate) struct Terms {
     pub(crate) points_per_direction: usize,
     /// Whether errors can be estimated for its loops.
     pub(crate) is_judged: bool,
-    pub(crate) borne: BorneErrors,
+    pub(crate) borne: ErrorBounds,
 }
 
 impl Terms {
@@ -50,10 +51,11 @@ impl Terms {
         });
         let [frequency, damping] = asked.unwrap_or([None; 2]).map(|error| error.map(|error| SHARE * error));
         Self {
-            modes: scene.cqsma.followed().to_vec(),
-            points_per_direction: scene.points_per_direction,
-            is_judged: scene.cqsma.cycles.is_none() && scene.cqsma.commit == Commit::AtEveryVertex,
-            borne: BorneErrors {
+            modes: scene.analyses.modes.followed.to_vec(),
+            points_per_direction: scene.interfaces.points_per_direction,
+            is_judged: scene.analyses.backbone.cycles.is_none()
+                && scene.analyses.backbone.commit == Commit::AtEveryVertex,
+            borne: ErrorBounds {
                 frequency: plan.frequency.or(frequency).unwrap_or(BORNE.frequency),
                 damping: plan.damping.or(damping).unwrap_or(BORNE.damping),
             },
@@ -140,7 +142,7 @@ pub(crate) fn choose(
         }
         if !one.is_judged {
             let reason = "errors are estimated for loops that are followed until they close, with their history committed at every vertex; \
-                          leave cqsma.cycles and cqsma.commit out of the scene, or hyper_reduction out of the plan";
+                          leave analyses.backbone.cycles and analyses.backbone.commit out of the scene, or hyper_reduction out of the plan";
             return Err(refused("", reason.into()));
         }
         let borne = [("frequency", one.borne.frequency), ("damping", one.borne.damping)];

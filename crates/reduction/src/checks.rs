@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::craig_bampton::ReducedModel;
+use crate::part_modes::{modes_of_parts, modes_of_rest};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use dense_algebra::Limits;
@@ -70,39 +71,6 @@ pub fn full_modes(
     })
 }
 
-/// Modes of each part: those without energy, and at least those that are among the `n` lowest of the others of all parts. `of_part` finds so many of a
-/// part, or all if there are fewer.
-pub(crate) fn modes_of_parts(
-    parts: &Parts<'_>,
-    n: usize,
-    mut of_part: impl FnMut(usize, usize) -> Result<Modes, Error>,
-) -> Result<Vec<Modes>, Error> {
-    // Parts have about as many each.
-    let share = match parts.len() {
-        1 => n,
-        _ => n.min(3 * n / 5 + 2),
-    };
-    let mut found = (0..parts.len())
-        .map(|part| of_part(part, share))
-        .collect::<Result<Vec<_>, Error>>()?;
-    let mut all: Vec<f64> = found
-        .iter()
-        .flat_map(|modes| &modes.eigenvalues[modes.n_zero..])
-        .copied()
-        .collect();
-    all.sort_by(f64::total_cmp);
-    // At most the highest that is wanted.
-    let highest = all.get(n.saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
-    for (part, modes) in found.iter_mut().enumerate() {
-        let elastic = &modes.eigenvalues[modes.n_zero..];
-        let may_lack = elastic.len() == share && elastic.last().is_none_or(|last| *last < highest);
-        if share < n && may_lack {
-            *modes = of_part(part, n)?;
-        }
-    }
-    Ok(found)
-}
-
 /// The modes of all parts, over the whole: those without energy, and the `n` lowest of the others.
 fn modes_of_whole(
     parts: &Parts<'_>,
@@ -169,22 +137,6 @@ pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64, limits: Li
         modes.shapes = shapes;
         Ok(modes)
     })
-}
-
-/// Modes of the structure whose jump is held, over the rest.
-pub(crate) fn modes_of_rest(
-    system: Cow<'_, RelativeSystem>,
-    n: usize,
-    tolerance: f64,
-    limits: Limits<'_>,
-) -> Result<Modes, Error> {
-    let [stiffness, mass] = [&system.stiffness, &system.mass].map(|matrix| system.rest(matrix));
-    let positions = system.positions[system.n_relative..].to_vec();
-    // It would be in the way of the factor.
-    drop(system);
-    Ok(lowest_modes_within(
-        limits, &stiffness, &mass, &positions, n, tolerance,
-    )?)
 }
 
 /// The reduced model with the same interface: its frequencies, and what they owe to each mode.

@@ -6,8 +6,8 @@
 //! the jump, and with `K_rr X = -K_rD` the few other products with it are solves.
 
 use crate::Error;
-use crate::checks::{modes_of_parts, modes_of_rest};
 use crate::interior::Interior;
+use crate::part_modes::{modes_of_parts, modes_of_rest};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;

@@ -11,6 +11,7 @@ mod error;
 mod held;
 mod interior;
 mod locked;
+mod part_modes;
 pub mod relative;
 mod symmetry;
 mod zem;

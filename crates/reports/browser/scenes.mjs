@@ -8,10 +8,8 @@ function beam(changes) {
     units: UNITS,
     structure: { benchmark: "brake-reuss-beam" },
     model: { refinement: "quick" },
-    gap: "flat",
-    mu: 0.2,
-    points_per_direction: 2,
-    cqsma: { amplitudes: 8, vertices_per_quarter: 4 },
+    interfaces: { gap: "flat", mu: 0.2, points_per_direction: 2 },
+    analyses: { backbone: { amplitudes: 8, vertices_per_quarter: 4 } },
     ...changes,
   };
 }
@@ -70,10 +68,13 @@ export function bridge() {
 export const INCOMPLETE = new Set(["failed", "several"]);
 
 export const SCENES = {
-  plain: beam({ methods: ["rqnma", "epmc"], cqsma: { amplitudes: 8, vertices_per_quarter: 4 }, epmc: { harmonics: 3 } }),
-  single: beam({ cqsma: { amplitudes: 1, amplitude_from: 1e-4, amplitude_to: 1e-4, vertices_per_quarter: 2 } }),
-  failed: beam({ cqsma: { amplitudes: 2, vertices_per_quarter: 1, amplitude_to: 1e6 } }),
-  hostile: beam({ name: "</script><script>document.title='broken'</script><img src=x onerror=alert(1)> & \"quoted\"", cqsma: { amplitudes: 2, vertices_per_quarter: 2 } }),
+  plain: beam({ analyses: { backbone: { amplitudes: 8, vertices_per_quarter: 4, methods: ["rqnma"] }, epmc: { harmonics: 3 } } }),
+  single: beam({ analyses: { backbone: { amplitudes: 1, amplitude_from: 1e-4, amplitude_to: 1e-4, vertices_per_quarter: 2 } } }),
+  failed: beam({ analyses: { backbone: { amplitudes: 2, vertices_per_quarter: 1, amplitude_to: 1e6 } } }),
+  hostile: beam({
+    name: "</script><script>document.title='broken'</script><img src=x onerror=alert(1)> & \"quoted\"",
+    analyses: { backbone: { amplitudes: 2, vertices_per_quarter: 2 } },
+  }),
   several: {
     units: UNITS,
     structure: { mesh: {
@@ -83,10 +84,11 @@ export const SCENES = {
       response: { nearest: [0, 0, 0.03], direction: [0.36, 0.48, 0.8] },
     } },
     model: { material: { youngs_modulus: "200 GPa", poisson_ratio: 0.3, density: "7800 kg/m^3" } },
-    surface: { benchmark: "brake-reuss-beam" },
-    gap: "flat",
-    mu: 0.2,
+    interfaces: { surface: { benchmark: "brake-reuss-beam" }, gap: "flat", mu: 0.2 },
     bolts: { load: "2 kN" },
-    cqsma: { amplitudes: 4, amplitude_from: "10 nm", amplitude_to: "20 um", modes_of_interest: [1, 2], vertices_per_quarter: 4 },
+    analyses: {
+      modes: { followed: [1, 2] },
+      backbone: { amplitudes: 4, amplitude_from: "10 nm", amplitude_to: "20 um", vertices_per_quarter: 4 },
+    },
   },
 };

@@ -255,7 +255,7 @@ pub fn loops(modes: &[(usize, &[PointLoop])], positions: Option<&[[f64; 3]]>) ->
     table(headings, rows)
 }
 
-/// Hysteresis loops of the interface elements at the places of `cqsma.loops_at`, one row per vertex, for the amplitudes whose fields are
+/// Hysteresis loops of the interface elements at the places of `analyses.backbone.loops_at`, one row per vertex, for the amplitudes whose fields are
 /// stored. Values are means over the element; the first and the last vertex of a loop are at the positive peak. Positions are those of
 /// the centres of the elements; where their place in the model is not known, they lie in the plane of the interface and `z` is empty.
 ///
@@ -279,7 +279,7 @@ pub fn element_loops(run: &Run) -> Result<String, Error> {
         "traction_y [Pa]",
         "pressure [Pa]",
     ];
-    let centres = element_centres(&run.mesh, run.positions.as_deref());
+    let centres = element_centres(&run.joint.mesh, run.joint.positions.as_deref());
     let centres = &centres;
     let rows = run.backbones.iter().flat_map(|backbone| {
         let numbered = (1_usize..).zip(&backbone.amplitudes);
@@ -291,7 +291,7 @@ pub fn element_loops(run: &Run) -> Result<String, Error> {
         stored.flat_map(move |(index, modal_amplitude, loops)| {
             run.loop_elements.iter().flat_map(move |&element| {
                 let [x, y, z] = centres[element];
-                let z = run.positions.is_some().then_some(z);
+                let z = run.joint.positions.is_some().then_some(z);
                 let vertices = loops.of_element(element).into_iter().flatten();
                 let vertices = (1_usize..).zip(&loops.modal_force).zip(vertices);
                 vertices.map(move |((vertex, force), (jump, traction))| {

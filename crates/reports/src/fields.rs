@@ -24,10 +24,10 @@ pub struct Placed<'a> {
 impl<'a> From<&'a Run> for Placed<'a> {
     fn from(run: &'a Run) -> Self {
         Self {
-            mesh: &run.mesh,
-            frame: run.frame,
-            node_frames: &run.node_frames,
-            positions: run.positions.as_deref(),
+            mesh: &run.joint.mesh,
+            frame: run.joint.frame,
+            node_frames: &run.joint.node_frames,
+            positions: run.joint.positions.as_deref(),
         }
     }
 }
@@ -196,7 +196,7 @@ pub fn pressure(run: &Run, fields: &Fields) -> Vec<f64> {
 
 /// Positions of the quadrature points in the coordinates of the model (m), where those of the nodes are known.
 pub fn point_positions(run: &Run) -> Option<Vec<[f64; 3]>> {
-    let nodes = run.positions.as_ref()?;
+    let nodes = run.joint.positions.as_ref()?;
     let rows = run.interface.operators().interpolation.outer_iterator();
     let positions = rows.map(|row| {
         let mut at = [0.0; 3];

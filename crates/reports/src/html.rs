@@ -5,6 +5,9 @@ use crate::markup::printable;
 use askama::Template;
 use std::borrow::Cow;
 
+/// Cell of a value that there is none of.
+pub(crate) const MISSING: &str = "–";
+
 /// A picture with what is said under it.
 #[derive(Clone, Debug)]
 pub struct Picture<'a> {

@@ -1,7 +1,7 @@
-//! The picture of an identification: signal, spectrum, frequency and damping.
+//! Table and picture of an identification: signal, spectrum, frequency and damping.
 
 use crate::plot::{BLUE, Canvas, Curve, Marks, Points, RED, bounds, log, panel, picture, plain, power, ticks, widen};
-use crate::{Drawing, Error};
+use crate::{Drawing, Error, csv};
 use modal_identification::average::MeanPoint;
 use modal_identification::backbone::{Identification, Point};
 use modal_identification::signal::{Quantity, Signal};
@@ -20,6 +20,28 @@ pub struct Hit<'a> {
     pub signal: &'a Signal,
     /// Its backbone, spectrum and trims.
     pub found: &'a Identification,
+}
+
+/// One row per amplitude, ascending; empty cells where there is no value.
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn table(mean: &[MeanPoint], quantity: Quantity) -> Result<String, Error> {
+    let amplitude = format!("amplitude [{}]", quantity.unit());
+    let headings = [
+        &amplitude,
+        "frequency_hz",
+        "damping_ratio",
+        "frequency_spread_hz",
+        "damping_ratio_spread",
+        "hits",
+    ];
+    let rows = mean.iter().map(|p| {
+        let [x, f, zeta] = [p.amplitude, p.frequency_hz, p.damping_ratio].map(csv::number);
+        let [f_spread, zeta_spread] = p.spread.map_or_else(Default::default, |s| s.map(csv::number));
+        [x, f, zeta, f_spread, zeta_spread, p.hits.to_string()]
+    });
+    csv::table(headings, rows)
 }
 
 /// Signal and spectrum of the first hit, frequency and damping ratio of all hits and their mean.

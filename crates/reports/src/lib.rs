@@ -1,7 +1,10 @@
 #![doc = include_str!("../README.md")]
 
+pub mod account;
+mod analysis;
 pub mod bodies;
 pub mod csv;
+pub mod ensemble;
 mod error;
 pub mod fields;
 pub mod html;
@@ -10,11 +13,15 @@ mod interactive;
 pub mod map;
 pub mod markup;
 pub mod modes;
+mod motions;
+pub mod names;
 pub mod overlay;
-pub mod page;
+mod page;
 pub mod parameters;
 pub mod periodic;
+mod phrases;
 pub mod plot;
+pub mod registry;
 pub mod ring_down;
 pub mod run;
 pub mod sensitivity;

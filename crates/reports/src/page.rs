@@ -1,19 +1,19 @@
 //! One self-contained page about a run.
 
+use crate::analysis::Section;
 use crate::fields::Placed;
-use crate::html::{Picture, Table, render};
+use crate::html::{MISSING, Picture, Table, render};
 use crate::interactive::{Document, Live};
-use crate::run::{damping, tensions};
-use crate::tightening::Section;
-use crate::{Error, fields, map, plot, sensitivity, uncertainty};
+use crate::phrases::{damping, tensions};
+use crate::{Error, fields, map, plot};
 use analyses::mesh_error::{FrequencyEstimate, ModeEstimate};
-use analyses::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, ResonanceSummary, Status, Summary};
+use analyses::results::summary::{BackboneSummary, MethodSummary, Status, Summary};
 use analyses::warnings::Warning;
 use analyses::{ModeBackbone, Run};
 use askama::Template;
 use joints::interface::AsperityReport;
 use joints::structure::{Overview, choice_name};
-use scenes::{Method, Scene};
+use scenes::Scene;
 
 /// Names with values.
 type Facts = Vec<(String, String)>;
@@ -26,12 +26,9 @@ struct Page<'a> {
     warnings: &'a [Warning],
     overview: Vec<String>,
     modes: Vec<Mode<'a>>,
-    sensitivities: Option<Picture<'a>>,
-    periodic: Option<Periodic<'a>>,
-    uncertainty: Option<OfSamples<'a>>,
+    sections: Vec<Section>,
     /// None of points of contact, which cover nothing that could be drawn.
     pressure: Option<Picture<'a>>,
-    tightening: Option<Section<'a>>,
     key_numbers: Facts,
     accuracy: Facts,
     mesh_estimates: Vec<(String, Table)>,
@@ -41,24 +38,6 @@ struct Page<'a> {
     /// With all defaults, as JSON.
     scene: String,
     live: Live,
-}
-
-/// What the page says of periodic motions.
-struct Periodic<'a> {
-    pictures: Vec<Picture<'a>>,
-    warnings: Vec<String>,
-    /// One row per level of force; none without forced responses.
-    levels: Option<Table>,
-    remarks: Vec<&'a str>,
-}
-
-/// What the page says of uncertain inputs.
-struct OfSamples<'a> {
-    pictures: Vec<Picture<'a>>,
-    inputs: Table,
-    /// One table per mode followed.
-    influences: Vec<(String, Table)>,
-    remarks: Vec<String>,
 }
 
 /// What the page says of one mode.
@@ -74,16 +53,15 @@ struct Mode<'a> {
     validity: Vec<String>,
 }
 
-/// The page; `pictures` are those of the backbones of the modes followed, `motions` those of periodic motions, `bands` those of samples.
+/// The page; `pictures` are those of the backbones of the modes followed.
 ///
 /// # Errors
 /// [`Error::Page`], [`Error::Table`], [`Error::Summary`].
-pub fn document(
+pub(crate) fn document(
     run: &Run,
     summary: &Summary,
     pictures: &[String],
-    motions: Vec<Picture<'static>>,
-    bands: Vec<Picture<'static>>,
+    sections: Vec<Section>,
 ) -> Result<String, Error> {
     let modes: Vec<String> = run.backbones.iter().map(|of| of.mode.to_string()).collect();
     let of_modes = run.backbones.iter().zip(summary.by_mode()).zip(pictures);
@@ -94,9 +72,9 @@ pub fn document(
              coefficient {}; {}.",
             summary.title,
             modes.join(", "),
-            choice_name(&run.scene.surface),
-            choice_name(&run.scene.gap),
-            run.scene.mu,
+            choice_name(&run.scene.interfaces.surface),
+            choice_name(&run.scene.interfaces.gap),
+            run.scene.interfaces.mu,
             match run.model.reduced.loads.len() {
                 0 => "no bolts".to_owned(),
                 bolts => format!("{bolts} bolts with {}", tensions(run)),
@@ -107,20 +85,8 @@ pub fn document(
         modes: of_modes
             .map(|((backbone, (_, of_mode)), picture)| mode(run, backbone, &of_mode, picture))
             .collect(),
-        sensitivities: sensitivity::figure(&summary.sensitivities)?,
-        periodic: periodic(summary, motions),
-        uncertainty: summary.uncertainty.as_ref().map(|found| OfSamples {
-            pictures: bands,
-            inputs: uncertainty::inputs_table(found),
-            influences: found
-                .modes
-                .iter()
-                .map(|mode| (format!("Mode {}", mode.mode), uncertainty::influence_table(found, mode)))
-                .collect(),
-            remarks: uncertainty::remarks(found),
-        }),
+        sections,
         pressure: pressure(run),
-        tightening: summary.tightening.as_ref().map(Section::of).transpose()?,
         key_numbers: key_numbers(summary),
         accuracy: accuracy(summary, &run.scene),
         mesh_estimates: mesh_estimates(summary),
@@ -153,88 +119,12 @@ fn mode<'a>(run: &Run, backbone: &ModeBackbone, summary: &Summary, picture: &'a 
     }
 }
 
-/// The section of periodic motions, if there are any.
-fn periodic<'a>(summary: &'a Summary, pictures: Vec<Picture<'a>>) -> Option<Periodic<'a>> {
-    if pictures.is_empty() && summary.forced.is_empty() {
-        return None;
-    }
-    let mut warnings = Vec::new();
-    for (mode, of_mode) in summary.by_mode() {
-        let points = of_mode.methods.get(Method::Epmc.name()).map_or(&[][..], Vec::as_slice);
-        let failed = points.iter().filter(|p| !p.converged).count();
-        if failed > 0 {
-            let of = mode.map_or_else(String::new, |mode| format!(" of mode {mode}"));
-            warnings.push(format!(
-                "{failed} of {} free motions{of} did not converge.",
-                points.len()
-            ));
-        }
-    }
-    for level in &summary.forced {
-        let failures = level.failure.iter().map(|reason| format!("ends early: {reason}"));
-        let unfound = level.resonances.iter().filter_map(|r| r.failure.as_ref());
-        let unfound = unfound.map(|reason| format!("has a resonance that was not found: {reason}"));
-        let said = failures.chain(unfound);
-        warnings.extend(said.map(|what| format!("The response to {} N {what}.", level.level)));
-    }
-    let mut remarks: Vec<&str> = summary.forced.iter().map(|level| level.stability.as_str()).collect();
-    remarks.dedup();
-    Some(Periodic {
-        pictures,
-        warnings,
-        levels: (!summary.forced.is_empty()).then(|| levels_table(&summary.forced)),
-        remarks,
-    })
-}
-
-/// Resonance, peak and error of one mode alone, level by level.
-fn levels_table(levels: &[ForcedSummary]) -> Table {
-    let headings = [
-        "force [N]",
-        "resonance [Hz]",
-        "amplitude there [m]",
-        "largest amplitude [m]",
-        "at [Hz]",
-        "nonlinear mode alone: frequency [%]",
-        "nonlinear mode alone: amplitude [%]",
-        "points",
-        "turning points",
-    ];
-    let row = |level: &ForcedSummary| {
-        let found = |value: &dyn Fn(&ResonanceSummary) -> Option<String>| {
-            let texts: Vec<String> = level.resonances.iter().filter_map(value).collect();
-            if texts.is_empty() {
-                MISSING.into()
-            } else {
-                texts.join(", ")
-            }
-        };
-        let cell = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| MISSING.into(), text);
-        let percent = |value: f64| format!("{:+.2}", 100.0 * value);
-        vec![
-            level.level.to_string(),
-            found(&|r| r.frequency_hz.map(|f| format!("{f:.3}"))),
-            found(&|r| r.amplitude.map(|a| format!("{a:.4e}"))),
-            cell(level.peak.map(|p| p[1]), &|a| format!("{a:.4e}")),
-            cell(level.peak.map(|p| p[0]), &|f| format!("{f:.3}")),
-            cell(level.single_mode_error.map(|e| e[0]), &percent),
-            cell(level.single_mode_error.map(|e| e[1]), &percent),
-            level.frequency.len().to_string(),
-            level.turning_points.len().to_string(),
-        ]
-    };
-    Table {
-        headings: headings.map(Into::into).into(),
-        rows: levels.iter().map(row).collect(),
-    }
-}
-
 fn facts<const N: usize>(rows: [(&str, String); N]) -> Facts {
     rows.map(|(name, value)| (name.into(), value)).into()
 }
 
 fn pressure(run: &Run) -> Option<Picture<'static>> {
-    if run.mesh.is_of_points() {
+    if run.joint.mesh.is_of_points() {
         return None;
     }
     let pressure = fields::pressure(run, &run.prestress.fields);
@@ -251,7 +141,7 @@ fn pressure(run: &Run) -> Option<Picture<'static>> {
 fn maps(run: &Run, backbone: &ModeBackbone) -> Vec<Picture<'static>> {
     let all = backbone.amplitudes.len();
     let mut maps = Vec::new();
-    if run.mesh.is_of_points() {
+    if run.joint.mesh.is_of_points() {
         return maps;
     }
     for (index, amplitude) in backbone.amplitudes.iter().enumerate() {
@@ -510,9 +400,6 @@ const COLUMNS: [Column; 12] = [
     ("iterations", |b| Some(b.iterations.to_string())),
 ];
 
-/// What stands in cells without a value.
-const MISSING: &str = "–";
-
 fn amplitude_table(summary: &Summary) -> Table {
     let headings = ["no."].into_iter().chain(COLUMNS.map(|(heading, _)| heading));
     let row = |(index, point): (usize, &BackboneSummary)| {
@@ -661,7 +548,7 @@ fn validity(backbone: &ModeBackbone, summary: &Summary) -> Vec<String> {
     if open > 0 {
         sentences.push(format!(
             "{open} of {} loops did not close within the cycles allowed, so that their frequency and damping still depend on the number \
-             of cycles: loop_closure in summary.json says how far their ends are apart; a larger cqsma.until_closed accepts them.",
+             of cycles: loop_closure in summary.json says how far their ends are apart; a larger analyses.backbone.until_closed accepts them.",
             summary.backbone.len()
         ));
     }

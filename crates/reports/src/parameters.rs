@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn pictures_hold_every_case_once() {
         let (mu, load) = (
-            axis("/mu", &[0.1, 0.1, 0.2, 0.2]),
+            axis("/interfaces/mu", &[0.1, 0.1, 0.2, 0.2]),
             axis("/bolts/load [kN]", &[8.0, 9.0, 8.0, 9.0]),
         );
         let frequency = axis("frequency [Hz]", &[150.0, 151.0, 152.0, 153.0]);

@@ -302,7 +302,6 @@ impl Curve {
     fn new(name: &str, main: RGBColor, points: Points) -> Self {
         let (colour, dashes) = match name {
             "qsma" => (RGBColor(214, 126, 0), Some((9, 5))),
-            "qsma-twice" => (RGBColor(110, 110, 110), Some((5, 9))),
             "masing" => (RGBColor(34, 130, 60), Some((2, 4))),
             "rqnma" => (RGBColor(122, 58, 150), Some((14, 4))),
             "epmc" => (RGBColor(0, 122, 135), Some((7, 3))),
@@ -322,7 +321,6 @@ impl Curve {
 pub fn title(method: &str) -> String {
     match method {
         "masing" => "Masing".into(),
-        "qsma-twice" => "QSMA, contact twice".into(),
         acronym => acronym.to_uppercase(),
     }
 }

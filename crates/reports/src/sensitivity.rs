@@ -1,8 +1,10 @@
 //! Which numbers of a scene a backbone depends on: a table, a picture, and the most influential ones in text.
 
+use crate::analysis::{Analysis, Document, Section};
 use crate::csv::{number, optional, table};
+use crate::html::Picture;
 use crate::plot::{self, Curve, Marks, Panel};
-use crate::{Error, html};
+use crate::{Error, Output};
 use analyses::results::summary::Summary;
 use analyses::{FoundBy, Per, Sensitivity};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
@@ -29,11 +31,35 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(140, 140, 140),
 ];
 
+pub(crate) static ANALYSIS: Analysis = Analysis {
+    writes: |name| [TABLE, PICTURE].contains(&name),
+    document: |_, summary| {
+        let all = &summary.sensitivities;
+        if all.is_empty() {
+            return Ok(None);
+        }
+        let mut outputs = vec![Output::new(TABLE, rows(all)?)];
+        let picture = picture(all)?;
+        outputs.extend(picture.iter().map(|svg| Output::new(PICTURE, svg.clone())));
+        let section = picture.map(|svg| Section {
+            heading: "What frequency and damping depend on",
+            pictures: vec![Picture {
+                svg: svg.into(),
+                caption: caption(all),
+            }],
+            ..Section::default()
+        });
+        Ok(Some(Document { outputs, section }))
+    },
+    lines: most_influential,
+    is_complete: |_| true,
+};
+
 /// One row per mode, method, parameter and amplitude; empty cells where there is no value.
 ///
 /// # Errors
 /// [`Error::Table`].
-pub fn rows(all: &[Sensitivity]) -> Result<String, Error> {
+fn rows(all: &[Sensitivity]) -> Result<String, Error> {
     let headings = [
         "mode",
         "method",
@@ -142,7 +168,7 @@ pub fn picture(all: &[Sensitivity]) -> Result<Option<String>, Error> {
 }
 
 /// What the picture shows.
-pub(crate) fn caption(all: &[Sensitivity]) -> String {
+fn caption(all: &[Sensitivity]) -> String {
     let of = all.first().map_or_else(String::new, |first| {
         format!(" of mode {} by {}", first.mode, plot::title(&first.method))
     });
@@ -150,7 +176,7 @@ pub(crate) fn caption(all: &[Sensitivity]) -> String {
 }
 
 /// The most influential parameters at every amplitude, for frequency and for damping, as a table in text.
-pub fn most_influential(summary: &Summary) -> String {
+fn most_influential(summary: &Summary) -> String {
     let mut out = String::new();
     let all = &summary.sensitivities;
     let mut done = Vec::new();
@@ -202,15 +228,4 @@ pub fn most_influential(summary: &Summary) -> String {
         }
     }
     out
-}
-
-/// The picture with its caption, for a page; none without sensitivities.
-///
-/// # Errors
-/// As [`picture`].
-pub(crate) fn figure(all: &[Sensitivity]) -> Result<Option<html::Picture<'static>>, Error> {
-    Ok(picture(all)?.map(|svg| html::Picture {
-        svg: svg.into(),
-        caption: caption(all),
-    }))
 }

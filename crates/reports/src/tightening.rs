@@ -1,8 +1,9 @@
 //! Bolts tightened one after the other: table and picture.
 
+use crate::analysis::{Analysis, Document, Section};
 use crate::csv::{number, table};
 use crate::html::{Picture, Table};
-use crate::periodic::shade;
+use crate::motions::shade;
 use crate::plot::{Curve, Marks, Panel, stack};
 use crate::{Error, Output};
 use analyses::TighteningResult;
@@ -15,22 +16,48 @@ pub const TIGHTENING: &str = "tightening.csv";
 /// Name of its picture.
 pub const TIGHTENING_PICTURE: &str = "tightening.svg";
 
-/// Table and picture.
-///
-/// # Errors
-/// [`Error::Table`], [`Error::Picture`].
-pub(crate) fn outputs(result: &TighteningResult) -> Result<[Output; 2], Error> {
-    Ok([
-        Output::new(TIGHTENING, csv(result)?),
-        Output::new(TIGHTENING_PICTURE, picture(result)?),
-    ])
+pub(crate) static ANALYSIS: Analysis = Analysis {
+    writes: |name| [TIGHTENING, TIGHTENING_PICTURE].contains(&name),
+    document: |_, summary| {
+        let Some(result) = &summary.tightening else {
+            return Ok(None);
+        };
+        let picture = picture(result)?;
+        Ok(Some(Document {
+            outputs: vec![
+                Output::new(TIGHTENING, csv(result)?),
+                Output::new(TIGHTENING_PICTURE, picture.clone()),
+            ],
+            section: Some(section(result, picture)),
+        }))
+    },
+    lines: |summary| summary.tightening.as_ref().map(line).unwrap_or_default(),
+    is_complete: |_| true,
+};
+
+/// What the terminal says.
+fn line(result: &TighteningResult) -> String {
+    let residual: Vec<String> = result
+        .residual_preloads
+        .iter()
+        .map(|load| format!("{:.3}", 1e-3 * load))
+        .collect();
+    let lowest = result.residual_ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    format!(
+        "tightened in {} steps: {} kN are left, at least {:.2} % of the load; {:.2e} of the work on the bolts is dissipated; table in \
+         {TIGHTENING}\n",
+        result.steps.len(),
+        residual.join(", "),
+        100.0 * lowest,
+        result.energy.dissipated / result.energy.external_work
+    )
 }
 
 /// One row per step.
 ///
 /// # Errors
 /// [`Error::Table`].
-pub fn csv(result: &TighteningResult) -> Result<String, Error> {
+fn csv(result: &TighteningResult) -> Result<String, Error> {
     let bolts = result.residual_preloads.len();
     let of_each =
         |what: &'static str, unit: &'static str| (1..=bolts).map(move |bolt| format!("{what}_{bolt} [{unit}]"));
@@ -59,7 +86,7 @@ pub fn csv(result: &TighteningResult) -> Result<String, Error> {
 ///
 /// # Errors
 /// [`Error::Picture`].
-pub fn picture(result: &TighteningResult) -> Result<String, Error> {
+fn picture(result: &TighteningResult) -> Result<String, Error> {
     let bolts = result.residual_preloads.len();
     let steps = || (1..).zip(&result.steps).map(|(count, step): (usize, _)| (count, step));
     let of_bolt = |bolt: usize| {
@@ -91,56 +118,53 @@ pub fn picture(result: &TighteningResult) -> Result<String, Error> {
 }
 
 /// What the page says of it.
-pub(crate) struct Section<'a> {
-    pub(crate) picture: Picture<'a>,
-    pub(crate) steps: Table,
-    pub(crate) energy: String,
-}
-
-impl Section<'_> {
-    pub(crate) fn of(result: &TighteningResult) -> Result<Self, Error> {
-        let bolts = result.residual_preloads.len();
-        let kilonewtons = |value: &f64| format!("{:.3}", 1e-3 * value);
-        let headings = ["Step", "Pass", "Bolt", "Target [kN]"].map(str::to_owned).into_iter();
-        let steps = (1..).zip(&result.steps).map(|(count, step): (usize, _)| {
-            let first = [count, step.pass, step.bolt].map(|value| value.to_string()).into_iter();
-            first
-                .chain([kilonewtons(&step.target)])
-                .chain(step.tensions.iter().map(kilonewtons))
-                .collect()
-        });
-        let ratios: Vec<String> = result
-            .residual_ratios
-            .iter()
-            .map(|ratio| format!("{:.2} %", 100.0 * ratio))
-            .collect();
-        let energy = &result.energy;
-        Ok(Self {
-            picture: Picture {
-                svg: picture(result)?.into(),
-                caption: format!(
-                    "Tension of the bolts after each step; a bolt that is tightened changes those tightened before. Left in the end: {} of \
-                     the load.",
-                    ratios.join(", ")
-                ),
-            },
-            steps: Table {
+fn section(result: &TighteningResult, picture: String) -> Section {
+    let bolts = result.residual_preloads.len();
+    let kilonewtons = |value: &f64| format!("{:.3}", 1e-3 * value);
+    let headings = ["Step", "Pass", "Bolt", "Target [kN]"].map(str::to_owned).into_iter();
+    let steps = (1..).zip(&result.steps).map(|(count, step): (usize, _)| {
+        let first = [count, step.pass, step.bolt].map(|value| value.to_string()).into_iter();
+        first
+            .chain([kilonewtons(&step.target)])
+            .chain(step.tensions.iter().map(kilonewtons))
+            .collect()
+    });
+    let ratios: Vec<String> = result
+        .residual_ratios
+        .iter()
+        .map(|ratio| format!("{:.2} %", 100.0 * ratio))
+        .collect();
+    let energy = &result.energy;
+    Section {
+        heading: "Tightening",
+        pictures: vec![Picture {
+            svg: picture.into(),
+            caption: format!(
+                "Tension of the bolts after each step; a bolt that is tightened changes those tightened before. Left in the end: {} of \
+                 the load.",
+                ratios.join(", ")
+            ),
+        }],
+        tables: vec![(
+            String::new(),
+            Table {
                 headings: headings
                     .chain((1..=bolts).map(|bolt| format!("Bolt {bolt} [kN]")))
                     .collect(),
                 rows: steps.collect(),
             },
-            energy: format!(
-                "Work on the bolts {:.4e} J: stored in bolts and parts {:.4e} J, in the interface {:.4e} J, dissipated {:.4e} J; the balance \
-                 holds within {:.1e} (at most {:.0e}).",
-                energy.external_work,
-                energy.stored_in_structure,
-                energy.stored_in_contact,
-                energy.dissipated,
-                energy.imbalance,
-                energy.tolerance
-            ),
-        })
+        )],
+        remarks: vec![format!(
+            "Work on the bolts {:.4e} J: stored in bolts and parts {:.4e} J, in the interface {:.4e} J, dissipated {:.4e} J; the balance \
+             holds within {:.1e} (at most {:.0e}).",
+            energy.external_work,
+            energy.stored_in_structure,
+            energy.stored_in_contact,
+            energy.dissipated,
+            energy.imbalance,
+            energy.tolerance
+        )],
+        ..Section::default()
     }
 }
 
@@ -192,9 +216,9 @@ mod tests {
             assert!(picture.contains(text), "{text}");
         }
         crate::markup::check(&picture).unwrap();
-        let section = Section::of(&example()).unwrap();
-        assert!(section.picture.caption.contains("100.00 %, 92.50 %"));
-        assert_eq!(section.steps.headings.len(), 6);
-        assert_eq!(section.steps.rows[1][3..], ["10.000", "10.000", "9.250"]);
+        let section = section(&example(), picture);
+        assert!(section.pictures[0].caption.contains("100.00 %, 92.50 %"));
+        assert_eq!(section.tables[0].1.headings.len(), 6);
+        assert_eq!(section.tables[0].1.rows[1][3..], ["10.000", "10.000", "9.250"]);
     }
 }

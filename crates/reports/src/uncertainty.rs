@@ -1,12 +1,15 @@
 //! Bands from uncertain inputs: tables, pictures and what pages say of them.
 
+use crate::analysis::{Analysis, Document, Section};
 use crate::csv::{number, optional, table};
 use crate::html::{Picture, Table};
+use crate::names::by_mode;
 use crate::plot::{self, BLUE, Band as Shade, Curve, Marks, RED};
 use crate::{Drawing, Error, Output};
 use analyses::uncertainty::{Band, ModeBands, Spread, Uncertainty};
 use analyses::variants::Reading;
 use plotters::prelude::*;
+use std::fmt::Write;
 
 /// Name of the table of bands.
 pub const BANDS: &str = "bands.csv";
@@ -34,7 +37,7 @@ const QUANTITIES: [Quantity; 2] = [
 ];
 
 /// Percentages of lower edge, median and upper edge.
-pub fn percentages(uncertainty: &Uncertainty) -> [String; 3] {
+fn percentages(uncertainty: &Uncertainty) -> [String; 3] {
     let tail = 50.0 * (1.0 - uncertainty.confidence);
     // Without the digits that a difference of binary numbers leaves.
     [tail, 50.0, 100.0 - tail].map(|p| format!("{}", (1e9 * p).round() / 1e9))
@@ -48,15 +51,19 @@ fn rows(uncertainty: &Uncertainty) -> impl Iterator<Item = (usize, &Band)> {
         .flat_map(|of| of.bands.iter().map(move |band| (of.mode, band)))
 }
 
-/// The tables and pictures of a run with samples; and the pictures with their captions for pages.
-///
-/// # Errors
-/// [`Error::Table`], [`Error::Picture`].
-pub fn outputs(
-    uncertainty: &Uncertainty,
-    name: &str,
-    response: &str,
-) -> Result<(Vec<Output>, Vec<Picture<'static>>), Error> {
+pub(crate) static ANALYSIS: Analysis = Analysis {
+    writes: |name| [BANDS, SAMPLES, INFLUENCES].contains(&name) || bands_picture(by_mode(name).0) == name,
+    document: |run, summary| {
+        let found = summary.uncertainty.as_ref();
+        found
+            .map(|found| document(found, &run.scene.name, &summary.response))
+            .transpose()
+    },
+    lines: |summary| summary.uncertainty.as_ref().map(lines).unwrap_or_default(),
+    is_complete: |summary| summary.uncertainty.iter().all(|found| found.failed == 0),
+};
+
+fn document(uncertainty: &Uncertainty, name: &str, response: &str) -> Result<Document, Error> {
     let mut outputs = vec![
         Output::new(BANDS, bands(uncertainty)?),
         Output::new(SAMPLES, samples(uncertainty)?),
@@ -82,7 +89,26 @@ pub fn outputs(
             caption,
         });
     }
-    Ok((outputs, pictures))
+    let influences = uncertainty.modes.iter().map(|mode| {
+        let heading = format!(
+            "Mode {}: bands and the inputs with the largest shares of the variance",
+            mode.mode
+        );
+        (heading, influence_table(uncertainty, mode))
+    });
+    let section = Section {
+        heading: "Uncertain inputs",
+        pictures,
+        tables: std::iter::once((String::new(), inputs_table(uncertainty)))
+            .chain(influences)
+            .collect(),
+        remarks: remarks(uncertainty),
+        ..Section::default()
+    };
+    Ok(Document {
+        outputs,
+        section: Some(section),
+    })
 }
 
 /// One row per mode and amplitude; empty cells where there is no value.
@@ -333,7 +359,7 @@ fn picture(uncertainty: &Uncertainty, mode: &ModeBands, name: &str, response: &s
 }
 
 /// What is known of the inputs.
-pub fn inputs_table(uncertainty: &Uncertainty) -> Table {
+fn inputs_table(uncertainty: &Uncertainty) -> Table {
     let [low, middle, high] = percentages(uncertainty);
     let headings = [
         "input".to_owned(),
@@ -358,7 +384,7 @@ pub fn inputs_table(uncertainty: &Uncertainty) -> Table {
 }
 
 /// Bands, and the inputs with the largest shares of their variance, per amplitude of a mode.
-pub fn influence_table(uncertainty: &Uncertainty, mode: &ModeBands) -> Table {
+fn influence_table(uncertainty: &Uncertainty, mode: &ModeBands) -> Table {
     let [low, middle, high] = percentages(uncertainty);
     let of_variance = match mode.bands.iter().any(|band| !band.frequency_hz.indices.is_empty()) {
         true => "share of variance (Sobol, first order)",
@@ -402,6 +428,46 @@ pub fn influence_table(uncertainty: &Uncertainty, mode: &ModeBands) -> Table {
     }
 }
 
+/// Bands from uncertain inputs, and which of them matter most.
+fn lines(found: &Uncertainty) -> String {
+    let mut out = String::new();
+    for mode in &found.modes {
+        let table = influence_table(found, mode);
+        let columns = 0..table.headings.len();
+        let cells = |column: usize| table.rows.iter().map(move |row| row[column].chars().count());
+        let widths: Vec<usize> = columns
+            .map(|column| {
+                cells(column)
+                    .chain([table.headings[column].chars().count()])
+                    .max()
+                    .unwrap_or(0)
+            })
+            .collect();
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "\nmode {}: bands from uncertain inputs", mode.mode);
+        for row in std::iter::once(&table.headings).chain(&table.rows) {
+            let mut line = String::new();
+            for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
+                // Texts from the left, numbers from the right.
+                let is_text = column == 1 || column + 1 == row.len();
+                let _ = match is_text {
+                    true => write!(line, "{cell:<width$}  "),
+                    false => write!(line, "{cell:>width$}  "),
+                };
+            }
+            let _ = writeln!(out, "{}", line.trim_end());
+        }
+    }
+    for remark in remarks(found) {
+        let _ = writeln!(out, "{remark}");
+    }
+    let _ = writeln!(
+        out,
+        "bands in {BANDS}, samples in {SAMPLES}, shares of the variance in {INFLUENCES}"
+    );
+    out
+}
+
 /// The inputs with the largest shares, by Sobol's first-order indices where they are known.
 fn most_influential(spread: &Spread) -> String {
     let mut shares: Vec<(&str, f64)> = match spread.indices.is_empty() {
@@ -438,7 +504,7 @@ fn short(value: f64) -> String {
 }
 
 /// What is to be said beside the tables.
-pub fn remarks(uncertainty: &Uncertainty) -> Vec<String> {
+fn remarks(uncertainty: &Uncertainty) -> Vec<String> {
     let mut all = vec![format!(
         "{} samples ({}, seed {}), {} of them without a backbone; {} runs in all",
         uncertainty.samples, uncertainty.method, uncertainty.seed, uncertainty.failed, uncertainty.runs

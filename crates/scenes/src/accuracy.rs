@@ -4,8 +4,7 @@
 //! vertices on the Brake-Reuss beam (`docs/validation.md`). A scene that asks for an accuracy gets the settings of
 //! a preset wherever it does not give its own.
 
-use super::{ElementOrder, RefinementLevel, Scene};
-use crate::Error;
+use joint_model::benchmark::{ElementOrder, RefinementLevel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -34,13 +33,6 @@ pub struct Preset {
     /// Time relative to that of `standard`.
     pub cost: f64,
 }
-
-/// Time of `standard` on the flat Brake-Reuss beam, from nothing to the backbone of [`TIMED_AMPLITUDES`] amplitudes of one mode, on two
-/// cores (s): `docs/validation.md`, what accuracy costs.
-const STANDARD_SECONDS: f64 = 12.4;
-
-/// Amplitudes of the runs that were timed.
-const TIMED_AMPLITUDES: usize = 20;
 
 /// From the cheapest to the finest. Errors are against the limit of the mesh and rounded up: those of
 /// `ErrorBar` of `analyses` with those of the vertices.
@@ -177,55 +169,18 @@ impl Accuracy {
 }
 
 impl Preset {
-    /// Whether its errors were measured on the structure of a scene.
-    fn is_measured_on(scene: &Scene) -> bool {
-        scene.structure.benchmark().is_some()
-    }
-
-    /// What a run with these settings is expected to take, and what that rests on, for the start of a run.
-    pub fn expectation(&self, scene: &Scene) -> String {
-        if !Self::is_measured_on(scene) {
-            return "a time that depends on the mesh: settings are timed on the Brake-Reuss beam alone".into();
-        }
-        let seconds = self.cost * STANDARD_SECONDS;
-        let time = match seconds {
-            seconds if seconds < 100.0 => format!("{seconds:.0} s"),
-            seconds => format!("{:.0} min", seconds / 60.0),
-        };
-        let model = &scene.model;
-        let has_mesh = (model.element_order, model.refinement) == (self.element_order, self.refinement);
-        let loops = scene.cqsma.amplitudes * scene.cqsma.followed().len();
-        let differs = match (has_mesh, loops == TIMED_AMPLITUDES) {
-            (true, true) => String::new(),
-            (true, false) => format!("; this scene has {loops} loops"),
-            (false, _) => "; this scene has another mesh, on which times differ".into(),
-        };
-        format!(
-            "about {time} where nothing is in the cache, as measured on the flat Brake-Reuss beam with \
-             {TIMED_AMPLITUDES} loops on two cores{differs}"
-        )
-    }
-
-    /// What is known of the errors of a scene with these settings, for the end of a run.
-    pub fn promise(&self, scene: &Scene) -> String {
-        match Self::is_measured_on(scene) {
-            true => format!(
-                "measured errors on the flat beam: {} in frequency, {} in the logarithm of damping",
-                self.frequency_error, self.damping_error
-            ),
-            false => "their errors are not known of this structure; --estimate-error settings measures them".into(),
-        }
-    }
-
     /// Where a scene file has the settings, and their values.
-    fn settings(&self) -> [([&'static str; 2], Value); 6] {
+    fn settings(&self) -> [(&'static str, Value); 6] {
         [
-            (["model", "element_order"], json!(self.element_order)),
-            (["model", "refinement"], json!(self.refinement)),
-            (["", "points_per_direction"], json!(self.points_per_direction)),
-            (["model", "modes"], json!(self.modes)),
-            (["cqsma", "vertices_per_quarter"], json!(self.vertices_per_quarter)),
-            (["cqsma", "tolerance"], json!(self.tolerance)),
+            ("/model/element_order", json!(self.element_order)),
+            ("/model/refinement", json!(self.refinement)),
+            ("/interfaces/points_per_direction", json!(self.points_per_direction)),
+            ("/model/modes", json!(self.modes)),
+            (
+                "/analyses/backbone/vertices_per_quarter",
+                json!(self.vertices_per_quarter),
+            ),
+            ("/analyses/backbone/tolerance", json!(self.tolerance)),
         ]
     }
 
@@ -244,79 +199,31 @@ impl Preset {
         .any(|path| given(&format!("/{path}")));
         // A reduction to an error finds its number of modes, and matrices over the jump have theirs.
         let own_modes = given("/structure/matrices") || given("/model/reduction_error");
-        for ([group, name], value) in self.settings() {
-            let of_mesh = ["element_order", "refinement"].contains(&name);
-            if (of_mesh && own_mesh) || (name == "modes" && own_modes) {
+        if let Some(Value::Object(analyses)) = scene.get_mut("analyses") {
+            // Settings alone ask for no loops.
+            analyses.entry("backbone").or_insert(json!({ "amplitudes": 0 }));
+        }
+        for (path, value) in self.settings() {
+            let of_mesh = path.starts_with("/model/") && path != "/model/modes";
+            if (of_mesh && own_mesh) || (path == "/model/modes" && own_modes) {
                 continue;
             }
-            let Some(mut object) = scene.as_object_mut() else {
-                return;
-            };
-            if !group.is_empty() {
-                let inner = object.entry(group).or_insert_with(|| json!({}));
-                match inner.as_object_mut() {
-                    Some(inner) => object = inner,
-                    None => return,
-                }
+            let mut place = &mut *scene;
+            for name in path.split('/').skip(1) {
+                let Some(object) = as_object(place) else { return };
+                place = object.entry(name).or_insert(Value::Null);
             }
-            let own = object.entry(name).or_insert(Value::Null);
-            if own.is_null() {
-                *own = value;
+            if place.is_null() {
+                *place = value;
             }
         }
-    }
-
-    /// Whether no setting is coarser than the scene's, and one is finer.
-    fn refines(&self, scene: &Scene) -> bool {
-        let meshed = scene.structure.benchmark().is_some();
-        let reduced = scene.structure.matrices().is_none();
-        // The coarsest quadratic mesh is nearer to the limit than the finest linear one.
-        let mesh = |order: ElementOrder, refinement: RefinementLevel| 100 * order as usize + refinement as usize;
-        let pairs = [
-            (
-                mesh(self.element_order, self.refinement),
-                mesh(scene.model.element_order, scene.model.refinement),
-                meshed,
-            ),
-            (self.points_per_direction, scene.points_per_direction, true),
-            (self.modes, scene.model.n_modes(), reduced),
-            (self.vertices_per_quarter, scene.cqsma.vertices_per_quarter, true),
-        ];
-        let pairs = || pairs.iter().filter(|pair| pair.2);
-        pairs().all(|(preset, own, _)| preset >= own) && pairs().any(|(preset, own, _)| preset > own)
-    }
-
-    /// The scene with the settings of the preset, none of them coarser than before.
-    fn refine(&self, scene: &Scene) -> Scene {
-        let mut scene = scene.clone();
-        if scene.structure.benchmark().is_some() {
-            if scene.model.element_order != self.element_order {
-                // The other order need not have the scene's formulation.
-                scene.model.formulation = None;
-            }
-            (scene.model.element_order, scene.model.refinement) = (self.element_order, self.refinement);
-        }
-        if scene.structure.matrices().is_none() && scene.model.reduction_error.is_none() {
-            scene.model.modes = Some(self.modes);
-        }
-        scene.points_per_direction = self.points_per_direction;
-        scene.cqsma.vertices_per_quarter = self.vertices_per_quarter;
-        scene.cqsma.tolerance = scene.cqsma.tolerance.min(self.tolerance);
-        scene
     }
 }
 
-/// The scene with the settings of the cheapest preset that is finer than it in some and coarser in none of them.
-///
-/// # Errors
-/// [`Error::NothingFiner`].
-pub fn refined(scene: &Scene) -> Result<(&'static Preset, Scene), Error> {
-    let finer = PRESETS
-        .iter()
-        .find(|preset| preset.refines(scene))
-        .ok_or(Error::NothingFiner)?;
-    let mut refined = finer.refine(scene);
-    // A place beside the interface may be within the size of an element of the scene's mesh, and of none of the finer one.
-    refined.cqsma.loops_at.clear();
-    Ok((finer, refined))
+/// The fields of a block, which is made if there is none.
+fn as_object(value: &mut Value) -> Option<&mut serde_json::Map<String, Value>> {
+    if value.is_null() {
+        *value = json!({});
+    }
+    value.as_object_mut()
 }

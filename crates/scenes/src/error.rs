@@ -77,7 +77,7 @@ pub enum Error {
     /// Points of contact whose law would follow from faces.
     #[error(
         "{place}: points of contact have no faces whose asperities could be known; give the parameters of their law as \
-         surface.parameters"
+         interfaces.surface.parameters"
     )]
     PointsWithoutParameters {
         /// Scene.
@@ -116,12 +116,20 @@ pub enum Error {
         source: Box<surface_characterisation::finish::FinishError>,
     },
     /// Bolts of a sequence that are not those of the structure.
-    #[error("bolts.tightening.order {reason}; the structure has {bolts} bolts, so write for example \"order\": {}", in_turn(*bolts))]
+    #[error("analyses.tightening.order {reason}; the structure has {bolts} bolts, so write for example \"order\": {}", in_turn(*bolts))]
     TighteningOrder {
         /// What is wrong.
         reason: String,
         /// Bolts there are.
         bolts: usize,
+    },
+    /// An analysis that the scene does not ask for.
+    #[error("the scene does not ask for `{name}`; name some of {asked}, or add `{name}` to its block `analyses`")]
+    NotAsked {
+        /// Its name.
+        name: String,
+        /// Those that it asks for.
+        asked: String,
     },
     /// A size of bolts that is not in the table.
     #[error("`{name}` is no size of metric bolts: {reason}")]
@@ -143,8 +151,9 @@ impl Error {
             Self::Value { field, .. } | Self::NoMeasuredSurface { field, .. } => Some(field),
             Self::NoSuchFormulation { .. } => Some("model.formulation"),
             Self::Symmetry { .. } => Some("model.symmetry"),
-            Self::PointsWithoutParameters { .. } => Some("surface.parameters"),
-            Self::TighteningOrder { .. } => Some("bolts.tightening.order"),
+            Self::PointsWithoutParameters { .. } => Some("interfaces.surface.parameters"),
+            Self::TighteningOrder { .. } => Some("analyses.tightening.order"),
+            Self::NotAsked { .. } => Some("analyses"),
             Self::NoMaterial => Some("model.material"),
             Self::Finish { field, .. } => Some(field),
             _ => None,

@@ -26,14 +26,14 @@ pub struct Finish {
     /// Where the law comes from.
     #[serde(default)]
     pub route: Route,
-    /// Realisations of a patch, between which the interval of the law lies.
+    /// Realisations of a patch, between which the interval of the law lies: 19 to 1000.
     #[serde(default = "realisations")]
     pub realisations: usize,
     /// Seed of the realisations and of the forms.
     #[serde(default = "one")]
     pub seed: u64,
-    /// Sides of a patch along x and y (length): by default a square as large as the mean element, or 8 correlation lengths where
-    /// that is longer.
+    /// Sides of a patch along x and y (length), at least 4 correlation lengths: by default a square as large as the
+    /// mean element, or 8 correlation lengths where that is longer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub window: Option<Lengths>,
     /// Grid steps along x and y (length): by default 8 in a correlation length, 4 in a cut-off wavelength.
@@ -72,7 +72,7 @@ pub struct FinishFace {
     /// Arithmetic mean height Ra (length).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ra: Option<Length>,
-    /// Root mean square height Rq (length).
+    /// Root mean square height Rq (length); by default from `ra`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rq: Option<Length>,
     /// Root mean square height Sq of the area (length).
@@ -84,10 +84,10 @@ pub struct FinishFace {
     /// Mean width of profile elements Rsm (length); two along and across the lay.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rsm: Option<Lengths>,
-    /// Length in which the autocorrelation falls to 1/e; two along and across the lay.
+    /// Length in which the autocorrelation falls to 1/e, by default `rsm`/4.443; two along and across the lay.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correlation_length: Option<Lengths>,
-    /// Direction of the lay from x towards y (degrees).
+    /// Direction of the lay from x towards y (degrees); needed beside two lengths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lay_degrees: Option<f64>,
     /// Skewness Rsk or Ssk (-); 0 by default.
@@ -208,7 +208,7 @@ impl Finish {
         let mut face = |name: &str, given: &FinishFace| {
             let (face, lines) = given.report().face().map_err(|source| Error::Finish {
                 place: place.into(),
-                field: format!("surface.finish.{name}"),
+                field: format!("interfaces.surface.finish.{name}"),
                 source: Box::new(source),
             })?;
             assumed.extend(lines.into_iter().map(|line| format!("{name} face: {line}")));
@@ -227,7 +227,7 @@ impl Finish {
     pub fn requirements(&self) -> Vec<(&'static str, f64, &'static str, &'static str, bool)> {
         let number = self.realisations;
         let mut all = vec![(
-            "surface.finish.realisations",
+            "interfaces.surface.finish.realisations",
             number as f64,
             "",
             "from 19 (fewer do not hold 90 % between them) to 1000",
@@ -243,11 +243,11 @@ impl Finish {
             ));
         };
         if let Some(tolerance) = self.flatness {
-            positive("surface.finish.flatness", tolerance.si());
+            positive("interfaces.surface.finish.flatness", tolerance.si());
         }
         for (field, lengths) in [
-            ("surface.finish.window", self.window),
-            ("surface.finish.step", self.step),
+            ("interfaces.surface.finish.window", self.window),
+            ("interfaces.surface.finish.step", self.step),
         ] {
             for length in lengths.into_iter().flat_map(Lengths::si) {
                 positive(field, length);

@@ -1,8 +1,6 @@
 //! A structure from a mesh file: which of its parts are bodies, interfaces, bolts and supports.
 
-use super::law::Law;
-use super::structure::{Material, along_x};
-use super::surface::{Gap, Surface};
+use super::material::Material;
 use super::units::{ContactStiffness, Length, Units};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -66,18 +64,6 @@ pub struct MeshInterface {
     /// First direction in the interface.
     #[serde(default = "along_x")]
     pub along: [f64; 3],
-    /// Its friction coefficient (-); by default the scene's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub mu: Option<f64>,
-    /// What its traction law follows from; by default the scene's `surface`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface: Option<Surface>,
-    /// Its gap before the faces are loaded; by default the scene's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gap: Option<Gap>,
-    /// Its traction law; by default the scene's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub law: Option<Law>,
 }
 
 /// A bolt that is not in the mesh: a shank on an axis through the clamped bodies, or forces on two surfaces.
@@ -170,6 +156,10 @@ pub struct MeshResponse {
     /// Unit vector; none with a mode.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f64; 3]>,
+}
+
+pub(super) fn along_x() -> [f64; 3] {
+    [1.0, 0.0, 0.0]
 }
 
 fn all() -> [bool; 3] {

@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Epmc {
-    /// Modal amplitudes of the first harmonic (sqrt(mass) length), ascending; by default those that the amplitudes of `cqsma`
+    /// Modal amplitudes of the first harmonic (sqrt(mass) length), ascending; by default those that the amplitudes of `backbone`
     /// belong to by linear estimate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modal_amplitudes: Option<Amplitudes>,
-    /// Highest harmonic; with `accuracy` the one that the first amplitude begins with.
+    /// Highest harmonic, 1 to 100; with `accuracy` the one that the first amplitude begins with.
     pub harmonics: usize,
-    /// Samples per period; the same.
+    /// Samples per period, 8 to 65536 and more than twice the harmonics; the same.
     pub samples: usize,
     /// Periods that the history is followed for, the last of which is measured.
     pub periods: usize,
@@ -44,7 +44,7 @@ impl Default for Epmc {
     }
 }
 
-/// Amplitudes one by one, or from one to another.
+/// Amplitudes one by one, in ascending order, or `{ "from": .., "to": .., "number": .. }`, spaced in log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
@@ -137,10 +137,10 @@ pub struct Forced {
     pub from_hz: f64,
     /// Last frequency (Hz); above or below the first.
     pub to_hz: f64,
-    /// Highest harmonic.
+    /// Highest harmonic, 1 to 100.
     #[serde(default = "three")]
     pub harmonics: usize,
-    /// Samples per period.
+    /// Samples per period, 8 to 65536 and more than twice the harmonics.
     #[serde(default = "samples")]
     pub samples: usize,
     /// Residual relative to the elastic forces of the first harmonic, in the energy norm.

@@ -8,15 +8,16 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Scale {
-    /// Of the radii of asperities (-).
+    /// Of the radii of asperities (-); above 0, as the next two.
     pub asperity_radius: f64,
     /// Of the number of asperities per area (-).
     pub asperity_density: f64,
     /// Of the differences in height between asperities (-).
     pub asperity_height: f64,
-    /// Of the gap between the faces (-).
+    /// Of the gap between the faces (-); at least 0.
     pub gap: f64,
-    /// Slopes along x and y of a plane that is added to the gap (rad). It is zero at the corner of the interface where it is least.
+    /// Slopes along x and y of a plane that is added to the gap (rad), at most 0.1 in size. It is zero at the corner of
+    /// the interface where it is least.
     pub gap_tilt: [f64; 2],
 }
 

@@ -197,41 +197,57 @@ impl Scans {
             Detrend::FreeEdges { width } => Some(width),
             Detrend::WholeFace | Detrend::Registered => None,
         };
-        positive("surface.scans.align", self.align.map(Length::si), "m");
-        positive("surface.scans.noise.s_filter", self.noise.s_filter.map(Length::si), "m");
+        positive("interfaces.surface.scans.align", self.align.map(Length::si), "m");
+        positive(
+            "interfaces.surface.scans.noise.s_filter",
+            self.noise.s_filter.map(Length::si),
+            "m",
+        );
         let threshold = self.noise.outliers.map(|rule| rule.threshold);
-        positive("surface.scans.noise.outliers.threshold", threshold, "");
-        positive("surface.scans.detrend.free-edges.width", width, "");
+        positive("interfaces.surface.scans.noise.outliers.threshold", threshold, "");
+        positive("interfaces.surface.scans.detrend.free-edges.width", width, "");
         for file in [&self.top, &self.bottom] {
             positive(
-                "surface.scans, height_step of a file",
+                "interfaces.surface.scans, height_step of a file",
                 file.height_step.map(Length::si),
                 "m",
             );
             for step in file.lateral_step.into_iter().flatten() {
-                positive("surface.scans, lateral_step of a file", Some(step), "lateral_unit");
+                positive(
+                    "interfaces.surface.scans, lateral_step of a file",
+                    Some(step),
+                    "lateral_unit",
+                );
             }
         }
         let mut finite = |field, value: f64, unit| all.push((field, value, unit, "finite", value.is_finite()));
         for k in 0..2 {
-            finite("surface.scans.registration.shift", self.registration.shift[k].si(), "m");
-            finite("surface.scans.registration.tilt", self.registration.tilt[k], "");
+            finite(
+                "interfaces.surface.scans.registration.shift",
+                self.registration.shift[k].si(),
+                "m",
+            );
+            finite(
+                "interfaces.surface.scans.registration.tilt",
+                self.registration.tilt[k],
+                "",
+            );
         }
         for place in [self.top.place, self.bottom.place] {
             if let Place::Origin(origin) = place {
                 origin
                     .into_iter()
-                    .for_each(|x| finite("surface.scans, origin of a file", x.si(), "m"));
+                    .for_each(|x| finite("interfaces.surface.scans, origin of a file", x.si(), "m"));
             }
         }
         if let TallestPeak::MOutOfN { exponent } = self.tallest {
-            let field = "surface.scans.tallest.m-out-of-n.exponent";
+            let field = "interfaces.surface.scans.tallest.m-out-of-n.exponent";
             let ok = exponent > 0.0 && exponent < 1.0;
             all.push((field, exponent, "", "above 0 and below 1", ok));
         }
         let draws = self.bootstrap as f64;
         all.push((
-            "surface.scans.bootstrap",
+            "interfaces.surface.scans.bootstrap",
             draws,
             "",
             "at most 100000",

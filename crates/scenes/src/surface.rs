@@ -92,7 +92,7 @@ pub enum Per {
 pub struct ParameterSet {
     /// Traction and stiffness against interference; of the same kind in all sets.
     pub curves: Curves,
-    /// Friction coefficient (-); by default that of the scene.
+    /// Friction coefficient (-); by default that of the scene. Not together with `interfaces.friction_zones`.
     #[serde(default)]
     pub mu: Option<f64>,
     /// Gap before the faces are loaded (length).

@@ -1,6 +1,6 @@
 //! The order in which bolts are tightened.
 
-use super::validate::Check;
+use super::check::Check;
 use crate::Error;
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,7 @@ impl Tightening {
         let passes = self.passes.len();
         check.that(
             passes > 0,
-            "bolts.tightening.passes",
+            "analyses.tightening.passes",
             0.0,
             "(passes)",
             "at least one share, such as [0.5, 1.0]",
@@ -44,7 +44,7 @@ impl Tightening {
             let holds = share > 0.0 && share <= 2.0;
             check.that(
                 holds,
-                "bolts.tightening.passes",
+                "analyses.tightening.passes",
                 share,
                 "(share)",
                 "above 0 and at most 2",
@@ -53,7 +53,7 @@ impl Tightening {
         let last = self.passes.last().copied().unwrap_or_default();
         check.that(
             last == 1.0,
-            "bolts.tightening.passes",
+            "analyses.tightening.passes",
             last,
             "(last share)",
             "1, so that the bolts are tightened to their load; change bolts.load for another one",
@@ -61,7 +61,7 @@ impl Tightening {
         let steps = passes.saturating_mul(self.order.len()).saturating_mul(self.increments);
         check.that(
             (1..=MOST_STEPS).contains(&steps),
-            "bolts.tightening",
+            "analyses.tightening",
             steps as f64,
             "(passes times bolts times increments)",
             "from 1 to 10000",

@@ -1,20 +1,15 @@
 //! Numbers of a scene that are not known exactly: their distributions, how they depend on one another, and how they are sampled.
 
-use super::json::Refusal;
-use super::units::Units;
-use super::{Marginal, Parameter, Scene, Shape};
-use crate::Error;
+use crate::distribution::{Marginal, Shape};
+use crate::error::Error;
+use crate::parameter::Parameter;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 use std::collections::BTreeMap;
-
-/// Probability beyond which the scene need not accept a value, at either end of a distribution.
-const BEYOND: f64 = 1e-6;
 
 /// Standard deviations from the mean that the smallest and the largest preload of a tightening method are taken to lie at.
 pub const TIGHTENING_SIGMAS: f64 = 2.0;
 
-/// Numbers of a scene that are not known exactly, see [`Scene::uncertain`].
+/// Numbers of a scene that are not known exactly, see [`Scene::uncertain`](super::Scene::uncertain).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -203,7 +198,7 @@ impl Given {
 
 impl Distribution {
     /// All values in the unit of the parameter, with their places.
-    fn quantities(&mut self) -> impl Iterator<Item = (&'static str, &mut Given)> {
+    pub(super) fn quantities(&mut self) -> impl Iterator<Item = (&'static str, &mut Given)> {
         let normal = self.normal.iter_mut().flat_map(|normal| {
             let mean = normal.mean.iter_mut().map(|given| ("normal.mean", given));
             mean.chain(normal.sd.iter_mut().map(|given| ("normal.sd", given)))
@@ -223,7 +218,7 @@ impl Distribution {
     ///
     /// # Errors
     /// What is wrong with it, and the remedy.
-    fn marginal(&self, parameter: &Parameter, nominal: f64) -> Result<Marginal, String> {
+    pub(super) fn marginal(&self, parameter: &Parameter, nominal: f64) -> Result<Marginal, String> {
         let given = [
             self.normal.is_some(),
             self.lognormal.is_some(),
@@ -294,19 +289,6 @@ impl Distribution {
 }
 
 impl Uncertain {
-    /// The distributions in numbers (SI), in the order of the parameters.
-    ///
-    /// # Errors
-    /// [`Error::Uncertain`] for a distribution that is none; [`Error::Parameter`] where the scene has no such number.
-    pub fn marginals(&self, scene: &Scene) -> Result<Vec<Marginal>, Error> {
-        let marginal = |(parameter, distribution): (&Parameter, &Distribution)| {
-            let nominal = parameter.value(scene)?;
-            let found = distribution.marginal(parameter, nominal);
-            found.map_err(|reason| of_parameter(parameter, reason))
-        };
-        self.parameters.iter().map(marginal).collect()
-    }
-
     /// Correlation matrix of the Gaussian copula, row by row, in the order of the parameters.
     ///
     /// # Errors
@@ -341,59 +323,6 @@ impl Uncertain {
             (matrix[i][j], matrix[j][i]) = (*value, *value);
         }
         Ok(matrix)
-    }
-
-    /// Makes all values SI. `units` are those of the file that the scene was read from.
-    pub(super) fn convert(&mut self, scene: &Scene, units: Units) -> Result<(), Error> {
-        for (parameter, distribution) in &mut self.parameters {
-            parameter.value(scene)?;
-            for (place, given) in distribution.quantities() {
-                let raw = match &*given {
-                    Given::Number(value) => json!(value),
-                    Given::Text(text) => json!(text),
-                };
-                let read = parameter.read(scene, raw, units);
-                let si =
-                    read.map_err(|Refusal { message, .. }| of_parameter(parameter, format!("{place}: {message}")))?;
-                *given = Given::Number(si);
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses what cannot be sampled; `scene` is without its uncertain inputs.
-    pub(super) fn validate(&self, scene: &Scene) -> Result<(), Error> {
-        let refused = |field: &str, reason: String| Error::Uncertain {
-            field: field.into(),
-            reason,
-        };
-        if self.parameters.is_empty() {
-            let reason = "there are none; name one, such as { \"mu\": { \"uniform\": [0.15, 0.25] } }";
-            return Err(refused("parameters", reason.into()));
-        }
-        if !(self.confidence > 0.0 && self.confidence < 1.0) {
-            let reason = format!(
-                "{} is no probability; it must be between 0 and 1, such as 0.9",
-                self.confidence
-            );
-            return Err(refused("confidence", reason));
-        }
-        Parameter::refuse_together(self.parameters.keys(), scene).map_err(|reason| refused("parameters", reason))?;
-        for (parameter, marginal) in self.parameters.keys().zip(self.marginals(scene)?) {
-            for probability in [BEYOND, 1.0 - BEYOND] {
-                let value = marginal.quantile(probability);
-                if let Err(error) = parameter.with(scene, value) {
-                    return Err(of_parameter(parameter, beyond(value, &error)));
-                }
-            }
-        }
-        super::distribution::cholesky(&self.correlation()?).map_err(|reason| refused("correlations", reason))?;
-        if self.sobol_indices && !self.correlations.is_empty() {
-            let reason =
-                "shares of the variance belong to independent parameters; leave out correlations or sobol_indices";
-            return Err(refused("sobol_indices", reason.into()));
-        }
-        Ok(())
     }
 }
 

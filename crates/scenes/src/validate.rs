@@ -1,49 +1,23 @@
 //! What must hold of a scene before anything is computed, as far as the crates below do not check it themselves.
 
-use super::{
-    Amplitudes, Bins, ContactPoint, Cqsma, Deck, ElementOrder, Epmc, Forced, Gap, Length, Material, MeshFile,
-    ParameterSet, Parameters, Per, RadialRule, Scale, Scene, Stress, Surface, SurfaceEnergy, Symmetry,
-};
-use crate::Error;
+use crate::analyses::{Backbone, Modes};
+use crate::check::{Check, is_positive};
+use crate::error::Error;
+use crate::law::{Bins, RadialRule};
+use crate::material::Material;
+use crate::mesh::MeshFile;
+use crate::periodic::{Amplitudes, Epmc, Forced};
+use crate::ring_down::RingDown;
+use crate::scale::Scale;
+use crate::scene::Scene;
+use crate::structure::{ContactPoint, Deck};
+use crate::surface::{Gap, ParameterSet, Parameters, Per, Surface};
+use crate::units::{Density, Length, Stress, SurfaceEnergy};
+use cqsma_solver::transient::MOST_STEPS;
+use joint_model::benchmark::{ElementOrder, Symmetry};
 
 /// Largest slope between faces that are still taken for parallel (rad).
 const STEEPEST: f64 = 0.1;
-
-/// Refuses values outside their range, naming the file of the scene.
-pub(super) struct Check<'a> {
-    place: &'a str,
-}
-
-impl Check<'_> {
-    pub(super) fn that(
-        &self,
-        holds: bool,
-        field: &'static str,
-        value: f64,
-        unit: &'static str,
-        requirement: &'static str,
-    ) -> Result<(), Error> {
-        if holds {
-            return Ok(());
-        }
-        Err(Error::Value {
-            place: self.place.into(),
-            field,
-            value,
-            unit,
-            requirement,
-        })
-    }
-
-    pub(super) fn positive(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
-        self.that(is_positive(value), field, value, unit, "positive and finite")
-    }
-
-    pub(super) fn not_negative(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), Error> {
-        let holds = value.is_finite() && value >= 0.0;
-        self.that(holds, field, value, unit, "finite and not negative")
-    }
-}
 
 /// Harmonics and samples of harmonic balance.
 fn sampling(check: &Check<'_>, fields: [&'static str; 2], harmonics: usize, samples: usize) -> Result<(), Error> {
@@ -61,22 +35,27 @@ fn sampling(check: &Check<'_>, fields: [&'static str; 2], harmonics: usize, samp
 
 impl Epmc {
     fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
-        sampling(check, ["epmc.harmonics", "epmc.samples"], self.harmonics, self.samples)?;
+        sampling(
+            check,
+            ["analyses.epmc.harmonics", "analyses.epmc.samples"],
+            self.harmonics,
+            self.samples,
+        )?;
         check.that(
             self.tolerance >= 1e-13 && self.tolerance <= 1e-3,
-            "epmc.tolerance",
+            "analyses.epmc.tolerance",
             self.tolerance,
             "",
             "between 1e-13 and 1e-3",
         )?;
         if let Some(target) = self.accuracy {
-            check.positive("epmc.accuracy.frequency", target.frequency, "")?;
-            check.positive("epmc.accuracy.damping", target.damping, "")?;
+            check.positive("analyses.epmc.accuracy.frequency", target.frequency, "")?;
+            check.positive("analyses.epmc.accuracy.damping", target.damping, "")?;
         }
         for point in self.loops_at.iter().flatten() {
             check.that(
                 *point > 0,
-                "epmc.loops_at",
+                "analyses.epmc.loops_at",
                 0.0,
                 "",
                 "numbers of points, counted from 1",
@@ -88,7 +67,7 @@ impl Epmc {
         if let Amplitudes::Range(range) = amplitudes {
             check.that(
                 (1..=10_000).contains(&range.number),
-                "epmc.modal_amplitudes.number",
+                "analyses.epmc.modal_amplitudes.number",
                 range.number as f64,
                 "",
                 "from 1 to 10000",
@@ -96,11 +75,11 @@ impl Epmc {
         }
         let mut last = 0.0;
         for value in amplitudes.values() {
-            check.positive("epmc.modal_amplitudes", value, "sqrt(kg) m")?;
+            check.positive("analyses.epmc.modal_amplitudes", value, "sqrt(kg) m")?;
             let rises = value > last;
             check.that(
                 rises,
-                "epmc.modal_amplitudes",
+                "analyses.epmc.modal_amplitudes",
                 value,
                 "sqrt(kg) m",
                 "above the one before it",
@@ -115,7 +94,7 @@ impl Forced {
     fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
         sampling(
             check,
-            ["forced.harmonics", "forced.samples"],
+            ["analyses.forced.harmonics", "analyses.forced.samples"],
             self.harmonics,
             self.samples,
         )?;
@@ -123,62 +102,62 @@ impl Forced {
         let (node, terms) = (f64::from(u8::from(self.node.is_some())), self.terms.is_some());
         check.that(
             both,
-            "forced.node",
+            "analyses.forced.node",
             node,
             "(given)",
-            "given together with forced.direction",
+            "given together with analyses.forced.direction",
         )?;
         let one = !terms || self.node.is_none();
         check.that(
             one,
-            "forced.terms",
+            "analyses.forced.terms",
             1.0,
             "(given)",
-            "left out where forced.node is given",
+            "left out where analyses.forced.node is given",
         )?;
         if let Some(direction) = self.direction {
             let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
             let unit = (length - 1.0).abs() < 1e-6;
-            check.that(unit, "forced.direction", length, "(length)", "a unit vector")?;
+            check.that(unit, "analyses.forced.direction", length, "(length)", "a unit vector")?;
         }
         if let Some(rayleigh) = self.rayleigh {
-            check.not_negative("forced.rayleigh.mass", rayleigh.mass, "1/s")?;
-            check.not_negative("forced.rayleigh.stiffness", rayleigh.stiffness, "s")?;
+            check.not_negative("analyses.forced.rayleigh.mass", rayleigh.mass, "1/s")?;
+            check.not_negative("analyses.forced.rayleigh.stiffness", rayleigh.stiffness, "s")?;
         }
         for (_, _, factor) in self.terms.iter().flatten() {
             let finite = factor.is_finite() && *factor != 0.0;
-            check.that(finite, "forced.terms", *factor, "", "finite and not zero")?;
+            check.that(finite, "analyses.forced.terms", *factor, "", "finite and not zero")?;
         }
         let empty = self.terms.as_ref().is_some_and(Vec::is_empty);
-        check.that(!empty, "forced.terms", 0.0, "(terms)", "at least one")?;
+        check.that(!empty, "analyses.forced.terms", 0.0, "(terms)", "at least one")?;
         check.that(
             !self.levels.is_empty(),
-            "forced.levels",
+            "analyses.forced.levels",
             0.0,
             "(levels)",
             "at least one",
         )?;
         for level in &self.levels {
-            check.positive("forced.levels", level.si(), "N")?;
+            check.positive("analyses.forced.levels", level.si(), "N")?;
         }
-        check.positive("forced.from_hz", self.from_hz, "Hz")?;
-        check.positive("forced.to_hz", self.to_hz, "Hz")?;
+        check.positive("analyses.forced.from_hz", self.from_hz, "Hz")?;
+        check.positive("analyses.forced.to_hz", self.to_hz, "Hz")?;
         check.that(
             self.from_hz != self.to_hz,
-            "forced.to_hz",
+            "analyses.forced.to_hz",
             self.to_hz,
             "Hz",
-            "another frequency than forced.from_hz",
+            "another frequency than analyses.forced.from_hz",
         )?;
         for (field, step) in [
-            ("forced.amplitude_step", self.amplitude_step),
-            ("forced.frequency_step", self.frequency_step),
+            ("analyses.forced.amplitude_step", self.amplitude_step),
+            ("analyses.forced.frequency_step", self.frequency_step),
         ] {
             check.that(step > 0.0 && step <= 1.0, field, step, "", "above 0 and at most 1")?;
         }
         check.that(
             self.tolerance >= 1e-13 && self.tolerance <= 1e-3,
-            "forced.tolerance",
+            "analyses.forced.tolerance",
             self.tolerance,
             "",
             "between 1e-13 and 1e-3",
@@ -192,10 +171,6 @@ fn word(value: impl serde::Serialize) -> String {
     value.as_str().unwrap_or_default().to_owned()
 }
 
-fn is_positive(value: f64) -> bool {
-    value.is_finite() && value > 0.0
-}
-
 impl Scene {
     /// Checks what the crates below do not check themselves.
     ///
@@ -203,25 +178,22 @@ impl Scene {
     /// [`Error::Value`], [`Error::Symmetry`], [`Error::NoMeasuredSurface`], [`Error::NoSuchFormulation`].
     pub fn validate(&self, place: &str) -> Result<(), Error> {
         let check = Check { place };
-        let interfaces = self.structure.mesh().map_or(0, |mesh| mesh.interfaces.len());
-        for number in 0..interfaces {
-            let own = self.of_interface(number);
-            if own != *self {
-                own.alone()
-                    .validate(&format!("{place}: structure.mesh.interfaces, number {}", number + 1))?;
-            }
-        }
-        check.not_negative("mu", self.mu, "")?;
-        for zone in &self.friction_zones {
-            check.not_negative("friction_zones[].mu", zone.mu, "")?;
-            for (field, range) in [("friction_zones[].x", zone.x), ("friction_zones[].y", zone.y)] {
+        self.validate_each(place)?;
+        let interfaces = &self.interfaces;
+        check.not_negative("interfaces.mu", interfaces.mu, "")?;
+        for zone in &interfaces.friction_zones {
+            check.not_negative("interfaces.friction_zones[].mu", zone.mu, "")?;
+            for (field, range) in [
+                ("interfaces.friction_zones[].x", zone.x),
+                ("interfaces.friction_zones[].y", zone.y),
+            ] {
                 let [from, to] = range.map(Length::si);
                 check.that(from.is_finite(), field, from, "m", "finite")?;
                 check.that(to.is_finite() && to > from, field, to, "m", "above the first number")?;
             }
         }
         self.bolts.validate_torque(&check)?;
-        if let Some(tightening) = &self.bolts.tightening {
+        if let Some(tightening) = &self.analyses.tightening {
             tightening.validate(&check)?;
         }
         for load in &self.bolts.loads {
@@ -229,14 +201,14 @@ impl Scene {
         }
         let load = self.bolts.load.si();
         // Matrices may be in contact by preload alone; what else they may have is not known here.
-        match (self.structure.matrices().is_some(), self.surface.is_preloaded()) {
+        match (self.structure.matrices().is_some(), interfaces.surface.is_preloaded()) {
             (true, true) => check.not_negative("bolts.load", load, "N")?,
             (true, false) => check.that(
                 is_positive(load),
                 "bolts.load",
                 load,
                 "N",
-                "positive and finite, or a set of surface.parameters must have a preload: nothing would be in contact",
+                "positive and finite, or a set of interfaces.surface.parameters must have a preload: nothing would be in contact",
             )?,
             (false, _) => check.positive("bolts.load", load, "N")?,
         }
@@ -252,7 +224,8 @@ impl Scene {
         self.validate_law(&check)?;
         self.validate_surface(&check)?;
         self.validate_scale(&check)?;
-        self.cqsma.validate(&check)?;
+        self.analyses.modes.validate(&check)?;
+        self.analyses.backbone.validate(&check)?;
         self.encoded()?;
         self.validate_requests(&check)?;
         self.validate_sensitivities()?;
@@ -266,6 +239,26 @@ impl Scene {
         uncertain.validate(&known)
     }
 
+    /// Interfaces with something of their own, which are like scenes of their own.
+    fn validate_each(&self, place: &str) -> Result<(), Error> {
+        let each = self.interfaces.each.len();
+        let meshed = self.structure.mesh().map_or(0, |mesh| mesh.interfaces.len());
+        Check { place }.that(
+            each == 0 || each == meshed,
+            "interfaces.each",
+            each as f64,
+            "(number)",
+            "a list with one object for each of structure.mesh.interfaces, {} where one has nothing of its own",
+        )?;
+        (0..each).try_for_each(|number| {
+            let mut own = self.of_interface(number);
+            // Their paths lead into the whole scene.
+            own.analyses.sensitivities.clear();
+            own.uncertain = None;
+            own.validate(&format!("{place}: interfaces.each, number {}", number + 1))
+        })
+    }
+
     fn validate_scale(&self, check: &Check<'_>) -> Result<(), Error> {
         let Scale {
             asperity_radius,
@@ -273,33 +266,33 @@ impl Scene {
             asperity_height,
             gap,
             gap_tilt,
-        } = self.scale;
-        check.positive("scale.asperity_radius", asperity_radius, "")?;
-        check.positive("scale.asperity_density", asperity_density, "")?;
-        check.positive("scale.asperity_height", asperity_height, "")?;
-        check.not_negative("scale.gap", gap, "")?;
+        } = self.interfaces.scale;
+        check.positive("interfaces.scale.asperity_radius", asperity_radius, "")?;
+        check.positive("interfaces.scale.asperity_density", asperity_density, "")?;
+        check.positive("interfaces.scale.asperity_height", asperity_height, "")?;
+        check.not_negative("interfaces.scale.gap", gap, "")?;
         for slope in gap_tilt {
             check.that(
                 slope.abs() <= STEEPEST,
-                "scale.gap_tilt",
+                "interfaces.scale.gap_tilt",
                 slope,
                 "rad",
                 "at most 0.1 in size: faces are nearly parallel",
             )?;
         }
-        let is_given = matches!(self.surface, Surface::Parameters(_));
+        let is_given = matches!(self.interfaces.surface, Surface::Parameters(_));
         check.that(
-            !is_given || self.scale.is_one(),
-            "scale",
+            !is_given || self.interfaces.scale.is_one(),
+            "interfaces.scale",
             1.0,
             "(given)",
-            "left out where surface.parameters has the numbers themselves",
+            "left out where interfaces.surface.parameters has the numbers themselves",
         )
     }
 
     /// What can only be asked of a scene that is right otherwise.
     fn validate_sensitivities(&self) -> Result<(), Error> {
-        for (number, parameter) in self.sensitivities.iter().enumerate() {
+        for (number, parameter) in self.analyses.sensitivities.iter().enumerate() {
             parameter.value(self)?;
             let refused = |reason: &str| Error::Parameter {
                 path: parameter.path().into(),
@@ -307,12 +300,12 @@ impl Scene {
             };
             if parameter.is_drawn() {
                 return Err(refused(
-                    "results do not change smoothly with what peaks are found in; take scale.asperity_radius, \
-                     scale.asperity_density and scale.asperity_height",
+                    "results do not change smoothly with what peaks are found in; take interfaces.scale.asperity_radius, \
+                     interfaces.scale.asperity_density and interfaces.scale.asperity_height",
                 ));
             }
-            if self.sensitivities[..number].contains(parameter) {
-                return Err(refused("sensitivities names it twice; leave one out"));
+            if self.analyses.sensitivities[..number].contains(parameter) {
+                return Err(refused("analyses.sensitivities names it twice; leave one out"));
             }
         }
         Ok(())
@@ -390,7 +383,7 @@ impl Scene {
             check.not_negative("model.material.work_of_adhesion", work, "J/m^2")?;
         }
         if self.is_meshed_of_material() {
-            let density = material.density.map_or(f64::NAN, super::Density::si);
+            let density = material.density.map_or(f64::NAN, Density::si);
             check.positive("model.material.density", density, "kg/m^3")?;
         }
         Ok(())
@@ -406,20 +399,20 @@ impl Scene {
                 check.that(x.is_finite(), "position", x, "m", "finite")?;
             }
         }
-        match self.surface {
+        match self.interfaces.surface {
             Surface::Parameters(_) => Ok(()),
             _ => Err(Error::PointsWithoutParameters { place: place.into() }),
         }
     }
 
     fn validate_law(&self, check: &Check<'_>) -> Result<(), Error> {
-        let law = &self.law;
+        let law = &self.interfaces.law;
         if let Some(yielding) = law.yielding {
             let (strength, modulus) = (yielding.strength.si(), yielding.tangent_modulus.si());
-            check.positive("law.yield.strength", strength, "Pa")?;
+            check.positive("interfaces.law.yield.strength", strength, "Pa")?;
             check.that(
                 modulus >= 0.0 && self.model.material.is_none_or(|of| modulus < of.youngs_modulus.si()),
-                "law.yield.tangent_modulus",
+                "interfaces.law.yield.tangent_modulus",
                 modulus,
                 "Pa",
                 "at least 0 and below model.material.youngs_modulus",
@@ -428,33 +421,39 @@ impl Scene {
         match law.bins {
             Bins::Error(error) => check.that(
                 (1e-8..1.0).contains(&error),
-                "law.bins.error",
+                "interfaces.law.bins.error",
                 error,
                 "",
                 "at least 1e-8 and below 1",
             )?,
             Bins::Gauss(n) => check.that(
                 n.is_multiple_of(2) && (2..=128).contains(&n),
-                "law.bins.gauss",
+                "interfaces.law.bins.gauss",
                 n as f64,
                 "",
                 "an even number from 2 to 128",
             )?,
             Bins::EquallySpaced(n) => check.that(
                 (2..=1024).contains(&n),
-                "law.bins.equally-spaced",
+                "interfaces.law.bins.equally-spaced",
                 n as f64,
                 "",
                 "from 2 to 1024",
             )?,
         }
         let (RadialRule::Annuli(n) | RadialRule::EquallySpaced(n)) = law.radii;
-        check.that((2..=256).contains(&n), "law.radii", n as f64, "", "from 2 to 256")
+        check.that(
+            (2..=256).contains(&n),
+            "interfaces.law.radii",
+            n as f64,
+            "",
+            "from 2 to 256",
+        )
     }
 
     /// Half of a scene stands for the whole only where all of it is symmetric.
     fn validate_half(&self, place: &str) -> Result<(), Error> {
-        let of_parts = match &self.surface {
+        let of_parts = match &self.interfaces.surface {
             Surface::Measured | Surface::Benchmark(_) => false,
             Surface::SyntheticScan(_) | Surface::Scans(_) => true,
             Surface::Finish(finish) => finish.is_random(),
@@ -466,8 +465,8 @@ impl Scene {
             (self.structure.matrices().is_some(), "a structure of matrices"),
             (!self.structure.point_masses.is_empty(), "structure.point_masses"),
             (of_parts, "the surface"),
-            (self.gap != Gap::Flat, "the gap"),
-            (!self.friction_zones.is_empty(), "friction_zones"),
+            (self.interfaces.gap != Gap::Flat, "the gap"),
+            (!self.interfaces.friction_zones.is_empty(), "interfaces.friction_zones"),
         ];
         match asymmetric.into_iter().find(|(found, _)| *found) {
             Some((_, what)) => Err(Error::Symmetry {
@@ -479,7 +478,7 @@ impl Scene {
     }
 
     fn validate_surface(&self, check: &Check<'_>) -> Result<(), Error> {
-        match &self.surface {
+        match &self.interfaces.surface {
             Surface::Parameters(parameters) => parameters.validate(check.place)?,
             Surface::Scans(scans) => {
                 for (field, value, unit, requirement, ok) in scans.requirements() {
@@ -492,30 +491,30 @@ impl Scene {
                 }
                 finish.faces(check.place)?;
                 check.that(
-                    finish.flatness.is_none() || self.gap == Gap::Flat,
-                    "surface.finish.flatness",
+                    finish.flatness.is_none() || self.interfaces.gap == Gap::Flat,
+                    "interfaces.surface.finish.flatness",
                     finish.flatness.map_or(f64::NAN, Length::si),
                     "m",
-                    "left out where `gap` says what the gap is",
+                    "left out where `interfaces.gap` says what the gap is",
                 )?;
             }
             Surface::Measured | Surface::Benchmark(_) if self.measured_surface().is_none() => {
                 return Err(Error::NoMeasuredSurface {
                     place: check.place.into(),
-                    field: "surface",
+                    field: "interfaces.surface",
                 });
             }
             Surface::Measured | Surface::Benchmark(_) | Surface::SyntheticScan(_) => {}
         }
-        if matches!(self.gap, Gap::Measured | Gap::Benchmark(_)) && self.measured_gap().is_none() {
+        if matches!(self.interfaces.gap, Gap::Measured | Gap::Benchmark(_)) && self.measured_gap().is_none() {
             return Err(Error::NoMeasuredSurface {
                 place: check.place.into(),
-                field: "gap",
+                field: "interfaces.gap",
             });
         }
         check.that(
-            self.surface.is_scanned() || self.gap != Gap::Scan,
-            "gap",
+            self.interfaces.surface.is_scanned() || self.interfaces.gap != Gap::Scan,
+            "interfaces.gap",
             f64::NAN,
             "(scan)",
             "`flat` or `measured` unless the surface is scanned",
@@ -524,32 +523,35 @@ impl Scene {
 
     /// What is computed besides, and stored.
     fn validate_requests(&self, check: &Check<'_>) -> Result<(), Error> {
-        for (index, method) in self.methods.iter().enumerate() {
+        for (index, method) in self.analyses.backbone.methods.iter().enumerate() {
             check.that(
-                !self.methods[..index].contains(method),
-                "methods",
+                !self.analyses.backbone.methods[..index].contains(method),
+                "analyses.backbone.methods",
                 (index + 1) as f64,
                 "(number in the list)",
                 "different from the methods before it",
             )?;
         }
-        if let Some(epmc) = &self.epmc {
+        if let Some(epmc) = &self.analyses.epmc {
             epmc.validate(check)?;
         }
-        if let Some(forced) = &self.forced {
+        if let Some(ring_down) = &self.analyses.ring_down {
+            ring_down.validate(check)?;
+        }
+        if let Some(forced) = &self.analyses.forced {
             forced.validate(check)?;
             let matrices = self.structure.matrices().is_some();
             let given = forced.node.is_some() || forced.terms.is_some();
             check.that(
                 self.structure.benchmark().is_none() || !given,
-                "forced.node",
+                "analyses.forced.node",
                 1.0,
                 "(given)",
                 "left out on a benchmark, whose force acts at the response point",
             )?;
             check.that(
                 matrices || forced.terms.is_none(),
-                "forced.terms",
+                "analyses.forced.terms",
                 1.0,
                 "(given)",
                 "left out where the structure is not given as matrices",
@@ -557,11 +559,11 @@ impl Scene {
         }
         for number in self.fields_at() {
             check.that(
-                (1..=self.cqsma.amplitudes).contains(&number),
+                (1..=self.analyses.backbone.amplitudes).contains(&number),
                 "output.fields_at",
                 number as f64,
                 "",
-                "numbers of amplitudes, between 1 and cqsma.amplitudes",
+                "numbers of amplitudes, between 1 and analyses.backbone.amplitudes",
             )?;
         }
         Ok(())
@@ -635,7 +637,6 @@ impl MeshFile {
             if let Some(within) = interface.within {
                 check.positive("within", within.si(), "m")?;
             }
-            check.not_negative("mu", interface.mu.unwrap_or(0.0), "")?;
         }
         for (number, tie) in (1..).zip(&self.ties) {
             let place = at("ties", number);
@@ -690,7 +691,7 @@ impl Parameters {
     fn validate(&self, place: &str) -> Result<(), Error> {
         for (number, set) in (1..).zip(&self.sets) {
             let ParameterSet { mu, gap, preload, .. } = set;
-            let at = format!("{place}: surface.parameters.sets, number {number}");
+            let at = format!("{place}: interfaces.surface.parameters.sets, number {number}");
             let check = Check { place: &at };
             check.not_negative("mu", mu.unwrap_or(0.0), "")?;
             check.not_negative("gap", gap.si(), "m")?;
@@ -707,35 +708,27 @@ impl Parameters {
     }
 }
 
-impl Cqsma {
+impl Backbone {
     fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
         let [from, to] = [self.amplitude_from, self.amplitude_to].map(Length::si);
-        check.positive("cqsma.amplitude_from", from, "m")?;
+        check.positive("analyses.backbone.amplitude_from", from, "m")?;
         check.that(
             to.is_finite() && to >= from,
-            "cqsma.amplitude_to",
+            "analyses.backbone.amplitude_to",
             to,
             "m",
             "finite and not below amplitude_from",
         )?;
         check.that(
             self.amplitudes <= 10_000,
-            "cqsma.amplitudes",
+            "analyses.backbone.amplitudes",
             self.amplitudes as f64,
             "",
             "at most 10000",
         )?;
         check.that(
-            (1..=100).contains(&self.modes),
-            "cqsma.modes",
-            self.modes as f64,
-            "",
-            "between 1 and 100",
-        )?;
-        self.validate_followed(check)?;
-        check.that(
             (1..=4096).contains(&self.vertices_per_quarter),
-            "cqsma.vertices_per_quarter",
+            "analyses.backbone.vertices_per_quarter",
             self.vertices_per_quarter as f64,
             "",
             "between 1 and 4096",
@@ -743,7 +736,7 @@ impl Cqsma {
         if let Some(cycles) = self.cycles {
             check.that(
                 (1..=1000).contains(&cycles),
-                "cqsma.cycles",
+                "analyses.backbone.cycles",
                 cycles as f64,
                 "",
                 "between 1 and 1000",
@@ -752,52 +745,91 @@ impl Cqsma {
         if let Some(tolerance) = self.until_closed {
             check.that(
                 (1e-12..=1.0).contains(&tolerance),
-                "cqsma.until_closed",
+                "analyses.backbone.until_closed",
                 tolerance,
                 "",
                 "between 1e-12 (round-off) and 1",
             )?;
             check.that(
                 self.cycles.is_none(),
-                "cqsma.until_closed",
+                "analyses.backbone.until_closed",
                 tolerance,
                 "",
-                "left out where cqsma.cycles is given",
+                "left out where analyses.backbone.cycles is given",
             )?;
         }
         check.that(
             (1e-13..=1e-2).contains(&self.tolerance),
-            "cqsma.tolerance",
+            "analyses.backbone.tolerance",
             self.tolerance,
             "",
             "between 1e-13 (round-off) and 1e-2",
         )
     }
+}
 
-    fn validate_followed(&self, check: &Check<'_>) -> Result<(), Error> {
-        let several = &self.modes_of_interest;
-        let field = if several.is_empty() {
-            "cqsma.mode"
-        } else {
-            "cqsma.modes_of_interest"
-        };
-        for (index, mode) in self.followed().iter().enumerate() {
+impl Modes {
+    fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        check.that(
+            (1..=100).contains(&self.number),
+            "analyses.modes.number",
+            self.number as f64,
+            "",
+            "between 1 and 100",
+        )?;
+        let field = "analyses.modes.followed";
+        check.that(!self.followed.is_empty(), field, 0.0, "(modes)", "at least one")?;
+        for (index, mode) in self.followed.iter().enumerate() {
             let value = *mode as f64;
-            check.that(
-                (1..=self.modes).contains(mode),
-                field,
-                value,
-                "",
-                "between 1 and cqsma.modes",
-            )?;
-            check.that(
-                !several[..index.min(several.len())].contains(mode),
-                field,
-                value,
-                "",
-                "different from the modes before it",
-            )?;
+            let is_computed = (1..=self.number).contains(mode);
+            check.that(is_computed, field, value, "", "between 1 and analyses.modes.number")?;
+            let is_new = !self.followed[..index].contains(mode);
+            check.that(is_new, field, value, "", "different from the modes before it")?;
         }
         Ok(())
+    }
+}
+
+impl RingDown {
+    fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        let one = self.release.is_some() != self.strike.is_some();
+        check.that(
+            one,
+            "analyses.ring_down",
+            f64::from(u8::from(self.release.is_some())) + f64::from(u8::from(self.strike.is_some())),
+            "(of release and strike)",
+            "begun by one of the two, such as \"release\": \"1 mm\"",
+        )?;
+        if let Some(release) = self.release {
+            check.positive("analyses.ring_down.release", release.si(), "m")?;
+        }
+        if let Some(strike) = self.strike {
+            check.positive("analyses.ring_down.strike.force", strike.force.si(), "N")?;
+            check.positive("analyses.ring_down.strike.contact_time_s", strike.contact_time_s, "s")?;
+        }
+        let periods = self.periods as f64;
+        check.that(
+            self.periods > 0,
+            "analyses.ring_down.periods",
+            periods,
+            "",
+            "at least 1",
+        )?;
+        check.that(
+            (1..=MOST_STEPS).contains(&self.steps_per_period.saturating_mul(self.periods)),
+            "analyses.ring_down.periods",
+            periods,
+            "",
+            "so few that they have at most 1e7 steps; follow fewer periods, or take fewer steps for each",
+        )?;
+        let radius = self.spectral_radius;
+        check.that(
+            (0.0..=1.0).contains(&radius),
+            "analyses.ring_down.spectral_radius",
+            radius,
+            "",
+            "between 0 and 1",
+        )?;
+        check.not_negative("analyses.ring_down.other_damping", self.other_damping, "")
     }
 }

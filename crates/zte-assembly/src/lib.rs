@@ -6,6 +6,7 @@
 //! [`interface::Interface`] that turns nodal jumps into nodal forces and a sparse tangent. Nothing here knows about a
 //! solver or about the bodies on either side.
 mod clip;
+mod element;
 mod element_sums;
 mod error;
 pub mod flux;

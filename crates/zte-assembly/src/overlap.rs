@@ -1,7 +1,7 @@
 //! The search for interface elements that cover the same area.
 
 use crate::clip::{Cut, Polygon, area};
-use crate::mesh::InterfaceMesh;
+use crate::element::Element;
 use crate::tree::{Bounded, Tree};
 
 /// Part of the smaller element's area that two elements may share: coordinates of files are rounded, and where meshes
@@ -25,10 +25,10 @@ pub(crate) struct Overlap {
 ///
 /// Elements that are not convex or not counter-clockwise are left out: they are refused where their area density is
 /// known. A tree of bounding boxes makes this `n log n` also for meshes that are graded or lie along one line.
-pub(crate) fn find(mesh: &InterfaceMesh) -> Option<Overlap> {
-    let polygons = mesh.elements.iter().enumerate().filter_map(|(element, nodes)| {
-        let corners = nodes.corners().iter().map(|&node| mesh.nodes[node as usize]);
-        Polygon::try_new(element, corners)
+pub(crate) fn find(nodes: &[[f64; 2]], elements: &[Element]) -> Option<Overlap> {
+    let polygons = elements.iter().enumerate().filter_map(|(number, element)| {
+        let corners = element.corners().iter().map(|&node| nodes[node as usize]);
+        Polygon::try_new(number, corners)
     });
     let tree = Tree::new(polygons.collect());
     let mut found: Option<Overlap> = None;
@@ -53,7 +53,7 @@ pub(crate) fn find(mesh: &InterfaceMesh) -> Option<Overlap> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Element;
+    use crate::InterfaceMesh;
 
     /// `nx x ny` squares of unit edge, turned by an angle about the origin, without common nodes.
     fn loose_squares(nx: usize, ny: usize, angle: f64) -> InterfaceMesh {
@@ -75,7 +75,7 @@ mod tests {
         for (nx, ny, angle) in [(316, 317, 0.0), (100_000, 1, 0.3), (1, 100_000, 0.0), (316, 317, 0.7)] {
             let mesh = loose_squares(nx, ny, angle);
             let begin = std::time::Instant::now();
-            assert_eq!(find(&mesh), None, "{nx} x {ny}");
+            assert_eq!(find(&mesh.nodes, &mesh.elements), None, "{nx} x {ny}");
             // Tens of milliseconds; all pairs would be 5e9.
             assert!(begin.elapsed().as_secs() < 5, "{nx} x {ny}: {:?}", begin.elapsed());
         }
@@ -88,7 +88,7 @@ mod tests {
         mesh.nodes.extend([[-1e4, -1e4], [1e4, -1e4], [0.0, 1e4]]);
         let first = mesh.nodes.len() as u32 - 3;
         mesh.elements.push(Element::tri3([first, first + 1, first + 2]));
-        let overlap = find(&mesh).unwrap();
+        let overlap = find(&mesh.nodes, &mesh.elements).unwrap();
         assert_eq!((overlap.element, overlap.first), (90_000, 0));
         assert!((overlap.shared - 1.0).abs() < 1e-9, "{overlap:?}");
     }
@@ -105,7 +105,7 @@ mod tests {
                     [square(0.0, size), square(start, small)].concat(),
                     vec![Element::quad4([0, 1, 2, 3]), Element::quad4([4, 5, 6, 7])],
                 );
-                let found = find(&mesh);
+                let found = find(&mesh.nodes, &mesh.elements);
                 assert_eq!(found.is_some(), refused, "{size} {depth}: {found:?}");
             }
         }

@@ -1,9 +1,11 @@
-//! Proves from Cargo's own data that the dependencies between the crates point one way only.
+//! Proves from Cargo's own data that the dependencies between the crates point one way only, and those between the files of a crate too.
 
+use crate::modules;
 use anyhow::{Context, Result, bail, ensure};
 use microslip::commands::print;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::path::PathBuf;
 use std::process::Command;
 
 /// Every crate of the workspace with the crates of the workspace it may use, also for its tests.
@@ -227,11 +229,13 @@ const ALONE: [&str; 1] = ["contact-laws"];
 
 /// Checks the workspace.
 pub(crate) fn check() -> Result<()> {
-    let defects = defects(&metadata()?)?;
+    let metadata = metadata()?;
+    let mut defects = defects(&metadata)?;
+    defects.extend(circles(&metadata)?);
     if !defects.is_empty() {
         bail!("the layering is broken:\n  {}", defects.join("\n  "));
     }
-    print("the dependencies between the crates are as they should be\n")
+    print("the dependencies between the crates, and between the files of each, point one way only\n")
 }
 
 /// What `cargo metadata` says of the workspace and its packages, as far as it matters here.
@@ -246,6 +250,7 @@ struct Metadata {
 struct Package {
     id: String,
     name: String,
+    manifest_path: PathBuf,
     dependencies: Vec<Dependency>,
 }
 
@@ -297,6 +302,21 @@ fn metadata() -> Result<Metadata> {
     ask(&["--locked", "--offline"])
         .or_else(|_| ask(&["--locked"]))
         .context("running `cargo metadata`")
+}
+
+/// Files of the members that use one another in a circle.
+fn circles(metadata: &Metadata) -> Result<Vec<String>> {
+    let mut found = Vec::new();
+    for package in metadata
+        .packages
+        .iter()
+        .filter(|p| metadata.workspace_members.contains(&p.id))
+    {
+        let sources = package.manifest_path.with_file_name("src");
+        let own = modules::circles(&sources)?.into_iter();
+        found.extend(own.map(|circle| format!("{}: these files use one another in a circle: {circle}", package.name)));
+    }
+    Ok(found)
 }
 
 /// All violations, each naming the edge.
@@ -410,7 +430,7 @@ mod tests {
         let described = json!({
             "workspace_members": members,
             "packages": names.iter().map(|n| json!({
-                "id": n, "name": n,
+                "id": n, "name": n, "manifest_path": "Cargo.toml",
                 "dependencies": of(n).iter().map(|e| json!({
                     "name": e.1, "kind": e.2, "optional": e.3,
                 })).collect::<Vec<_>>(),
@@ -426,7 +446,9 @@ mod tests {
 
     #[test]
     fn the_workspace_itself_is_layered() {
-        assert_eq!(defects(&metadata().unwrap()).unwrap(), Vec::<String>::new());
+        let metadata = metadata().unwrap();
+        assert_eq!(defects(&metadata).unwrap(), Vec::<String>::new());
+        assert_eq!(circles(&metadata).unwrap(), Vec::<String>::new());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Runs the validation tasks of the workspace. `cargo xtask` starts it, and has checked the arguments.
 mod commands;
 mod layering;
+mod modules;
 
 use clap::{Parser, Subcommand};
 use commands::{bench, extremes, paper, trade};

@@ -189,7 +189,7 @@ pub fn inputs_of(scene: &Scene) -> Result<Vec<Input>, Error> {
         }
         StructureSource::Benchmark(_) => {}
     }
-    for surface in scene.surfaces() {
+    for surface in scene.interfaces.surfaces() {
         if let Surface::Scans(scans) = surface {
             files.push((InputRole::TopScan, scans.top.path.clone()));
             files.push((InputRole::BottomScan, scans.bottom.path.clone()));

@@ -6,6 +6,7 @@ use crate::error_estimate::ErrorEstimate;
 use crate::mesh_error::{ErrorBar, MeshEstimate};
 use crate::methods::MethodPoint;
 use crate::periodic::{ForcedPoint, ForcedResponse};
+use crate::ring_down::RingDownSummary;
 use crate::uncertainty::Uncertainty;
 use crate::validity::Validity;
 use crate::warnings::Warning;
@@ -17,7 +18,7 @@ use joint_model::benchmark::Symmetry;
 use joint_model::quadratic::RaisedElements;
 use joints::interface::{LawReport, PartReport};
 use joints::structure::Overview;
-use scenes::{BoltBehaviour, Method, PRESETS, Preset, Scene, StructureSource, TorqueReport};
+use scenes::{BoltBehaviour, EPMC, PRESETS, Preset, Scene, StructureSource, TorqueReport};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -98,6 +99,9 @@ pub struct Summary {
     /// Forced responses, level by level; empty unless asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub forced: Vec<ForcedSummary>,
+    /// Free decay in time; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ring_down: Option<RingDownSummary>,
     /// Limits of the model.
     pub validity: Validity,
     /// What the scene does not require and was left out, and why; empty if nothing was.
@@ -162,7 +166,7 @@ pub struct ModelSummary {
     pub n_interface_points: usize,
     /// Jump coordinates.
     pub n_relative_dofs: usize,
-    /// Retained stuck-interface modes.
+    /// Retained stuck-interface modes, without the attachment modes of locked bolts.
     pub n_modes: usize,
     /// Zero-energy modes without contact.
     pub zem_unstressed: usize,
@@ -172,7 +176,7 @@ pub struct ModelSummary {
     pub stuck_frequencies_hz: Vec<f64>,
     /// Frequencies without contact (Hz).
     pub unstressed_frequencies_hz: Vec<f64>,
-    /// Full model with a uniform linear interface stiffness (Hz).
+    /// Full model with a uniform linear interface stiffness (Hz), and with the bolts locked in scenes that lock them.
     pub penalty_frequencies_hz: Vec<f64>,
     /// Largest relative difference of the reduced model to these.
     pub penalty_spectrum_error: f64,
@@ -193,7 +197,7 @@ pub struct ModelSummary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GapSummary {
-    /// Smallest at a point (m).
+    /// Smallest at a point (m); negative where a preload presses the faces into one another.
     pub smallest: f64,
     /// Largest at a point (m).
     pub largest: f64,
@@ -214,7 +218,8 @@ pub struct PrestressSummary {
     pub iterations: usize,
     /// Sum of absolute residual forces over sum of absolute loads on the interface.
     pub residual_ratio: f64,
-    /// Relative error of the integrated pressure against the bolt loads.
+    /// Relative error of the integrated pressure against the bolt loads; with a preload, what is missing in the balance along the normal
+    /// relative to bolt loads and preload.
     pub equilibrium_error: f64,
     /// Area in contact over nominal area, by points.
     pub contact_area_fraction: f64,
@@ -260,18 +265,18 @@ pub struct BackboneSummary {
     pub status: Status,
     /// Peak modal force (sqrt(kg) m/s^2).
     pub modal_force: f64,
-    /// Modal amplitude (sqrt(kg) m).
+    /// Modal amplitude (sqrt(kg) m): half the range of the modal coordinate.
     pub modal_amplitude: Option<f64>,
     /// Secant frequency (Hz).
     pub frequency_hz: Option<f64>,
     /// Frequency of the first harmonic of the modal force in a sinusoidal motion (Hz): closer to a free oscillation's.
     #[serde(default)]
     pub frequency_first_harmonic_hz: Option<f64>,
-    /// Secant frequencies of the halves of positive and of negative modal force (Hz).
+    /// Secant frequencies of the halves of positive and of negative modal force (Hz), from the static state.
     pub half_frequencies_hz: Option<[f64; 2]>,
     /// Total damping ratio, friction plus background; `null` below the floor.
     pub damping_ratio: Option<f64>,
-    /// Part of it due to friction.
+    /// Part of it due to friction; `null` below the floor.
     pub friction_damping_ratio: Option<f64>,
     /// Total damping ratio with the frequency of the first harmonic in the place of the secant one; `null` below the floor.
     #[serde(default)]
@@ -282,7 +287,7 @@ pub struct BackboneSummary {
     pub dissipation: Option<f64>,
     /// The same from the modal loop (J).
     pub loop_area: Option<f64>,
-    /// The same from every second vertex of the loop (J).
+    /// The same from every second vertex of the loop (J); `null` if there are too few.
     pub coarse_loop_area: Option<f64>,
     /// Acceleration amplitude at the response point by the linearised mode (m/s^2).
     pub response_acceleration: Option<f64>,
@@ -309,7 +314,8 @@ pub struct BackboneSummary {
     pub shape_deviation: Option<f64>,
     /// Cycles computed, the measured one included.
     pub cycles: Option<usize>,
-    /// Whether the measured loop was computed one way only, because the cycle before it dissipated nothing.
+    /// Whether the measured loop was computed one way only, because the cycle before it dissipated nothing and
+    /// nothing slips or opens on the way.
     #[serde(default)]
     pub one_way: Option<bool>,
     /// Whether the loop closed; `null` for a fixed number of cycles.
@@ -329,18 +335,19 @@ pub struct BackboneSummary {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MethodSummary {
-    /// Displacement amplitude at the response point (m).
+    /// Displacement amplitude at the response point (m): of `rqnma` with the shape found, of `epmc` that of the first harmonic, else with
+    /// the linearised mode.
     pub response_displacement: Option<f64>,
-    /// Secant frequency (Hz).
+    /// Secant frequency (Hz); of `epmc` that of the motion, as the next.
     pub frequency_hz: Option<f64>,
     /// Frequency of the first harmonic (Hz); that of `masing` and `rqnma` belongs to the loop by Masing's rule.
     #[serde(default)]
     pub frequency_first_harmonic_hz: Option<f64>,
-    /// Total damping ratio, friction plus background; `null` below the floor.
+    /// Total damping ratio, friction plus background; `null` below the floor, but not of `epmc`. By Masing's rule it may be negative.
     pub damping_ratio: Option<f64>,
-    /// What residuals may make of the friction part.
+    /// What residuals, and of `qsma` an open loop, may make of the friction part.
     pub damping_floor: Option<f64>,
-    /// Modal force (sqrt(kg) m/s^2).
+    /// Modal force `omega^2 q` (sqrt(kg) m/s^2).
     pub modal_force: Option<f64>,
     /// Modal amplitude (sqrt(kg) m).
     pub modal_amplitude: Option<f64>,
@@ -410,7 +417,7 @@ pub struct ForcedSummary {
     pub mean: Vec<f64>,
     /// Residuals relative to the elastic forces (energy norm).
     pub residual: Vec<f64>,
-    /// Indices of the points at which the frequency turns back.
+    /// Indices, from 0, of the points at which the frequency turns back.
     pub turning_points: Vec<usize>,
     /// Where the response is a quarter period behind the force.
     pub resonances: Vec<ResonanceSummary>,
@@ -464,7 +471,7 @@ impl Summary {
         let (reduced, facts) = (&run.model.reduced, &run.model.facts);
         let operators = run.interface.operators();
         let prestress = &run.prestress;
-        let residual = prestress.tightening.is_some().then_some(&prestress.tensions);
+        let residual = run.tightening.is_some().then_some(&prestress.tensions);
         let all = residual
             .and_then(|tensions| tensions.first().copied())
             .unwrap_or_else(|| run.scene.bolts.load.si());
@@ -479,10 +486,10 @@ impl Summary {
                 StructureSource::Mesh(mesh) => mesh.path.display().to_string(),
                 StructureSource::Matrices(matrices) => matrices.path.display().to_string(),
             },
-            response: run.response.clone(),
+            response: run.joint.response.clone(),
             overview: Some(Overview {
-                mass: facts.mass.or(run.overview.mass),
-                ..run.overview.clone()
+                mass: facts.mass.or(run.joint.overview.mass),
+                ..run.joint.overview.clone()
             }),
             warnings: run.warnings.clone(),
             model: ModelSummary {
@@ -502,14 +509,14 @@ impl Summary {
                 penalty_frequencies_hz: facts.penalty_frequencies_hz.clone(),
                 penalty_spectrum_error: facts.penalty_error,
                 reduction_asymmetry: reduced.asymmetry,
-                moved_pairs: run.moved_pairs,
-                raised: run.raised,
+                moved_pairs: run.joint.moved_pairs,
+                raised: run.joint.raised,
                 error_bar: ErrorBar::of(&run.scene),
             },
-            law: run.law.clone(),
-            interfaces: match run.interfaces.len() {
+            law: run.law().clone(),
+            interfaces: match run.parts.len() {
                 1 => Vec::new(),
-                _ => run.interfaces.clone(),
+                _ => run.parts.clone(),
             },
             gap: GapSummary {
                 smallest: gaps().fold(f64::INFINITY, f64::min),
@@ -531,7 +538,7 @@ impl Summary {
                 converged: true,
             },
             torque: run.scene.torque_report(reduced.loads.len()),
-            tightening: prestress.tightening.clone(),
+            tightening: run.tightening.clone(),
             modes: run
                 .frequencies
                 .iter()
@@ -550,6 +557,7 @@ impl Summary {
             error_estimate: None,
             mesh_estimate: None,
             forced: run.forced.iter().map(forced).collect(),
+            ring_down: run.ring_down.as_ref().map(RingDownSummary::of),
             validity: run.validity().clone(),
             skipped: skipped(run),
             provenance: None,
@@ -579,6 +587,7 @@ impl Summary {
             error_estimate: None,
             mesh_estimate: None,
             forced: Vec::new(),
+            ring_down: None,
             ..self.clone()
         }
     }
@@ -600,7 +609,7 @@ fn skipped(run: &Run) -> BTreeMap<String, String> {
         );
         skipped.insert("laws_of_open_points".to_owned(), reason);
     }
-    if scene.cqsma.amplitudes > 0 && !run.interface.dissipates() {
+    if scene.analyses.backbone.amplitudes > 0 && !run.interface.dissipates() {
         let reason = "mu is zero: the history of friction cannot change what follows; no cycle is computed before the measured one, \
                       and that only one way, as the way back passes the same vertices";
         skipped.insert("way_back_of_loops".to_owned(), reason.to_owned());
@@ -611,7 +620,7 @@ fn skipped(run: &Run) -> BTreeMap<String, String> {
                       coordinates and fields are those of its half y >= 0";
         skipped.insert("half_of_the_structure".to_owned(), reason.to_owned());
     }
-    if scene.bolts.behaviour == BoltBehaviour::DeadLoad && scene.bolts.tightening.is_none() {
+    if scene.bolts.behaviour == BoltBehaviour::DeadLoad && scene.analyses.tightening.is_none() {
         let reason = "bolts.behaviour is dead-load: no static responses to the bolt loads join the modes";
         skipped.insert("attachment_modes".to_owned(), reason.to_owned());
     }
@@ -626,7 +635,7 @@ fn skipped(run: &Run) -> BTreeMap<String, String> {
         );
         skipped.insert("factorisations".to_owned(), reason);
     }
-    let (amplitudes, stored) = (scene.cqsma.amplitudes, scene.fields_at().len());
+    let (amplitudes, stored) = (scene.analyses.backbone.amplitudes, scene.fields_at().len());
     if stored < amplitudes {
         let reason = format!(
             "output.fields_at asks for the fields of {stored} of {amplitudes} amplitudes; the others keep sums over the interface"
@@ -696,7 +705,7 @@ fn methods(of: &ModeBackbone, scene: &Scene) -> BTreeMap<String, Vec<MethodSumma
     let periodic = of.epmc.iter().map(|found| {
         let points = found.points.iter().zip(&found.response_displacement);
         let points = points.map(|(point, displacement)| periodic(point, *displacement, scene));
-        (Method::Epmc.name().to_owned(), points.collect())
+        (EPMC.to_owned(), points.collect())
     });
     methods
         .map(|m| (m.method.name().to_owned(), points(&m.points)))
@@ -838,7 +847,9 @@ fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, holds: f64) -> Bac
         shape_deviation: result.map(|r| r.shape_deviation),
         cycles: result.map(|r| r.cycles),
         one_way: result.map(|r| r.one_way),
-        closed: result.filter(|_| scene.cqsma.cycles.is_none()).map(|r| r.closed),
+        closed: result
+            .filter(|_| scene.analyses.backbone.cycles.is_none())
+            .map(|r| r.closed),
         loop_closure: result.map(|r| r.closure),
         residual: result.map(|r| r.residual),
         converged: result.is_some(),

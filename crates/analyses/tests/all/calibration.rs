@@ -5,8 +5,7 @@
 use crate::common::points::{folder, read, scene, set, write};
 use analyses::calibration::{Calibration, Measured, Noise, calibrate};
 use analyses::comparison::{Backbone, Point};
-use analyses::transient::{Excitation, ring_down};
-use analyses::{Error, run, transient};
+use analyses::{Error, run};
 use faer::Mat;
 use joints::Options;
 use joints::progress::Silent;
@@ -14,7 +13,7 @@ use modal_identification::backbone::identify;
 use modal_identification::synthetic::add_noise;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use scenes::{Force, Length, Marginal, Parameter, Scene, Shape};
+use scenes::{Force, Length, Marginal, Parameter, RingDown, Scene, Shape};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
@@ -66,16 +65,23 @@ fn friction_and_bolt_load_are_recovered_from_a_noisy_backbone() {
     let quick = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" }, "gap": "flat", "mu": 0.2,
-        "cqsma": { "amplitudes": 8, "amplitude_from": "10 um", "amplitude_to": "0.6 mm", "vertices_per_quarter": 4 },
+        "model": { "refinement": "quick" }, "interfaces": { "gap": "flat", "mu": 0.2 },
+        "analyses": { "backbone": {
+            "amplitudes": 8, "amplitude_from": "10 um", "amplitude_to": "0.6 mm", "vertices_per_quarter": 4,
+        } },
     });
     let scene = read(&quick).unwrap();
     let mut truth = scene.clone();
-    truth.mu = 0.26;
+    truth.interfaces.mu = 0.26;
     truth.bolts.load = Force::from_si(10e3);
-    truth.cqsma.amplitude_from = Length::from_si(2e-5);
-    truth.cqsma.amplitude_to = Length::from_si(4e-4);
-    let found = go(&scene, &free(&["mu", "bolts.load"]), &measured(backbone(&truth, 4))).unwrap();
+    truth.analyses.backbone.amplitude_from = Length::from_si(2e-5);
+    truth.analyses.backbone.amplitude_to = Length::from_si(4e-4);
+    let found = go(
+        &scene,
+        &free(&["interfaces.mu", "bolts.load"]),
+        &measured(backbone(&truth, 4)),
+    )
+    .unwrap();
     assert!(found.converged && found.unidentifiable.is_empty(), "{found:?}");
     for (estimate, value) in found.parameters.iter().zip([0.26, 10e3]) {
         let [low, high] = estimate.interval_95;
@@ -89,12 +95,12 @@ fn friction_and_bolt_load_are_recovered_from_a_noisy_backbone() {
         ("", "N")
     );
     assert!(found.reduced_chi_squared < 3.0, "{}", found.reduced_chi_squared);
-    assert!((found.scene.mu - found.parameters[0].estimate).abs() < 1e-12);
+    assert!((found.scene.interfaces.mu - found.parameters[0].estimate).abs() < 1e-12);
     assert!((found.scene.bolts.load.si() - found.parameters[1].estimate).abs() < 1e-6);
 }
 
-const MU: &str = "surface.parameters.sets.0.mu";
-const PRELOAD: &str = "surface.parameters.sets.0.preload";
+const MU: &str = "interfaces.surface.parameters.sets.0.mu";
+const PRELOAD: &str = "interfaces.surface.parameters.sets.0.preload";
 
 /// A mass on a spring with a slider of this friction.
 fn slider(test: &str, mu: f64) -> Value {
@@ -102,8 +108,9 @@ fn slider(test: &str, mu: f64) -> Value {
     let of = |value: f64| Mat::from_fn(1, 1, |_, _| value);
     write(&path, &of(4e4), &of(2.0), &[(7, 1)]);
     let mut given = scene(&path, &[7], &[set([5e4, 5e4, 2e6], mu, 50.0)], &json!([[7, 1, 1.0]]));
-    given["cqsma"] = json!({
-        "modes": 1, "amplitudes": 8, "vertices_per_quarter": 32, "amplitude_from": 1e-4, "amplitude_to": 2e-3,
+    given["analyses"] = json!({
+        "modes": { "number": 1 },
+        "backbone": { "amplitudes": 8, "vertices_per_quarter": 32, "amplitude_from": 1e-4, "amplitude_to": 2e-3 },
     });
     given
 }
@@ -161,12 +168,12 @@ fn what_cannot_be_calibrated_is_refused() {
         |parameters: &[&str], measured: &[Measured]| go(&scene, &free(parameters), measured).unwrap_err().to_string();
     assert!(refused(&[], &data).contains("a parameter"));
     assert!(refused(&[MU, MU], &data).contains("twice"));
-    assert!(refused(&["cqsma.tolerance"], &data).contains("no number that the physics depends on"));
+    assert!(refused(&["analyses.backbone.tolerance"], &data).contains("no number that the physics depends on"));
     let other = vec![Measured {
         mode: 2,
         ..data[0].clone()
     }];
-    assert!(refused(&[MU], &other).contains("cqsma.modes_of_interest"));
+    assert!(refused(&[MU], &other).contains("analyses.modes.followed"));
 }
 
 /// Masses in a row, held by springs and by equal contacts, of which those farther out slip first.
@@ -188,25 +195,28 @@ fn row(path: &std::path::Path, mu: f64, stiffness: f64) -> Scene {
         &[set([stiffness, stiffness, 2e6], mu, 5.0)],
         &json!([[5, 1, 1.0]]),
     );
-    given["surface"]["parameters"]["per"] = json!("interface");
+    given["interfaces"]["surface"]["parameters"]["per"] = json!("interface");
     given["background_damping"] = json!(3e-3);
-    given["cqsma"] = json!({
-        "modes": 1, "amplitudes": 8, "vertices_per_quarter": 16, "amplitude_from": 2e-5, "amplitude_to": 2e-3,
+    given["analyses"] = json!({
+        "modes": { "number": 1 },
+        "backbone": { "amplitudes": 8, "vertices_per_quarter": 16, "amplitude_from": 2e-5, "amplitude_to": 2e-3 },
     });
     read(&given).unwrap()
 }
 
 /// What a hammer test would give: a ring-down in time with noise, identified.
 fn ring(truth: &Scene, random: &mut Pcg64) -> Vec<Measured> {
-    let run = run(truth, &Options::default(), &Silent).unwrap();
-    let settings = transient::Settings {
-        excitation: Excitation::Release(2e-3),
+    let mut truth = truth.clone();
+    truth.analyses.ring_down = Some(RingDown {
+        release: Some(Length::from_si(2e-3)),
         periods: 150,
         steps_per_period: 60,
         other_damping: 0.05,
-        ..transient::Settings::default()
-    };
-    let ring = ring_down(&run, &settings, &Silent).unwrap();
+        ..RingDown::default()
+    });
+    let truth = truth.only(&["ring_down".into()]).unwrap();
+    let run = run(&truth, &Options::default(), &Silent).unwrap();
+    let ring = run.ring_down.unwrap().unwrap().motion;
     let mut signal = ring.signal();
     let largest = signal.samples.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
     add_noise(&mut signal.samples, 3e-3 * largest, random.random());
@@ -227,8 +237,8 @@ fn ninety_of_a_hundred_ring_downs_give_their_parameters_back() {
     let path = folder("row").join("row.npz");
     let mut random = Pcg64::seed_from_u64(2);
     let names = [
-        "surface.parameters.sets.0.mu",
-        "surface.parameters.sets.0.curves.elastic.tangential_stiffness.0",
+        "interfaces.surface.parameters.sets.0.mu",
+        "interfaces.surface.parameters.sets.0.curves.elastic.tangential_stiffness.0",
     ];
     let guess = row(&path, 0.2, 4e3);
     let (mut found, mut covered) = (0, [0, 0]);

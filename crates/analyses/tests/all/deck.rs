@@ -52,9 +52,8 @@ fn scene(deck: &PathBuf, [youngs_modulus, density]: [f64; 2], formulation: &str,
             "material": { "youngs_modulus": youngs_modulus, "poisson_ratio": 0.29, "density": density },
             "formulation": formulation,
         },
-        "surface": { "benchmark": "brake-reuss-beam" },
+        "interfaces": { "surface": { "benchmark": "brake-reuss-beam" }, "mu": 0.2 },
         "bolts": { "load": 12845.0 },
-        "mu": 0.2,
     });
     Scene::from_json(&text.to_string(), "the test's scene", "deck", &BENCHMARKS).unwrap()
 }
@@ -66,9 +65,9 @@ const HARD: f64 = 1e16;
 fn hard_contact(scene: &Scene, bolt_load: f64, penalty: f64, sticking: bool) -> Vec<f64> {
     let mut scene = scene.clone();
     scene.bolts.load = Force::from_si(bolt_load);
-    scene.cqsma.amplitudes = 0;
-    scene.mu = if sticking { 1e3 } else { 0.0 };
-    scene.surface = Surface::Parameters(Parameters {
+    scene.analyses.backbone.amplitudes = 0;
+    scene.interfaces.mu = if sticking { 1e3 } else { 0.0 };
+    scene.interfaces.surface = Surface::Parameters(Parameters {
         per: Per::Interface,
         sets: vec![ParameterSet {
             curves: Curves::Elastic(Elastic {
@@ -330,9 +329,8 @@ fn on_bricks(path: &PathBuf, tolerance: Value, masses: Value) -> Scene {
             "point_masses": masses,
         },
         "model": { "material": { "youngs_modulus": 2e11, "poisson_ratio": 0.3 } },
-        "surface": { "benchmark": "brake-reuss-beam" },
+        "interfaces": { "surface": { "benchmark": "brake-reuss-beam" }, "mu": 0.2 },
         "bolts": { "load": 1e3 },
-        "mu": 0.2,
     });
     Scene::from_json(&text.to_string(), "bricks.json", "bricks", &BENCHMARKS).unwrap()
 }

@@ -76,7 +76,7 @@ fn beside(scene: &Scene, parameter: &Parameter) -> Option<f64> {
 
 fn of_sensitivities(given: &Value, parameter: &Parameter) -> Result<bool, Error> {
     let mut asking = given.clone();
-    asking["sensitivities"] = json!([parameter]);
+    asking["analyses"]["sensitivities"] = json!([parameter]);
     let scene = read(&asking)?;
     let found = prepare(&scene, &Options::default(), &Silent)?.solve(&Silent)?;
     let acts = |one: &Sensitivity| {
@@ -220,13 +220,14 @@ fn by_torque(bolts: &Value) -> Value {
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "gap": "flat",
-        "mu": 0.2,
+        "interfaces": { "gap": "flat", "mu": 0.2 },
         "bolts": {
             "thread": { "diameter": 7.9375e-3, "pitch": 1.4111e-3 },
             "thread_friction": 0.15, "head_friction": 0.12, "bearing_diameters": [8.7e-3, 12.7e-3],
         },
-        "cqsma": { "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 2 },
+        "analyses": { "backbone": {
+            "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 2,
+        } },
     });
     given["bolts"]
         .as_object_mut()
@@ -271,12 +272,10 @@ fn derivatives_go_through_what_follows_from_a_number() {
         "bolts.load",
     ];
     let mut given = by_torque(&json!({ "torque": 20.0 }));
-    given["sensitivities"] = json!(paths);
+    given["analyses"]["sensitivities"] = json!(paths);
     let scene = read(&given).unwrap();
-    let bare = Scene {
-        sensitivities: Vec::new(),
-        ..scene.clone()
-    };
+    let mut bare = scene.clone();
+    bare.analyses.sensitivities.clear();
     let found = run(&scene, &Options::default(), &Silent).unwrap();
     let sensitivities = &found.first().sensitivities;
     let of_load = sensitivities.last().unwrap();
@@ -309,15 +308,20 @@ fn numbers_of_given_laws_act_or_are_refused() {
     let of = |value: f64| Mat::from_fn(1, 1, |_, _| value);
     write(&path, &of(4e4), &of(2.0), &[(7, 1)]);
     let mut slider = of_points(&path, &[7], &[set([5e4, 5e4, 2e6], 0.2, 50.0)], &json!([[7, 1, 1.0]]));
-    slider["mu"] = json!(0.3);
+    slider["interfaces"]["mu"] = json!(0.3);
     slider["model"]["material"]["hardness"] = json!(2e9);
     slider["model"]["material"]["work_of_adhesion"] = json!(0.1);
-    slider["cqsma"] = json!({
-        "modes": 1, "amplitudes": 3, "vertices_per_quarter": 8, "amplitude_from": 1e-4, "amplitude_to": 2e-3,
+    slider["analyses"] = json!({
+        "modes": { "number": 1 },
+        "backbone": { "amplitudes": 3, "vertices_per_quarter": 8, "amplitude_from": 1e-4, "amplitude_to": 2e-3 },
     });
     let (rows, silent) = vary("slider", &slider, &|_| true);
     assert!(silent.is_empty() && rows >= 6, "{rows}: {silent:?}");
-    for path in ["mu", "model.material.hardness", "model.material.work_of_adhesion"] {
+    for path in [
+        "interfaces.mu",
+        "model.material.hardness",
+        "model.material.work_of_adhesion",
+    ] {
         let error = of_samples(&slider, &Parameter::new(path), 0.31)
             .unwrap_err()
             .to_string();
@@ -348,7 +352,7 @@ fn every_number_of_every_scene_acts_or_is_refused() {
         }
         given["model"]["refinement"] = json!("quick");
         given["uncertain"] = Value::Null;
-        given["cqsma"] = json!({
+        given["analyses"]["backbone"] = json!({
             "amplitudes": 2, "amplitude_from": "30 um", "amplitude_to": "0.3 mm", "vertices_per_quarter": 3,
         });
         let (rows, silent) = vary(&name, &given, &|_| true);

@@ -26,7 +26,7 @@ fn structure() -> &'static Structure {
 fn read(finish: &str) -> Result<Scene, scenes::Error> {
     let text = format!(
         r#"{{ "units": {{ "length": "mm", "mass": "t", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
-             "model": {{ "refinement": "quick" }}, "surface": {{ "finish": {finish} }} }}"#
+             "model": {{ "refinement": "quick" }}, "interfaces": {{ "surface": {{ "finish": {finish} }} }} }}"#
     );
     Scene::from_json(&text, "drawing.json", "drawing", &BENCHMARKS)
 }
@@ -129,7 +129,7 @@ fn the_same_bits_on_any_number_of_threads_and_others_by_seed() {
         assert!(one.report == four.report && one.populations == four.populations && one.of_element == four.of_element);
         assert_eq!(one.forms, four.forms);
         let mut other = scene.clone();
-        if let Surface::Finish(finish) = &mut other.surface {
+        if let Surface::Finish(finish) = &mut other.interfaces.surface {
             finish.seed += 1;
         }
         let other = on(2, &other);
@@ -165,9 +165,9 @@ fn flatness_makes_a_gap_that_scales_with_it_and_touches_somewhere() {
 fn a_run_takes_the_law() {
     for route in ["fast", "ensemble"] {
         let mut scene = read(&equal_faces(&format!(r#", "route": "{route}", "flatness": "2 um""#))).unwrap();
-        scene.cqsma.amplitudes = 2;
-        scene.cqsma.amplitude_from = Length::from_si(1e-6);
-        scene.cqsma.vertices_per_quarter = 4;
+        scene.analyses.backbone.amplitudes = 2;
+        scene.analyses.backbone.amplitude_from = Length::from_si(1e-6);
+        scene.analyses.backbone.vertices_per_quarter = 4;
         let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("finish");
         let found = run(&scene, &Options::cached(folder), &Silent).unwrap();
         for amplitude in found.amplitudes() {
@@ -183,7 +183,7 @@ fn laws_of_every_kind_have_nearly_the_same_stiffness() {
     for route in ["fast", "ensemble"] {
         let mut scene = read(&equal_faces(&format!(r#", "route": "{route}""#))).unwrap();
         let mut stiffness = |kind| {
-            scene.law.kind = kind;
+            scene.interfaces.law.kind = kind;
             interface(&scene).unwrap().report().normal_stiffness
         };
         let table = stiffness(LawKind::Tabulated);
@@ -201,11 +201,11 @@ fn what_no_face_has_is_refused_with_file_field_and_remedy() {
     let cases = [
         (
             finish("{}"),
-            "drawing.json: surface.finish.top: the spacing of the roughness is not given; add \"rsm\"",
+            "drawing.json: interfaces.surface.finish.top: the spacing of the roughness is not given; add \"rsm\"",
         ),
         (
             finish(r#"{ "rsm": "0.1 mm" }"#),
-            "surface.finish.top: a roughness is not given; add \"ra\"",
+            "interfaces.surface.finish.top: a roughness is not given; add \"ra\"",
         ),
         (
             finish(r#"{ "process": "ground" }"#),
@@ -213,7 +213,7 @@ fn what_no_face_has_is_refused_with_file_field_and_remedy() {
         ),
         (
             finish(r#"{ "process": "sanded", "rsm": 0.1 }"#),
-            "surface.finish.top.process: unknown variant `sanded`, expected one of",
+            "interfaces.surface.finish.top.process: unknown variant `sanded`, expected one of",
         ),
         (
             finish(r#"{ "rq": "8 um", "rz": "2 um", "rsm": 0.1 }"#),
@@ -242,24 +242,24 @@ fn what_no_face_has_is_refused_with_file_field_and_remedy() {
         ),
         (
             finish(r#"{ "ra": "1 um", "rsm": "1 s" }"#),
-            "surface.finish.top.rsm: `1 s` is not a length",
+            "interfaces.surface.finish.top.rsm: `1 s` is not a length",
         ),
         (
             finish(r#"{ "ra": "1 um", "rsm": [1, 2, 3] }"#),
-            "surface.finish.top.rsm",
+            "interfaces.surface.finish.top.rsm",
         ),
         (finish(r#"{ "roughness": 1 }"#), "unknown field `roughness`"),
         (
             equal_faces(r#", "realisations": 5"#),
-            "surface.finish.realisations = 5 is not admissible; it must be from 19",
+            "interfaces.surface.finish.realisations = 5 is not admissible; it must be from 19",
         ),
         (
             equal_faces(r#", "flatness": 0"#),
-            "surface.finish.flatness = 0 m is not admissible",
+            "interfaces.surface.finish.flatness = 0 m is not admissible",
         ),
         (
             equal_faces(r#", "step": -1"#),
-            "surface.finish.step = -0.001 m is not admissible",
+            "interfaces.surface.finish.step = -0.001 m is not admissible",
         ),
         (equal_faces(r#", "route": "slow""#), "unknown variant `slow`"),
     ];
@@ -267,7 +267,9 @@ fn what_no_face_has_is_refused_with_file_field_and_remedy() {
         let error = read(&block).unwrap_err();
         assert!(error.to_string().contains(expected), "{error}");
         assert!(
-            error.field().is_some_and(|field| field.starts_with("surface.finish")),
+            error
+                .field()
+                .is_some_and(|field| field.starts_with("interfaces.surface.finish")),
             "{error}: {:?}",
             error.field()
         );
@@ -276,7 +278,7 @@ fn what_no_face_has_is_refused_with_file_field_and_remedy() {
     for (more, expected) in [
         (
             r#", "step": "60 um""#,
-            "drawing: surface.finish: the correlation length of 9.0032e-5 m along x is below two grid steps",
+            "drawing: interfaces.surface.finish: the correlation length of 9.0032e-5 m along x is below two grid steps",
         ),
         (
             r#", "window": "300 um""#,
@@ -292,10 +294,10 @@ fn what_no_face_has_is_refused_with_file_field_and_remedy() {
         assert!(error.to_string().contains(expected), "{error}");
     }
     let mut two_gaps = read(&equal_faces(r#", "flatness": "5 um""#)).unwrap();
-    two_gaps.gap = Gap::Measured;
+    two_gaps.interfaces.gap = Gap::Measured;
     let message = two_gaps.validate("drawing.json").unwrap_err().to_string();
     assert!(
-        message.contains("left out where `gap` says what the gap is"),
+        message.contains("left out where `interfaces.gap` says what the gap is"),
         "{message}"
     );
     let mut half = read(&equal_faces("")).unwrap();
@@ -307,7 +309,7 @@ fn what_no_face_has_is_refused_with_file_field_and_remedy() {
             ..
         })
     ));
-    if let Surface::Finish(finish) = &mut half.surface {
+    if let Surface::Finish(finish) = &mut half.interfaces.surface {
         finish.route = Route::Fast;
     }
     half.validate("x").unwrap();

@@ -19,25 +19,36 @@ fn cache() -> &'static PathBuf {
     CACHE.get_or_init(|| std::env::temp_dir().join(format!("analyses-friction-{}", std::process::id())))
 }
 
+/// Writes fields into a block, those of blocks within it one by one; `null` takes a field away.
+fn merge(block: &mut Value, fields: &Value) {
+    let Some(fields) = fields.as_object() else {
+        *block = fields.clone();
+        return;
+    };
+    for (name, value) in fields {
+        if value.is_null() {
+            block.as_object_mut().unwrap().remove(name);
+        } else {
+            merge(&mut block[name], value);
+        }
+    }
+}
+
 /// A scene on the benchmark's quick mesh with some fields more.
 fn scene(fields: &Value) -> Result<Scene, scenes::Error> {
     let mut scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "surface": { "parameters": { "per": "interface", "sets": [
-            { "curves": { "elastic": { "normal_stiffness": 5e13, "tangential_stiffness": [3e13, 3e13] } } },
-        ] } },
-        "mu": 0.1,
-        "cqsma": { "amplitudes": 3, "amplitude_from": 1e-5, "amplitude_to": 1e-4 },
+        "interfaces": {
+            "surface": { "parameters": { "per": "interface", "sets": [
+                { "curves": { "elastic": { "normal_stiffness": 5e13, "tangential_stiffness": [3e13, 3e13] } } },
+            ] } },
+            "mu": 0.1,
+        },
+        "analyses": { "backbone": { "amplitudes": 3, "amplitude_from": 1e-5, "amplitude_to": 1e-4 } },
     });
-    for (name, value) in fields.as_object().unwrap() {
-        if value.is_null() {
-            scene.as_object_mut().unwrap().remove(name);
-        } else {
-            scene[name] = value.clone();
-        }
-    }
+    merge(&mut scene, fields);
     Scene::from_json(&scene.to_string(), "scene.json", "friction", &[&BrakeReussBenchmark])
 }
 
@@ -70,14 +81,17 @@ fn coefficients_of_sets_and_zones_are_those_of_a_uniform_interface() {
         ] } })
     };
     let zone = json!([{ "mu": 0.03, "x": [-1.0, 1.0], "y": [-1.0, 1.0] }]);
-    let methods = json!(["qsma"]);
-    let uniform = curves(&go(&scene(&json!({ "mu": 0.03, "methods": methods })).unwrap()).unwrap());
-    let of_set = curves(&go(&scene(&json!({ "surface": set(0.03), "methods": methods })).unwrap()).unwrap());
-    let of_zone = curves(&go(&scene(&json!({ "friction_zones": zone, "methods": methods })).unwrap()).unwrap());
+    let found = |interfaces: Value| {
+        let fields = json!({ "interfaces": interfaces, "analyses": { "backbone": { "methods": ["qsma"] } } });
+        curves(&go(&scene(&fields).unwrap()).unwrap())
+    };
+    let uniform = found(json!({ "mu": 0.03 }));
+    let of_set = found(json!({ "surface": set(0.03) }));
+    let of_zone = found(json!({ "friction_zones": zone }));
     assert_eq!(uniform, of_set);
     assert_eq!(uniform, of_zone);
     // And it matters.
-    let rougher = curves(&go(&scene(&json!({ "methods": methods })).unwrap()).unwrap());
+    let rougher = found(json!({}));
     let both = uniform.iter().zip(&rougher);
     assert!(
         both.clone().all(|(a, b)| a[0] <= b[0]) && both.clone().any(|(a, b)| a[0] < 0.99 * b[0]),
@@ -85,7 +99,7 @@ fn coefficients_of_sets_and_zones_are_those_of_a_uniform_interface() {
     );
     // A part of the interface lies between.
     let half = json!([{ "mu": 0.03, "x": [-1.0, 0.0], "y": [-1.0, 1.0] }]);
-    let half = curves(&go(&scene(&json!({ "friction_zones": half, "methods": methods })).unwrap()).unwrap());
+    let half = found(json!({ "friction_zones": half }));
     for ((low, between), high) in uniform.iter().zip(&half).zip(&rougher) {
         assert!(
             low[0] <= between[0] && between[0] <= high[0],
@@ -98,7 +112,7 @@ fn coefficients_of_sets_and_zones_are_those_of_a_uniform_interface() {
 fn zones_that_do_not_fit_are_refused() {
     let refused = |zones: Value, more: Value| {
         let mut fields = more;
-        fields["friction_zones"] = zones;
+        fields["interfaces"]["friction_zones"] = zones;
         match scene(&fields).map_err(Error::from).and_then(|scene| go(&scene)) {
             Err(error) => error.to_string(),
             Ok(_) => panic!("accepted"),
@@ -107,18 +121,18 @@ fn zones_that_do_not_fit_are_refused() {
     let zone = |mu: f64, x: [f64; 2]| json!({ "mu": mu, "x": x, "y": [-1.0, 1.0] });
     let beside = refused(json!([zone(0.3, [1.0, 2.0])]), json!({}));
     assert!(
-        beside.contains("friction_zones, number 1") && beside.contains("no quadrature point"),
+        beside.contains("interfaces.friction_zones, number 1") && beside.contains("no quadrature point"),
         "{beside}"
     );
     let twice = refused(json!([zone(0.3, [-1.0, 0.0]), zone(0.4, [-0.01, 1.0])]), json!({}));
     assert!(twice.contains("number 2") && twice.contains("number 1 too"), "{twice}");
     let negative = refused(json!([zone(-0.3, [-1.0, 1.0])]), json!({}));
-    assert!(negative.contains("friction_zones[].mu"), "{negative}");
+    assert!(negative.contains("interfaces.friction_zones[].mu"), "{negative}");
     let turned = refused(json!([zone(0.3, [1.0, -1.0])]), json!({}));
-    assert!(turned.contains("friction_zones[].x"), "{turned}");
+    assert!(turned.contains("interfaces.friction_zones[].x"), "{turned}");
     let half = json!({ "model": { "refinement": "quick", "symmetry": "half" } });
     let mirrored = refused(json!([zone(0.3, [-1.0, 1.0])]), half);
-    assert!(mirrored.contains("friction_zones"), "{mirrored}");
+    assert!(mirrored.contains("interfaces.friction_zones"), "{mirrored}");
 }
 
 /// The traction at the reported closure is the mean pressure, as the library has it.
@@ -140,9 +154,9 @@ fn greenwood_williamson_in_a_scene_is_that_of_the_library() {
             "heights": heights, "reference_height": "12 um", "asperity_density": "1.4 1/mm^2",
             "radii": ["1.2 mm", "1.6 mm"],
         } } } ] } });
-        let scene = scene(&json!({ "surface": rough })).unwrap();
+        let scene = scene(&json!({ "interfaces": { "surface": rough } })).unwrap();
         let found = go(&scene).unwrap();
-        let law = &found.law;
+        let law = found.law();
         assert_eq!(law.kind, "greenwood-williamson");
         let surface = GreenwoodWilliamsonSurface {
             heights: distribution,
@@ -166,20 +180,20 @@ fn greenwood_williamson_in_a_scene_is_that_of_the_library() {
 }
 
 fn by_strength(limit: &str) -> Value {
-    json!({
+    json!({ "interfaces": {
         "surface": "measured", "mu": null, "points_per_direction": 1,
         "law": {
             "friction": "resolved", "limit": limit, "bins": { "gauss": 8 },
             "yield": { "strength": "331.7 MPa", "tangent_modulus": "620 MPa" },
         },
-    })
+    } })
 }
 
 /// Friction without a coefficient: more than that of a weak one, less than that of none.
 #[test]
 fn friction_follows_from_the_strength() {
     let scene = scene(&by_strength("shear-strength")).unwrap();
-    assert_eq!(scene.mu, 0.0);
+    assert_eq!(scene.interfaces.mu, 0.0);
     let run = go(&scene).unwrap();
     for amplitude in run.amplitudes() {
         let found = amplitude.point.result.as_ref().unwrap();
@@ -192,15 +206,21 @@ fn friction_follows_from_the_strength() {
 fn limits_by_strength_say_what_they_need() {
     let refused = |fields: Value| scene(&fields).unwrap_err().to_string();
     let mut with_mu = by_strength("ceb");
-    with_mu["mu"] = json!(0.2);
+    with_mu["interfaces"]["mu"] = json!(0.2);
     let found = refused(with_mu);
-    assert!(found.contains("mu belongs to law.limit"), "{found}");
+    assert!(
+        found.contains("interfaces.mu belongs to interfaces.law.limit"),
+        "{found}"
+    );
     let mut elastic = by_strength("ceb");
-    elastic["law"].as_object_mut().unwrap().remove("yield");
+    elastic["interfaces"]["law"].as_object_mut().unwrap().remove("yield");
     let found = refused(elastic);
-    assert!(found.contains("law.limit belongs to law.yield"), "{found}");
+    assert!(
+        found.contains("interfaces.law.limit belongs to interfaces.law.yield"),
+        "{found}"
+    );
     let mut methods = by_strength("shear-strength");
-    methods["methods"] = json!(["qsma"]);
+    methods["analyses"]["backbone"]["methods"] = json!(["qsma"]);
     let found = go(&scene(&methods).unwrap()).unwrap_err().to_string();
     assert!(found.contains("linearised"), "{found}");
 }

@@ -31,7 +31,7 @@ fn go(scene: &Scene) -> Run {
 #[ignore = "minutes; see the head of this file"]
 fn stuck_frequencies_and_reduction() {
     let mut scene = beam("flat");
-    scene.cqsma.amplitudes = 1;
+    scene.analyses.backbone.amplitudes = 1;
     let run = go(&scene);
     for (ours, reference) in run.model.reduced.stuck_frequencies.iter().zip(STUCK_FREQUENCIES) {
         println!(
@@ -63,9 +63,9 @@ fn low_amplitude_frequencies() {
         ),
     ] {
         let mut scene = beam(name);
-        scene.gap = gap;
-        scene.law.tangential = reading;
-        scene.cqsma.amplitudes = 1;
+        scene.interfaces.gap = gap;
+        scene.interfaces.law.tangential = reading;
+        scene.analyses.backbone.amplitudes = 1;
         let f = go(&scene).frequencies[0];
         println!(
             "{name}: {f:.3} Hz, reference {reference:.2} Hz, {:+.3} %",
@@ -81,8 +81,8 @@ fn backbones_fall_and_damping_rises_over_decades() {
     let mut onsets = Vec::new();
     for mu in [0.05, 0.2, 0.6] {
         let mut scene = beam("flat");
-        scene.mu = mu;
-        scene.cqsma.amplitudes = 13;
+        scene.interfaces.mu = mu;
+        scene.analyses.backbone.amplitudes = 13;
         let run = go(&scene);
         let points: Vec<_> = run
             .amplitudes()

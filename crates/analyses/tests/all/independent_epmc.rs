@@ -10,7 +10,7 @@ use analyses::results::summary::{BackboneSummary, Status, Summary};
 use analyses::run;
 use joints::Options;
 use joints::progress::Silent;
-use scenes::{Amplitudes, Epmc, Length, Method, ModalAmplitude, Scene};
+use scenes::{Amplitudes, Epmc, Length, ModalAmplitude, Scene};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use test_support::{TemporaryFolder, reference_file};
@@ -33,11 +33,11 @@ fn points(value: &Value) -> Vec<Point> {
 /// The loop whose modal amplitude is `q`, within 1e-4.
 fn at(q: f64, scene: &Scene, options: &Options) -> BackboneSummary {
     let mut scene = scene.clone();
-    scene.cqsma.amplitudes = 1;
+    scene.analyses.backbone.amplitudes = 1;
     let mut x = q;
     for _ in 0..8 {
-        scene.cqsma.amplitude_from = Length::from_si(x);
-        scene.cqsma.amplitude_to = Length::from_si(x);
+        scene.analyses.backbone.amplitude_from = Length::from_si(x);
+        scene.analyses.backbone.amplitude_to = Length::from_si(x);
         let found = run(&scene, options, &Silent).unwrap();
         found.checkpoints.remove();
         let mut summary = Summary::new(&found, Default::default(), None);
@@ -53,13 +53,13 @@ fn at(q: f64, scene: &Scene, options: &Options) -> BackboneSummary {
 
 /// Scenes with the points that were found for them, and the highest harmonic that these have.
 fn cases(reference: &Value) -> [(&'static str, Scene, Vec<Point>, usize); 3] {
-    let scene = |rest: Value| {
-        let mut scene = json!({
+    let scene = |interfaces: Value| {
+        let scene = json!({
             "units": { "length": "m", "mass": "kg", "time": "s" },
             "structure": { "benchmark": "brake-reuss-beam" },
             "model": { "refinement": "quick" },
+            "interfaces": interfaces,
         });
-        scene.as_object_mut().unwrap().extend(rest.as_object().unwrap().clone());
         Scene::from_json(&scene.to_string(), "scene", "epmc", &BENCHMARKS).unwrap()
     };
     let measured = |mu: f64| {
@@ -94,9 +94,8 @@ fn reference() -> Option<Value> {
 fn periodic_motions_are_those_of_an_independent_harmonic_balance() {
     let Some(reference) = reference() else { return };
     for (name, mut scene, points, harmonics) in cases(&reference) {
-        scene.cqsma.amplitudes = 0;
-        scene.methods = vec![Method::Epmc];
-        scene.epmc = Some(Epmc {
+        scene.analyses.backbone.amplitudes = 0;
+        scene.analyses.epmc = Some(Epmc {
             modal_amplitudes: Some(Amplitudes::List(
                 points.iter().map(|p| ModalAmplitude::from_si(p.q)).collect(),
             )),

@@ -1,22 +1,21 @@
 //! Runs end where they are told to, whatever they are at, and are refused where there is no memory for them.
 
 use crate::common::beam;
-use analyses::transient::{Excitation, Settings};
-use analyses::{Error, run};
+use analyses::run;
 use joint_model::benchmark::RefinementLevel;
 use joints::Options;
 use joints::progress::{Progress, Silent, Stage};
 use joints::structure::Structure;
-use scenes::{Method, Scene};
+use scenes::{Epmc, Scene};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 fn scene() -> Scene {
     let mut scene = beam("limits");
     scene.model.refinement = RefinementLevel::Quick;
-    scene.cqsma.amplitudes = 3;
-    scene.cqsma.vertices_per_quarter = 2;
-    scene.methods = vec![Method::Epmc];
+    scene.analyses.backbone.amplitudes = 3;
+    scene.analyses.backbone.vertices_per_quarter = 2;
+    scene.analyses.epmc = Some(Epmc::default());
     scene
 }
 
@@ -108,26 +107,4 @@ fn models_that_do_not_fit_into_the_memory_are_refused_with_an_estimate() {
     assert!(error.to_string().contains("--memory"), "{error}");
     // 92 MB were measured.
     assert!(within(120_000_000).is_ok());
-}
-
-#[test]
-fn motions_of_too_many_steps_are_refused_before_anything_is_computed() {
-    let settings = |periods, amplitude| Settings {
-        periods,
-        excitation: Excitation::Release(amplitude),
-        ..Settings::default()
-    };
-    assert!(settings(100_000, 1e-3).validate().is_ok());
-    for (settings, field) in [
-        (settings(1_000_000_000_000, 1e-3), "periods"),
-        (settings(usize::MAX, 1e-3), "periods"),
-        (settings(0, 1e-3), "periods"),
-        (settings(10, f64::INFINITY), "amplitude"),
-    ] {
-        let error = settings.validate().unwrap_err();
-        assert!(
-            matches!(error, Error::Motion { field: found, .. } if found == field),
-            "{error}"
-        );
-    }
 }

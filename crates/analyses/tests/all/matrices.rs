@@ -279,13 +279,13 @@ fn the_exported_beam_gives_the_same_backbone() {
     let folder = folder("beam");
     let mut scene = beam("quick");
     scene.model.refinement = RefinementLevel::Quick;
-    scene.cqsma.amplitudes = 4;
-    scene.cqsma.amplitude_from = Length::from_si(1e-6);
-    scene.cqsma.vertices_per_quarter = 4;
+    scene.analyses.backbone.amplitudes = 4;
+    scene.analyses.backbone.amplitude_from = Length::from_si(1e-6);
+    scene.analyses.backbone.vertices_per_quarter = 4;
     let direct = run(&scene, &Options::default(), &Silent).unwrap();
     let (_, paths) = export(&scene, &folder);
     let mut on_matrices = on_jump(&serde_json::to_value(&scene).unwrap(), &paths[0]);
-    on_matrices["surface"] = json!({ "benchmark": "brake-reuss-beam" });
+    on_matrices["interfaces"]["surface"] = json!({ "benchmark": "brake-reuss-beam" });
     let again = go(&on_matrices);
     let [omega, zeta] = difference(&direct, &again);
     assert!(omega < 1e-9 && zeta < 1e-6, "{omega:e} {zeta:e}");
@@ -322,7 +322,7 @@ fn the_deck_of_the_beam_gives_the_same_structure() {
         MaterialSource::Scene,
     )))
     .into();
-    (scene.model.refinement, scene.surface) = (
+    (scene.model.refinement, scene.interfaces.surface) = (
         RefinementLevel::Default,
         Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark)),
     );
@@ -485,12 +485,15 @@ fn what_does_not_fit_together_is_refused() {
 fn given_parameters_belong_to_interface_elements_or_points() {
     let mut scene = lap(&fixture("lap.sti"), 1.0, &json!({}));
     let reference = go(&scene);
-    let set = scene["surface"]["parameters"]["sets"][0].clone();
+    let set = scene["interfaces"]["surface"]["parameters"]["sets"][0].clone();
     // Three elements of 2 x 2 points.
     for (per, count) in [("element", 3), ("point", 12)] {
-        scene["surface"]["parameters"] = json!({ "per": per, "sets": vec![set.clone(); count] });
+        scene["interfaces"]["surface"]["parameters"] = json!({ "per": per, "sets": vec![set.clone(); count] });
         assert_eq!(difference(&reference, &go(&scene)), [0.0, 0.0], "{per}");
-        scene["surface"]["parameters"]["sets"].as_array_mut().unwrap().pop();
+        scene["interfaces"]["surface"]["parameters"]["sets"]
+            .as_array_mut()
+            .unwrap()
+            .pop();
         let message = refused(&scene);
         assert!(
             message.contains(&format!("{} sets are given for {count}", count - 1)),
@@ -501,35 +504,37 @@ fn given_parameters_belong_to_interface_elements_or_points() {
     let mut sets = vec![set; 3];
     sets[0]["mu"] = json!(0.0);
     sets[2]["gap"] = json!(1e-3);
-    scene["surface"]["parameters"] = json!({ "per": "element", "sets": sets });
+    scene["interfaces"]["surface"]["parameters"] = json!({ "per": "element", "sets": sets });
     let changed = go(&scene);
     assert!(changed.prestress.equilibrium_error < 1e-9);
     let open = |p: usize| changed.prestress.fields.jump[2][p] < 0.0;
     assert!((8..12).all(open) && !(0..8).all(open));
-    scene["surface"]["parameters"]["sets"][1]["curves"] = json!({ "fitted": {
+    scene["interfaces"]["surface"]["parameters"]["sets"][1]["curves"] = json!({ "fitted": {
         "normal": [13.0, 2.2, 0.4, 0.5, 1.2], "tangential": [[28.0, 1.5, 0.3, 0.6], [28.0, 1.5, 0.3, 0.6]], "u_ref": 1e-6,
     } });
     assert!(refused(&scene).contains("set 2 has other curves than the first"));
-    let sets = scene["surface"]["parameters"]["sets"].as_array_mut().unwrap();
+    let sets = scene["interfaces"]["surface"]["parameters"]["sets"]
+        .as_array_mut()
+        .unwrap();
     let fitted = sets[1].clone();
     sets.fill(fitted);
     let fitted = go(&scene);
-    assert_eq!(fitted.law.kind, "fitted");
-    assert!(fitted.law.asperities.is_none());
+    assert_eq!(fitted.law().kind, "fitted");
+    assert!(fitted.law().asperities.is_none());
     for (field, value) in [("mu", -0.1), ("gap", -1e-6)] {
         let mut wrong = scene.clone();
-        wrong["surface"]["parameters"]["sets"][2][field] = json!(value);
+        wrong["interfaces"]["surface"]["parameters"]["sets"][2][field] = json!(value);
         let error = Scene::from_json(&wrong.to_string(), "wrong", "", &BENCHMARKS)
             .unwrap_err()
             .to_string();
         assert!(error.contains("number 3") && error.contains(field), "{error}");
     }
     let mut idle = scene.clone();
-    idle["law"] = json!({ "kind": "asperity-sum" });
+    idle["interfaces"]["law"] = json!({ "kind": "asperity-sum" });
     let error = Scene::from_json(&idle.to_string(), "idle", "", &BENCHMARKS)
         .unwrap_err()
         .to_string();
-    assert!(error.contains("law.kind belongs to asperities"), "{error}");
+    assert!(error.contains("interfaces.law.kind belongs to asperities"), "{error}");
 }
 
 /// Two cubes of 20 mm upon one another; the bolt pulls at reference nodes of kinematic couplings.
@@ -620,13 +625,13 @@ fn gaps_of_any_size_are_closed_or_refused() {
     let mut scene = lap(&fixture("lap.sti"), 1.0, &json!({}));
     // Up to the size of the faces, 63 mm, the bracket of the closure grows; beyond, the gap is refused.
     for gap in [1e-6, 1e-3, 0.06] {
-        scene["surface"]["parameters"]["sets"][0]["gap"] = json!(gap);
+        scene["interfaces"]["surface"]["parameters"]["sets"][0]["gap"] = json!(gap);
         let structure = Structure::try_new(&read(&scene), &Silent).unwrap();
         let interface = SceneInterface::try_new(&read(&scene), &structure.joint.interface, &[], 2000.0).unwrap();
         assert!(interface.closure > gap && interface.closure < gap + 1e-6, "{gap}");
     }
     for gap in [0.07, 1.7e7, 1e16, 1e300] {
-        scene["surface"]["parameters"]["sets"][0]["gap"] = json!(gap);
+        scene["interfaces"]["surface"]["parameters"]["sets"][0]["gap"] = json!(gap);
         let error = run(&read(&scene), &Options::default(), &Silent).unwrap_err();
         assert!(
             matches!(error, Error::Joint(joints::Error::GapBeyondFaces { .. })),

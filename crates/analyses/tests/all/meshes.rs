@@ -143,11 +143,15 @@ fn scene(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> Scene {
             "response": { "nearest": [0.16, 0.0, 0.01], "direction": [0.0, 0.0, 1.0] },
         } },
         "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3, "density": "7800 kg/m^3" } },
-        "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
-            "normal_stiffness": 4e13, "tangential_stiffness": [3e13, 3e13] } } }] } },
+        "interfaces": {
+            "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
+                "normal_stiffness": 4e13, "tangential_stiffness": [3e13, 3e13] } } }] } },
+            "mu": 0.15,
+        },
         "bolts": { "load": "8 kN" },
-        "mu": 0.15,
-        "cqsma": { "amplitudes": 5, "amplitude_from": 2e-6, "amplitude_to": 6e-5, "vertices_per_quarter": 8 },
+        "analyses": { "backbone": {
+            "amplitudes": 5, "amplitude_from": 2e-6, "amplitude_to": 6e-5, "vertices_per_quarter": 8,
+        } },
     });
     change(&mut value);
     Scene::from_json(&value.to_string(), "lap.json", "lap", &BENCHMARKS).expect("a scene")
@@ -345,9 +349,8 @@ fn uniform_pressure_passes_the_interface() {
         Lap { mesh, faces }.write(&path);
         let scene = scene(&path, named(), |value| {
             value["structure"]["mesh"]["response"]["nearest"] = json!([0.0, 0.0, 0.01]);
-            value["cqsma"]["amplitude_from"] = json!(1e-9);
-            value["cqsma"]["amplitude_to"] = json!(2e-9);
-            value["cqsma"]["amplitudes"] = json!(2);
+            value["analyses"]["backbone"] =
+                json!({ "amplitudes": 2, "amplitude_from": 1e-9, "amplitude_to": 2e-9, "vertices_per_quarter": 8 });
         });
         assert!(is_projected(&Structure::try_new(&scene, &Silent).unwrap()));
         let run = run(&scene, &Options::default(), &Silent).unwrap();
@@ -445,15 +448,21 @@ fn elastic(normal: f64) -> Value {
         "normal_stiffness": normal, "tangential_stiffness": [normal, normal] } } }] } })
 }
 
-fn run_blocks(path: &Path, (mesh, faces): (Mesh, Vec<Group<Face>>), interfaces: Value, ends: [&str; 2]) -> Run {
+/// A run of blocks with these interfaces, and what each of them has of its own.
+fn run_blocks(
+    path: &Path,
+    (mesh, faces): (Mesh, Vec<Group<Face>>),
+    [interfaces, each]: [Value; 2],
+    ends: [&str; 2],
+) -> Run {
     Lap { mesh, faces }.write(path);
     let scene = scene(path, json!({}), |value| {
         value["structure"]["mesh"]["interfaces"] = interfaces.clone();
+        value["interfaces"]["each"] = each.clone();
         value["structure"]["mesh"]["bolts"] = json!([{ "head": ends[0], "nut": ends[1] }]);
         value["structure"]["mesh"]["response"] = json!({ "nearest": [0.0, 0.0, 0.0], "direction": [0.6, 0.48, 0.64] });
-        value["cqsma"]["amplitude_from"] = json!(1e-9);
-        value["cqsma"]["amplitude_to"] = json!(2e-9);
-        value["cqsma"]["amplitudes"] = json!(2);
+        value["analyses"]["backbone"] =
+            json!({ "amplitudes": 2, "amplitude_from": 1e-9, "amplitude_to": 2e-9, "vertices_per_quarter": 8 });
         value["model"]["modes"] = json!(10);
     });
     run(&scene, &Options::default(), &Silent).expect("a sound scene")
@@ -475,15 +484,13 @@ fn interfaces_in_series_and_in_parallel_are_springs_in_series_and_in_parallel() 
     let [lower, upper] = [2e10, 5e10];
     let stack = blocks(&[[0.0, 0.0], [0.0, 10.0], [0.0, 20.0]], &[[24.0, 10.0]; 3]);
     let interfaces = json!([
-        { "name": "lower", "top": "bottom 1", "bottom": "top 0", "surface": elastic(lower) },
-        { "name": "upper", "top": "bottom 2", "bottom": "top 1", "surface": elastic(upper), "mu": 0.3 },
+        { "name": "lower", "top": "bottom 1", "bottom": "top 0" },
+        { "name": "upper", "top": "bottom 2", "bottom": "top 1" },
     ]);
-    let found = run_blocks(&path, stack, interfaces, ["top 2", "bottom 0"]);
-    assert_eq!(found.interfaces.len(), 2);
-    assert_eq!(
-        (found.interfaces[0].name.as_str(), found.interfaces[1].mu),
-        ("lower", 0.3)
-    );
+    let each = json!([{ "surface": elastic(lower) }, { "surface": elastic(upper), "mu": 0.3 }]);
+    let found = run_blocks(&path, stack, [interfaces, each], ["top 2", "bottom 0"]);
+    assert_eq!(found.parts.len(), 2);
+    assert_eq!((found.parts[0].name.as_str(), found.parts[1].mu), ("lower", 0.3));
     // The tension passes both.
     let pressure = 8e3 / area;
     for traction in &found.prestress.fields.traction[2] {
@@ -500,11 +507,9 @@ fn interfaces_in_series_and_in_parallel_are_springs_in_series_and_in_parallel() 
     // Asperities are judged over all interfaces, and not where the law of one is given by its parameters.
     let stack = || blocks(&[[0.0, 0.0], [0.0, 10.0], [0.0, 20.0]], &[[24.0, 10.0]; 3]);
     let measured = |other: Value| {
-        let interfaces = json!([
-            { "top": "bottom 1", "bottom": "top 0", "surface": { "benchmark": "brake-reuss-beam" } },
-            { "top": "bottom 2", "bottom": "top 1", "surface": other },
-        ]);
-        let found = run_blocks(&path, stack(), interfaces, ["top 2", "bottom 0"]);
+        let interfaces = json!([{ "top": "bottom 1", "bottom": "top 0" }, { "top": "bottom 2", "bottom": "top 1" }]);
+        let each = json!([{ "surface": { "benchmark": "brake-reuss-beam" } }, { "surface": other }]);
+        let found = run_blocks(&path, stack(), [interfaces, each], ["top 2", "bottom 0"]);
         found.backbones[0].validity.real_contact_area_fraction
     };
     let share = measured(json!({ "benchmark": "brake-reuss-beam" })).unwrap();
@@ -524,22 +529,20 @@ fn interfaces_in_series_and_in_parallel_are_springs_in_series_and_in_parallel() 
     }
     .write(&path);
     let scene = scene(&path, json!({}), |value| {
-        value["structure"]["mesh"]["interfaces"] = json!([
-            { "between": ["block 1", "block 0"], "surface": elastic(left) },
-            { "between": ["block 2", "block 0"], "surface": elastic(right) },
-        ]);
+        value["structure"]["mesh"]["interfaces"] =
+            json!([{ "between": ["block 1", "block 0"] }, { "between": ["block 2", "block 0"] }]);
+        value["interfaces"]["each"] = json!([{ "surface": elastic(left) }, { "surface": elastic(right) }]);
         value["structure"]["mesh"]["ties"] = json!([
             { "slave": "top 1", "master": "bottom 3" }, { "slave": "top 2", "master": "bottom 3" },
         ]);
         value["structure"]["mesh"]["bolts"] = json!([{ "head": "top 3", "nut": "bottom 0" }]);
         value["structure"]["mesh"]["response"] = json!({ "nearest": [0.0, 0.0, 0.0], "direction": [0.6, 0.48, 0.64] });
         value["model"]["material"]["youngs_modulus"] = json!("20000 GPa");
-        value["cqsma"]["amplitude_from"] = json!(1e-9);
-        value["cqsma"]["amplitude_to"] = json!(2e-9);
-        value["cqsma"]["amplitudes"] = json!(2);
+        value["analyses"]["backbone"] =
+            json!({ "amplitudes": 2, "amplitude_from": 1e-9, "amplitude_to": 2e-9, "vertices_per_quarter": 8 });
     });
     let found = run(&scene, &Options::default(), &Silent).unwrap();
-    assert_eq!(found.interfaces.len(), 2);
+    assert_eq!(found.parts.len(), 2);
     let (below, above) = (3.0 * mass, 5.0 * mass);
     let expected = ((left + right) * area * (1.0 / below + 1.0 / above)).sqrt() / std::f64::consts::TAU;
     assert!(has(&found, expected), "{expected} is not among {:?}", found.frequencies);

@@ -11,7 +11,7 @@ use joint_model::benchmark::RefinementLevel;
 use joints::Options;
 use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Silent, Stage};
-use scenes::{Amplitudes, Epmc, Method, ModalAmplitude, SamplingAccuracy, Scene};
+use scenes::{Amplitudes, Epmc, ModalAmplitude, SamplingAccuracy, Scene};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -21,7 +21,7 @@ use zte_assembly::State;
 fn quick() -> Scene {
     let mut scene = beam("quick");
     scene.model.refinement = RefinementLevel::Quick;
-    scene.cqsma.amplitudes = 0;
+    scene.analyses.backbone.amplitudes = 0;
     scene
 }
 
@@ -126,8 +126,7 @@ fn forced_responses_are_those_of_the_motion_in_time() {
 
 fn with_epmc(epmc: Epmc) -> Scene {
     let mut scene = quick();
-    scene.methods = vec![Method::Epmc];
-    scene.epmc = Some(epmc);
+    scene.analyses.epmc = Some(epmc);
     scene
 }
 

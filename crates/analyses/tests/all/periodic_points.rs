@@ -154,7 +154,7 @@ impl Beam {
     }
 
     /// What the program finds about this beam.
-    fn run(&self, test: &str, settings: &Value) -> Run {
+    fn run(&self, test: &str, analyses: &Value) -> Run {
         let folder = folder(test);
         let path = folder.join("beam.npz");
         write(&path, &self.stiffness, &self.mass, &self.dofs);
@@ -163,9 +163,9 @@ impl Beam {
         } = self.slider;
         let mut given = scene(&path, &[3], &[set(stiffness, mu, preload)], &json!([[3, 1, 1.0]]));
         given["background_damping"] = json!(BACKGROUND);
-        given["cqsma"] = json!({ "amplitudes": 0, "modes": 15 });
-        for (name, value) in settings.as_object().unwrap() {
-            given[name] = value.clone();
+        given["analyses"] = json!({ "modes": { "number": 15 } });
+        for (name, value) in analyses.as_object().unwrap() {
+            given["analyses"][name] = value.clone();
         }
         let found = try_run(&given).unwrap();
         std::fs::remove_dir_all(folder).unwrap();
@@ -476,7 +476,7 @@ fn free_motions_are_those_of_another_harmonic_balance() {
     let modal_amplitudes = [3e-5, 1e-4, 3e-4, 1e-3];
     let found = beam.run(
         "epmc",
-        &json!({ "methods": ["epmc"], "epmc": {
+        &json!({ "epmc": {
             "modal_amplitudes": modal_amplitudes, "harmonics": 9, "samples": 512, "tolerance": 1e-11,
         } }),
     );
@@ -616,17 +616,16 @@ fn a_curve_turns_corners_where_a_point_begins_to_slip() {
     let sets = [set([1e5, 1e5, 2e5], 0.3, 50.0), set([5e4, 5e4, 1e5], 0.2, 20.0)];
     let mut given = scene(&path, &[5, 10], &sets, &json!([[10, 1, 1.0]]));
     given["background_damping"] = json!(5e-3);
-    given["cqsma"] = json!({ "amplitudes": 0 });
-    given["forced"] = json!({
+    given["analyses"] = json!({ "forced": {
         "levels": [5.0], "from_hz": 15.0, "to_hz": 36.0, "terms": [[7, 1, 0.8], [7, 3, 0.6]], "harmonics": 9, "samples": 256,
-    });
+    } });
     let found = try_run(&given).unwrap();
     let curve = &found.forced[0];
     assert!(curve.failure.is_none(), "{:?}", curve.failure);
     // From the other side the curve is the same.
     let last = curve.points.last().unwrap();
-    given["forced"]["from_hz"] = json!(36.0);
-    given["forced"]["to_hz"] = json!(34.0);
+    given["analyses"]["forced"]["from_hz"] = json!(36.0);
+    given["analyses"]["forced"]["to_hz"] = json!(34.0);
     let back = try_run(&given).unwrap();
     let first = &back.forced[0].points[0];
     assert!((last.harmonics[0] / first.harmonics[0] - 1.0).abs() < 1e-6);

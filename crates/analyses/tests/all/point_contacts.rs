@@ -54,9 +54,12 @@ fn a_point_of_constant_pressure_follows_the_closed_form_of_a_jenkins_element() {
         let onset = limit * (own + k) / (k * share.abs());
         // Forces of which the corner of the loop is a vertex: no polygon cuts it.
         let response = |alpha: f64| alpha * shape[1] / eigenvalue;
-        given["cqsma"] = json!({
-            "mode": mode, "modes": 2, "amplitudes": 5, "vertices_per_quarter": 16, "tolerance": 1e-12,
-            "amplitude_from": response(0.5 * onset), "amplitude_to": response(8.0 * onset),
+        given["analyses"] = json!({
+            "modes": { "followed": [mode], "number": 2 },
+            "backbone": {
+                "amplitudes": 5, "vertices_per_quarter": 16, "tolerance": 1e-12,
+                "amplitude_from": response(0.5 * onset), "amplitude_to": response(8.0 * onset),
+            },
         });
         let found = try_run(&given).unwrap();
         // At rest the friction has no load, and the pressure nothing that it could move.
@@ -66,7 +69,7 @@ fn a_point_of_constant_pressure_follows_the_closed_form_of_a_jenkins_element() {
             (0.0, 0.0)
         );
         assert!((found.prestress.fields.traction[2][0] / preload - 1.0).abs() < 1e-12);
-        assert!((found.law.mean_pressure / preload - 1.0).abs() < 1e-12);
+        assert!((found.law().mean_pressure / preload - 1.0).abs() < 1e-12);
         assert_eq!(found.frequencies.len(), 2);
         let frequency = found.frequencies[mode - 1];
         assert!((frequency / (eigenvalue.sqrt() / (2.0 * PI)) - 1.0).abs() < 1e-10);
@@ -188,9 +191,12 @@ fn compare(test: &str, dofs: &[(i64, u32)], stiffness: &Mat<f64>, nodes: &[u64],
     let sets: Vec<Value> = sliders.iter().map(|s| set(s.stiffness, s.mu, s.preload)).collect();
     let mut given = scene(&path, nodes, &sets, &json!([[label, component, 1.0]]));
     let (vertices, cycles) = (12, 3);
-    given["cqsma"] = json!({
-        "mode": 2, "modes": n, "amplitudes": 6, "vertices_per_quarter": vertices, "cycles": cycles, "tolerance": 1e-12,
-        "amplitude_from": 5e-6, "amplitude_to": 2e-3,
+    given["analyses"] = json!({
+        "modes": { "followed": [2], "number": n },
+        "backbone": {
+            "amplitudes": 6, "vertices_per_quarter": vertices, "cycles": cycles, "tolerance": 1e-12,
+            "amplitude_from": 5e-6, "amplitude_to": 2e-3,
+        },
     });
     let found = try_run(&given).unwrap();
 
@@ -314,7 +320,10 @@ fn two_points(folder: &Path) -> Value {
     write(&path, &springs(6), &Mat::identity(6, 6), &dofs);
     let sets = [set([5e4, 5e4, 1e5], 0.3, 40.0), set([5e4, 5e4, 1e5], 0.3, 40.0)];
     let mut scene = scene(&path, &[1, 2], &sets, &json!([[1, 1, 1.0]]));
-    scene["cqsma"] = json!({ "modes": 3, "amplitudes": 3, "amplitude_from": 1e-5, "amplitude_to": 1e-3 });
+    scene["analyses"] = json!({
+        "modes": { "number": 3 },
+        "backbone": { "amplitudes": 3, "amplitude_from": 1e-5, "amplitude_to": 1e-3 },
+    });
     scene
 }
 
@@ -352,8 +361,7 @@ fn points_over_both_sides_are_those_over_the_jump() {
         "zero_energy_modes": 0,
     });
     // The bottom sides move by themselves alone, so that the modes of the jump are among those of the whole, above the others.
-    given["cqsma"]["modes"] = json!(12);
-    given["cqsma"]["mode"] = json!(7);
+    given["analyses"]["modes"] = json!({ "number": 12, "followed": [7] });
     let whole = try_run(&given).unwrap();
     let pairs = direct
         .prestress
@@ -375,7 +383,10 @@ fn points_over_both_sides_are_those_over_the_jump() {
     wrong["structure"]["matrices"]["points"] = json!([{ "node": 11 }, { "node": 22 }]);
     assert!(refused(&wrong).contains("point of contact 2 is at node 22, which faces no other"));
     wrong["structure"]["matrices"]["points"] = json!([{ "node": 11 }]);
-    wrong["surface"]["parameters"]["sets"].as_array_mut().unwrap().pop();
+    wrong["interfaces"]["surface"]["parameters"]["sets"]
+        .as_array_mut()
+        .unwrap()
+        .pop();
     assert!(refused(&wrong).contains("top node 12 has no point of contact"));
     wrong["structure"]["matrices"]["coordinates"]["both-sides"]["top"] = json!([11, 11]);
     assert!(refused(&wrong).contains("the top side names 2 nodes, of which 1 differ, and the bottom side 2"));
@@ -389,7 +400,7 @@ fn areas_scale_what_is_given_per_area() {
     let mut scaled = two_points(&folder);
     scaled["structure"]["matrices"]["points"] = json!([{ "node": 1 }, { "node": 2, "area": "4 cm^2" }]);
     let per_area = 1.0 / 4e-4;
-    scaled["surface"]["parameters"]["sets"][1] =
+    scaled["interfaces"]["surface"]["parameters"]["sets"][1] =
         set([5e4 * per_area, 5e4 * per_area, 1e5 * per_area], 0.3, 40.0 * per_area);
     let scaled = try_run(&scaled).unwrap();
     assert!((scaled.interface.operators().area() / 1.0004 - 1.0).abs() < 1e-15);
@@ -430,8 +441,9 @@ fn massless_contact_nodes_have_no_modes_of_their_own() {
     };
     given["structure"]["matrices"]["path"] = json!(path);
     given["structure"]["matrices"]["response"] = json!({ "terms": [[-1, 1, 1.0]] });
-    given["cqsma"] =
-        json!({ "amplitudes": 3, "amplitude_from": 1e-5, "amplitude_to": 1e-3, "vertices_per_quarter": 8 });
+    given["analyses"] = json!({ "backbone": {
+        "amplitudes": 3, "amplitude_from": 1e-5, "amplitude_to": 1e-3, "vertices_per_quarter": 8,
+    } });
     let of = |light: f64| {
         write(&path, &springs(8), &mass(light), &dofs);
         try_run(&given).unwrap()
@@ -445,11 +457,11 @@ fn massless_contact_nodes_have_no_modes_of_their_own() {
         let (a, b) = (a.point.result.as_ref().unwrap(), b.point.result.as_ref().unwrap());
         assert!((a.omega / b.omega - 1.0).abs() < 1e-5 && (a.zeta - b.zeta).abs() < 1e-5);
     }
-    given["cqsma"]["mode"] = json!(3);
+    given["analyses"]["modes"]["followed"] = json!([3]);
     write(&path, &springs(8), &mass(0.0), &dofs);
     let message = refused(&given);
     assert!(
-        message.contains("cqsma.mode = 3") && message.contains("coordinates with a mass"),
+        message.contains("analyses.modes.followed = 3") && message.contains("coordinates with a mass"),
         "{message}"
     );
     std::fs::remove_dir_all(folder).unwrap();
@@ -462,10 +474,13 @@ fn curves_of_any_kind_are_preloaded() {
     let curves = json!({ "greenwood-williamson": {
         "heights": { "exponential": 1e-6 }, "reference_height": 5e-6, "asperity_density": 1e2, "radii": [1e-4, 1e-4],
     } });
-    for set in given["surface"]["parameters"]["sets"].as_array_mut().unwrap() {
+    for set in given["interfaces"]["surface"]["parameters"]["sets"]
+        .as_array_mut()
+        .unwrap()
+    {
         set["curves"] = curves.clone();
     }
-    given["surface"]["parameters"]["sets"][1]["preload"] = json!(60.0);
+    given["interfaces"]["surface"]["parameters"]["sets"][1]["preload"] = json!(60.0);
     let scene = read(&given).unwrap();
     let structure = Structure::try_new(&scene, &Silent).unwrap();
     let built = SceneInterface::try_new(&scene, structure.interface(), &[], 0.0).unwrap();
@@ -500,7 +515,10 @@ fn what_is_no_contact_is_refused() {
     };
     let points = |points: Value| changed(&|scene| scene["structure"]["matrices"]["points"] = points.clone());
     let without_preload = |scene: &mut Value| {
-        for set in scene["surface"]["parameters"]["sets"].as_array_mut().unwrap() {
+        for set in scene["interfaces"]["surface"]["parameters"]["sets"]
+            .as_array_mut()
+            .unwrap()
+        {
             set.as_object_mut().unwrap().remove("preload");
         }
     };
@@ -525,11 +543,11 @@ fn what_is_no_contact_is_refused() {
             "number 1: area = -1 m^2",
         ),
         (
-            changed(&|scene| scene["surface"]["parameters"]["sets"][1]["preload"] = json!(-1.0)),
+            changed(&|scene| scene["interfaces"]["surface"]["parameters"]["sets"][1]["preload"] = json!(-1.0)),
             "sets, number 2: preload = -1 Pa",
         ),
         (
-            changed(&|scene| scene["surface"]["parameters"]["sets"][1]["gap"] = json!(1e-6)),
+            changed(&|scene| scene["interfaces"]["surface"]["parameters"]["sets"][1]["gap"] = json!(1e-6)),
             "left out where the set has a gap",
         ),
         // Nothing loads the contact, with and without saying so.
@@ -539,7 +557,7 @@ fn what_is_no_contact_is_refused() {
                 without_preload(scene);
                 scene["bolts"] = json!({ "load": 0.0 });
             }),
-            "a set of surface.parameters must have a preload",
+            "a set of interfaces.surface.parameters must have a preload",
         ),
         (
             changed(&|scene| scene["bolts"] = json!({ "load": 10.0 })),
@@ -551,10 +569,10 @@ fn what_is_no_contact_is_refused() {
         ),
         (
             changed(&|scene| {
-                scene["surface"] = json!({ "synthetic-scan": {} });
+                scene["interfaces"]["surface"] = json!({ "synthetic-scan": {} });
                 scene["bolts"] = json!({ "load": 10.0 });
             }),
-            "give the parameters of their law as surface.parameters",
+            "give the parameters of their law as interfaces.surface.parameters",
         ),
         (
             changed(&|scene| {
@@ -563,8 +581,8 @@ fn what_is_no_contact_is_refused() {
             "structure.matrices.interface belongs to interface meshes",
         ),
         (
-            changed(&|scene| scene["points_per_direction"] = json!(3)),
-            "points_per_direction belongs to interface meshes",
+            changed(&|scene| scene["interfaces"]["points_per_direction"] = json!(3)),
+            "interfaces.points_per_direction belongs to interface meshes",
         ),
     ] {
         assert!(message.contains(said), "{message}\n instead of\n {said}");
@@ -597,7 +615,7 @@ fn exported_points_come_back_the_same() {
     );
     given["structure"]["matrices"]["path"] = json!(path);
     let direct = try_run(&given).unwrap();
-    assert_eq!(direct.mesh.held(), [4]);
+    assert_eq!(direct.joint.mesh.held(), [4]);
     let scene = read(&given).unwrap();
     let structure = Structure::try_new(&scene, &Silent).unwrap();
     let arrays = export::arrays(&direct.model, &structure.joint).unwrap();

@@ -107,13 +107,17 @@ fn scene(structure: Value, points: usize) -> Scene {
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": structure,
         "model": { "material": model },
-        "points_per_direction": points,
-        "surface": { "parameters": { "per": "interface", "sets": [{
-            "curves": { "elastic": { "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] } },
-        }] } },
+        "interfaces": {
+            "points_per_direction": points,
+            "surface": { "parameters": { "per": "interface", "sets": [{
+                "curves": { "elastic": { "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] } },
+            }] } },
+            "mu": 0.2,
+        },
         "bolts": { "load": 2e3 },
-        "mu": 0.2,
-        "cqsma": { "amplitudes": 3, "amplitude_from": 5e-7, "amplitude_to": 8e-6, "vertices_per_quarter": 6 },
+        "analyses": { "backbone": {
+            "amplitudes": 3, "amplitude_from": 5e-7, "amplitude_to": 8e-6, "vertices_per_quarter": 6,
+        } },
     });
     Scene::from_json(&text.to_string(), "the test's scene", "bars", &BENCHMARKS).unwrap()
 }
@@ -262,7 +266,7 @@ fn exported_models_keep_their_quadratic_interface() {
         std::fs::write(&path, npz::to_bytes(&arrays).unwrap()).unwrap();
         let jump = scene(json!({ "matrices": { "path": path, "coordinates": "jump" } }), 3);
         let [direct, again] = [&deck, &jump].map(|scene| run(scene, &Options::default(), &Silent).unwrap());
-        assert_eq!(direct.mesh.elements, again.mesh.elements);
+        assert_eq!(direct.joint.mesh.elements, again.joint.mesh.elements);
         for (a, b) in results(&direct).1.iter().zip(results(&again).1) {
             assert!(
                 (a[0] / b[0] - 1.0).abs() < 1e-9 && (a[1] / b[1] - 1.0).abs() < 1e-6,
@@ -279,7 +283,7 @@ fn scans_are_characterised_within_the_outlines_of_quadratic_elements() {
         &written(&folder, "bars.inp", &bars(["C3D20R"; 2], [8, 2, 1], &|_| {})),
         3,
     );
-    scene.surface = Surface::SyntheticScan(SyntheticScan {
+    scene.interfaces.surface = Surface::SyntheticScan(SyntheticScan {
         step: [1e-4; 2].map(Length::from_si),
         bootstrap: 0,
         ..SyntheticScan::default()
@@ -370,7 +374,9 @@ fn a_benchmark_in_quadratic_elements_runs_from_scene_to_backbone() {
             "units": { "length": "m", "mass": "kg", "time": "s" },
             "structure": { "benchmark": "brake-reuss-beam" },
             "model": { "refinement": "quick", "symmetry": "half", "element_order": order },
-            "cqsma": { "amplitudes": 2, "amplitude_from": "0.2 mm", "amplitude_to": "0.6 mm", "vertices_per_quarter": 4 },
+            "analyses": { "backbone": {
+                "amplitudes": 2, "amplitude_from": "0.2 mm", "amplitude_to": "0.6 mm", "vertices_per_quarter": 4,
+            } },
         });
         let scene = Scene::from_json(&text.to_string(), "a test", "a test", &BENCHMARKS).unwrap();
         let run = run(&scene, &Options::default(), &Silent).unwrap();
@@ -381,7 +387,7 @@ fn a_benchmark_in_quadratic_elements_runs_from_scene_to_backbone() {
     // Limit of the mesh of the first frequency (docs/validation.md).
     let limit = 166.30;
     let [(run_of_linear, linear, of_linear), (run, quadratic, of_quadratic)] = ["linear", "quadratic"].map(on_beam);
-    assert!(run.mesh.elements.iter().all(|element| element.shape() == &QUAD8));
+    assert!(run.joint.mesh.elements.iter().all(|element| element.shape() == &QUAD8));
     assert!((quadratic / limit - 1.0).abs() < 0.25 * (linear / limit - 1.0_f64).abs());
     for (run, frequency) in [(&run_of_linear, linear), (&run, quadratic)] {
         let bar = ErrorBar::of(&run.scene).frequency_relative.unwrap();
@@ -446,7 +452,7 @@ fn decks_of_linear_elements_are_made_quadratic_ones() {
         // The same mesh but for the numbers of its nodes: the same results to round-off.
         let [found, expected] =
             [&scene, &on_deck(&deck(quadratic), 3)].map(|scene| run(scene, &Options::default(), &Silent).unwrap());
-        assert_eq!(found.raised, Some(added));
+        assert_eq!(found.joint.raised, Some(added));
         let (found, expected) = (results(&found), results(&expected));
         println!("{linear}: {:?}", found.0);
         for (a, b) in found.0.iter().zip(&expected.0) {

@@ -24,7 +24,7 @@ fn cache() -> PathBuf {
         .get_or_init(|| {
             let folder = std::env::temp_dir().join(format!("analyses-{}", std::process::id()));
             let mut first = quick();
-            first.cqsma.amplitudes = 1;
+            first.analyses.backbone.amplitudes = 1;
             run(&first, &Options::cached(&folder), &Silent)
                 .unwrap()
                 .checkpoints
@@ -37,9 +37,9 @@ fn cache() -> PathBuf {
 fn quick() -> Scene {
     let mut scene = beam("quick");
     scene.model.refinement = RefinementLevel::Quick;
-    scene.cqsma.amplitudes = 7;
-    scene.cqsma.amplitude_from = Length::from_si(1e-6);
-    scene.cqsma.vertices_per_quarter = 4;
+    scene.analyses.backbone.amplitudes = 7;
+    scene.analyses.backbone.amplitude_from = Length::from_si(1e-6);
+    scene.analyses.backbone.vertices_per_quarter = 4;
     scene
 }
 
@@ -75,9 +75,9 @@ fn the_structure_is_the_benchmark() {
 #[test]
 fn accelerometers_lower_the_first_frequency_as_perturbation_theory_says() {
     let mut scene = quick();
-    scene.cqsma.amplitudes = 1;
-    scene.cqsma.amplitude_from = Length::from_si(1e-9);
-    scene.cqsma.amplitude_to = Length::from_si(1e-9);
+    scene.analyses.backbone.amplitudes = 1;
+    scene.analyses.backbone.amplitude_from = Length::from_si(1e-9);
+    scene.analyses.backbone.amplitude_to = Length::from_si(1e-9);
     let bare = Structure::try_new(&scene, &Silent).unwrap();
     let Bodies::Meshed(bodies) = &bare.joint.bodies else {
         panic!("the benchmark is meshed");
@@ -110,7 +110,7 @@ fn accelerometers_lower_the_first_frequency_as_perturbation_theory_says() {
         squares += shape * shape;
         frequency = run.frequencies[0];
     }
-    scene.cqsma.amplitudes = 0;
+    scene.analyses.backbone.amplitudes = 0;
     // A millimetre beside the nodes.
     scene.structure.point_masses = ends
         .map(|node| PointMass {
@@ -141,7 +141,7 @@ fn accelerometers_lower_the_first_frequency_as_perturbation_theory_says() {
 fn prestress_carries_the_bolt_load() {
     for gap in [Gap::Flat, Gap::Measured] {
         let mut scene = quick();
-        scene.gap = gap;
+        scene.interfaces.gap = gap;
         let run = go(&scene);
         let p = &run.prestress;
         assert!(
@@ -163,7 +163,7 @@ fn dissipation_from_the_points_equals_that_from_the_mode() {
     for a in run.amplitudes() {
         let (result, fields) = (a.point.result.as_ref().unwrap(), a.fields.as_ref().unwrap());
         let allowed = 1e-6 * result.loop_area.abs()
-            + 10.0 * run.scene.cqsma.tolerance * a.point.modal_force * result.modal_amplitude;
+            + 10.0 * run.scene.analyses.backbone.tolerance * a.point.modal_force * result.modal_amplitude;
         assert!(
             (fields.dissipation - result.loop_area).abs() <= allowed,
             "{} {}",
@@ -198,7 +198,7 @@ fn shoelace(vertices: &[([f64; 3], [f64; 3])]) -> f64 {
 fn loops_of_elements_enclose_what_their_points_dissipate() {
     for points_per_direction in [1, 2] {
         let mut scene = quick();
-        scene.points_per_direction = points_per_direction;
+        scene.interfaces.points_per_direction = points_per_direction;
         scene.output.fields_at = Some(vec![5, 7]);
         let run = go(&scene);
         let operators = run.interface.operators();
@@ -236,7 +236,7 @@ fn loops_of_elements_enclose_what_their_points_dissipate() {
 fn friction_lowers_the_frequency_and_raises_the_damping_later_for_larger_mu() {
     let onset = |mu: f64| {
         let mut scene = quick();
-        scene.mu = mu;
+        scene.interfaces.mu = mu;
         let run = go(&scene);
         let results: Vec<_> = run
             .amplitudes()
@@ -259,10 +259,10 @@ fn friction_lowers_the_frequency_and_raises_the_damping_later_for_larger_mu() {
 #[test]
 fn without_slip_there_is_no_damping() {
     let mut scene = quick();
-    scene.mu = 1e3;
-    scene.cqsma.commit = Commit::AtReversals;
-    scene.cqsma.amplitude_from = Length::from_si(1e-8);
-    scene.cqsma.amplitude_to = Length::from_si(3e-6);
+    scene.interfaces.mu = 1e3;
+    scene.analyses.backbone.commit = Commit::AtReversals;
+    scene.analyses.backbone.amplitude_from = Length::from_si(1e-8);
+    scene.analyses.backbone.amplitude_to = Length::from_si(3e-6);
     let run = go(&scene);
     for (a, zeta) in run.amplitudes().iter().zip(damping(&run)) {
         assert_eq!(a.fields.as_ref().unwrap().slip_fraction, 0.0);
@@ -272,7 +272,7 @@ fn without_slip_there_is_no_damping() {
         assert!(zeta.abs() < 2e-6 * (x * x).max(1e-4), "{x}: {zeta}");
     }
     // At a millimetre it is the damping of a joint that slips, and still no result: the floor contains it.
-    scene.cqsma.amplitude_to = Length::from_si(1e-3);
+    scene.analyses.backbone.amplitude_to = Length::from_si(1e-3);
     let run = go(&scene);
     assert!(damping(&run)[6] > 5e-3, "{}", damping(&run)[6]);
     for b in &Summary::new(&run, Default::default(), None).backbone {
@@ -283,12 +283,12 @@ fn without_slip_there_is_no_damping() {
 #[test]
 fn without_slip_commits_at_every_vertex_leave_no_damping_at_all() {
     let mut scene = quick();
-    scene.mu = 1e3;
+    scene.interfaces.mu = 1e3;
     // With half as many, points that nearly open slip between two vertices of the largest amplitude.
-    scene.cqsma.vertices_per_quarter = 8;
-    scene.cqsma.amplitude_from = Length::from_si(1e-7);
-    scene.cqsma.amplitude_to = Length::from_si(1e-3);
-    assert_eq!(scene.cqsma.commit, Commit::AtEveryVertex, "the default");
+    scene.analyses.backbone.vertices_per_quarter = 8;
+    scene.analyses.backbone.amplitude_from = Length::from_si(1e-7);
+    scene.analyses.backbone.amplitude_to = Length::from_si(1e-3);
+    assert_eq!(scene.analyses.backbone.commit, Commit::AtEveryVertex, "the default");
     let run = go(&scene);
     for (a, zeta) in run.amplitudes().iter().zip(damping(&run)) {
         // From 2e-4 m on points at the edge open and close, and what they lose in tangential stretch is dissipation of the law.
@@ -297,7 +297,7 @@ fn without_slip_commits_at_every_vertex_leave_no_damping_at_all() {
         assert_eq!(a.point.result.as_ref().unwrap().one_way, !opens);
     }
     // Both ways it is the same: nothing is lost between the vertices, and nothing is assumed.
-    scene.cqsma.cycles = Some(4);
+    scene.analyses.backbone.cycles = Some(4);
     let both = go(&scene);
     for ((a, b), zeta) in run.amplitudes().iter().zip(both.amplitudes()).zip(damping(&both)) {
         let [a, b] = [a, b].map(|a| a.point.result.as_ref().unwrap());
@@ -338,8 +338,8 @@ fn locked_bolts_leave_the_prestress_alone_and_stiffen_the_vibration() {
         let (dead, locked) = (a.point.result.as_ref().unwrap(), b.point.result.as_ref().unwrap());
         assert!(locked.omega > dead.omega, "{} {}", locked.omega, dead.omega);
         let fields = b.fields.as_ref().unwrap();
-        let allowed =
-            1e-6 * locked.loop_area.abs() + 10.0 * scene.cqsma.tolerance * b.point.modal_force * locked.modal_amplitude;
+        let tolerance = scene.analyses.backbone.tolerance;
+        let allowed = 1e-6 * locked.loop_area.abs() + 10.0 * tolerance * b.point.modal_force * locked.modal_amplitude;
         assert!((fields.dissipation - locked.loop_area).abs() <= allowed);
     }
     let cached = go(&scene);
@@ -381,7 +381,7 @@ fn faces_of_deformed_bodies_are_apart_by_the_jump() {
             let (mut error, mut size) = (0.0_f64, 0.0_f64);
             for (pair, (top, bottom)) in top.iter().zip(bottom).enumerate() {
                 let apart = [0, 1, 2].map(|c| displacement[*top as usize][c] - displacement[*bottom as usize][c]);
-                for (component, direction) in run.frame.iter().enumerate() {
+                for (component, direction) in run.joint.frame.iter().enumerate() {
                     let along: f64 = (0..3).map(|c| apart[c] * direction[c]).sum();
                     error = error.max((along - jump[3 * pair + component]).abs());
                     size = size.max(along.abs());
@@ -414,9 +414,9 @@ fn faces_of_deformed_bodies_are_apart_by_the_jump() {
 fn more_vertices_resolve_the_loop_with_second_order() {
     let area = |vertices: usize| {
         let mut scene = quick();
-        scene.cqsma.vertices_per_quarter = vertices;
-        scene.cqsma.amplitudes = 1;
-        scene.cqsma.amplitude_from = Length::from_si(3e-4);
+        scene.analyses.backbone.vertices_per_quarter = vertices;
+        scene.analyses.backbone.amplitudes = 1;
+        scene.analyses.backbone.amplitude_from = Length::from_si(3e-4);
         go(&scene).amplitudes()[0].point.result.as_ref().unwrap().loop_area
     };
     let (coarse, middle, fine) = (area(4), area(8), area(16));
@@ -431,13 +431,13 @@ fn more_vertices_resolve_the_loop_with_second_order() {
 fn loops_near_the_onset_of_slip_close_in_the_state_that_finer_paths_lead_to() {
     let zeta = |vertices: usize, cycles: Option<usize>| {
         let mut scene = quick();
-        scene.mu = 0.6;
+        scene.interfaces.mu = 0.6;
         scene.bolts.load = Force::from_si(12e3);
-        scene.points_per_direction = 2;
-        scene.cqsma.vertices_per_quarter = vertices;
-        scene.cqsma.cycles = cycles;
-        scene.cqsma.amplitudes = 1;
-        scene.cqsma.amplitude_from = Length::from_si(2e-4);
+        scene.interfaces.points_per_direction = 2;
+        scene.analyses.backbone.vertices_per_quarter = vertices;
+        scene.analyses.backbone.cycles = cycles;
+        scene.analyses.backbone.amplitudes = 1;
+        scene.analyses.backbone.amplitude_from = Length::from_si(2e-4);
         damping(&go(&scene))[0]
     };
     let (closed, tenth, fine) = (zeta(4, None), zeta(4, Some(10)), zeta(16, Some(10)));
@@ -468,10 +468,10 @@ fn background_damping_is_added_to_the_total_alone() {
 fn laws_agree_within_what_they_say_of_themselves() {
     let first = |kind| {
         let mut scene = quick();
-        scene.law.kind = kind;
-        scene.cqsma.amplitudes = 1;
+        scene.interfaces.law.kind = kind;
+        scene.analyses.backbone.amplitudes = 1;
         let run = go(&scene);
-        (run.frequencies[0], run.law)
+        (run.frequencies[0], run.law().clone())
     };
     let (summed, _) = first(LawKind::AsperitySum);
     let (tabulated, report) = first(LawKind::Tabulated);
@@ -493,17 +493,17 @@ fn laws_agree_within_what_they_say_of_themselves() {
 fn a_synthetic_scan_is_characterised_element_by_element() {
     let mut scene = quick();
     // A coarser grid than the default keeps this quick; still dozens of peaks per element.
-    scene.surface = Surface::SyntheticScan(SyntheticScan {
+    scene.interfaces.surface = Surface::SyntheticScan(SyntheticScan {
         step: [60e-6, 80e-6].map(Length::from_si),
         bootstrap: 4,
         ..SyntheticScan::default()
     });
-    scene.gap = Gap::Scan;
-    scene.law.kind = LawKind::Fitted;
-    scene.cqsma.amplitudes = 2;
+    scene.interfaces.gap = Gap::Scan;
+    scene.interfaces.law.kind = LawKind::Fitted;
+    scene.analyses.backbone.amplitudes = 2;
     let run = go(&scene);
     assert_eq!(
-        run.law.asperities.as_ref().unwrap().n_populations,
+        run.law().asperities.as_ref().unwrap().n_populations,
         run.interface.operators().n_elements()
     );
     assert!(run.interface.gap().unwrap().iter().copied().fold(0.0, f64::max) > 1e-7);
@@ -520,7 +520,7 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
         }
     }
     let mut scene = quick();
-    scene.cqsma.amplitudes = 1;
+    scene.analyses.backbone.amplitudes = 1;
     let folder = std::env::temp_dir().join(format!("analyses-damaged-{}", std::process::id()));
     let options = Options::cached(&folder);
     let with = |heard: &Heard| {
@@ -627,7 +627,7 @@ fn a_cached_model_with_any_bit_flipped_is_computed_again() {
 fn a_line_of_a_checkpoint_with_a_digit_changed_counts_as_not_done() {
     let mut scene = quick();
     scene.name = "digits".into();
-    scene.cqsma.amplitudes = 3;
+    scene.analyses.backbone.amplitudes = 3;
     let folder = folder_with_model("digits");
     let options = Options::cached(&*folder);
     struct Notes(Mutex<String>);
@@ -673,9 +673,14 @@ fn a_gap_beyond_all_closure_and_bad_scenes_are_refused_by_name() {
     assert!(parse("{}").contains("units"));
     assert!(parse(&format!("{{{units}, \"frobnicate\": 1}}")).contains("frobnicate"));
     assert!(parse(&format!("{{{units}, \"model\": {{\"n_modes\": 1}}}}")).contains("n_modes"));
-    assert!(parse(&format!("{{{units}, \"mu\": -0.1}}")).contains("mu = -0.1"));
-    assert!(parse(&format!("{{{units}, \"cqsma\": {{\"mode\": 11}}}}")).contains("cqsma.mode"));
-    assert!(parse(&format!("{{{units}, \"gap\": \"scan\"}}")).contains("gap"));
+    assert!(parse(&format!("{{{units}, \"interfaces\": {{\"mu\": -0.1}}}}")).contains("interfaces.mu = -0.1"));
+    assert!(
+        parse(&format!(
+            "{{{units}, \"analyses\": {{\"modes\": {{\"followed\": [11]}}}}}}"
+        ))
+        .contains("analyses.modes.followed")
+    );
+    assert!(parse(&format!("{{{units}, \"interfaces\": {{\"gap\": \"scan\"}}}}")).contains("interfaces.gap"));
     assert!(parse(&format!("{{{units}, \"output\": {{\"fields_at\": [21]}}}}")).contains("fields_at"));
     assert!(parse("{\"units\": {\"length\": \"furlong\", \"mass\": \"kg\", \"time\": \"s\"}}").contains("furlong"));
     assert!(parse(&format!("{{{units}, \"bolts\": {{\"behaviour\": \"glued\"}}}}")).contains("glued"));
@@ -695,7 +700,7 @@ fn quantities_are_converted_where_they_are_given() {
     let mm = r#"{"units": {"length": "mm", "mass": "t", "time": "s"},
         "structure": {"benchmark": "brake-reuss-beam"}, "bolts": {"load": 12845.0},
         "model": {"material": {"youngs_modulus": 192850.0, "density": 7.8578e-9}},
-        "cqsma": {"amplitude_from": 1e-4}}"#;
+        "analyses": {"backbone": {"amplitude_from": 1e-4}}}"#;
     let scene = Scene::from_json(mm, "mm.json", "x", &BENCHMARKS).unwrap();
     let si = beam("x");
     assert!((scene.model.material.unwrap().youngs_modulus.si() / 192.85e9 - 1.0).abs() < 1e-15);
@@ -715,15 +720,15 @@ fn quantities_are_converted_where_they_are_given() {
     let locked = Scene::from_json(&locked, "mm.json", "x", &BENCHMARKS).unwrap();
     assert_eq!(locked.bolts.behaviour, BoltBehaviour::Locked);
     assert_eq!(locked.bolts.load, si.bolts.load);
-    assert!((scene.cqsma.amplitude_from.si() / 1e-7 - 1.0).abs() < 1e-15);
-    assert_eq!(scene.cqsma.amplitude_to, si.cqsma.amplitude_to);
+    assert!((scene.analyses.backbone.amplitude_from.si() / 1e-7 - 1.0).abs() < 1e-15);
+    assert_eq!(scene.analyses.backbone.amplitude_to, si.analyses.backbone.amplitude_to);
 }
 
 #[test]
 fn a_mode_that_does_not_move_the_response_point_is_refused() {
     // The second mode bends across the beam, the response is normal to the interface.
     let mut scene = quick();
-    scene.cqsma.mode = 2;
+    scene.analyses.modes.followed = vec![2];
     let error = run(&scene, &Options::cached(cache()), &Silent).unwrap_err();
     assert!(matches!(error, Error::NoResponse { mode: 2, .. }), "{error}");
 }
@@ -808,7 +813,7 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
             .is_err()
     );
     let mut other = scene.clone();
-    other.mu = 0.3;
+    other.interfaces.mu = 0.3;
     let of_other = run(&other, &options, &Silent).unwrap();
     assert!(numbers(&of_other) != undisturbed);
     of_other.checkpoints.remove();
@@ -820,7 +825,7 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
 fn prestress_is_found_from_far_guesses() {
     for gap in [Gap::Flat, Gap::Measured] {
         let mut scene = quick();
-        scene.gap = gap;
+        scene.interfaces.gap = gap;
         let options = Options::cached(cache());
         let prepared = prepare(&scene, &options, &Silent).unwrap();
         let reduced = &prepared.model().reduced;
@@ -854,9 +859,9 @@ fn prestress_is_found_from_far_guesses() {
 #[test]
 fn amplitudes_from_a_femtometre_to_a_metre_are_found_and_noise_is_called_so() {
     let mut scene = quick();
-    scene.cqsma.amplitude_from = Length::from_si(1e-15);
-    scene.cqsma.amplitude_to = Length::from_si(1.0);
-    scene.cqsma.amplitudes = 16;
+    scene.analyses.backbone.amplitude_from = Length::from_si(1e-15);
+    scene.analyses.backbone.amplitude_to = Length::from_si(1.0);
+    scene.analyses.backbone.amplitudes = 16;
     let run = go(&scene);
     let summary = Summary::new(&run, Default::default(), None);
     let linear = run.frequencies[0];

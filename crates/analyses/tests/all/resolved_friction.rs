@@ -86,8 +86,8 @@ fn damping_far_below_gross_slip_is_that_of_the_published_model() {
         ("published-epmc-topography", &BACKBONE_TOPOGRAPHY[..], [0.2, 9e-3]),
     ] {
         let mut scene = scene(name);
-        scene.cqsma.amplitudes = 16;
-        scene.cqsma.vertices_per_quarter = 8;
+        scene.analyses.backbone.amplitudes = 16;
+        scene.analyses.backbone.vertices_per_quarter = 8;
         within(&scene, published, bounds);
     }
 }
@@ -116,14 +116,14 @@ fn within(scene: &Scene, published: &[BackbonePoint], bounds: [f64; 2]) {
 #[test]
 fn a_dozen_bins_do_what_a_hundred_do() {
     let mut scene = scene("published-epmc-flat");
-    scene.cqsma.amplitudes = 5;
-    scene.cqsma.vertices_per_quarter = 8;
-    scene.points_per_direction = 2;
-    scene.law.yielding = None;
+    scene.analyses.backbone.amplitudes = 5;
+    scene.analyses.backbone.vertices_per_quarter = 8;
+    scene.interfaces.points_per_direction = 2;
+    scene.interfaces.law.yielding = None;
     let many = go(&scene);
-    scene.law.bins = Bins::Error(1e-3);
+    scene.interfaces.law.bins = Bins::Error(1e-3);
     let few = go(&scene);
-    let report = few.law.resolved.clone().unwrap();
+    let report = few.law().resolved.clone().unwrap();
     assert!((8..=20).contains(&report.bins), "{report:?}");
     assert!(report.bin_errors.iter().all(|error| *error <= 1e-3), "{report:?}");
     let first = few.frequencies[0] / many.frequencies[0] - 1.0;
@@ -141,14 +141,14 @@ fn a_dozen_bins_do_what_a_hundred_do() {
 #[test]
 fn annuli_dissipate_more_than_asperities_as_a_whole_and_few_of_them_suffice() {
     let mut scene = scene("published-epmc-flat");
-    scene.cqsma.amplitudes = 3;
-    scene.cqsma.vertices_per_quarter = 8;
-    scene.law.yielding = None;
-    scene.law.bins = Bins::Gauss(8);
+    scene.analyses.backbone.amplitudes = 3;
+    scene.analyses.backbone.vertices_per_quarter = 8;
+    scene.interfaces.law.yielding = None;
+    scene.interfaces.law.bins = Bins::Gauss(8);
     scene.background_damping = 0.0;
     let mut damping = |friction, radii| {
-        scene.law.friction = friction;
-        scene.law.radii = RadialRule::Annuli(radii);
+        scene.interfaces.law.friction = friction;
+        scene.interfaces.law.radii = RadialRule::Annuli(radii);
         backbone(&go(&scene)).into_iter().map(|p| p[2]).collect::<Vec<_>>()
     };
     let whole = damping(Friction::Resolved, 8);
@@ -164,7 +164,7 @@ fn annuli_dissipate_more_than_asperities_as_a_whole_and_few_of_them_suffice() {
 #[test]
 fn assembly_without_friction_leaves_no_tangential_traction() {
     let mut scene = scene("published-epmc-topography");
-    scene.cqsma.amplitudes = 0;
+    scene.analyses.backbone.amplitudes = 0;
     let largest = |scene: &Scene| {
         let run = go(scene);
         let [x, y, n] = &run.prestress.fields.traction;
@@ -180,9 +180,9 @@ fn assembly_without_friction_leaves_no_tangential_traction() {
 #[test]
 fn yield_is_part_of_the_validity() {
     let mut scene = scene("published-epmc-flat");
-    scene.cqsma.amplitudes = 1;
+    scene.analyses.backbone.amplitudes = 1;
     let run = go(&scene);
-    let onset = run.law.resolved.as_ref().unwrap().onset_of_yield.unwrap();
+    let onset = run.law().resolved.as_ref().unwrap().onset_of_yield.unwrap();
     assert!((1e-8..1e-6).contains(&onset), "{onset}");
     assert_eq!(run.validity().yield_onset_interference, Some(onset));
     let share = run.validity().yielded_asperity_fraction.unwrap();
@@ -193,7 +193,8 @@ fn yield_is_part_of_the_validity() {
 fn what_does_not_belong_to_the_friction_of_a_scene_is_refused() {
     let refusal = |law: &str| {
         let text = format!(
-            r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }}, "law": {law} }}"#
+            r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
+                "interfaces": {{ "law": {law} }} }}"#
         );
         Scene::from_json(&text, "a.json", "a", &[&BrakeReussBenchmark])
             .unwrap_err()
@@ -201,48 +202,57 @@ fn what_does_not_belong_to_the_friction_of_a_scene_is_refused() {
     };
     let yielding = r#""yield": { "strength": "300 MPa", "tangent_modulus": 0 }"#;
     for (law, parts) in [
-        (format!("{{ {yielding} }}"), ["law.yield", "law.friction"]),
-        (r#"{ "bins": { "gauss": 8 } }"#.into(), ["law.bins", "law.friction"]),
+        (
+            format!("{{ {yielding} }}"),
+            ["interfaces.law.yield", "interfaces.law.friction"],
+        ),
+        (
+            r#"{ "bins": { "gauss": 8 } }"#.into(),
+            ["interfaces.law.bins", "interfaces.law.friction"],
+        ),
         (
             r#"{ "friction": "resolved", "kind": "fitted" }"#.into(),
-            ["law.kind", "lumped"],
+            ["interfaces.law.kind", "lumped"],
         ),
         (
             r#"{ "friction": "resolved", "tangential": "paper" }"#.into(),
-            ["law.tangential", "lumped"],
+            ["interfaces.law.tangential", "lumped"],
         ),
         (
             r#"{ "friction": "resolved", "radii": { "annuli": 4 } }"#.into(),
-            ["law.radii", "mindlin-iwan"],
+            ["interfaces.law.radii", "mindlin-iwan"],
         ),
         (
             r#"{ "friction": "mindlin-iwan", "radii": { "equally-spaced": 100 }, "history": "paper" }"#.into(),
-            ["law.history", "end point"],
+            ["interfaces.law.history", "end point"],
         ),
         (
             r#"{ "friction": "resolved", "bins": { "gauss": 7 } }"#.into(),
-            ["law.bins.gauss", "even"],
+            ["interfaces.law.bins.gauss", "even"],
         ),
         (
             r#"{ "friction": "resolved", "bins": { "error": 0 } }"#.into(),
-            ["law.bins.error", "1e-8"],
+            ["interfaces.law.bins.error", "1e-8"],
         ),
         (
             r#"{ "friction": "resolved", "yield": { "strength": -1, "tangent_modulus": 0 } }"#.into(),
-            ["law.yield.strength", "positive"],
+            ["interfaces.law.yield.strength", "positive"],
         ),
         (
             r#"{ "friction": "resolved", "yield": { "strength": 1e8, "tangent_modulus": 1e12 } }"#.into(),
-            ["law.yield.tangent_modulus", "below"],
+            ["interfaces.law.yield.tangent_modulus", "below"],
         ),
-        (r#"{ "friction": "sticky" }"#.into(), ["law.friction", "resolved"]),
+        (
+            r#"{ "friction": "sticky" }"#.into(),
+            ["interfaces.law.friction", "resolved"],
+        ),
     ] {
         let text = refusal(&law);
         assert!(parts.iter().all(|part| text.contains(part)), "{law}: {text}");
     }
     // Refused where the law is made.
     let mut scene = scene("published-epmc-flat");
-    scene.law.history = contact_laws::HistoryRule::Potential;
+    scene.interfaces.law.history = contact_laws::HistoryRule::Potential;
     let error = analyses::run(&scene, &joints::Options::default(), &joints::progress::Silent);
     assert!(error.unwrap_err().to_string().contains("yield"));
 }

@@ -54,13 +54,13 @@ fn faces() -> SyntheticScan {
 fn scene(surface: Surface) -> Scene {
     let mut scene = beam("scans");
     scene.model.refinement = RefinementLevel::Quick;
-    scene.cqsma.amplitudes = 3;
-    scene.cqsma.amplitude_from = Length::from_si(1e-6);
-    scene.cqsma.vertices_per_quarter = 4;
+    scene.analyses.backbone.amplitudes = 3;
+    scene.analyses.backbone.amplitude_from = Length::from_si(1e-6);
+    scene.analyses.backbone.vertices_per_quarter = 4;
     if surface.is_scanned() {
-        scene.gap = Gap::Scan;
+        scene.interfaces.gap = Gap::Scan;
     }
-    scene.surface = surface;
+    scene.interfaces.surface = surface;
     scene
 }
 
@@ -92,7 +92,7 @@ fn scans_from_files_give_the_backbone_of_the_same_faces_to_the_last_bit() {
     for kind in [LawKind::Tabulated, LawKind::Fitted] {
         let go = |surface| {
             let mut scene = scene(surface);
-            scene.law.kind = kind;
+            scene.interfaces.law.kind = kind;
             run(&scene, &options(folder()), &Silent).unwrap()
         };
         let read = go(Surface::Scans(Box::new(scans())));
@@ -101,10 +101,10 @@ fn scans_from_files_give_the_backbone_of_the_same_faces_to_the_last_bit() {
         assert_eq!(read.interface.gap(), made.interface.gap());
         assert!(read.interface.gap().unwrap().iter().any(|g| *g > 1e-7));
         // The account of the run says where it comes from, and is a scene again.
-        let report = read.law.asperities.as_ref().unwrap();
+        let report = read.law().asperities.as_ref().unwrap();
         assert_eq!(report.scans[0].path, folder().join("top.x3p"));
         assert_eq!(report.scans[1].height_step, Some(faces().height_step.si()));
-        assert!(made.law.asperities.as_ref().unwrap().scans.is_empty());
+        assert!(made.law().asperities.as_ref().unwrap().scans.is_empty());
         let text = serde_json::to_string(&read.scene).unwrap();
         assert_eq!(Scene::from_json(&text, "again", "", &BENCHMARKS).unwrap(), read.scene);
     }
@@ -116,12 +116,13 @@ fn scenes_name_scans_by_paths_lists_and_blocks_in_their_own_units() {
     std::fs::create_dir_all(&folder).unwrap();
     let read = |surface: &str| {
         let text = format!(
-            r#"{{ "units": {{ "length": "mm", "mass": "t", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }}, "gap": "scan", "surface": {{ "scans": {surface} }} }}"#
+            r#"{{ "units": {{ "length": "mm", "mass": "t", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
+                "interfaces": {{ "gap": "scan", "surface": {{ "scans": {surface} }} }} }}"#
         );
         std::fs::write(folder.join("scene.json"), text).unwrap();
         Scene::read(&folder.join("scene.json"), &BENCHMARKS)
     };
-    let scans = |surface: &str| match read(surface).unwrap().surface {
+    let scans = |surface: &str| match read(surface).unwrap().interfaces.surface {
         Surface::Scans(scans) => *scans,
         other => panic!("{other:?}"),
     };
@@ -161,7 +162,7 @@ fn scenes_name_scans_by_paths_lists_and_blocks_in_their_own_units() {
         ),
         (
             r#"{ "top": "a", "bottom": "b", "align": -1 }"#,
-            "surface.scans.align = -0.001 m",
+            "interfaces.surface.scans.align = -0.001 m",
         ),
         (
             r#"["a", { "path": "b", "height_step": 0 }]"#,
@@ -169,7 +170,7 @@ fn scenes_name_scans_by_paths_lists_and_blocks_in_their_own_units() {
         ),
         (
             r#"{ "top": "a", "bottom": "b", "tallest": { "m-out-of-n": { "exponent": 1 } } }"#,
-            "surface.scans.tallest.m-out-of-n.exponent = 1",
+            "interfaces.surface.scans.tallest.m-out-of-n.exponent = 1",
         ),
     ] {
         let message = read(surface).unwrap_err().to_string();
@@ -319,7 +320,7 @@ fn realisations_without_the_tallest_peak_begin_later_and_agree_with_their_sums()
     let u: Vec<f64> = (1..40).map(|k| 0.5e-6 * f64::from(k)).collect();
     let mut later = 0;
     for (e, pair) in drawn.iter().enumerate() {
-        let exact = traction_curves(pair, found.options.material, scene.law.tangential, &u).unwrap();
+        let exact = traction_curves(pair, found.options.material, scene.interfaces.law.tangential, &u).unwrap();
         let point = operators.first_point[e];
         let depth = realisation.gap().unwrap()[point] - interface.interface.gap().unwrap()[point];
         assert!(depth >= 0.0);

@@ -34,9 +34,8 @@ fn on_deck() -> Value {
             "response": { "node": "TIP", "direction": [0.0, 0.0, 1.0] },
         } },
         "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } },
-        "surface": { "benchmark": "brake-reuss-beam" },
+        "interfaces": { "surface": { "benchmark": "brake-reuss-beam" }, "mu": 0.3 },
         "bolts": { "load": "10 kN" },
-        "mu": 0.3,
     })
 }
 
@@ -47,8 +46,8 @@ fn errors_give_field_value_and_remedy_beside_their_message() {
         scene.as_object_mut().unwrap().extend(rest.as_object().unwrap().clone());
         read(&scene).unwrap_err()
     };
-    let value = on_beam(json!({ "cqsma": { "amplitude_from": -1.0 } }));
-    assert_eq!(value.field(), Some("cqsma.amplitude_from"));
+    let value = on_beam(json!({ "analyses": { "backbone": { "amplitude_from": -1.0 } } }));
+    assert_eq!(value.field(), Some("analyses.backbone.amplitude_from"));
     assert_eq!(value.value(), Some((-1.0, "m")));
     assert_eq!(value.remedy().unwrap(), "it must be positive and finite");
     for (wrong, field) in [
@@ -65,12 +64,12 @@ fn errors_give_field_value_and_remedy_beside_their_message() {
         let error = on_beam(wrong);
         assert_eq!((error.field(), error.value()), (Some(field), None), "{error}");
     }
-    let idle = on_beam(json!({ "epmc": {} }));
-    assert_eq!(idle.field(), Some("epmc"));
+    let idle = on_beam(json!({ "interfaces": { "law": { "bins": { "gauss": 8 } } } }));
+    assert_eq!(idle.field(), Some("interfaces.law.bins"));
     assert_eq!(idle.remedy().unwrap(), "leave one of them out");
     let mut scene = on_deck();
-    scene.as_object_mut().unwrap().remove("mu");
-    assert_eq!(read(&scene).unwrap_err().field(), Some("mu"));
+    scene["interfaces"].as_object_mut().unwrap().remove("mu");
+    assert_eq!(read(&scene).unwrap_err().field(), Some("interfaces.mu"));
     assert_eq!(read(&json!([])).unwrap_err().field(), Some("units"));
     assert_eq!(
         Scene::from_json("{", "scene.json", "scene", &BENCHMARKS)
@@ -84,11 +83,11 @@ fn errors_give_field_value_and_remedy_beside_their_message() {
 fn what_a_deck_does_not_say_is_asked_for_with_a_line_to_add() {
     read(&on_deck()).unwrap();
     for (path, name) in [
-        ("/mu", "mu"),
+        ("/interfaces/mu", "interfaces.mu"),
         ("/bolts/load", "bolts.load"),
         ("/model/material/youngs_modulus", "model.material.youngs_modulus"),
         ("/model/material/poisson_ratio", "model.material.poisson_ratio"),
-        ("/surface", "surface"),
+        ("/interfaces/surface", "interfaces.surface"),
     ] {
         let mut scene = on_deck();
         let (parent, field) = path.rsplit_once('/').unwrap();
@@ -119,22 +118,22 @@ fn what_a_deck_does_not_say_is_asked_for_with_a_line_to_add() {
 #[test]
 fn measured_faces_are_those_of_a_benchmark_that_is_named() {
     let mut scene = on_deck();
-    scene["surface"] = json!("measured");
+    scene["interfaces"]["surface"] = json!("measured");
     assert!(
         refused(&scene).contains("the structure has none"),
         "{}",
         refused(&scene)
     );
     let mut scene = on_deck();
-    scene["gap"] = json!("measured");
+    scene["interfaces"]["gap"] = json!("measured");
     assert!(
-        refused(&scene).contains("gap asks for a measured surface"),
+        refused(&scene).contains("interfaces.gap asks for a measured surface"),
         "{}",
         refused(&scene)
     );
-    scene["gap"] = json!({ "benchmark": "brake-reuss-beam" });
+    scene["interfaces"]["gap"] = json!({ "benchmark": "brake-reuss-beam" });
     read(&scene).unwrap();
-    scene["gap"] = json!({ "benchmark": "s4" });
+    scene["interfaces"]["gap"] = json!({ "benchmark": "s4" });
     let message = refused(&scene);
     assert!(
         message.contains("no benchmark `s4`; there are brake-reuss-beam"),
@@ -147,16 +146,13 @@ fn measured_faces_are_those_of_a_benchmark_that_is_named() {
 
 #[test]
 fn a_structure_is_named_once_and_where_it_belongs() {
-    let message = refused(&json!({ "units": units(), "mu": 0.2 }));
+    let message = refused(&json!({ "units": units(), "interfaces": { "mu": 0.2 } }));
     assert!(
         message.contains("`structure` is missing") && message.contains("benchmark"),
         "{message}"
     );
     let message = refused(&json!({ "units": units(), "model": { "deck": {} } }));
-    assert!(
-        message.contains("model.deck is not a field") && message.contains("\"structure\""),
-        "{message}"
-    );
+    assert!(message.contains("model.deck is now structure.deck"), "{message}");
     let both = json!({ "benchmark": "brake-reuss-beam", "deck": on_deck()["structure"]["deck"] });
     let mut scene = on_deck();
     scene["structure"] = both;
@@ -235,8 +231,12 @@ fn masses_name_their_nodes_as_the_structure_has_them() {
 #[test]
 fn wrong_types_name_the_field() {
     let mut scene = on_deck();
-    scene["cqsma"] = json!({ "amplitudes": "many" });
-    assert!(refused(&scene).contains("cqsma.amplitudes"), "{}", refused(&scene));
+    scene["analyses"] = json!({ "backbone": { "amplitudes": "many" } });
+    assert!(
+        refused(&scene).contains("analyses.backbone.amplitudes"),
+        "{}",
+        refused(&scene)
+    );
     let mut scene = on_deck();
     scene["model"]["material"]["youngs_modulus"] = json!("200 kN");
     let message = refused(&scene);
@@ -374,7 +374,13 @@ fn no_block_of_a_scene_may_be_a_list() {
         "normal": [13.0, 2.2, 0.4, 0.5, 1.2], "tangential": [[28.0, 1.5, 0.3, 0.6], [28.0, 1.5, 0.3, 0.6]],
         "u_ref": 1e-6, "range": [1e-7, 1e-5],
     } });
-    let benchmark = |surface: Value| json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" }, "surface": surface });
+    let benchmark = |surface: Value| {
+        json!({
+            "units": units(),
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "interfaces": { "surface": surface },
+        })
+    };
     let mut deck = on_deck();
     deck["structure"]["deck"]["materials"] = json!("scene");
     deck["model"]["material"] = json!({
@@ -385,7 +391,7 @@ fn no_block_of_a_scene_may_be_a_list() {
     deck["structure"]["point_masses"] = json!([{ "node": "TIP", "mass": 1e-3 }]);
     deck["output"] = json!({ "fields_at": [1] });
     deck["accuracy"] = json!({ "damping": 0.5 });
-    deck["methods"] = json!(["qsma"]);
+    deck["analyses"] = json!({ "backbone": { "methods": ["qsma"] } });
     let mut matrices = on_deck();
     matrices["structure"] = json!({ "matrices": {
         "path": "joint.npz",
@@ -429,8 +435,11 @@ fn no_block_of_a_scene_may_be_a_list() {
         "/bolts",
         "/model",
         "/model/material",
-        "/law",
-        "/cqsma",
+        "/interfaces",
+        "/interfaces/law",
+        "/analyses",
+        "/analyses/modes",
+        "/analyses/backbone",
         "/output",
         "/accuracy",
         "/structure",
@@ -442,17 +451,17 @@ fn no_block_of_a_scene_may_be_a_list() {
         "/structure/matrices",
         "/structure/matrices/interface",
         "/structure/matrices/coordinates/both-sides",
-        "/surface/parameters",
-        "/surface/parameters/sets/0",
-        "/surface/parameters/sets/0/curves/elastic",
-        "/surface/parameters/sets/0/curves/fitted",
-        "/surface/synthetic-scan",
-        "/surface/synthetic-scan/registration",
-        "/surface/scans",
-        "/surface/scans/top",
-        "/surface/scans/registration",
-        "/surface/scans/noise",
-        "/surface/scans/readings",
+        "/interfaces/surface/parameters",
+        "/interfaces/surface/parameters/sets/0",
+        "/interfaces/surface/parameters/sets/0/curves/elastic",
+        "/interfaces/surface/parameters/sets/0/curves/fitted",
+        "/interfaces/surface/synthetic-scan",
+        "/interfaces/surface/synthetic-scan/registration",
+        "/interfaces/surface/scans",
+        "/interfaces/surface/scans/top",
+        "/interfaces/surface/scans/registration",
+        "/interfaces/surface/scans/noise",
+        "/interfaces/surface/scans/readings",
     ] {
         assert!(paths.contains(path), "{path} is in no scene of this test: {paths:?}");
     }
@@ -462,15 +471,16 @@ fn no_block_of_a_scene_may_be_a_list() {
 fn a_scene_in_inches_is_the_same_scene() {
     let mut metric = on_deck();
     metric["structure"]["deck"]["tie_tolerance"] = json!(2.54e-3);
-    metric["cqsma"] = json!({ "amplitude_to": 2.54e-4 });
+    metric["analyses"] = json!({ "backbone": { "amplitude_to": 2.54e-4 } });
     let mut inches = on_deck();
     inches["units"] = json!({ "length": "in", "force": "lbf", "time": "s" });
     inches["structure"]["deck"]["tie_tolerance"] = json!(0.1);
-    inches["cqsma"] = json!({ "amplitude_to": "10 mil" });
+    inches["analyses"] = json!({ "backbone": { "amplitude_to": "10 mil" } });
     let (metric, inches) = (read(&metric).unwrap(), read(&inches).unwrap());
     let [a, b] = [&metric, &inches].map(|s| s.structure.deck().unwrap().tie_tolerance.unwrap().si());
     assert!((a / b - 1.0).abs() < 1e-15, "{a} {b}");
-    assert!((metric.cqsma.amplitude_to.si() / inches.cqsma.amplitude_to.si() - 1.0).abs() < 1e-15);
+    let [a, b] = [&metric, &inches].map(|s| s.analyses.backbone.amplitude_to.si());
+    assert!((a / b - 1.0).abs() < 1e-15, "{a} {b}");
     assert_eq!(metric.bolts, inches.bolts);
     // The deck is in the units of the scene.
     let length = inches.structure.deck().unwrap().units.length_in_si();
@@ -482,7 +492,7 @@ fn a_scene_is_written_in_si_and_reads_back() {
     for scene in [
         on_deck(),
         json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" },
-        "cqsma": { "modes_of_interest": [3, 1] } }),
+        "analyses": { "modes": { "followed": [3, 1] }, "backbone": {} } }),
     ] {
         let scene = read(&scene).unwrap();
         let again = read(&serde_json::to_value(&scene).unwrap()).unwrap();
@@ -492,27 +502,21 @@ fn a_scene_is_written_in_si_and_reads_back() {
 
 #[test]
 fn several_modes_are_named_once_and_in_range() {
-    let scene =
-        |modes: Value| json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" }, "cqsma": modes });
-    assert_eq!(
-        read(&scene(json!({ "modes_of_interest": [1, 3] })))
-            .unwrap()
-            .cqsma
-            .followed(),
-        [1, 3]
-    );
-    assert_eq!(read(&scene(json!({ "mode": 3 }))).unwrap().cqsma.followed(), [3]);
+    let scene = |followed: Value| {
+        json!({
+            "units": units(),
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "analyses": { "modes": { "followed": followed }, "backbone": {} },
+        })
+    };
+    let followed = |modes: Value| read(&scene(modes)).unwrap().analyses.modes.followed;
+    assert_eq!(followed(json!([1, 3])), [1, 3]);
+    assert_eq!(followed(json!([3])), [3]);
     for (modes, said) in [
-        (
-            json!({ "modes_of_interest": [1, 1] }),
-            "different from the modes before it",
-        ),
-        (json!({ "modes_of_interest": [0] }), "between 1 and cqsma.modes"),
-        (json!({ "modes_of_interest": [1, 11] }), "between 1 and cqsma.modes"),
-        (
-            json!({ "mode": 2, "modes_of_interest": [1] }),
-            "cqsma.mode belongs to scenes that follow one mode",
-        ),
+        (json!([1, 1]), "different from the modes before it"),
+        (json!([0]), "between 1 and analyses.modes.number"),
+        (json!([1, 11]), "between 1 and analyses.modes.number"),
+        (json!([]), "at least one"),
     ] {
         let message = refused(&scene(modes));
         assert!(message.contains(said), "{message}");
@@ -551,16 +555,20 @@ fn scenes_get_the_settings_that_they_do_not_give() {
     let draft = &PRESETS[0];
     let scene = read(json!({ "accuracy": "draft" })).unwrap();
     assert_eq!(
-        (scene.model.refinement, scene.points_per_direction),
+        (scene.model.refinement, scene.interfaces.points_per_direction),
         (draft.refinement, draft.points_per_direction)
     );
     assert_eq!(scene.model.material, beam("").model.material, "nothing else changes");
-    assert_eq!(scene.surface, Surface::Measured);
-    let own =
-        read(json!({ "accuracy": "draft", "points_per_direction": 3, "cqsma": { "amplitude_to": 1.0 } })).unwrap();
-    assert_eq!(own.points_per_direction, 3);
-    assert_eq!(own.cqsma.vertices_per_quarter, draft.vertices_per_quarter);
-    assert_eq!(own.cqsma.amplitude_to, Length::from_si(1e-3));
+    assert_eq!(scene.interfaces.surface, Surface::Measured);
+    let own = read(json!({
+        "accuracy": "draft",
+        "interfaces": { "points_per_direction": 3 },
+        "analyses": { "backbone": { "amplitude_to": 1.0 } },
+    }))
+    .unwrap();
+    assert_eq!(own.interfaces.points_per_direction, 3);
+    assert_eq!(own.analyses.backbone.vertices_per_quarter, draft.vertices_per_quarter);
+    assert_eq!(own.analyses.backbone.amplitude_to, Length::from_si(1e-3));
     // Order, refinement and formulation make a mesh together: a scene that gives one of them keeps its own.
     let mesh = |scene: &Scene| (scene.model.element_order, scene.model.refinement);
     let standard = read(json!({ "accuracy": "standard" })).unwrap();
@@ -574,7 +582,8 @@ fn scenes_get_the_settings_that_they_do_not_give() {
     ] {
         let kept = read(json!({ "accuracy": "standard", "model": own })).unwrap();
         assert_eq!(mesh(&kept), mesh(&nothing), "{own}");
-        assert_eq!(kept.points_per_direction, standard.points_per_direction, "{own}");
+        let [own_points, points] = [&kept, &standard].map(|scene| scene.interfaces.points_per_direction);
+        assert_eq!(own_points, points, "{own}");
     }
     let text = serde_json::to_string(&own).unwrap();
     let again = Scene::from_json(&text, "test", "test", &BENCHMARKS).unwrap();
@@ -610,7 +619,7 @@ fn finer_settings_are_finer_in_something_and_coarser_in_nothing() {
     vertices.model.refinement = RefinementLevel::Quick;
     vertices.model.modes = Some(10);
     assert_eq!(refined(&vertices).unwrap().0.name, "coarse");
-    vertices.cqsma.vertices_per_quarter = 4096;
+    vertices.analyses.backbone.vertices_per_quarter = 4096;
     assert!(matches!(refined(&vertices), Err(scenes::Error::NothingFiner)));
 }
 
@@ -652,9 +661,8 @@ fn elements_of_benchmarks_and_decks_may_be_quadratic() {
         "units": units(),
         "structure": { "matrices": { "path": "joint.npz", "coordinates": "jump" } },
         "model": { "material": deck["model"]["material"], "element_order": "quadratic" },
-        "surface": { "benchmark": "brake-reuss-beam" },
+        "interfaces": { "surface": { "benchmark": "brake-reuss-beam" }, "mu": 0.2 },
         "bolts": { "load": 1.2e4 },
-        "mu": 0.2,
     });
     assert!(
         refused(&matrices).contains("model.element_order belongs to"),
@@ -718,8 +726,8 @@ fn the_error_of_a_mesh_is_known_where_it_was_measured() {
         (scene.model.element_order, scene.model.refinement) = (ElementOrder::Quadratic, RefinementLevel::Finest);
     };
     assert!(changed(finest).contains("refinement"));
-    assert!(changed(|scene| scene.cqsma.mode = 3).contains("first mode"));
-    assert!(changed(|scene| scene.cqsma.modes_of_interest = vec![1, 3]).contains("first mode"));
+    assert!(changed(|scene| scene.analyses.modes.followed[0] = 3).contains("first mode"));
+    assert!(changed(|scene| scene.analyses.modes.followed = vec![1, 3]).contains("first mode"));
     let deck = read(&on_deck()).unwrap();
     assert!(known(&deck).is_none() && ErrorBar::of(&deck).source.contains("deck"));
     let matrices = read(&json!({
@@ -732,9 +740,8 @@ fn the_error_of_a_mesh_is_known_where_it_was_measured() {
             "response": { "number": 1 },
         } },
         "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } },
-        "surface": { "benchmark": "brake-reuss-beam" },
+        "interfaces": { "surface": { "benchmark": "brake-reuss-beam" }, "mu": 0.3 },
         "bolts": { "load": "10 kN" },
-        "mu": 0.3,
     }))
     .unwrap();
     assert!(known(&matrices).is_none() && ErrorBar::of(&matrices).source.contains("matrices"));
@@ -749,17 +756,17 @@ fn the_error_of_a_mesh_is_known_where_it_was_measured() {
 fn numbers_of_a_scene_are_named_by_their_paths() {
     let scene = beam("paths");
     let value = |path: &str| Parameter::new(path).value(&scene);
-    assert_eq!(value("mu").unwrap(), scene.mu);
+    assert_eq!(value("interfaces.mu").unwrap(), scene.interfaces.mu);
     assert_eq!(value("bolts.load").unwrap(), scene.bolts.load.si());
-    assert_eq!(value("scale.gap_tilt.1").unwrap_or(0.0), 0.0);
+    assert_eq!(value("interfaces.scale.gap_tilt.1").unwrap_or(0.0), 0.0);
     for (path, unit, influence) in [
-        ("mu", "", Influence::Interface),
+        ("interfaces.mu", "", Influence::Interface),
         ("bolts.load", "N", Influence::Loads),
         ("model.material.youngs_modulus", "Pa", Influence::Structure),
         ("model.material.density", "kg/m^3", Influence::Structure),
         ("model.material.poisson_ratio", "", Influence::Structure),
-        ("scale.asperity_radius", "", Influence::Interface),
-        ("scale.gap_tilt.0", "", Influence::Interface),
+        ("interfaces.scale.asperity_radius", "", Influence::Interface),
+        ("interfaces.scale.gap_tilt.0", "", Influence::Interface),
     ] {
         let parameter = Parameter::new(path);
         assert_eq!(parameter.unit(&scene).unwrap(), unit, "{path}");
@@ -781,25 +788,35 @@ fn numbers_of_a_scene_are_named_by_their_paths() {
         (11e3, 12e3, 11e3)
     );
     for (path, why) in [
-        ("cqsma.tolerance", "it is no number that the physics depends on"),
+        (
+            "analyses.backbone.tolerance",
+            "it is no number that the physics depends on",
+        ),
         ("mus", "it is no number that the physics depends on"),
         ("bolts.loads.1", "bolts has assembly, behaviour, load"),
         ("model.material.density.x", "the scene has no number there"),
-        ("scale.gap_tilt.2", "scale.gap_tilt has 2 elements, counted from 0"),
-        ("law.yield.strength", "the scene has no such number; law has bins"),
+        (
+            "interfaces.scale.gap_tilt.2",
+            "interfaces.scale.gap_tilt has 2 elements, counted from 0",
+        ),
+        (
+            "interfaces.law.yield.strength",
+            "the scene has no such number; interfaces.law has bins",
+        ),
     ] {
         let message = value(path).unwrap_err().to_string();
         assert!(message.contains(why), "{path}: {message}");
     }
-    assert!(Parameter::new("mu").with(&scene, -0.1).is_err());
+    assert!(Parameter::new("interfaces.mu").with(&scene, -0.1).is_err());
     let asking = |parameters: Value| {
         let mut scene = json!({ "units": units(), "structure": { "benchmark": "brake-reuss-beam" } });
-        scene["sensitivities"] = parameters;
+        scene["analyses"] = json!({ "backbone": {}, "sensitivities": parameters });
         read(&scene)
     };
-    assert_eq!(asking(json!(["mu", "bolts.load"])).unwrap().sensitivities.len(), 2);
-    let twice = asking(json!(["mu", "mu"])).unwrap_err();
-    assert!(twice.to_string().contains("names it twice") && twice.field() == Some("mu"));
+    let two = asking(json!(["interfaces.mu", "bolts.load"])).unwrap();
+    assert_eq!(two.analyses.sensitivities.len(), 2);
+    let twice = asking(json!(["interfaces.mu", "interfaces.mu"])).unwrap_err();
+    assert!(twice.to_string().contains("names it twice") && twice.field() == Some("interfaces.mu"));
     assert!(asking(json!(["friction"])).is_err());
 }
 
@@ -813,8 +830,7 @@ fn paths_that_are_no_text_are_refused_before_anything_is_computed() {
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "surface": { "scans": ["top.csv", "bottom.csv"] },
-        "gap": "scan",
+        "interfaces": { "surface": { "scans": ["top.csv", "bottom.csv"] }, "gap": "scan" },
     });
     let mut scene = Scene::from_json(&given.to_string(), "x", "x", &BENCHMARKS).unwrap();
     scene.validate("x").unwrap();
@@ -857,7 +873,7 @@ fn a_material_is_asked_for_where_something_is_made_of_it() {
     let read = |structure: &Value, surface: &Value| {
         let given = json!({
             "units": { "length": "m", "mass": "kg", "time": "s" },
-            "structure": structure, "surface": surface, "bolts": { "load": 1e3 }, "mu": 0.2,
+            "structure": structure, "interfaces": { "surface": surface, "mu": 0.2 }, "bolts": { "load": 1e3 },
         });
         Scene::from_json(&given.to_string(), "x", "x", &BENCHMARKS)
     };

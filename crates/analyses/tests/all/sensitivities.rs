@@ -18,32 +18,32 @@ const NUMBERS: usize = 4;
 /// Relative distance of the loops that are interpolated.
 const NEAR: f64 = 3e-4;
 
-/// A small beam with the measured gap, whose runs are exact to round-off.
+/// A small beam with the measured gap, whose runs are exact to round-off; `more` is added to the fields of its blocks.
 fn scene(more: &Value) -> Scene {
     let mut scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "gap": "measured",
-        "mu": 0.2,
-        "points_per_direction": 1,
-        "cqsma": {
+        "interfaces": { "gap": "measured", "mu": 0.2, "points_per_direction": 1 },
+        "analyses": { "backbone": {
             "amplitudes": AMPLITUDES, "vertices_per_quarter": 3, "tolerance": 1e-12, "cycles": 3,
             "amplitude_from": "3 um", "amplitude_to": "0.6 mm",
-        },
+        } },
         "output": { "fields_at": [] },
     });
-    let fields = scene.as_object_mut().unwrap();
-    fields.extend(more.as_object().unwrap().clone());
+    for (block, fields) in more.as_object().unwrap() {
+        let block = scene[block].as_object_mut().unwrap();
+        block.extend(fields.as_object().unwrap().clone());
+    }
     Scene::from_json(&scene.to_string(), "scene", "scene", &BENCHMARKS).unwrap()
 }
 
 /// `ln omega` and `ln zeta`, and the same of the first harmonic, at the modal amplitude `ln_q`, from three loops about a displacement.
 fn beside(scene: &Scene, model: Option<&StructuralModel>, displacement: f64, ln_q: f64) -> [f64; NUMBERS] {
     let mut near = scene.clone();
-    near.cqsma.amplitudes = 3;
-    near.cqsma.amplitude_from = Length::from_si(displacement * (1.0 - NEAR));
-    near.cqsma.amplitude_to = Length::from_si(displacement * (1.0 + NEAR));
+    near.analyses.backbone.amplitudes = 3;
+    near.analyses.backbone.amplitude_from = Length::from_si(displacement * (1.0 - NEAR));
+    near.analyses.backbone.amplitude_to = Length::from_si(displacement * (1.0 + NEAR));
     let structure = Structure::try_new(&near, &Silent).unwrap();
     let prepared = match model {
         Some(model) => Prepared::with_model(&near, &structure, model.clone(), &Options::default(), &Silent),
@@ -77,9 +77,9 @@ fn compare(scene: &Scene, amplitudes: &[usize]) -> Vec<(Parameter, [f64; NUMBERS
     let prepared = Prepared::with_model(scene, &structure, model.clone(), &Options::default(), &Silent);
     let found = prepared.unwrap().solve(&Silent).unwrap();
     let sensitivities = &found.first().sensitivities;
-    assert_eq!(sensitivities.len(), scene.sensitivities.len());
+    assert_eq!(sensitivities.len(), scene.analyses.sensitivities.len());
     let mut bare = scene.clone();
-    bare.sensitivities.clear();
+    bare.analyses.sensitivities.clear();
     let of_one = |one: &Sensitivity| {
         let is_structural = one.parameter.influence() == Influence::Structure;
         // A point that begins to slip between the two values makes a difference wrong by a kink, and round-off one of close values: the best
@@ -143,9 +143,10 @@ fn compare(scene: &Scene, amplitudes: &[usize]) -> Vec<(Parameter, [f64; NUMBERS
 
 /// Displacements that the amplitudes of a scene are chosen for (m).
 fn displacements(scene: &Scene) -> Vec<f64> {
-    let [from, to] = [scene.cqsma.amplitude_from, scene.cqsma.amplitude_to].map(Length::si);
-    let last = (scene.cqsma.amplitudes - 1) as f64;
-    (0..scene.cqsma.amplitudes)
+    let backbone = &scene.analyses.backbone;
+    let [from, to] = [backbone.amplitude_from, backbone.amplitude_to].map(Length::si);
+    let last = (backbone.amplitudes - 1) as f64;
+    (0..backbone.amplitudes)
         .map(|i| from * (to / from).powf(i as f64 / last))
         .collect()
 }
@@ -153,14 +154,14 @@ fn displacements(scene: &Scene) -> Vec<f64> {
 #[test]
 fn derivatives_of_the_beam_are_those_of_whole_runs() {
     let parameters = [
-        "mu",
+        "interfaces.mu",
         "bolts.load",
-        "scale.asperity_radius",
-        "scale.asperity_height",
-        "scale.gap",
-        "scale.gap_tilt.0",
+        "interfaces.scale.asperity_radius",
+        "interfaces.scale.asperity_height",
+        "interfaces.scale.gap",
+        "interfaces.scale.gap_tilt.0",
     ];
-    let scene = scene(&json!({ "sensitivities": parameters }));
+    let scene = scene(&json!({ "analyses": { "sensitivities": parameters } }));
     for (parameter, errors) in compare(&scene, &[0, 5, 9]) {
         assert!(errors.iter().all(|error| *error < ENOUGH), "{parameter}: {errors:?}");
     }
@@ -173,7 +174,7 @@ fn derivatives_by_the_material_are_those_of_whole_runs() {
         "model.material.poisson_ratio",
         "model.material.density",
     ];
-    let scene = scene(&json!({ "sensitivities": parameters }));
+    let scene = scene(&json!({ "analyses": { "sensitivities": parameters } }));
     for (parameter, errors) in compare(&scene, &[1, 6]) {
         assert!(errors.iter().all(|error| *error < ENOUGH), "{parameter}: {errors:?}");
     }
@@ -182,18 +183,22 @@ fn derivatives_by_the_material_are_those_of_whole_runs() {
 /// What the law is not differentiated with respect to is left to differences, beside what it is.
 #[test]
 fn what_loops_do_not_carry_is_differences_of_runs() {
-    let yielding = |more: &Value| {
-        let mut given = json!({
-            "gap": "flat",
-            "law": { "friction": "resolved", "yield": { "strength": "331.7 MPa", "tangent_modulus": "620 MPa" } },
-            "cqsma": { "amplitudes": 3, "vertices_per_quarter": 3, "amplitude_from": "50 um", "amplitude_to": "0.4 mm" },
-        });
-        let fields = given.as_object_mut().unwrap();
-        fields.extend(more.as_object().unwrap().clone());
-        scene(&given)
+    let yielding = |sensitivities: &[&str]| {
+        scene(&json!({
+            "interfaces": {
+                "gap": "flat",
+                "law": { "friction": "resolved", "yield": { "strength": "331.7 MPa", "tangent_modulus": "620 MPa" } },
+            },
+            "analyses": {
+                "backbone": {
+                    "amplitudes": 3, "vertices_per_quarter": 3, "amplitude_from": "50 um", "amplitude_to": "0.4 mm",
+                },
+                "sensitivities": sensitivities,
+            },
+        }))
     };
-    let path = "law.yield.strength";
-    let asked = yielding(&json!({ "sensitivities": ["mu", path] }));
+    let path = "interfaces.law.yield.strength";
+    let asked = yielding(&["interfaces.mu", path]);
     let prepared = |scene: &Scene| {
         let structure = Structure::try_new(scene, &Silent).unwrap();
         let prepared = Prepared::try_new(scene, &structure, &Options::default(), &Silent).unwrap();
@@ -210,7 +215,7 @@ fn what_loops_do_not_carry_is_differences_of_runs() {
     assert_eq!(strength.parameter.path(), path);
     // By hand, over another step.
     let step = 5e-3;
-    let (bare, last) = (yielding(&json!({})), 2);
+    let (bare, last) = (yielding(&[]), 2);
     let ln_q = strength.modal_amplitude[last].unwrap().ln();
     let [above, below] = [1.0, -1.0].map(|side: f64| {
         let varied = strength
@@ -246,21 +251,20 @@ fn free_motions(scene: &Scene, model: Option<&StructuralModel>) -> (Vec<Sensitiv
 }
 
 fn compare_free_motions(parameters: &[&str], number: usize) {
-    let scene = scene(&json!({
-        "sensitivities": parameters,
-        "methods": ["epmc"],
-        "cqsma": { "amplitudes": 0 },
+    let scene = scene(&json!({ "analyses": {
+        "backbone": { "amplitudes": 0 },
         "epmc": {
             "harmonics": 3, "samples": 64, "tolerance": 1e-12,
             "modal_amplitudes": { "from": 3e-5, "to": 1e-3, "number": number },
         },
-    }));
+        "sensitivities": parameters,
+    } }));
     let structure = Structure::try_new(&scene, &Silent).unwrap();
     let model = structure.reduce(&Options::default(), &Silent).unwrap();
     let (sensitivities, _) = free_motions(&scene, Some(&model));
     assert_eq!(sensitivities.len(), parameters.len());
     let mut bare = scene.clone();
-    bare.sensitivities.clear();
+    bare.analyses.sensitivities.clear();
     for one in &sensitivities {
         let is_structural = one.parameter.influence() == Influence::Structure;
         // A point that begins to slip between two samples on the way from one value to the other makes a difference wrong by a kink. That
@@ -302,7 +306,7 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
 
 #[test]
 fn derivatives_of_free_motions_are_those_of_whole_backbones() {
-    compare_free_motions(&["mu", "bolts.load", "scale.asperity_height"], 3);
+    compare_free_motions(&["interfaces.mu", "bolts.load", "interfaces.scale.asperity_height"], 3);
 }
 
 /// Ten amplitudes for every parameter, both methods.
@@ -310,19 +314,19 @@ fn derivatives_of_free_motions_are_those_of_whole_backbones() {
 #[ignore = "takes minutes"]
 fn derivatives_by_all_parameters_are_those_of_whole_runs() {
     let parameters = [
-        "mu",
+        "interfaces.mu",
         "bolts.load",
-        "scale.asperity_radius",
-        "scale.asperity_density",
-        "scale.asperity_height",
-        "scale.gap",
-        "scale.gap_tilt.0",
+        "interfaces.scale.asperity_radius",
+        "interfaces.scale.asperity_density",
+        "interfaces.scale.asperity_height",
+        "interfaces.scale.gap",
+        "interfaces.scale.gap_tilt.0",
         "model.material.youngs_modulus",
         "model.material.poisson_ratio",
         "model.material.density",
     ];
     let all: Vec<usize> = (0..AMPLITUDES).collect();
-    let scene = scene(&json!({ "sensitivities": parameters }));
+    let scene = scene(&json!({ "analyses": { "sensitivities": parameters } }));
     let found = compare(&scene, &all);
     found
         .iter()

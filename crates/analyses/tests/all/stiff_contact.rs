@@ -9,7 +9,7 @@ use scenes::Scene;
 use serde_json::{Value, json};
 
 /// The coarse beam with a constant stiffness per area of each element, normal and tangential (Pa/m).
-fn scene(stiffnesses: impl Iterator<Item = f64>, per: &str, cqsma: Value) -> Scene {
+fn scene(stiffnesses: impl Iterator<Item = f64>, per: &str, backbone: Value) -> Scene {
     let set = |k: f64| {
         let tangential = 0.83 * k;
         json!({ "curves": { "elastic": { "normal_stiffness": k, "tangential_stiffness": [tangential, tangential] } } })
@@ -18,9 +18,11 @@ fn scene(stiffnesses: impl Iterator<Item = f64>, per: &str, cqsma: Value) -> Sce
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "surface": { "parameters": { "per": per, "sets": stiffnesses.map(set).collect::<Vec<_>>() } },
-        "mu": 0.2,
-        "cqsma": cqsma,
+        "interfaces": {
+            "surface": { "parameters": { "per": per, "sets": stiffnesses.map(set).collect::<Vec<_>>() } },
+            "mu": 0.2,
+        },
+        "analyses": { "backbone": backbone },
     });
     Scene::from_json(&scene.to_string(), "scene", "stiff", &BENCHMARKS).unwrap()
 }
@@ -32,8 +34,8 @@ fn go(scene: &Scene) -> Result<Run, Error> {
 #[test]
 fn a_prestress_out_of_balance_is_refused_or_balanced() {
     let linear = |stiffness: f64, tolerance: f64| {
-        let cqsma = json!({ "amplitudes": 0, "tolerance": tolerance });
-        go(&scene([stiffness].into_iter(), "interface", cqsma))
+        let backbone = json!({ "amplitudes": 0, "tolerance": tolerance });
+        go(&scene([stiffness].into_iter(), "interface", backbone))
     };
     let limit = linear(1e18, 1e-9).unwrap().frequencies[0];
     // With everything closed, also where the faces pull, it would be 191.3 and 192.7 Hz.
@@ -67,8 +69,8 @@ fn a_prestress_out_of_balance_is_refused_or_balanced() {
 #[test]
 fn points_of_very_different_stiffness_end_with_a_reason() {
     let elements = (0..148).map(|i| if i % 2 == 0 { 1e8 } else { 1e18 });
-    let cqsma = json!({ "amplitudes": 3, "amplitude_from": 1e-6, "amplitude_to": 1e-4 });
-    let found = go(&scene(elements, "element", cqsma)).unwrap();
+    let backbone = json!({ "amplitudes": 3, "amplitude_from": 1e-6, "amplitude_to": 1e-4 });
+    let found = go(&scene(elements, "element", backbone)).unwrap();
     let [small, .., large] = found.amplitudes() else {
         panic!()
     };

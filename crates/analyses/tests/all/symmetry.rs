@@ -20,12 +20,12 @@ fn scene(symmetry: Symmetry) -> Scene {
     let mut scene = beam("quick");
     scene.model.refinement = RefinementLevel::Quick;
     scene.model.symmetry = symmetry;
-    scene.cqsma.amplitudes = 4;
-    scene.cqsma.amplitude_from = Length::from_si(1e-5);
-    scene.cqsma.vertices_per_quarter = 4;
+    scene.analyses.backbone.amplitudes = 4;
+    scene.analyses.backbone.amplitude_from = Length::from_si(1e-5);
+    scene.analyses.backbone.vertices_per_quarter = 4;
     // Far below what is compared, so that the ends of Newton's iterations do not matter.
-    scene.cqsma.tolerance = 1e-12;
-    scene.methods = vec![Method::Qsma, Method::Masing, Method::Rqnma];
+    scene.analyses.backbone.tolerance = 1e-12;
+    scene.analyses.backbone.methods = vec![Method::Qsma, Method::Masing, Method::Rqnma];
     scene
 }
 
@@ -38,8 +38,8 @@ fn both(change: impl Fn(&mut Scene)) -> [Run; 2] {
     let whole = go(scene(Symmetry::None));
     let highest = whole.model.reduced.stuck_frequencies.last().unwrap() * (1.0 + 1e-6);
     let mut half = scene(Symmetry::Half);
-    half.cqsma.amplitudes = 0;
-    half.methods.clear();
+    half.analyses.backbone.amplitudes = 0;
+    half.analyses.backbone.methods.clear();
     let found = run(&half, &Options::default(), &Silent).unwrap();
     let mut half = scene(Symmetry::Half);
     let stuck = &found.model.reduced.stuck_frequencies;
@@ -155,8 +155,8 @@ fn the_half_is_the_whole() {
 fn locked_bolts_lock_in_the_half_too() {
     let [whole, half] = both(|scene| {
         scene.bolts.behaviour = BoltBehaviour::Locked;
-        scene.cqsma.amplitudes = 0;
-        scene.methods.clear();
+        scene.analyses.backbone.amplitudes = 0;
+        scene.analyses.backbone.methods.clear();
     });
     compare(
         "linearised frequencies",
@@ -175,8 +175,8 @@ fn scenes_that_need_not_be_symmetric_are_refused() {
             other => panic!("{other:?}"),
         }
     };
-    assert_eq!(refused(&|s| s.gap = Gap::Measured), "the gap");
-    let scanned = |s: &mut Scene| s.surface = Surface::SyntheticScan(SyntheticScan::default());
+    assert_eq!(refused(&|s| s.interfaces.gap = Gap::Measured), "the gap");
+    let scanned = |s: &mut Scene| s.interfaces.surface = Surface::SyntheticScan(SyntheticScan::default());
     assert_eq!(refused(&scanned), "the surface");
     let deck: Deck = serde_json::from_value(serde_json::json!({
         "path": "a.inp", "top_surface": "T", "bottom_surface": "B", "bolts": [{ "top": "1", "bottom": "2" }],
@@ -185,7 +185,7 @@ fn scenes_that_need_not_be_symmetric_are_refused() {
     .unwrap();
     let on_deck = |s: &mut Scene| {
         s.structure = StructureSource::Deck(Box::new(deck.clone())).into();
-        s.surface = Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark));
+        s.interfaces.surface = Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark));
     };
     assert_eq!(refused(&on_deck), "a deck");
     let mut half_deck = scene(Symmetry::Half);
@@ -200,8 +200,8 @@ fn scenes_that_need_not_be_symmetric_are_refused() {
         format!(
             r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
             "model": {{ "symmetry": "half" }},
-            "surface": {{ "parameters": {{ "per": "{per}", "sets": [ {{ "curves": {{ "elastic":
-            {{ "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] }} }} }} ] }} }} }}"#
+            "interfaces": {{ "surface": {{ "parameters": {{ "per": "{per}", "sets": [ {{ "curves": {{ "elastic":
+            {{ "normal_stiffness": 1e13, "tangential_stiffness": [7e12, 7e12] }} }} }} ] }} }} }} }}"#
         )
     };
     Scene::from_json(&per("interface"), "a scene", "a", &BENCHMARKS).unwrap();

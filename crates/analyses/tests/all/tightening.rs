@@ -139,7 +139,7 @@ fn torques_that_say_too_little_or_too_much_are_refused_with_the_line_to_add() {
     // One torque per bolt, as with loads.
     let mut two = beam("two");
     two.model.refinement = RefinementLevel::Quick;
-    two.cqsma.amplitudes = 0;
+    two.analyses.backbone.amplitudes = 0;
     two.bolts.loads = vec![two.bolts.load; 2];
     assert!(matches!(go(&two), Err(Error::BoltLoads { given: 2, bolts: 3 })));
 }
@@ -151,8 +151,7 @@ fn on_mesh(mesh_bolts: &Value, bolts: &Value) -> Result<Scene, scenes::Error> {
             "path": "none.msh", "interfaces": [{}], "bolts": mesh_bolts, "response": { "mode": 1 },
         } },
         "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3" } },
-        "surface": { "benchmark": "brake-reuss-beam" },
-        "mu": 0.2,
+        "interfaces": { "surface": { "benchmark": "brake-reuss-beam" }, "mu": 0.2 },
         "bolts": bolts,
     });
     Scene::from_json(&scene.to_string(), "the test's scene", "mesh", &BENCHMARKS)
@@ -178,13 +177,14 @@ fn bolts_of_a_mesh_have_their_size_already() {
     on_mesh(&json!([of("M8")]), &json!({ "load": "12 kN" })).unwrap();
     // Forces on two surfaces have no shank that would hold an elongation.
     let pair = json!([of("M8"), { "head": "a", "nut": "b" }]);
-    let scene = on_mesh(&pair, &json!({ "load": "12 kN", "tightening": { "order": [1, 2] } })).unwrap();
+    let mut scene = on_mesh(&pair, &json!({ "load": "12 kN" })).unwrap();
+    scene.analyses.tightening = Some(serde_json::from_value(json!({ "order": [1, 2] })).unwrap());
     let error = go(&scene).unwrap_err();
     assert!(
         matches!(error, Error::Joint(joints::Error::NoElongation { bolt: Some(2) })),
         "{error}"
     );
-    assert_eq!(error.field(), Some("bolts.tightening"));
+    assert_eq!(error.field(), Some("analyses.tightening"));
 }
 
 /// Two bolts on parts of springs: coordinates are the jumps of two points and the ends of both shanks.
@@ -195,6 +195,15 @@ struct TwoBolts {
 }
 
 const SHANKS: [f64; 2] = [4e7, 6e7];
+
+/// Tightening and three modes, without loops.
+fn prestress(tightening: &Value) -> Value {
+    json!({
+        "modes": { "number": 3 },
+        "backbone": { "amplitudes": 0, "tolerance": 1e-13 },
+        "tightening": tightening,
+    })
+}
 
 impl TwoBolts {
     fn new(test: &str) -> Self {
@@ -226,8 +235,8 @@ impl TwoBolts {
         let sets = self.contact.map(|normal| set([1e6, 1e6, normal], 0.3, 0.0));
         let mut scene = scene(&path, &[1, 2], &sets, &json!([[1, 1, 1.0]]));
         scene["structure"]["matrices"]["bolts"] = json!([{ "terms": [[-1, 1, 1.0]] }, { "terms": [[-2, 1, 1.0]] }]);
-        scene["bolts"] = json!({ "loads": [9e3, 7e3], "tightening": tightening });
-        scene["cqsma"] = json!({ "modes": 3, "amplitudes": 0, "tolerance": 1e-13 });
+        scene["bolts"] = json!({ "loads": [9e3, 7e3] });
+        scene["analyses"] = prestress(tightening);
         scene
     }
 
@@ -253,7 +262,7 @@ impl Drop for TwoBolts {
 }
 
 fn tightened(run: &Run) -> &TighteningResult {
-    run.prestress.tightening.as_ref().unwrap()
+    run.tightening.as_ref().unwrap()
 }
 
 #[test]
@@ -342,8 +351,8 @@ fn friction_takes_the_work_that_the_closed_form_says() {
     );
     let aside = 0.6;
     scene["structure"]["matrices"]["bolts"] = json!([{ "terms": [[-1, 1, 1.0], [1, 1, aside]] }]);
-    scene["bolts"] = json!({ "load": load, "tightening": { "order": [1], "increments": 3 } });
-    scene["cqsma"] = json!({ "modes": 3, "amplitudes": 0, "tolerance": 1e-13 });
+    scene["bolts"] = json!({ "load": load });
+    scene["analyses"] = prestress(&json!({ "order": [1], "increments": 3 }));
     let found = try_run(&scene).unwrap();
     let x = (aside * load - mu * load) / ground;
     assert!(shear * x > mu * load, "it slips");
@@ -418,9 +427,9 @@ fn mirrored_orders_of_a_symmetric_structure_leave_mirrored_loads() {
     );
     let bolts: Vec<Value> = (1..=3).map(|bolt| json!({ "terms": [[-bolt, 1, 1.0]] })).collect();
     scene["structure"]["matrices"]["bolts"] = json!(bolts);
-    scene["cqsma"] = json!({ "modes": 3, "amplitudes": 0, "tolerance": 1e-13 });
+    scene["bolts"] = json!({ "load": 8e3 });
     let mut residual = |order: [usize; 3]| {
-        scene["bolts"] = json!({ "load": 8e3, "tightening": { "order": order, "passes": [0.6, 1.0] } });
+        scene["analyses"] = prestress(&json!({ "order": order, "passes": [0.6, 1.0] }));
         let result = tightened(&try_run(&scene).unwrap()).clone();
         println!("{order:?} {:?} {:?}", result.residual_ratios, result.energy);
         assert!(result.energy.imbalance < 1e-9 && result.energy.dissipated > 1e-3 * result.energy.external_work);
@@ -443,9 +452,9 @@ fn mirrored_orders_of_a_symmetric_structure_leave_mirrored_loads() {
 #[test]
 fn one_pass_of_one_bolt_is_the_prestress_with_friction() {
     let mut scene = lap_scene();
-    scene["cqsma"] = json!({ "amplitudes": 0, "tolerance": 1e-12 });
+    scene["analyses"] = json!({ "backbone": { "amplitudes": 0, "tolerance": 1e-12 } });
     let at_once = go(&understood(&scene)).unwrap();
-    scene["bolts"]["tightening"] = json!({ "order": [1] });
+    scene["analyses"]["tightening"] = json!({ "order": [1] });
     let in_turn = go(&understood(&scene)).unwrap();
     let nd = at_once.model.reduced.n_relative;
     let jump = |run: &Run| run.prestress.solution.displacement[..nd].to_vec();
@@ -480,9 +489,9 @@ fn go(scene: &Scene) -> Result<Run, Error> {
 fn three(order: [usize; 3], passes: &[f64]) -> Scene {
     let mut scene = beam("tightening");
     scene.model.refinement = RefinementLevel::Quick;
-    scene.cqsma.amplitudes = 0;
-    scene.cqsma.tolerance = 1e-11;
-    scene.bolts.tightening = Some(Tightening {
+    scene.analyses.backbone.amplitudes = 0;
+    scene.analyses.backbone.tolerance = 1e-11;
+    scene.analyses.tightening = Some(Tightening {
         order: order.to_vec(),
         passes: passes.to_vec(),
         increments: 1,
@@ -563,7 +572,7 @@ fn tightening_is_the_same_on_any_number_of_threads_and_goes_on_to_modes() {
     // The loads that are left are in equilibrium, and what follows rests on them.
     assert!(one.prestress.residual_ratio < 1e-6 && one.prestress.equilibrium_error < 1e-6);
     let mut loaded = scene.clone();
-    loaded.bolts.tightening = None;
+    loaded.analyses.tightening = None;
     let at_once = go(&loaded).unwrap();
     let change = one.frequencies[0] / at_once.frequencies[0] - 1.0;
     println!("first frequency {change:+.2e}");
@@ -584,7 +593,7 @@ fn tightening_is_the_same_on_any_number_of_threads_and_goes_on_to_modes() {
 fn sequences_that_do_not_fit_are_refused() {
     let order = |order: &[usize]| {
         let mut scene = three([1, 2, 3], &[1.0]);
-        scene.bolts.tightening.as_mut().unwrap().order = order.to_vec();
+        scene.analyses.tightening.as_mut().unwrap().order = order.to_vec();
         go(&scene).unwrap_err()
     };
     let missing = order(&[1, 3]);
@@ -592,18 +601,26 @@ fn sequences_that_do_not_fit_are_refused() {
         missing.to_string().contains("leaves out bolt 2") && missing.to_string().contains("[1, 2, 3]"),
         "{missing}"
     );
-    assert_eq!(missing.field(), Some("bolts.tightening.order"));
+    assert_eq!(missing.field(), Some("analyses.tightening.order"));
     assert!(order(&[1, 2, 3, 4]).to_string().contains("names bolt 4"));
     assert!(order(&[0, 1, 2, 3]).to_string().contains("names bolt 0"));
     for (tightening, field) in [
-        (json!({ "order": [] }), "bolts.tightening"),
-        (json!({ "order": [1], "passes": [] }), "bolts.tightening.passes"),
-        (json!({ "order": [1], "passes": [0.5] }), "bolts.tightening.passes"),
-        (json!({ "order": [1], "passes": [0.0, 1.0] }), "bolts.tightening.passes"),
-        (json!({ "order": [1], "increments": 0 }), "bolts.tightening"),
-        (json!({ "passes": [1.0] }), "bolts.tightening"),
+        (json!({ "order": [] }), "analyses.tightening"),
+        (json!({ "order": [1], "passes": [] }), "analyses.tightening.passes"),
+        (json!({ "order": [1], "passes": [0.5] }), "analyses.tightening.passes"),
+        (
+            json!({ "order": [1], "passes": [0.0, 1.0] }),
+            "analyses.tightening.passes",
+        ),
+        (json!({ "order": [1], "increments": 0 }), "analyses.tightening"),
+        (json!({ "passes": [1.0] }), "analyses.tightening"),
     ] {
-        let error = on_beam(&json!({ "tightening": tightening })).unwrap_err();
+        let given = json!({
+            "units": { "length": "mm", "mass": "t", "time": "s" },
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "analyses": { "tightening": tightening },
+        });
+        let error = Scene::from_json(&given.to_string(), "the test's scene", "order", &BENCHMARKS).unwrap_err();
         assert_eq!(error.field(), Some(field), "{error}");
     }
     // Forces on the jump alone: there is nothing whose elongation could be held.
@@ -613,7 +630,8 @@ fn sequences_that_do_not_fit_are_refused() {
     write(&path, &k, &Mat::identity(4, 4), &[(1, 1), (1, 2), (1, 3), (-1, 1)]);
     let mut scene = scene(&path, &[1], &[set([1e6, 1e6, 1e7], 0.3, 0.0)], &json!([[1, 1, 1.0]]));
     scene["structure"]["matrices"]["bolts"] = json!([{ "terms": [[1, 3, 1.0]] }]);
-    scene["bolts"] = json!({ "load": 1e3, "tightening": { "order": [1] } });
+    scene["bolts"] = json!({ "load": 1e3 });
+    scene["analyses"] = json!({ "tightening": { "order": [1] } });
     let error = analyses::run(&read(&scene).unwrap(), &Options::default(), &Silent).unwrap_err();
     assert!(
         matches!(error, Error::Joint(joints::Error::NoElongation { bolt: Some(1) })),

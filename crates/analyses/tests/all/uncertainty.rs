@@ -24,8 +24,8 @@ const SPRING: f64 = 4e4;
 const STIFFNESS: f64 = 5e4;
 const MU: f64 = 0.2;
 const PRELOAD: f64 = 50.0;
-const MU_PATH: &str = "surface.parameters.sets.0.mu";
-const STIFFNESS_PATH: &str = "surface.parameters.sets.0.curves.elastic.tangential_stiffness.0";
+const MU_PATH: &str = "interfaces.surface.parameters.sets.0.mu";
+const STIFFNESS_PATH: &str = "interfaces.surface.parameters.sets.0.curves.elastic.tangential_stiffness.0";
 
 /// The mass on its spring with the slider.
 fn slider(test: &str, uncertain: &Value) -> Value {
@@ -39,9 +39,12 @@ fn slider(test: &str, uncertain: &Value) -> Value {
         &json!([[7, 1, 1.0]]),
     );
     let onset = MU * PRELOAD / STIFFNESS;
-    given["cqsma"] = json!({
-        "modes": 1, "amplitudes": 5, "vertices_per_quarter": 64, "tolerance": 1e-12,
-        "amplitude_from": 0.5 * onset, "amplitude_to": 8.0 * onset,
+    given["analyses"] = json!({
+        "modes": { "number": 1 },
+        "backbone": {
+            "amplitudes": 5, "vertices_per_quarter": 64, "tolerance": 1e-12,
+            "amplitude_from": 0.5 * onset, "amplitude_to": 8.0 * onset,
+        },
     });
     given["uncertain"] = uncertain.clone();
     given
@@ -79,7 +82,7 @@ fn bands_of_one_input_are_the_backbones_of_its_quantiles() {
             &json!({ "parameters": { MU_PATH: distribution }, "method": method }),
         );
         // A corner of the loop falls on a vertex: round-off decides on which side of it the polygon is differentiated.
-        given["cqsma"]["vertices_per_quarter"] = json!(256);
+        given["analyses"]["backbone"]["vertices_per_quarter"] = json!(256);
         let (run, found) = go(&given, 256);
         assert_eq!((found.samples, found.failed, found.runs), (256, 0, 256));
         let bands = &found.modes[0].bands;
@@ -279,10 +282,10 @@ fn sobols_indices_are_shares_of_the_variance() {
 #[test]
 fn a_sample_that_fails_is_a_row_with_its_reason() {
     let mut given = lap(&fixture("lap.sti"), 1.0, &json!({}));
-    given["surface"]["parameters"]["sets"][0]["gap"] = json!(0.0);
-    given["cqsma"]["amplitudes"] = json!(2);
+    given["interfaces"]["surface"]["parameters"]["sets"][0]["gap"] = json!(0.0);
+    given["analyses"]["backbone"]["amplitudes"] = json!(2);
     given["uncertain"] = json!({ "parameters": {
-        "surface.parameters.sets.0.gap": { "uniform": ["0 mm", "120 mm"] },
+        "interfaces.surface.parameters.sets.0.gap": { "uniform": ["0 mm", "120 mm"] },
     } });
     let (_, found) = go(&given, 8);
     let reasons: Vec<&String> = found.variants.iter().filter_map(|v| v.failure.as_ref()).collect();
@@ -301,8 +304,8 @@ fn inputs_that_change_the_structure_are_reduced_anew() {
     let mut given = json!({
         "units": { "length": "mm", "mass": "t", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" }, "gap": "flat",
-        "cqsma": { "amplitudes": 0 },
+        "model": { "refinement": "quick" }, "interfaces": { "gap": "flat" },
+        "analyses": {},
     });
     given["uncertain"] = json!({ "parameters": {
         "model.material.density": { "uniform": ["7.8 g/cm^3", "7.9 g/cm^3"] },
@@ -333,10 +336,13 @@ fn refused(uncertain: &Value) -> String {
 
 #[test]
 fn what_cannot_be_sampled_is_refused_with_a_remedy() {
-    let of_mu = |distribution: Value| json!({ "parameters": { "mu": distribution } });
+    let of_mu = |distribution: Value| json!({ "parameters": { "interfaces.mu": distribution } });
     let three = |pairs: Value| {
         let normal = json!({ "normal": { "cov": 0.05 } });
-        json!({ "parameters": { "mu": normal, "bolts.load": normal, "scale.gap": normal }, "correlations": pairs })
+        json!({
+            "parameters": { "interfaces.mu": normal, "bolts.load": normal, "interfaces.scale.gap": normal },
+            "correlations": pairs,
+        })
     };
     for (given, expected) in [
         (json!({ "parameters": {} }), "there are none"),
@@ -371,32 +377,35 @@ fn what_cannot_be_sampled_is_refused_with_a_remedy() {
             "no number that the physics depends on",
         ),
         (
-            json!({ "parameters": { "mu": { "uniform": [0.1, 0.2] } }, "confidence": 1.0 }),
+            json!({ "parameters": { "interfaces.mu": { "uniform": [0.1, 0.2] } }, "confidence": 1.0 }),
             "between 0 and 1",
         ),
         (
-            json!({ "parameters": { "mu": { "gaussian": {} } } }),
+            json!({ "parameters": { "interfaces.mu": { "gaussian": {} } } }),
             "unknown field `gaussian`",
         ),
         (
             three(json!([
-                ["mu", "bolts.load", 0.9],
-                ["mu", "scale.gap", -0.9],
-                ["bolts.load", "scale.gap", 0.9]
+                ["interfaces.mu", "bolts.load", 0.9],
+                ["interfaces.mu", "interfaces.scale.gap", -0.9],
+                ["bolts.load", "interfaces.scale.gap", 0.9]
             ])),
             "eigenvalue",
         ),
-        (three(json!([["mu", "mu", 0.5]])), "correlated with itself"),
         (
-            three(json!([["mu", "scale.asperity_height", 0.5]])),
+            three(json!([["interfaces.mu", "interfaces.mu", 0.5]])),
+            "correlated with itself",
+        ),
+        (
+            three(json!([["interfaces.mu", "interfaces.scale.asperity_height", 0.5]])),
             "has no distribution",
         ),
-        (three(json!([["mu", "bolts.load", 1.5]])), "between -1 and 1"),
+        (three(json!([["interfaces.mu", "bolts.load", 1.5]])), "between -1 and 1"),
     ] {
         let message = refused(&given);
         assert!(message.contains(expected), "{given}: {message}");
     }
-    let mut correlated = three(json!([["mu", "bolts.load", 0.5]]));
+    let mut correlated = three(json!([["interfaces.mu", "bolts.load", 0.5]]));
     correlated["sobol_indices"] = json!(true);
     assert!(refused(&correlated).contains("independent"));
     let plain: Scene = common::beam("plain");
@@ -411,7 +420,7 @@ fn values_of_distributions_have_the_units_of_the_scene() {
             "units": units, "structure": { "benchmark": "brake-reuss-beam" },
             "uncertain": { "parameters": {
                 "bolts.load": { "normal": { "mean": load, "sd": sd } },
-                "scale.gap": { "lognormal": { "factor": 1.2 } },
+                "interfaces.scale.gap": { "lognormal": { "factor": 1.2 } },
             } },
         });
         read(&given).unwrap().uncertain.unwrap()

@@ -55,16 +55,20 @@ pub(crate) fn lap(path: &Path, length: f64, matrices: &Value) -> Value {
             "response": { "terms": [[node(0, 3, 1, 1), 3, 1.0]] },
         } },
         "model": { "material": material() },
-        "mu": 0.2,
-        "surface": { "parameters": { "per": "interface", "sets": [{
-            "curves": { "elastic": {
-                "normal_stiffness": 1e13 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 },
-                "tangential_stiffness": [7e12 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 },
-                    7e12 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 }],
-            } },
-        }] } },
+        "interfaces": {
+            "mu": 0.2,
+            "surface": { "parameters": { "per": "interface", "sets": [{
+                "curves": { "elastic": {
+                    "normal_stiffness": 1e13 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 },
+                    "tangential_stiffness": [7e12 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 },
+                        7e12 * length.powi(2) / if length == 1.0 { 1.0 } else { 1e3 }],
+                } },
+            }] } },
+        },
         "bolts": { "load": 2000.0 },
-        "cqsma": { "amplitudes": 5, "amplitude_from": 1e-9 / length, "amplitude_to": 1e-7 / length, "vertices_per_quarter": 6 },
+        "analyses": { "backbone": {
+            "amplitudes": 5, "amplitude_from": 1e-9 / length, "amplitude_to": 1e-7 / length, "vertices_per_quarter": 6,
+        } },
     });
     let target = &mut scene["structure"]["matrices"];
     for (name, value) in matrices.as_object().unwrap() {

@@ -55,8 +55,7 @@ pub(crate) fn scene(path: &Path, nodes: &[u64], sets: &[Value], response: &Value
             "response": { "terms": response },
         } },
         "model": { "material": material() },
-        "mu": 0.0,
-        "surface": { "parameters": { "per": "point", "sets": sets } },
+        "interfaces": { "mu": 0.0, "surface": { "parameters": { "per": "point", "sets": sets } } },
     })
 }
 

@@ -113,12 +113,12 @@
 use crate::choice::choices;
 use crate::curves::continuation::End;
 use crate::curves::{ContactCurves, CurveFactors, CurvesInfo, Exponents};
-use crate::error::{Error, Place, require, require_positive};
+use crate::error::{Error, Place, require};
 use crate::jet::Jet;
 use crate::law::PAPER_DOI;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::parameters::{Bounds, Parameter};
+use crate::parameters::{Bounds, Parameter, require_positive};
 
 // Magnitudes far beyond any fit, for which products stay exact enough; of the third term a fit may use no more than the far tail.
 const NORMAL_A: Parameter = Parameter::new("normal a", "1", Bounds::Within([-1e6, 1e6], "between -1e6 and 1e6"));

@@ -67,10 +67,10 @@ use alloc::vec::Vec;
 
 use crate::curves::continuation::End;
 use crate::curves::{ContactCurves, CurveFactors, CurvesInfo, Exponents};
-use crate::error::{Error, Place, require, require_positive};
+use crate::error::{Error, Place, require};
 use crate::jet::Jet;
 use crate::law::PAPER_DOI;
-use crate::parameters::{Bounds, Parameter};
+use crate::parameters::{Bounds, Parameter, require_positive};
 
 const AT_KNOTS: Bounds = Bounds::Other("finite and not negative at every knot of a table, with a slope");
 

@@ -63,8 +63,8 @@ macro_rules! history_rules {
             #[cfg(test)]
             pub(crate) fn described(
                 self,
-                path: &crate::tests::oracle::Described<'_>,
-            ) -> crate::tests::oracle::Quantity3 {
+                path: &crate::tests::described::Described<'_>,
+            ) -> crate::tests::described::Quantity3 {
                 match self {
                     $(Self::$Rule => $module::$Rule::described(path),)+
                 }

@@ -44,7 +44,7 @@ pub(crate) trait FrictionRule: Copy {
     /// [`Self::trial`] a second time, from the description alone and with derivatives by dual numbers: what the tests of all
     /// rules compare it with.
     #[cfg(test)]
-    fn described(path: &crate::tests::oracle::Described<'_>) -> crate::tests::oracle::Quantity3;
+    fn described(path: &crate::tests::described::Described<'_>) -> crate::tests::described::Quantity3;
 }
 
 /// Two numbers per point beside the jump.

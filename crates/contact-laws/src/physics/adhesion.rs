@@ -67,9 +67,10 @@
 
 use core::f64::consts::PI;
 
-use crate::error::{Error, require_positive};
+use crate::error::Error;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::require_positive;
 use crate::physics::hertz::ElasticPair;
 use crate::physics::population::AsperityPopulation;
 

@@ -59,12 +59,13 @@
 #![doc = include_str!("../../katex.html")]
 
 use crate::choice::choices;
-use crate::error::{Error, Place, require, require_positive};
+use crate::error::{Error, Place, require};
 use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::parameters::require_positive;
 use crate::physics::hertz::ElasticPair;
-use crate::physics::slip_limit;
+use crate::physics::sliding_yield::ceb_factor;
 use core::f64::consts::PI;
 
 choices! {
@@ -327,7 +328,7 @@ impl Plastic {
             strength,
             yield_factor,
             exponent: 0.14 * (11.5 * strength / composite).min(LARGEST_EXPONENT).exp(),
-            ceb_factor: slip_limit::ceb_factor(material.poisson_ratio),
+            ceb_factor: ceb_factor(material.poisson_ratio),
             critical_force,
             hardening,
             blending: slenderness / ((4.0 - 3.0 * (slenderness * hardening).exp()) * (1.0 - hardening)),

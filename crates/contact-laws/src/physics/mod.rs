@@ -8,4 +8,5 @@ pub(crate) mod heights;
 pub mod hertz;
 pub mod mindlin;
 pub(crate) mod population;
+pub(crate) mod sliding_yield;
 pub mod slip_limit;

@@ -2,11 +2,11 @@
 
 use alloc::vec::Vec;
 
-use crate::error::{Error, Place, require, require_positive};
+use crate::error::{Error, Place, require};
 use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
-use crate::parameters::{Bounds, Parameter};
+use crate::parameters::{Bounds, Parameter, require_positive};
 
 pub(crate) const DENSITY: Parameter = Parameter::new("asperity_density", "1/m^2", Bounds::Positive);
 pub(crate) const BETA_X: Parameter = Parameter::new("beta_x", "m", Bounds::Positive);

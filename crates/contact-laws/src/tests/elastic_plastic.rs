@@ -9,7 +9,7 @@ use proptest::test_runner::TestRunner;
 use super::config;
 use super::dual::{Dual, Real, Rounded};
 use super::relative;
-use crate::slip_limit::ceb_factor;
+use crate::physics::sliding_yield::ceb_factor;
 use crate::testing::log_uniform;
 use crate::*;
 

@@ -5,6 +5,7 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 
+use super::described::{Described, Quantity3};
 use super::dual::{Dual, Real, Rounded};
 use super::{STEEL, config, histories, hold, law, memory, remembered, rough, table};
 use crate::friction::rule::Memory;
@@ -13,9 +14,6 @@ use crate::testing::{
     work_along,
 };
 use crate::*;
-
-/// A quantity with its derivatives with respect to the jump.
-pub(crate) type Quantity3 = Dual<Rounded, 3>;
 
 /// Normal traction and tangential stiffnesses as functions of the interference.
 pub(super) trait Curves {
@@ -216,30 +214,6 @@ pub(super) fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
             (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * polynomial(x).1.powi(2)))
         })
         .collect()
-}
-
-/// The path of a point along one tangential direction, as descriptions of rules speak of it.
-pub(crate) struct Described<'a> {
-    /// What the state remembers beside the jump: traction or stretch.
-    pub(crate) memory: Quantity3,
-    /// Jump reached, and its change since the state committed last.
-    pub(crate) u: Quantity3,
-    pub(crate) moved: Quantity3,
-    /// The same of the interference.
-    pub(crate) u_n: Quantity3,
-    pub(crate) moved_n: Quantity3,
-    /// Interference at which the closed part of the path begins.
-    pub(crate) closed_from: Quantity3,
-    /// Share of the path that is closed.
-    pub(crate) share: Quantity3,
-    /// Tangential stiffness at an interference, and its slope.
-    pub(crate) k: &'a dyn Fn(Quantity3) -> (Quantity3, Quantity3),
-}
-
-impl Described<'_> {
-    pub(crate) fn middle(&self) -> Quantity3 {
-        (self.u_n + self.closed_from) / Quantity3::from(2.0)
-    }
 }
 
 /// What the description says.

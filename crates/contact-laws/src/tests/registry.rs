@@ -50,7 +50,7 @@ fn compare_table(path: &str, head: &str, row: impl Fn(&HistoryRuleInfo) -> Strin
 
 #[test]
 fn the_page_on_friction_has_the_table_of_rules() {
-    let head = "| `law.history` | what it is | stuck trial | state beside the jump | source |";
+    let head = "| `interfaces.law.history` | what it is | stuck trial | state beside the jump | source |";
     compare_table("docs/laws/friction.md", head, |row| {
         let (name, summary) = (row.rule.name(), row.rule.summary());
         format!(

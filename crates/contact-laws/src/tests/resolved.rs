@@ -6,9 +6,10 @@ use std::f64::consts::PI;
 
 use proptest::prelude::*;
 
+use super::described::{Described, Quantity3};
 use super::dual::{Dual, Real, Rounded};
 use super::elastic_plastic::{At, Formulas, published};
-use super::oracle::{Curves, Described, Quantity3, error, expected};
+use super::oracle::{Curves, error, expected};
 use super::{config, histories, hold, law, relative};
 use crate::friction::rule::Memory;
 use crate::testing::{evaluate_point, log_uniform, step};

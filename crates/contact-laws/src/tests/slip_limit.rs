@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::elastic_plastic::published;
-use crate::slip_limit::ceb_factor;
+use crate::physics::sliding_yield::ceb_factor;
 use crate::*;
 
 /// `D` and `T` at the depth `zeta` by integration of point forces over the contact circle: Boussinesq's along the normal,

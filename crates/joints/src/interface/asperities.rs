@@ -1,6 +1,7 @@
 //! Asperities of an interface: populations, which one each element has, and the gap of the surface they belong to.
 
 use super::finish::{FinishReport, FinishedSurface};
+use super::population::population;
 use super::surface::{FileReport, ScannedSurface, material};
 use crate::Error;
 use contact_laws::{
@@ -8,10 +9,10 @@ use contact_laws::{
 };
 use dense_algebra::Limits;
 use joint_model::benchmark::MeasuredSurface;
-use scenes::{Gap, LawKind, Scale, Scene};
+use scenes::{Gap, Scale, Scene};
 use std::sync::Arc;
+use surface_characterisation::Characterisation;
 use surface_characterisation::finish::FlatnessForm;
-use surface_characterisation::{Characterisation, PairAsperities};
 use zte_assembly::{InterfaceMesh, Operators};
 
 /// Asperities of the interface: populations, and which one each element has.
@@ -52,7 +53,7 @@ impl Asperities {
             scan: None,
             finish: None,
         }
-        .scaled(&scene.scale)
+        .scaled(&scene.interfaces.scale)
     }
 
     /// Those of two faces by their roughness parameters.
@@ -73,7 +74,7 @@ impl Asperities {
             scan: None,
             finish: Some(Arc::new((report, forms))),
         }
-        .scaled(&scene.scale)
+        .scaled(&scene.interfaces.scale)
     }
 
     /// Those of two scans, element by element.
@@ -89,7 +90,7 @@ impl Asperities {
             scan: Some(Arc::new((found, files))),
             finish: None,
         }
-        .scaled(&scene.scale)
+        .scaled(&scene.interfaces.scale)
     }
 
     /// Other populations on the same elements.
@@ -117,7 +118,7 @@ impl Asperities {
             scan: self.scan.clone(),
             finish: self.finish.clone(),
         }
-        .scaled(&scene.scale)
+        .scaled(&scene.interfaces.scale)
     }
 
     /// The populations before the scene scales them.
@@ -187,7 +188,8 @@ impl Asperities {
     /// Gap per point as it is known (m).
     pub(super) fn gap(&self, scene: &Scene, operators: &Operators, element_of: &[u32]) -> Vec<f64> {
         let measured = scene.measured_gap();
-        let gap = |(&[x, y], &element): (&[f64; 2], &u32)| match (&measured, scene.gap, self.scan.as_deref()) {
+        let gap = |(&[x, y], &element): (&[f64; 2], &u32)| match (&measured, scene.interfaces.gap, self.scan.as_deref())
+        {
             (Some(measured), ..) => (measured.gap)([x, y]),
             (None, Gap::Scan, Some((scan, _))) => scan.elements[element as usize].gap.at([x, y]),
             _ => 0.0,
@@ -200,13 +202,4 @@ impl Asperities {
         }
         operators.positions.iter().zip(element_of).map(gap).collect()
     }
-}
-
-/// The population of a pair of faces as the scene's law takes it. A sum over single samples has a kink of square-root type
-/// at every one of them, which no table follows: tables take the heights interpolated.
-pub(super) fn population(scene: &Scene, pair: &PairAsperities) -> Result<AsperityPopulation, Error> {
-    Ok(match scene.law.kind {
-        LawKind::Tabulated => pair.interpolated_population()?,
-        LawKind::Fitted | LawKind::AsperitySum => pair.law_population()?,
-    })
 }

@@ -1,6 +1,6 @@
 //! From roughness parameters of two faces to asperities, and what is reported about them.
 
-use super::asperities::population;
+use super::population::population;
 use super::surface::{bounds, material, set_readings};
 use crate::Error;
 use contact_laws::{AsperityPopulation, ElasticPair};
@@ -110,7 +110,7 @@ impl FinishedSurface {
     /// # Errors
     /// [`scenes::Error::Finish`]; [`Error::NoSamples`] for other surfaces.
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
-        let Surface::Finish(finish) = &scene.surface else {
+        let Surface::Finish(finish) = &scene.interfaces.surface else {
             return Err(Error::NoSamples);
         };
         let (faces, assumptions) = finish.faces(&scene.name)?;
@@ -118,7 +118,7 @@ impl FinishedSurface {
         Self::of_faces(scene, finish, mesh, material, faces, assumptions).map_err(|source| {
             scenes::Error::Finish {
                 place: scene.name.clone(),
-                field: "surface.finish".into(),
+                field: "interfaces.surface.finish".into(),
                 source: Box::new(source),
             }
             .into()
@@ -144,7 +144,7 @@ impl FinishedSurface {
 
         let sum = pair.faces()[0].moments() + pair.faces()[1].moments();
         let mut options = Options::new(material);
-        options.tangential = scene.law.tangential;
+        options.tangential = scene.interfaces.law.tangential;
         options.interference = range(&sum);
         set_readings(&mut options, &finish.readings);
         let (number, seed) = (finish.realisations, finish.seed);

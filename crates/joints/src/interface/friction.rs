@@ -9,12 +9,12 @@ use scenes::{Length, Scene};
 /// # Errors
 /// [`Error::FrictionZone`] for a zone without points and for points in two zones.
 pub(super) fn coefficients(scene: &Scene, positions: &[[f64; 2]]) -> Result<PointParameters<f64>, Error> {
-    if scene.friction_zones.is_empty() {
-        return Ok(PointParameters::uniform(scene.mu, positions.len()));
+    if scene.interfaces.friction_zones.is_empty() {
+        return Ok(PointParameters::uniform(scene.interfaces.mu, positions.len()));
     }
     let mut zone_of = vec![None; positions.len()];
-    let mut mu = vec![scene.mu; positions.len()];
-    for (number, zone) in (1..).zip(&scene.friction_zones) {
+    let mut mu = vec![scene.interfaces.mu; positions.len()];
+    for (number, zone) in (1..).zip(&scene.interfaces.friction_zones) {
         let [x, y] = [zone.x, zone.y].map(|range| range.map(Length::si));
         let within = |range: [f64; 2], at: f64| range[0] <= at && at <= range[1];
         let mut n_points = 0;

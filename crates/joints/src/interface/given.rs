@@ -59,13 +59,13 @@ impl GivenLaw {
         };
         let per_point = |of: &dyn Fn(usize) -> f64| set_of.iter().map(|&set| of(set as usize)).collect::<Vec<f64>>();
         let of_sets = sets.iter().any(|set| set.mu.is_some());
-        if of_sets && !scene.friction_zones.is_empty() {
+        if of_sets && !scene.interfaces.friction_zones.is_empty() {
             return Err(Error::Parameters {
-                reason: "sets have `mu`, and so have friction_zones; leave one of them out".into(),
+                reason: "sets have `mu`, and so have interfaces.friction_zones; leave one of them out".into(),
             });
         }
         let mu = if of_sets {
-            PointParameters::per_point(per_point(&|set| sets[set].mu.unwrap_or(scene.mu)))
+            PointParameters::per_point(per_point(&|set| sets[set].mu.unwrap_or(scene.interfaces.mu)))
         } else {
             mu.clone()
         };

@@ -3,8 +3,8 @@
 use super::asperities::Asperities;
 use super::finish::FinishReport;
 use super::resolved::ResolvedReport;
+use super::stiffness::{mean, stiffnesses};
 use super::surface::{FileReport, U_REF};
-use super::{mean, stiffnesses};
 use crate::Error;
 use contact_laws::{
     AsperitySumCurves, ContactCurves, FittedCurves, FittedPoints, FrictionalLaw, PointCurves, PointParameters,
@@ -126,8 +126,8 @@ impl Asperities {
         mu: &PointParameters<f64>,
         pressure: f64,
     ) -> Result<BuiltLaw, Error> {
-        let sums = self.sums(scene.law.tangential)?;
-        let fits = self.fits(scene.law.tangential, &sums)?;
+        let sums = self.sums(scene.interfaces.law.tangential)?;
+        let fits = self.fits(scene.interfaces.law.tangential, &sums)?;
         let NamedLaw {
             kind,
             law,
@@ -175,7 +175,7 @@ impl Asperities {
         fits: &[Fit],
         pressure: f64,
     ) -> Result<NamedLaw, Error> {
-        let kind = match scene.law.friction {
+        let kind = match scene.interfaces.law.friction {
             Friction::Lumped => None,
             Friction::Resolved => Some("resolved"),
             Friction::MindlinIwan => Some("mindlin-iwan"),
@@ -189,7 +189,7 @@ impl Asperities {
         }
         let population_of: Vec<u32> = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
         let mu = mu.clone();
-        Ok(match scene.law.kind {
+        Ok(match scene.interfaces.law.kind {
             LawKind::AsperitySum => {
                 let curves = PointParameters::try_indexed(sums.to_vec(), population_of)?;
                 NamedLaw::lumped("asperity-sum", frictional(curves, mu, scene)?)
@@ -212,7 +212,7 @@ impl Asperities {
                     TableOptions::default()
                 };
                 let table = |curves: &AsperitySumCurves| Tabulated::try_new(curves.clone(), TABLE_RANGE, options);
-                let tables = match self.known_sums(scene.law.tangential, sums)? {
+                let tables = match self.known_sums(scene.interfaces.law.tangential, sums)? {
                     None => sums.par_iter().map(table).collect::<Result<Vec<_>, _>>()?,
                     Some(known) => known
                         .par_iter()
@@ -261,7 +261,7 @@ impl BuiltLaw {
         let [paper, mindlin] = [reading(TangentialReading::Paper)?, reading(TangentialReading::Mindlin)?];
         let fits = &self.fits;
         let report = AsperityReport {
-            tangential: scene.law.tangential,
+            tangential: scene.interfaces.law.tangential,
             scans: asperities
                 .scan
                 .as_deref()
@@ -276,7 +276,7 @@ impl BuiltLaw {
             fitted_to_summed: fitted[1] / summed[1],
             paper_to_mindlin: paper[1] / mindlin[1],
         };
-        let in_use = if scene.law.kind == LawKind::Fitted {
+        let in_use = if scene.interfaces.law.kind == LawKind::Fitted {
             fitted
         } else {
             summed
@@ -336,6 +336,6 @@ pub(super) fn frictional<C: PointCurves + 'static>(
     mu: PointParameters<f64>,
     scene: &Scene,
 ) -> Result<Arc<dyn TractionLaw>, Error> {
-    let law = FrictionalLaw::try_new(curves, mu, scene.law.history)?;
-    Ok(Arc::new(law.with_cone(scene.law.cone)))
+    let law = FrictionalLaw::try_new(curves, mu, scene.interfaces.law.history)?;
+    Ok(Arc::new(law.with_cone(scene.interfaces.law.cone)))
 }

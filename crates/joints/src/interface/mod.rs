@@ -6,7 +6,9 @@ mod force;
 mod friction;
 mod given;
 mod law;
+mod population;
 mod resolved;
+mod stiffness;
 mod surface;
 mod variation;
 
@@ -21,18 +23,16 @@ pub use surface::{
 };
 
 use crate::Error;
-use asperities::population;
-use contact_laws::{
-    Components, ComponentsMut, ContactCurves, PointParameters, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw,
-};
+use contact_laws::{PointParameters, Sticking, TractionLaw};
 use dense_algebra::Limits;
 use given::GivenLaw;
 use joint_model::InterfacePart;
 use law::{BuiltLaw, NamedLaw, fits_of};
+use population::population;
 use scenes::{LawKind, Scene, Surface};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use stiffness::{mean, stiffnesses, stuck_stiffness};
 use surface_characterisation::PairAsperities;
 use zte_assembly::{Interface, InterfaceMesh, Operators};
 
@@ -115,12 +115,15 @@ impl PartLaw {
             Ok(Source::Asperities(Box::new(built)))
         };
         // Populations depend on the surface, and on how the law takes them.
-        let is_same = |part: &&Self| part.scene.surface == scene.surface && part.scene.law.kind == scene.law.kind;
+        let is_same = |part: &&Self| {
+            part.scene.interfaces.surface == scene.interfaces.surface
+                && part.scene.interfaces.law.kind == scene.interfaces.law.kind
+        };
         let known = known.filter(is_same).and_then(|part| match &part.from {
             Source::Given(_) => None,
             Source::Asperities(built) => Some(&built.asperities),
         });
-        let from = match (&scene.surface, known) {
+        let from = match (&scene.interfaces.surface, known) {
             (Surface::Parameters(parameters), _) => {
                 Source::Given(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?)
             }
@@ -130,7 +133,7 @@ impl PartLaw {
                     .measured_surface()
                     .ok_or_else(|| scenes::Error::NoMeasuredSurface {
                         place: scene.name.clone(),
-                        field: "surface",
+                        field: "interfaces.surface",
                     })?;
                 law_of(Asperities::measured(&measured, &scene, mesh)?)?
             }
@@ -144,7 +147,7 @@ impl PartLaw {
             Source::Asperities(built) => {
                 let clipped = built.known_gap.iter().filter(|g| **g < 0.0).count();
                 let known = built.known_gap.iter().map(|g| g.max(0.0));
-                (scene.scale.gaps(known, &operators.positions), clipped)
+                (scene.interfaces.scale.gaps(known, &operators.positions), clipped)
             }
         };
         refuse_gap_beyond_the_faces(&gap, mesh)?;
@@ -219,7 +222,7 @@ impl PartLaw {
         };
         Ok(LawReport {
             kind: kind.to_owned(),
-            history: scene.law.history,
+            history: scene.interfaces.law.history,
             asperities: asperity_report,
             resolved,
             mean_closure,
@@ -278,7 +281,12 @@ impl SceneInterface {
         limits: Limits<'_>,
     ) -> Result<Self, Error> {
         let known_part = |number: usize| known.and_then(|known| known.parts.get(number));
-        let operators = Arc::new(scene.model.symmetry.operators(mesh, scene.points_per_direction)?);
+        let operators = Arc::new(
+            scene
+                .model
+                .symmetry
+                .operators(mesh, scene.interfaces.points_per_direction)?,
+        );
         let pressure = load / operators.area();
         let share = |area: f64| pressure * area;
         let built = match parts {
@@ -292,7 +300,10 @@ impl SceneInterface {
                 .map(|(number, part)| {
                     let own = scene.of_interface(part.source);
                     let mesh = part.mesh(mesh);
-                    let operators = scene.model.symmetry.operators(&mesh, scene.points_per_direction)?;
+                    let operators = scene
+                        .model
+                        .symmetry
+                        .operators(&mesh, scene.interfaces.points_per_direction)?;
                     let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number), limits)?;
                     let source = Some(part.source);
                     Ok((part.name.clone(), PartLaw { source, ..law }))
@@ -325,7 +336,7 @@ impl SceneInterface {
                 name: name.clone(),
                 area,
                 elements: part.operators.n_elements(),
-                mu: part.scene.mu,
+                mu: part.scene.interfaces.mu,
                 law: part.report(load)?,
             })
         });
@@ -400,15 +411,15 @@ impl PartLaw {
             .collect();
         let populations = drawn.iter().map(|(pair, _)| population(scene, pair));
         let populations = populations.collect::<Result<_, Error>>()?;
-        let realisation = asperities.with_populations(populations, &scene.scale)?;
-        let sums = realisation.sums(scene.law.tangential)?;
-        let fits = match scene.law.kind {
-            LawKind::Fitted => fits_of(&sums, scene.law.tangential, scan.options.interference)?,
+        let realisation = asperities.with_populations(populations, &scene.interfaces.scale)?;
+        let sums = realisation.sums(scene.interfaces.law.tangential)?;
+        let fits = match scene.interfaces.law.kind {
+            LawKind::Fitted => fits_of(&sums, scene.interfaces.law.tangential, scan.options.interference)?,
             LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
         };
         let NamedLaw { law, .. } =
             realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressure)?;
-        let height = scene.scale.asperity_height;
+        let height = scene.interfaces.scale.asperity_height;
         let later = self.element_of.iter().map(|&e| height * drawn[e as usize].1).collect();
         Ok((law, later))
     }
@@ -418,48 +429,6 @@ impl PartLaw {
 enum Source {
     Given(GivenLaw),
     Asperities(Box<BuiltLaw>),
-}
-
-/// Average over the area of values at the points.
-fn mean(operators: &Operators, of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
-    let points = operators.weights.iter().enumerate();
-    let sum = points.fold([0.0; 2], |sum, (p, w)| {
-        let value = of(p);
-        [sum[0] + w * value[0], sum[1] + w * value[1]]
-    });
-    sum.map(|sum| sum / operators.area())
-}
-
-/// Normal and mean tangential stiffness of curves at an interference.
-fn stiffnesses(curves: &dyn ContactCurves, u: f64) -> [f64; 2] {
-    let k = curves.tangential(u);
-    [curves.normal(u).1, 0.5 * (k[0].value + k[1].value)]
-}
-
-/// Normal and mean tangential stiffness (Pa/m) of a point that was closed to an interference and sticks there.
-fn stuck_stiffness(law: &dyn TractionLaw, point: usize, u: f64) -> [f64; 2] {
-    let n_state = law.info().n_state();
-    let (mut begin, mut end) = (vec![0.0; n_state], vec![0.0; n_state]);
-    let mut tangent = [[0.0]; 9];
-    // First loading, and then from there.
-    for _ in 0..2 {
-        let [mut x, mut y, mut n] = [[0.0]; 3];
-        law.evaluate(
-            point..point + 1,
-            Sticking::Full,
-            Components::new(&[0.0], &[0.0], &[u]),
-            StateView::new(&begin, 1, 0),
-            StateViewMut::new(&mut end, 1, 0),
-            ComponentsMut::new(&mut x, &mut y, &mut n),
-            Some(TangentMut::from_entries(
-                tangent.each_mut().map(|entry| entry.as_mut_slice()),
-            )),
-            None,
-        );
-        begin.copy_from_slice(&end);
-    }
-    let [[x], _, _, _, [y], _, _, _, [n]] = tangent;
-    [n, 0.5 * (x + y)]
 }
 
 /// Refuses faces that are farther apart everywhere than they are long: small motions cannot close them. Points have no length.

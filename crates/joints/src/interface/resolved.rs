@@ -89,7 +89,7 @@ impl Asperities {
         sums: &[AsperitySumCurves],
         pressure: f64,
     ) -> Result<(ResolvedLaw, ResolvedReport), Error> {
-        let law = &scene.law;
+        let law = &scene.interfaces.law;
         let yielding = law.yielding();
         let sources = self.populations.iter().zip(sums).map(|(population, sum)| {
             Ok(Source {

@@ -82,9 +82,9 @@ impl ScannedSurface {
         let outlines =
             ElementOutlines::try_new(mesh.nodes.clone(), mesh.elements.iter().map(Element::outline).collect())?;
         let mut options = Options::new(material(scene)?);
-        options.tangential = scene.law.tangential;
+        options.tangential = scene.interfaces.law.tangential;
         options.u_ref = U_REF;
-        let (faces, files) = match &scene.surface {
+        let (faces, files) = match &scene.interfaces.surface {
             Surface::SyntheticScan(scan) => {
                 options.registration = scan.registration.into();
                 options.bootstrap = Bootstrap {

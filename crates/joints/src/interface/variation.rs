@@ -47,19 +47,19 @@ impl PartLaw {
     /// As [`SceneInterface::variation`].
     fn variation(&self, scenes: [&Scene; 2], apart: f64) -> Result<Option<OfPoints>, Error> {
         let [above, below] = scenes;
-        if above.law != below.law {
+        if above.interfaces.law != below.interfaces.law {
             return Ok(None);
         }
         let found = match &self.from {
             Source::Asperities(built) => {
                 let mut similar = Vec::with_capacity(built.asperities.populations.len());
-                if above.scale == below.scale && above.model.material == below.model.material {
+                if above.interfaces.scale == below.interfaces.scale && above.model.material == below.model.material {
                     similar.resize(built.asperities.populations.len(), Similarity::default());
                 } else {
                     let [high, low] = [above, below].map(|scene| built.asperities.varied(scene));
                     let (high, low) = (high?, low?);
-                    let reading = above.law.tangential;
-                    let heights = above.scale.asperity_height / below.scale.asperity_height;
+                    let reading = above.interfaces.law.tangential;
+                    let heights = above.interfaces.scale.asperity_height / below.interfaces.scale.asperity_height;
                     for (high, low) in high.sums(reading)?.iter().zip(&low.sums(reading)?) {
                         let density = (high.population().density() / low.population().density()).ln() / apart;
                         let factors = low.factors_to(high, heights);
@@ -75,11 +75,11 @@ impl PartLaw {
                     .collect();
                 let gaps = |scene: &Scene| {
                     let known = built.known_gap.iter().map(|gap| gap.max(0.0));
-                    scene.scale.gaps(known, &self.operators.positions)
+                    scene.interfaces.scale.gaps(known, &self.operators.positions)
                 };
                 let coefficients = |scene: &Scene| friction::coefficients(scene, &self.operators.positions);
                 let mu = [coefficients(above)?, coefficients(below)?];
-                let without_mu = above.law.limit != AsperityLimit::Coulomb;
+                let without_mu = above.interfaces.law.limit != AsperityLimit::Coulomb;
                 let friction = |point: usize| match without_mu {
                     true => Some(0.0),
                     false => logarithmic(mu.each_ref().map(|mu| at(mu, point)), apart),
@@ -87,7 +87,7 @@ impl PartLaw {
                 with_friction(similar, &friction).map(|similar| (similar, quotient(&gaps(above), &gaps(below), apart)))
             }
             Source::Given(_) => {
-                let built = |scene: &Scene| match &scene.surface {
+                let built = |scene: &Scene| match &scene.interfaces.surface {
                     Surface::Parameters(parameters) => {
                         let mu = friction::coefficients(scene, &self.operators.positions)?;
                         GivenLaw::try_new(scene, parameters, &self.element_of, &mu).map(Some)

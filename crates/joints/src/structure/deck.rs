@@ -1,6 +1,8 @@
 //! Structures from input decks of Abaqus and CalculiX.
 
 use super::facing::{Facing, Surfaces};
+use super::material::material;
+use super::rigid_motions::rigid_motions;
 use crate::Error;
 use finite_elements::formats::abaqus::{self, Choices, DeckModel};
 use finite_elements::mesh::{BeyondTolerance, Dof, LoadPattern};
@@ -43,7 +45,7 @@ pub(super) fn joint(
     let mut assembly = deck.assembly.clone();
     assembly.convert_units(length, mass);
     if source.materials == MaterialSource::Scene {
-        assembly.mesh.materials.fill(super::material(model)?);
+        assembly.mesh.materials.fill(material(model)?);
     }
     let [top, bottom] = [
         deck.surface_faces(&source.top_surface)?,
@@ -97,7 +99,7 @@ pub(super) fn joint(
     let response_node = named_node(&deck, "structure.deck.response.node", &source.response.node)?;
     let excitation = match forced.and_then(|forced| Some((forced.node.as_deref()?, forced.direction?))) {
         None => None,
-        Some((node, direction)) => Some((named_node(&deck, "forced.node", node)?, direction)),
+        Some((node, direction)) => Some((named_node(&deck, "analyses.forced.node", node)?, direction)),
     };
     for point in masses {
         // Decks name the nodes of all masses.
@@ -138,7 +140,7 @@ pub(super) fn joint(
             Some(raised)
         }
     };
-    let rigid_motions = super::rigid_motions(&assembly, &facing.sides)?;
+    let rigid_motions = rigid_motions(&assembly, &facing.sides)?;
     let bodies = MeshedBodies {
         assembly,
         sides: facing.sides,

@@ -1,5 +1,6 @@
 //! Displacements of the bodies in motions of the reduced structure.
 
+use super::meshed::Meshed;
 use super::{StructuralModel, Structure};
 use crate::Error;
 use faer::{Mat, MatRef};
@@ -21,7 +22,7 @@ impl Structure {
         let Bodies::Meshed(bodies) = &self.joint.bodies else {
             return Err(Error::NoMesh);
         };
-        let meshed = self.meshed(bodies)?;
+        let meshed = Meshed::try_new(&self.joint, bodies)?;
         let rows = meshed.rows(bodies)?;
         let over = reduction::displacements(&meshed.relative, &rows, self.settings, &model.reduced, motions)?;
         let independent = meshed.relative.displacements(over.as_ref());

@@ -329,7 +329,7 @@ impl Vectors<'_> {
         };
         let label: i64 = node.parse().map_err(|_| {
             self.file.fail(&format!(
-                "forced.node = \"{node}\" is no label of a node; give a whole number as text"
+                "analyses.forced.node = \"{node}\" is no label of a node; give a whole number as text"
             ))
         })?;
         let terms: Vec<(i64, u32, f64)> = (1..)

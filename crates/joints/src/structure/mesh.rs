@@ -2,6 +2,8 @@
 
 use super::bolt::{Bolt, BoltGeometry, HeadContact, Placed, SIDES, SeatFacts};
 use super::facing::{Facing, Surfaces};
+use super::material::material;
+use super::rigid_motions::rigid_motions;
 use super::touching;
 use crate::Error;
 use finite_elements::formats::solid_mesh::SolidMesh;
@@ -33,7 +35,11 @@ const MARGIN: f64 = 0.05;
 /// # Errors
 /// Of the file and its groups; [`Error::Facing`], [`Error::MeshScene`], [`Error::NotRaisable`], [`Error::Disconnected`].
 pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
-    let (model, masses, forced) = (&scene.model, &scene.structure.point_masses, scene.forced.as_ref());
+    let (model, masses, forced) = (
+        &scene.model,
+        &scene.structure.point_masses,
+        scene.analyses.forced.as_ref(),
+    );
     let mut file = SolidMesh::read(&source.path)?;
     file.notes.iter().for_each(|note| notes(note));
     let length = source.units.length_in_si();
@@ -65,7 +71,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
     let (response_node, direction) = file.response(&source.response)?;
     let excitation = match forced.and_then(|forced| Some((forced.node.as_deref()?, forced.direction?))) {
         None => None,
-        Some((node, direction)) => Some((file.named_node("forced.node", node)?, direction)),
+        Some((node, direction)) => Some((file.named_node("analyses.forced.node", node)?, direction)),
     };
     let mut surfaces = Vec::new();
     for (number, interface) in (1..).zip(&source.interfaces) {
@@ -136,7 +142,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
     let moved_pairs = joined.parts.first().and_then(|(_, facing)| facing.moved);
     let joined = joined.joint();
     let position = assembly.mesh.nodes[response_node as usize];
-    let rigid_motions = super::rigid_motions(&assembly, &joined.sides)?;
+    let rigid_motions = rigid_motions(&assembly, &joined.sides)?;
     let bodies = MeshedBodies {
         assembly,
         sides: joined.sides,
@@ -220,7 +226,7 @@ impl File<'_> {
 
     /// Solids with the materials of their volumes.
     fn solids(&self, model: &Model, notes: &mut dyn FnMut(&str)) -> Result<Mesh, Error> {
-        let mut materials = vec![super::material(model)?];
+        let mut materials = vec![material(model)?];
         let mut of_cell = vec![None; self.mesh.cells.len()];
         for (name, material) in &self.source.materials {
             let number = u16::try_from(materials.len()).unwrap_or(u16::MAX);
@@ -407,7 +413,7 @@ impl File<'_> {
                 let size = Metric::from_name(size)?;
                 let material = match &bolt.material {
                     Some(own) => elastic(&format!("bolt {number}"), own),
-                    None => super::material(model)?,
+                    None => material(model)?,
                 };
                 let axis = axis.map(|point| point.map(Length::si));
                 let mut geometry = BoltGeometry::metric(&format!("bolt {number}"), &size, axis, bolt.washers, material);

@@ -5,36 +5,42 @@ mod deck;
 mod displacements;
 pub mod export;
 mod facing;
+mod linear_interface;
 mod masses;
+mod material;
 mod matrices;
 mod matrix_contents;
 mod mesh;
+mod meshed;
 mod mode_names;
 mod modes;
 mod overview;
 mod reduce;
 mod reduced;
+mod rigid_motions;
 mod spectrum;
 mod surface;
 mod touching;
 
+pub use linear_interface::LinearInterface;
 pub use matrix_contents::matrix_files_of;
 pub use mode_names::Shares;
 pub use modes::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
 pub use overview::{BoltOverview, MaterialOverview, Overview, choice_name};
+pub use reduce::Assembled;
 pub use reduced::{Facts, StructuralModel};
-pub use spectrum::{Description, Frequencies, LinearInterface, Spectrum};
+pub use spectrum::{Description, Frequencies, Spectrum};
 pub use surface::OuterSurface;
 
 use crate::Error;
 use crate::progress::Progress;
-use finite_elements::mesh::{Assembly, Dof, Equation, GroundSpring, Material};
+use finite_elements::mesh::GroundSpring;
 use joint_model::benchmark::{MeshSettings, Symmetry};
-use joint_model::{Bodies, Joint, Sides};
-pub use reduce::Assembled;
-use reduce::Meshed;
+use joint_model::{Bodies, Joint};
+use material::material;
+use meshed::Meshed;
 use reduction::{Limits, Settings, checks};
-use scenes::{BoltBehaviour, Density, Model, Scene, StructureSource};
+use scenes::{BoltBehaviour, Model, Scene, StructureSource};
 use zte_assembly::InterfaceMesh;
 
 /// Frequencies compared between the full and the reduced model.
@@ -72,7 +78,7 @@ impl Structure {
             }
             .into());
         }
-        if let (Some(_), Some(mesh)) = (&scene.bolts.tightening, scene.structure.mesh())
+        if let (Some(_), Some(mesh)) = (&scene.analyses.tightening, scene.structure.mesh())
             && let Some(bolt) = mesh.bolts.iter().position(|bolt| bolt.axis.is_none())
         {
             return Err(Error::NoElongation { bolt: Some(bolt + 1) });
@@ -80,8 +86,10 @@ impl Structure {
         let notes = &mut |note: &str| progress.note(note);
         let masses = &scene.structure.point_masses;
         let joint = match &scene.structure.source {
-            StructureSource::Matrices(source) => matrices::joint(source, &scene.bolts, scene.forced.as_ref(), notes)?,
-            StructureSource::Deck(source) => deck::joint(source, masses, model, scene.forced.as_ref(), notes)?,
+            StructureSource::Matrices(source) => {
+                matrices::joint(source, &scene.bolts, scene.analyses.forced.as_ref(), notes)?
+            }
+            StructureSource::Deck(source) => deck::joint(source, masses, model, scene.analyses.forced.as_ref(), notes)?,
             StructureSource::Mesh(source) => mesh::joint(source, scene, notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {
@@ -107,7 +115,7 @@ impl Structure {
             }
         };
         let mut structure = Self::from_joint(model, scene.bolts.behaviour, joint);
-        structure.settings.attachment_modes |= scene.bolts.tightening.is_some();
+        structure.settings.attachment_modes |= scene.analyses.tightening.is_some();
         if let Some(mode) = scene.structure.mesh().and_then(|mesh| mesh.response.mode) {
             structure.respond_where_a_mode_moves_most(mode, progress)?;
         }
@@ -119,7 +127,7 @@ impl Structure {
         let Bodies::Meshed(bodies) = &self.joint.bodies else {
             return Err(Error::NoMesh);
         };
-        let Meshed { system, relative } = self.meshed(bodies)?;
+        let Meshed { system, relative } = Meshed::try_new(&self.joint, bodies)?;
         let stop = || progress.interrupted();
         let limits = Limits::default().until(&stop);
         let found = checks::stuck_modes(&relative, mode, self.settings.mode_tolerance, limits)?;
@@ -224,60 +232,5 @@ impl Structure {
         });
         bodies.assembly.springs.extend(springs);
         Some(hung)
-    }
-}
-
-/// The material of the bodies; scenes whose bodies have another need not know its density.
-///
-/// # Errors
-/// [`scenes::Error::NoMaterial`].
-fn material(model: &Model) -> Result<Material, Error> {
-    let material = model.material()?;
-    Ok(Material {
-        name: "scene".into(),
-        youngs_modulus: material.youngs_modulus.si(),
-        poisson_ratio: material.poisson_ratio,
-        density: material.density.map_or(f64::NAN, Density::si),
-    })
-}
-
-/// Rigid motions of bodies whose interface sticks.
-///
-/// # Errors
-/// [`Error::Disconnected`] for more than six; those of the constraints.
-fn rigid_motions(assembly: &Assembly, sides: &Sides) -> Result<usize, Error> {
-    let mut stuck = assembly.clone();
-    let mut stick = |node: u32, other: &mut dyn Iterator<Item = (u32, f64)>| {
-        let other: Vec<(u32, f64)> = other.collect();
-        stuck.equations.extend((0..3_u8).map(|c| {
-            Equation {
-                name: "the interface that sticks".into(),
-                terms: std::iter::once((Dof::Node(node, c), 1.0))
-                    .chain(other.iter().map(|&(node, weight)| (Dof::Node(node, c), -weight)))
-                    .collect(),
-            }
-        }));
-    };
-    match sides {
-        Sides::Pairs { top, bottom } => {
-            for (&top, &bottom) in top.iter().zip(bottom) {
-                stick(top, &mut std::iter::once((bottom, 1.0)));
-            }
-        }
-        Sides::Projected(parts) => {
-            for part in parts {
-                for (&own, row) in part.own.iter().zip(part.projection.outer_iterator()) {
-                    stick(
-                        own,
-                        &mut row.iter().map(|(column, &weight)| (part.other[column], weight)),
-                    );
-                }
-            }
-        }
-    }
-    let found = stuck.rigid_motions()?;
-    match found {
-        0..=6 => Ok(found),
-        _ => Err(Error::Disconnected { found }),
     }
 }

@@ -1,7 +1,7 @@
 //! Mode shapes of a structure without contact, with the interface stuck, and with linear interfaces.
 
+use super::meshed::Meshed;
 use super::mode_names::{Shares, SliceMotions, named};
-use super::reduce::Meshed;
 use super::{LinearInterface, Structure};
 use crate::Error;
 use crate::progress::{Progress, Stage, end_stage};
@@ -145,7 +145,7 @@ impl Structure {
             return Err(Error::NoMesh);
         };
         progress.begin(Stage::Assemble);
-        let Meshed { system, relative } = self.meshed(bodies)?;
+        let Meshed { system, relative } = Meshed::try_new(&self.joint, bodies)?;
         end_stage(progress, Stage::Assemble)?;
         progress.begin(Stage::Factor);
         let linear = linear.unwrap_or_else(|| self.check_interface());

@@ -211,7 +211,7 @@ pub fn choice_name(choice: &impl Serialize) -> String {
 
 fn tightening(scene: &Scene, bolts: usize) -> Vec<String> {
     let torque = scene.torque_report(bolts).map(|report| report.line());
-    let order = scene.bolts.tightening.as_ref().map(|plan| {
+    let order = scene.analyses.tightening.as_ref().map(|plan| {
         let order: Vec<String> = plan.order.iter().map(usize::to_string).collect();
         let passes: Vec<String> = plan
             .passes
@@ -244,12 +244,16 @@ fn units(scene: &Scene) -> Option<String> {
 }
 
 fn surface(scene: &Scene) -> String {
-    let source = match &scene.surface {
+    let source = match &scene.interfaces.surface {
         Surface::Benchmark(benchmark) => format!("measured statistics of {benchmark:?}"),
         Surface::Measured => "measured statistics of the benchmark".to_owned(),
         other => choice_name(other).replace('-', " "),
     };
-    format!("{source}; gap: {}; mu {}", choice_name(&scene.gap), scene.mu)
+    format!(
+        "{source}; gap: {}; mu {}",
+        choice_name(&scene.interfaces.gap),
+        scene.interfaces.mu
+    )
 }
 
 fn materials(scene: &Scene, mesh: Option<&Mesh>) -> Vec<MaterialOverview> {

@@ -1,6 +1,7 @@
 //! Assembly and reduction of a structure.
 
-use super::spectrum::CHECK_STIFFNESS;
+use super::linear_interface::CHECK_STIFFNESS;
+use super::meshed::{Meshed, relative};
 use super::{Facts, N_CHECKED, StructuralModel, Structure};
 use crate::Error;
 use crate::progress::{Progress, Silent, Stage, end_stage, go_on};
@@ -9,10 +10,10 @@ use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use faer::Mat;
 use finite_elements::assemble::System;
-use finite_elements::mesh::{Cell, Dof};
-use joint_model::{Bodies, ImportedBodies, MeshedBodies, Sides};
+use finite_elements::mesh::Cell;
+use joint_model::{Bodies, ImportedBodies, Sides};
 use reduction::checks::{self, ReducedSpectrum};
-use reduction::{FacingNodes, InterfacePairs, Limits, ReducedModel, RelativeSystem, Settings, Step, reduce};
+use reduction::{Limits, ReducedModel, RelativeSystem, Settings, Step, reduce};
 use sprs::CsMat;
 use std::borrow::Cow;
 
@@ -180,7 +181,7 @@ impl Structure {
         };
         let system = System::try_new(&bodies.assembly)?;
         go_on(progress)?;
-        let relative = self.relative(&system, &bodies.sides)?;
+        let relative = relative(&self.joint, &system, &bodies.sides)?;
         let meshed = Meshed { system, relative };
         let rows = meshed.rows(bodies)?;
         let Meshed { system, relative } = meshed;
@@ -192,53 +193,6 @@ impl Structure {
             mass: Some(system.total_mass),
             n_untied_slaves: system.dofs.untied.len(),
             largest_adjustment: system.dofs.largest_adjustment,
-        })
-    }
-
-    /// The system of bodies of finite elements, and the same in relative coordinates.
-    pub(super) fn meshed(&self, bodies: &MeshedBodies) -> Result<Meshed, Error> {
-        let system = System::try_new(&bodies.assembly)?;
-        let relative = self.relative(&system, &bodies.sides)?;
-        Ok(Meshed { system, relative })
-    }
-
-    /// The system with the jump as coordinates.
-    fn relative(&self, system: &System, sides: &Sides) -> Result<RelativeSystem, Error> {
-        let frame = self.joint.frame;
-        let node_frames = match self.joint.node_frames.is_empty() {
-            true => Cow::Owned(vec![frame; self.joint.interface.nodes.len()]),
-            false => Cow::Borrowed(&self.joint.node_frames),
-        };
-        Ok(match sides {
-            Sides::Pairs { top, bottom } if self.joint.node_frames.is_empty() => {
-                RelativeSystem::try_new(system, InterfacePairs { top, bottom, frame })?
-            }
-            Sides::Pairs { top, bottom } => {
-                let projection = CsMat::eye(top.len());
-                let side = FacingNodes {
-                    own: top,
-                    own_is_top: true,
-                    other: bottom,
-                    projection: &projection,
-                    frames: &node_frames,
-                };
-                RelativeSystem::from_facing(system, &[side])?
-            }
-            Sides::Projected(parts) => {
-                let mut first = 0;
-                let facing = parts.iter().map(|part| {
-                    let frames = first..first + part.own.len();
-                    first = frames.end;
-                    FacingNodes {
-                        own: &part.own,
-                        own_is_top: part.own_is_top,
-                        other: &part.other,
-                        projection: &part.projection,
-                        frames: &node_frames[frames],
-                    }
-                });
-                RelativeSystem::from_facing(system, &facing.collect::<Vec<_>>())?
-            }
         })
     }
 
@@ -388,29 +342,6 @@ impl Structure {
             }
         }
         key
-    }
-}
-
-/// Matrices of bodies of finite elements.
-pub(super) struct Meshed {
-    pub(super) system: System,
-    pub(super) relative: RelativeSystem,
-}
-
-impl Meshed {
-    /// What is recovered from reduced coordinates, over those of the relative system.
-    pub(super) fn rows(&self, bodies: &MeshedBodies) -> Result<Vec<Vec<f64>>, Error> {
-        let row = |what, (node, direction): (u32, [f64; 3])| -> Result<Vec<f64>, Error> {
-            let terms: Vec<_> = (0..3_u8).zip(direction).map(|(c, d)| (Dof::Node(node, c), d)).collect();
-            Ok(self
-                .relative
-                .row(&self.system.dofs.force(&bodies.assembly, what, &terms)?))
-        };
-        let mut rows = vec![row("the response", (bodies.response_node, bodies.response_direction))?];
-        if let Some(excitation) = bodies.excitation {
-            rows.push(row("the force", excitation)?);
-        }
-        Ok(rows)
     }
 }
 

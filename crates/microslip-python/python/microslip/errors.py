@@ -72,10 +72,10 @@ class SceneError(Error, ValueError):
     >>> import microslip
     >>> scene = microslip.Scene.benchmark("brake-reuss-beam")
     >>> try:
-    ...     scene.replace({"mu": -0.1})
+    ...     scene.replace({"interfaces.mu": -0.1})
     ... except microslip.SceneError as error:
     ...     print(error.field, error.value, error.remedy)
-    mu -0.1 it must be finite and not negative
+    interfaces.mu -0.1 it must be finite and not negative
     """
 
 

@@ -18,8 +18,8 @@ _AMPLITUDES = {
     "response_acceleration": "acceleration amplitude (m/s$^2$)",
     "modal_amplitude": "modal amplitude (kg$^{1/2}$ m)",
 }
-_NAMES = {"masing": "Masing", "qsma-twice": "QSMA, twice"}
-_MARKERS = {"cqsma": "o", "epmc": "s", "masing": "^", "rqnma": "v", "qsma": "D", "qsma-twice": "d"}
+_NAMES = {"masing": "Masing"}
+_MARKERS = {"cqsma": "o", "epmc": "s", "masing": "^", "rqnma": "v", "qsma": "D"}
 
 
 def backbones(run: Run, amplitude: str) -> Figure:

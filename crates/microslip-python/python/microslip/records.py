@@ -624,7 +624,7 @@ def compare(theory: _Experiment, *experiments: _Experiment, amplitude: Quantity 
     Examples
     --------
     >>> import microslip
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 5})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 5})
     >>> run = microslip.run(scene)
     >>> microslip.compare(run, run, amplitude="acceleration").misfits[0].frequency_hz.largest
     0.0

@@ -115,7 +115,7 @@ class Backbone(_Comparable):
     Examples
     --------
     >>> import microslip
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 3})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 3})
     >>> backbone = microslip.run(scene).modes[0].backbone
     >>> backbone.frequency_hz.shape, bool(backbone.converged.all())
     ((3,), True)
@@ -191,7 +191,8 @@ class MethodBackbone(_Comparable):
     Examples
     --------
     >>> import microslip
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 3, "methods": ["masing"]})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick")
+    >>> scene = scene.replace({"analyses.backbone": {"amplitudes": 3, "methods": ["masing"]}})
     >>> microslip.run(scene).methods["masing"].frequency_hz.shape
     (3,)
     """
@@ -263,7 +264,7 @@ class InterfaceMesh(_Comparable):
     Examples
     --------
     >>> import microslip
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 0})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 0})
     >>> interface = microslip.run(scene).interface
     >>> interface.points.shape[0] == interface.weights.size
     True
@@ -301,7 +302,7 @@ class Fields(_Comparable):
     Examples
     --------
     >>> import microslip
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 0})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 0})
     >>> run = microslip.run(scene)
     >>> float(run.interface.weights @ run.prestress.traction[:, 2]) > 30e3  # three bolts (N)
     True
@@ -328,7 +329,7 @@ class Mode(_Comparable):
     Examples
     --------
     >>> import microslip
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 1})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 1})
     >>> mode = microslip.run(scene).modes[0]
     >>> mode.number, bool(abs(mode.backbone.frequency_hz[0] / mode.linear_frequency_hz - 1.0) < 1e-3)
     (1, True)
@@ -484,7 +485,7 @@ class Run(_LikeFirstBackbone, _Comparable):
     Examples
     --------
     >>> import microslip
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 3})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 3})
     >>> run = microslip.run(scene)
     >>> run
     Run('brb-quick', mode 1, 3 amplitudes, 3 converged)
@@ -519,7 +520,7 @@ class Run(_LikeFirstBackbone, _Comparable):
         Examples
         --------
         >>> import microslip
-        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 1})
+        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 1})
         >>> microslip.run(scene).backbone.status.tolist()
         ['below-floor']
         """
@@ -532,8 +533,8 @@ class Run(_LikeFirstBackbone, _Comparable):
         Examples
         --------
         >>> import microslip
-        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 1})
-        >>> list(microslip.run(scene.replace({"methods": ["rqnma"]})).methods)
+        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick")
+        >>> list(microslip.run(scene.replace({"analyses.backbone": {"amplitudes": 1, "methods": ["rqnma"]}})).methods)
         ['rqnma']
         """
         return self.modes[0].methods
@@ -546,7 +547,7 @@ class Run(_LikeFirstBackbone, _Comparable):
         --------
         >>> import microslip
         >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick")
-        >>> run = microslip.run(scene.replace({"cqsma.amplitudes": 2, "output.fields_at": [2]}))
+        >>> run = microslip.run(scene.replace({"analyses.backbone.amplitudes": 2, "output.fields_at": [2]}))
         >>> [fields.number for fields in run.fields]
         [2]
         """
@@ -564,7 +565,7 @@ class Run(_LikeFirstBackbone, _Comparable):
         Examples
         --------
         >>> import microslip
-        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 0})
+        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 0})
         >>> microslip.run(scene).interface.points.shape[1]
         2
         """
@@ -582,7 +583,7 @@ class Run(_LikeFirstBackbone, _Comparable):
         Examples
         --------
         >>> import microslip
-        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 0})
+        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 0})
         >>> microslip.run(scene).prestress.traction.shape[1]
         3
         """
@@ -604,7 +605,7 @@ class Run(_LikeFirstBackbone, _Comparable):
         Examples
         --------
         >>> import microslip
-        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 2})
+        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 2})
         >>> microslip.run(scene).to_pandas()[["mode", "method", "converged"]]
            mode method  converged
         0     1  cqsma       True
@@ -655,7 +656,7 @@ class Run(_LikeFirstBackbone, _Comparable):
         Examples
         --------
         >>> import microslip
-        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 3})
+        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 3})
         >>> figure = microslip.run(scene).plot()
         >>> [axes.get_ylabel() for axes in figure.axes]
         ['frequency (Hz)', 'damping ratio (-)']
@@ -684,7 +685,7 @@ class Run(_LikeFirstBackbone, _Comparable):
         Examples
         --------
         >>> import microslip, pathlib, tempfile
-        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 1})
+        >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 1})
         >>> folder = pathlib.Path(tempfile.mkdtemp()) / "results"
         >>> microslip.run(scene).save(folder)
         >>> (folder / "report.html").exists()
@@ -773,7 +774,7 @@ def run(
     Examples
     --------
     >>> import microslip
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 3})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 3})
     >>> run = microslip.run(scene)
     >>> [round(float(f), 1) for f in run.frequency_hz] == sorted(round(float(f), 1) for f in run.frequency_hz)[::-1]
     True
@@ -816,7 +817,7 @@ def load(directory: str | os.PathLike[str]) -> Run:
     Examples
     --------
     >>> import microslip, pathlib, tempfile
-    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"cqsma.amplitudes": 1})
+    >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick").replace({"analyses.backbone.amplitudes": 1})
     >>> folder = pathlib.Path(tempfile.mkdtemp()) / "results"
     >>> run = microslip.run(scene, out=folder)
     >>> microslip.load(folder).summary == run.summary
@@ -862,8 +863,7 @@ def _of_summary(scene: Scene, summary: dict[str, Any], native: _native.Run | Non
 
 
 def _first_mode(scene: _Row) -> int:
-    cqsma = scene["cqsma"]
-    number: int = (cqsma.get("modes_of_interest") or [cqsma["mode"]])[0]
+    number: int = scene["analyses"]["modes"]["followed"][0]
     return number
 
 

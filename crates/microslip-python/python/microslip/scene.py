@@ -31,7 +31,7 @@ def benchmarks() -> list[str]:
 
 
 class Scene:
-    """What is modelled, and how: structure, surface, law, bolts and analyses.
+    """What is modelled, and how: structure, interfaces, bolts and analyses.
 
     A scene is checked when it is made, and does not change. It is made by :meth:`from_file`, :meth:`from_dict`, :meth:`from_json`
     or :meth:`benchmark`. Every field is described in the guide *Scenes*. Scenes are equal if all their fields are; they can be
@@ -43,7 +43,7 @@ class Scene:
     >>> scene = microslip.Scene.benchmark("brake-reuss-beam/brb-quick")
     >>> scene
     Scene('brb-quick')
-    >>> scene.replace({"mu": 0.3}).to_dict()["mu"]
+    >>> scene.replace({"interfaces.mu": 0.3}).to_dict()["interfaces"]["mu"]
     0.3
     """
 
@@ -218,9 +218,9 @@ class Scene:
         --------
         >>> import microslip
         >>> scene = microslip.Scene.benchmark("brake-reuss-beam")
-        >>> other = scene.replace({"bolts.load": "9 kN", "cqsma.amplitudes": 5}, mu=0.4)
-        >>> other.to_dict()["bolts"]["load"], other.to_dict()["mu"]
-        (9000.0, 0.4)
+        >>> other = scene.replace({"bolts.load": "9 kN", "interfaces.mu": 0.4}, name="rough")
+        >>> other.to_dict()["bolts"]["load"], other.to_dict()["interfaces"]["mu"], other.name
+        (9000.0, 0.4, 'rough')
         """
         changed = self.to_dict()
         for path, value in {**(changes or {}), **fields}.items():

@@ -1,9 +1,14 @@
 //! `calibrate`: numbers of a scene from measured backbones.
 
 use super::compare::Experiment;
-use super::{Cache, Defaults, Outcome, Threads, default_directory, print, scene};
+use super::defaults::Defaults;
+use super::destination::default_directory;
+use super::outcome::Outcome;
+use super::resources::{Cache, Threads};
+use super::scene;
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
+use crate::text::print;
 use analyses::calibration;
 use analyses::calibration::{Calibration, Measured, Noise};
 use analyses::comparison::{Backbone, Point};
@@ -23,7 +28,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Scene file.
     scene: PathBuf,
-    /// Backbones of `identify` or `transient`, or of other runs: the folder, or its backbone.csv.
+    /// Backbones of `identify`, or of other runs: the folder, or its backbone.csv.
     #[arg(required = true, value_name = "EXPERIMENT")]
     experiments: Vec<PathBuf>,
     /// Numbers of the scene that are free, by their paths: mu,bolts.load.
@@ -109,7 +114,7 @@ impl Arguments {
                 .with_context(|| {
                     format!(
                         "--prior {text}: NAME=normal:MEAN:SD, NAME=lognormal:MEDIAN:FACTOR or NAME=uniform:LOW:HIGH is expected, such \
-                         as mu=normal:0.2:0.05"
+                         as interfaces.mu=normal:0.2:0.05"
                     )
                 })?;
             ensure!(
@@ -145,7 +150,7 @@ impl Arguments {
     }
 
     fn measured(&self, scene: &Scene) -> Result<Vec<Measured>> {
-        let first = scene.cqsma.followed()[0];
+        let first = scene.analyses.modes.followed[0];
         if !self.modes.is_empty() && self.modes.len() != self.experiments.len() {
             bail!(
                 "--modes has {} modes for {} experiments; give one for each",

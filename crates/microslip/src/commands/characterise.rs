@@ -1,7 +1,9 @@
 //! `characterise`: two scans over an interface, element by element.
 
-use super::{Defaults, scene};
+use super::defaults::Defaults;
+use super::scene;
 use crate::files::{self, Overwrite};
+use crate::text::print;
 use anyhow::{Context, Result, bail};
 use contact_laws::FittedCurves;
 use file_io::durable::Identity;
@@ -106,12 +108,12 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let mut scene = scene::read(arguments.scene.as_deref(), arguments.benchmark.as_deref(), defaults)?.scene;
     if let (Some(top), Some(bottom)) = (&arguments.top, &arguments.bottom) {
-        let mut scans = match scene.surface {
+        let mut scans = match scene.interfaces.surface {
             Surface::Scans(scans) => *scans,
             _ => Scans::new(ScanFile::default(), ScanFile::default()),
         };
         (scans.top.path, scans.bottom.path) = (top.clone(), bottom.clone());
-        scene.surface = Surface::Scans(Box::new(scans));
+        scene.interfaces.surface = Surface::Scans(Box::new(scans));
     }
     apply(arguments, &mut scene)?;
     scene.validate("the arguments")?;
@@ -119,7 +121,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     // Before the computation: it would be a pity to find out only afterwards.
     let directory = &arguments.out;
     let folder = arguments.overwrite.open(directory, &identity(&scene), &[REPORT])?;
-    if let Surface::Finish(_) = scene.surface {
+    if let Surface::Finish(_) = scene.interfaces.surface {
         if arguments.registration_study || arguments.element.is_some() {
             bail!(
                 "--registration-study and --element belong to scans; the surface of the scene {} is given by roughness parameters",
@@ -129,7 +131,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         let surface = FinishedSurface::try_new(&scene, &mesh.plane)?;
         let outputs = finished_outputs(&surface)?;
         files::publish(folder, &outputs)?;
-        return super::print(&finished_account(&surface, &outputs, directory));
+        return print(&finished_account(&surface, &outputs, directory));
     }
     let surface = ScannedSurface::try_new(&scene, &mesh.plane)?;
     let study = match arguments.registration_study {
@@ -139,12 +141,12 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let shown = shown(arguments, &surface.found.elements)?;
     let outputs = outputs(&surface, mesh.place(), shown, study.as_deref())?;
     files::publish(folder, &outputs)?;
-    super::print(&account(&surface, study.as_deref(), &outputs, directory))
+    print(&account(&surface, study.as_deref(), &outputs, directory))
 }
 
 /// The scans that are characterised, or the scene that describes the surface otherwise.
 fn identity(scene: &Scene) -> Identity {
-    match &scene.surface {
+    match &scene.interfaces.surface {
         Surface::Scans(scans) => {
             let files = [&scans.top.path, &scans.bottom.path];
             let names = files.map(|path| path.file_name().unwrap_or_default().to_string_lossy());
@@ -166,7 +168,7 @@ fn apply(arguments: &Arguments, scene: &mut Scene) -> Result<()> {
         || arguments.align.is_some()
         || arguments.bootstrap.is_some()
         || arguments.seed.is_some();
-    let scans = match &mut scene.surface {
+    let scans = match &mut scene.interfaces.surface {
         Surface::Scans(scans) => scans,
         _ if given => bail!(
             "options of scans are given, but the surface of the scene {} is not read from files",

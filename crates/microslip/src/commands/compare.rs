@@ -1,16 +1,18 @@
 //! `compare`: a run over measured backbones, or over other runs.
 
 use super::identify;
-use super::transient::line;
 use crate::files::{self, Overwrite};
+use crate::text::print;
 use analyses::comparison::{Backbone, Misfit, POINTS, Point};
 use anyhow::{Context, Result, bail, ensure};
 use file_io::durable::{Identity, Manifest};
 use modal_identification::signal::{Quantity, Unit};
 use reports::Output;
 use reports::csv::{number, table as csv_table};
+use reports::names::SUMMARY;
 use reports::overlay::{self, Series};
-use reports::run::SUMMARY;
+use reports::ring_down::RING_DOWN;
+use reports::ring_down::misfit_line;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -28,7 +30,7 @@ const CONVERSION: &str = "amplitudes of theory are those of displacement times t
 pub struct Arguments {
     /// Results of a run: the folder, its summary.json or its backbone.csv.
     run: PathBuf,
-    /// Backbones of `identify` or `transient`: the folder, or its backbone.csv; or results of other runs, read like the first.
+    /// Backbones of `identify`: the folder, or its backbone.csv; the ring-down.csv of a run; or results of other runs, read like the first.
     #[arg(required = true, value_name = "EXPERIMENT")]
     experiments: Vec<PathBuf>,
     /// What amplitudes are [default: the quantity of the first experiment].
@@ -95,7 +97,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             let ([a, b], [c, d]) = (theory.backbone.range(), experiment.backbone.range());
             bail!(
                 "{} and {} share no amplitude: {a:.3e} to {b:.3e} against {c:.3e} to {d:.3e} {}; run the scene with other \
-                 cqsma.amplitude_from and cqsma.amplitude_to, or check the unit and the place of the sensor",
+                 analyses.backbone.amplitude_from and analyses.backbone.amplitude_to, or check the unit and the place of the sensor",
                 theory.name,
                 experiment.name,
                 quantity.unit()
@@ -122,7 +124,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     files::publish(arguments.overwrite.open(directory, &identity, &[])?, &outputs)?;
     let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
     let text = printed(&theory, &results, quantity);
-    super::print(&format!("{text}written to {}: {names}\n", directory.display()))
+    print(&format!("{text}written to {}: {names}\n", directory.display()))
 }
 
 fn read(path: &Path) -> Result<String> {
@@ -132,8 +134,11 @@ fn read(path: &Path) -> Result<String> {
 /// The table of a backbone, of a run or of what was identified.
 const TABLE: &str = "backbone.csv";
 
-/// Commands that write a backbone: that of a model, or of what was identified.
-const COMMANDS: [&str; 3] = ["run", "identify", "transient"];
+/// Whether a command writes a backbone: that of a model, or of what was identified.
+fn writes_backbone(command: &str) -> bool {
+    let only = command.strip_prefix("run --only ").unwrap_or_default();
+    ["run", "identify"].contains(&command) || only.split(',').any(|name| name == "backbone")
+}
 
 /// The file with the backbone: the path itself, or in a folder what its command has written there.
 ///
@@ -155,11 +160,12 @@ fn file(path: &Path) -> Result<PathBuf> {
         _ => None,
     };
     if let Some(identity) = &identity
-        && !COMMANDS.contains(&identity.command.as_str())
+        && !writes_backbone(&identity.command)
+        && !path.ends_with(RING_DOWN)
     {
         bail!(
             "{}: the results are those of {identity}, which have no backbone of frequency and damping over amplitude; give the folder of a \
-             `run`, or as an experiment also one of `identify` or `transient`",
+             `run`, or as an experiment also one of `identify` or the {RING_DOWN} of a run",
             path.display(),
         );
     }
@@ -167,7 +173,7 @@ fn file(path: &Path) -> Result<PathBuf> {
         return Ok(path.to_owned());
     }
     let is_run = match &identity {
-        Some(identity) => identity.command == COMMANDS[0],
+        Some(identity) => identity.command.starts_with("run"),
         None => path.join(SUMMARY).exists() || !path.join(TABLE).exists(),
     };
     Ok(path.join(if is_run { SUMMARY } else { TABLE }))
@@ -357,7 +363,7 @@ impl Theory {
 }
 
 impl Experiment {
-    /// A backbone of `identify` or `transient`, or that of a run.
+    /// A backbone of `identify` or of a ring-down, or that of a run.
     pub(super) fn read(path: &Path) -> Result<Self> {
         let results = Results::read(path)?;
         let harmonic = matches!(&results, Results::Run(run) if run.is_harmonic());
@@ -491,7 +497,7 @@ fn printed(theory: &Theory, results: &[Compared], quantity: Quantity) -> String 
         "damping [ln]"
     );
     for r in results {
-        out += &(line(&r.experiment.name, &r.misfit) + "\n");
+        out += &(misfit_line(&r.experiment.name, &r.misfit) + "\n");
         if let Some([f, zeta]) = r.within {
             let _ = writeln!(
                 out,

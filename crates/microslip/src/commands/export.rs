@@ -1,8 +1,12 @@
 //! `export`: the reduced model of a scene, or its mesh, for other programs.
 
-use super::{Cache, Defaults, SceneArguments, default_directory};
+use super::defaults::Defaults;
+use super::destination::default_directory;
+use super::resources::Cache;
+use super::scene::SceneArguments;
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
+use crate::text::print;
 use anyhow::{Context, Result, bail};
 use finite_elements::formats::vtu::{self, Encoding};
 use finite_elements::formats::{abaqus, gmsh};
@@ -112,7 +116,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         Format::Npz | Format::Mat | Format::Mtx => ABOUT,
         Format::Inp | Format::Msh | Format::Vtu => "",
     };
-    super::print(&format!(
+    print(&format!(
         "{about}\nwritten to {}: {}\n",
         directory.display(),
         names.join(", ")
@@ -146,11 +150,11 @@ fn mesh(scene: &Scene, structure: &Structure, format: Format) -> Result<Vec<Outp
             (on_deck.model.refinement, on_deck.model.arm_layers) = (RefinementLevel::default(), None);
             // What the structure's own measured faces were is not known of a deck.
             if let Some(benchmark) = scene.structure.benchmark() {
-                if on_deck.surface == Surface::Measured {
-                    on_deck.surface = Surface::Benchmark(benchmark);
+                if on_deck.interfaces.surface == Surface::Measured {
+                    on_deck.interfaces.surface = Surface::Benchmark(benchmark);
                 }
-                if on_deck.gap == Gap::Measured {
-                    on_deck.gap = Gap::Benchmark(benchmark);
+                if on_deck.interfaces.gap == Gap::Measured {
+                    on_deck.interfaces.gap = Gap::Benchmark(benchmark);
                 }
             }
             let json = serde_json::to_string_pretty(&on_deck).context("encoding the scene")?;

@@ -1,13 +1,14 @@
 //! `identify`: frequency and damping against amplitude from measured ring-downs.
 
 use crate::files::{self, Overwrite};
+use crate::text::print;
 use anyhow::Result;
 use file_io::durable::Identity;
 use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
 use modal_identification::signal::{Quantity, Signal, Stated};
 use modal_identification::{Warning, readers};
-use reports::{Output, csv, identification};
+use reports::{Output, identification};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -121,7 +122,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let quantity = settings.quantity.unwrap_or(Quantity::Acceleration);
     let directory = &arguments.out;
     let outputs = [
-        Output::new("backbone.csv", table(&mean, quantity)?),
+        Output::new("backbone.csv", identification::table(&mean, quantity)?),
         Output::new("backbone.svg", picture(&hits, &mean, quantity)?),
         Output::new(
             "identification.json",
@@ -133,26 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     files::publish(arguments.overwrite.open(directory, &identity, &[])?, &outputs)?;
     let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
     let text = printed(&hits, &mean, quantity);
-    super::print(&format!("{text}written to {}: {names}\n", directory.display()))
-}
-
-/// One row per amplitude, ascending; empty cells where there is no value.
-pub(super) fn table(mean: &[MeanPoint], quantity: Quantity) -> Result<String> {
-    let amplitude = format!("amplitude [{}]", quantity.unit());
-    let headings = [
-        &amplitude,
-        "frequency_hz",
-        "damping_ratio",
-        "frequency_spread_hz",
-        "damping_ratio_spread",
-        "hits",
-    ];
-    let rows = mean.iter().map(|p| {
-        let [x, f, zeta] = [p.amplitude, p.frequency_hz, p.damping_ratio].map(csv::number);
-        let [f_spread, zeta_spread] = p.spread.map_or_else(Default::default, |s| s.map(csv::number));
-        [x, f, zeta, f_spread, zeta_spread, p.hits.to_string()]
-    });
-    Ok(csv::table(headings, rows)?)
+    print(&format!("{text}written to {}: {names}\n", directory.display()))
 }
 
 fn picture(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity) -> Result<String> {
@@ -210,7 +192,7 @@ fn report(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity, settings: &Setti
 }
 
 /// Ends of what is used.
-pub(super) fn trims(trims: &Trims) -> Value {
+fn trims(trims: &Trims) -> Value {
     json!({
         "hit_s": trims.hit,
         "start_s": trims.start,

@@ -1,8 +1,12 @@
 //! `model`: what a scene's structure is, before anything nonlinear.
 
-use super::{Cache, Defaults, SceneArguments, default_directory};
+use super::defaults::Defaults;
+use super::destination::default_directory;
+use super::resources::Cache;
+use super::scene::SceneArguments;
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
+use crate::text::print;
 use analyses::{Prepared, warnings};
 use anyhow::{Context, Result, bail};
 use host::{provenance, results_of};
@@ -13,7 +17,7 @@ use joints::structure::{Contact, Frequencies, LinearInterface, ModalModel, Struc
 use reports::Output;
 use reports::bodies::LARGEST_VOLUME;
 use reports::modes;
-use reports::run::SUMMARY;
+use reports::names::SUMMARY;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -70,7 +74,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let linear = interface.map(|(normal_stiffness, tangential_stiffness)| LinearInterface {
         normal_stiffness,
         tangential_stiffness,
-        points_per_direction: scene.points_per_direction,
+        points_per_direction: scene.interfaces.points_per_direction,
     });
     let folder = arguments
         .overwrite
@@ -178,7 +182,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let json = serde_json::to_string_pretty(&summary).context("encoding the summary")?;
     outputs.push(Output::new(SUMMARY, json + "\n"));
     files::publish(folder, &outputs)?;
-    super::print(&text)
+    print(&text)
 }
 
 /// The modes with each contact, line by line, and which of them move the joint most.

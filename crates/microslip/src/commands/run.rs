@@ -1,24 +1,27 @@
 //! Runs a scene and writes its results.
 
-use super::{Cache, Defaults, GivenScene, Outcome, Threads, default_directory, forced, print};
+use super::defaults::Defaults;
+use super::destination::default_directory;
+use super::outcome::Outcome;
+use super::resources::{Cache, Threads};
 use crate::check;
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
+use crate::text::print;
 use analyses::error_estimate::ErrorEstimate;
-use analyses::mesh_error::{FrequencyEstimate, MeshEstimate, Partner};
+use analyses::mesh_error::{MeshEstimate, Partner};
 use analyses::registration::Moved;
 use analyses::results::summary::Summary;
-use analyses::uncertainty::Uncertainty;
 use analyses::{Run, registration};
 use anyhow::{Context, Result, anyhow};
-use host::{peak_memory, provenance, results_of};
+use host::{GivenScene, peak_memory, provenance, results_of};
 use joints::Options;
 use joints::progress::Progress;
-use reports::run::{ENSEMBLE, SUMMARY, damping, outputs};
-use reports::tightening::TIGHTENING;
-use reports::uncertainty::{self, BANDS, INFLUENCES, SAMPLES};
-use reports::{Output, csv, plot, sensitivity};
-use scenes;
+use reports::account::account;
+use reports::names::SUMMARY;
+use reports::registry::is_complete;
+use reports::run::outputs;
+use reports::{Output, csv};
 use scenes::{Length, Scene};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -39,6 +42,10 @@ pub struct Arguments {
     threads: Threads,
     #[command(flatten)]
     cache: Cache,
+    /// Of the analyses that the scene asks for, these alone, by their names in its block `analyses`; `modes` for none but the linearised
+    /// modes about the prestress [default folder: results/NAME-FIRST].
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    only: Vec<String>,
     /// Also run K bootstrap realisations of the laws of all elements, for bands about the backbone; the surface of the
     /// scene must be scanned.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=10_000))]
@@ -93,7 +100,10 @@ pub(super) struct Request {
 /// # Errors
 /// The scene cannot be run as asked, or its results cannot be written.
 pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Result<Outcome> {
-    let scene = &given.scene;
+    let scene = &match arguments.only.as_slice() {
+        [] => given.scene.clone(),
+        only => given.scene.only(only)?,
+    };
     let request = Request {
         ensemble: arguments.ensemble.map(usize::from),
         samples: arguments.samples.map(|number| (usize::from(number), arguments.seed)),
@@ -101,16 +111,28 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
     };
     request.check(scene)?;
     let moves = arguments.registration_study;
-    let (command, suffix, names) = match moves {
-        None => ("run", "", &[SUMMARY, "report.html", "backbone.csv"][..]),
-        Some(_) => ("run --registration-study", "-registration", &[REGISTRATION][..]),
+    let (command, suffix, names) = match (moves, arguments.only.first()) {
+        (None, None) => (
+            "run".to_owned(),
+            String::new(),
+            &[SUMMARY, "report.html", "backbone.csv"][..],
+        ),
+        (None, Some(first)) => {
+            let only = format!("run --only {}", arguments.only.join(","));
+            (only, format!("-{first}"), &[SUMMARY, "report.html"][..])
+        }
+        (Some(_), _) => (
+            "run --registration-study".to_owned(),
+            "-registration".to_owned(),
+            &[REGISTRATION][..],
+        ),
     };
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&format!("{}{suffix}", scene.name))?,
     };
     // Before the computation: it would be a pity to find out only afterwards.
-    let folder = (arguments.overwrite).open(&directory, &results_of(command, scene), names)?;
+    let folder = (arguments.overwrite).open(&directory, &results_of(&command, scene), names)?;
     arguments.threads.start()?;
     let provenance = provenance::of(given.inputs()?)?;
 
@@ -142,7 +164,7 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
 }
 
 /// Prints what was found, with what is wrong in it, and gives the outcome.
-pub(super) fn conclude(mut account: String, scene: &Scene, summary: &Summary) -> Result<Outcome> {
+fn conclude(mut account: String, scene: &Scene, summary: &Summary) -> Result<Outcome> {
     let defects = check::defects(scene, summary);
     for defect in &defects {
         // Writing to a string cannot fail.
@@ -155,21 +177,10 @@ pub(super) fn conclude(mut account: String, scene: &Scene, summary: &Summary) ->
     })
 }
 
-/// Whether all that was asked for converged.
-pub(super) fn is_complete(summary: &Summary) -> bool {
-    let mut members = summary.ensemble.iter().flat_map(|all| &all.members);
-    let mut levels = summary.forced.iter();
-    summary.by_mode().all(|(_, of_mode)| {
-        of_mode.backbone.iter().all(|b| b.converged) && of_mode.methods.values().flatten().all(|m| m.converged)
-    }) && members.all(|m| m.failure.is_none() && m.not_converged == 0)
-        && summary.uncertainty.iter().all(|found| found.failed == 0)
-        && levels.all(|level| level.failure.is_none() && level.resonances.iter().all(|r| r.failure.is_none()))
-}
-
 impl Request {
     /// Refuses what cannot be computed for the scene.
     fn check(&self, scene: &Scene) -> Result<()> {
-        if self.ensemble.is_some() && !scene.surface.is_scanned() {
+        if self.ensemble.is_some() && !scene.interfaces.surface.is_scanned() {
             return Err(joints::Error::NoSamples.into());
         }
         match self.estimate_error {
@@ -272,208 +283,5 @@ fn moved(study: &[Moved], directory: &Path) -> String {
         );
     }
     let _ = writeln!(out, "written to {}: {REGISTRATION}", directory.display());
-    out
-}
-
-/// The backbone of one mode, with what went wrong.
-fn table(out: &mut String, summary: &Summary) {
-    let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        out,
-        "{:>4} {:>14} {:>15} {:>12} {:>14} {:>11}",
-        "no.", "amplitude [m]", "frequency [Hz]", "damping [-]", "slipping area", "iterations"
-    );
-    for (index, b) in summary.backbone.iter().enumerate() {
-        let _ = writeln!(
-            out,
-            "{:>4} {:>14} {:>15} {:>12} {:>14} {:>11}{}",
-            index + 1,
-            cell(b.response_displacement, &|v| format!("{v:.4e}")),
-            cell(b.frequency_hz, &|v| format!("{v:.4}")),
-            damping(b),
-            cell(b.slip_fraction, &|v| format!("{:.2} %", 100.0 * v)),
-            b.iterations,
-            b.failure
-                .as_ref()
-                .map_or_else(String::new, |reason| format!("  not converged: {reason}")),
-        );
-    }
-    let failed = summary.backbone.iter().filter(|b| !b.converged).count();
-    if failed > 0 {
-        let all = summary.backbone.len();
-        let _ = writeln!(
-            out,
-            "{failed} of {all} amplitudes DID NOT CONVERGE; their results are missing"
-        );
-    }
-    let open = summary.backbone.iter().filter(|b| b.closed == Some(false)).count();
-    if open > 0 {
-        let _ = writeln!(
-            out,
-            "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
-        );
-    }
-}
-
-/// The two formulations beside each other.
-fn mesh_estimate(estimate: &MeshEstimate) -> String {
-    let mut out = String::new();
-    let [own, other] = estimate.formulations();
-    let limit = |frequency: &FrequencyEstimate| match (frequency.limit_hz, frequency.uncertainty_hz) {
-        (Some(limit), Some(uncertainty)) => format!("{limit:.3} +- {uncertainty:.3}"),
-        _ => "-".into(),
-    };
-    for mode in &estimate.modes {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "\nmode {} with two formulations, {own} and {other}\n{:>14} {:>15} {:>15} {:>12} {:>20} {:>14}",
-            mode.mode, "amplitude [m]", "frequency [Hz]", "other [Hz]", "difference", "limit [Hz]", "ln(damping)"
-        );
-        let first = (None, &mode.linear_frequency, None);
-        let amplitudes = mode.amplitudes.iter();
-        let rows = amplitudes.map(|a| (Some(a.response_displacement), &a.frequency, a.damping_ln_difference));
-        for (amplitude, frequency, damping) in std::iter::once(first).chain(rows) {
-            let _ = writeln!(
-                out,
-                "{:>14} {:>15.4} {:>15.4} {:>+11.3}% {:>20} {:>14}",
-                amplitude.map_or_else(|| "linearised".into(), |a| format!("{a:.4e}")),
-                frequency.own_hz,
-                frequency.other_hz,
-                100.0 * frequency.relative_difference,
-                limit(frequency),
-                damping.map_or_else(|| "-".into(), |d: f64| format!("{d:+.3}"))
-            );
-        }
-    }
-    let _ = writeln!(out, "limit: {}", estimate.rule());
-    if estimate.share_of_elements < 1.0 {
-        let share = 100.0 * estimate.share_of_elements;
-        let _ = writeln!(
-            out,
-            "only {share:.1} % of the elements have both formulations; the error of the others is not in it"
-        );
-    }
-    out
-}
-
-/// Bands from uncertain inputs, and which of them matter most.
-fn samples(found: &Uncertainty) -> String {
-    let mut out = String::new();
-    for mode in &found.modes {
-        let table = uncertainty::influence_table(found, mode);
-        let columns = 0..table.headings.len();
-        let cells = |column: usize| table.rows.iter().map(move |row| row[column].chars().count());
-        let widths: Vec<usize> = columns
-            .map(|column| {
-                cells(column)
-                    .chain([table.headings[column].chars().count()])
-                    .max()
-                    .unwrap_or(0)
-            })
-            .collect();
-        // Writing to a string cannot fail.
-        let _ = writeln!(out, "\nmode {}: bands from uncertain inputs", mode.mode);
-        for row in std::iter::once(&table.headings).chain(&table.rows) {
-            let mut line = String::new();
-            for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
-                // Texts from the left, numbers from the right.
-                let is_text = column == 1 || column + 1 == row.len();
-                let _ = match is_text {
-                    true => write!(line, "{cell:<width$}  "),
-                    false => write!(line, "{cell:>width$}  "),
-                };
-            }
-            let _ = writeln!(out, "{}", line.trim_end());
-        }
-    }
-    for remark in uncertainty::remarks(found) {
-        let _ = writeln!(out, "{remark}");
-    }
-    let _ = writeln!(
-        out,
-        "bands in {BANDS}, samples in {SAMPLES}, shares of the variance in {INFLUENCES}"
-    );
-    out
-}
-
-/// What is printed at the end.
-fn account(summary: &Summary, scene: &Scene, directory: &Path) -> String {
-    let (mut out, name) = (String::new(), &scene.name);
-    let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
-    for (mode, of_mode) in summary.by_mode() {
-        // Writing to a string cannot fail.
-        let _ = match mode {
-            Some(mode) => writeln!(out, "\nmode {mode}"),
-            None => writeln!(out),
-        };
-        table(&mut out, &of_mode);
-    }
-    out.push_str(&sensitivity::most_influential(summary));
-    let _ = writeln!(out, "\namplitude: {}", plot::amplitude_label(&summary.response));
-    for level in &summary.forced {
-        let _ = writeln!(out, "{}", forced::line(level));
-    }
-    if let (Some(first), Some(stuck)) = (summary.modes.first(), summary.model.stuck_frequencies_hz.first()) {
-        let first = first.frequency_hz;
-        let _ = writeln!(
-            out,
-            "first frequency about the prestress: {first:.3} Hz (interface stuck: {stuck:.3} Hz)"
-        );
-    }
-    if let Some(torque) = &summary.torque {
-        let _ = writeln!(out, "{}", torque.line());
-    }
-    if let Some(result) = &summary.tightening {
-        let residual: Vec<String> = result
-            .residual_preloads
-            .iter()
-            .map(|load| format!("{:.3}", 1e-3 * load))
-            .collect();
-        let lowest = result.residual_ratios.iter().copied().fold(f64::INFINITY, f64::min);
-        let _ = writeln!(
-            out,
-            "tightened in {} steps: {} kN are left, at least {:.2} % of the load; {:.2e} of the work on the bolts is dissipated; table in \
-             {TIGHTENING}",
-            result.steps.len(),
-            residual.join(", "),
-            100.0 * lowest,
-            result.energy.dissipated / result.energy.external_work
-        );
-    }
-    if let Some(ensemble) = &summary.ensemble {
-        let _ = writeln!(
-            out,
-            "{} bootstrap realisations, {} without a backbone; bands in {ENSEMBLE}",
-            ensemble.realisations, ensemble.failed
-        );
-    }
-    if let Some(found) = &summary.uncertainty {
-        out.push_str(&samples(found));
-    }
-    if let Some(preset) = summary.accuracy {
-        let _ = writeln!(out, "settings `{}`: {}", preset.name, preset.promise(scene));
-    }
-    if let Some(estimate) = &summary.error_estimate {
-        let _ = writeln!(
-            out,
-            "against the settings `{}`: first frequency {:+.2e}, frequencies within {}, logarithm of damping within {}",
-            estimate.finer,
-            estimate.linear_frequency,
-            cell(estimate.frequency, &|v| format!("{v:.1e}")),
-            cell(estimate.damping, &|v| format!("{v:.1e}"))
-        );
-    }
-    let _ = writeln!(out, "error of the mesh: {}", summary.model.error_bar.sentence());
-    if let Some(estimate) = &summary.mesh_estimate {
-        out.push_str(&mesh_estimate(estimate));
-    }
-    let total = summary.timings.get("total").copied().unwrap_or_default();
-    let _ = writeln!(
-        out,
-        "{name}: {total:.1} s; results, with report.html to begin with, in {}",
-        directory.display()
-    );
     out
 }

@@ -1,6 +1,6 @@
 //! Which scene a command works on.
 
-use super::Defaults;
+use super::defaults::Defaults;
 use anyhow::{Result, bail};
 use finite_elements::formats::abaqus::Includes;
 use host::{BENCHMARKS, GivenScene};
@@ -26,11 +26,6 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// Whether they name anything, a deck alone included.
-    pub(super) fn is_given(&self) -> bool {
-        self.scene.is_some() || self.benchmark.is_some() || self.deck.is_some()
-    }
-
     /// The scene, in SI, and the file that it is from.
     ///
     /// # Errors
@@ -91,12 +86,6 @@ pub(super) fn fill(scene: &mut Value, defaults: &Defaults) {
     if let (Some(name), Some(scene)) = (benchmark, scene.as_object_mut()) {
         scene.entry("structure").or_insert_with(|| json!({ "benchmark": name }));
     }
-}
-
-/// The scene of a benchmark on its coarse mesh, which takes seconds.
-pub(super) fn coarse(benchmark: &'static dyn Benchmark) -> Result<GivenScene> {
-    let name = format!("{}/{}-quick", benchmark.name(), benchmark.short_name());
-    Ok(GivenScene::of_benchmark(&name)?)
 }
 
 /// What `microslip benchmarks` prints.

@@ -1,5 +1,6 @@
 //! `schema`: JSON Schema of the files that the program reads and writes, for editors and scripts.
 
+use crate::text::print;
 use analyses::results::summary::Summary;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -30,5 +31,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         Subject::Plan => parameter_studies::schema(),
     };
     let text = serde_json::to_string_pretty(&schema).context("encoding the schema")?;
-    super::print(&(text + "\n"))
+    print(&(text + "\n"))
 }

@@ -1,9 +1,13 @@
 //! `study`: many variants of a scene by a plan.
 
-use super::run::{Request, is_complete};
-use super::{Cache, Defaults, Outcome, Threads, print, scene};
+use super::defaults::Defaults;
+use super::outcome::Outcome;
+use super::resources::{Cache, Threads};
+use super::run::Request;
+use super::scene;
 use crate::files::{Overwrite, publish};
 use crate::progress::Bar;
+use crate::text::print;
 use analyses::results::provenance::{Input, InputRole, Provenance};
 use anyhow::{Context, Result, anyhow, bail};
 use file_io::durable::{Identity, MANIFEST};
@@ -13,7 +17,8 @@ use parameter_studies::slurm::Job;
 use parameter_studies::{Base, BaseScene, CSV, Machine, Memory, PARQUET, Part, Plan, Store, Study, Tally, outputs};
 use rayon::ThreadPoolBuilder;
 use reports::Output;
-use reports::run::SUMMARY;
+use reports::names::SUMMARY;
+use reports::registry::is_complete;
 use scenes::parse_json;
 use serde_json::json;
 use std::path::{Path, PathBuf};

@@ -1,15 +1,15 @@
 //! `verify`: whether results are as they were written, sound, and what the program computes again.
 
-use super::print;
 use super::run::{ErrorOf, Request};
 use crate::check::{self, Demand};
-use crate::files::is_of_some_run;
+use crate::text::print;
 use analyses::results::provenance::{Provenance, arithmetic_fingerprint};
 use analyses::results::summary::Summary;
 use anyhow::{Context, Result, bail, ensure};
 use file_io::durable::Manifest;
 use host::provenance;
 use joints::Options;
+use reports::registry::is_of_some_run;
 use reports::run::outputs;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -65,7 +65,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let directory = &arguments.results;
     let manifest = Manifest::read(directory)?;
     let mut defects: Vec<String> = manifest.defects(directory)?.iter().map(ToString::to_string).collect();
-    let is_run = ["run", "forced"].contains(&manifest.identity.command.as_str());
+    let is_run = {
+        let command = manifest.identity.command.as_str();
+        command == "run" || command.starts_with("run --only")
+    };
     if is_run {
         let extra = names(directory)?.into_iter().filter(|name| is_of_some_run(name));
         let extra = extra.filter(|name| !manifest.files.contains_key(name));

@@ -265,8 +265,8 @@ fn units_do_not_change_the_results() {
         "hardness": at("/model/material/hardness") * 1e-6,
     });
     scene["bolts"] = json!({ "load": at("/bolts/load") });
-    scene["cqsma"]["amplitude_from"] = json!(at("/cqsma/amplitude_from") * 1e3);
-    scene["cqsma"]["amplitude_to"] = json!(at("/cqsma/amplitude_to") * 1e3);
+    scene["analyses"]["backbone"]["amplitude_from"] = json!(at("/analyses/backbone/amplitude_from") * 1e3);
+    scene["analyses"]["backbone"]["amplitude_to"] = json!(at("/analyses/backbone/amplitude_to") * 1e3);
     std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
     let output = run(&folder, &["run", "scene.json", "--out", "out", "--no-cache"]);
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
@@ -282,7 +282,7 @@ fn units_do_not_change_the_results() {
             "{pointer}"
         );
     }
-    let tolerance = at("/cqsma/tolerance");
+    let tolerance = at("/analyses/backbone/tolerance");
     for (a, b) in a["backbone"]
         .as_array()
         .unwrap()
@@ -311,7 +311,7 @@ fn units_do_not_change_the_results() {
 fn amplitudes_that_do_not_converge_are_results() {
     let folder = folder("too-far");
     let mut scene = read_json(Path::new(QUICK));
-    scene["cqsma"] = json!({ "amplitudes": 2, "vertices_per_quarter": 1, "amplitude_to": 1e6 });
+    scene["analyses"]["backbone"] = json!({ "amplitudes": 2, "vertices_per_quarter": 1, "amplitude_to": 1e6 });
     std::fs::write(folder.join("too-far.json"), scene.to_string()).unwrap();
     let output = run(&folder, &["run", "too-far.json"]);
     assert_eq!(exit_code(&output), 3, "{}", messages(&output));
@@ -341,13 +341,17 @@ fn bad_scenes_are_refused_with_the_field_named() {
         &format!("{{ {units}, \"frction\": 0.2 }}"),
         &["scene.json", "frction"],
     );
-    let nested = format!("{{ {units}, \"cqsma\": {{ \"amplitude\": 3 }} }}");
+    let nested = format!("{{ {units}, \"analyses\": {{ \"backbone\": {{ \"amplitude\": 3 }} }} }}");
     rejected("unknown-nested-field", &nested, &["scene.json", "amplitude"]);
-    rejected("no-units", "{ \"mu\": 0.2 }", &["scene.json", "units"]);
+    rejected(
+        "no-units",
+        "{ \"interfaces\": { \"mu\": 0.2 } }",
+        &["scene.json", "units"],
+    );
     rejected(
         "bad-value",
-        &format!("{{ {units}, \"mu\": -0.2 }}"),
-        &["scene.json", "mu = -0.2"],
+        &format!("{{ {units}, \"interfaces\": {{ \"mu\": -0.2 }} }}"),
+        &["scene.json", "interfaces.mu = -0.2"],
     );
     rejected(
         "no-folder-name",
@@ -635,7 +639,7 @@ fn scans_that_cannot_be_characterised_leave_nothing_behind() {
         (&["--units=um", "--step=60,100", "--align=1"], "alignment reach = 1 m"),
         (
             &["--units=um", "--step=60,100", "--align=-1"],
-            "surface.scans.align = -1 m",
+            "interfaces.surface.scans.align = -1 m",
         ),
     ] {
         let output = run(&folder, &[&CHARACTERISE[..], more].concat());
@@ -659,9 +663,9 @@ fn an_ensemble_puts_bands_about_the_backbone() {
     let folder = folder("ensemble");
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!("scanned");
-    scene["surface"] = json!({ "synthetic-scan": { "step": [60e-6, 100e-6] } });
-    scene["gap"] = json!("scan");
-    scene["cqsma"] = json!({ "amplitudes": 3, "amplitude_from": 1e-6, "vertices_per_quarter": 4 });
+    scene["interfaces"]["surface"] = json!({ "synthetic-scan": { "step": [60e-6, 100e-6] } });
+    scene["interfaces"]["gap"] = json!("scan");
+    scene["analyses"]["backbone"] = json!({ "amplitudes": 3, "amplitude_from": 1e-6, "vertices_per_quarter": 4 });
     std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
     let go = |arguments: &[&str]| {
         let output = run(&folder, &[&["run", "scene.json"], arguments].concat());

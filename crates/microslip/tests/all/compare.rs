@@ -1,7 +1,7 @@
-//! `transient` and `compare` as a user meets them.
+//! Ring-downs and `compare` as a user meets them.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use crate::common::{folder, read_json, run, succeeds};
+use crate::common::{exit_code, folder, messages, read_json, run, succeeds};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -300,24 +300,22 @@ fn runs_are_compared_with_runs() {
     assert_eq!(report["experiments"][0]["misfit"]["frequency_hz"]["largest"], 0.0);
 
     // What has no backbone says what it is.
-    let forced = [
-        "forced",
-        "samples/joint-mesh.json",
-        "--levels",
-        "1",
-        "--from-hz",
-        "2790",
-        "--to-hz",
-        "2840",
-        "--out",
-        "forced",
-    ];
-    succeeds(&folder, &forced);
+    succeeds(
+        &folder,
+        &[
+            "run",
+            "samples/joint-motions.json",
+            "--only",
+            "forced",
+            "--out",
+            "forced",
+        ],
+    );
     succeeds(&folder, &["model", "samples/joint-mesh.json", "--out", "model"]);
     for (results, command) in [
-        ("forced", "`forced` of joint-mesh"),
-        ("forced/summary.json", "`forced` of joint-mesh"),
-        ("forced/backbone.csv", "`forced` of joint-mesh"),
+        ("forced", "`run --only forced` of joint-motions"),
+        ("forced/summary.json", "`run --only forced` of joint-motions"),
+        ("forced/backbone.csv", "`run --only forced` of joint-motions"),
         ("model", "`model` of joint-mesh"),
         ("itself", "`compare` of run with run"),
     ] {
@@ -331,39 +329,35 @@ fn runs_are_compared_with_runs() {
 fn a_ring_down_is_computed_identified_and_compared() {
     let folder = folder("ring-down");
     let quick = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenes/brb-quick.json");
-    let arguments = [
-        "transient",
-        quick,
-        "--amplitude",
-        "2e-3",
-        "--periods",
-        "80",
-        "--steps",
-        "50",
-        "--other-damping",
-        "0.05",
-        "--out",
-        "ring",
-    ];
-    let text = succeeds(&folder, &arguments);
+    let mut scene = read_json(Path::new(quick));
+    scene["analyses"]["ring_down"] =
+        json!({ "release": 2e-3, "periods": 80, "steps_per_period": 50, "other_damping": 0.05 });
+    for (field, value) in [
+        ("amplitudes", json!(24)),
+        ("amplitude_from", json!(2.5e-5)),
+        ("amplitude_to", json!(2e-3)),
+    ] {
+        scene["analyses"]["backbone"][field] = value;
+    }
+    std::fs::write(folder.join("ring.json"), scene.to_string()).unwrap();
+    let text = succeeds(&folder, &["run", "ring.json", "--out", "ring"]);
     assert!(text.contains("4000 steps"), "{text}");
-    let report = read_json(&folder.join("ring/transient.json"));
-    let number = |pointer: &str| report.pointer(pointer).and_then(Value::as_f64).unwrap();
-    assert!(number("/energy/error") < 1e-4, "{report:#}");
-    assert!(number("/algorithmic_error/damping_ratio").abs() < 1e-6);
+    let summary = read_json(&folder.join("ring/summary.json"));
+    let number = |pointer: &str| summary["ring_down"].pointer(pointer).and_then(Value::as_f64).unwrap();
+    assert!(number("/energy_error") < 1e-4, "{summary:#}");
+    assert!(number("/integration_damping_ratio").abs() < 1e-6);
     assert!(number("/theory_minus_ring_down/cqsma/frequency_hz/rms") < 0.5);
-    let signal = std::fs::read_to_string(folder.join("ring/signal.csv")).unwrap();
+    let signal = std::fs::read_to_string(folder.join("ring/ring-down-signal.csv")).unwrap();
     assert_eq!(signal.lines().count(), 4002);
-    assert!(
-        std::fs::read_to_string(folder.join("ring/transient.svg"))
-            .unwrap()
-            .contains("ring-down, identified")
-    );
+    let read = |name: &str| std::fs::read_to_string(folder.join("ring").join(name)).unwrap();
+    assert!(read("ring-down.svg").contains("ring-down, identified"));
+    assert!(read("report.html").contains("<h2>Free decay in time</h2>"));
+    assert!(read("ring-down-theory.csv").lines().count() > 8);
 
     // The signal can be identified from its file as well, and both compared with a run of the scene.
     let identify = [
         "identify",
-        "ring/signal.csv",
+        "ring/ring-down-signal.csv",
         "--channel",
         "acceleration",
         "--bandwidth",
@@ -372,11 +366,13 @@ fn a_ring_down_is_computed_identified_and_compared() {
         "9",
     ];
     succeeds(&folder, &[&identify[..], &["--out", "again"]].concat());
-    succeeds(&folder, &["run", quick, "--out", "run"]);
-    succeeds(&folder, &["compare", "run", "ring", "again", "--out", "compare"]);
+    succeeds(
+        &folder,
+        &["compare", "ring", "ring/ring-down.csv", "again", "--out", "compare"],
+    );
     let compared = read_json(&folder.join("compare/compare.json"));
     assert_eq!(compared["amplitude"]["unit"], "m/s^2");
-    for (index, name) in ["ring", "again"].iter().enumerate() {
+    for (index, name) in ["ring/ring-down.csv", "again"].iter().enumerate() {
         let experiment = &compared["experiments"][index];
         assert_eq!(experiment["name"], *name);
         let value = |pointer: &str| experiment.pointer(pointer).and_then(Value::as_f64).unwrap();
@@ -386,10 +382,15 @@ fn a_ring_down_is_computed_identified_and_compared() {
             "{experiment:#}"
         );
     }
-    fails(&folder, &["transient", quick, "--amplitude=-1"], &["amplitude"]);
-    fails(
-        &folder,
-        &["transient", quick, "--steps", "2"],
-        &["steps_per_period = 2"],
-    );
+
+    // A motion that cannot be followed leaves the backbone, and says why there is no ring-down.
+    scene["analyses"]["ring_down"]["steps_per_period"] = json!(2);
+    scene["analyses"]["backbone"]["amplitudes"] = json!(2);
+    std::fs::write(folder.join("coarse.json"), scene.to_string()).unwrap();
+    let output = run(&folder, &["run", "coarse.json", "--out", "coarse"]);
+    assert_eq!(exit_code(&output), 3, "{}", messages(&output));
+    let summary = read_json(&folder.join("coarse/summary.json"));
+    let reason = summary["ring_down"]["failure"].as_str().unwrap();
+    assert!(reason.contains("steps_per_period = 2"), "{reason}");
+    assert!(!summary["backbone"].as_array().unwrap().is_empty());
 }

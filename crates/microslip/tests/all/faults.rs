@@ -62,7 +62,8 @@ fn few(folder: &Path, earlier: bool) {
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!("few");
     let amplitudes = if earlier { 1 } else { 2 };
-    scene["cqsma"] = json!({ "amplitudes": amplitudes, "amplitude_from": 1e-6, "vertices_per_quarter": 2 });
+    scene["analyses"]["backbone"] =
+        json!({ "amplitudes": amplitudes, "amplitude_from": 1e-6, "vertices_per_quarter": 2 });
     fs::write(folder.join("few.json"), scene.to_string()).unwrap();
 }
 
@@ -101,14 +102,16 @@ const ENSEMBLE: Subject = Subject {
                 "response": { "node": "TIP", "direction": [0.0, 0.0, 1.0] },
             } },
             "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } },
-            "mu": 0.2,
-            "surface": { "synthetic-scan": { "step": [400e-6, 400e-6], "bootstrap": 4 } },
-            "gap": "scan",
+            "interfaces": {
+                "mu": 0.2,
+                "surface": { "synthetic-scan": { "step": [400e-6, 400e-6], "bootstrap": 4 } },
+                "gap": "scan",
+            },
             "bolts": { "load": "2 kN" },
-            "cqsma": {
+            "analyses": { "backbone": {
                 "amplitudes": if earlier { 1 } else { 2 },
                 "amplitude_from": 1e-9, "amplitude_to": 1e-8, "vertices_per_quarter": 2,
-            },
+            } },
         });
         fs::write(folder.join("scanned.json"), scene.to_string()).unwrap();
     },

@@ -78,13 +78,16 @@ fn results_of(folder: &Path, name: &str, place: Place, change: impl Fn(&mut Valu
             "response": { "node": "TIP", "direction": place.turn([0.0, 0.0, 1.0]) },
         } },
         "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } },
-        "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": elastic }, "gap": 0.0 }] } },
+        "interfaces": {
+            "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": elastic }, "gap": 0.0 }] } },
+            "mu": 0.2,
+        },
         "bolts": { "load": "2 kN" },
-        "mu": 0.2,
-        "cqsma": { "amplitudes": 2, "amplitude_from": 1e-9, "amplitude_to": 1e-7, "vertices_per_quarter": 2 },
+        "analyses": {
+            "backbone": { "amplitudes": 2, "amplitude_from": 1e-9, "amplitude_to": 1e-7, "vertices_per_quarter": 2 },
+            "epmc": { "loops_at": [1, 5] },
+        },
         "output": { "fields_at": [2] },
-        "epmc": { "loops_at": [1, 5] },
-        "methods": ["epmc"],
     });
     change(&mut scene);
     let file = format!("{name}.json");
@@ -93,6 +96,11 @@ fn results_of(folder: &Path, name: &str, place: Place, change: impl Fn(&mut Valu
     let said = messages(&output);
     assert_eq!(exit_code(&output), 0, "{said}");
     said
+}
+
+/// Leaves the periodic motions out of a scene.
+fn without_epmc(scene: &mut Value) {
+    scene["analyses"].as_object_mut().unwrap().remove("epmc");
 }
 
 /// Numbers of an array of a VTK file, by the components of each point or cell.
@@ -204,13 +212,12 @@ fn loops_of_chosen_elements_are_a_table_and_enclose_their_dissipation() {
         "units": { "length": "mm", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "gap": "flat",
         // The mean over an element is then the value at its point.
-        "points_per_direction": 1,
-        "cqsma": {
+        "interfaces": { "gap": "flat", "points_per_direction": 1 },
+        "analyses": { "backbone": {
             "amplitudes": 2, "amplitude_from": 0.05, "amplitude_to": 0.1, "vertices_per_quarter": 4,
             "loops_at": [[57.5, 9, 0], ["-0.05 m", -9, 0]],
-        },
+        } },
         "output": { "fields_at": [2] },
     });
     std::fs::write(folder.join("beam.json"), scene.to_string()).unwrap();
@@ -256,15 +263,11 @@ fn loops_of_chosen_elements_are_a_table_and_enclose_their_dissipation() {
 #[test]
 fn loops_of_elements_are_where_the_model_is() {
     let folder = folder("element-loops-in-place");
-    let without_epmc = |scene: &mut Value| {
-        let fields = scene.as_object_mut().unwrap();
-        fields.retain(|name, _| name != "methods" && name != "epmc");
-    };
     results_of(&folder, "elsewhere", ELSEWHERE, |scene| {
         without_epmc(scene);
         // In the last and in the first of three elements, and once more in the last.
         let places = [[0.055, 0.003, 0.0], [0.005, 0.01, 0.0], [0.05, 0.01, 0.0]];
-        scene["cqsma"]["loops_at"] = json!(places.map(|x| ELSEWHERE.of(x)));
+        scene["analyses"]["backbone"]["loops_at"] = json!(places.map(|x| ELSEWHERE.of(x)));
     });
     let of = columns(&std::fs::read_to_string(folder.join("elsewhere/element-loops.csv")).unwrap());
     let vertices = 4 * 2 + 1;
@@ -281,12 +284,12 @@ fn loops_of_elements_are_where_the_model_is() {
 #[test]
 fn places_of_loops_beside_the_interface_are_refused() {
     let folder = folder("element-loops-beside");
-    for (name, cqsma, output, expected) in [
+    for (name, backbone, output, expected) in [
         (
             "far",
             json!({ "loops_at": [["50 mm", 0.01, 0.1]] }),
             json!({}),
-            "cqsma.loops_at, number 1: the element nearest to [0.05, 0.01, 0.1] m is number",
+            "analyses.backbone.loops_at, number 1: the element nearest to [0.05, 0.01, 0.1] m is number",
         ),
         (
             "flat",
@@ -298,13 +301,13 @@ fn places_of_loops_beside_the_interface_are_refused() {
             "four",
             json!({ "loops_at": [[0.05, 0.01, 0.0, 1.0]] }),
             json!({}),
-            "cqsma.loops_at",
+            "analyses.backbone.loops_at",
         ),
         (
             "idle",
             json!({ "loops_at": [[0.05, 0.01, 0.0]] }),
             json!({ "fields_at": [] }),
-            "cqsma.loops_at belongs to amplitudes whose fields are stored",
+            "analyses.backbone.loops_at belongs to amplitudes whose fields are stored",
         ),
     ] {
         std::fs::write(folder.join("bricks.inp"), AT_HOME.deck()).unwrap();
@@ -317,10 +320,12 @@ fn places_of_loops_beside_the_interface_are_refused() {
                 "response": { "node": "TIP", "direction": [0.0, 0.0, 1.0] },
             } },
             "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3 } },
-            "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": elastic }, "gap": 0.0 }] } },
+            "interfaces": {
+                "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": elastic }, "gap": 0.0 }] } },
+                "mu": 0.2,
+            },
             "bolts": { "load": "2 kN" },
-            "mu": 0.2,
-            "cqsma": cqsma,
+            "analyses": { "backbone": backbone },
             "output": output,
         });
         std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
@@ -399,7 +404,7 @@ fn halves_have_no_mode_shapes() {
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick", "symmetry": "half" },
-        "gap": "flat",
+        "interfaces": { "gap": "flat" },
     });
     std::fs::write(folder.join("half.json"), scene.to_string()).unwrap();
     let refused = run(&folder, &["model", "half.json", "--modes", "2"]);
@@ -476,11 +481,11 @@ fn a_deck_in_millimetres_read_as_metres_is_warned_of() {
         scene["structure"]["deck"]["response"]["direction"] = json!([0.0, 0.0, 1.0]);
         // As stiff against the bodies as before.
         let elastic = json!({ "normal_stiffness": 1e9, "tangential_stiffness": [8e8, 8e8] });
-        scene["surface"]["parameters"]["sets"][0]["curves"]["elastic"] = elastic;
+        scene["interfaces"]["surface"]["parameters"]["sets"][0]["curves"]["elastic"] = elastic;
         scene["bolts"]["load"] = json!(2e9);
-        (scene["cqsma"]["amplitude_from"], scene["cqsma"]["amplitude_to"]) = (json!(1e-6), json!(1e-4));
-        let fields = scene.as_object_mut().unwrap();
-        fields.retain(|name, _| name != "methods" && name != "epmc");
+        let backbone = &mut scene["analyses"]["backbone"];
+        (backbone["amplitude_from"], backbone["amplitude_to"]) = (json!(1e-6), json!(1e-4));
+        without_epmc(scene);
     });
     assert!(
         warned(&folder, "millimetres", &said).contains(&"size".to_owned()),
@@ -498,8 +503,7 @@ fn pressures_above_the_hardness_are_warned_of() {
     let said = results_of(&folder, "heavy", AT_HOME, |scene| {
         scene["bolts"]["load"] = json!("2 MN");
         scene["model"]["material"]["hardness"] = json!("1.5 GPa");
-        let fields = scene.as_object_mut().unwrap();
-        fields.retain(|name, _| name != "methods" && name != "epmc");
+        without_epmc(scene);
     });
     assert_eq!(warned(&folder, "heavy", &said), ["mean-pressure", "peak-pressure"]);
     assert!(said.contains("is the load right?"), "{said}");

@@ -14,8 +14,9 @@ fn scene(name: &str) -> PathBuf {
     let folder = folder(name);
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!("joint");
-    scene["methods"] = json!(["rqnma", "epmc"]);
-    scene["epmc"] = json!({ "modal_amplitudes": [2e-5, 6e-5, 2e-4], "samples": 64 });
+    scene["analyses"]["backbone"]["methods"] = json!(["rqnma"]);
+    scene["analyses"]["epmc"] = json!({ "modal_amplitudes": [2e-5, 6e-5, 2e-4], "samples": 64 });
+    scene["analyses"]["forced"] = json!({ "levels": [1.0, 4.0], "from_hz": 162, "to_hz": 175 });
     std::fs::write(folder.join("joint.json"), scene.to_string()).unwrap();
     folder
 }
@@ -30,16 +31,7 @@ fn numbers(array: &Array) -> &[f64] {
 #[test]
 fn forced_responses_are_written_as_a_set_that_can_be_repeated() {
     let folder = scene("forced");
-    let arguments = [
-        "forced",
-        "joint.json",
-        "--levels",
-        "1,4",
-        "--from-hz",
-        "162",
-        "--to-hz",
-        "175",
-    ];
+    let arguments = ["run", "joint.json", "--only", "forced,epmc"];
     let output = run(&folder, &arguments);
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
     let progress = messages(&output);
@@ -111,29 +103,19 @@ fn forced_responses_are_written_as_a_set_that_can_be_repeated() {
 }
 
 #[test]
-fn what_is_missing_of_a_forced_response_is_refused_before_anything_is_computed() {
-    let folder = scene("forced-refused");
-    for (arguments, parts) in [
+fn what_a_scene_does_not_ask_for_is_refused_before_anything_is_computed() {
+    let folder = scene("only-refused");
+    for (only, parts) in [
         (
-            &[][..],
-            &["joint: the block `forced` is missing", "--levels, --from-hz, --to-hz"][..],
+            "ring_down",
+            ["does not ask for `ring_down`", "backbone, epmc, forced, modes"],
         ),
-        (&["--levels", "1", "--to-hz", "170"], &["pass --from-hz,"]),
-        (
-            &["--levels", "1", "--from-hz", "170", "--to-hz", "170"],
-            &["forced.to_hz = 170 Hz", "another frequency"],
-        ),
+        ("epmc,forces", ["does not ask for `forces`", "analyses"]),
     ] {
-        let output = run(&folder, &[&["forced", "joint.json"], arguments].concat());
-        assert_eq!(exit_code(&output), 1, "{arguments:?}");
+        let output = run(&folder, &["run", "joint.json", "--only", only]);
+        assert_eq!(exit_code(&output), 1, "{only}");
         let text = messages(&output);
-        for part in parts {
-            assert!(text.contains(part), "`{part}` is not in: {text}");
-        }
+        assert!(parts.iter().all(|part| text.contains(part)), "{text}");
     }
     assert!(!folder.join("results").exists());
-    assert_eq!(
-        exit_code(&run(&folder, &["forced", "joint.json", "--levels", "much"])),
-        2
-    );
 }

@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use crate::common::{exit_code, folder, messages, run, succeeds};
+use crate::common::{exit_code, folder, messages, read_json, run, succeeds};
 use serde_json::json;
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -18,9 +18,8 @@ fn scene(folder: &Path, refinement: &str) {
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": refinement },
-        "gap": "flat",
-        "mu": 0.2,
-        "cqsma": { "amplitudes": 2, "vertices_per_quarter": 2 },
+        "interfaces": { "gap": "flat", "mu": 0.2 },
+        "analyses": { "backbone": { "amplitudes": 2, "vertices_per_quarter": 2 } },
     });
     fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
 }
@@ -33,11 +32,11 @@ fn work_without_end_is_refused_at_once() {
     let hits = ["identify", "samples/hit1.csv", "samples/hit2.csv"];
     let identify = [&hits[..], &["--points", "1000000000", "--out", "identified"]].concat();
     let memory = ["run", "scene.json", "--no-cache", "--memory", "10MB"];
+    let mut endless = read_json(&folder.join("scene.json"));
+    endless["analyses"]["ring_down"] = json!({ "release": 1e-3, "periods": 1_000_000_000_000_u64 });
+    std::fs::write(folder.join("endless.json"), endless.to_string()).unwrap();
     for (arguments, words) in [
-        (
-            &["transient", "scene.json", "--periods", "1000000000000"][..],
-            ["periods", "1e7 steps"],
-        ),
+        (&["run", "endless.json"][..], ["periods", "1e7 steps"]),
         (&identify, ["1000000000 points", "1000000"]),
         (&memory, ["--memory", "MB"]),
     ] {

@@ -51,12 +51,16 @@ fn on_mesh() -> Value {
             "response": { "node": "TIP", "direction": [0, 0, 1] },
         } },
         "model": { "material": { "youngs_modulus": "200 GPa", "poisson_ratio": 0.3, "density": "7800 kg/m^3" } },
-        "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
-            "normal_stiffness": 4e13, "tangential_stiffness": [3e13, 3e13] } } }] } },
+        "interfaces": {
+            "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
+                "normal_stiffness": 4e13, "tangential_stiffness": [3e13, 3e13] } } }] } },
+            "mu": 0.15,
+            "gap": "flat",
+        },
         "bolts": { "load": "1 kN" },
-        "mu": 0.15,
-        "gap": "flat",
-        "cqsma": { "amplitudes": 2, "amplitude_from": 1e-9, "amplitude_to": 1e-8, "vertices_per_quarter": 4 },
+        "analyses": {
+            "backbone": { "amplitudes": 2, "amplitude_from": 1e-9, "amplitude_to": 1e-8, "vertices_per_quarter": 4 },
+        },
     })
 }
 
@@ -101,7 +105,6 @@ fn files_that_cannot_be_read_are_named_once_with_a_remedy() {
             &["run", name, "--out", "out"][..],
             &["model", name],
             &["export", name, "--format", "npz", "--out", "out"],
-            &["transient", name, "--out", "out"],
             &["characterise", "--scene", name, "--out", "out"],
             &["characterise", name, name, "--scene", "scene.json", "--out", "out"],
             &["identify", name, "--out", "out"],
@@ -151,20 +154,23 @@ fn wrong_values_name_their_field_and_what_is_expected() {
     succeeds(&folder, &["model", "scene.json"]);
     let number = "a whole number that is not negative";
     refuse(
-        mesh("/cqsma/amplitudes", json!("many")),
-        &["cqsma.amplitudes", "\"many\"", number],
+        mesh("/analyses/backbone/amplitudes", json!("many")),
+        &["analyses.backbone.amplitudes", "\"many\"", number],
     );
     refuse(
-        mesh("/cqsma/amplitudes", json!(-2)),
-        &["cqsma.amplitudes", "-2", number],
+        mesh("/analyses/backbone/amplitudes", json!(-2)),
+        &["analyses.backbone.amplitudes", "-2", number],
     );
-    refuse(mesh("/mu", json!("0.2")), &["mu: ", "\"0.2\"", "a number"]);
     refuse(
-        mesh("/mu", json!(0.25)).replace("0.25", "NaN"),
+        mesh("/interfaces/mu", json!("0.2")),
+        &["interfaces.mu: ", "\"0.2\"", "a number"],
+    );
+    refuse(
+        mesh("/interfaces/mu", json!(0.25)).replace("0.25", "NaN"),
         &["line 1 column", "`NaN", "finite"],
     );
     refuse(
-        mesh("/mu", json!(0.25)).replace("0.25", "1e999"),
+        mesh("/interfaces/mu", json!(0.25)).replace("0.25", "1e999"),
         &["line 1 column", "finite"],
     );
     refuse(
@@ -191,14 +197,15 @@ fn wrong_values_name_their_field_and_what_is_expected() {
         interface[field] = value;
         mesh("/structure/mesh/interfaces", json!([named, interface]))
     };
+    let own = |mu: Value| {
+        let scene = with(on_mesh(), "/structure/mesh/interfaces", json!([named, named]));
+        with(scene, "/interfaces/each", json!([{}, { "mu": mu }])).to_string()
+    };
     refuse(
-        interface("mu", json!(-1)),
-        &["structure.mesh.interfaces, number 2: mu = -1 is not"],
+        own(json!(-1)),
+        &["interfaces.each, number 2: interfaces.mu = -1 is not"],
     );
-    refuse(
-        interface("mu", json!([])),
-        &["structure.mesh.interfaces[1].mu", "a number"],
-    );
+    refuse(own(json!([])), &["interfaces.each[1].mu", "a number"]);
     refuse(
         interface("within", json!("1 kN")),
         &["structure.mesh.interfaces[1].within", "`1 kN`", "mm"],
@@ -396,7 +403,7 @@ fn a_run_says_what_its_accuracy_takes_and_counts_all_its_time() {
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!("drafted");
     scene["accuracy"] = json!("draft");
-    scene["cqsma"] = json!({ "amplitudes": 3, "amplitude_from": 1e-6 });
+    scene["analyses"]["backbone"] = json!({ "amplitudes": 3, "amplitude_from": 1e-6 });
     std::fs::write(folder.join("drafted.json"), scene.to_string()).unwrap();
     let began = std::time::Instant::now();
     let output = run(
@@ -434,7 +441,7 @@ fn units_are_spelled_in_one_way_per_medium() {
     let folder = folder("messages-units");
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!("units");
-    scene["cqsma"] = json!({ "amplitudes": 2, "amplitude_from": 1e-6, "vertices_per_quarter": 2 });
+    scene["analyses"]["backbone"] = json!({ "amplitudes": 2, "amplitude_from": 1e-6, "vertices_per_quarter": 2 });
     std::fs::write(folder.join("units.json"), scene.to_string()).unwrap();
     succeeds(&folder, &["run", "units.json", "--no-cache"]);
     for entry in std::fs::read_dir(folder.join("results/units")).unwrap() {
@@ -466,7 +473,7 @@ fn loops_that_did_not_close_are_not_said_to_be_all_well() {
     let folder = folder("messages-open");
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!("open");
-    scene["cqsma"] =
+    scene["analyses"]["backbone"] =
         json!({ "amplitudes": 2, "amplitude_from": 1e-4, "vertices_per_quarter": 2, "until_closed": 1e-9 });
     std::fs::write(folder.join("open.json"), scene.to_string()).unwrap();
     let told = succeeds(&folder, &["run", "open.json", "--no-cache"]);

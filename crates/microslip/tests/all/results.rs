@@ -23,10 +23,10 @@ fn finished() -> &'static Path {
 }
 
 /// A scene on the coarse mesh in the file `name.json`.
-fn scene(folder: &Path, name: &str, cqsma: &Value) {
+fn scene(folder: &Path, name: &str, backbone: &Value) {
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!(name);
-    scene["cqsma"] = cqsma.clone();
+    scene["analyses"]["backbone"] = backbone.clone();
     std::fs::write(folder.join(format!("{name}.json")), scene.to_string()).unwrap();
 }
 
@@ -303,11 +303,11 @@ fn finished_amplitudes_are_kept_until_the_results_are_in_place() {
 #[test]
 fn of_many_runs_into_one_folder_one_is_whole() {
     let folder = copied("many");
-    let cqsma = json!({ "amplitudes": 1, "vertices_per_quarter": 2 });
+    let backbone = json!({ "amplitudes": 1, "vertices_per_quarter": 2 });
     let children: Vec<Child> = (0..4)
         .map(|k| {
             let name = format!("scene-{k}");
-            scene(&folder, &name, &cqsma);
+            scene(&folder, &name, &backbone);
             let mut command = Command::new(crate::PROGRAM);
             command.args([
                 "run",
@@ -359,7 +359,7 @@ fn a_run_is_repeated_on_the_inputs_it_was_made_from() {
     )
     .unwrap();
     let mut scene = read_json(&folder.join("deck/structure.json"));
-    scene["cqsma"]["amplitudes"] = json!(1);
+    scene["analyses"]["backbone"]["amplitudes"] = json!(1);
     scene["output"] = json!({});
     std::fs::write(folder.join("own/scene.json"), scene.to_string()).unwrap();
     succeeds(&folder, &["run", "own/scene.json", "--out", "out", "--no-cache"]);
@@ -387,7 +387,7 @@ fn loops_that_close_within_their_tolerance_pass_and_others_do_not() {
     succeeds(&folder, &["samples", "samples"]);
     let text = std::fs::read_to_string(folder.join("samples/joint-mesh.json")).unwrap();
     let mut scene = scenes::parse_json(&text).unwrap();
-    scene["cqsma"] = json!({
+    scene["analyses"]["backbone"] = json!({
         "amplitudes": 1, "amplitude_from": "50 um", "vertices_per_quarter": 2, "commit": "at-reversals",
     });
     std::fs::write(folder.join("samples/open.json"), scene.to_string()).unwrap();

@@ -9,12 +9,12 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 /// A scene of the coarse benchmark in a file.
-fn quick(folder: &Path, cqsma: Value) -> String {
+fn quick(folder: &Path, analyses: Value) -> String {
     let scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "cqsma": cqsma,
+        "analyses": analyses,
     });
     std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
     "scene.json".into()
@@ -105,14 +105,14 @@ fn schemas_accept_what_the_program_reads_and_writes() {
     let scene = read("masses", &with_masses.to_string()).unwrap();
     satisfies(&schema, &serde_json::to_value(scene).unwrap()).unwrap();
     let mut with_loops = base.clone();
-    with_loops["cqsma"]["loops_at"] = json!([[0.36, 0.0, "1 mm"], ["3 mm", 0.0]]);
+    with_loops["analyses"]["backbone"]["loops_at"] = json!([[0.36, 0.0, "1 mm"], ["3 mm", 0.0]]);
     satisfies(&schema, &with_loops).unwrap();
     let scene = read("loops", &with_loops.to_string()).unwrap();
     satisfies(&schema, &serde_json::to_value(scene).unwrap()).unwrap();
     for (field, value) in [
         ("frobnicate", json!(1)),
-        ("cqsma", json!({ "loops_at": [[0.36]] })),
-        ("mu", json!("high")),
+        ("analyses", json!({ "backbone": { "loops_at": [[0.36]] } })),
+        ("interfaces", json!({ "mu": "high" })),
         ("structure", json!({ "mesh": "a.msh" })),
         ("structure", json!({})),
         ("structure", json!({ "point_masses": [] })),
@@ -124,13 +124,16 @@ fn schemas_accept_what_the_program_reads_and_writes() {
             "structure",
             json!({ "benchmark": "brake-reuss-beam", "point_masses": [{ "at": [0.0, 0.0, 0.0] }] }),
         ),
-        ("cqsma", json!({ "amplitudes": -1 })),
+        ("analyses", json!({ "backbone": { "amplitudes": -1 } })),
     ] {
         let mut wrong = base.clone();
         wrong[field] = value;
         assert!(satisfies(&schema, &wrong).is_err(), "{field}");
     }
-    let scene = quick(&folder, json!({ "amplitudes": 2, "vertices_per_quarter": 2 }));
+    let scene = quick(
+        &folder,
+        json!({ "backbone": { "amplitudes": 2, "vertices_per_quarter": 2 } }),
+    );
     succeeds(&folder, &["run", &scene, "--out", "results"]);
     let schema = succeeds(&folder, &["schema", "summary"]);
     satisfies(&schema, &read_json(&folder.join("results/summary.json"))).unwrap();
@@ -139,16 +142,13 @@ fn schemas_accept_what_the_program_reads_and_writes() {
 #[test]
 fn several_modes_have_a_backbone_each() {
     let folder = folder("modes");
-    let settings = |modes: Value| {
-        let mut cqsma =
-            json!({ "amplitudes": 3, "vertices_per_quarter": 4, "amplitude_from": 1e-6, "amplitude_to": 1e-4 });
-        cqsma
-            .as_object_mut()
-            .unwrap()
-            .extend(modes.as_object().unwrap().clone());
-        cqsma
+    let settings = |followed: &[usize]| {
+        json!({
+            "modes": { "followed": followed },
+            "backbone": { "amplitudes": 3, "vertices_per_quarter": 4, "amplitude_from": 1e-6, "amplitude_to": 1e-4 },
+        })
     };
-    let scene = quick(&folder, settings(json!({ "modes_of_interest": [1, 3] })));
+    let scene = quick(&folder, settings(&[1, 3]));
     let said = succeeds(&folder, &["run", &scene, "--out", "both"]);
     assert!(said.contains("mode 3"), "{said}");
     let both: Summary = serde_json::from_value(read_json(&folder.join("both/summary.json"))).unwrap();
@@ -166,7 +166,7 @@ fn several_modes_have_a_backbone_each() {
     assert!(page.contains("of mode 1, 3 against amplitude") && page.contains("Backbone: Mode 3"));
     // Each is what a run that follows it alone finds.
     for (index, mode) in [1, 3].into_iter().enumerate() {
-        let scene = quick(&folder, settings(json!({ "mode": mode })));
+        let scene = quick(&folder, settings(&[mode]));
         succeeds(&folder, &["run", &scene, "--out", "alone"]);
         let alone: Summary = serde_json::from_value(read_json(&folder.join("alone/summary.json"))).unwrap();
         let numbers = |backbone| serde_json::to_value(backbone).unwrap();
@@ -178,7 +178,7 @@ fn several_modes_have_a_backbone_each() {
         assert!(alone.backbones.is_empty());
     }
     // A run of the same scene that follows one mode leaves nothing of the other behind.
-    let scene = quick(&folder, settings(json!({ "mode": 1 })));
+    let scene = quick(&folder, settings(&[1]));
     succeeds(&folder, &["run", &scene, "--out", "both"]);
     assert!(!folder.join("both/mode-3-backbone.csv").exists());
     assert!(!folder.join("both/interface-mode-3-amplitude-01.vtu").exists());
@@ -324,8 +324,8 @@ fn spectra_are_printed_for_any_order_of_elements() {
     }
 
     // Summary and report of a run say it too.
-    scene["cqsma"]["amplitudes"] = json!(0);
-    scene["points_per_direction"] = json!(2);
+    scene["analyses"]["backbone"]["amplitudes"] = json!(0);
+    scene["interfaces"]["points_per_direction"] = json!(2);
     write("deck/quadratic.json", &scene);
     succeeds(&folder, &["run", "deck/quadratic.json", "--out", "run"]);
     let summary = read_json(&folder.join("run/summary.json"));

@@ -25,8 +25,10 @@ fn scene() -> Value {
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "gap": "flat",
-        "cqsma": { "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 3 },
+        "interfaces": { "gap": "flat" },
+        "analyses": {
+            "backbone": { "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 3 },
+        },
     })
 }
 
@@ -34,9 +36,9 @@ fn scene() -> Value {
 fn plan(folder: &Path) {
     // `json!` would sort the parameters.
     let parameters = r#"{
-        "/mu": { "values": [0.1, 0.3, 0.30000000000000000] },
+        "/interfaces/mu": { "values": [0.1, 0.3, 0.30000000000000000] },
         "/bolts/load": { "from": "8 kN", "to": "12 kN", "number": 2 },
-        "/gap": { "values": ["flat", "measured"] }
+        "/interfaces/gap": { "values": ["flat", "measured"] }
     }"#;
     let text = format!(r#"{{ "scene": {}, "parameters": {parameters} }}"#, scene());
     fs::write(folder.join("plan.json"), text).unwrap();
@@ -96,7 +98,10 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
     assert_eq!(expected, tables(&folder, "parts"));
     assert_eq!(lines(&folder.join("b/cases")).len(), 8);
     // In full, each in a folder of its own, of which the one that is there is left.
-    let one = json!({ "scene": scene(), "cases": [{ "/mu": 0.3, "/bolts/load": "12 kN" }, { "/mu": 0.5 }] });
+    let one = json!({
+        "scene": scene(),
+        "cases": [{ "/interfaces/mu": 0.3, "/bolts/load": "12 kN" }, { "/interfaces/mu": 0.5 }],
+    });
     fs::write(folder.join("full.json"), one.to_string()).unwrap();
     let command = [
         "study",
@@ -126,7 +131,10 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
         before
     );
     // Another study takes what it shares with this one from the store.
-    let other = json!({ "scene": scene(), "cases": [{ "/mu": 0.3, "/bolts/load": "12 kN" }, { "/mu": 0.5 }] });
+    let other = json!({
+        "scene": scene(),
+        "cases": [{ "/interfaces/mu": 0.3, "/bolts/load": "12 kN" }, { "/interfaces/mu": 0.5 }],
+    });
     fs::write(folder.join("other.json"), other.to_string()).unwrap();
     succeeds(&folder, &["study", "other.json", "--out", "other", "--cache", "a"]);
     assert_eq!(lines(&folder.join("a/cases")).len(), 9);
@@ -136,8 +144,8 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
 
     let text = String::from_utf8(expected[0].clone()).unwrap();
     let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-    let headings = "case,/mu,/bolts/load [kN],/gap,mode,modal_amplitude,response_displacement,frequency_hz,damping_ratio,\
-                    response_motion,frequency_first_harmonic_hz,damping_ratio_first_harmonic,status,reason";
+    let headings = "case,/interfaces/mu,/bolts/load [kN],/interfaces/gap,mode,modal_amplitude,response_displacement,frequency_hz,\
+                    damping_ratio,response_motion,frequency_first_harmonic_hz,damping_ratio_first_harmonic,status,reason";
     assert_eq!(rows[0].join(","), headings);
     assert_eq!(rows.len(), 1 + 12 * 2);
     // In the order of the plan, the last parameter fastest.
@@ -164,7 +172,8 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
 
 /// Nine cases of the coarse beam, of which five teach the others; `hyper_reduction` of the plan is empty for none.
 fn learning(folder: &Path, name: &str, hyper_reduction: &str) {
-    let parameters = r#"{ "/mu": { "values": [0.15, 0.2, 0.25] }, "/bolts/load": { "values": [10e3, 12e3, 14e3] } }"#;
+    let parameters =
+        r#"{ "/interfaces/mu": { "values": [0.15, 0.2, 0.25] }, "/bolts/load": { "values": [10e3, 12e3, 14e3] } }"#;
     let text = format!(
         r#"{{ "scene": {}, "parameters": {parameters} {hyper_reduction} }}"#,
         scene()
@@ -264,7 +273,8 @@ fn cases_that_learn_have_estimated_errors_and_the_same_tables_whoever_runs_them(
             "{message}"
         );
     }
-    let parameters = r#"{ "/points_per_direction": { "values": [2, 3] }, "/mu": { "values": [0.1, 0.2] } }"#;
+    let parameters =
+        r#"{ "/interfaces/points_per_direction": { "values": [2, 3] }, "/interfaces/mu": { "values": [0.1, 0.2] } }"#;
     let text = format!(
         r#"{{ "scene": {}, "parameters": {parameters}, "hyper_reduction": {{ "training": 2 }} }}"#,
         scene()
@@ -281,8 +291,8 @@ fn cases_that_learn_have_estimated_errors_and_the_same_tables_whoever_runs_them(
 fn what_cases_learn_does_not_depend_on_the_order_of_a_plan() {
     let folder = folder("study-order");
     let (gap, mu) = (
-        r#""/gap": { "values": ["flat", "measured"] }"#,
-        r#""/mu": { "values": [0.15, 0.2, 0.25, 0.3] }"#,
+        r#""/interfaces/gap": { "values": ["flat", "measured"] }"#,
+        r#""/interfaces/mu": { "values": [0.15, 0.2, 0.25, 0.3] }"#,
     );
     let rows = |name: &str, parameters: String| -> BTreeMap<String, Vec<String>> {
         let text = format!(
@@ -523,9 +533,9 @@ fn cases_that_fail_are_rows_and_are_run_again_on_request_alone() {
     let folder = folder("study-failed");
     // Two loads for three bolts; a gap that the bolts cannot close.
     let text = json!({ "scene": scene(), "cases": [
-        { "/mu": 0.2 },
+        { "/interfaces/mu": 0.2 },
         { "/bolts/loads": ["8 kN", "9 kN"] },
-        { "/gap": "measured", "/scale/gap": 1e7 },
+        { "/interfaces/gap": "measured", "/interfaces/scale/gap": 1e7 },
     ] });
     fs::write(folder.join("plan.json"), text.to_string()).unwrap();
     let arguments = ["study", "plan.json", "--out", "out", "--cache", "cache"];
@@ -570,25 +580,32 @@ fn plans_are_refused_before_anything_runs_with_place_value_and_remedy() {
             &["/bolts/laod = \"9 kN\"", "unknown field `laod`", "`load`"],
         ),
         (
-            values("/gap/size", json!(1)),
-            &["/gap/size = 1", "/gap is \"flat\"", "correct the pointer"],
+            values("/interfaces/gap/size", json!(1)),
+            &[
+                "/interfaces/gap/size = 1",
+                "/interfaces/gap is \"flat\"",
+                "correct the pointer",
+            ],
         ),
-        (values("/mu", json!(-0.1)), &["/mu = -0.1", "not admissible", "must be"]),
+        (
+            values("/interfaces/mu", json!(-0.1)),
+            &["/interfaces/mu = -0.1", "not admissible", "must be"],
+        ),
         (
             values("/model/material/hardness", json!("2 GPa")),
             &["model.material.hardness", "no result depends on it"],
         ),
         (values("/bolts/load", json!("9 mm")), &["/bolts/load = \"9 mm\"", "mm"]),
         (
-            of(json!({ "/mu": { "values": [0.1, 0.2, "x"] } })),
-            &["case 3 (/mu = \"x\")"],
+            of(json!({ "/interfaces/mu": { "values": [0.1, 0.2, "x"] } })),
+            &["case 3 (/interfaces/mu = \"x\")"],
         ),
         (
-            of(json!({ "/mu": { "values": [0.1], "valeus": [] } })),
+            of(json!({ "/interfaces/mu": { "values": [0.1], "valeus": [] } })),
             &["valeus", "unknown field"],
         ),
         (
-            json!({ "scene": "nowhere.json", "parameters": { "/mu": { "values": [1] } } }),
+            json!({ "scene": "nowhere.json", "parameters": { "/interfaces/mu": { "values": [1] } } }),
             &["nowhere.json", "no file beside the plan"],
         ),
         (json!({ "scene": 3, "parameters": {} }), &["scene", "in quotes"]),
@@ -603,11 +620,11 @@ fn plans_are_refused_before_anything_runs_with_place_value_and_remedy() {
     }
     fs::write(
         folder.join("plan.json"),
-        r#"{ "scene": "brake-reuss-beam/brb-quick", "parameters": { "/mu": { "values": [0.1] }, "/mu": {} } }"#,
+        r#"{ "scene": "brake-reuss-beam/brb-quick", "parameters": { "/interfaces/mu": { "values": [0.1] }, "/interfaces/mu": {} } }"#,
     )
     .unwrap();
     let message = messages(&run(&folder, &["study", "plan.json", "--out", "out"]));
-    assert!(message.contains("duplicate field `/mu`"), "{message}");
+    assert!(message.contains("duplicate field `/interfaces/mu`"), "{message}");
     plan(&folder);
     for (arguments, words) in [
         (&["--part", "4/3"][..], "4/3"),

@@ -13,18 +13,19 @@ use std::f64::consts::TAU;
 
 static BENCHMARKS: [&dyn Benchmark; 1] = [&BrakeReussBenchmark];
 
-/// The coarse beam with few amplitudes, with a change.
+/// The coarse beam with few amplitudes, with changes at these pointers (without the first `/`).
 fn scene(change: &[(&str, Value)]) -> Scene {
     let mut scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": "quick" },
-        "mu": 0.2,
-        "gap": "flat",
-        "cqsma": { "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 2 },
+        "interfaces": { "mu": 0.2, "gap": "flat" },
+        "analyses": {
+            "backbone": { "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 2 },
+        },
     });
-    for (name, value) in change {
-        scene[*name] = value.clone();
+    for (pointer, value) in change {
+        *pointer.split('/').fold(&mut scene, |place, name| &mut place[name]) = value.clone();
     }
     Scene::from_value(scene, "test", "test", &BENCHMARKS).unwrap()
 }
@@ -50,10 +51,10 @@ fn shared_surfaces_and_structures_change_no_bit() {
     let finish = json!({ "finish": { "top": face, "bottom": face, "route": "fast" } });
     let scan = json!({ "synthetic-scan": { "step": [1e-4, 1e-4], "bootstrap": 2 } });
     for (surface, gap) in [(json!("measured"), "measured"), (finish, "flat"), (scan, "scan")] {
-        let own = [("surface", surface.clone()), ("gap", json!(gap))];
+        let own = [("interfaces/surface", surface.clone()), ("interfaces/gap", json!(gap))];
         let with = |scale: Value, mu: f64| {
-            let change = [own[0].clone(), own[1].clone(), ("scale", scale), ("mu", json!(mu))];
-            case(&change)
+            let other = [("interfaces/scale", scale), ("interfaces/mu", json!(mu))];
+            case(&[&own[..], &other].concat())
         };
         let other = with(
             json!({ "asperity_radius": 1.3, "asperity_height": 0.9, "gap": 0.5 }),
@@ -67,7 +68,7 @@ fn shared_surfaces_and_structures_change_no_bit() {
         assert!(fresh[0].amplitudes.iter().all(Result::is_ok), "{surface}: {fresh:?}");
     }
     // It is what a run of the scene gives.
-    let change = [("gap", json!("measured")), ("mu", json!(0.3))];
+    let change = [("interfaces/gap", json!("measured")), ("interfaces/mu", json!(0.3))];
     let found = backbones(&structure, &case(&change), None);
     let run = run(&scene(&change), &Options::default(), &Silent).unwrap();
     for (point, amplitude) in found[0].amplitudes.iter().zip(run.amplitudes()) {
@@ -85,19 +86,20 @@ fn addresses_follow_what_a_case_depends_on_and_nothing_else() {
     let same = [
         ("name", json!("another")),
         ("output", json!({ "fields_at": [1] })),
-        ("methods", json!(["masing"])),
-        ("sensitivities", json!(["mu"])),
+        ("analyses/backbone/methods", json!(["masing"])),
+        ("analyses/epmc", json!({})),
+        ("analyses/sensitivities", json!(["interfaces.mu"])),
         // What is so by default.
-        ("scale", json!({ "gap": 1.0 })),
+        ("interfaces/scale", json!({ "gap": 1.0 })),
         ("bolts", json!({ "load": "12.845 kN" })),
     ];
     for change in same {
         assert_eq!(keys(&case(std::slice::from_ref(&change))), plain, "{change:?}");
     }
     let of_case = [
-        ("mu", json!(0.21)),
+        ("interfaces/mu", json!(0.21)),
         ("bolts", json!({ "load": "9 kN" })),
-        ("points_per_direction", json!(3)),
+        ("interfaces/points_per_direction", json!(3)),
         ("background_damping", json!(1e-3)),
     ];
     for change in of_case {

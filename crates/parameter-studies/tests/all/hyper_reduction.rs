@@ -2,8 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 #![allow(clippy::print_stdout, reason = "measurements")]
 
-use analyses::cases::{CaseMode, CasePoint, CaseStructure, as_case};
-use analyses::hyper_reduced::{BorneErrors, Lesson, Training};
+use analyses::cases::{CaseMode, CasePoint, CaseStructure, ErrorBounds, as_case};
+use analyses::hyper_reduced::{Lesson, Training};
 use brake_reuss_beam::BrakeReussBenchmark;
 use joint_model::Benchmark;
 use joints::Options;
@@ -15,13 +15,13 @@ use std::time::Instant;
 static BENCHMARKS: [&dyn Benchmark; 1] = [&BrakeReussBenchmark];
 
 /// What the results that were not learned from must keep to.
-const GOAL: BorneErrors = BorneErrors {
+const GOAL: ErrorBounds = ErrorBounds {
     frequency: 5e-4,
     damping: 1e-2,
 };
 
 /// Anything goes.
-const ALL: BorneErrors = BorneErrors {
+const ALL: ErrorBounds = ErrorBounds {
     frequency: f64::INFINITY,
     damping: f64::INFINITY,
 };
@@ -30,18 +30,20 @@ const ALL: BorneErrors = BorneErrors {
 type Place = (f64, f64, f64);
 
 /// The beam with these loops.
-fn scene(refinement: &str, gap: &str, friction: &str, cqsma: &Value, (mu, load, factor): Place) -> Scene {
+fn scene(refinement: &str, gap: &str, friction: &str, loops: &Value, (mu, load, factor): Place) -> Scene {
     let scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
         "model": { "refinement": refinement },
-        "mu": mu,
+        "interfaces": {
+            "mu": mu,
+            "gap": gap,
+            "scale": if gap == "flat" { json!({}) } else { json!({ "gap": factor }) },
+            "law": { "friction": friction },
+            "points_per_direction": 2,
+        },
         "bolts": { "load": load },
-        "gap": gap,
-        "scale": if gap == "flat" { json!({}) } else { json!({ "gap": factor }) },
-        "law": { "friction": friction },
-        "points_per_direction": 2,
-        "cqsma": cqsma,
+        "analyses": { "backbone": loops },
     });
     as_case(&Scene::from_value(scene, "test", "test", &BENCHMARKS).unwrap())
 }
@@ -76,7 +78,7 @@ impl Site<'_> {
         self.structure.backbones(&case, &interface, &Silent).unwrap()
     }
 
-    fn by_few(&self, training: &Training, borne: BorneErrors, place: Place) -> Vec<CaseMode> {
+    fn by_few(&self, training: &Training, borne: ErrorBounds, place: Place) -> Vec<CaseMode> {
         let case = (self.scene)(place);
         let interface = self.structure.interface(&case, None).unwrap();
         self.structure
@@ -150,7 +152,7 @@ fn cases_that_learn_keep_to_the_errors_that_are_borne_or_are_those_of_the_whole_
             assert!(seen.abs() < 1e-3, "{seen}");
         }
         // Nothing is borne: all are those of the whole joint, to the last bit.
-        let none = BorneErrors {
+        let none = ErrorBounds {
             frequency: 1e-9,
             damping: 1e-9,
         };
@@ -205,13 +207,13 @@ fn another_interface_than_that_learned_from_is_refused() {
     };
     let training = site.train(&[(0.2, 12e3, 1.0), (0.3, 12e3, 1.0)]);
     let mut case = of((0.25, 12e3, 1.0));
-    case.cqsma.modes_of_interest = vec![1, 2];
+    case.analyses.modes.followed = vec![1, 2];
     let interface = site.structure.interface(&case, None).unwrap();
     let found = site.structure.backbones_by(&training, ALL, &case, &interface, &Silent);
     let message = found.unwrap_err().to_string();
     assert!(message.contains("mode 2 was not learned"), "{message}");
     let mut case = of((0.25, 12e3, 1.0));
-    case.points_per_direction = 3;
+    case.interfaces.points_per_direction = 3;
     let interface = site.structure.interface(&case, None).unwrap();
     let found = site.structure.backbones_by(&training, ALL, &case, &interface, &Silent);
     let message = found.unwrap_err().to_string();

@@ -11,7 +11,6 @@ const AMPLITUDES = {
 const STYLES = {
   CQSMA: { colour: "#1f5d99", marks: true },
   QSMA: { colour: "#d67e00", dash: [9, 5] },
-  "QSMA, contact twice": { colour: "#6e6e6e", dash: [5, 9] },
   Masing: { colour: "#22823c", dash: [2, 4] },
   RQNMA: { colour: "#7a3a96", dash: [14, 4] },
   EPMC: { colour: "#007a87", dash: [7, 3] },

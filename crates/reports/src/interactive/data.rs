@@ -3,8 +3,9 @@
 use super::bodies::Bodies;
 use super::encode::{self, Sequences};
 use crate::fields::{Placed, total_flux};
-use crate::periodic::PeriodicMotions;
-use crate::{Error, csv, plot, run};
+use crate::motions::PeriodicMotions;
+use crate::names::table_file;
+use crate::{Error, csv, plot};
 use analyses::ensemble::BandPoint;
 use analyses::results::summary::{MethodSummary, Summary};
 use analyses::{ElementLoops, Fields, ModeBackbone, Run};
@@ -175,7 +176,7 @@ impl Document {
             .unwrap_or_default()
             .into_iter()
             .chain(std::iter::repeat_with(Vec::new));
-        let interface = (!found.mesh.is_of_points()).then(|| interface(found));
+        let interface = (!found.joint.mesh.is_of_points()).then(|| interface(found));
         Ok(Self {
             name: found.scene.name.clone(),
             response: summary.response.clone(),
@@ -193,7 +194,10 @@ impl Document {
                     alone: alone.iter().map(|p| [p.frequency_hz, p.amplitude, p.phase]).collect(),
                 })
                 .collect(),
-            bodies: interface.as_ref().and(found.surface.as_ref()).and_then(Bodies::of),
+            bodies: interface
+                .as_ref()
+                .and(found.joint.surface.as_ref())
+                .and_then(Bodies::of),
             interface,
         })
     }
@@ -246,7 +250,7 @@ fn mode(found: &Run, backbone: &ModeBackbone, further: Option<usize>, summary: &
     let stops = backbone.amplitudes.iter().enumerate().filter_map(|(index, amplitude)| {
         let of_loop = amplitude.fields.as_ref()?;
         let fields = of_loop.fields.as_ref()?;
-        let drawn = !found.mesh.is_of_points();
+        let drawn = !found.joint.mesh.is_of_points();
         drawn.then(|| Stop {
             number: index + 1,
             response_displacement: amplitude.response_displacement,
@@ -267,7 +271,7 @@ impl Backbone {
         Ok(Self {
             mode,
             frequency_hz: frequency.map_or(0.0, |mode| mode.frequency_hz),
-            file: run::table_file(further),
+            file: table_file(further),
             table: csv::backbone(summary)?,
             methods: summary
                 .methods
@@ -336,10 +340,10 @@ fn interface(found: &Run) -> Interface {
         false => 0..mesh.elements.len(),
     };
     let frames = turned.flat_map(|element| axes.into_iter().flat_map(move |axis| place.turned(element, axis)));
-    let parts = match found.interfaces.len() {
+    let parts = match found.parts.len() {
         1 => Vec::new(),
         _ => found
-            .interfaces
+            .parts
             .iter()
             .map(|part| (part.name.clone(), part.elements))
             .collect(),

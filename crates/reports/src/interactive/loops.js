@@ -93,7 +93,7 @@ function showLoops(host, surface, stopsOf, state) {
       }
       try {
         found = (await readers.get(loops))(i);
-        text = "The loop of this element was not recorded; cqsma.loops_at of the scene asks for it.";
+        text = "The loop of this element was not recorded; analyses.backbone.loops_at of the scene asks for it.";
       } catch (error) {
         text = `The loops cannot be read: ${error.message}.`;
       }

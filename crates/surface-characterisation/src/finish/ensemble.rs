@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::error::{FinishError, positive};
 use super::face::FaceFinish;
 use super::spectrum::Spectrum;
-use super::synthesis::Synthesis;
+use super::synthesis::{LEAST_POINTS, MOST_POINTS, Synthesis};
 use crate::bootstrap::Bootstrap;
 use crate::characterise::{ElementSurface, characterise};
 use crate::detrend::Detrend;
@@ -15,10 +15,6 @@ use crate::options::Options;
 use crate::partition::ElementOutlines;
 use crate::random::{draw, mix};
 
-/// Fewest points of a patch along an axis.
-pub(super) const LEAST_POINTS: usize = 16;
-/// Most points of a patch along an axis.
-pub(super) const MOST_POINTS: usize = 2048;
 /// Grid steps in a correlation length, and in a cut-off wavelength, unless the step is given.
 const STEPS_PER_LENGTH: f64 = 8.0;
 const STEPS_PER_CUTOFF: f64 = 4.0;

@@ -10,6 +10,10 @@ use super::spectrum::Spectrum;
 use crate::random::{NormalDeviates, mix};
 use crate::topography::HeightMap;
 
+/// Fewest points of a patch along an axis.
+pub(super) const LEAST_POINTS: usize = 16;
+/// Most points of a patch along an axis.
+pub(super) const MOST_POINTS: usize = 2048;
 /// Correlation lengths between the patch and its periodic image, beyond which a Gaussian correlation is below 1e-6.
 const APART: f64 = 4.0;
 /// Greatest number of points of the periodic grid.
@@ -127,8 +131,8 @@ fn too_many(axis: usize, step: [f64; 2], wanted: [f64; 2]) -> FinishError {
         axis: ["x", "y"][axis],
         step: step[axis],
         points: wanted[axis],
-        least: super::ensemble::LEAST_POINTS,
-        most: super::ensemble::MOST_POINTS,
+        least: LEAST_POINTS,
+        most: MOST_POINTS,
     }
 }
 

@@ -1,27 +1,15 @@
 //! The benchmark set: figures of one run, so that ratios hold even where times do not.
+mod instruments;
 mod kernel;
 mod periodic;
 mod solver;
 
 use anyhow::Result;
-use joints::progress::Progress;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+pub use instruments::Instruments;
 pub use solver::Scaling;
-
-/// What measures the stages of a run and the memory of this process.
-pub struct Instruments<'a> {
-    /// Receives the progress.
-    pub progress: &'a dyn Progress,
-    /// Ends the display and gives the seconds of every stage, by name.
-    pub stages: Box<dyn Fn() -> BTreeMap<String, f64> + 'a>,
-    /// Largest resident memory so far (bytes), where the system tells.
-    pub peak_memory: fn() -> Option<u64>,
-    /// Makes `peak_memory` count from now on; false where the system cannot.
-    pub forget_peak_memory: fn() -> bool,
-}
 
 /// Times of the traction laws alone: figures, and a table of them.
 ///

@@ -1,6 +1,6 @@
 //! Harmonic balance: backbones of free motions, and what their residuals and Krylov steps cost.
 
-use super::Instruments;
+use super::instruments::Instruments;
 use super::solver::{Bench, fastest};
 use analyses::prepare;
 use anyhow::{Context, Result, anyhow};
@@ -38,7 +38,7 @@ pub(super) fn figures(instruments: &Instruments<'_>) -> Result<(Value, String)> 
     for (name, refinement, points) in MESHES {
         let mut scene = Scene::of(&BrakeReussBenchmark, "bench")?;
         scene.model.refinement = refinement;
-        scene.points_per_direction = points;
+        scene.interfaces.points_per_direction = points;
         let prepared = prepare(&scene, &Options::default(), instruments.progress)?;
         let bench = Bench::try_new(&prepared)?;
         let line = bench.linearise()?;

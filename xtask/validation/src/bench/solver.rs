@@ -1,6 +1,6 @@
 //! The solver at full size: interface, load points, backbone, reduction.
 
-use super::Instruments;
+use super::instruments::Instruments;
 use analyses::{Prepared, prepare};
 use anyhow::{Context, Result, anyhow};
 use brake_reuss_beam::mesh::Refinement;
@@ -36,7 +36,7 @@ type Figures = (Vec<(&'static str, Value)>, String);
 
 pub(super) fn figures(instruments: &Instruments<'_>) -> Result<Figures> {
     let mut scene = Scene::of(&BrakeReussBenchmark, "bench")?;
-    scene.points_per_direction = 5;
+    scene.interfaces.points_per_direction = 5;
     let prepared = prepare(&scene, &Options::default(), instruments.progress)?;
     let stages = (instruments.stages)();
     let seconds = |stage: &str| stages.get(stage).copied().unwrap_or_default();
@@ -180,7 +180,7 @@ pub(super) fn scaling(cache: PathBuf, instruments: &Instruments<'_>) -> Result<S
     let mut rows = Vec::new();
     let mut measure = |refinement: &Refinement, points_per_direction: usize| -> Result<Row> {
         let mut scene = Scene::of(&BrakeReussBenchmark, "scaling")?;
-        scene.points_per_direction = points_per_direction;
+        scene.interfaces.points_per_direction = points_per_direction;
         let settings = MeshSettings {
             refinement: scene.model.refinement,
             arm_layers: scene.model.arm_layers,

@@ -35,10 +35,10 @@ impl Bench {
             scene.model.refinement = RefinementLevel::Quick;
         }
         // Stuck, at the onset of slip, in partial slip.
-        scene.cqsma.amplitude_from = Length::from_si(1e-6);
-        scene.cqsma.amplitude_to = Length::from_si(1e-4);
-        scene.cqsma.amplitudes = 3;
-        scene.cqsma.vertices_per_quarter = 4;
+        scene.analyses.backbone.amplitude_from = Length::from_si(1e-6);
+        scene.analyses.backbone.amplitude_to = Length::from_si(1e-4);
+        scene.analyses.backbone.amplitudes = 3;
+        scene.analyses.backbone.vertices_per_quarter = 4;
         let folder = std::env::temp_dir().join(format!("joint-extremes-{}", std::process::id()));
         std::fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let base =
@@ -102,8 +102,8 @@ impl Bench {
 
     /// Constant stiffnesses of the size that the law of the scene has at the mean pressure, with a gap for each element.
     pub(super) fn elastic(&self, tangential: f64, gaps: &dyn Fn(usize) -> f64) -> Surface {
-        let normal = ContactStiffness::from_si(self.base.law.normal_stiffness);
-        let n = self.base.mesh.elements.len();
+        let normal = ContactStiffness::from_si(self.base.law().normal_stiffness);
+        let n = self.base.joint.mesh.elements.len();
         let set = |e: usize| ParameterSet {
             curves: Curves::Elastic(Elastic {
                 normal_stiffness: normal,

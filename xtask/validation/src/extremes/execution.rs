@@ -1,7 +1,7 @@
 //! Threads and interruptions.
 
-use super::Case;
 use super::bench::Bench;
+use super::case::Case;
 use super::findings::Findings;
 use analyses::{Error, Run, run};
 use anyhow::{Context, Result, bail};
@@ -78,7 +78,7 @@ fn interrupted(bench: &Bench) -> Result<Findings> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let undisturbed = digits(&bench.base);
     let mut findings = Findings::default();
-    let last = bench.scene.cqsma.amplitudes;
+    let last = bench.scene.analyses.backbone.amplitudes;
     for stop in 1..last {
         let watch = Impatient { left: stop.into() };
         let stopped = pool.install(|| run(&bench.scene, &bench.options(), &watch));

@@ -108,7 +108,7 @@ impl Findings {
     /// What holds for every sound run: finite numbers, vertical equilibrium, residuals as small as asked for, as much energy
     /// dissipated at the points as the loops do work, and convergence wherever there is an equilibrium.
     pub(super) fn sound(&mut self, prefix: &str, run: &Run) -> Result<()> {
-        self.sound_within(prefix, run, run.scene.cqsma.tolerance)
+        self.sound_within(prefix, run, run.scene.analyses.backbone.tolerance)
     }
 
     /// As [`Findings::sound`], with the residuals of loops that round-off allows.
@@ -141,7 +141,8 @@ impl Findings {
             residual = residual.max(r.residual);
             // A residual moves work between the modal force and the points.
             let work = a.point.modal_force * r.modal_amplitude;
-            let allowed = 1e-6 * fields.dissipation.abs() + 10.0 * run.scene.cqsma.tolerance.max(r.residual) * work;
+            let allowed =
+                1e-6 * fields.dissipation.abs() + 10.0 * run.scene.analyses.backbone.tolerance.max(r.residual) * work;
             energy = worst([energy, (fields.dissipation - r.loop_area).abs() / allowed]);
         }
         self.that(&name("all numbers are finite"), finite);

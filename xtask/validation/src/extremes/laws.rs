@@ -1,7 +1,7 @@
 //! Friction, gaps and surfaces far from the usual.
 
-use super::Case;
 use super::bench::Bench;
+use super::case::Case;
 use super::findings::{Findings, Refusal, worst};
 
 use analyses::Fields;
@@ -108,9 +108,9 @@ pub(super) static CASES: &[Case] = &[
 
 /// Friction of single asperities that yield.
 fn resolved(scene: &mut Scene, strength: f64, tangent_modulus: f64) {
-    scene.law.friction = Friction::Resolved;
-    scene.law.bins = Bins::Gauss(8);
-    scene.law.yielding = Some(Yield {
+    scene.interfaces.law.friction = Friction::Resolved;
+    scene.interfaces.law.bins = Bins::Gauss(8);
+    scene.interfaces.law.yielding = Some(Yield {
         strength: Stress::from_si(strength),
         tangent_modulus: Stress::from_si(tangent_modulus),
         curves: YieldCurves::default(),
@@ -125,7 +125,7 @@ fn yield_strength(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();
     let elastic = bench.run(|scene| {
         resolved(scene, STRENGTH, TANGENT_MODULUS);
-        scene.law.yielding = None;
+        scene.interfaces.law.yielding = None;
     })?;
     findings.sound("elastic: ", &elastic)?;
     let strong = bench.run(|scene| resolved(scene, 1e3 * STRENGTH, TANGENT_MODULUS))?;
@@ -144,7 +144,7 @@ fn yield_strength(bench: &Bench) -> Result<Findings> {
     }
     let soft = bench.run(|scene| {
         resolved(scene, 1e-2 * STRENGTH, 0.0);
-        scene.cqsma.amplitudes = 1;
+        scene.analyses.backbone.amplitudes = 1;
     })?;
     findings.count(&soft);
     findings.that("1e-2: warned", soft.validity().beyond_contact_formulas().is_some());
@@ -158,7 +158,7 @@ fn friction_by_strength(bench: &Bench) -> Result<Findings> {
     let with = |limit: AsperityLimit| {
         bench.run(|scene| {
             resolved(scene, STRENGTH, TANGENT_MODULUS);
-            scene.law.limit = limit;
+            scene.interfaces.law.limit = limit;
             // Else the faces slip differently while bolts are tightened.
             scene.bolts.assembly = Assembly::Frictionless;
         })
@@ -186,8 +186,8 @@ fn friction_by_strength(bench: &Bench) -> Result<Findings> {
 fn frictionless(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();
     let run = bench.run(|scene| {
-        scene.mu = 0.0;
-        scene.output.fields_at = Some((1..=scene.cqsma.amplitudes).collect());
+        scene.interfaces.mu = 0.0;
+        scene.output.fields_at = Some((1..=scene.analyses.backbone.amplitudes).collect());
     })?;
     findings.sound("", &run)?;
     let of_loops = run
@@ -215,11 +215,14 @@ fn frictionless(bench: &Bench) -> Result<Findings> {
     // Small enough for the contact to stay linear. RQNMA lets the mode's shape change to that of the sliding interface.
     let small = |tangential: f64, mu: f64| {
         bench.run(|scene| {
-            scene.surface = bench.elastic(tangential, &|_| 0.0);
-            scene.mu = mu;
-            (scene.cqsma.amplitude_from, scene.cqsma.amplitude_to) = (Length::from_si(1e-8), Length::from_si(1e-8));
-            scene.cqsma.amplitudes = 1;
-            scene.methods = vec![Method::Rqnma];
+            scene.interfaces.surface = bench.elastic(tangential, &|_| 0.0);
+            scene.interfaces.mu = mu;
+            (
+                scene.analyses.backbone.amplitude_from,
+                scene.analyses.backbone.amplitude_to,
+            ) = (Length::from_si(1e-8), Length::from_si(1e-8));
+            scene.analyses.backbone.amplitudes = 1;
+            scene.analyses.backbone.methods = vec![Method::Rqnma];
         })
     };
     let (sliding, free) = (small(0.5, 0.0)?, small(0.0, 0.2)?);
@@ -248,8 +251,11 @@ fn frictionless(bench: &Bench) -> Result<Findings> {
 }
 
 fn hardly_any_friction(bench: &Bench) -> Result<Findings> {
-    let (some, none) = (bench.run(|scene| scene.mu = 1e-12)?, bench.run(|scene| scene.mu = 0.0)?);
-    let more = bench.run(|scene| scene.mu = 1e-9)?;
+    let (some, none) = (
+        bench.run(|scene| scene.interfaces.mu = 1e-12)?,
+        bench.run(|scene| scene.interfaces.mu = 0.0)?,
+    );
+    let more = bench.run(|scene| scene.interfaces.mu = 1e-9)?;
     let mut findings = Findings::default();
     findings.sound("", &some)?;
     let mut errors = [Vec::new(), Vec::new(), Vec::new()];
@@ -276,7 +282,7 @@ fn hardly_any_friction(bench: &Bench) -> Result<Findings> {
 }
 
 fn high_friction(bench: &Bench) -> Result<Findings> {
-    let run = bench.run(|scene| scene.mu = 10.0)?;
+    let run = bench.run(|scene| scene.interfaces.mu = 10.0)?;
     let mut findings = Findings::default();
     findings.sound("", &run)?;
     let first = run.amplitudes().first().context("no amplitude")?;
@@ -299,9 +305,9 @@ fn high_friction(bench: &Bench) -> Result<Findings> {
 fn closed_gap(bench: &Bench) -> Result<Findings> {
     let with = |gap: f64| {
         bench.run(|scene| {
-            scene.surface = bench.elastic(0.5, &|_| gap);
+            scene.interfaces.surface = bench.elastic(0.5, &|_| gap);
             // The sliding on the way to contact leaves friction behind, and depends on where it begins.
-            scene.mu = 0.0;
+            scene.interfaces.mu = 0.0;
         })
     };
     let (open, closed) = (with(1e-3)?, with(0.0)?);
@@ -333,7 +339,7 @@ fn uniform(normal_stiffness: ContactStiffness) -> Surface {
 
 fn no_contact(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();
-    let outcome = bench.run(|scene| scene.surface = uniform(ContactStiffness::from_si(1e-3)));
+    let outcome = bench.run(|scene| scene.interfaces.surface = uniform(ContactStiffness::from_si(1e-3)));
     let refusal = Refusal {
         place: "the bolt load of",
         value: "carries only",
@@ -345,10 +351,10 @@ fn no_contact(bench: &Bench) -> Result<Findings> {
 
 fn vanishing_contact(bench: &Bench) -> Result<Findings> {
     let run = bench.run(|scene| {
-        scene.surface = uniform(ContactStiffness::from_si(1e3));
+        scene.interfaces.surface = uniform(ContactStiffness::from_si(1e3));
         scene.bolts.load = Force::from_si(1e-2);
-        scene.cqsma.amplitudes = 0;
-        scene.cqsma.modes = 6;
+        scene.analyses.backbone.amplitudes = 0;
+        scene.analyses.modes.number = 6;
     })?;
     let mut findings = Findings::default();
     findings.count(&run);
@@ -373,7 +379,7 @@ fn vanishing_contact(bench: &Bench) -> Result<Findings> {
 
 /// Interface element whose middle is nearest to a point (m).
 fn nearest(bench: &Bench, [x, y]: [f64; 2]) -> usize {
-    let mesh = &bench.base.mesh;
+    let mesh = &bench.base.joint.mesh;
     let distance = |e: usize| {
         let nodes = mesh.elements[e].nodes();
         let mean = |axis: usize| nodes.iter().map(|&n| mesh.nodes[n as usize][axis]).sum::<f64>() / nodes.len() as f64;
@@ -388,7 +394,8 @@ fn nearest(bench: &Bench, [x, y]: [f64; 2]) -> usize {
 fn one_element(bench: &Bench) -> Result<Findings> {
     let holes = brake_reuss_beam::geometry::Geometry::default().hole_positions();
     let one = nearest(bench, [0.5 * (holes[0] + holes[1]), 0.0]);
-    let run = bench.run(|scene| scene.surface = bench.elastic(0.5, &|e| if e == one { 0.0 } else { 1e-2 }))?;
+    let run =
+        bench.run(|scene| scene.interfaces.surface = bench.elastic(0.5, &|e| if e == one { 0.0 } else { 1e-2 }))?;
     let mut findings = Findings::default();
     findings.sound("", &run)?;
     let operators = run.interface.operators();
@@ -408,12 +415,12 @@ fn one_element(bench: &Bench) -> Result<Findings> {
 }
 
 fn not_monotone(bench: &Bench) -> Result<Findings> {
-    let pressure = bench.base.law.mean_pressure;
+    let pressure = bench.base.law().mean_pressure;
     // The third term is at its height at 5 um, the end of the range, and falls steeply beyond.
     let (end, slope, height) = (5e-6_f64, 2.0, 3.0);
     let with = |range: Option<[Length; 2]>| {
         bench.run(|scene| {
-            scene.surface = Surface::Parameters(Parameters {
+            scene.interfaces.surface = Surface::Parameters(Parameters {
                 per: Per::Interface,
                 sets: vec![ParameterSet {
                     curves: Curves::Fitted(Fitted {
@@ -424,7 +431,7 @@ fn not_monotone(bench: &Bench) -> Result<Findings> {
                             -(end / 1e-6).ln(),
                             0.5,
                         ],
-                        tangential: [[bench.base.law.tangential_stiffness.ln(), 0.5, 1.0, 1.0]; 2],
+                        tangential: [[bench.base.law().tangential_stiffness.ln(), 0.5, 1.0, 1.0]; 2],
                         u_ref: Length::from_si(1e-6),
                         t_ref: Stress::from_si(1.0),
                         k_ref: ContactStiffness::from_si(1.0),
@@ -442,7 +449,7 @@ fn not_monotone(bench: &Bench) -> Result<Findings> {
     findings.sound("", &run)?;
     findings.equal(
         "mean closure (m)",
-        run.law.mean_closure,
+        run.law().mean_closure,
         end * 10.0_f64.powf(1.0 / slope),
         1e-9,
     );
@@ -453,7 +460,7 @@ fn not_monotone(bench: &Bench) -> Result<Findings> {
         3.0,
         f64::MAX,
     );
-    let converged = format!("converged at {:.3} times the range", run.law.mean_closure / end);
+    let converged = format!("converged at {:.3} times the range", run.law().mean_closure / end);
     let refusal = Refusal {
         place: "eq. (28)",
         value: "m",
@@ -466,7 +473,7 @@ fn not_monotone(bench: &Bench) -> Result<Findings> {
 
 /// Two faces on a grid that suits the elements of the bench.
 fn faces(bench: &Bench) -> SyntheticScan {
-    let size = (bench.base.interface.operators().area() / bench.base.mesh.elements.len() as f64).sqrt();
+    let size = (bench.base.interface.operators().area() / bench.base.joint.mesh.elements.len() as f64).sqrt();
     SyntheticScan {
         seed: 7,
         step: [Length::from_si(size / 40.0); 2],
@@ -485,7 +492,7 @@ fn files(
     height_step: Length,
 ) -> Result<Scans> {
     let file = |side: u64| -> Result<ScanFile> {
-        let map = change(&synthetic(scan, &bench.base.mesh, side, |position| {
+        let map = change(&synthetic(scan, &bench.base.joint.mesh, side, |position| {
             BrakeReussBenchmark.is_void(position)
         })?)?;
         let path = bench.folder.join(format!("face-{side}-{:e}.x3p", height_step.si()));
@@ -525,8 +532,8 @@ fn scaled_heights(bench: &Bench, highest: f64) -> Result<Findings> {
         Ok(Surface::Scans(Box::new(files)))
     };
     let usual = with(1.0)?;
-    let scene = bench.changed(|scene| scene.surface = usual.clone());
-    let found = ScannedSurface::try_new(&scene, &bench.base.mesh)?.found;
+    let scene = bench.changed(|scene| scene.interfaces.surface = usual.clone());
+    let found = ScannedSurface::try_new(&scene, &bench.base.joint.mesh)?.found;
     let peaks = found.elements.iter().flat_map(|e| e.faces.iter().map(|f| f.tallest));
     // Powers of two change no digit of the heights.
     let factor = (highest / peaks.fold(0.0, f64::max)).log2().round().exp2();
@@ -537,23 +544,23 @@ fn scaled_heights(bench: &Bench, highest: f64) -> Result<Findings> {
     for (kind, tolerance, amplitudes) in [(LawKind::AsperitySum, 1e-6, 1), (LawKind::Tabulated, 2e-3, 3)] {
         let go = |surface: &Surface, factor: f64| {
             bench.run(|scene| {
-                scene.surface = surface.clone();
-                scene.gap = Gap::Scan;
-                scene.law.kind = kind;
+                scene.interfaces.surface = surface.clone();
+                scene.interfaces.gap = Gap::Scan;
+                scene.interfaces.law.kind = kind;
                 scene.bolts.load = scene.bolts.load * factor;
-                scene.cqsma.amplitudes = amplitudes;
-                scene.cqsma.amplitude_from = Length::from_si(1e-5 * factor);
-                scene.cqsma.amplitude_to = Length::from_si(1e-4 * factor);
+                scene.analyses.backbone.amplitudes = amplitudes;
+                scene.analyses.backbone.amplitude_from = Length::from_si(1e-5 * factor);
+                scene.analyses.backbone.amplitude_to = Length::from_si(1e-4 * factor);
             })
         };
         let (scaled, usual) = (go(&scaled, factor)?, go(&usual, 1.0)?);
-        let name = &scaled.law.kind;
+        let name = &scaled.law().kind;
         findings.sound(&format!("{name}, "), &scaled)?;
         findings.alike(&format!("{name}, "), &scaled, &usual, [1.0, factor], tolerance);
-        let closure = factor * usual.law.mean_closure;
+        let closure = factor * usual.law().mean_closure;
         findings.equal(
             &format!("{name}, closure (m)"),
-            scaled.law.mean_closure,
+            scaled.law().mean_closure,
             closure,
             tolerance,
         );
@@ -568,7 +575,7 @@ fn scaled_heights(bench: &Bench, highest: f64) -> Result<Findings> {
 
 fn few_asperities(bench: &Bench) -> Result<Findings> {
     let radius = 5e-3_f64;
-    let areas = bench.base.mesh.areas();
+    let areas = bench.base.joint.mesh.areas();
     let material = bench.scene.model.material()?;
     let pair = ElasticPair {
         youngs_modulus: material.youngs_modulus.si(),
@@ -596,7 +603,7 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     };
     let sets = areas.iter().enumerate().map(set).collect();
     let run = bench.run(|scene| {
-        scene.surface = Surface::Parameters(Parameters {
+        scene.interfaces.surface = Surface::Parameters(Parameters {
             per: Per::Element,
             sets,
         });
@@ -604,9 +611,9 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     let mut findings = Findings::default();
     findings.sound("one to five spheres, ", &run)?;
     let all = (0..areas.len()).map(count).sum::<f64>();
-    let load = run.law.mean_pressure * run.interface.operators().area();
+    let load = run.law().mean_pressure * run.interface.operators().area();
     let known = 1e-6 * (load / (all * force)).powf(2.0 / 3.0);
-    findings.equal("one to five spheres, closure (m)", run.law.mean_closure, known, 1e-9);
+    findings.equal("one to five spheres, closure (m)", run.law().mean_closure, known, 1e-9);
 
     // Scans as coarse as the smallest element bears, on which heights change slowly.
     let smallest = areas.iter().copied().fold(f64::INFINITY, f64::min);
@@ -617,13 +624,13 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     };
     let on = |scan: SyntheticScan, kind: LawKind| {
         bench.changed(|scene| {
-            scene.law.kind = kind;
-            scene.surface = Surface::SyntheticScan(scan);
-            scene.gap = Gap::Scan;
+            scene.interfaces.law.kind = kind;
+            scene.interfaces.surface = Surface::SyntheticScan(scan);
+            scene.interfaces.gap = Gap::Scan;
         })
     };
     // The smoothest of them on which every element has a peak.
-    let characterised = |part: f64| ScannedSurface::try_new(&on(smooth(part), LawKind::Fitted), &bench.base.mesh);
+    let characterised = |part: f64| ScannedSurface::try_new(&on(smooth(part), LawKind::Fitted), &bench.base.joint.mesh);
     let (mut part, mut next) = (0.5, characterised(0.5));
     let mut found = Err(joints::Error::NoSamples);
     while next.is_ok() {
@@ -642,8 +649,8 @@ fn few_asperities(bench: &Bench) -> Result<Findings> {
     let mut frequencies = Vec::new();
     for kind in [LawKind::AsperitySum, LawKind::Tabulated, LawKind::Fitted] {
         let run = bench.run_scene(&on(rough_enough, kind))?;
-        let report = run.law.asperities.as_ref().context("no asperities")?;
-        let name = &run.law.kind;
+        let report = run.law().asperities.as_ref().context("no asperities")?;
+        let name = &run.law().kind;
         findings.sound(&format!("scans, {name}, "), &run)?;
         let single = found.summary().single_asperity;
         findings.that(
@@ -677,8 +684,8 @@ fn missing_data(bench: &Bench) -> Result<Findings> {
     };
     let scans = files(bench, &scan, &cut, scan.height_step)?;
     let outcome = bench.run(|scene| {
-        scene.surface = Surface::Scans(Box::new(scans));
-        scene.gap = Gap::Scan;
+        scene.interfaces.surface = Surface::Scans(Box::new(scans));
+        scene.interfaces.gap = Gap::Scan;
     });
     let refusal = Refusal {
         place: "element ",

@@ -1,7 +1,7 @@
 //! Bolt loads, modal forces, moduli, masses and units far from the usual.
 
-use super::Case;
 use super::bench::Bench;
+use super::case::Case;
 use super::findings::{Findings, Refusal, worst};
 use analyses::results::summary::{Status, Summary};
 use analyses::{Error, Run, run};
@@ -126,7 +126,7 @@ fn one_bolt_loose(bench: &Bench) -> Result<Findings> {
             .into();
             scene.model = model.clone();
             // Matrices have no measured surface of their own.
-            scene.surface = Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark));
+            scene.interfaces.surface = Surface::Benchmark(BenchmarkRef(&BrakeReussBenchmark));
         });
         run(&scene, &Options::default(), &Silent)
     };
@@ -177,9 +177,9 @@ fn force_per_displacement(run: &Run) -> Result<f64> {
 fn all_modal_forces(bench: &Bench) -> Result<Findings> {
     let ratio = force_per_displacement(&bench.base)?;
     let run = bench.run(|scene| {
-        scene.cqsma.amplitude_from = Length::from_si(1e-9 / ratio);
-        scene.cqsma.amplitude_to = Length::from_si(1e7 / ratio);
-        scene.cqsma.amplitudes = if bench.full { 17 } else { 9 };
+        scene.analyses.backbone.amplitude_from = Length::from_si(1e-9 / ratio);
+        scene.analyses.backbone.amplitude_to = Length::from_si(1e7 / ratio);
+        scene.analyses.backbone.amplitudes = if bench.full { 17 } else { 9 };
     })?;
     let summary = Summary::new(&run, BTreeMap::new(), None);
     let mut findings = Findings::default();
@@ -227,9 +227,9 @@ fn all_modal_forces(bench: &Bench) -> Result<Findings> {
 
 fn tiny_modal_forces(bench: &Bench) -> Result<Findings> {
     let run = bench.run(|scene| {
-        scene.cqsma.amplitude_from = Length::from_si(1e-24);
-        scene.cqsma.amplitude_to = Length::from_si(1e-12);
-        scene.cqsma.amplitudes = 13;
+        scene.analyses.backbone.amplitude_from = Length::from_si(1e-24);
+        scene.analyses.backbone.amplitude_to = Length::from_si(1e-12);
+        scene.analyses.backbone.amplitudes = 13;
     })?;
     let summary = Summary::new(&run, BTreeMap::new(), None);
     let mut findings = Findings::default();
@@ -323,7 +323,7 @@ fn mass(bench: &Bench) -> Result<Findings> {
 
 fn units(bench: &Bench) -> Result<Findings> {
     let si = &bench.scene;
-    let (material, c) = (*si.model.material()?, &si.cqsma);
+    let (material, c) = (*si.model.material()?, &si.analyses.backbone);
     let mut given = json!({ "length": "m", "mass": "kg", "time": "s" });
     let text = |length: f64, mass: f64, units: &serde_json::Value| {
         let (stress, force) = (mass / length, mass * length);
@@ -339,16 +339,18 @@ fn units(bench: &Bench) -> Result<Findings> {
                     "poisson_ratio": material.poisson_ratio,
                 },
             },
-            "gap": si.gap,
-            "mu": si.mu,
-            "points_per_direction": si.points_per_direction,
+            "interfaces": {
+                "gap": si.interfaces.gap,
+                "mu": si.interfaces.mu,
+                "points_per_direction": si.interfaces.points_per_direction,
+            },
             "bolts": { "load": si.bolts.load.si() / force },
-            "cqsma": {
+            "analyses": { "backbone": {
                 "amplitude_from": c.amplitude_from.si() / length,
                 "amplitude_to": c.amplitude_to.si() / length,
                 "amplitudes": c.amplitudes,
                 "vertices_per_quarter": c.vertices_per_quarter,
-            },
+            } },
         })
         .to_string()
     };

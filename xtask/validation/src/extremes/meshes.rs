@@ -1,7 +1,7 @@
 //! Meshes as they should not be, and materials that elements do not like.
 
-use super::Case;
 use super::bench::{Bench, meshed};
+use super::case::Case;
 use super::findings::{Findings, Refusal};
 use analyses::{Error, Prepared, Run};
 use anyhow::{Context, Result, bail};
@@ -217,7 +217,7 @@ fn quadratic(bench: &Bench) -> Result<Findings> {
     let scene = bench.changed(|scene| {
         (scene.model.element_order, scene.model.refinement) = (ElementOrder::Quadratic, RefinementLevel::Quick);
         scene.model.symmetry = Symmetry::Half;
-        scene.points_per_direction = 3;
+        scene.interfaces.points_per_direction = 3;
     });
     let sound = bench.run_scene(&scene)?;
     let run = |structure: &Structure| {

@@ -1,6 +1,7 @@
 //! Hostile but finite situations, each with what must happen. A case converges to values known
 //! from elsewhere, or is refused with a reason; it never ends in a silent number, a panic, a hang or NaN.
 mod bench;
+mod case;
 mod execution;
 mod findings;
 mod laws;
@@ -9,6 +10,7 @@ mod meshes;
 
 use anyhow::{Context, Result, bail};
 use bench::Bench;
+pub use case::Case;
 use findings::Findings;
 use reports::Output;
 use serde_json::{Value, json};
@@ -22,17 +24,6 @@ pub const FILE: &str = "extremes.json";
 
 /// Version of the layout of the file; grows with every change that is not a mere addition.
 const SCHEMA_VERSION: u32 = 1;
-
-/// One hostile situation.
-pub struct Case {
-    name: &'static str,
-    /// What is done to the scene.
-    change: &'static str,
-    /// What must happen.
-    expected: &'static str,
-    /// Does it, and compares. Errors are those that the case did not expect.
-    run: fn(&Bench) -> Result<Findings>,
-}
 
 /// All groups of cases, in the order of the table.
 fn table() -> impl Iterator<Item = &'static Case> {

@@ -1,7 +1,8 @@
 //! What the paper claims in words.
 
 use super::backbones::{EXTENDED, LARGEST, MUS, SMALLEST, extended, family};
-use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim};
+use super::entry::{Entry, Figure, Findings, Picture, Plan, claim};
+use super::inputs::Inputs;
 use analyses::results::trends;
 use anyhow::{Context, Result};
 use plotters::prelude::SeriesLabelPosition;
@@ -24,14 +25,16 @@ const REGIME: [f64; 3] = [3e-5, 1e-4, 3e-4];
 
 fn claims(inputs: &Inputs) -> Result<Plan<'_>> {
     let mut scenes: Vec<Scene> = STATIC_MUS
-        .map(|mu| Scene {
-            mu,
-            ..inputs.prestress(&format!("prestress, mu = {mu}"), Gap::Measured)
+        .map(|mu| {
+            let mut scene = inputs.prestress(&format!("prestress, mu = {mu}"), Gap::Measured);
+            scene.interfaces.mu = mu;
+            scene
         })
         .into();
-    scenes.extend([1, 2, 3, 5].map(|points| Scene {
-        points_per_direction: points,
-        ..inputs.prestress(&format!("prestress, {} points", points * points), Gap::Measured)
+    scenes.extend([1, 2, 3, 5].map(|points| {
+        let mut scene = inputs.prestress(&format!("prestress, {} points", points * points), Gap::Measured);
+        scene.interfaces.points_per_direction = points;
+        scene
     }));
     scenes.extend(MUS.map(|mu| family(inputs, mu)));
     scenes.push(extended(inputs, Gap::Measured));

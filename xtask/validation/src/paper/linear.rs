@@ -1,6 +1,7 @@
 //! Entries that frequencies and static states are enough for.
 
-use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, mesh_error, per_element};
+use super::entry::{Entry, Figure, Findings, Picture, Plan, claim};
+use super::inputs::{Inputs, mesh_error, per_element, uniform};
 use crate::elements::{Representatives, given};
 use anyhow::{Context, Result, bail};
 use brake_reuss_beam::geometry::Geometry;
@@ -13,7 +14,6 @@ use joints::structure::{LinearInterface, Structure};
 use plotters::prelude::SeriesLabelPosition;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
 use scenes::{ContactStiffness, Curves, Elastic, Force, Gap, Scene};
-use surface_characterisation::ElementSurface;
 
 /// Standard gravity (m/s^2).
 const GRAVITY: f64 = 9.80665;
@@ -26,13 +26,6 @@ pub(super) const TABLE_1: Entry = Entry {
              uniform: the fit of one of their elements. Measured statistics: one population of asperities of that other pair.",
     plan: table_1,
 };
-
-/// A static scene on flat faces with the fit of one element everywhere.
-pub(super) fn uniform(inputs: &Inputs, name: &str, element: &ElementSurface) -> Scene {
-    let mut scene = inputs.prestress(name, Gap::Flat);
-    scene.surface = given(vec![joints::interface::curves_of_element(element)]);
-    scene
-}
 
 fn table_1(inputs: &Inputs) -> Result<Plan<'_>> {
     let Representatives {
@@ -166,8 +159,8 @@ const PENALTY: f64 = 1e15;
 fn table_3(inputs: &Inputs) -> Result<Plan<'_>> {
     let scene = |name: &str, mu: f64, along: f64| {
         let mut scene = inputs.scene(name);
-        scene.mu = mu;
-        scene.surface = given(vec![Curves::Elastic(Elastic {
+        scene.interfaces.mu = mu;
+        scene.interfaces.surface = given(vec![Curves::Elastic(Elastic {
             normal_stiffness: ContactStiffness::from_si(PENALTY),
             tangential_stiffness: [ContactStiffness::from_si(along); 2],
         })]);

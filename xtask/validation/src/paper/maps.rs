@@ -1,9 +1,9 @@
 //! Entries that show fields over the interface.
 
 use super::backbones::extended;
-use super::linear::uniform;
+use super::entry::{Entry, Figure, Findings, Picture, Plan, claim};
+use super::inputs::{Inputs, per_element, uniform};
 use super::runs::{Point, PointFields, Record};
-use super::{Entry, Figure, Findings, Inputs, Picture, Plan, claim, per_element};
 use crate::elements::Representatives;
 use analyses::results::trends::power_law;
 use anyhow::{Result, bail};

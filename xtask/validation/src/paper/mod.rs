@@ -2,6 +2,8 @@
 
 mod backbones;
 mod claims;
+mod entry;
+mod inputs;
 mod linear;
 mod maps;
 mod page;
@@ -9,34 +11,16 @@ mod runs;
 mod surface;
 
 use crate::Display;
-use analyses::mesh_error::ErrorBar;
-use anyhow::{Context, Result, anyhow, bail};
-use brake_reuss_beam::BrakeReussBenchmark;
-use joint_model::benchmark::Benchmark as _;
-use joint_model::benchmark::RefinementLevel;
-use joints::interface::ScannedSurface;
-use joints::progress::Silent;
-use joints::structure::Structure;
+use anyhow::{Context, Result, bail};
+use entry::{Computed, Plan, Results};
+use inputs::Inputs;
 use reports::Output;
-use reports::plot::amplitude_label;
-use runs::{Record, RunResult};
-use scenes::{Gap, LawKind, Length, Scene, Surface, SyntheticScan};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-use serde_json::{Map, Value, json};
+use scenes::Scene;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 use std::time::Instant;
-use zte_assembly::InterfaceMesh;
 
-/// A result of the paper.
-pub struct Entry {
-    pub(crate) id: &'static str,
-    pub(crate) title: &'static str,
-    /// What was computed, on what inputs.
-    pub(crate) inputs: &'static str,
-    plan: fn(&Inputs) -> Result<Plan<'_>>,
-}
+pub use entry::Entry;
 
 /// All entries, in the paper's order.
 static ENTRIES: [Entry; 13] = [
@@ -54,277 +38,6 @@ static ENTRIES: [Entry; 13] = [
     backbones::READINGS,
     backbones::EXPERIMENT,
 ];
-
-/// What an entry needs, and what it makes of it.
-pub(crate) struct Plan<'a> {
-    pub(crate) scenes: Vec<Scene>,
-    pub(crate) evaluate: Box<Evaluate<'a>>,
-}
-
-/// What an entry makes of the results of its scenes.
-type Evaluate<'a> = dyn FnOnce(&Results<'_>) -> Result<Findings> + 'a;
-
-/// What came of the scenes of a plan, in their order.
-pub(crate) struct Results<'a> {
-    scenes: &'a [Scene],
-    runs: Vec<&'a RunResult>,
-}
-
-impl Results<'_> {
-    /// The record of a scene.
-    ///
-    /// # Errors
-    /// If it failed: which, and why.
-    pub(crate) fn of(&self, index: usize) -> Result<&Record> {
-        match self.runs.get(index) {
-            Some(Ok(record)) => Ok(record),
-            Some(Err(reason)) => bail!("the scene {} failed: {reason}", self.scenes[index].name),
-            None => bail!("the entry asks for scene {} of {}", index + 1, self.runs.len()),
-        }
-    }
-
-    /// All records.
-    ///
-    /// # Errors
-    /// If one failed.
-    pub(crate) fn all(&self) -> Result<Vec<&Record>> {
-        (0..self.runs.len()).map(|index| self.of(index)).collect()
-    }
-
-    fn seconds(&self) -> f64 {
-        let records = self.runs.iter().filter_map(|run| run.as_ref().ok());
-        records.map(|record| record.seconds).sum()
-    }
-}
-
-/// A number beside the published one.
-pub(crate) struct Figure {
-    pub(crate) name: String,
-    pub(crate) published: Option<f64>,
-    pub(crate) computed: f64,
-    /// In what the inputs differ from the paper's, or what else is to be known; may be empty.
-    pub(crate) note: &'static str,
-}
-
-impl Figure {
-    pub(crate) fn new(
-        name: impl Into<String>,
-        published: impl Into<Option<f64>>,
-        computed: f64,
-        note: &'static str,
-    ) -> Self {
-        Self {
-            name: name.into(),
-            published: published.into(),
-            computed,
-            note,
-        }
-    }
-
-    /// Relative difference; absolute where the published figure is zero.
-    pub(crate) fn difference(&self) -> Option<f64> {
-        let published = self.published?;
-        Some(if published == 0.0 {
-            self.computed
-        } else {
-            self.computed / published - 1.0
-        })
-    }
-}
-
-/// A picture of an entry.
-pub(crate) struct Picture {
-    /// Name of its file, without extension.
-    pub(crate) name: &'static str,
-    pub(crate) svg: String,
-    pub(crate) caption: String,
-}
-
-/// What an entry found.
-pub(crate) struct Findings {
-    pub(crate) figures: Vec<Figure>,
-    /// Whether inputs and method are the paper's, so that the figures should agree.
-    pub(crate) comparable: bool,
-    /// One sentence, or a few where several claims are judged.
-    pub(crate) judgement: String,
-    pub(crate) pictures: Vec<Picture>,
-}
-
-/// An entry with what came of it.
-pub(crate) struct Computed {
-    pub(crate) entry: &'static Entry,
-    pub(crate) findings: Result<Findings, String>,
-    pub(crate) seconds: f64,
-}
-
-impl Computed {
-    /// The row of `paper.json`.
-    fn json(&self) -> Value {
-        let mut columns = [Map::new(), Map::new(), Map::new()];
-        let (comparable, judgement, status) = match &self.findings {
-            Ok(found) => {
-                for figure in &found.figures {
-                    let values = [figure.published, Some(figure.computed), figure.difference()];
-                    for (column, value) in columns.iter_mut().zip(values) {
-                        column.insert(figure.name.clone(), json!(value));
-                    }
-                }
-                (found.comparable, found.judgement.clone(), "computed".to_owned())
-            }
-            Err(reason) => (false, String::new(), format!("failed: {reason}")),
-        };
-        let [published, computed, difference] = columns;
-        json!({
-            "id": self.entry.id,
-            "title": self.entry.title,
-            "inputs": self.entry.inputs,
-            "published": published,
-            "computed": computed,
-            "difference": difference,
-            "comparable": comparable,
-            "judgement": judgement,
-            "seconds": self.seconds,
-            "status": status,
-        })
-    }
-}
-
-/// What entries make their scenes from.
-pub(crate) struct Inputs {
-    quick: bool,
-    cache: Option<PathBuf>,
-    /// The scene that all others are made from.
-    scene: Scene,
-    pub(crate) structure: Structure,
-    pub(crate) mesh: InterfaceMesh,
-    scan: OnceLock<Result<ScannedSurface, String>>,
-}
-
-/// The synthetic pair in the place of the paper's scans.
-pub(crate) fn synthetic() -> SyntheticScan {
-    SyntheticScan::default()
-}
-
-impl Inputs {
-    fn try_new(quick: bool, cache: Option<PathBuf>) -> Result<Self> {
-        let mut scene = Scene::of(&BrakeReussBenchmark, "paper")?;
-        if quick {
-            scene.model.refinement = RefinementLevel::Quick;
-        }
-        let structure = Structure::try_new(&scene, &Silent)?;
-        Ok(Self {
-            quick,
-            cache,
-            mesh: structure.interface().clone(),
-            scene,
-            structure,
-            scan: OnceLock::new(),
-        })
-    }
-
-    /// A scene of prestress and linearised modes alone, with measured statistics and no gap.
-    pub(crate) fn scene(&self, name: &str) -> Scene {
-        let mut scene = self.scene.clone();
-        scene.name = name.into();
-        scene.cqsma.amplitudes = 0;
-        scene
-    }
-
-    /// The same with a backbone.
-    pub(crate) fn backbone(&self, name: &str, amplitudes: usize, from: f64, to: f64) -> Scene {
-        let mut scene = self.scene(name);
-        scene.cqsma.amplitudes = if self.quick { amplitudes.min(6) } else { amplitudes };
-        scene.cqsma.vertices_per_quarter = if self.quick { 4 } else { 8 };
-        scene.cqsma.amplitude_from = Length::from_si(from);
-        scene.cqsma.amplitude_to = Length::from_si(to);
-        scene.output.fields_at = Some(Vec::new());
-        scene
-    }
-
-    /// A scene of the benchmark's own, on the mesh of the command.
-    ///
-    /// # Errors
-    /// Of a scene that is not there.
-    pub(crate) fn benchmark(&self, name: &str) -> Result<Scene> {
-        let text = BrakeReussBenchmark.scene(name);
-        let text = text.ok_or_else(|| anyhow!("the benchmark has no scene {name}"))?;
-        let mut scene = Scene::from_json(text, name, name, &[&BrakeReussBenchmark])?;
-        if self.quick {
-            scene.model.refinement = self.scene(name).model.refinement;
-            scene.cqsma.amplitudes = scene.cqsma.amplitudes.min(6);
-            scene.cqsma.vertices_per_quarter = 4;
-        }
-        scene.output.fields_at = Some(Vec::new());
-        Ok(scene)
-    }
-
-    /// The same as a static scene of the paper: mu = 0.6 and 25 points per element.
-    pub(crate) fn prestress(&self, name: &str, gap: Gap) -> Scene {
-        let mut scene = self.scene(name);
-        scene.gap = gap;
-        scene.mu = 0.6;
-        scene.points_per_direction = 5;
-        scene
-    }
-
-    /// Title of an axis of amplitudes.
-    pub(crate) fn amplitude_axis(&self) -> String {
-        format!("{} [m]", amplitude_label(&self.structure.joint.response))
-    }
-
-    /// What an entry made of its own inputs and the structure in an earlier run, or makes now.
-    ///
-    /// # Errors
-    /// Of `make`, and of the folder it is stored in.
-    pub(crate) fn kept<T: Serialize + DeserializeOwned>(
-        &self,
-        inputs: &impl Serialize,
-        make: impl FnOnce() -> Result<T>,
-    ) -> Result<T> {
-        runs::kept(self.cache.as_deref(), &(self.quick, inputs), make)
-    }
-
-    /// The synthetic pair, characterised once.
-    ///
-    /// # Errors
-    /// Of the characterisation.
-    pub(crate) fn scan(&self) -> Result<&ScannedSurface> {
-        let found = self
-            .scan
-            .get_or_init(|| self.scanned(synthetic()).map_err(|error| format!("{error:#}")));
-        found.as_ref().map_err(|reason| anyhow!("{reason}"))
-    }
-
-    /// A synthetic pair, characterised.
-    ///
-    /// # Errors
-    /// Of the generator and the characterisation.
-    pub(crate) fn scanned(&self, scan: SyntheticScan) -> Result<ScannedSurface> {
-        let mut scene = self.scene("");
-        scene.surface = Surface::SyntheticScan(scan);
-        Ok(ScannedSurface::try_new(&scene, &self.mesh)?)
-    }
-}
-
-/// Gives a scene the roughness of the synthetic pair, element by element, in the paper's fitted form.
-pub(crate) fn per_element(mut scene: Scene) -> Scene {
-    scene.surface = Surface::SyntheticScan(synthetic());
-    scene.law.kind = LawKind::Fitted;
-    scene
-}
-
-/// How far frequencies of a scene may be from the limit of its mesh, in words.
-pub(crate) fn mesh_error(scene: &Scene) -> String {
-    match ErrorBar::of(scene).frequency_relative {
-        Some(error) => format!("up to {:.1} %", 100.0 * error),
-        None => "not known".into(),
-    }
-}
-
-/// A published claim, and whether it is seen here.
-pub(crate) fn claim(holds: bool, text: &str) -> String {
-    format!("{text} - {}", if holds { "seen here too" } else { "NOT seen here" })
-}
 
 /// Entries with these ids, all without any.
 ///
@@ -438,8 +151,9 @@ fn compute(inputs: &Inputs, entries: &[&'static Entry], display: &dyn Display) -
 
 #[cfg(test)]
 mod tests {
+    use super::entry::{Figure, Findings};
     use super::*;
-    use std::sync::Arc;
+    use anyhow::anyhow;
 
     #[test]
     fn an_unknown_entry_is_refused_with_those_that_exist() {
@@ -456,14 +170,6 @@ mod tests {
         let message = ids(&["table1", "fig99"]).expect_err("unknown").to_string();
         assert!(message.contains("`fig99`"), "{message}");
         assert!(all.iter().all(|id| message.contains(id)), "{message}");
-    }
-
-    #[test]
-    fn differences_are_relative_where_there_is_something_to_relate_to() {
-        let figure = |published: Option<f64>, computed| Figure::new("f", published, computed, "").difference();
-        assert_eq!(figure(Some(200.0), 201.0), Some(201.0 / 200.0 - 1.0));
-        assert_eq!(figure(Some(0.0), 3.0), Some(3.0));
-        assert_eq!(figure(None, 3.0), None);
     }
 
     #[test]
@@ -533,7 +239,7 @@ mod tests {
             inputs: "",
             plan: |inputs| {
                 let mut scene = inputs.scene("sticky");
-                scene.mu = -1.0;
+                scene.interfaces.mu = -1.0;
                 Ok(Plan {
                     scenes: vec![scene],
                     evaluate: Box::new(|results| Err(results.of(0).err().unwrap_or_else(|| anyhow!("it ran")))),
@@ -575,32 +281,5 @@ mod tests {
             quick: true,
         };
         assert!(fine.is_complete());
-    }
-
-    /// A scene that cannot run fails its own entry and no other.
-    #[test]
-    fn results_name_the_scene_that_failed() {
-        let scenes =
-            ["good", "bad"].map(|name| Scene::of(&BrakeReussBenchmark, name).expect("the benchmark has all defaults"));
-        let record: RunResult = Ok(Arc::new(Record {
-            seconds: 2.0,
-            frequencies: vec![168.0],
-            contact: [1.0; 3],
-            slipping: 0.0,
-            central: Default::default(),
-            nodal: Default::default(),
-            backbone: Vec::new(),
-            methods: Default::default(),
-        }));
-        let failed: RunResult = Err("no contact".into());
-        let results = Results {
-            scenes: &scenes,
-            runs: vec![&record, &failed],
-        };
-        assert_eq!(results.of(0).expect("it ran").first(), 168.0);
-        let message = results.of(1).expect_err("it failed").to_string();
-        assert!(message.contains("bad") && message.contains("no contact"), "{message}");
-        assert!(results.all().is_err());
-        assert_eq!(results.seconds(), 2.0);
     }
 }

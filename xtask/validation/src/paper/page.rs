@@ -1,6 +1,6 @@
 //! The entries as a page in HTML, and as a few lines of text.
 
-use super::{Computed, Figure};
+use super::entry::{self, Computed, Figure};
 use reports::Error;
 use reports::html::{Picture, Table};
 use reports::study::{Findings, Section, Study};
@@ -83,7 +83,7 @@ fn section(computed: &Computed) -> Section<'_> {
     }
 }
 
-fn findings(found: &super::Findings, seconds: f64) -> Findings<'_> {
+fn findings(found: &entry::Findings, seconds: f64) -> Findings<'_> {
     let pictures = found.pictures.iter().map(|picture| Picture {
         svg: picture.svg.as_str().into(),
         caption: picture.caption.clone(),

@@ -89,7 +89,7 @@ impl Record {
             .traction
             .each_ref()
             .map(|t| centres.iter().map(|&p| t[p]).collect::<Vec<f64>>());
-        let areas = run.mesh.areas();
+        let areas = run.joint.mesh.areas();
         let closed = areas.iter().zip(&central[2]).filter(|(_, pressure)| **pressure > 0.0);
         let by_centres = closed.map(|(area, _)| area).sum::<f64>() / areas.iter().sum::<f64>();
         let slips = prestress.regime.iter().zip(&operators.weights);
@@ -231,8 +231,8 @@ pub(crate) fn kept<T: Serialize + DeserializeOwned>(
 
 /// Load points of a scene, roughly: the unit of progress.
 fn work(scene: &Scene) -> f64 {
-    let c = &scene.cqsma;
-    let methods = 1.0 + 0.7 * scene.methods.len() as f64;
+    let c = &scene.analyses.backbone;
+    let methods = 1.0 + 0.7 * scene.analyses.backbone.methods.len() as f64;
     30.0 + methods * (c.amplitudes * (4 * c.vertices_per_quarter + 20)) as f64
 }
 
@@ -345,16 +345,17 @@ mod tests {
 
     #[test]
     fn equal_scenes_run_once_whatever_their_names() {
-        let scene = |name: &str, mu: f64| Scene {
-            mu,
-            ..Scene::of(&BrakeReussBenchmark, name).expect("the benchmark has all defaults")
+        let scene = |name: &str, mu: f64| {
+            let mut scene = Scene::of(&BrakeReussBenchmark, name).expect("the benchmark has all defaults");
+            scene.interfaces.mu = mu;
+            scene
         };
         let given = [scene("a", 0.2), scene("b", 0.3), scene("c", 0.2), scene("b", 0.4)];
         let (different, of) = unique(&given).expect("scenes are encodable");
         assert_eq!(of, [0, 1, 0, 2]);
         let names: Vec<&str> = different.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["a", "b", "b"]);
-        let mus: Vec<f64> = of.iter().map(|&i| different[i].mu).collect();
-        assert_eq!(mus, given.each_ref().map(|s| s.mu));
+        let mus: Vec<f64> = of.iter().map(|&i| different[i].interfaces.mu).collect();
+        assert_eq!(mus, given.each_ref().map(|s| s.interfaces.mu));
     }
 }

@@ -1,6 +1,7 @@
 //! Entries about the surface itself.
 
-use super::{Entry, Figure, Findings, Inputs, Picture, Plan, per_element, synthetic};
+use super::entry::{Entry, Figure, Findings, Picture, Plan};
+use super::inputs::{Inputs, per_element, synthetic};
 use crate::elements::Representatives;
 use analyses::results::trends::histogram;
 use anyhow::{Context, Result};
@@ -158,7 +159,7 @@ const LEVEL: f64 = 0.05;
 fn table_2(inputs: &Inputs) -> Result<Plan<'_>> {
     let scenes = [Gap::Measured, Gap::Flat].map(|gap| {
         let mut scene = per_element(inputs.backbone("flux for Table 2", 2, 1e-6, 1e-4));
-        scene.gap = gap;
+        scene.interfaces.gap = gap;
         scene.output.fields_at = Some(vec![1, 2]);
         scene
     });

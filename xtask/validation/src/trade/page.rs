@@ -1,7 +1,7 @@
 //! What was measured as a table and a picture.
 
+use super::ladder::{Ladder, Measured, Part, total};
 use super::parameters::{AMPLITUDES, Source};
-use super::{Ladder, Measured, Part, total};
 use plotters::prelude::*;
 use reports::csv::table;
 use reports::plot::{Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};

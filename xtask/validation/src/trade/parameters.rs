@@ -112,13 +112,12 @@ fn named<T: Copy>(base: &Scene, values: &[(&str, T)], set: fn(&mut Scene, T)) ->
 
 /// Fits the amplitudes of a scene to the comparison, which is of the first mode that it follows.
 pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
-    scene.cqsma.mode = scene.cqsma.followed()[0];
-    scene.cqsma.modes_of_interest.clear();
-    scene.cqsma.amplitude_from = Length::from_si(2e-5);
-    scene.cqsma.amplitude_to = Length::from_si(1.2e-3);
-    scene.cqsma.amplitudes = 10;
+    scene.analyses.modes.followed.truncate(1);
+    scene.analyses.backbone.amplitude_from = Length::from_si(2e-5);
+    scene.analyses.backbone.amplitude_to = Length::from_si(1.2e-3);
+    scene.analyses.backbone.amplitudes = 10;
     scene.output.fields_at = Some(Vec::new());
-    scene.methods.clear();
+    scene.analyses.backbone.methods.clear();
     if quick {
         scene.model.refinement = RefinementLevel::Quick;
     }
@@ -201,7 +200,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
             "points",
             "quadrature points per direction of an interface element",
             refined(base, &[1_u8, 2, 3, 4, 5], |scene, n| {
-                scene.points_per_direction = n.into()
+                scene.interfaces.points_per_direction = n.into()
             }),
         ),
         error(
@@ -217,7 +216,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
             "vertices",
             "vertices per quarter loop",
             refined(base, &[1_u8, 2, 4, 8, 16, 32, 64], |scene, n| {
-                scene.cqsma.vertices_per_quarter = n.into();
+                scene.analyses.backbone.vertices_per_quarter = n.into();
             }),
         ),
         Parameter {
@@ -233,8 +232,8 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
                         ("at every vertex, 32", (Commit::AtEveryVertex, 32)),
                     ],
                     |scene, (commit, vertices)| {
-                        scene.cqsma.commit = commit;
-                        scene.cqsma.vertices_per_quarter = vertices;
+                        scene.analyses.backbone.commit = commit;
+                        scene.analyses.backbone.vertices_per_quarter = vertices;
                     },
                 ),
             )
@@ -251,7 +250,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
                     ("1e-9", 1e-9),
                     ("1e-11", 1e-11),
                 ],
-                |scene, tolerance| scene.cqsma.tolerance = tolerance,
+                |scene, tolerance| scene.analyses.backbone.tolerance = tolerance,
             ),
         ),
         Parameter {
@@ -299,9 +298,9 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
     ];
     let scan = {
         let mut scene = base.clone();
-        scene.surface = Surface::SyntheticScan(SyntheticScan::default());
-        scene.gap = Gap::Scan;
-        scene.law.kind = LawKind::Fitted;
+        scene.interfaces.surface = Surface::SyntheticScan(SyntheticScan::default());
+        scene.interfaces.gap = Gap::Scan;
+        scene.interfaces.law.kind = LawKind::Fitted;
         scene
     };
     let none = |name, what, settings| Parameter {
@@ -309,7 +308,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         ..error(name, what, settings)
     };
     let mut flat = scan.clone();
-    flat.gap = Gap::Flat;
+    flat.interfaces.gap = Gap::Flat;
     let mut laws = scan_laws(&flat);
     if wanted(SCAN_LAW) {
         laws.insert(0, uniform(&flat)?);
@@ -336,7 +335,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
 fn methods(base: &Scene) -> Vec<Setting> {
     let method = |method: Method| {
         let mut scene = base.clone();
-        scene.methods = vec![method];
+        scene.analyses.backbone.methods = vec![method];
         Setting {
             source: Source::Method(method),
             ..Setting::new(method.name(), scene)
@@ -365,7 +364,7 @@ fn laws(base: &Scene) -> Vec<Setting> {
             ("tabulated", LawKind::Tabulated),
             ("asperity-sum", LawKind::AsperitySum),
         ],
-        |scene, kind| scene.law.kind = kind,
+        |scene, kind| scene.interfaces.law.kind = kind,
     )
 }
 
@@ -389,8 +388,8 @@ fn readings(base: &Scene) -> Vec<Setting> {
             ("default", (TangentialReading::Mindlin, HistoryRule::Incremental)),
         ],
         |scene, (tangential, history)| {
-            scene.law.tangential = tangential;
-            scene.law.history = history;
+            scene.interfaces.law.tangential = tangential;
+            scene.interfaces.law.history = history;
         },
     )
 }
@@ -417,8 +416,8 @@ fn frictions(base: &Scene) -> Vec<Setting> {
             ("mindlin-iwan, yield", (Friction::MindlinIwan, Some(yielding()))),
         ],
         |scene, (friction, yielding)| {
-            scene.law.friction = friction;
-            scene.law.yielding = yielding;
+            scene.interfaces.law.friction = friction;
+            scene.interfaces.law.yielding = yielding;
         },
     )
 }
@@ -435,8 +434,8 @@ fn bins(base: &Scene) -> Vec<Setting> {
             ("64", Bins::Gauss(64)),
         ],
         |scene, bins| {
-            scene.law.friction = Friction::Resolved;
-            scene.law.bins = bins;
+            scene.interfaces.law.friction = Friction::Resolved;
+            scene.interfaces.law.bins = bins;
         },
     )
 }
@@ -446,16 +445,16 @@ fn radii(base: &Scene) -> Vec<Setting> {
         base,
         &[("2", 2), ("4", 4), ("8", 8), ("16", 16), ("32", 32)],
         |scene, radii| {
-            scene.law.friction = Friction::MindlinIwan;
-            scene.law.radii = RadialRule::Annuli(radii);
+            scene.interfaces.law.friction = Friction::MindlinIwan;
+            scene.interfaces.law.radii = RadialRule::Annuli(radii);
         },
     )
 }
 
 fn cones(base: &Scene) -> Vec<Setting> {
     named(base, &[("box", Cone::Box), ("circle", Cone::Circle)], |scene, cone| {
-        scene.law.friction = Friction::Resolved;
-        scene.law.cone = cone;
+        scene.interfaces.law.friction = Friction::Resolved;
+        scene.interfaces.law.cone = cone;
     })
 }
 
@@ -465,11 +464,11 @@ fn limits(base: &Scene) -> Vec<Setting> {
         ("coulomb", AsperityLimit::Coulomb),
     ];
     named(base, &limits, |scene, limit| {
-        scene.law.friction = Friction::Resolved;
-        scene.law.yielding = Some(yielding());
-        scene.law.limit = limit;
+        scene.interfaces.law.friction = Friction::Resolved;
+        scene.interfaces.law.yielding = Some(yielding());
+        scene.interfaces.law.limit = limit;
         if limit != AsperityLimit::Coulomb {
-            scene.mu = 0.0;
+            scene.interfaces.mu = 0.0;
         }
     })
 }
@@ -480,9 +479,9 @@ fn uniform(scan: &Scene) -> Result<Setting> {
     let surface = ScannedSurface::try_new(scan, structure.interface())?;
     let median = Representatives::try_new(&surface.found.elements)?.median;
     let mut scene = scan.clone();
-    scene.surface = given(vec![joints::interface::curves_of_element(median)]);
+    scene.interfaces.surface = given(vec![joints::interface::curves_of_element(median)]);
     // The curves say what they are.
-    scene.law.kind = Law::default().kind;
+    scene.interfaces.law.kind = Law::default().kind;
     Ok(Setting::new("fitted, uniform", scene))
 }
 
@@ -494,7 +493,7 @@ fn scan_laws(scan: &Scene) -> Vec<Setting> {
             ("tabulated per element", LawKind::Tabulated),
             ("asperity-sum per element", LawKind::AsperitySum),
         ],
-        |scene, kind| scene.law.kind = kind,
+        |scene, kind| scene.interfaces.law.kind = kind,
     )
 }
 
@@ -514,9 +513,9 @@ fn sets(base: &Scene) -> Vec<Setting> {
         let mut scene = base.clone();
         (scene.model.element_order, scene.model.refinement) = (preset.element_order, refinement);
         scene.model.modes = Some(preset.modes);
-        scene.points_per_direction = preset.points_per_direction;
-        scene.cqsma.vertices_per_quarter = preset.vertices_per_quarter;
-        scene.cqsma.tolerance = preset.tolerance;
+        scene.interfaces.points_per_direction = preset.points_per_direction;
+        scene.analyses.backbone.vertices_per_quarter = preset.vertices_per_quarter;
+        scene.analyses.backbone.tolerance = preset.tolerance;
         scene
     };
     let sets = PRESETS

@@ -48,7 +48,11 @@ fn the_programs_share_one_build_of_what_they_use() {
     for other in ["microslip", "validation"] {
         for (package, features) in packages(other) {
             if let Some(of_tasks) = tasks.get(&package) {
-                assert_eq!(&features, of_tasks, "features of {package}: {other}, xtask");
+                // What it needs beside does not make cargo compile the rest anew.
+                assert!(
+                    of_tasks.is_subset(&features),
+                    "features of {package}: {other} {features:?}, xtask {of_tasks:?}"
+                );
             }
         }
     }

@@ -47,7 +47,7 @@ impl FrictionRule for EndPoint {
     }
 
     #[cfg(test)]
-    fn described(path: &crate::tests::oracle::Described<'_>) -> crate::tests::oracle::Quantity3 {
+    fn described(path: &crate::tests::described::Described<'_>) -> crate::tests::described::Quantity3 {
         path.memory + (path.k)(path.u_n).0 * path.moved
     }
 }

@@ -52,7 +52,7 @@ impl FrictionRule for Incremental {
     }
 
     #[cfg(test)]
-    fn described(path: &crate::tests::oracle::Described<'_>) -> crate::tests::oracle::Quantity3 {
+    fn described(path: &crate::tests::described::Described<'_>) -> crate::tests::described::Quantity3 {
         path.memory + path.share * (path.k)(path.middle()).0 * path.moved
     }
 }

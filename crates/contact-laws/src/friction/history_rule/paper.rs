@@ -53,7 +53,7 @@ impl FrictionRule for Paper {
     }
 
     #[cfg(test)]
-    fn described(path: &crate::tests::oracle::Described<'_>) -> crate::tests::oracle::Quantity3 {
+    fn described(path: &crate::tests::described::Described<'_>) -> crate::tests::described::Quantity3 {
         let (k, slope) = (path.k)(path.u_n);
         path.memory + k * path.moved + slope * path.moved_n * path.u
     }

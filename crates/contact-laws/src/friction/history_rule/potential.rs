@@ -70,7 +70,7 @@ impl FrictionRule for Potential {
     }
 
     #[cfg(test)]
-    fn described(path: &crate::tests::oracle::Described<'_>) -> crate::tests::oracle::Quantity3 {
+    fn described(path: &crate::tests::described::Described<'_>) -> crate::tests::described::Quantity3 {
         (path.k)(path.u_n).0 * (path.memory + path.share * path.moved)
     }
 }

@@ -1,7 +1,7 @@
 //! What a format hands over, and how a mesh is made of it.
 
-use super::SolidMesh;
 use super::checks;
+use super::mesh::{Defect, SolidMesh};
 use crate::Error;
 use crate::elements::Face;
 use crate::elements::{Corners, Sides};
@@ -33,45 +33,6 @@ pub(in crate::formats) struct Raw {
     pub(in crate::formats) notes: Vec<String>,
     /// The one integer array of a VTU file.
     pub(in crate::formats) array: Option<String>,
-}
-
-/// Why a group is no surface.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Defect {
-    /// Faces between two solids.
-    interior: usize,
-    /// Facets that are no faces of solids.
-    beside: usize,
-    count: usize,
-}
-
-impl Defect {
-    fn problem(&self) -> String {
-        let Self {
-            interior,
-            beside,
-            count,
-        } = self;
-        match interior {
-            0 => format!("{beside} of its {count} faces belong to no solid"),
-            _ => format!("{interior} of its {count} faces lie between two solids that share their nodes"),
-        }
-    }
-
-    pub(super) fn error(&self, file: &str, group: &str) -> Error {
-        Error::MeshGroup {
-            file: file.to_owned(),
-            group: group.to_owned(),
-            problem: self.problem(),
-            remedy: match self.interior {
-                0 => "mesh the solid beside the surface and save it too, or ungroup the surface",
-                _ => {
-                    "an interface needs two faces: mesh the bodies with nodes of their own (in Gmsh do not fragment, leave \
-                     Coherence out; else duplicate the nodes) and make a group of each face"
-                }
-            },
-        }
-    }
 }
 
 impl Raw {

@@ -1,10 +1,12 @@
 //! The hole that a bolt passes, as the faces around it show it, and bolts that are in one another's place.
 
-use super::TILT;
 use finite_elements::mesh::Face;
 use joint_model::fit::Hole;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
+
+/// Largest angle between a seat and the plane at a right angle to the axis (degrees).
+pub(super) const TILT: f64 = 10.0;
 
 /// Largest over least distance of a rim from its centre up to which it counts as round: a square has 1.42, a slot more.
 const ROUND: f64 = 1.5;

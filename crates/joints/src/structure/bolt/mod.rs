@@ -11,7 +11,7 @@ mod hole;
 pub use compliance::{Compliance, Engagement, Term};
 pub use hole::Placed;
 
-use hole::nearest_hole;
+use hole::{TILT, nearest_hole};
 use joint_model::fit::Hole;
 use scenes::metric::{Hexagon, Metric, Thread, Washer};
 
@@ -20,9 +20,6 @@ use finite_elements::mesh::{Assembly, Coupling, CouplingKind, Face, LoadPattern,
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
-
-/// Largest angle between a seat and the plane at a right angle to the axis (degrees).
-const TILT: f64 = 10.0;
 
 /// Sub-triangles along an edge by which the part of a face inside of a seat is measured.
 const SAMPLES: usize = 8;

@@ -1,5 +1,7 @@
 //! `new`: a commented scene to start from, or a structure with the script that makes its mesh.
 
+use super::destination::write_new;
+use crate::text::print;
 use anyhow::{Result, bail};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -59,8 +61,8 @@ const TEMPLATES: [Template; 3] = [
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let directory = &arguments.directory;
     let Some(name) = &arguments.benchmark else {
-        super::write_new(directory, &[("scene.json", include_str!("plain.json").as_bytes())])?;
-        return super::print(&format!(
+        write_new(directory, &[("scene.json", include_str!("plain.json").as_bytes())])?;
+        return print(&format!(
             "a scene to start from is in {0}/scene.json; run it by\n  microslip run {0}/scene.json\n",
             directory.display()
         ));
@@ -70,10 +72,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         bail!("there is no structure `{name}` to start from; there are {known}");
     };
     let files = template.files.map(|(name, text)| (name, text.as_bytes()));
-    super::write_new(directory, &files)?;
+    write_new(directory, &files)?;
     let mut text = format!("written to {}:", directory.display());
     for (name, _) in files {
         write!(text, " {name}")?;
     }
-    super::print(&format!("{text}\nREADME.md tells how to go on\n"))
+    print(&format!("{text}\nREADME.md tells how to go on\n"))
 }

@@ -2,6 +2,8 @@
 
 mod joint;
 
+use super::destination::write_new;
+use crate::text::print;
 use anyhow::Result;
 use modal_identification::synthetic::{RingDown, add_noise};
 use std::fmt::Write;
@@ -22,6 +24,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let mut files = vec![
         ("README.md", text(include_str!("README.md"))),
         ("joint-mesh.json", text(include_str!("joint-mesh.json"))),
+        ("joint-motions.json", text(include_str!("joint-motions.json"))),
         ("joint-scans.json", text(include_str!("joint-scans.json"))),
         ("joint.msh", joint::gmsh()?.into_bytes()),
         ("joint.inp", joint::deck()?.into_bytes()),
@@ -37,9 +40,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         files.push((name, ring_down(amplitude, seed).into_bytes()));
     }
     let borrowed: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
-    super::write_new(directory, &borrowed)?;
+    write_new(directory, &borrowed)?;
     let total: usize = files.iter().map(|(_, bytes)| bytes.len()).sum();
-    super::print(&format!(
+    print(&format!(
         "{} files of {:.1} MB in {}; README.md there has commands that use them\n",
         files.len(),
         1e-6 * total as f64,

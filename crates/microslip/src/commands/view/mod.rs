@@ -3,9 +3,10 @@
 mod server;
 
 use crate::files;
+use crate::text::print;
 use analyses::results::summary::Summary;
 use anyhow::{Context, Result, ensure};
-use reports::run::SUMMARY;
+use reports::names::SUMMARY;
 use reports::several::{self, Entry};
 use server::Site;
 use std::net::{Ipv4Addr, TcpListener};
@@ -61,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         "http://{}/",
         listener.local_addr().context("listening on the loopback interface")?
     );
-    super::print(&format!("{} runs at {address}; Ctrl-C ends it\n", runs.len()))?;
+    print(&format!("{} runs at {address}; Ctrl-C ends it\n", runs.len()))?;
     if !arguments.no_open {
         open(&address);
     }

@@ -9,7 +9,7 @@ use crate::error::FileError;
 use crate::readers::bytes::malformed;
 
 /// Whether a member of an archive is the document, at the top or in one folder.
-pub(in crate::readers) fn is_main(name: &str) -> bool {
+pub(crate) fn is_main(name: &str) -> bool {
     let path = plain(name);
     path == MAIN || path.split_once('/').is_some_and(|(_, rest)| rest == MAIN)
 }

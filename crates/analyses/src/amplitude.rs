@@ -1,0 +1,54 @@
+//! What is found at one amplitude.
+
+use super::element_loops::ElementLoops;
+use contact_laws::Regime;
+use cqsma_solver::BackbonePoint;
+use serde::{Deserialize, Serialize};
+
+/// Quantities at the quadrature points.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Fields {
+    /// Jump x, y, interference n (m).
+    pub jump: [Vec<f64>; 3],
+    /// Traction x, y, n (Pa).
+    pub traction: [Vec<f64>; 3],
+    /// Regimes.
+    pub regime: Vec<Regime>,
+    /// Energy dissipated per area and cycle x, y, n (J/m^2); zero for a static state.
+    pub flux: [Vec<f64>; 3],
+}
+
+/// What the loop of one amplitude did at the interface.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct LoopFields {
+    /// Area fraction that slips at the positive peak.
+    pub slip_fraction: f64,
+    /// Area fraction that is open there.
+    pub open_fraction: f64,
+    /// Dissipation per cycle from the points' loops (J) (eq. 43).
+    pub dissipation: f64,
+    /// Largest tangential motion from the prestress over the loop (m).
+    pub largest_sliding: f64,
+    /// Half the range of the displacement at the response point over the loop (m); it differs from `q phi` by what moves
+    /// outside the linearised mode.
+    pub response_motion: f64,
+    /// Fields at the positive peak, for the amplitudes asked for.
+    pub fields: Option<Fields>,
+    /// Coordinates of the reduced structure that vibrates at the positive peak, if the bodies are to be shown deformed: jumps (m) first.
+    pub displacement: Option<Vec<f64>>,
+    /// The loops of the elements, for the same amplitudes; none where no element is recorded.
+    pub loops: Option<ElementLoops>,
+}
+
+/// One amplitude.
+#[derive(Clone, Debug)]
+pub struct AmplitudeResult {
+    /// The loop.
+    pub point: BackbonePoint,
+    /// What it did at the interface; none if it did not converge.
+    pub fields: Option<LoopFields>,
+    /// Acceleration amplitude at the response point (m/s^2).
+    pub response_acceleration: Option<f64>,
+    /// Displacement amplitude at the response point, `q phi` (m).
+    pub response_displacement: Option<f64>,
+}

@@ -1,0 +1,264 @@
+//! A scene, run from mesh to results.
+
+use super::deformed::Deformed;
+use super::ensemble::{self, Ensemble, Member};
+use super::finite_differences;
+use super::outcome::{Analysis, ModeAnalysis, ModeBackbone};
+use super::periodic::EpmcBackbone;
+use super::prepared::{Prepared, prepare};
+use super::prestress::{PrestressResult, bolt_load};
+use super::run::Run;
+use super::sensitivities::Sensitivity;
+use super::solver::{Solver, kept};
+use super::validity::{self, LARGEST_CONTACT, Validity};
+use super::variants::Study;
+use super::warnings::{self, ContactCircles, Findings};
+use crate::Error;
+use joints::progress::{Progress, Stage};
+use joints::store::Options;
+use joints::store::checkpoint::{Checkpoint, Checkpoints};
+use joints::structure::choice_name;
+use scenes::{Scale, Scene, Stress, Surface};
+
+/// Runs a scene.
+///
+/// # Errors
+/// Whatever makes the scene impossible to run. Amplitudes that do not converge are results, not errors.
+pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
+    prepare(scene, options, progress)?.solve(progress)
+}
+
+/// Runs a scene and an ensemble of `realisations` bootstrap realisations of its laws, see [`Prepared::solve_ensemble`].
+///
+/// # Errors
+/// As [`run`] and [`Prepared::solve_ensemble`].
+pub fn run_ensemble(
+    scene: &Scene,
+    realisations: usize,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<(Run, Ensemble), Error> {
+    if !scene.interfaces.surface.is_scanned() {
+        return Err(joints::Error::NoSamples.into());
+    }
+    prepare(scene, options, progress)?.solve_ensemble(realisations, progress)
+}
+
+impl Prepared {
+    /// Prestress, modes and backbone of the scene itself, with all its derivatives.
+    ///
+    /// # Errors
+    /// As [`Solver::analyse`].
+    pub(super) fn analyse_in_full(&self, progress: &dyn Progress) -> Result<Analysis, Error> {
+        let mut analysis = self.analyse_itself(None, progress)?;
+        let Some(structure) = self
+            .structure
+            .as_ref()
+            .filter(|_| !self.derivatives.differenced.is_empty())
+        else {
+            return Ok(analysis);
+        };
+        let parameters = self.derivatives.differenced.clone();
+        let study = Study::try_new(&self.scene, parameters, structure, self, &self.options)?;
+        let (found, checkpoints) = finite_differences::sensitivities(&study, &analysis, progress)?;
+        analysis.checkpoints.extend(checkpoints);
+        let order = |one: &Sensitivity| {
+            self.scene
+                .analyses
+                .sensitivities
+                .iter()
+                .position(|known| *known == one.parameter)
+        };
+        for (mode, found) in analysis.modes.iter_mut().zip(found) {
+            mode.sensitivities.extend(found);
+            mode.sensitivities.sort_by_key(order);
+        }
+        Ok(analysis)
+    }
+
+    /// Prestress, modes and backbone.
+    ///
+    /// # Errors
+    /// [`Error::Prestress`] and defects of the linear structure.
+    pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
+        let analysis = self.analyse_in_full(progress)?;
+        let deformed = self.deformed(&analysis, progress)?;
+        Ok(self.finish(analysis, deformed, progress))
+    }
+
+    /// As [`Prepared::solve`], and then the backbones of `realisations` bootstrap realisations of all elements' laws on
+    /// the same reduced structure. With a cache, realisations of an interrupted ensemble are taken from there.
+    ///
+    /// # Errors
+    /// As [`Prepared::solve`]; [`joints::Error::NoSamples`] for surfaces that are not scanned; an interruption. Whatever else
+    /// ends a realisation is part of the result.
+    pub fn solve_ensemble(self, realisations: usize, progress: &dyn Progress) -> Result<(Run, Ensemble), Error> {
+        let mut analysis = self.analyse_in_full(progress)?;
+        let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
+        analysis.checkpoints.extend(checkpoints);
+        let deformed = self.deformed(&analysis, progress)?;
+        Ok((self.finish(analysis, deformed, progress), ensemble))
+    }
+
+    fn ensemble(
+        &self,
+        realisations: usize,
+        analysis: &Analysis,
+        progress: &dyn Progress,
+    ) -> Result<(Ensemble, Checkpoints), Error> {
+        progress.begin(Stage::Ensemble);
+        // Fields, other methods and other modes are left to the measured law.
+        let scene = ensemble::loops_alone(&self.scene, false);
+        let load = bolt_load(&scene, &self.model);
+        let checkpoint = match kept(&scene, &self.options)? {
+            None => Checkpoint::default(),
+            Some((directory, mut key)) => {
+                // Whatever else the realisations depend on has left its mark in the measured backbone.
+                key.numbers(analysis.prestress.solution.displacement.iter().copied());
+                key.numbers(analysis.frequencies.iter().copied());
+                Checkpoint::open(directory, "ensemble", &key.finish())
+            }
+        };
+        let realisations = ensemble::Batch {
+            name: "realisations",
+            number: realisations,
+            loops: scene.analyses.backbone.amplitudes.max(1),
+            progress,
+        };
+        let solver = Solver {
+            neighbours: &[],
+            ..self.solver()
+        };
+        let analyse = |k, progress: &dyn Progress| {
+            let (interface, closure) = self.interface.realisation(k, load)?;
+            solver.analyse(&scene, &interface, closure, None, progress)
+        };
+        let describe = |k, found: Result<&Analysis, Error>| Member::new(k, found, scene.background_damping);
+        let (members, checkpoints) = realisations.run(checkpoint, analyse, describe)?;
+        progress.end(Stage::Ensemble);
+        Ok((Ensemble::new(members, &analysis.modes[0].amplitudes), checkpoints))
+    }
+
+    pub(super) fn finish(mut self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
+        self.scene.analyses.sensitivities.truncate(self.derivatives.shown);
+        let Analysis {
+            prestress,
+            tightening,
+            frequencies,
+            modes,
+            forced,
+            ring_down,
+            checkpoints,
+        } = analysis;
+        let asperities = self.interface.asperities();
+        let shown = |mut all: Vec<Sensitivity>| {
+            all.truncate(self.derivatives.shown);
+            all
+        };
+        let judge = |found: ModeAnalysis| ModeBackbone {
+            validity: validity::assess(
+                &self.interface.interface,
+                asperities.as_ref(),
+                self.scene.model.material.as_ref(),
+                self.interface
+                    .report()
+                    .resolved
+                    .as_ref()
+                    .and_then(|law| law.onset_of_yield),
+                self.scene.interfaces.law.yielding(),
+                &prestress.fields,
+                self.joint.clearance,
+                found.separation,
+                &found.amplitudes,
+            ),
+            mode: found.mode,
+            amplitudes: found.amplitudes,
+            methods: found.methods,
+            epmc: found.epmc.map(|epmc| EpmcBackbone {
+                sensitivities: shown(epmc.sensitivities),
+                ..epmc
+            }),
+            sensitivities: shown(found.sensitivities),
+        };
+        let backbones: Vec<ModeBackbone> = modes.into_iter().map(judge).collect();
+        let found = self.findings(&prestress, &frequencies, backbones.first().map(|first| &first.validity));
+        let of_results = warnings::of_results(&self.joint.overview, &found);
+        of_results.iter().for_each(|warning| progress.warn(&warning.message));
+        let mut warnings = warnings::of_input(&self.joint.overview);
+        warnings.extend(of_results);
+        Run {
+            backbones,
+            warnings,
+            joint: self.joint,
+            frequencies,
+            forced,
+            ring_down,
+            prestress,
+            tightening,
+            parts: self.interface.reports,
+            clipped_gaps: self.interface.clipped_gaps,
+            interface: self.interface.interface,
+            model: self.model,
+            deformed,
+            loop_elements: self.loop_elements,
+            scene: self.scene,
+            checkpoints,
+        }
+    }
+
+    /// What warnings judge.
+    fn findings(&self, prestress: &PrestressResult, frequencies: &[f64], validity: Option<&Validity>) -> Findings {
+        let pressures = &prestress.fields.traction[2];
+        let hardness = self
+            .scene
+            .model
+            .material
+            .and_then(|material| material.hardness)
+            .map(Stress::si);
+        let operators = self.interface.interface.operators();
+        let above = pressures.iter().zip(&operators.weights);
+        let above = above.filter(|(pressure, _)| hardness.is_some_and(|hardness| **pressure > hardness));
+        Findings {
+            hardness,
+            peak_pressure: pressures.iter().copied().fold(0.0, f64::max),
+            share_above_hardness: above.map(|(_, weight)| weight).sum::<f64>() / operators.area(),
+            yielded_asperities: validity.and_then(|validity| validity.yielded_asperity_fraction),
+            in_contact: validity.map_or(1.0, |validity| validity.contact_area_fraction_by_points),
+            first_frequency: frequencies.first().copied(),
+            contact_circles: validity.and_then(|validity| {
+                Some(ContactCircles {
+                    ratio: validity.beyond_contact_formulas()?,
+                    limit: LARGEST_CONTACT,
+                    share: validity.pressure_share_within_formulas,
+                    surface: asperities_from(&self.scene),
+                    load: loads_from(&self.scene),
+                })
+            }),
+        }
+    }
+}
+
+/// Fields of a scene that its asperities follow from.
+fn asperities_from(scene: &Scene) -> String {
+    let surface = match &scene.interfaces.surface {
+        _ if scene.interfaces.each.iter().any(|own| own.surface.is_some()) => "interfaces.each[].surface".to_owned(),
+        Surface::Measured => "interfaces.surface".to_owned(),
+        Surface::Finish(_) => "interfaces.surface.finish (ra and rsm)".to_owned(),
+        surface => format!("interfaces.surface.{}", choice_name(surface)),
+    };
+    match scene.interfaces.scale == Scale::default() {
+        true => surface,
+        false => format!("{surface} with interfaces.scale"),
+    }
+}
+
+/// The field of a scene that its bolt loads follow from.
+fn loads_from(scene: &Scene) -> &'static str {
+    let bolts = &scene.bolts;
+    match (&bolts.torque, bolts.torques.as_slice(), bolts.loads.as_slice()) {
+        (Some(_), ..) => "bolts.torque",
+        (None, [_, ..], _) => "bolts.torques",
+        (None, [], [_, ..]) => "bolts.loads",
+        (None, [], []) => "bolts.load",
+    }
+}

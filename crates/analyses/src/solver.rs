@@ -1,0 +1,244 @@
+//! Prestress, modes and backbones of an interface on a reduced structure.
+
+use super::backbone::{self, uniform};
+use super::element_loops;
+use super::outcome::{Analysis, ModeAnalysis};
+use super::periodic;
+use super::prestress::{self, PrestressResult, bolt_load, closing, linearise, load_of, response};
+use super::ring_down::{self, RingDown};
+use super::sensitivities::{Neighbours, Sensitivities};
+use super::tightening::{TighteningResult, tighten};
+use crate::Error;
+use cqsma_solver::NewtonSettings;
+use joints::interface::InterfaceForce;
+use joints::progress::{Progress, Stage, end_stage, go_on};
+use joints::store::Options;
+use joints::store::checkpoint::Checkpoints;
+use joints::store::key::KeyBuilder;
+use joints::structure::StructuralModel;
+use reduction::ReducedModel;
+use scenes::{Assembly, BoltBehaviour, Scene};
+use std::path::Path;
+use zte_assembly::Interface;
+
+/// What the nonlinear solves need beside a scene and its interface.
+#[derive(Clone, Copy)]
+pub(super) struct Solver<'a> {
+    pub(super) model: &'a StructuralModel,
+    /// Where checkpoints of loops are kept.
+    pub(super) options: &'a Options,
+    /// Elements at `analyses.backbone.loops_at`.
+    pub(super) loop_elements: &'a [usize],
+    /// What backbones are differentiated with respect to: what the scene's `sensitivities` name.
+    pub(super) neighbours: &'a [Neighbours],
+}
+
+impl Solver<'_> {
+    /// Equilibrium of an interface under the bolt loads, of which `closure` carries them (m).
+    pub(super) fn static_state(
+        &self,
+        scene: &Scene,
+        interface: &Interface,
+        closure: f64,
+        progress: &dyn Progress,
+    ) -> Result<(PrestressResult, Option<TighteningResult>), Error> {
+        let reduced = &self.model.reduced;
+        progress.begin(Stage::Prestress);
+        let start = uniform(reduced, closure);
+        let assembled = assembled(scene, interface);
+        let (tensions, newton) = (tensions(self.model, scene), newton_settings(scene));
+        let found = match &scene.analyses.tightening {
+            None => {
+                let load = load_of(reduced, &tensions);
+                let solution = prestress::solve(reduced, &assembled, &load, &start, &newton)?;
+                let bolts = bolt_load(scene, self.model);
+                let checked = prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?;
+                (checked, None)
+            }
+            Some(plan) => {
+                let told = |done| progress.fraction(Stage::Prestress, done);
+                let jump = &start[..reduced.n_relative];
+                let (solution, found) = tighten(reduced, &assembled, &tensions, plan, jump, &newton, &told)?;
+                let tensions = found.residual_preloads.clone();
+                let bolts = closing(reduced)
+                    .zip(&tensions)
+                    .map(|(one, tension)| tension * one)
+                    .sum();
+                let load = load_of(reduced, &tensions);
+                let checked = prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?;
+                (checked, Some(found))
+            }
+        };
+        end_stage(progress, Stage::Prestress)?;
+        Ok(found)
+    }
+
+    /// The reduced structure with locked bolts, if they are so in vibration.
+    pub(super) fn locked(&self, scene: &Scene) -> Result<Option<ReducedModel>, Error> {
+        Ok(match scene.bolts.behaviour {
+            BoltBehaviour::DeadLoad => None,
+            BoltBehaviour::Locked => Some(self.model.reduced.locked()?),
+        })
+    }
+
+    /// Prestress, modes and backbones of an interface, of which `closure` carries the bolt load (m). `forces` are modal forces of
+    /// each mode followed that stand for those by the amplitudes of the scene.
+    pub(super) fn analyse(
+        &self,
+        scene: &Scene,
+        interface: &Interface,
+        closure: f64,
+        forces: Option<&[Vec<f64>]>,
+        progress: &dyn Progress,
+    ) -> Result<Analysis, Error> {
+        let reduced = &self.model.reduced;
+        let force = InterfaceForce::new(interface);
+        let newton = newton_settings(scene);
+        let (prestress, tightening) = self.static_state(scene, interface, closure, progress)?;
+        let static_load = load_of(reduced, &prestress.tensions);
+
+        progress.begin(Stage::Modes);
+        let locked = self.locked(scene)?;
+        let vibrating = locked.as_ref().unwrap_or(reduced);
+        let stop = || progress.interrupted();
+        let mut line = linearise(scene, vibrating, &force, &prestress.solution)?;
+        line.limits = line.limits.until(&stop);
+        let sensitivities = match self.neighbours {
+            [] => None,
+            neighbours => Some(Sensitivities::try_new(
+                neighbours,
+                reduced,
+                &assembled(scene, interface),
+                &prestress.solution,
+            )?),
+        };
+        end_stage(progress, Stage::Modes)?;
+        progress.begin(Stage::Backbone);
+        let followed = &scene.analyses.modes.followed;
+        let response = response(vibrating);
+        let recorded = element_loops::recorded(
+            &scene.analyses,
+            scene.fields_at().len(),
+            interface.operators().n_elements(),
+            self.loop_elements,
+        );
+        if recorded.len() < interface.operators().n_elements() {
+            progress.note(&format!(
+                "the loops of all elements would take more than {} MB; only those at analyses.backbone.loops_at are kept",
+                element_loops::MOST_RECORDED / 1_000_000
+            ));
+        }
+        let mut modes = Vec::with_capacity(followed.len());
+        let mut checkpoints = Checkpoints::default();
+        for (place, mode) in followed.iter().enumerate() {
+            let request = backbone::Request {
+                scene,
+                force: &force,
+                reduced,
+                vibrating,
+                prestress: &prestress,
+                line: &line,
+                response: &response,
+                static_load: &static_load,
+                mass: self.model.facts.mass,
+                mode: mode - 1,
+                newton,
+                recorded: &recorded,
+                sensitivities: sensitivities.as_ref(),
+                forces: forces.and_then(|forces| forces.get(place)),
+            };
+            let key = kept(scene, self.options)?;
+            let share = |done: f64| (place as f64 + done) / followed.len() as f64;
+            let (found, resume) = request.run(key, &share, progress)?;
+            modes.push(found);
+            checkpoints.extend(resume);
+        }
+        progress.end(Stage::Backbone);
+
+        let request = periodic::Request {
+            scene,
+            force: &force,
+            vibrating,
+            line: &line,
+        };
+        let free: Vec<_> = modes
+            .iter()
+            .filter_map(|mode: &ModeAnalysis| mode.epmc.as_ref())
+            .collect();
+        let forced = match &scene.analyses.forced {
+            Some(settings) => {
+                let key = kept(scene, self.options)?;
+                let (found, resume) = request.forced(settings, &free, key, progress)?;
+                checkpoints.extend(resume);
+                found
+            }
+            None => Vec::new(),
+        };
+
+        let ring_down = match (&scene.analyses.ring_down, modes.first()) {
+            (Some(settings), Some(first)) => {
+                let request = ring_down::Request {
+                    scene,
+                    force: &force,
+                    vibrating,
+                    line: &line,
+                };
+                let background = scene.background_damping;
+                let theories = ring_down::backbones(&first.amplitudes, &first.methods, first.epmc.as_ref(), background);
+                let found = RingDown::of(&request, settings, theories, progress);
+                go_on(progress)?;
+                Some(found)
+            }
+            _ => None,
+        };
+
+        let frequencies = line.frequencies();
+        drop(line);
+        Ok(Analysis {
+            prestress,
+            tightening,
+            frequencies,
+            modes,
+            forced,
+            ring_down,
+            checkpoints,
+        })
+    }
+}
+
+/// Tension of each bolt in a scene (N).
+pub(super) fn tensions(model: &StructuralModel, scene: &Scene) -> Vec<f64> {
+    let bolts = 0..model.reduced.loads.len();
+    bolts.map(|bolt| scene.tension(bolt)).collect()
+}
+
+/// What all loops of a scene depend on.
+///
+/// # Errors
+/// A scene that cannot be written.
+fn key(scene: &Scene, options: &Options) -> Result<KeyBuilder, Error> {
+    let mut key = KeyBuilder::new(options.build.as_deref());
+    key.text(&scene.encoded()?.to_string());
+    Ok(key)
+}
+
+/// Where loops of a scene are kept, if they are, and their key.
+pub(super) fn kept<'a>(scene: &Scene, options: &'a Options) -> Result<Option<(&'a Path, KeyBuilder)>, Error> {
+    let folder = options.cache.as_deref();
+    folder.map(|folder| Ok((folder, key(scene, options)?))).transpose()
+}
+
+/// The interface while the bolts are tightened.
+fn assembled<'a>(scene: &Scene, interface: &'a Interface) -> InterfaceForce<'a> {
+    match scene.bolts.assembly {
+        Assembly::WithFriction => InterfaceForce::new(interface),
+        Assembly::Frictionless => InterfaceForce::frictionless(interface),
+    }
+}
+
+pub(super) fn newton_settings(scene: &Scene) -> NewtonSettings {
+    NewtonSettings {
+        tolerance: scene.analyses.backbone.tolerance,
+        ..NewtonSettings::default()
+    }
+}

@@ -1,0 +1,148 @@
+//! What is printed at the end of a run.
+
+use crate::names::SUMMARY;
+use crate::phrases::damping;
+use crate::plot;
+use crate::registry::ANALYSES;
+use analyses::mesh_error::{FrequencyEstimate, MeshEstimate};
+use analyses::results::summary::Summary;
+use scenes::Scene;
+use std::fmt::Write;
+use std::path::Path;
+
+/// The backbone of one mode, with what went wrong.
+fn table(out: &mut String, summary: &Summary) {
+    let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "{:>4} {:>14} {:>15} {:>12} {:>14} {:>11}",
+        "no.", "amplitude [m]", "frequency [Hz]", "damping [-]", "slipping area", "iterations"
+    );
+    for (index, b) in summary.backbone.iter().enumerate() {
+        let _ = writeln!(
+            out,
+            "{:>4} {:>14} {:>15} {:>12} {:>14} {:>11}{}",
+            index + 1,
+            cell(b.response_displacement, &|v| format!("{v:.4e}")),
+            cell(b.frequency_hz, &|v| format!("{v:.4}")),
+            damping(b),
+            cell(b.slip_fraction, &|v| format!("{:.2} %", 100.0 * v)),
+            b.iterations,
+            b.failure
+                .as_ref()
+                .map_or_else(String::new, |reason| format!("  not converged: {reason}")),
+        );
+    }
+    let failed = summary.backbone.iter().filter(|b| !b.converged).count();
+    if failed > 0 {
+        let all = summary.backbone.len();
+        let _ = writeln!(
+            out,
+            "{failed} of {all} amplitudes DID NOT CONVERGE; their results are missing"
+        );
+    }
+    let open = summary.backbone.iter().filter(|b| b.closed == Some(false)).count();
+    if open > 0 {
+        let _ = writeln!(
+            out,
+            "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
+        );
+    }
+}
+
+/// The two formulations beside each other.
+fn mesh_estimate(estimate: &MeshEstimate) -> String {
+    let mut out = String::new();
+    let [own, other] = estimate.formulations();
+    let limit = |frequency: &FrequencyEstimate| match (frequency.limit_hz, frequency.uncertainty_hz) {
+        (Some(limit), Some(uncertainty)) => format!("{limit:.3} +- {uncertainty:.3}"),
+        _ => "-".into(),
+    };
+    for mode in &estimate.modes {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "\nmode {} with two formulations, {own} and {other}\n{:>14} {:>15} {:>15} {:>12} {:>20} {:>14}",
+            mode.mode, "amplitude [m]", "frequency [Hz]", "other [Hz]", "difference", "limit [Hz]", "ln(damping)"
+        );
+        let first = (None, &mode.linear_frequency, None);
+        let amplitudes = mode.amplitudes.iter();
+        let rows = amplitudes.map(|a| (Some(a.response_displacement), &a.frequency, a.damping_ln_difference));
+        for (amplitude, frequency, damping) in std::iter::once(first).chain(rows) {
+            let _ = writeln!(
+                out,
+                "{:>14} {:>15.4} {:>15.4} {:>+11.3}% {:>20} {:>14}",
+                amplitude.map_or_else(|| "linearised".into(), |a| format!("{a:.4e}")),
+                frequency.own_hz,
+                frequency.other_hz,
+                100.0 * frequency.relative_difference,
+                limit(frequency),
+                damping.map_or_else(|| "-".into(), |d: f64| format!("{d:+.3}"))
+            );
+        }
+    }
+    let _ = writeln!(out, "limit: {}", estimate.rule());
+    if estimate.share_of_elements < 1.0 {
+        let share = 100.0 * estimate.share_of_elements;
+        let _ = writeln!(
+            out,
+            "only {share:.1} % of the elements have both formulations; the error of the others is not in it"
+        );
+    }
+    out
+}
+
+/// What is printed at the end.
+pub fn account(summary: &Summary, scene: &Scene, directory: &Path) -> String {
+    let (mut out, name) = (String::new(), &scene.name);
+    let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
+    for (mode, of_mode) in summary.by_mode() {
+        // Writing to a string cannot fail.
+        let _ = match mode {
+            Some(mode) => writeln!(out, "\nmode {mode}"),
+            None => writeln!(out),
+        };
+        if !of_mode.backbone.is_empty() {
+            table(&mut out, &of_mode);
+        }
+    }
+    for analysis in ANALYSES {
+        out.push_str(&(analysis.lines)(summary));
+    }
+    let _ = writeln!(out, "\namplitude: {}", plot::amplitude_label(&summary.response));
+    if let (Some(first), Some(stuck)) = (summary.modes.first(), summary.model.stuck_frequencies_hz.first()) {
+        let first = first.frequency_hz;
+        let _ = writeln!(
+            out,
+            "first frequency about the prestress: {first:.3} Hz (interface stuck: {stuck:.3} Hz)"
+        );
+    }
+    if let Some(torque) = &summary.torque {
+        let _ = writeln!(out, "{}", torque.line());
+    }
+    if let Some(preset) = summary.accuracy {
+        let _ = writeln!(out, "settings `{}`: {}", preset.name, preset.promise(scene));
+    }
+    if let Some(estimate) = &summary.error_estimate {
+        let _ = writeln!(
+            out,
+            "against the settings `{}`: first frequency {:+.2e}, frequencies within {}, logarithm of damping within {}",
+            estimate.finer,
+            estimate.linear_frequency,
+            cell(estimate.frequency, &|v| format!("{v:.1e}")),
+            cell(estimate.damping, &|v| format!("{v:.1e}"))
+        );
+    }
+    let _ = writeln!(out, "error of the mesh: {}", summary.model.error_bar.sentence());
+    if let Some(estimate) = &summary.mesh_estimate {
+        out.push_str(&mesh_estimate(estimate));
+    }
+    let total = summary.timings.get("total").copied().unwrap_or_default();
+    let _ = writeln!(
+        out,
+        "{name}: {total:.1} s; results, with report.html to begin with, in {}",
+        directory.display()
+    );
+    out
+}

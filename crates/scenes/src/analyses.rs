@@ -1,0 +1,172 @@
+//! What a scene asks for.
+
+use super::Parameter;
+use super::periodic::{Epmc, Forced};
+use super::ring_down::RingDown;
+use super::tightening::Tightening;
+use super::units::Length;
+use cqsma_solver::cqsma::Commit;
+use serde::{Deserialize, Serialize};
+
+/// Name of the method of [`Analyses::epmc`] in outputs.
+pub const EPMC: &str = "epmc";
+
+/// The analyses that a scene asks for; of a scene without this block, the backbone of its first mode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Analyses {
+    /// Linearised modes about the prestress, and which of them are followed.
+    #[serde(default)]
+    pub modes: Modes,
+    /// Frequency and damping against amplitude; without it no hysteresis loops are computed.
+    #[serde(default = "Backbone::none")]
+    pub backbone: Backbone,
+    /// Free periodic motions by the extended periodic motion concept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub epmc: Option<Epmc>,
+    /// Responses to harmonic forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forced: Option<Forced>,
+    /// Free decay in time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ring_down: Option<RingDown>,
+    /// Bolts tightened one after the other; without it all at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tightening: Option<Tightening>,
+    /// Numbers of the scene, by their paths, that frequency and damping are differentiated by along every backbone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivities: Vec<Parameter>,
+}
+
+/// Linearised modes about the prestress.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Modes {
+    /// How many are computed, 1 to 100.
+    pub number: usize,
+    /// Those followed, counted from 1, each with results of its own about the same prestress.
+    pub followed: Vec<usize>,
+}
+
+impl Default for Modes {
+    fn default() -> Self {
+        Self {
+            number: 10,
+            followed: vec![1],
+        }
+    }
+}
+
+/// Methods beside CQSMA.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Loops with the contact linearised about the static state (eqs. 34-36).
+    Qsma,
+    /// Masing's rule on one initial loading curve: slip that shakes down counts as damping.
+    Masing,
+    /// Rayleigh-quotient nonlinear modal analysis, with Masing's rule: the same.
+    Rqnma,
+}
+
+impl Method {
+    /// Name as used in scenes and outputs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Qsma => "qsma",
+            Method::Masing => "masing",
+            Method::Rqnma => "rqnma",
+        }
+    }
+}
+
+/// A place on the interface: `[x, y, z]` in the coordinates of the model, or `[x, y]` in the plane of the interface of matrices. The
+/// element with the nearest centre is taken; a place farther from it than that element is long is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(
+    untagged,
+    expecting = "a place [x, y, z] in the coordinates of the model, or [x, y] in the plane of an interface whose place is not known"
+)]
+pub enum InterfacePlace {
+    /// In the coordinates of the model (length).
+    Model([Length; 3]),
+    /// In the plane of the interface, where its place in the model is not known (length).
+    Plane([Length; 2]),
+}
+
+/// Frequency and damping of a mode against amplitude, by coupled quasi-static modal analysis (CQSMA).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Backbone {
+    /// Smallest displacement at the response point, by linear estimate (length).
+    pub amplitude_from: Length,
+    /// Largest displacement at the response point, by linear estimate (length).
+    pub amplitude_to: Length,
+    /// Amplitudes, spaced in log, at most 10000; 0 for none.
+    pub amplitudes: usize,
+    /// Vertices per quarter loop, 1 to 4096.
+    pub vertices_per_quarter: usize,
+    /// Cycles walked, the last of which is measured, 1 to 1000; by default as many as it takes until the loop closes,
+    /// at most 20.
+    pub cycles: Option<usize>,
+    /// Part of the damping ratio that the gap between the ends of a loop may make up for the loop to count as closed, 1e-12 to 1; 1e-2 by
+    /// default. Not together with `cycles`.
+    pub until_closed: Option<f64>,
+    /// When the friction history is committed.
+    pub commit: Commit,
+    /// Residual relative to the load, in the energy norm, 1e-13 to 1e-2.
+    pub tolerance: f64,
+    /// Places on the interface (length). The hysteresis loops of the elements there are written as a table, at the amplitudes whose
+    /// fields are stored.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub loops_at: Vec<InterfacePlace>,
+    /// Methods beside CQSMA, at the same amplitudes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub methods: Vec<Method>,
+}
+
+impl Default for Backbone {
+    fn default() -> Self {
+        Self {
+            amplitude_from: Length::from_si(1e-7),
+            amplitude_to: Length::from_si(1e-3),
+            amplitudes: 20,
+            vertices_per_quarter: 8,
+            cycles: None,
+            until_closed: None,
+            commit: Commit::AtEveryVertex,
+            tolerance: 1e-9,
+            loops_at: Vec::new(),
+            methods: Vec::new(),
+        }
+    }
+}
+
+impl Backbone {
+    /// No loops.
+    fn none() -> Self {
+        Self {
+            amplitudes: 0,
+            ..Self::default()
+        }
+    }
+}
+
+/// Stored fields.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Numbers of the amplitudes (from 1) whose interface fields are stored; by default the first, the last and two
+    /// between. The prestress is always stored.
+    pub fields_at: Option<Vec<usize>>,
+    /// Whether the bodies are written deformed beside the interface, under the bolt loads and at these amplitudes. The structure is factored
+    /// a second time for it. Matrices have no bodies.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub deformed: bool,
+}
