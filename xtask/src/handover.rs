@@ -5,15 +5,16 @@ use std::process::{Command, ExitCode};
 
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
 
-/// Builds the program of `package` if need be and runs it in the current folder; its exit code is that of the task.
-pub(crate) fn hand_over(package: &str, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+/// Builds the program of `package` with a profile if need be and runs it in the current folder; its exit code is that of the task.
+pub(crate) fn hand_over(package: &str, profile: &str, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     // Cargo names itself to the programs that it runs.
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(&cargo);
     command
         .args([
             "run",
-            "--release",
+            "--profile",
+            profile,
             "--manifest-path",
             WORKSPACE,
             "--package",

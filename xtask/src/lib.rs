@@ -1,10 +1,10 @@
-//! What the programs behind `cargo xtask` share: the arguments of studies, the command `brb`, and where results go.
+//! What the programs behind `cargo xtask` share: the arguments of tasks, the command `brb`, and where results go.
 //!
-//! The first program runs scenes and knows the arguments of all tasks. Studies and the check of the layering are
-//! programs of their own, so that the first backbone does not wait for their compilation.
+//! The first program runs scenes and knows the arguments of all tasks. Long tasks and the check of the layering are
+//! another program, so that the first backbone does not wait for their compilation.
 
+pub mod arguments;
 pub mod brb;
-pub mod study;
 
 use brake_reuss_beam::BrakeReussBenchmark;
 use microslip::Defaults;

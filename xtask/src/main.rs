@@ -10,7 +10,7 @@ use microslip::commands::{EXIT_CODES, print};
 use std::env::args_os;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use xtask::study::Study;
+use xtask::arguments::Validation;
 use xtask::{brb, defaults};
 
 /// Runs scenes of the Brake-Reuss beam, draws and reports their results, and checks the workspace.
@@ -31,7 +31,7 @@ enum Task {
     #[command(flatten)]
     Program(microslip::Command),
     #[command(flatten)]
-    Study(Study),
+    Validation(Validation),
     /// Check that the dependencies between the crates point one way only.
     CheckLayering,
     /// List what the tests of the public interfaces demand, from their names.
@@ -48,8 +48,8 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Task::Brb(arguments) => microslip::execute(|| brb::run(&arguments, &defaults())),
         Task::Program(command) => microslip::execute(|| command.run(&defaults())),
-        Task::Study(_) => hand_over("validation", args_os().skip(1)),
-        Task::CheckLayering => hand_over("validation", args_os().skip(1)),
+        Task::Validation(Validation::Bench(_)) => hand_over("validation", "bench", args_os().skip(1)),
+        Task::Validation(_) | Task::CheckLayering => hand_over("validation", "release", args_os().skip(1)),
         Task::Requirements => microslip::execute(|| requirements::run().map(success)),
         Task::CheckResults { directory } => microslip::execute(|| {
             let count = check::results(&directory, Demand::Complete)?;

@@ -278,27 +278,22 @@ fn studies_and_the_layering_are_handed_over() {
             .output()
             .unwrap()
     };
-    for (arguments, package, passed) in [
-        (
-            &["paper", "--only", "table3", "--out", "a folder"][..],
-            "validation",
-            true,
-        ),
-        (&["trade", "a scene.json", "--quick"], "validation", true),
-        (&["bench", "--kernel"], "validation", true),
-        (&["extremes", "--only", "mu-0"], "validation", true),
-        (&["check-layering"], "validation", true),
+    for (arguments, profile) in [
+        (&["paper", "--only", "table3", "--out", "a folder"][..], "release"),
+        (&["trade", "a scene.json", "--quick"], "release"),
+        (&["bench", "--periodic"], "bench"),
+        (&["extremes", "--only", "mu-0"], "release"),
+        (&["check-layering"], "release"),
     ] {
         let output = call(&cargo, arguments);
         assert_eq!(exit_code(&output), 3, "{}", messages(&output));
         let text = String::from_utf8(output.stdout).unwrap();
         let (before, after) = text.split_once("--\n").unwrap();
         assert!(
-            before.starts_with("run\n--release\n") && before.contains(&format!("{package}\n")),
+            before.starts_with(&format!("run\n--profile\n{profile}\n")) && before.contains("validation\n"),
             "{text}"
         );
-        let expected = if passed { arguments } else { &[] };
-        assert_eq!(after.lines().collect::<Vec<_>>(), expected);
+        assert_eq!(after.lines().collect::<Vec<_>>(), arguments);
     }
     // Wrong arguments are refused before anything is built.
     let output = call(&cargo, &["paper", "--onyl", "table3"]);

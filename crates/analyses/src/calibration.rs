@@ -4,7 +4,7 @@ use super::comparison::{Backbone, Point};
 use super::ensemble::loops_alone;
 use super::finite_differences;
 use super::outcome::Analysis;
-use super::variants::{Forces, Rates, Reading, Solved, Study, Variant};
+use super::variants::{Forces, Rates, Reading, Solved, Variant, Variants};
 use crate::Error;
 use joints::progress::Progress;
 use joints::store::Options;
@@ -251,7 +251,7 @@ impl Free {
 
 /// The least-squares problem.
 struct Problem<'a> {
-    study: &'a Study<'a>,
+    variants: &'a Variants<'a>,
     nominal: &'a Variant,
     analysis: &'a Analysis,
     measured: &'a [Measured],
@@ -292,7 +292,7 @@ impl Problem<'_> {
         let refused = |reason: String| Error::Calibration { reason };
         if let Some(reason) = &variant.failure {
             let inputs: Vec<String> = self
-                .study
+                .variants
                 .parameters()
                 .iter()
                 .zip(&variant.inputs)
@@ -332,7 +332,7 @@ impl Problem<'_> {
     fn run(&mut self, values: &[f64], rates: Rates) -> Result<Option<Variant>, Error> {
         let inputs = [(values.to_vec(), self.forces.clone())];
         let quiet = Quiet(self.progress);
-        let (mut found, checkpoints) = self.study.run("runs", &inputs, rates, self.analysis, &quiet)?;
+        let (mut found, checkpoints) = self.variants.run("runs", &inputs, rates, self.analysis, &quiet)?;
         self.checkpoints.extend(checkpoints);
         Ok(found.pop())
     }
@@ -355,11 +355,11 @@ impl Problem<'_> {
             let [above, below] = [ALONG, -ALONG].map(|by| model.moved(parameter, place, by));
             Some([above?, below?])
         };
-        let known: Vec<Option<[Variant; 2]>> = self.study.parameters().iter().enumerate().map(along).collect();
+        let known: Vec<Option<[Variant; 2]>> = self.variants.parameters().iter().enumerate().map(along).collect();
         let unknown = (0..known.len()).filter(|place| known[*place].is_none());
         let (inputs, quiet) = ((model.inputs.as_slice(), steps), Quiet(self.progress));
         let (pairs, checkpoints) =
-            finite_differences::pairs(self.study, inputs, unknown, &self.forces, self.analysis, &quiet)?;
+            finite_differences::pairs(self.variants, inputs, unknown, &self.forces, self.analysis, &quiet)?;
         self.checkpoints.extend(checkpoints);
         let mut pairs = pairs.into_iter();
         let all = known.into_iter().map(|known| known.or_else(|| pairs.next()));
@@ -397,7 +397,7 @@ impl Problem<'_> {
         self.progress.note(&format!(
             "evaluation {}: {}, sum of squares {:.4e}",
             self.known.len() + 1,
-            self.study
+            self.variants
                 .parameters()
                 .iter()
                 .zip(&values)
@@ -538,22 +538,22 @@ pub fn calibrate(
         prepared,
         analysis,
     } = Solved::new(&loops_alone(scene, true), &names, Rates::None, options, progress)?;
-    let study = Study::try_new(scene, names, &structure, &prepared, options)?;
-    let nominal: Vec<f64> = study
+    let variants = Variants::try_new(scene, names, &structure, &prepared, options)?;
+    let nominal: Vec<f64> = variants
         .parameters()
         .iter()
-        .map(|parameter| parameter.value(study.scene()))
+        .map(|parameter| parameter.value(variants.scene()))
         .collect::<Result<_, _>>()?;
     let free: Vec<Free> = nominal
         .iter()
         .zip(parameters)
         .map(|(value, (_, prior))| Free::new(*value, prior.as_ref()))
         .collect();
-    let before = study.nominal(&analysis, nominal.clone());
+    let before = variants.nominal(&analysis, nominal.clone());
     let at = DVector::from_iterator(free.len(), free.iter().map(|free| free.unbounded(free.start)));
     let mut problem = Problem {
         forces: forces(&before, measured, &modes)?,
-        study: &study,
+        variants: &variants,
         nominal: &before,
         analysis: &analysis,
         measured,
@@ -711,7 +711,7 @@ impl Problem<'_> {
                 .filter(|(_, s)| **s * UNKNOWN < 1.0)
             {
                 let weights = self
-                    .study
+                    .variants
                     .parameters()
                     .iter()
                     .enumerate()
@@ -723,11 +723,11 @@ impl Problem<'_> {
             }
         }
         let mut parameters = Vec::new();
-        for (i, (free, name)) in self.free.iter().zip(self.study.parameters()).enumerate() {
+        for (i, (free, name)) in self.free.iter().zip(self.variants.parameters()).enumerate() {
             let (estimate, sd) = (free.value(varied[i]), covariance[i][i].sqrt());
             parameters.push(Estimate {
                 name: name.to_string(),
-                unit: name.unit(self.study.scene())?.to_owned(),
+                unit: name.unit(self.variants.scene())?.to_owned(),
                 before: self.nominal.inputs[i],
                 estimate,
                 standard_error: if free.logarithmic { estimate * sd } else { sd },
@@ -758,11 +758,11 @@ impl Problem<'_> {
             }
         }
         let scene = self
-            .study
+            .variants
             .parameters()
             .iter()
             .zip(&parameters)
-            .try_fold(self.study.given().clone(), |scene, (name, found)| {
+            .try_fold(self.variants.given().clone(), |scene, (name, found)| {
                 name.with(&scene, found.estimate)
             })?;
         Ok(Calibration {

@@ -4,7 +4,7 @@ use super::effects::Effects;
 use super::ensemble::loops_alone;
 use super::outcome::ModeAnalysis;
 use super::prepared::check_bolts;
-use super::prestress::bolt_load;
+use super::prestress::closing_force;
 use super::solver::Solver;
 use super::variants::{Curve, VariantPoint};
 use crate::Error;
@@ -267,7 +267,7 @@ impl CaseStructure {
     pub fn interface(&self, case: &Scene, known: Option<&SceneInterface>) -> Result<SceneInterface, Error> {
         check_bolts(case, self.model.reduced.loads.len())?;
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
-        let load = bolt_load(case, &self.model);
+        let load = closing_force(case, &self.model);
         Ok(SceneInterface::knowing(known, case, mesh, parts, load)?)
     }
 

@@ -2,7 +2,7 @@
 
 use super::outcome::{Analysis, ModeAnalysis};
 use super::sensitivities::{FoundBy, Per, Sensitivity};
-use super::variants::{Forces, Rates, Study, Variant};
+use super::variants::{Forces, Rates, Variant, Variants};
 use crate::Error;
 use joints::progress::Progress;
 use joints::store::checkpoint::Checkpoints;
@@ -50,12 +50,12 @@ pub(super) fn step(nominal: f64, sd: f64) -> f64 {
     }
 }
 
-/// Runs of a study above and below its parameters at these places in turn, from `inputs` by `steps` (SI), with what lets them resume.
+/// Variants above and below its parameters at these places in turn, from `inputs` by `steps` (SI), with what lets them resume.
 ///
 /// # Errors
 /// An interruption.
 pub(super) fn pairs(
-    study: &Study<'_>,
+    variants: &Variants<'_>,
     (inputs, steps): (&[f64], &[f64]),
     places: impl Iterator<Item = usize>,
     forces: &Forces,
@@ -73,7 +73,7 @@ pub(super) fn pairs(
     if inputs.is_empty() {
         return Ok((Vec::new(), Checkpoints::default()));
     }
-    let (runs, checkpoints) = study.run("runs for derivatives", &inputs, Rates::None, analysis, progress)?;
+    let (runs, checkpoints) = variants.run("runs for derivatives", &inputs, Rates::None, analysis, progress)?;
     let mut runs = runs.into_iter();
     let pairs = std::iter::from_fn(|| Some([runs.next()?, runs.next()?]));
     Ok((pairs.collect(), checkpoints))
@@ -126,18 +126,18 @@ pub(super) fn gradient(
     }
 }
 
-/// Derivatives of the backbones of all modes with respect to the parameters of a study, mode by mode, with what lets their runs resume.
+/// Derivatives of the backbones of all modes with respect to the parameters of a variants, mode by mode, with what lets their runs resume.
 ///
 /// # Errors
 /// [`scenes::Error::Parameter`] for a parameter that is zero; an interruption.
 pub(super) fn sensitivities(
-    study: &Study<'_>,
+    variants: &Variants<'_>,
     analysis: &Analysis,
     progress: &dyn Progress,
 ) -> Result<(Vec<Vec<Sensitivity>>, Checkpoints), Error> {
-    let mut values = Vec::with_capacity(study.parameters().len());
-    for parameter in study.parameters() {
-        let value = parameter.value(study.scene())?;
+    let mut values = Vec::with_capacity(variants.parameters().len());
+    for parameter in variants.parameters() {
+        let value = parameter.value(variants.scene())?;
         if value == 0.0 {
             return Err(scenes::Error::Parameter {
                 path: parameter.path().into(),
@@ -150,16 +150,23 @@ pub(super) fn sensitivities(
         values.push(value);
     }
     let steps: Vec<f64> = values.iter().map(|value| step(*value, 0.0)).collect();
-    let nominal = study.nominal(analysis, values);
-    let forces = study.forces(&nominal, &|_, _| 1.0, &AROUND);
+    let nominal = variants.nominal(analysis, values);
+    let forces = variants.forces(&nominal, &|_, _| 1.0, &AROUND);
     let places = 0..steps.len();
-    let (pairs, checkpoints) = pairs(study, (&nominal.inputs, &steps), places, &forces, analysis, progress)?;
+    let (pairs, checkpoints) = pairs(variants, (&nominal.inputs, &steps), places, &forces, analysis, progress)?;
     let mut all = Vec::with_capacity(analysis.modes.len());
     for mode in 0..analysis.modes.len() {
-        let parameters = study.parameters().iter().zip(&pairs).enumerate();
+        let parameters = variants.parameters().iter().zip(&pairs).enumerate();
         let of_mode = parameters.map(|(place, (parameter, pair))| {
             let gradient = gradient(parameter, place, &nominal, pair, mode);
-            of_gradient(study, &analysis.modes[mode], &nominal, &gradient, (mode, place), pair)
+            of_gradient(
+                variants,
+                &analysis.modes[mode],
+                &nominal,
+                &gradient,
+                (mode, place),
+                pair,
+            )
         });
         all.push(of_mode.collect::<Result<_, Error>>()?);
     }
@@ -168,7 +175,7 @@ pub(super) fn sensitivities(
 
 /// A gradient at all amplitudes of a mode, by the parameter at `place`.
 fn of_gradient(
-    study: &Study<'_>,
+    variants: &Variants<'_>,
     found: &ModeAnalysis,
     nominal: &Variant,
     gradient: &Gradient,
@@ -202,7 +209,7 @@ fn of_gradient(
         method: "cqsma".into(),
         parameter: gradient.parameter.clone(),
         value: nominal.inputs[place],
-        unit: gradient.parameter.unit(study.scene())?.into(),
+        unit: gradient.parameter.unit(variants.scene())?.into(),
         per: Per::Logarithm,
         by: FoundBy::CentralDifferences,
         dln_linear_frequency: gradient.at(0.0)[0].ok_or_else(missing)?,

@@ -20,11 +20,11 @@ use std::f64::consts::TAU;
 use zte_assembly::State;
 
 /// Most amplitudes of a mode of a case that are learned from.
-const LESSONS: usize = 12;
+const TRAINING_AMPLITUDES: usize = 12;
 
 /// What a case teaches: its modes with their loops.
 #[derive(Clone, Debug)]
-pub struct Lesson {
+pub struct TrainingCase {
     modes: Vec<TrainingMode>,
 }
 
@@ -51,21 +51,24 @@ impl CaseStructure {
     ///
     /// # Errors
     /// As there.
-    pub fn lesson(
+    pub fn training_case(
         &self,
         case: &Scene,
         interface: &SceneInterface,
         progress: &dyn Progress,
-    ) -> Result<(Vec<CaseMode>, Lesson), Error> {
+    ) -> Result<(Vec<CaseMode>, TrainingCase), Error> {
         let one = |request: &Request<'_>| {
             let interface = request.force.interface();
             let at_rest = StaticState::new(interface, request.line);
             let (loading, settings) = (request.loading()?, request.settings());
             let number = loading.forces.len();
             // Some of the amplitudes, the last among them.
-            let is_recorded = |at: usize| number <= LESSONS || (at + 1) * LESSONS / number > at * LESSONS / number;
+            let is_recorded = |at: usize| {
+                number <= TRAINING_AMPLITUDES
+                    || (at + 1) * TRAINING_AMPLITUDES / number > at * TRAINING_AMPLITUDES / number
+            };
             let recorder = || Recorder::new(interface, &at_rest, settings.vertices_per_quarter);
-            let observer = |at| Taught {
+            let observer = |at| TrainingObserver {
                 recorder: is_recorded(at).then(recorder),
                 motion: ResponseMotion::new(request.response),
             };
@@ -82,31 +85,36 @@ impl CaseStructure {
                 found_point(case, &point, loading.response, motion, None)
             });
             let mode = case_mode(request, amplitudes.collect());
-            let lesson = TrainingMode::try_new(request.line, at_rest.clone(), request.mode, records, quiet)?;
-            Ok((mode, lesson))
+            let training_case = TrainingMode::try_new(request.line, at_rest.clone(), request.mode, records, quiet)?;
+            Ok((mode, training_case))
         };
-        let (modes, lessons) = self.on_modes(case, interface, progress, one)?.into_iter().unzip();
-        Ok((modes, Lesson { modes: lessons }))
+        let (modes, training_cases) = self.on_modes(case, interface, progress, one)?.into_iter().unzip();
+        Ok((modes, TrainingCase { modes: training_cases }))
     }
 
-    /// What is learned from lessons of cases on this structure, in their order; `case` and its `interface` are those of one of them.
+    /// What is learned from training_cases of cases on this structure, in their order; `case` and its `interface` are those of one of them.
     ///
     /// # Errors
     /// Of the structure with locked bolts.
-    pub fn train(&self, case: &Scene, interface: &SceneInterface, lessons: Vec<Lesson>) -> Result<Training, Error> {
+    pub fn train(
+        &self,
+        case: &Scene,
+        interface: &SceneInterface,
+        training_cases: Vec<TrainingCase>,
+    ) -> Result<Training, Error> {
         let locked = self.solver().locked(case)?;
         let vibrating = locked.as_ref().unwrap_or(self.reduced());
         let followed = &case.analyses.modes.followed;
         let mut of_modes: Vec<Vec<TrainingMode>> = followed.iter().map(|_| Vec::new()).collect();
-        for lesson in lessons {
+        for training_case in training_cases {
             of_modes
                 .iter_mut()
-                .zip(lesson.modes)
+                .zip(training_case.modes)
                 .for_each(|(all, mode)| all.push(mode));
         }
         let stiffness = vibrating.stiffness.as_ref();
-        let modes = followed.iter().zip(&of_modes).map(|(mode, lessons)| {
-            let learned = train(&interface.interface, stiffness, lessons, &Settings::default());
+        let modes = followed.iter().zip(&of_modes).map(|(mode, training_cases)| {
+            let learned = train(&interface.interface, stiffness, training_cases, &Settings::default());
             (*mode, learned)
         });
         Ok(Training { modes: modes.collect() })
@@ -247,12 +255,12 @@ fn found_point(
 }
 
 /// Hears of a loop that is learned from.
-struct Taught<'a> {
+struct TrainingObserver<'a> {
     recorder: Option<Recorder<'a>>,
     motion: ResponseMotion<'a>,
 }
 
-impl LoopObserver<State> for Taught<'_> {
+impl LoopObserver<State> for TrainingObserver<'_> {
     fn begin(&mut self) {
         if let Some(recorder) = &mut self.recorder {
             recorder.begin();

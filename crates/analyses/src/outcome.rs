@@ -30,7 +30,7 @@ pub struct ModeBackbone {
 }
 
 impl ModeBackbone {
-    /// All backbones over the acceleration at the response point, by name, see [`ring_down::backbones`].
+    /// All backbones over the acceleration at the response point, by name.
     ///
     /// # Errors
     /// [`Error::Comparison`].

@@ -5,7 +5,7 @@ use super::deformed::Deformed;
 use super::element_loops;
 use super::joint_info::JointInfo;
 use super::outcome::Analysis;
-use super::prestress::{bolt_load, linearise, load_of};
+use super::prestress::{closing_force, linearise, load_of};
 use super::sensitivities::Neighbours;
 use super::solver::{Solver, tensions};
 use super::warnings;
@@ -103,7 +103,7 @@ impl Prepared {
         check_bolts(scene, model.reduced.loads.len())?;
         go_on(progress)?;
         progress.begin(Stage::Characterise);
-        let load = bolt_load(scene, &model);
+        let load = closing_force(scene, &model);
         let stop = || progress.interrupted();
         let limits = Limits::default().until(&stop);
         let interface = SceneInterface::within(limits, scene, structure.interface(), &structure.joint.parts, load)?;

@@ -241,7 +241,7 @@ pub(super) fn load_of(reduced: &ReducedModel, tensions: &[f64]) -> Vec<f64> {
 }
 
 /// Generalised force of all bolts at their load on a uniform closure of the interface (N).
-pub(super) fn bolt_load(scene: &Scene, model: &StructuralModel) -> f64 {
+pub(super) fn closing_force(scene: &Scene, model: &StructuralModel) -> f64 {
     let ones = closing(&model.reduced);
     match scene.bolts.loads.is_empty() {
         true => scene.bolts.load.si() * ones.sum::<f64>(),

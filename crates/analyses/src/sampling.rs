@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn samples_have_the_correlations_asked_for() {
-        use scenes::{Distribution, Given, Normal, Parameter};
+        use scenes::{Distribution, Normal, NumberOrText, Parameter};
         use std::collections::BTreeMap;
         let text = serde_json::json!({
             "units": { "length": "m", "mass": "kg", "time": "s" },
@@ -148,8 +148,8 @@ mod tests {
         let scene = Scene::from_summary(&text, &[]).unwrap();
         let normal = |mean: f64, sd: f64| Distribution {
             normal: Some(Normal {
-                mean: Some(Given::Number(mean)),
-                sd: Some(Given::Number(sd)),
+                mean: Some(NumberOrText::Number(mean)),
+                sd: Some(NumberOrText::Number(sd)),
                 cov: None,
             }),
             ..Distribution::default()

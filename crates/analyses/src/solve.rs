@@ -6,12 +6,12 @@ use super::finite_differences;
 use super::outcome::{Analysis, ModeAnalysis, ModeBackbone};
 use super::periodic::EpmcBackbone;
 use super::prepared::{Prepared, prepare};
-use super::prestress::{PrestressResult, bolt_load};
+use super::prestress::{PrestressResult, closing_force};
 use super::run::Run;
 use super::sensitivities::Sensitivity;
 use super::solver::{Solver, kept};
 use super::validity::{self, LARGEST_CONTACT, Validity};
-use super::variants::Study;
+use super::variants::Variants;
 use super::warnings::{self, ContactCircles, Findings};
 use crate::Error;
 use joints::progress::{Progress, Stage};
@@ -59,8 +59,8 @@ impl Prepared {
             return Ok(analysis);
         };
         let parameters = self.derivatives.differenced.clone();
-        let study = Study::try_new(&self.scene, parameters, structure, self, &self.options)?;
-        let (found, checkpoints) = finite_differences::sensitivities(&study, &analysis, progress)?;
+        let variants = Variants::try_new(&self.scene, parameters, structure, self, &self.options)?;
+        let (found, checkpoints) = finite_differences::sensitivities(&variants, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
         let order = |one: &Sensitivity| {
             self.scene
@@ -109,7 +109,7 @@ impl Prepared {
         progress.begin(Stage::Ensemble);
         // Fields, other methods and other modes are left to the measured law.
         let scene = ensemble::loops_alone(&self.scene, false);
-        let load = bolt_load(&scene, &self.model);
+        let load = closing_force(&scene, &self.model);
         let checkpoint = match kept(&scene, &self.options)? {
             None => Checkpoint::default(),
             Some((directory, mut key)) => {

@@ -4,7 +4,7 @@ use super::backbone::{self, uniform};
 use super::element_loops;
 use super::outcome::{Analysis, ModeAnalysis};
 use super::periodic;
-use super::prestress::{self, PrestressResult, bolt_load, closing, linearise, load_of, response};
+use super::prestress::{self, PrestressResult, closing, closing_force, linearise, load_of, response};
 use super::ring_down::{self, RingDown};
 use super::sensitivities::{Neighbours, Sensitivities};
 use super::tightening::{TighteningResult, tighten};
@@ -51,7 +51,7 @@ impl Solver<'_> {
             None => {
                 let load = load_of(reduced, &tensions);
                 let solution = prestress::solve(reduced, &assembled, &load, &start, &newton)?;
-                let bolts = bolt_load(scene, self.model);
+                let bolts = closing_force(scene, self.model);
                 let checked = prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?;
                 (checked, None)
             }

@@ -7,7 +7,7 @@
 use super::ensemble::percentile;
 use super::finite_differences::{self, AROUND, Gradient, values};
 use super::sampling::samples;
-use super::variants::{Curve, Rates, Reading, Solved, Study, Variant};
+use super::variants::{Curve, Rates, Reading, Solved, Variant, Variants};
 use crate::{Error, Run};
 use joints::progress::Progress;
 use joints::store::Options;
@@ -198,18 +198,18 @@ pub fn run_samples(
         prepared,
         mut analysis,
     } = Solved::new(scene, &parameters, Rates::WhereTheyCostLittle, options, progress)?;
-    let study = Study::try_new(scene, parameters, &structure, &prepared, options)?;
-    if study.changes_the_structure() {
+    let variants = Variants::try_new(scene, parameters, &structure, &prepared, options)?;
+    if variants.changes_the_structure() {
         progress.note(
             "an uncertain input changes the structure: it is built anew for every sample, and reduced anew unless its matrices are multiples \
              of those of the scene",
         );
     }
-    let values = study
+    let values = variants
         .parameters()
         .iter()
-        .map(|parameter| parameter.value(study.scene()));
-    let nominal = study.nominal(&analysis, values.collect::<Result<_, _>>()?);
+        .map(|parameter| parameter.value(variants.scene()));
+    let nominal = variants.nominal(&analysis, values.collect::<Result<_, _>>()?);
     let moments: Vec<[f64; 2]> = marginals.iter().map(Marginal::moments).collect();
     let steps = nominal
         .inputs
@@ -222,16 +222,16 @@ pub fn run_samples(
         let modes = nominal.curves.iter();
         modes.map(|curve| gradient(parameter, curve)).collect()
     };
-    let known: Vec<Option<Vec<Gradient>>> = study.parameters().iter().map(known).collect();
+    let known: Vec<Option<Vec<Gradient>>> = variants.parameters().iter().map(known).collect();
     // Those of all other parameters are differences.
     let unknown = (0..known.len()).filter(|place| known[*place].is_none());
-    let near = study.forces(&nominal, &|_, _| 1.0, &AROUND);
+    let near = variants.forces(&nominal, &|_, _| 1.0, &AROUND);
     let inputs = (nominal.inputs.as_slice(), steps.as_slice());
-    let (pairs, checkpoints) = finite_differences::pairs(&study, inputs, unknown, &near, &analysis, progress)?;
+    let (pairs, checkpoints) = finite_differences::pairs(&variants, inputs, unknown, &near, &analysis, progress)?;
     analysis.checkpoints.extend(checkpoints);
     let derivative_runs = 2 * pairs.len();
     let mut pairs = pairs.into_iter();
-    let all = known.into_iter().zip(study.parameters()).enumerate();
+    let all = known.into_iter().zip(variants.parameters()).enumerate();
     let all = all.filter_map(|(place, (known, parameter))| {
         known.or_else(|| {
             let pair = pairs.next()?;
@@ -258,7 +258,7 @@ pub fn run_samples(
         // the frequency. So samples land beside the amplitudes where they are asked for, and little is left to interpolation.
         let factor =
             |mode: usize, amplitude: f64| (2.0 * moved(&sensitivities[mode], &nominal, &inputs, amplitude)).exp();
-        let forces = study.forces(&nominal, &factor, &[1.0]);
+        let forces = variants.forces(&nominal, &factor, &[1.0]);
         (inputs, forces)
     };
     let inputs: Vec<_> = [first, second, exchanged]
@@ -266,20 +266,20 @@ pub fn run_samples(
         .into_iter()
         .map(with_forces)
         .collect();
-    let (mut variants, checkpoints) = study.run("samples", &inputs, Rates::None, &analysis, progress)?;
+    let (mut samples, checkpoints) = variants.run("samples", &inputs, Rates::None, &analysis, progress)?;
     analysis.checkpoints.extend(checkpoints);
-    let of_indices = variants.split_off(number);
+    let of_indices = samples.split_off(number);
     let runs = Runs {
-        study: &study,
+        variants: &variants,
         nominal: &nominal,
-        samples: &variants,
+        samples: &samples,
         sensitivities: &sensitivities,
         of_indices: &of_indices,
     };
     let knowledge = Knowledge::new(uncertain, &marginals, &moments)?;
     let modes = (0..nominal.curves.len()).map(|mode| runs.bands(mode, &knowledge));
     let modes = modes.collect();
-    let inputs_of = study
+    let inputs_of = variants
         .parameters()
         .iter()
         .zip(&marginals)
@@ -288,7 +288,7 @@ pub fn run_samples(
     let described = inputs_of.map(|(((parameter, marginal), [mean, sd]), nominal)| {
         Ok(Input {
             parameter: parameter.clone(),
-            unit: parameter.unit(study.scene())?.to_owned(),
+            unit: parameter.unit(variants.scene())?.to_owned(),
             nominal: *nominal,
             mean: *mean,
             sd: *sd,
@@ -298,14 +298,14 @@ pub fn run_samples(
     });
     let found = Uncertainty {
         samples: number,
-        failed: variants.iter().filter(|variant| variant.failure.is_some()).count(),
+        failed: samples.iter().filter(|variant| variant.failure.is_some()).count(),
         method: uncertain.method.name().to_owned(),
         seed,
         confidence: uncertain.confidence,
         runs: derivative_runs + inputs.len(),
         inputs: described.collect::<Result<_, Error>>()?,
         modes,
-        variants,
+        variants: samples,
     };
     let deformed = prepared.deformed(&analysis, progress)?;
     Ok((prepared.finish(analysis, deformed, progress), found))
@@ -414,7 +414,7 @@ impl Knowledge {
 
 /// All runs of a scene with uncertain inputs.
 struct Runs<'a> {
-    study: &'a Study<'a>,
+    variants: &'a Variants<'a>,
     nominal: &'a Variant,
     samples: &'a [Variant],
     /// By all inputs, of each mode.
@@ -523,7 +523,7 @@ impl Runs<'_> {
         let (mean, sd) = (nominal + moved.sum::<f64>(), variance.max(0.0).sqrt());
         let mut shares: Vec<Share> = Vec::new();
         if variance > 0.0 {
-            let all = self.study.parameters().iter().zip(&parts);
+            let all = self.variants.parameters().iter().zip(&parts);
             shares.extend(all.map(|(parameter, part)| Share {
                 parameter: parameter.clone(),
                 share: part / variance,
@@ -582,7 +582,7 @@ impl Runs<'_> {
                 samples: rows.len(),
             })
         };
-        self.study.parameters().iter().zip(sets).filter_map(index).collect()
+        self.variants.parameters().iter().zip(sets).filter_map(index).collect()
     }
 }
 

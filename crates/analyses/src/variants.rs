@@ -5,7 +5,7 @@ use super::effects::Effects;
 use super::ensemble::{self, Batch};
 use super::outcome::{Analysis, ModeAnalysis};
 use super::prepared::{Prepared, prepare_on};
-use super::prestress::bolt_load;
+use super::prestress::closing_force;
 use super::sensitivities::{Neighbours, Per, Sensitivity};
 use super::solver::{Solver, kept};
 use crate::Error;
@@ -27,7 +27,7 @@ const BEYOND: f64 = 1.2;
 const BESIDE: f64 = 0.1;
 
 /// Changes whenever [`Variant`] means something else.
-const LAYOUT: u64 = 2;
+const LAYOUT: u64 = 3;
 
 /// Modal forces (sqrt(kg) m/s^2) of the modes followed.
 pub(super) type Forces = Vec<Vec<f64>>;
@@ -44,12 +44,12 @@ pub struct VariantPoint {
     /// Total damping ratio, friction plus background; none below its floor.
     pub damping_ratio: Option<f64>,
     /// The motion as a measurement sees it.
-    pub seen: Seen,
+    pub first_harmonic: FirstHarmonic,
 }
 
 /// The first harmonic of an amplitude, over the motion of the response point as it was.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Seen {
+pub struct FirstHarmonic {
     /// Half the range of the displacement at the response point (m).
     pub response_motion: f64,
     /// Frequency of the first harmonic (Hz).
@@ -118,7 +118,7 @@ impl VariantPoint {
             response_displacement: displacement,
             frequency_hz: result.omega / TAU,
             damping_ratio: result.is_resolved().then_some(result.zeta + background),
-            seen: Seen {
+            first_harmonic: FirstHarmonic {
                 response_motion: motion,
                 frequency_hz: result.harmonic_omega / TAU,
                 damping_ratio: result.is_resolved().then_some(result.harmonic_zeta() + background),
@@ -139,9 +139,9 @@ impl VariantPoint {
                 damping_ratio: self.damping_ratio,
             },
             Reading::Measured => Read {
-                amplitude: self.seen.response_motion,
-                frequency_hz: self.seen.frequency_hz,
-                damping_ratio: self.seen.damping_ratio,
+                amplitude: self.first_harmonic.response_motion,
+                frequency_hz: self.first_harmonic.frequency_hz,
+                damping_ratio: self.first_harmonic.damping_ratio,
             },
         }
     }
@@ -220,15 +220,18 @@ impl Curve {
     pub(super) fn moved(&self, parameter: &Parameter, by: f64) -> Option<Self> {
         let (found, rates) = self.derivatives(parameter, Reading::Measured)?;
         let points = self.points.iter().zip(rates).map(|(point, [frequency, damping])| {
-            let seen = Seen {
-                response_motion: point.seen.response_motion * (by * found.dln_mode_shape).exp(),
-                frequency_hz: point.seen.frequency_hz * (by * frequency?).exp(),
-                damping_ratio: match point.seen.damping_ratio {
+            let first_harmonic = FirstHarmonic {
+                response_motion: point.first_harmonic.response_motion * (by * found.dln_mode_shape).exp(),
+                frequency_hz: point.first_harmonic.frequency_hz * (by * frequency?).exp(),
+                damping_ratio: match point.first_harmonic.damping_ratio {
                     Some(zeta) => Some(zeta * (by * damping?).exp()),
                     None => None,
                 },
             };
-            Some(VariantPoint { seen, ..*point })
+            Some(VariantPoint {
+                first_harmonic,
+                ..*point
+            })
         });
         Some(Self {
             points: points.collect::<Option<_>>()?,
@@ -380,7 +383,7 @@ pub(super) enum Rates {
 }
 
 /// A scene whose numbers vary.
-pub(super) struct Study<'a> {
+pub(super) struct Variants<'a> {
     prepared: &'a Prepared,
     structure: &'a Structure,
     given: Scene,
@@ -392,7 +395,7 @@ pub(super) struct Study<'a> {
     assembled: Option<Assembled<'a>>,
 }
 
-impl<'a> Study<'a> {
+impl<'a> Variants<'a> {
     /// # Errors
     /// Of the assembly, where a parameter changes the structure.
     pub(super) fn try_new(
@@ -469,7 +472,7 @@ impl<'a> Study<'a> {
             }
         };
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
-        let load = bolt_load(&scene, &model);
+        let load = closing_force(&scene, &model);
         let interface = SceneInterface::knowing(Some(self.prepared.interface()), &scene, mesh, parts, load)?;
         let neighbours = match rates {
             Rates::None => Vec::new(),
@@ -650,7 +653,7 @@ mod tests {
                 response_displacement: 3.0 * modal_amplitude,
                 frequency_hz,
                 damping_ratio,
-                seen: Seen {
+                first_harmonic: FirstHarmonic {
                     response_motion: 2.0 * modal_amplitude,
                     frequency_hz,
                     damping_ratio,

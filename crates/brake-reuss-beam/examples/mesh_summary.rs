@@ -12,7 +12,7 @@ fn main() -> brake_reuss_beam::Result<()> {
             &refinement,
             ElementOrder::Linear,
             &steel,
-            published::BOLT_LOAD,
+            published::BOLT_TENSION,
         )?;
         let solid = &beam.assembly.mesh;
         let jacobian = solid

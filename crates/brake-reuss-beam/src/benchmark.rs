@@ -50,7 +50,7 @@ impl Benchmark for BrakeReussBenchmark {
                 "hardness": quantity(figures.hardness, "Pa"),
                 "work_of_adhesion": quantity(figures.work_of_adhesion, "J/m^2"),
             } },
-            "bolts": { "load": quantity(published::BOLT_LOAD, "N") },
+            "bolts": { "load": quantity(published::BOLT_TENSION, "N") },
             "interfaces": { "surface": "measured", "mu": FRICTION_COEFFICIENT },
         })
     }

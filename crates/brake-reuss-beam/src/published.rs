@@ -22,20 +22,20 @@ pub fn steel() -> Material {
 }
 
 /// Tension of each bolt in the paper's simulations (N).
-pub const BOLT_LOAD: f64 = 12_845.0;
+pub const BOLT_TENSION: f64 = 12_845.0;
 
 /// Bolt tension per bolt strain (paper, eq. 46) (N).
 ///
-/// The paper's 2050 microstrain give 12 850 N by this figure, not quite [`BOLT_LOAD`].
-pub const BOLT_LOAD_PER_STRAIN: f64 = 6_268_300.0;
+/// The paper's 2050 microstrain give 12 850 N by this figure, not quite [`BOLT_TENSION`].
+pub const BOLT_TENSION_PER_STRAIN: f64 = 6_268_300.0;
 
 /// Tension of a bolt (N) at a strain (-) of its gauge (paper, eq. 46).
-pub fn bolt_load(strain: f64) -> f64 {
-    BOLT_LOAD_PER_STRAIN * strain
+pub fn bolt_tension(strain: f64) -> f64 {
+    BOLT_TENSION_PER_STRAIN * strain
 }
 
 /// Tension that a torque of 20 N m gives (paper, section 3.3) (N), and the bolt strain stated for it (-).
-pub const TORQUE_BOLT_LOAD: (f64, f64) = (11_580.0, 1847e-6);
+pub const TORQUE_BOLT_TENSION: (f64, f64) = (11_580.0, 1847e-6);
 
 /// Mean bolt strain of the experiment (paper, section 3.3) (-).
 pub const BOLT_STRAIN: f64 = 2050e-6;
@@ -590,7 +590,7 @@ pub struct SourceModel {
     /// Tangent modulus of the hardening material (Pa).
     pub tangent_modulus: f64,
     /// Tension of each bolt (N).
-    pub bolt_load: f64,
+    pub bolt_tension: f64,
 }
 
 /// Surface source.
@@ -600,7 +600,7 @@ pub const SURFACE_SOURCE_MODEL: SourceModel = SourceModel {
     friction_coefficient: 0.03,
     yield_strength: 331.7e6,
     tangent_modulus: 620e6,
-    bolt_load: 12_249.0,
+    bolt_tension: 12_249.0,
 };
 
 /// Effective radius of the asperity pairs of a real interface (surface source) (m).

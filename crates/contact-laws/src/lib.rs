@@ -44,7 +44,6 @@
 //! - `libm`: elementary functions in pure Rust. Without `std` this one is needed, and the crate is `no_std` with
 //!   `alloc`: `default-features = false, features = ["libm"]`.
 //! - `serde`: parameter structs can be read and written.
-//! - `workload` (needs `std`): batches, curves and a lower bound to time laws with.
 //! - `testing` (needs `std`): a tangent checker and proptest strategies, for tests of other laws.
 
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
@@ -67,8 +66,6 @@ mod physics;
 mod simd;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
-#[cfg(feature = "workload")]
-pub mod workload;
 
 #[cfg(test)]
 mod tests;

@@ -182,7 +182,7 @@ struct Work {
 }
 
 /// A solution, and how good its guess was.
-struct Found<S> {
+struct Solved<S> {
     solution: Prestress<S>,
     /// Energy norm of the motion, in the stuck structure at the guess, over that of the load.
     stretch: f64,
@@ -215,7 +215,7 @@ fn search<F: HystereticForce>(
     loading: Loading,
     settings: &NewtonSettings,
     work: &mut Work,
-) -> Result<Result<Found<F::State>, Lost>, Error> {
+) -> Result<Result<Solved<F::State>, Lost>, Error> {
     let n = stiffness.nrows();
     let nc = force.n_dofs();
     let mut tangent = vec![0.0; force.pattern().indices.len()];
@@ -283,5 +283,5 @@ fn search<F: HystereticForce>(
         residual: path.residual,
         counts,
     };
-    Ok(Ok(Found { solution, stretch }))
+    Ok(Ok(Solved { solution, stretch }))
 }

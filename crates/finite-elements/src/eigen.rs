@@ -130,7 +130,7 @@ pub fn lowest_modes_within(
 }
 
 /// Modes from one subspace.
-struct Found {
+struct SubspaceModes {
     modes: Modes,
     /// Size of the subspace.
     vectors: usize,
@@ -147,7 +147,7 @@ fn subspace(
     tolerance: f64,
     least: usize,
     limits: Limits<'_>,
-) -> Result<Found, Error> {
+) -> Result<SubspaceModes, Error> {
     let n = stiffness.rows();
     // Room for the usual six rigid motions and a few mechanisms; more, if more turn up.
     let mut wanted = (n_elastic + 8).min(n);
@@ -182,7 +182,7 @@ fn subspace(
         worst = worst.max(relative);
         converged += usize::from(relative <= tolerance);
     }
-    Ok(Found {
+    Ok(SubspaceModes {
         modes: Modes {
             eigenvalues: eigenvalues[..keep].to_vec(),
             shapes: shapes.subcols(0, keep).to_owned(),

@@ -51,7 +51,7 @@ pub struct PointHistory {
 }
 
 /// What a batch of points answers.
-struct Answer {
+struct BatchResponse {
     /// Harmonics of the tractions, `[component][column][point]`.
     coefficients: Vec<f64>,
     /// Of the points asked for, the traction from the static state.
@@ -275,7 +275,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     }
 
     /// Harmonics of the forces of tractions given batch by batch, on `size` coordinates.
-    fn collect(&self, of_batches: &[Answer], size: usize) -> Harmonics {
+    fn collect(&self, of_batches: &[BatchResponse], size: usize) -> Harmonics {
         let columns = 2 * self.sampling.harmonics + 1;
         let n_points = self.force.n_points();
         let nd = self.force.n_dofs();
@@ -355,7 +355,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     }
 
     /// All batches along all periods.
-    fn follow_all(&self, jumps: &[Vec<f64>]) -> Vec<Answer> {
+    fn follow_all(&self, jumps: &[Vec<f64>]) -> Vec<BatchResponse> {
         let batches = self.force.batches().par_iter().zip(jumps).enumerate();
         batches
             .map(|(index, (range, jumps))| self.follow(index, range, jumps, &[]))
@@ -363,7 +363,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     }
 
     /// One batch along all periods; `recorded` are points of it whose last period is kept.
-    fn follow(&self, index: usize, range: &Range<usize>, jumps: &[f64], recorded: &[usize]) -> Answer {
+    fn follow(&self, index: usize, range: &Range<usize>, jumps: &[f64], recorded: &[usize]) -> BatchResponse {
         let n = range.len();
         let mut batch = Batch::new(n, self.force.n_state(index));
         self.force.state_of(index, self.state, &mut batch.begin);
@@ -417,7 +417,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 drift[1] += weight * (most[q][i] - least[q][i]);
             }
         }
-        Answer {
+        BatchResponse {
             coefficients,
             histories,
             drift,
@@ -427,7 +427,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     /// Derivative of the contact forces at `motion` along `change`.
     pub(crate) fn derivative(&self, motion: &Harmonics, change: &Harmonics) -> Harmonics {
         let (jumps, changes) = (self.jumps(motion), self.jumps(change));
-        let answers: Vec<Answer> = self
+        let answers: Vec<BatchResponse> = self
             .force
             .batches()
             .par_iter()
@@ -447,7 +447,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         let mut at_rest: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
         self.force
             .jumps(&rate.state.displacement, at_rest.each_mut().map(Vec::as_mut_slice));
-        let answers: Vec<Answer> = self
+        let answers: Vec<BatchResponse> = self
             .force
             .batches()
             .par_iter()
@@ -469,7 +469,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         jumps: &[f64],
         rate: &ParameterRate<'_, F>,
         at_rest: &[Vec<f64>; 3],
-    ) -> Answer
+    ) -> BatchResponse
     where
         F: DifferentiablePointwiseForce,
     {
@@ -504,7 +504,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     }
 
     /// Derivative of one batch along all periods. The static state does not change.
-    fn follow_change(&self, index: usize, range: &Range<usize>, jumps: &[f64], changes: &[f64]) -> Answer {
+    fn follow_change(&self, index: usize, range: &Range<usize>, jumps: &[f64], changes: &[f64]) -> BatchResponse {
         let change = Batch::new(range.len(), self.force.n_state(index));
         let place = |sample, jump: &mut [Vec<f64>; 3]| self.synthesise(changes, sample, jump);
         self.follow_along(index, range, jumps, change, place, |batch, change| {
@@ -522,7 +522,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         mut change: Batch,
         place: impl Fn(usize, &mut [Vec<f64>; 3]),
         differentiate: impl Fn(&mut Batch, &mut Batch),
-    ) -> Answer {
+    ) -> BatchResponse {
         let mut batch = Batch::new(range.len(), self.force.n_state(index));
         self.force.state_of(index, self.state, &mut batch.begin);
         let mut coefficients = vec![0.0; jumps.len()];
@@ -538,7 +538,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 }
             }
         }
-        Answer {
+        BatchResponse {
             coefficients,
             histories: Vec::new(),
             drift: [0.0; 2],

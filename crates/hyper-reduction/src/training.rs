@@ -245,7 +245,7 @@ impl TrainingMode {
     }
 
     /// The loops that dissipate, each with the mode.
-    fn lessons(&self) -> impl Iterator<Item = (&Self, &LoopRecord)> {
+    fn training_cases(&self) -> impl Iterator<Item = (&Self, &LoopRecord)> {
         let dissipate = self
             .loops
             .iter()
@@ -315,8 +315,8 @@ pub fn train(
             return Err(Error::Size { what, found, expected });
         }
     }
-    let lessons = || modes.iter().flat_map(TrainingMode::lessons);
-    let loops = lessons().count();
+    let training_cases = || modes.iter().flat_map(TrainingMode::training_cases);
+    let loops = training_cases().count();
     if loops == 0 {
         return Err(Error::NothingSlips {
             loops: modes.iter().map(|mode| mode.loops.len() + mode.quiet).sum(),
@@ -327,7 +327,7 @@ pub fn train(
         pattern: pattern_of(interface),
         stuck: &modes[0].stuck,
     };
-    let coordinates = Coordinates::new(&energy, lessons(), settings.motion_tolerance)?;
+    let coordinates = Coordinates::new(&energy, training_cases(), settings.motion_tolerance)?;
     let most = ((settings.most_points * of_points as f64) as usize).min(MOST_POINTS);
     let mut sketch = Sketch::new(SKETCH * most + MORE_ROWS, of_points);
     let columns = coordinates.basis.col_iter();
@@ -335,7 +335,7 @@ pub fn train(
         .map(|column| at_points(interface, &column.iter().copied().collect::<Vec<_>>()))
         .collect();
     let weights = &interface.operators().weights;
-    for (mode, record) in lessons() {
+    for (mode, record) in training_cases() {
         works(
             &mut sketch,
             weights,
@@ -414,11 +414,11 @@ impl Coordinates {
     /// amplitudes has a shape of its own, and damping at small amplitudes depends on that.
     fn new<'a>(
         energy: &Energy<'_>,
-        lessons: impl Iterator<Item = (&'a TrainingMode, &'a LoopRecord)>,
+        training_cases: impl Iterator<Item = (&'a TrainingMode, &'a LoopRecord)>,
         tolerance: f64,
     ) -> Result<Self, Error> {
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for (mode, record) in lessons {
+        for (mode, record) in training_cases {
             let own: Vec<Vec<f64>> = record.increments.iter().map(|v| mode.beside(v).0).collect();
             let motions = Mat::from_fn(mode.shape.len(), own.len(), |i, j| own[j][i]);
             let forces = energy.forces(motions.as_ref());

@@ -134,7 +134,7 @@ impl Strip {
         modes::linearise(stiffness, mass, &self.contact, found.displacement, found.state, 1).unwrap()
     }
 
-    fn lesson(&self, forces: &[f64]) -> (Vec<LoopResult>, TrainingMode) {
+    fn training_case(&self, forces: &[f64]) -> (Vec<LoopResult>, TrainingMode) {
         let line = self.linearised();
         let at_rest = StaticState::new(&self.contact.0, &line);
         let observer = |_| Recorder::new(&self.contact.0, &at_rest, Loops::default().vertices_per_quarter);
@@ -158,7 +158,7 @@ impl Strip {
         train(
             &self.contact.0,
             self.stiffness.as_ref(),
-            &[self.lesson(forces).1],
+            &[self.training_case(forces).1],
             settings,
         )
     }
@@ -245,7 +245,7 @@ fn all_points_with_their_own_areas_are_the_interface() {
 #[test]
 fn what_was_learned_gives_the_loops_that_it_was_learned_from() {
     let strip = Strip::new(0.3);
-    let (whole, _) = strip.lesson(&FORCES);
+    let (whole, _) = strip.training_case(&FORCES);
     // The smallest loop sticks; the others slip here and there.
     assert!(!whole[0].is_resolved() && whole[1].zeta > 1e-3 && whole[2].zeta > whole[1].zeta);
     let points = strip.contact.0.operators().n_points();
@@ -286,7 +286,7 @@ fn fewer_points_give_other_friction_within_the_estimates() {
     let trained = taught.train(&FORCES, &settings).unwrap();
     assert!(trained.points.points.len() < trained.of_points);
     let other = Strip::new(0.25);
-    let (whole, _) = other.lesson(&FORCES);
+    let (whole, _) = other.training_case(&FORCES);
     let mut worst = 0.0_f64;
     for (found, whole) in other.by_few(&trained, &FORCES).iter().zip(&whole) {
         let result = found.point.result.as_ref().unwrap();

@@ -228,7 +228,7 @@ impl Hit {
 }
 
 /// Name, amplitudes, frequencies and damping ratios, and what amplitudes are.
-type Given<'py> = (
+type NamedBackbone<'py> = (
     String,
     PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
@@ -237,7 +237,10 @@ type Given<'py> = (
 );
 
 /// A backbone over `wanted`.
-fn over((name, amplitude, frequency, damping, measured): &Given<'_>, wanted: Quantity) -> Result<Backbone, Exception> {
+fn over(
+    (name, amplitude, frequency, damping, measured): &NamedBackbone<'_>,
+    wanted: Quantity,
+) -> Result<Backbone, Exception> {
     let (amplitude, frequency, damping) = (amplitude.as_array(), frequency.as_array(), damping.as_array());
     if amplitude.len() != frequency.len() || amplitude.len() != damping.len() {
         let remedy = "give as many frequencies and damping ratios as amplitudes";
@@ -271,9 +274,9 @@ fn over((name, amplitude, frequency, damping, measured): &Given<'_>, wanted: Qua
 ) -> "tuple[dict[str, tuple[float, float, float] | None], tuple[float, float] | None, dict[str, numpy.typing.NDArray[numpy.float64]], tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]]")]
 pub(crate) fn misfit<'py>(
     py: Python<'py>,
-    theory: Given<'py>,
-    reference: Given<'py>,
-    band: Option<[Given<'py>; 2]>,
+    theory: NamedBackbone<'py>,
+    reference: NamedBackbone<'py>,
+    band: Option<[NamedBackbone<'py>; 2]>,
     amplitude: &str,
 ) -> PyResult<Compared<'py>> {
     let wanted = quantity("amplitude", amplitude)?;

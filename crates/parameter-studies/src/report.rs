@@ -7,9 +7,9 @@ use crate::study::Study;
 use crate::table::{CSV, Table};
 use analyses::variants::{Curve, Reading};
 use reports::Output;
+use reports::findings::{Findings, FindingsPage, Section};
 use reports::html::{Picture, Table as HtmlTable};
 use reports::parameters::{Axis, parallel, response_surface};
-use reports::study::{Findings, Section, Study as Page};
 
 /// Name of the plan as it was understood.
 const PLAN: &str = "plan.json";
@@ -103,7 +103,7 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
         }),
     }
     let title = format!("Study of {}", study.scene_name());
-    let page = Page {
+    let page = FindingsPage {
         title: &title,
         introduction: "Hysteresis loops of many variants of one scene.",
         warning: None,

@@ -5,7 +5,7 @@ use crate::case::Case;
 use crate::store::{Record, Store, Writer};
 use crate::study::Study;
 use analyses::cases::{CaseMode, CaseStructure};
-use analyses::hyper_reduced::{Lesson, Training};
+use analyses::hyper_reduced::{Training, TrainingCase};
 use joints::Options;
 use joints::interface::SceneInterface;
 use joints::progress::Silent;
@@ -134,16 +134,16 @@ pub fn run(
             first_reduction: (runner.done.load(Ordering::Relaxed) == 0).then_some(reduction),
         };
         let began_teaching = machine.seconds();
-        let lessons: Mutex<BTreeMap<usize, Result<Lesson, String>>> = Mutex::default();
+        let training_cases: Mutex<BTreeMap<usize, Result<TrainingCase, String>>> = Mutex::default();
         let teach = |case: &Case| {
             let is_asked_for = group.iter().any(|own| own.number == case.number);
-            let lesson = runner.lesson(case, &site, is_asked_for);
-            let mut lessons = lessons.lock().unwrap_or_else(PoisonError::into_inner);
-            lessons.insert(case.number, lesson);
+            let training_case = runner.training_case(case, &site, is_asked_for);
+            let mut training_cases = training_cases.lock().unwrap_or_else(PoisonError::into_inner);
+            training_cases.insert(case.number, training_case);
         };
         runner.all_of(&teachers, &site, &mut gang, store, &teach)?;
-        let lessons = lessons.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let training = runner.train(&teachers, structure, lessons);
+        let training_cases = training_cases.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let training = runner.train(&teachers, structure, training_cases);
         if !teachers.is_empty() {
             runner.tally().teaching_seconds += machine.seconds() - began_teaching;
         }
@@ -280,21 +280,21 @@ impl Runner<'_> {
     }
 
     /// Runs a case that others learn from, and stores what became of it if it is one of those asked for.
-    fn lesson(&self, case: &Case, site: &Site<'_>, is_asked_for: bool) -> Result<Lesson, String> {
+    fn training_case(&self, case: &Case, site: &Site<'_>, is_asked_for: bool) -> Result<TrainingCase, String> {
         let began = self.machine.seconds();
         let found = self.study.scene(case.number).and_then(|scene| {
             let interface = interface(&scene, site.structure, site.shared.get(&case.surface))?;
-            Ok(site.structure.lesson(&scene, &interface, &Silent)?)
+            Ok(site.structure.training_case(&scene, &interface, &Silent)?)
         });
         let seconds = self.machine.seconds() - began;
-        let (outcome, lesson) = match found {
-            Ok((modes, lesson)) => (Ok(modes), Ok(lesson)),
+        let (outcome, training_case) = match found {
+            Ok((modes, training_case)) => (Ok(modes), Ok(training_case)),
             Err(error) => (Err(error.to_string()), Err(error.to_string())),
         };
         if is_asked_for {
             self.finish(case, seconds, outcome);
         }
-        lesson
+        training_case
     }
 
     /// What cases on a structure learn, in the order of the teachers; none, with a line why, if one of them failed: what is learned from the
@@ -303,13 +303,13 @@ impl Runner<'_> {
         &self,
         teachers: &[&Case],
         structure: &CaseStructure,
-        mut lessons: BTreeMap<usize, Result<Lesson, String>>,
+        mut training_cases: BTreeMap<usize, Result<TrainingCase, String>>,
     ) -> Option<Training> {
         let teacher = teachers.first()?;
         let mut learned = Vec::with_capacity(teachers.len());
         for case in teachers {
-            match lessons.remove(&case.number)? {
-                Ok(lesson) => learned.push(lesson),
+            match training_cases.remove(&case.number)? {
+                Ok(training_case) => learned.push(training_case),
                 Err(reason) => {
                     self.machine.line(&format!(
                         "every case is run with the whole joint, as case {}, which others would learn from, failed: {reason}",

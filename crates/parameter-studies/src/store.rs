@@ -3,7 +3,7 @@
 use crate::Error;
 use analyses::cases::{CaseMode, CasePoint};
 use analyses::hyper_reduced::ErrorEstimate;
-use analyses::variants::{Seen, VariantPoint};
+use analyses::variants::{FirstHarmonic, VariantPoint};
 use file_io::durable::{Segment, read_segment, segments};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -77,9 +77,12 @@ impl Line {
                     Some(point.frequency_hz),
                     point.damping_ratio,
                 ];
-                let seen = point.seen;
-                let [motion, seen_f, seen_damping] =
-                    [Some(seen.response_motion), Some(seen.frequency_hz), seen.damping_ratio];
+                let first_harmonic = point.first_harmonic;
+                let [motion, seen_f, seen_damping] = [
+                    Some(first_harmonic.response_motion),
+                    Some(first_harmonic.frequency_hz),
+                    first_harmonic.damping_ratio,
+                ];
                 match estimate {
                     None => StoredPoint::Converged([q, x, f, damping, motion, seen_f, seen_damping]),
                     Some(own) => {
@@ -111,7 +114,7 @@ impl Line {
                 response_displacement: number(x),
                 frequency_hz: number(f),
                 damping_ratio,
-                seen: Seen {
+                first_harmonic: FirstHarmonic {
                     response_motion: number(motion),
                     frequency_hz: number(seen_f),
                     damping_ratio: seen_damping,
@@ -297,7 +300,7 @@ mod tests {
                     response_displacement: *x,
                     frequency_hz: 100.0 / 3.0,
                     damping_ratio: (*x > 1.0).then_some(0.1 + 0.2),
-                    seen: Seen {
+                    first_harmonic: FirstHarmonic {
                         response_motion: x / 3.0,
                         frequency_hz: 100.0 / 7.0,
                         damping_ratio: (*x > 1.0).then_some(0.1 + 0.7),

@@ -147,13 +147,21 @@ impl Table {
             ),
             column("frequency_hz", false, real(|at| Some(at.frequency_hz))),
             column("damping_ratio", false, real(|at| at.damping_ratio)),
-            column("response_motion", false, real(|at| Some(at.seen.response_motion))),
+            column(
+                "response_motion",
+                false,
+                real(|at| Some(at.first_harmonic.response_motion)),
+            ),
             column(
                 "frequency_first_harmonic_hz",
                 false,
-                real(|at| Some(at.seen.frequency_hz)),
+                real(|at| Some(at.first_harmonic.frequency_hz)),
             ),
-            column("damping_ratio_first_harmonic", false, real(|at| at.seen.damping_ratio)),
+            column(
+                "damping_ratio_first_harmonic",
+                false,
+                real(|at| at.first_harmonic.damping_ratio),
+            ),
             column(
                 "status",
                 true,

@@ -7,6 +7,7 @@ pub mod csv;
 pub mod ensemble;
 mod error;
 pub mod fields;
+pub mod findings;
 pub mod html;
 pub mod identification;
 mod interactive;
@@ -26,7 +27,7 @@ pub mod ring_down;
 pub mod run;
 pub mod sensitivity;
 pub mod several;
-pub mod study;
+pub mod styles;
 pub mod tightening;
 pub mod uncertainty;
 

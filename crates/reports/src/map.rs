@@ -2,6 +2,7 @@
 
 use crate::fields::Placed;
 use crate::markup::escape;
+use crate::styles::hex;
 use std::fmt::Write;
 use zte_assembly::InterfaceMesh;
 
@@ -40,8 +41,7 @@ pub fn rgb(t: f64) -> [u8; 3] {
 }
 
 fn colour(t: f64) -> String {
-    let [r, g, b] = rgb(t);
-    format!("#{r:02x}{g:02x}{b:02x}")
+    hex(rgb(t))
 }
 
 /// Multiples of 1, 2 or 5 times a power of ten from one value to another: about `n` of them, each with its text.

@@ -6,6 +6,7 @@ use crate::interactive::bodies::{normal, sharp_edges};
 use crate::interactive::{Live, Shapes};
 use crate::map::rgb;
 use crate::markup::escape;
+use crate::styles::hex;
 use crate::{Error, Output, bodies, fields};
 use askama::Template;
 use finite_elements::mesh::{Face, Mesh};
@@ -300,10 +301,7 @@ impl<'a> Scenery<'a> {
             let mean = nodes.iter().map(|&n| size(&mode.displacement[n as usize])).sum::<f64>() / nodes.len() as f64;
             ((mean / largest * CLASSES as f64) as usize).min(CLASSES - 1)
         };
-        let colour = |class: usize| {
-            let [r, g, b] = rgb((class as f64 + 0.5) / CLASSES as f64);
-            format!("#{r:02x}{g:02x}{b:02x}")
-        };
+        let colour = |class: usize| hex(rgb((class as f64 + 0.5) / CLASSES as f64));
         let line = |path: &mut String, nodes: &[u32], x: &[[f64; 3]]| {
             let mut before: Option<[i64; 2]> = None;
             for &node in nodes {
@@ -422,12 +420,12 @@ fn assurance_picture(pair: &Assurance) -> String {
         let _ = writeln!(out, "<text x=\"{}\" y=\"{middle}\">{}</text>", 0.5 * LEFT, row + 1);
         for (column, value) in values.iter().enumerate() {
             let x = LEFT + CELL * column as f64;
-            let [r, g, b] = rgb(*value);
             let ink = if *value > 0.5 { "#000" } else { "#fff" };
             let _ = writeln!(
                 out,
-                "<rect x=\"{x}\" y=\"{y}\" width=\"{CELL}\" height=\"{CELL}\" fill=\"#{r:02x}{g:02x}{b:02x}\"/><text x=\"{}\" \
+                "<rect x=\"{x}\" y=\"{y}\" width=\"{CELL}\" height=\"{CELL}\" fill=\"{}\"/><text x=\"{}\" \
                  y=\"{middle}\" fill=\"{ink}\">{:.0}</text>",
+                hex(rgb(*value)),
                 x + 0.5 * CELL,
                 100.0 * value
             );

@@ -1,22 +1,13 @@
 //! Backbones on shared axes: frequency above, damping ratio below.
 
 use crate::plot::{Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
+use crate::styles::COLOURS;
 use crate::{Drawing, Error};
 use analyses::comparison::{Backbone, Point};
 use plotters::prelude::*;
 use std::ops::Range;
 
 const SIZE: (u32, u32) = (900, 800);
-
-/// Colours of what is compared, in order.
-const COLOURS: [RGBColor; 6] = [
-    RGBColor(31, 93, 153),
-    RGBColor(178, 58, 46),
-    RGBColor(34, 130, 60),
-    RGBColor(214, 126, 0),
-    RGBColor(122, 58, 150),
-    RGBColor(90, 90, 90),
-];
 
 /// A backbone to be drawn.
 pub struct Series<'a> {

@@ -5,7 +5,7 @@ use crate::fields::Placed;
 use crate::html::{MISSING, Picture, Table, render};
 use crate::interactive::{Document, Live};
 use crate::phrases::{damping, tensions};
-use crate::{Error, fields, map, plot};
+use crate::{Error, fields, map, plot, styles};
 use analyses::mesh_error::{FrequencyEstimate, ModeEstimate};
 use analyses::results::summary::{BackboneSummary, MethodSummary, Status, Summary};
 use analyses::warnings::Warning;
@@ -426,7 +426,7 @@ fn methods_table(summary: &Summary) -> Table {
             "frequency, first harmonic [Hz]",
             "damping ratio [-]",
         ] {
-            headings.push(format!("{}: {heading}", plot::title(name)));
+            headings.push(format!("{}: {heading}", styles::title(name)));
         }
     }
     let row = |index: usize| {

@@ -1,5 +1,6 @@
 //! Pictures: the backbone, the response and the profiles of an element, and the cost of a load point.
 
+use crate::styles::{Style, of_method, title};
 use crate::{Drawing, Error};
 use analyses::ensemble::BandPoint;
 use analyses::results::summary::{BackboneSummary, MethodSummary, Status, Summary};
@@ -300,13 +301,8 @@ pub struct Band {
 
 impl Curve {
     fn new(name: &str, main: RGBColor, points: Points) -> Self {
-        let (colour, dashes) = match name {
-            "qsma" => (RGBColor(214, 126, 0), Some((9, 5))),
-            "masing" => (RGBColor(34, 130, 60), Some((2, 4))),
-            "rqnma" => (RGBColor(122, 58, 150), Some((14, 4))),
-            "epmc" => (RGBColor(0, 122, 135), Some((7, 3))),
-            _ => (main, None),
-        };
+        let Style { colour, dashes } = of_method(name);
+        let colour = if dashes.is_none() { main } else { colour };
         Self {
             name: title(name),
             colour,
@@ -314,14 +310,6 @@ impl Curve {
             marks: if dashes.is_none() { Marks::Dots } else { Marks::None },
             points,
         }
-    }
-}
-
-/// Name of a method as it is written.
-pub fn title(method: &str) -> String {
-    match method {
-        "masing" => "Masing".into(),
-        acronym => acronym.to_uppercase(),
     }
 }
 

@@ -4,10 +4,11 @@ use crate::analysis::{Analysis, Document, Section};
 use crate::csv::{number, optional, table};
 use crate::html::Picture;
 use crate::plot::{self, Curve, Marks, Panel};
+use crate::styles::{self, COLOURS};
 use crate::{Error, Output};
 use analyses::results::summary::Summary;
 use analyses::{FoundBy, Per, Sensitivity};
-use plotters::prelude::{RGBColor, SeriesLabelPosition};
+use plotters::prelude::SeriesLabelPosition;
 use std::fmt::Write as _;
 
 /// Name of the table.
@@ -18,18 +19,6 @@ pub const PICTURE: &str = "sensitivities.svg";
 
 /// Numbers named at each amplitude.
 const NAMED: usize = 5;
-
-/// Colours of curves, told apart by readers who confuse red and green as well (Okabe and Ito, 2008).
-const COLOURS: [RGBColor; 8] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 0, 0),
-    RGBColor(140, 140, 140),
-];
 
 pub(crate) static ANALYSIS: Analysis = Analysis {
     writes: |name| [TABLE, PICTURE].contains(&name),
@@ -170,7 +159,7 @@ pub fn picture(all: &[Sensitivity]) -> Result<Option<String>, Error> {
 /// What the picture shows.
 fn caption(all: &[Sensitivity]) -> String {
     let of = all.first().map_or_else(String::new, |first| {
-        format!(" of mode {} by {}", first.mode, plot::title(&first.method))
+        format!(" of mode {} by {}", first.mode, styles::title(&first.method))
     });
     format!("Change of frequency and damping{of} with each parameter, all logarithmic, at the same modal amplitude.")
 }
@@ -195,7 +184,7 @@ fn most_influential(summary: &Summary) -> String {
             out,
             "\nmost influential on mode {} by {}: change in % for 1 % more of a parameter, at the same modal amplitude",
             first.mode,
-            plot::title(&first.method)
+            styles::title(&first.method)
         );
         for (what, of) in [
             (

@@ -69,7 +69,7 @@ pub use surface::{
 pub use tightening::Tightening;
 pub use torque_report::TorqueReport;
 pub use uncertain::{
-    Distribution, Given, Lognormal, Normal, SamplingMethod, TIGHTENING_SIGMAS, TighteningMethod, Uncertain,
+    Distribution, Lognormal, Normal, NumberOrText, SamplingMethod, TIGHTENING_SIGMAS, TighteningMethod, Uncertain,
 };
 pub use units::{
     Area, ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,

@@ -69,7 +69,7 @@ impl SamplingMethod {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged, expecting = "a number, or a text with a unit such as \"12.8 kN\"")]
-pub enum Given {
+pub enum NumberOrText {
     /// In SI, or in the units of a scene that is being read.
     Number(f64),
     /// With its unit, in a scene that is being read.
@@ -89,10 +89,10 @@ pub struct Distribution {
     pub lognormal: Option<Lognormal>,
     /// Smallest and largest value, and all between alike.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub uniform: Option<[Given; 2]>,
+    pub uniform: Option<[NumberOrText; 2]>,
     /// Smallest, most likely and largest value.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub triangular: Option<[Given; 3]>,
+    pub triangular: Option<[NumberOrText; 3]>,
     /// How a bolt is tightened; its load is normal about that of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tightening: Option<TighteningMethod>,
@@ -101,7 +101,7 @@ pub struct Distribution {
     pub alpha_a: Option<f64>,
     /// Bounds at which the distribution is truncated: values beyond do not occur, those between keep their ratios.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub between: Option<[Given; 2]>,
+    pub between: Option<[NumberOrText; 2]>,
 }
 
 /// A normal distribution.
@@ -111,10 +111,10 @@ pub struct Distribution {
 pub struct Normal {
     /// Mean; by default the value of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mean: Option<Given>,
+    pub mean: Option<NumberOrText>,
     /// Standard deviation.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sd: Option<Given>,
+    pub sd: Option<NumberOrText>,
     /// In its place, the coefficient of variation: standard deviation over mean (-).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cov: Option<f64>,
@@ -127,7 +127,7 @@ pub struct Normal {
 pub struct Lognormal {
     /// Median; by default the value of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub median: Option<Given>,
+    pub median: Option<NumberOrText>,
     /// Geometric standard deviation: the median times it is exceeded with a probability of 15.9 % (-).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub factor: Option<f64>,
@@ -183,7 +183,7 @@ impl TighteningMethod {
     }
 }
 
-impl Given {
+impl NumberOrText {
     /// In SI, once the scene is read.
     fn si(&self) -> Result<f64, String> {
         match self {
@@ -198,7 +198,7 @@ impl Given {
 
 impl Distribution {
     /// All values in the unit of the parameter, with their places.
-    pub(super) fn quantities(&mut self) -> impl Iterator<Item = (&'static str, &mut Given)> {
+    pub(super) fn quantities(&mut self) -> impl Iterator<Item = (&'static str, &mut NumberOrText)> {
         let normal = self.normal.iter_mut().flat_map(|normal| {
             let mean = normal.mean.iter_mut().map(|given| ("normal.mean", given));
             mean.chain(normal.sd.iter_mut().map(|given| ("normal.sd", given)))
@@ -235,7 +235,7 @@ impl Distribution {
         if self.alpha_a.is_some() && self.tightening.is_none() {
             return Err("alpha_a belongs to tightening; leave it out".into());
         }
-        let or_nominal = |given: &Option<Given>| given.as_ref().map_or(Ok(nominal), Given::si);
+        let or_nominal = |given: &Option<NumberOrText>| given.as_ref().map_or(Ok(nominal), NumberOrText::si);
         let shape = if let Some(Normal { mean, sd, cov }) = &self.normal {
             let mean = or_nominal(mean)?;
             let sd = match (sd, cov) {

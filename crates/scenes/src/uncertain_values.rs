@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::json::Refusal;
 use crate::parameter::Parameter;
 use crate::scene::Scene;
-use crate::uncertain::{Distribution, Given, Uncertain, beyond, of_parameter};
+use crate::uncertain::{Distribution, NumberOrText, Uncertain, beyond, of_parameter};
 use crate::units::Units;
 use serde_json::json;
 
@@ -32,13 +32,13 @@ impl Uncertain {
             parameter.value(scene)?;
             for (place, given) in distribution.quantities() {
                 let raw = match &*given {
-                    Given::Number(value) => json!(value),
-                    Given::Text(text) => json!(text),
+                    NumberOrText::Number(value) => json!(value),
+                    NumberOrText::Text(text) => json!(text),
                 };
                 let read = parameter.read(scene, raw, units);
                 let si =
                     read.map_err(|Refusal { message, .. }| of_parameter(parameter, format!("{place}: {message}")))?;
-                *given = Given::Number(si);
+                *given = NumberOrText::Number(si);
             }
         }
         Ok(())

@@ -4,10 +4,9 @@
 use std::hint::black_box;
 use std::sync::Arc;
 
-use contact_laws::workload::fitted_curves;
 use contact_laws::{
-    Components, ComponentsMut, FittedPoints, FrictionalLaw, HistoryRule, PointParameters, RegimeCounts, StateView,
-    StateViewMut, Sticking, TangentMut, TractionLaw,
+    Components, ComponentsMut, FittedCurves, FittedPoints, FrictionalLaw, HistoryRule, NormalFit, PointParameters,
+    RegimeCounts, StateView, StateViewMut, Sticking, TangentMut, TangentialEnds, TangentialFit, TractionLaw,
 };
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use zte_assembly::{Element, Interface, InterfaceMesh, Operators};
@@ -32,7 +31,32 @@ fn mesh() -> InterfaceMesh {
 
 /// Fitted curves that differ from point to point, Coulomb friction.
 fn law(n: usize) -> Arc<dyn TractionLaw> {
-    let curves = FittedPoints::<f64>::new(&fitted_curves(n, Some([1e-7, 1e-4])).unwrap());
+    let curves = (0..n).map(|i| {
+        let vary = 1.0 + 0.1 * (0.37 * i as f64).sin();
+        let range = Some([1e-7, 1e-4]);
+        let normal = NormalFit {
+            a: 15.2,
+            b: 2.2 * vary,
+            c: -0.4,
+            d: 0.3,
+            e: 1.1,
+            u_ref: 1e-6,
+            t_ref: 1.0,
+            range,
+        };
+        let tangential = TangentialFit {
+            a: 28.0,
+            b: 1.4 * vary,
+            c: 0.3,
+            d: 0.6,
+            u_ref: 1e-6,
+            k_ref: 1.0,
+            range,
+            ends: TangentialEnds::Mindlin,
+        };
+        FittedCurves::try_new(normal, [tangential; 2]).unwrap()
+    });
+    let curves = FittedPoints::<f64>::new(&PointParameters::per_point(curves.collect()));
     Arc::new(FrictionalLaw::try_new(curves, PointParameters::uniform(0.2, n), HistoryRule::Incremental).unwrap())
 }
 

@@ -7,7 +7,7 @@ use clap::{Parser, Subcommand};
 use commands::{bench, extremes, paper, trade};
 use microslip::Outcome;
 use std::process::ExitCode;
-use xtask::study::Study;
+use xtask::arguments::Validation;
 use xtask::{brb, defaults};
 
 #[derive(Parser)]
@@ -20,7 +20,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Task {
     #[command(flatten)]
-    Study(Study),
+    Validation(Validation),
     /// `trade` runs every setting in a process of its own.
     Brb(brb::Arguments),
     CheckLayering,
@@ -30,10 +30,10 @@ fn main() -> ExitCode {
     let task = Cli::parse().command;
     let success = |()| Outcome::Success;
     microslip::execute(|| match task {
-        Task::Study(Study::Trade(arguments)) => trade::run(&arguments, &defaults()),
-        Task::Study(Study::Paper(arguments)) => paper::run(&arguments, &defaults()),
-        Task::Study(Study::Bench(arguments)) => bench::run(&arguments).map(success),
-        Task::Study(Study::Extremes(arguments)) => extremes::run(&arguments).map(success),
+        Task::Validation(Validation::Trade(arguments)) => trade::run(&arguments, &defaults()),
+        Task::Validation(Validation::Paper(arguments)) => paper::run(&arguments, &defaults()),
+        Task::Validation(Validation::Bench(arguments)) => bench::run(&arguments).map(success),
+        Task::Validation(Validation::Extremes(arguments)) => extremes::run(&arguments).map(success),
         Task::CheckLayering => layering::check().map(success),
         Task::Brb(arguments) => brb::run(&arguments, &defaults()),
     })

@@ -229,13 +229,13 @@ fn newton(mut z: Vec<f64>, scales: &[f64], least: f64, residual: &dyn Fn(&[f64])
 
 /// What a point of contact did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Seen {
+struct ContactHistory {
     sticks: bool,
     slips: bool,
     parts: bool,
 }
 
-impl Seen {
+impl ContactHistory {
     fn note(&mut self, force: [f64; 3], mu: f64) {
         let [x, y, n] = force;
         let slips = n > 0.0 && x.hypot(y) > (1.0 - 1e-9) * mu * n;
@@ -247,7 +247,7 @@ impl Seen {
 
 /// Cosine and sine of the first harmonic of the tip's motion along x, by Newmark's constant mean acceleration from rest, in the last period; and how
 /// much they changed in it.
-fn in_time(beam: &Beam, level: f64, hertz: f64, steps: usize, periods: usize) -> ([f64; 2], f64, Seen) {
+fn in_time(beam: &Beam, level: f64, hertz: f64, steps: usize, periods: usize) -> ([f64; 2], f64, ContactHistory) {
     let (rest, mut friction) = beam.rest();
     let (damping, load) = (beam.damping(), beam.load());
     let dt = 1.0 / (hertz * steps as f64);
@@ -256,11 +256,11 @@ fn in_time(beam: &Beam, level: f64, hertz: f64, steps: usize, periods: usize) ->
     });
     let compliance = dynamic.partial_piv_lu().inverse();
     let (mut u, mut v, mut a) = (rest, vec![0.0; 15], vec![0.0; 15]);
-    let mut seen = Seen::default();
+    let mut seen = ContactHistory::default();
     let (mut last, mut before) = ([0.0; 2], [0.0; 2]);
     for _ in 0..periods {
         (before, last) = (last, [0.0; 2]);
-        seen = Seen::default();
+        seen = ContactHistory::default();
         for step in 1..=steps {
             let angle = TAU * step as f64 / steps as f64;
             let inertia: Vec<f64> = (0..15)
@@ -333,8 +333,8 @@ impl<'a> Balance<'a> {
     }
 
     /// Harmonics of the contact force in the second period, `[column][component]`.
-    fn contact(&self, x: &[f64]) -> (Vec<[f64; 3]>, Seen) {
-        let mut seen = Seen::default();
+    fn contact(&self, x: &[f64]) -> (Vec<[f64; 3]>, ContactHistory) {
+        let mut seen = ContactHistory::default();
         let mut coefficients = vec![[0.0; 3]; 2 * self.harmonics + 1];
         let (mut before, mut friction) = (TIP.map(|c| self.rest.0[c]), self.rest.1);
         for period in 0..2 {
@@ -429,7 +429,7 @@ fn forced_responses_are_those_of_the_motion_in_time() {
         assert!(
             drift < 1e-8
                 && seen
-                    == Seen {
+                    == ContactHistory {
                         sticks: true,
                         slips: true,
                         parts: false
@@ -559,7 +559,7 @@ fn a_point_that_parts_converges_with_harmonics_and_samples() {
     assert!(
         drift < 1e-8
             && seen
-                == Seen {
+                == ContactHistory {
                     sticks: true,
                     slips: true,
                     parts: true

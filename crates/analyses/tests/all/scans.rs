@@ -46,7 +46,7 @@ fn options(folder: &Path) -> Options {
 fn faces() -> SyntheticScan {
     SyntheticScan {
         seed: 7,
-        step: [60e-6, 100e-6].map(Length::from_si),
+        step: [90e-6, 150e-6].map(Length::from_si),
         ..SyntheticScan::default()
     }
 }

@@ -65,7 +65,7 @@ pub struct BrakeReussBeam {
 
 impl BrakeReussBeam {
     /// The sum of the loads of all bolts, named `bolt_load`.
-    pub fn bolt_load(&self) -> LoadPattern {
+    pub fn bolt_load_pattern(&self) -> LoadPattern {
         LoadPattern {
             name: "bolt_load".to_owned(),
             terms: self
@@ -101,7 +101,7 @@ pub struct Part {
     pub elements: Range<usize>,
 }
 
-/// Meshes the beam. `bolt_load` is the tension of each bolt (N). Hexahedra have incompatible modes; quadratic ones have reduced
+/// Meshes the beam. `bolt_tension` is the tension of each bolt (N). Hexahedra have incompatible modes; quadratic ones have reduced
 /// integration.
 ///
 /// # Errors
@@ -112,15 +112,15 @@ pub fn build(
     refinement: &Refinement,
     order: ElementOrder,
     material: &Material,
-    bolt_load: f64,
+    bolt_tension: f64,
 ) -> Result<BrakeReussBeam> {
     geometry.validate()?;
     refinement.validate()?;
-    if !(bolt_load.is_finite() && bolt_load >= 0.0) {
+    if !(bolt_tension.is_finite() && bolt_tension >= 0.0) {
         return Err(Error::Value {
             place: "bolts",
-            field: "bolt_load",
-            value: bolt_load,
+            field: "bolt_tension",
+            value: bolt_tension,
             unit: "N",
             requirement: "finite and not negative",
         });
@@ -137,7 +137,7 @@ pub fn build(
         fastener.connect(
             geometry,
             [&top.face_quads, &bottom.face_quads],
-            bolt_load,
+            bolt_tension,
             &mut assembly,
         );
     }
@@ -449,7 +449,7 @@ fn check(mesh: &Mesh, parts: &[Part]) -> Result<()> {
 impl Fastener {
     /// Ties the washers to the half-beams' outer faces (top, bottom), couples nut and shank, and adds the bolt's
     /// load.
-    fn connect(self, geometry: &Geometry, faces: [&[[u32; 4]]; 2], bolt_load: f64, assembly: &mut Assembly) {
+    fn connect(self, geometry: &Geometry, faces: [&[[u32; 4]]; 2], bolt_tension: f64, assembly: &mut Assembly) {
         let number = self.number;
         for (washer, slave_nodes, faces) in [
             ("head", self.head_washer_face, faces[0]),
@@ -500,8 +500,8 @@ impl Fastener {
         assembly.loads.push(LoadPattern {
             name: format!("bolt_load_{number}"),
             terms: vec![
-                (Dof::Reference(shank, 2), -bolt_load),
-                (Dof::Reference(nut, 2), bolt_load),
+                (Dof::Reference(shank, 2), -bolt_tension),
+                (Dof::Reference(nut, 2), bolt_tension),
             ],
         });
     }

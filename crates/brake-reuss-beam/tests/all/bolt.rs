@@ -56,11 +56,11 @@ fn tension_stretches_the_shank_as_a_rod() {
     let rod = steel.youngs_modulus * 0.25 * std::f64::consts::PI * geometry.shank_diameter.powi(2);
     println!(
         "{slope:.4e} N per strain, as a rod {rod:.4e} N, published {:.4e} N",
-        published::BOLT_LOAD_PER_STRAIN
+        published::BOLT_TENSION_PER_STRAIN
     );
     // A polygon in the circle has less area.
     assert!((0.96..1.0).contains(&(slope / rod)), "{slope} {rod}");
     // The bolts of the experiment were modified to take strain gauges: two thirds of the shank's section are left.
-    let left = published::BOLT_LOAD_PER_STRAIN / rod;
+    let left = published::BOLT_TENSION_PER_STRAIN / rod;
     assert!((0.6..0.7).contains(&left), "{left}");
 }

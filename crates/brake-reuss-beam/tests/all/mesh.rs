@@ -10,7 +10,7 @@ use joint_model::benchmark::ElementOrder;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::f64::consts::{PI, SQRT_2};
 
-const LOAD: f64 = published::BOLT_LOAD;
+const LOAD: f64 = published::BOLT_TENSION;
 
 fn beam(refinement: &Refinement) -> BrakeReussBeam {
     build(
@@ -609,7 +609,7 @@ fn bolts_are_free_along_their_axis_only_and_pull_head_and_nut_together() {
             [(Dof::Reference(shank, 2), -LOAD), (Dof::Reference(shank + 1, 2), LOAD)]
         );
     }
-    let sum = beam.bolt_load();
+    let sum = beam.bolt_load_pattern();
     assert_eq!((sum.name.as_str(), sum.terms.len()), ("bolt_load", 6));
 }
 
@@ -825,7 +825,10 @@ fn inadmissible_input_is_refused_by_name() {
     for load in [f64::NAN, -1.0, f64::INFINITY] {
         assert!(matches!(
             build(&good, &quick, ElementOrder::Linear, &steel, load),
-            Err(Error::Value { field: "bolt_load", .. })
+            Err(Error::Value {
+                field: "bolt_tension",
+                ..
+            })
         ));
     }
     let mut liquid = steel.clone();

@@ -50,8 +50,8 @@ fn tables_agree_with_the_reference() {
     );
     same(&column(|r| r.flat_frequency), &table["flat_hz"]);
     same(&column(|r| r.flat_contact * 100.0), &table["flat_contact_pct"]);
-    same(&[BOLT_LOAD_PER_STRAIN], &paper["bolt_force_per_strain_n"]);
-    same(&[BOLT_LOAD], &paper["bolt_load_n"]);
+    same(&[BOLT_TENSION_PER_STRAIN], &paper["bolt_force_per_strain_n"]);
+    same(&[BOLT_TENSION], &paper["bolt_load_n"]);
     same(&[PAPER_MASS], &paper["mass_kg"]);
     same(&[LOW_AMPLITUDE_DAMPING], &paper["low_amplitude_damping_about"]);
     same(&EVOLUTION_RHO.concat(), &paper["table2"]["rho"]);
@@ -173,15 +173,15 @@ fn mesoscale_gap_is_the_clipped_legendre_sum() {
 #[test]
 fn the_paper_relates_bolt_load_and_strain() {
     // 2050 microstrain give 12.850 kN by eq. 46; the paper's text uses 12.845 kN.
-    assert!((BOLT_LOAD_PER_STRAIN * 2050e-6 / BOLT_LOAD - 1.0).abs() < 5e-4);
+    assert!((BOLT_TENSION_PER_STRAIN * 2050e-6 / BOLT_TENSION - 1.0).abs() < 5e-4);
 }
 
 #[test]
 fn bolt_loads_and_cords_of_the_paper() {
-    assert!((bolt_load(BOLT_STRAIN) - 12_850.0).abs() < 0.1);
-    assert!((bolt_load(BOLT_STRAIN) / BOLT_LOAD - 1.0).abs() < 5e-4);
-    let (load, strain) = TORQUE_BOLT_LOAD;
-    assert!((bolt_load(strain) / load - 1.0).abs() < 5e-4);
+    assert!((bolt_tension(BOLT_STRAIN) - 12_850.0).abs() < 0.1);
+    assert!((bolt_tension(BOLT_STRAIN) / BOLT_TENSION - 1.0).abs() < 5e-4);
+    let (load, strain) = TORQUE_BOLT_TENSION;
+    assert!((bolt_tension(strain) / load - 1.0).abs() < 5e-4);
     let cord = pendulum_stiffness(PAPER_MASS, CORD_LENGTH, 9.80665);
     assert!((cord - 29.6).abs() < 0.01, "{cord}");
     assert_eq!((cord / 10.0).round() * 10.0, PENDULUM_STIFFNESS);

@@ -68,7 +68,7 @@ fn stuck_beam_has_the_independent_frequencies() {
         &Refinement::default(),
         ElementOrder::Linear,
         &published::steel(),
-        published::BOLT_LOAD,
+        published::BOLT_TENSION,
     )
     .unwrap();
     for (&top, &bottom) in beam.top_nodes.iter().zip(&beam.bottom_nodes) {
@@ -93,7 +93,7 @@ fn unstressed_assembly_has_seven_zero_energy_modes() {
             &refinement,
             ElementOrder::Linear,
             &published::steel(),
-            published::BOLT_LOAD,
+            published::BOLT_TENSION,
         )
         .unwrap();
         assert_eq!(modes(&beam.assembly, 3).0, 7);

@@ -53,11 +53,11 @@ pub(super) fn respond<const B: usize>(
 ) -> RegimeCounts {
     match workspace {
         None => history.respond(block),
-        Some(workspace) => in_box(history, workspace, block),
+        Some(workspace) => respond_box(history, workspace, block),
     }
 }
 
-fn in_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block: Block<'_, B>) -> RegimeCounts {
+fn respond_box<const B: usize>(history: HistoryRule, own: &mut BoxWorkspace<B>, block: Block<'_, B>) -> RegimeCounts {
     let n = block.mu.len();
     let still = [0.0; B];
     let still = &still[..n];

@@ -401,7 +401,7 @@ impl ResolvedLaw {
         let jump = [jump.x, jump.y, jump.n];
         let mut traction = [traction.x, traction.y, traction.n];
         let mut tangent = tangent.map(TangentMut::into_entries);
-        let mut room = Room::<B>::new(self.cone);
+        let mut room = Scratch::<B>::new(self.cone);
         let mut changes = along.is_some().then(Changes::<B>::new);
         let mut counts = RegimeCounts::default();
         let mut block = 0..0;
@@ -475,7 +475,7 @@ impl ResolvedLaw {
         jump: [&[f64]; 3],
         mut rows: Rows<'_>,
         with_tangent: bool,
-        room: &mut Room<B>,
+        room: &mut Scratch<B>,
         mut direction: Option<Direction<'_, B>>,
     ) {
         let tables = &self.tables;
@@ -490,7 +490,7 @@ impl ResolvedLaw {
         let n_dent = if tables.yields { 2 } else { 0 };
         let n_memory = (self.info.n_state() - N_JUMP).checked_div(tables.n_bins).unwrap_or(0);
         let m = jump[0].len();
-        let Room {
+        let Scratch {
             sets,
             gap,
             density,
@@ -506,7 +506,7 @@ impl ResolvedLaw {
             curves,
             of_annulus,
             workspace,
-            in_box,
+            box_workspace,
             bin,
             sliders,
             sums,
@@ -530,10 +530,10 @@ impl ResolvedLaw {
         // Zero, or NaN where any input is no number.
         fill.0 = [0.0; B];
         for part in jump {
-            run(Spoil(part, fill));
+            run(SpreadNan(part, fill));
         }
         for component in 0..self.info.n_state() {
-            run(Spoil(rows.begin(component), fill));
+            run(SpreadNan(rows.begin(component), fill));
         }
         sums.begin(fill);
         if let Some(direction) = &mut direction {
@@ -664,7 +664,7 @@ impl ResolvedLaw {
                                          curves: &CurveBlock<B>,
                                          memory: usize,
                                          workspace: &mut Workspace<B>,
-                                         bin: &mut Answer<B>,
+                                         bin: &mut BinResponse<B>,
                                          annulus: Option<[f64; 2]>| {
                     let derivative = direction
                         .as_mut()
@@ -685,7 +685,7 @@ impl ResolvedLaw {
                         regimes: None,
                         derivative,
                     };
-                    respond(history, in_box, block);
+                    respond(history, box_workspace, block);
                     if let Some(direction) = &mut direction {
                         direction.changes.add(density);
                     }
@@ -792,7 +792,7 @@ impl ResolvedLaw {
         begin: [&[f64]; 5],
         curves: &CurveBlock<B>,
         rows: &mut Rows<'_>,
-        (answer, sliders): (&mut Answer<B>, &mut Sliders),
+        (answer, sliders): (&mut BinResponse<B>, &mut Sliders),
         direction: Option<&mut Direction<'_, B>>,
     ) -> u64 {
         let Lane {
@@ -1132,10 +1132,10 @@ impl<const B: usize> Direction<'_, B> {
         let spoilt = &mut changes.curves.fill;
         spoilt.0 = [0.0; B];
         for part in *jump {
-            run(Spoil(part, spoilt));
+            run(SpreadNan(part, spoilt));
         }
         for component in 0..n_state {
-            run(Spoil(rows.begin(component), spoilt));
+            run(SpreadNan(rows.begin(component), spoilt));
         }
         for i in 0..B {
             changes.nothing.0[i] = fill.0[i] + spoilt.0[i];
@@ -1411,8 +1411,8 @@ fn load_changes<const B: usize>(
     }
 }
 
-/// Room for the numbers of a block.
-struct Room<const B: usize> {
+/// Scratch for the numbers of a block.
+struct Scratch<const B: usize> {
     sets: [u32; B],
     gap: Lanes<f64, B>,
     density: Lanes<f64, B>,
@@ -1429,9 +1429,9 @@ struct Room<const B: usize> {
     curves: CurveBlock<B>,
     of_annulus: CurveBlock<B>,
     workspace: Workspace<B>,
-    in_box: Option<BoxWorkspace<B>>,
+    box_workspace: Option<BoxWorkspace<B>>,
     /// What one asperity of a bin answers, or one of its annuli.
-    bin: Answer<B>,
+    bin: BinResponse<B>,
     sliders: Sliders,
     sums: Sums<B>,
 }
@@ -1443,7 +1443,7 @@ struct Sliders {
 }
 
 /// Tractions, and tangent row by row.
-struct Answer<const B: usize> {
+struct BinResponse<const B: usize> {
     traction: [Lanes<f64, B>; 3],
     tangent: [Lanes<f64, B>; 9],
 }
@@ -1465,7 +1465,7 @@ impl<const B: usize> Sums<B> {
     }
 
     /// Adds what a number of asperities per area answer, of the tangent some entries.
-    fn add(&mut self, density: &Lanes<f64, B>, part: &Answer<B>, regime: &Lanes<u64, B>, entries: &[usize]) {
+    fn add(&mut self, density: &Lanes<f64, B>, part: &BinResponse<B>, regime: &Lanes<u64, B>, entries: &[usize]) {
         for (sum, part) in self.traction.iter_mut().zip(&part.traction) {
             run(Add(density, part, sum));
         }
@@ -1489,7 +1489,7 @@ struct Approach<const B: usize> {
     u_n0: Lanes<f64, B>,
 }
 
-impl<const B: usize> Room<B> {
+impl<const B: usize> Scratch<B> {
     fn new(cone: Cone) -> Self {
         let zero = Lanes([0.0; B]);
         Self {
@@ -1514,8 +1514,8 @@ impl<const B: usize> Room<B> {
             curves: CurveBlock::new(),
             of_annulus: CurveBlock::new(),
             workspace: Workspace::new(),
-            in_box: (cone == Cone::Box).then(BoxWorkspace::new),
-            bin: Answer {
+            box_workspace: (cone == Cone::Box).then(BoxWorkspace::new),
+            bin: BinResponse {
                 traction: [zero; 3],
                 tangent: [zero; 9],
             },
@@ -1533,9 +1533,9 @@ impl<const B: usize> Room<B> {
 }
 
 /// NaN where a value is no finite number.
-struct Spoil<'a, const B: usize>(&'a [f64], &'a mut Lanes<f64, B>);
+struct SpreadNan<'a, const B: usize>(&'a [f64], &'a mut Lanes<f64, B>);
 
-impl<const B: usize> Pass for Spoil<'_, B> {
+impl<const B: usize> Pass for SpreadNan<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self(values, fill) = self;

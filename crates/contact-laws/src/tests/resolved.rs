@@ -124,10 +124,17 @@ pub(super) struct Sum {
 }
 
 /// One asperity's forces with the regime and the distance of the trials from the cone.
-type Answer = ([Quantity3; 3], Regime, f64);
+type Response = ([Quantity3; 3], Regime, f64);
 
 /// Each direction by itself, cut at its own limit.
-fn in_box(bin: &Bin, mu: f64, rule: HistoryRule, sticking: Sticking, jump: [f64; 3], begin: [f64; 5]) -> Answer {
+fn response_in_box(
+    bin: &Bin,
+    mu: f64,
+    rule: HistoryRule,
+    sticking: Sticking,
+    jump: [f64; 3],
+    begin: [f64; 5],
+) -> Response {
     let number = Quantity3::from;
     let u: [Quantity3; 3] = std::array::from_fn(|q| Dual::variable(Rounded::from(jump[q]), q));
     let closed_from = number(begin[2].max(0.0));
@@ -210,7 +217,7 @@ fn microslip(
     jump: [f64; 3],
     begin: &[f64],
     memory: &[f64],
-) -> Answer {
+) -> Response {
     let number = Quantity3::from;
     let nodes = quadrature(radii);
     let At { force, radius } = at;
@@ -346,7 +353,7 @@ pub(super) fn sum(case: &Case, sticking: Sticking, jump: [f64; 3], begin: &[f64]
             }
         }
         let stick_or_slip = |bin: &Bin, rule: HistoryRule, before: [f64; 5]| match case.cone {
-            Cone::Box => in_box(bin, case.mu, rule, sticking, jump, before),
+            Cone::Box => response_in_box(bin, case.mu, rule, sticking, jump, before),
             Cone::Circle => {
                 let found = expected(bin, case.mu, rule, sticking, jump, &before);
                 (found.traction, found.regime, found.cone_distance)

@@ -120,12 +120,12 @@ impl PartLaw {
                 && part.scene.interfaces.law.kind == scene.interfaces.law.kind
         };
         let known = known.filter(is_same).and_then(|part| match &part.from {
-            Source::Given(_) => None,
+            Source::NumberOrText(_) => None,
             Source::Asperities(built) => Some(&built.asperities),
         });
         let from = match (&scene.interfaces.surface, known) {
             (Surface::Parameters(parameters), _) => {
-                Source::Given(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?)
+                Source::NumberOrText(GivenLaw::try_new(&scene, parameters, &element_of, &mu)?)
             }
             (_, Some(known)) => law_of(known.varied(&scene)?)?,
             (Surface::Measured | Surface::Benchmark(_), None) => {
@@ -143,7 +143,7 @@ impl PartLaw {
             (Surface::Finish(_), None) => law_of(Asperities::finished(&scene, mesh)?)?,
         };
         let (gap, clipped_gaps) = match &from {
-            Source::Given(given) => (given.gap.clone(), 0),
+            Source::NumberOrText(given) => (given.gap.clone(), 0),
             Source::Asperities(built) => {
                 let clipped = built.known_gap.iter().filter(|g| **g < 0.0).count();
                 let known = built.known_gap.iter().map(|g| g.max(0.0));
@@ -165,7 +165,7 @@ impl PartLaw {
 
     fn law(&self) -> Arc<dyn TractionLaw> {
         match &self.from {
-            Source::Given(given) => given.law.clone(),
+            Source::NumberOrText(given) => given.law.clone(),
             Source::Asperities(built) => built.law.clone(),
         }
     }
@@ -173,7 +173,7 @@ impl PartLaw {
     /// Interference at each point that a preload belongs to (m).
     fn interference(&self) -> Vec<f64> {
         match &self.from {
-            Source::Given(given) => given.interference.clone(),
+            Source::NumberOrText(given) => given.interference.clone(),
             Source::Asperities(_) => vec![0.0; self.gap.len()],
         }
     }
@@ -183,7 +183,7 @@ impl PartLaw {
         let n = self.gap.len();
         let interface = Interface::try_new(self.operators.clone(), vec![(0..n, self.law())], self.gap.clone())?;
         Ok(match &self.from {
-            Source::Given(given) => interface.with_interference(given.interference.clone())?,
+            Source::NumberOrText(given) => interface.with_interference(given.interference.clone())?,
             Source::Asperities(_) => interface,
         })
     }
@@ -193,7 +193,7 @@ impl PartLaw {
         let (scene, operators) = (&self.scene, &self.operators);
         let (mean_closure, mean_pressure) = match &self.from {
             // What the preload holds together moves little from where it is.
-            Source::Given(given) if load == 0.0 => {
+            Source::NumberOrText(given) if load == 0.0 => {
                 let [closure, pressure] = mean(operators, |p| [given.interference[p], given.preload[p]]);
                 (closure, pressure)
             }
@@ -203,11 +203,11 @@ impl PartLaw {
             }
         };
         let (kind, resolved) = match &self.from {
-            Source::Given(given) => (given.kind, None),
+            Source::NumberOrText(given) => (given.kind, None),
             Source::Asperities(built) => (built.kind, built.resolved.clone()),
         };
         let (stiffness, asperity_report) = match &self.from {
-            Source::Given(given) => {
+            Source::NumberOrText(given) => {
                 let of_curves = |p: usize| stiffnesses(given.at(p), mean_closure);
                 (mean(operators, of_curves), None)
             }
@@ -319,11 +319,16 @@ impl SceneInterface {
         }
         let gap = built.iter().flat_map(|(_, part)| part.gap.iter().copied()).collect();
         let mut interface = Interface::try_new(operators.clone(), laws, gap)?;
-        if built.iter().any(|(_, part)| matches!(part.from, Source::Given(_))) {
+        if built
+            .iter()
+            .any(|(_, part)| matches!(part.from, Source::NumberOrText(_)))
+        {
             interface =
                 interface.with_interference(built.iter().flat_map(|(_, part)| part.interference()).collect())?;
         }
-        let is_given = built.iter().all(|(_, part)| matches!(part.from, Source::Given(_)));
+        let is_given = built
+            .iter()
+            .all(|(_, part)| matches!(part.from, Source::NumberOrText(_)));
         let closure = match is_given && load == 0.0 {
             true => 0.0,
             false => uniform_closure(&interface, load)?,
@@ -358,7 +363,7 @@ impl SceneInterface {
     /// The asperities of all parts together; none where the parameters of the law of a part are given.
     pub fn asperities(&self) -> Option<Asperities> {
         let of_parts = self.parts.iter().map(|part| match &part.from {
-            Source::Given(_) => None,
+            Source::NumberOrText(_) => None,
             Source::Asperities(built) => Some(&built.asperities),
         });
         Asperities::joined(of_parts.collect::<Option<Vec<_>>>()?)
@@ -427,7 +432,7 @@ impl PartLaw {
 
 /// What the law follows from.
 enum Source {
-    Given(GivenLaw),
+    NumberOrText(GivenLaw),
     Asperities(Box<BuiltLaw>),
 }
 

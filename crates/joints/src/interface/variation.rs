@@ -86,7 +86,7 @@ impl PartLaw {
                 };
                 with_friction(similar, &friction).map(|similar| (similar, quotient(&gaps(above), &gaps(below), apart)))
             }
-            Source::Given(_) => {
+            Source::NumberOrText(_) => {
                 let built = |scene: &Scene| match &scene.interfaces.surface {
                     Surface::Parameters(parameters) => {
                         let mu = friction::coefficients(scene, &self.operators.positions)?;

@@ -26,7 +26,7 @@ pub(super) fn patches(coordinates: &[[f64; 3]], bodies: &[Vec<Face>; 2], within:
     let seen = bodies.each_ref().map(|faces| {
         faces
             .iter()
-            .map(|face| Seen::new(face, coordinates))
+            .map(|face| FaceGeometry::new(face, coordinates))
             .collect::<Vec<_>>()
     });
     let [first, second] = &seen;
@@ -37,7 +37,7 @@ pub(super) fn patches(coordinates: &[[f64; 3]], bodies: &[Vec<Face>; 2], within:
         .max(within.unwrap_or(0.0));
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
     let cell_of = |x: f64| (x / size).floor() as i64;
-    let range = |face: &Seen, margin: f64| {
+    let range = |face: &FaceGeometry, margin: f64| {
         let low = face.low.map(|x| cell_of(x - margin));
         let high = face.high.map(|x| cell_of(x + margin));
         let along = move |axis: usize| low[axis]..=high[axis];
@@ -82,7 +82,7 @@ pub(super) fn patches(coordinates: &[[f64; 3]], bodies: &[Vec<Face>; 2], within:
 }
 
 /// A face with what decides whether it touches another.
-struct Seen {
+struct FaceGeometry {
     corners: Vec<Vector3<f64>>,
     centre: Vector3<f64>,
     normal: Vector3<f64>,
@@ -91,7 +91,7 @@ struct Seen {
     high: [f64; 3],
 }
 
-impl Seen {
+impl FaceGeometry {
     fn new(face: &Face, coordinates: &[[f64; 3]]) -> Self {
         let corners: Vec<Vector3<f64>> = face
             .corners()

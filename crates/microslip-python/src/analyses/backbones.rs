@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 use zte_assembly::State;
 
 /// Of a static state, its linear modes, and an analysis about it.
-pub(super) type Found<T> = (StaticState, Modes, T);
+pub(super) type AboutStaticState<T> = (StaticState, Modes, T);
 
 /// Linear modes.
 pub(super) struct Modes {
@@ -51,7 +51,7 @@ pub(super) fn flow(monitor: &Monitor<'_>) -> ControlFlow<()> {
 pub(super) fn to_python<'py, T>(
     py: Python<'py>,
     structure: &Structure,
-    found: Result<Found<T>, Failure>,
+    found: Result<AboutStaticState<T>, Failure>,
     result: impl FnOnce(&Bound<'py, PyDict>, T) -> PyResult<()>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);

@@ -78,7 +78,7 @@ fn is_sparse(kinds: &[JumpRow]) -> bool {
 }
 
 /// Matrices and vectors over the coordinates of the caller.
-struct Given {
+struct CallerMatrices {
     stiffness: CsMat<f64>,
     mass: CsMat<f64>,
     jump: CsMat<f64>,
@@ -94,7 +94,7 @@ struct Relative {
     held: Vec<bool>,
 }
 
-impl Given {
+impl CallerMatrices {
     fn system<'a>(&'a self, positions: &'a [[f64; 3]]) -> SystemMatrices<'a> {
         SystemMatrices {
             stiffness: &self.stiffness,
@@ -273,7 +273,7 @@ impl Structure {
         let n_points = law.len();
         let jump = matrix("jump", jump)?;
         check_shape("jump", &[jump.rows(), jump.cols()], &[3 * n_points, n])?;
-        let given = Given {
+        let given = CallerMatrices {
             loads: vectors("load", loads, n)?,
             recover: vectors("recover", recover, n)?,
             stiffness,

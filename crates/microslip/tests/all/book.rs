@@ -347,7 +347,8 @@ fn pages(root: &Path) -> Vec<String> {
 }
 
 #[test]
-fn every_command_and_scene_of_the_book_works() {
+#[ignore = "a minute; the gates run it"]
+fn slow_every_command_and_scene_of_the_book_works() {
     let book = Book::open();
     let pages = pages(&book.root);
     let listed: Vec<PathBuf> = pages.iter().map(|page| book.root.join(page)).collect();

@@ -663,7 +663,7 @@ fn an_ensemble_puts_bands_about_the_backbone() {
     let folder = folder("ensemble");
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!("scanned");
-    scene["interfaces"]["surface"] = json!({ "synthetic-scan": { "step": [60e-6, 100e-6] } });
+    scene["interfaces"]["surface"] = json!({ "synthetic-scan": { "step": [120e-6, 200e-6] } });
     scene["interfaces"]["gap"] = json!("scan");
     scene["analyses"]["backbone"] = json!({ "amplitudes": 3, "amplitude_from": 1e-6, "vertices_per_quarter": 4 });
     std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();

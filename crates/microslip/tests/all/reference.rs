@@ -10,6 +10,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 struct Pages<'s> {
+    /// Head of the tables, and what stands for a field that must be there.
+    columns: [&'s str; 2],
     definitions: &'s Map<String, Value>,
     /// Definitions that have their section, or will.
     done: BTreeSet<&'s str>,
@@ -113,10 +115,11 @@ impl<'s> Pages<'s> {
         };
         let required = block.get("required").and_then(Value::as_array);
         let is_required = |name: &str| required.is_some_and(|all| all.iter().any(|one| one == name));
-        writeln!(text, "| field | takes | default | meaning |\n|---|---|---|---|").unwrap();
+        let [head, always] = self.columns;
+        writeln!(text, "{head}\n|---|---|---|---|").unwrap();
         for (name, field) in fields {
             let default = match field.get("default") {
-                _ if is_required(name) => "needed".to_owned(),
+                _ if is_required(name) => always.to_owned(),
                 Some(Value::Object(_)) | None => "-".into(),
                 Some(Value::Null) => "none".into(),
                 Some(value) => format!("`{value}`"),
@@ -188,9 +191,20 @@ impl<'s> Pages<'s> {
     }
 }
 
-fn page(subject: &str, title: &str) -> String {
+const INPUT: ([&str; 2], &str) = (
+    ["| field | takes | default | meaning |", "needed"],
+    "Lengths, forces and other quantities are numbers in the units of the file, or texts with a unit such as `\"12 kN\"`.",
+);
+
+const OUTPUT: ([&str; 2], &str) = (
+    ["| field | is | given | meaning |", "always"],
+    "Quantities are in the SI units that their meaning names.",
+);
+
+fn page(subject: &str, title: &str, (columns, units): ([&str; 2], &str)) -> String {
     let schema: Value = serde_json::from_str(&succeeds(&folder("reference"), &["schema", subject])).unwrap();
     let mut pages = Pages {
+        columns,
         definitions: schema["$defs"].as_object().unwrap(),
         done: BTreeSet::new(),
         queue: VecDeque::new(),
@@ -201,8 +215,7 @@ fn page(subject: &str, title: &str) -> String {
         pages.section(&path, field);
     }
     let mut text = format!(
-        "# {title}\n\nMade from the comments in the program by `MICROSLIP_WRITE=1 cargo test --release -p microslip --test all reference::`. \
-         Lengths, forces and other quantities are numbers in the units of the file, or texts with a unit such as `\"12 kN\"`.\n\n"
+        "# {title}\n\nMade from the comments in the program by `MICROSLIP_WRITE=1 cargo test --release -p microslip --test all reference::`. {units}\n\n"
     );
     for section in pages.sections.values() {
         text += section;
@@ -217,12 +230,12 @@ fn page(subject: &str, title: &str) -> String {
 #[test]
 fn pages_list_every_field() {
     let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference");
-    for (subject, title) in [
-        ("scene", "Every field of a scene"),
-        ("summary", "Every field of `summary.json`"),
-        ("plan", "Every field of a plan"),
+    for (subject, title, kind) in [
+        ("scene", "Every field of a scene", INPUT),
+        ("summary", "Every field of `summary.json`", OUTPUT),
+        ("plan", "Every field of a plan", INPUT),
     ] {
-        let text = page(subject, title);
+        let text = page(subject, title, kind);
         let path = reference.join(format!("{subject}.md"));
         if std::env::var_os("MICROSLIP_WRITE").is_some() {
             std::fs::create_dir_all(&reference).unwrap();

@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "measurements")]
 
 use analyses::cases::{CaseMode, CasePoint, CaseStructure, ErrorBounds, as_case};
-use analyses::hyper_reduced::{Lesson, Training};
+use analyses::hyper_reduced::{Training, TrainingCase};
 use brake_reuss_beam::BrakeReussBenchmark;
 use joint_model::Benchmark;
 use joints::Options;
@@ -59,17 +59,17 @@ fn structure_of(scene: &Scene) -> CaseStructure {
 }
 
 impl Site<'_> {
-    fn lesson(&self, place: Place) -> (Vec<CaseMode>, Lesson) {
+    fn training_case(&self, place: Place) -> (Vec<CaseMode>, TrainingCase) {
         let case = (self.scene)(place);
         let interface = self.structure.interface(&case, None).unwrap();
-        self.structure.lesson(&case, &interface, &Silent).unwrap()
+        self.structure.training_case(&case, &interface, &Silent).unwrap()
     }
 
     fn train(&self, places: &[Place]) -> Training {
-        let lessons = places.iter().map(|place| self.lesson(*place).1).collect();
+        let training_cases = places.iter().map(|place| self.training_case(*place).1).collect();
         let case = (self.scene)(places[0]);
         let interface = self.structure.interface(&case, None).unwrap();
-        self.structure.train(&case, &interface, lessons).unwrap()
+        self.structure.train(&case, &interface, training_cases).unwrap()
     }
 
     fn whole(&self, place: Place) -> Vec<CaseMode> {
@@ -124,7 +124,7 @@ fn cases_that_learn_keep_to_the_errors_that_are_borne_or_are_those_of_the_whole_
     ];
     let corners = corners.map(|(mu, load)| (mu, load, 1.0));
     // A case that teaches has the results of any case.
-    assert_eq!(site.lesson(corners[4]).0, site.whole(corners[4]));
+    assert_eq!(site.training_case(corners[4]).0, site.whole(corners[4]));
     let training = site.train(&corners);
     let (mode, sizes) = training.sizes().next().unwrap();
     let [coordinates, few, all] = sizes.unwrap();
@@ -148,7 +148,7 @@ fn cases_that_learn_keep_to_the_errors_that_are_borne_or_are_those_of_the_whole_
                 "{few:?} {whole:?}"
             );
             assert_eq!(few.point.damping_ratio.is_some(), whole.point.damping_ratio.is_some());
-            let seen = few.point.seen.response_motion / whole.point.seen.response_motion - 1.0;
+            let seen = few.point.first_harmonic.response_motion / whole.point.first_harmonic.response_motion - 1.0;
             assert!(seen.abs() < 1e-3, "{seen}");
         }
         // Nothing is borne: all are those of the whole joint, to the last bit.

@@ -7,17 +7,6 @@ const AMPLITUDES = {
   modal: { name: "modal amplitude", unit: "\u221akg m" },
 };
 
-/** Colours and dashes of the methods; they differ in lightness too. */
-const STYLES = {
-  CQSMA: { colour: "#1f5d99", marks: true },
-  QSMA: { colour: "#d67e00", dash: [9, 5] },
-  Masing: { colour: "#22823c", dash: [2, 4] },
-  RQNMA: { colour: "#7a3a96", dash: [14, 4] },
-  EPMC: { colour: "#007a87", dash: [7, 3] },
-};
-
-const OTHER_COLOURS = ["#1f5d99", "#b23a2e", "#22823c", "#d67e00", "#7a3a96", "#007a87", "#5a5a5a", "#b0307c"];
-
 /** The choice of the mode, which all sections of a page share. */
 function modeChoice(groups, state) {
   const made = choice("Mode", groups.map((group, i) => [i, group.name]), state.values.mode, (value) => state.set({ mode: Number(value) }));
@@ -72,7 +61,7 @@ function showBackbones(host, groups, response, state, picked = null) {
     }
     try {
       const curve = backboneOf(await file.text());
-      const colour = OTHER_COLOURS[(1 + measured.length) % OTHER_COLOURS.length];
+      const colour = COLOURS[(1 + measured.length) % COLOURS.length];
       measured.push({ name: file.name, colour, marks: true, dash: [4, 3], ...curve });
       told.textContent = `${file.name}: ${curve.frequency.length} amplitudes.`;
       renew();
@@ -156,7 +145,7 @@ function showForced(host, levels) {
   const below = makeChart(charts, { height: 220, zoomed: (range) => partner.amplitude?.show(range) });
   Object.assign(partner, { amplitude: above, phase: below });
   let log = true;
-  const shade = (i) => OTHER_COLOURS[i % OTHER_COLOURS.length];
+  const shade = (i) => COLOURS[i % COLOURS.length];
   const curves = levels.flatMap((level, i) => {
     const name = `${readable(level.level)} N`;
     const forced = { name, colour: shade(i), f: level.frequency_hz, amplitude: level.amplitude, phase: unwrapped(level.phase) };

@@ -5,7 +5,7 @@ use super::encode::{self, Sequences};
 use crate::fields::{Placed, total_flux};
 use crate::motions::PeriodicMotions;
 use crate::names::table_file;
-use crate::{Error, csv, plot};
+use crate::{Error, csv, styles};
 use analyses::ensemble::BandPoint;
 use analyses::results::summary::{MethodSummary, Summary};
 use analyses::{ElementLoops, Fields, ModeBackbone, Run};
@@ -276,7 +276,7 @@ impl Backbone {
             methods: summary
                 .methods
                 .iter()
-                .map(|(name, points)| curve(&plot::title(name), points))
+                .map(|(name, points)| curve(&styles::title(name), points))
                 .collect(),
         })
     }

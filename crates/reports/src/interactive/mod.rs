@@ -13,7 +13,7 @@ pub(crate) use data::Document;
 pub(crate) use several::Runs;
 pub(crate) use shapes::Shapes;
 
-use crate::Error;
+use crate::{Error, styles};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
@@ -122,6 +122,7 @@ impl Live {
 fn own(files: &[&str]) -> String {
     let mut script = String::from("\"use strict\";\n");
     script += COMMON;
+    script += &styles::script();
     files.iter().for_each(|file| script += file);
     script
 }

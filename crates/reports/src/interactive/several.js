@@ -15,7 +15,7 @@ function showRuns({ runs }) {
       return curves.map((curve) => ({
         ...curve,
         name: curve.name === "CQSMA" ? run.name : `${run.name}, ${curve.name}`,
-        colour: OTHER_COLOURS[i % OTHER_COLOURS.length],
+        colour: COLOURS[i % COLOURS.length],
       }));
     }),
   }));

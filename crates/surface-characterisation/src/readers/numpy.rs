@@ -9,7 +9,7 @@ use matrix_files::value::{Array, Dense};
 use super::bytes::{malformed, unsupported};
 use super::format::Format;
 use super::options::Options;
-use super::scan::{Found, Scan};
+use super::scan::{RawGrid, Scan};
 use crate::error::FileError;
 
 /// Reads an array, or an archive of arrays.
@@ -82,7 +82,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
     let [lateral_unit, height_unit] = options.units(source.name, None, None)?;
     let step = options.steps(source.name, format, None)?;
     let metres = height_unit.unit();
-    Found {
+    RawGrid {
         format,
         size,
         step: step.map(|d| lateral_unit.unit().metres(d)),

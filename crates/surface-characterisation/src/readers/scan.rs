@@ -31,7 +31,7 @@ pub struct Scan {
 }
 
 /// A grid as it stands in a file, in metres.
-pub(super) struct Found {
+pub(super) struct RawGrid {
     pub(super) format: Format,
     pub(super) size: [usize; 2],
     /// Negative where the axis runs backwards.
@@ -47,7 +47,7 @@ pub(super) struct Found {
     pub(super) notes: Vec<String>,
 }
 
-impl Found {
+impl RawGrid {
     /// Turns the axes, makes the map, checks it.
     pub(super) fn finish(mut self, file: &str, options: &Options) -> Result<Scan, FileError> {
         let text = matches!(self.format, Format::Xyz | Format::Grid);

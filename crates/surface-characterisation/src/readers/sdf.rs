@@ -12,7 +12,7 @@ use file_io::{Place, Source, quoted};
 use super::bytes::{Bytes, malformed, oversized, unsupported};
 use super::format::Format;
 use super::options::Options;
-use super::scan::{Found, Scan};
+use super::scan::{RawGrid, Scan};
 use super::text;
 use super::units::LengthUnit;
 use crate::error::FileError;
@@ -428,7 +428,7 @@ fn finish(
     };
     let resolution = Some(header.resolution).filter(|r| r.is_finite() && *r > 0.0);
     let [lateral_unit, height_unit] = options.units(source.name, Some(LengthUnit::Metre), Some(LengthUnit::Metre))?;
-    Found {
+    RawGrid {
         format: Format::Sdf,
         size: header.size,
         step: header.step,

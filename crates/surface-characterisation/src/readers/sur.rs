@@ -16,7 +16,7 @@ use matrix_files::archive::INFLATION;
 use super::bytes::Bytes;
 use super::format::Format;
 use super::options::Options;
-use super::scan::{Found, Scan};
+use super::scan::{RawGrid, Scan};
 use super::units::LengthUnit;
 use crate::error::FileError;
 
@@ -76,7 +76,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
         numbers.map(|b| height(i32::from_le_bytes(*b).into())).collect()
     };
     let [lateral_unit, height_unit] = options.units(source.name, Some(axes.unit[0]), Some(axes.unit[2]))?;
-    Found {
+    RawGrid {
         format: Format::Sur,
         size: body.size,
         step: [spacing[0], spacing[1]],

@@ -18,7 +18,7 @@ use super::bytes::{latin_or_utf8, malformed};
 use super::format::Format;
 use super::grid::{Gridded, grid};
 use super::options::Options;
-use super::scan::{Found, Scan};
+use super::scan::{RawGrid, Scan};
 use super::units::LengthUnit;
 use crate::error::FileError;
 
@@ -295,7 +295,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
     };
     let metres = |pair: [f64; 2]| pair.map(|value| lateral.metres(value));
     found.heights.iter_mut().for_each(|z| *z = height.metres(*z));
-    Found {
+    RawGrid {
         format,
         size: found.size,
         step: metres(found.step),

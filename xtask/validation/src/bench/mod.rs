@@ -1,6 +1,5 @@
 //! The benchmark set: figures of one run, so that ratios hold even where times do not.
 mod instruments;
-mod kernel;
 mod periodic;
 mod solver;
 
@@ -10,14 +9,6 @@ use std::path::PathBuf;
 
 pub use instruments::Instruments;
 pub use solver::Scaling;
-
-/// Times of the traction laws alone: figures, and a table of them.
-///
-/// # Errors
-/// A law refuses its parameters.
-pub fn kernel() -> Result<(Value, String)> {
-    kernel::figures()
-}
 
 /// Interface, solver and reduction of 588 elements of 25 points, from the mesh to the backbone: figures under their names, and a
 /// table of them.

@@ -6,11 +6,11 @@ use microslip::commands::{RESULTS, print};
 use microslip::progress::Monitor;
 use serde_json::json;
 use std::path::Path;
-use validation::bench::{Instruments, kernel, periodic, processor, scaling, solver};
-use xtask::study;
+use validation::bench::{Instruments, periodic, processor, scaling, solver};
+use xtask::arguments;
 
 /// Runs the command.
-pub(crate) fn run(arguments: &study::Bench) -> Result<()> {
+pub(crate) fn run(arguments: &arguments::Bench) -> Result<()> {
     let mut figures = json!({ "processor": processor() });
     if arguments.scaling {
         let found = scaling(Path::new(RESULTS).join(".cache"), &instruments(&Monitor::new()?))?;
@@ -26,11 +26,6 @@ pub(crate) fn run(arguments: &study::Bench) -> Result<()> {
             all.extend(found);
         }
     } else {
-        let (found, table) = kernel()?;
-        figures["kernel"] = found;
-        print(&table)?;
-    }
-    if !arguments.kernel && !arguments.scaling && !arguments.periodic {
         let (parts, table) = solver(&instruments(&Monitor::new()?))?;
         print(&table)?;
         for (name, part) in parts {

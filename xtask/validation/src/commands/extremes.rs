@@ -5,10 +5,10 @@ use file_io::durable::Identity;
 use microslip::commands::print;
 use microslip::files::publish;
 use validation::extremes::{self, select};
-use xtask::study;
+use xtask::arguments;
 
 /// Runs the command.
-pub(crate) fn run(arguments: &study::Extremes) -> Result<()> {
+pub(crate) fn run(arguments: &arguments::Extremes) -> Result<()> {
     let cases = select(&arguments.only)?;
     let identity = Identity::new("extremes", "");
     let results = arguments.overwrite.open(&arguments.out, &identity, &[])?;

@@ -8,7 +8,7 @@ use microslip::progress::Bar;
 use microslip::{Defaults, Outcome};
 use std::time::Instant;
 use validation::paper::{Paper, select};
-use xtask::study;
+use xtask::arguments;
 
 /// Name of the page.
 const REPORT: &str = "report.html";
@@ -27,7 +27,7 @@ impl validation::Display for Display {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &study::Paper, defaults: &Defaults) -> Result<Outcome> {
+pub(crate) fn run(arguments: &arguments::Paper, defaults: &Defaults) -> Result<Outcome> {
     let began = Instant::now();
     let entries = select(&arguments.only)?;
     let out = &arguments.out;

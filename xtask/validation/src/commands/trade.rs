@@ -7,10 +7,10 @@ use microslip::files::publish;
 use microslip::{Defaults, Outcome};
 use std::io::Write;
 use validation::trade::{Launcher, Plan};
-use xtask::study;
+use xtask::arguments;
 
 /// Runs the command.
-pub(crate) fn run(arguments: &study::Trade, defaults: &Defaults) -> Result<Outcome> {
+pub(crate) fn run(arguments: &arguments::Trade, defaults: &Defaults) -> Result<Outcome> {
     let scene = arguments.scene.read(defaults)?.scene;
     let identity = results_of("trade", &scene);
     let plan = Plan::try_new(scene, &arguments.only, arguments.quick)?;

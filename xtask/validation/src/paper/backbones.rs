@@ -10,7 +10,8 @@ use brake_reuss_beam::published::{self, BACKBONE_FLAT, BACKBONE_TOPOGRAPHY, Back
 use contact_laws::{HistoryRule, TangentialReading};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use reports::map::rgb;
-use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack, title};
+use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use reports::styles::title;
 use scenes::{Commit, Gap, Law, LawKind, Method, Scene};
 use surface_characterisation::{
     AsperityCount, HeightCombination, Options, PackingHeight, PairRadius, RadiusStatistic, characterise,

@@ -261,7 +261,7 @@ fn table_4(inputs: &Inputs) -> Result<Plan<'_>> {
     let scene = |row: &BoltStrainRow, gap| {
         let microstrain = 1e6 * row.bolt_strain;
         let mut scene = inputs.prestress(&format!("bolt strain {microstrain:.0} um/m"), gap);
-        scene.bolts.load = Force::from_si(published::bolt_load(row.bolt_strain));
+        scene.bolts.load = Force::from_si(published::bolt_tension(row.bolt_strain));
         scene
     };
     let rows = BOLT_STRAIN_TABLE.iter();
@@ -275,7 +275,7 @@ fn table_4(inputs: &Inputs) -> Result<Plan<'_>> {
             let mut curves: [Vec<[f64; 6]>; 2] = Default::default();
             for (row, pair) in BOLT_STRAIN_TABLE.iter().zip(runs.chunks_exact(2)) {
                 let at = format!("at {:.0} um/m", 1e6 * row.bolt_strain);
-                let load = published::bolt_load(row.bolt_strain);
+                let load = published::bolt_tension(row.bolt_strain);
                 let cases = [
                     (
                         "topography",
@@ -435,11 +435,11 @@ fn numbers(_: &Inputs) -> Result<Plan<'_>> {
                 published::HALF_BEAM_MASS,
                 published::HALF_BEAM_FREQUENCIES[0],
             )?;
-            let (torque_load, torque_strain) = published::TORQUE_BOLT_LOAD;
+            let (torque_load, torque_strain) = published::TORQUE_BOLT_TENSION;
             let cord = published::pendulum_stiffness(published::PAPER_MASS, published::CORD_LENGTH, GRAVITY);
             let ratio = adhesion.intermolecular_distance / onset;
             // By how much the figures that are printed may be off: half of their last digit, carried through where they are inputs.
-            let strain_digit = published::bolt_load(0.5e-6);
+            let strain_digit = published::bolt_tension(0.5e-6);
             let printed = [
                 (
                     "K",
@@ -451,13 +451,13 @@ fn numbers(_: &Inputs) -> Result<Plan<'_>> {
                 (
                     "the load at 1847 um/m",
                     torque_load,
-                    published::bolt_load(torque_strain),
+                    published::bolt_tension(torque_strain),
                     strain_digit,
                 ),
                 (
                     "the load at 2050 um/m",
-                    published::BOLT_LOAD,
-                    published::bolt_load(published::BOLT_STRAIN),
+                    published::BOLT_TENSION,
+                    published::bolt_tension(published::BOLT_STRAIN),
                     strain_digit,
                 ),
                 ("the stiffness of a cord", published::PENDULUM_STIFFNESS, cord, 0.5),
@@ -478,7 +478,7 @@ fn numbers(_: &Inputs) -> Result<Plan<'_>> {
                  {ratio:.1e}, {} the published bound. The half-beam gives back the modulus behind the data to {:+.2} % and its density to {:+.2} %.",
                 list(&met),
                 list(&missed),
-                published::bolt_load(published::BOLT_STRAIN) - published::BOLT_LOAD,
+                published::bolt_tension(published::BOLT_STRAIN) - published::BOLT_TENSION,
                 if ratio < adhesion.relative_distance_bound {
                     "below"
                 } else {
@@ -493,14 +493,14 @@ fn numbers(_: &Inputs) -> Result<Plan<'_>> {
                 figures: vec![
                     Figure::new(
                         "bolt load at 2050 um/m, eq. (46) (N)",
-                        published::BOLT_LOAD,
-                        published::bolt_load(published::BOLT_STRAIN),
+                        published::BOLT_TENSION,
+                        published::bolt_tension(published::BOLT_STRAIN),
                         "the paper's strain is a rounded mean",
                     ),
                     Figure::new(
                         "bolt load at 1847 um/m, eq. (46) (N)",
                         torque_load,
-                        published::bolt_load(torque_strain),
+                        published::bolt_tension(torque_strain),
                         "",
                     ),
                     Figure::new(

@@ -2,8 +2,8 @@
 
 use super::entry::{self, Computed, Figure};
 use reports::Error;
+use reports::findings::{Findings, FindingsPage, Section};
 use reports::html::{Picture, Table};
-use reports::study::{Findings, Section, Study};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -62,7 +62,7 @@ fn comparable(comparable: bool) -> &'static str {
 
 /// The page as HTML, pictures included.
 pub(super) fn html(computed: &[Computed], quick: bool) -> Result<String, Error> {
-    let page = Study {
+    let page = FindingsPage {
         title: TITLE,
         introduction: INTRODUCTION,
         warning: quick.then_some(QUICK),

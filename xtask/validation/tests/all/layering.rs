@@ -17,36 +17,35 @@ fn the_layering_holds() {
 /// Otherwise running one after the other would compile everything anew.
 #[test]
 fn the_programs_share_one_build_of_what_they_use() {
-    let packages = |program: &str| -> BTreeMap<String, BTreeSet<String>> {
+    let packages = |edges: &str, which: &[&str]| -> BTreeMap<String, BTreeSet<String>> {
         let output = Command::new(env!("CARGO"))
-            .args([
-                "tree",
-                "--offline",
-                "--edges",
-                "normal,build",
-                "--prefix",
-                "none",
-                "--no-dedupe",
-            ])
-            .args(["--format", "{p}|{f}", "--package", program])
+            .args(["tree", "--offline", "--edges", edges, "--prefix", "none", "--no-dedupe"])
+            .args(["--format", "{p}|{f}"])
+            .args(which)
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .output()
             .unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let mut features: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-        for line in String::from_utf8(output.stdout).unwrap().lines() {
-            let (package, enabled) = line.split_once('|').unwrap();
+        // Between the packages of a workspace are empty lines.
+        let text = String::from_utf8(output.stdout).unwrap();
+        for (package, enabled) in text.lines().filter_map(|line| line.split_once('|')) {
             features.entry(package.into()).or_default().insert(enabled.into());
         }
         features
     };
-    let tasks = packages("xtask");
+    let tasks = packages("normal,build", &["--package", "xtask"]);
     assert!(
         tasks.keys().any(|package| package.starts_with("analyses ")),
         "{tasks:?}"
     );
-    for other in ["microslip", "validation"] {
-        for (package, features) in packages(other) {
+    let others = [
+        ("microslip", packages("normal,build", &["--package", "microslip"])),
+        ("validation", packages("normal,build", &["--package", "validation"])),
+        ("the tests", packages("normal,build,dev", &["--workspace"])),
+    ];
+    for (other, packages) in others {
+        for (package, features) in packages {
             if let Some(of_tasks) = tasks.get(&package) {
                 // What it needs beside does not make cargo compile the rest anew.
                 assert!(

@@ -21,7 +21,7 @@ use self::points::{Extent, Points};
 use super::bytes::{latin_or_utf8, malformed, unsupported};
 use super::format::Format;
 use super::options::Options;
-use super::scan::{Found, Scan};
+use super::scan::{RawGrid, Scan};
 use super::units::LengthUnit;
 use crate::error::FileError;
 
@@ -52,7 +52,7 @@ pub fn parse(source: Source<'_>, options: &Options) -> Result<Scan, FileError> {
     members.note_others(&mut notes);
     let integers = matches!(axes[2].data, Some(DataType::I | DataType::L));
     let [lateral_unit, height_unit] = options.units(file, Some(LengthUnit::Metre), Some(LengthUnit::Metre))?;
-    Found {
+    RawGrid {
         format: Format::X3p,
         size: grid.size,
         step: grid.step,

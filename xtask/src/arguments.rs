@@ -1,4 +1,4 @@
-//! The tasks that are studies, with their arguments.
+//! The tasks of the program `validation`, with their arguments.
 
 use microslip::commands::SceneArguments;
 use microslip::files::Overwrite;
@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 /// Tasks of the program `validation`.
 #[derive(clap::Subcommand)]
-pub enum Study {
+pub enum Validation {
     /// Measure what every numerical setting costs and misses: errors, time and memory, setting by setting.
     Trade(Trade),
     /// Recompute the results of the method paper that need no private scan, each beside the published figure.
     Paper(Paper),
-    /// Time the kernels in one run: ratios between them, not times, are what to compare.
+    /// Time interface, solver and reduction in one run: ratios between them, not times, are what to compare.
     Bench(Bench),
     /// Run scenes in hostile but finite situations, and check that each does what it must.
     Extremes(Extremes),
@@ -63,14 +63,11 @@ pub struct Bench {
     /// Write the figures to this file as well.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Only the kernel: seconds instead of minutes.
-    #[arg(long, conflicts_with = "scaling")]
-    pub kernel: bool,
     /// Instead, how the cost grows with the number of interface elements and of points per element: some ten minutes.
     #[arg(long)]
     pub scaling: bool,
     /// Instead, free periodic motions by harmonic balance: a minute.
-    #[arg(long, conflicts_with_all = ["scaling", "kernel"])]
+    #[arg(long, conflicts_with = "scaling")]
     pub periodic: bool,
     /// Draw what `--scaling` measured (SVG).
     #[arg(long, value_name = "FILE", requires = "scaling")]

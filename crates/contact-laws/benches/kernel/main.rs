@@ -1,10 +1,12 @@
 //! Time per batch: kind of law, with and without tangent and along a direction, mix of regimes, number of points.
 
+mod workload;
+
 use std::hint::black_box;
 
-use contact_laws::workload::{Batch, LoadStoreFloor, asperity_sums, fitted_curves};
 use contact_laws::*;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use workload::{Batch, asperity_sums, fitted_curves};
 
 const N: usize = 15_000;
 /// Stick, slip and open points in turn.
@@ -73,7 +75,6 @@ fn laws() -> Result<Laws, Error> {
             "resolved-12-radii-8",
             resolved(AsperityFriction::Annuli(HistoryRule::EndPoint, 8), None)?,
         ),
-        ("load-store", Box::new(LoadStoreFloor::<21>::new(N))),
     ])
 }
 

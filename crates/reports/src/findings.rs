@@ -1,16 +1,16 @@
-//! The page of a study: computed figures beside published ones, entry by entry.
+//! A page of computed figures beside published ones, entry by entry.
 
 use crate::Error;
 use crate::html::{Picture, Table, render};
 use askama::Template;
 
-/// A study.
+/// The page.
 #[derive(Clone, Debug, Template)]
-#[template(path = "study.html")]
-pub struct Study<'a> {
+#[template(path = "findings.html")]
+pub struct FindingsPage<'a> {
     /// Heading.
     pub title: &'a str,
-    /// What the study is about.
+    /// What it is about.
     pub introduction: &'a str,
     /// What must be known before any number is read.
     pub warning: Option<&'a str>,
@@ -18,7 +18,7 @@ pub struct Study<'a> {
     pub sections: Vec<Section<'a>>,
 }
 
-/// An entry of a study.
+/// An entry.
 #[derive(Clone, Debug)]
 pub struct Section<'a> {
     /// Name of its anchor.
@@ -44,7 +44,7 @@ pub struct Findings<'a> {
     pub remark: String,
 }
 
-impl Study<'_> {
+impl FindingsPage<'_> {
     /// The page, pictures included.
     ///
     /// # Errors
@@ -80,13 +80,13 @@ mod tests {
             inputs: hostile,
             findings,
         };
-        let study = Study {
+        let page = FindingsPage {
             title: hostile,
             introduction: hostile,
             warning: Some(hostile),
             sections: vec![section(Ok(found)), section(Err(hostile))],
         };
-        let page = study.html().expect("a page");
+        let page = page.html().expect("a page");
         assert_eq!(markup::check(&page), Ok(()));
         assert!(page.contains("<svg/>") && !page.contains('\u{1}') && !page.contains("a < b"));
         assert_eq!(page.matches("<h2 id=\"one\">").count(), 2);
