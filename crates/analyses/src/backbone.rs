@@ -1,15 +1,16 @@
 //! The backbone of one mode: hysteresis loops over amplitudes, and the methods beside CQSMA.
 
 use super::amplitude::{AmplitudeResult, LoopFields};
+use super::linearised::Linearised;
+use super::methods;
 use super::observer::{Stored, Watcher};
 use super::outcome::ModeAnalysis;
 use super::prestress::PrestressResult;
 use super::sensitivities::Sensitivities;
-use super::{methods, periodic};
 use crate::Error;
 use cqsma_solver::cqsma::{self, Cycles, Settings};
 use cqsma_solver::sensitivity::Derivatives;
-use cqsma_solver::{BackbonePoint, Linearisation, NewtonSettings};
+use cqsma_solver::{BackbonePoint, NewtonSettings};
 use faer::Mat;
 use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Stage};
@@ -20,7 +21,6 @@ use scenes::{Length, Scene};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use zte_assembly::State;
 
 /// Modes that move the response point less than this share of a rigid motion cannot be scaled by its amplitude.
 const LEAST_PARTICIPATION: f64 = 1e-2;
@@ -45,16 +45,10 @@ type Finished = Checkpoint<Loop>;
 
 /// What the backbone of a mode starts from.
 pub(super) struct Request<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) force: &'a InterfaceForce<'a>,
+    pub(super) about: Linearised<'a>,
     /// The structure under prestress.
     pub(super) reduced: &'a ReducedModel,
-    /// The structure that vibrates, with locked bolts if they are so.
-    pub(super) vibrating: &'a ReducedModel,
     pub(super) prestress: &'a PrestressResult,
-    pub(super) line: &'a Linearisation<'a, State>,
-    /// Recovers the displacement at the response point.
-    pub(super) response: &'a [f64],
     /// Static load on the reduced coordinates (N).
     pub(super) static_load: &'a [f64],
     /// Mass of the structure (kg), if it is known.
@@ -97,7 +91,7 @@ impl<'a> Request<'a> {
             response: phi,
             forces,
         } = self.loading()?;
-        let omega2 = self.line.eigenvalues[self.mode];
+        let omega2 = self.about.line.eigenvalues[self.mode];
         let settings = self.settings();
         let epmc_key = key.clone();
         let finished = match key {
@@ -105,7 +99,10 @@ impl<'a> Request<'a> {
             None => Finished::default(),
         };
         let derivatives = match self.sensitivities {
-            Some(sensitivities) => Some((sensitivities, sensitivities.of_mode(self.line, self.force, self.mode)?)),
+            Some(sensitivities) => Some((
+                sensitivities,
+                sensitivities.of_mode(self.about.line, self.about.force, self.mode)?,
+            )),
             None => None,
         };
         let along = derivatives.as_ref().map(|(_, derivatives)| derivatives);
@@ -114,7 +111,7 @@ impl<'a> Request<'a> {
             .as_ref()
             .map_or_else(Vec::new, |(sensitivities, derivatives)| {
                 let loops = done.iter().map(|(point, _)| point.result.as_ref().ok());
-                sensitivities.of_loops(derivatives, (&shape, omega2), self.response, loops)
+                sensitivities.of_loops(derivatives, (&shape, omega2), self.about.response, loops)
             });
         let amplitude = |(point, fields): Loop| {
             let result = point.result.as_ref().ok();
@@ -127,38 +124,28 @@ impl<'a> Request<'a> {
             }
         };
         let methods = methods::Request {
-            scene: self.scene,
-            interface: self.force.interface(),
+            about: self.about,
             reduced: self.reduced,
             prestress: &self.prestress.solution,
-            line: self.line,
-            force: self.force,
-            response: self.response,
             modal_forces: &forces,
             settings: &settings,
         };
         let mut checkpoints = checkpoints;
-        let epmc = match &self.scene.analyses.epmc {
+        let epmc = match &self.about.scene.analyses.epmc {
             None => None,
             Some(settings) => {
-                let request = periodic::Request {
-                    scene: self.scene,
-                    force: self.force,
-                    vibrating: self.vibrating,
-                    line: self.line,
-                };
-                let amplitudes = displacements(self.scene, EPMC_AMPLITUDES)
+                let amplitudes = displacements(self.about.scene, EPMC_AMPLITUDES)
                     .iter()
                     .map(|x| x / phi.abs())
                     .collect();
-                let (mut found, resume) = request.epmc(settings, self.mode, amplitudes, epmc_key, progress)?;
+                let (mut found, resume) = self.about.epmc(settings, self.mode, amplitudes, epmc_key, progress)?;
                 checkpoints.extend(resume);
                 if let Some((sensitivities, derivatives)) = &derivatives {
                     found.sensitivities = sensitivities.of_motions(
                         derivatives,
-                        self.line,
-                        self.force,
-                        (&shape, self.response),
+                        self.about.line,
+                        self.about.force,
+                        (&shape, self.about.response),
                         &found.points,
                     );
                 }
@@ -181,11 +168,15 @@ impl<'a> Request<'a> {
     /// # Errors
     /// [`Error::NoResponse`].
     pub(super) fn loading(&self) -> Result<Loading, Error> {
-        let shape: Vec<f64> = self.line.shapes.col(self.mode).iter().copied().collect();
-        let response: f64 = shape.iter().zip(self.response).map(|(a, b)| a * b).sum();
+        let shape: Vec<f64> = self.about.line.shapes.col(self.mode).iter().copied().collect();
+        let response: f64 = shape.iter().zip(self.about.response).map(|(a, b)| a * b).sum();
         self.check_response(response)?;
-        let omega2 = self.line.eigenvalues[self.mode];
-        let by_amplitude = || displacements(self.scene, 0).into_iter().map(|x| omega2 * x / response);
+        let omega2 = self.about.line.eigenvalues[self.mode];
+        let by_amplitude = || {
+            displacements(self.about.scene, 0)
+                .into_iter()
+                .map(|x| omega2 * x / response)
+        };
         let forces = self.forces.cloned().unwrap_or_else(|| by_amplitude().collect());
         Ok(Loading {
             shape,
@@ -200,7 +191,7 @@ impl<'a> Request<'a> {
         if participation < LEAST_PARTICIPATION {
             return Err(Error::NoResponse {
                 mode: self.mode + 1,
-                frequency: self.line.frequencies()[self.mode],
+                frequency: self.about.line.frequencies()[self.mode],
                 participation,
             });
         }
@@ -211,17 +202,23 @@ impl<'a> Request<'a> {
     /// not known, the most that any of the modes moves it by.
     fn largest_response(&self) -> f64 {
         let moved = |shape: faer::ColRef<'_, f64>| {
-            let terms = shape.iter().zip(self.response);
+            let terms = shape.iter().zip(self.about.response);
             terms.map(|(a, b)| a * b).sum::<f64>().abs()
         };
         match self.mass {
             Some(mass) => mass.sqrt().recip(),
-            None => self.line.shapes.col_iter().map(moved).fold(f64::MIN_POSITIVE, f64::max),
+            None => self
+                .about
+                .line
+                .shapes
+                .col_iter()
+                .map(moved)
+                .fold(f64::MIN_POSITIVE, f64::max),
         }
     }
 
     pub(super) fn settings(&self) -> Settings {
-        let cqsma = &self.scene.analyses.backbone;
+        let cqsma = &self.about.scene.analyses.backbone;
         Settings {
             mode: self.mode,
             vertices_per_quarter: cqsma.vertices_per_quarter,
@@ -246,7 +243,7 @@ impl<'a> Request<'a> {
         progress: &dyn Progress,
     ) -> Finished {
         // Whatever else the loops depend on has left its mark in the static state or the mode.
-        key.numbers(self.line.displacement().iter().copied());
+        key.numbers(self.about.line.displacement().iter().copied());
         key.numbers(shape.iter().copied());
         key.numbers(forces.iter().copied());
         key.integers([LAYOUT]);
@@ -272,7 +269,7 @@ impl<'a> Request<'a> {
     ) -> Result<(Vec<Loop>, Checkpoints), Error> {
         let pending: Vec<usize> = (0..forces.len()).filter(|i| !finished.holds(*i)).collect();
         let pending_forces: Vec<f64> = pending.iter().map(|&i| forces[i]).collect();
-        let stored = self.scene.fields_at();
+        let stored = self.about.scene.fields_at();
         let count = AtomicUsize::new(forces.len() - pending.len());
         let finish = |index: usize, point: &BackbonePoint, fields: Option<&LoopFields>| {
             finished.add(index, (point, fields));
@@ -288,22 +285,27 @@ impl<'a> Request<'a> {
             let index = pending[at];
             let stored = stored.contains(&(index + 1)).then_some(Stored {
                 elements: self.recorded,
-                deformed: self.scene.output.deformed,
+                deformed: self.about.scene.output.deformed,
             });
             Watcher::new(
-                self.force.interface(),
+                self.about.force.interface(),
                 &self.prestress.fields,
-                self.response,
+                self.about.response,
                 index,
                 stored,
                 &finish,
             )
         };
         let points = match derivatives {
-            Some(derivatives) => {
-                cqsma::run_differentiated(self.line, self.force, &pending_forces, settings, derivatives, watch)?
-            }
-            None => cqsma::run(self.line, self.force, &pending_forces, settings, watch)?,
+            Some(derivatives) => cqsma::run_differentiated(
+                self.about.line,
+                self.about.force,
+                &pending_forces,
+                settings,
+                derivatives,
+                watch,
+            )?,
+            None => cqsma::run(self.about.line, self.about.force, &pending_forces, settings, watch)?,
         };
         let points: Vec<_> = points
             .into_iter()
@@ -317,7 +319,7 @@ impl<'a> Request<'a> {
     /// Modal force at which the inertia of a mode pulls a vibrating structure apart as much as the bolt loads hold it
     /// together.
     fn separation(&self, shape: &[f64]) -> Option<f64> {
-        let (vibrating, load) = (self.vibrating, self.static_load);
+        let (vibrating, load) = (self.about.vibrating, self.static_load);
         let apart = uniform(self.reduced, 1.0);
         let normals = || (2..vibrating.n_relative).step_by(3);
         let along = |matrix: &Mat<f64>, left: &[f64]| -> f64 {

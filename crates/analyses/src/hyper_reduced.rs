@@ -2,6 +2,7 @@
 
 use super::backbone::Request;
 use super::cases::{CaseMode, CasePoint, CaseStructure, ErrorBounds};
+use super::linearised::Linearised;
 use super::observer::ResponseMotion;
 use super::prestress::{linearise, load_of, response};
 use super::solver::newton_settings;
@@ -58,8 +59,8 @@ impl CaseStructure {
         progress: &dyn Progress,
     ) -> Result<(Vec<CaseMode>, TrainingCase), Error> {
         let one = |request: &Request<'_>| {
-            let interface = request.force.interface();
-            let at_rest = StaticState::new(interface, request.line);
+            let interface = request.about.force.interface();
+            let at_rest = StaticState::new(interface, request.about.line);
             let (loading, settings) = (request.loading()?, request.settings());
             let number = loading.forces.len();
             // Some of the amplitudes, the last among them.
@@ -70,9 +71,15 @@ impl CaseStructure {
             let recorder = || Recorder::new(interface, &at_rest, settings.vertices_per_quarter);
             let observer = |at| TrainingObserver {
                 recorder: is_recorded(at).then(recorder),
-                motion: ResponseMotion::new(request.response),
+                motion: ResponseMotion::new(request.about.response),
             };
-            let found = cqsma::run(request.line, request.force, &loading.forces, &settings, observer)?;
+            let found = cqsma::run(
+                request.about.line,
+                request.about.force,
+                &loading.forces,
+                &settings,
+                observer,
+            )?;
             let (mut records, mut quiet): (Vec<LoopRecord>, usize) = (Vec::new(), 0);
             let amplitudes = found.into_iter().map(|(point, taught)| {
                 let motion = taught.motion.half_range();
@@ -85,7 +92,8 @@ impl CaseStructure {
                 found_point(case, &point, loading.response, motion, None)
             });
             let mode = case_mode(request, amplitudes.collect());
-            let training_case = TrainingMode::try_new(request.line, at_rest.clone(), request.mode, records, quiet)?;
+            let training_case =
+                TrainingMode::try_new(request.about.line, at_rest.clone(), request.mode, records, quiet)?;
             Ok((mode, training_case))
         };
         let (modes, training_cases) = self.on_modes(case, interface, progress, one)?.into_iter().unzip();
@@ -160,15 +168,18 @@ impl CaseStructure {
         let force = InterfaceForce::new(&interface.interface);
         let line = linearise(case, vibrating, &force, &prestress.solution)?;
         let response = response(vibrating);
-        let followed = &case.analyses.modes.followed;
-        let requests = followed.iter().map(|mode| Request {
+        let about = Linearised {
             scene: case,
             force: &force,
-            reduced,
             vibrating,
-            prestress: &prestress,
             line: &line,
             response: &response,
+        };
+        let followed = &case.analyses.modes.followed;
+        let requests = followed.iter().map(|mode| Request {
+            about,
+            reduced,
+            prestress: &prestress,
             static_load: &static_load,
             mass: solver.model.facts.mass,
             mode: mode - 1,
@@ -196,8 +207,9 @@ impl Request<'_> {
         let found = match learned {
             None => None,
             Some(trained) => {
-                let joint = HyperReducedJoint::try_new(self.force.interface(), self.line, self.mode, trained)?;
-                match joint.run(&loading.forces, &settings, self.response) {
+                let joint =
+                    HyperReducedJoint::try_new(self.about.force.interface(), self.about.line, self.mode, trained)?;
+                match joint.run(&loading.forces, &settings, self.about.response) {
                     // A reduced structure without modes is no defect of the case.
                     Err(Solver(error)) if !matches!(error, Interrupted) => None,
                     found => Some(found?),
@@ -214,8 +226,8 @@ impl Request<'_> {
             |found: &Option<JudgedLoop>| found.as_ref().and_then(|found| found.estimate).filter(is_within);
         let refused = refused.filter(|(found, _)| estimate_of(found).is_none());
         let refused: Vec<f64> = refused.map(|(_, force)| *force).collect();
-        let whole = |_| ResponseMotion::new(self.response);
-        let mut of_whole = cqsma::run(self.line, self.force, &refused, &settings, whole)?.into_iter();
+        let whole = |_| ResponseMotion::new(self.about.response);
+        let mut of_whole = cqsma::run(self.about.line, self.about.force, &refused, &settings, whole)?.into_iter();
         let points = by_few.iter().filter_map(|found| match (found, estimate_of(found)) {
             (Some(found), Some(estimate)) => {
                 let (point, motion) = (&found.point, found.response_motion);
@@ -233,7 +245,7 @@ impl Request<'_> {
 fn case_mode(request: &Request<'_>, amplitudes: Vec<Result<CasePoint, String>>) -> CaseMode {
     CaseMode {
         mode: request.mode + 1,
-        linear_frequency_hz: request.line.eigenvalues[request.mode].max(0.0).sqrt() / TAU,
+        linear_frequency_hz: request.about.line.eigenvalues[request.mode].max(0.0).sqrt() / TAU,
         amplitudes,
     }
 }

@@ -14,6 +14,7 @@ pub mod error_estimate;
 pub mod finite_differences;
 pub mod hyper_reduced;
 mod joint_info;
+mod linearised;
 pub mod mesh_error;
 pub mod methods;
 mod observer;

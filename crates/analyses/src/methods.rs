@@ -1,16 +1,17 @@
 //! The methods beside CQSMA, at the same amplitudes of the same mode about the same static state.
 
+use super::linearised::Linearised;
 use crate::Error;
 use cqsma_solver::loading::{self, LoadingPoint};
 use cqsma_solver::newton::Effort;
 use cqsma_solver::prestress::Prestress;
-use cqsma_solver::{Failure, Linearisation, NoObserver, cqsma, masing, modes, rqnma};
+use cqsma_solver::{Failure, NoObserver, cqsma, masing, modes, rqnma};
 use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Stage};
 use rayon::prelude::*;
 use reduction::ReducedModel;
-use scenes::{Method, Scene};
-use zte_assembly::{Interface, State};
+use scenes::Method;
+use zte_assembly::State;
 
 /// The backbone of one method.
 #[derive(Clone, Debug)]
@@ -53,14 +54,9 @@ pub struct MethodValues {
 
 /// What the methods start from.
 pub(super) struct Request<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) interface: &'a Interface,
+    pub(super) about: Linearised<'a>,
     pub(super) reduced: &'a ReducedModel,
     pub(super) prestress: &'a Prestress<State>,
-    pub(super) line: &'a Linearisation<'a, State>,
-    pub(super) force: &'a InterfaceForce<'a>,
-    /// Recovers the displacement at the response point.
-    pub(super) response: &'a [f64],
     pub(super) modal_forces: &'a [f64],
     pub(super) settings: &'a cqsma::Settings,
 }
@@ -77,7 +73,7 @@ impl Request<'_> {
             };
             (method, run)
         };
-        let methods: Vec<_> = self.scene.analyses.backbone.methods.iter().map(run_of).collect();
+        let methods: Vec<_> = self.about.scene.analyses.backbone.methods.iter().map(run_of).collect();
         if methods.is_empty() {
             return Ok(Vec::new());
         }
@@ -99,19 +95,19 @@ impl Request<'_> {
         let Prestress {
             displacement, state, ..
         } = self.prestress;
-        let jump = &displacement[..self.interface.n_dofs()];
-        let (linear, state) = self.interface.linearised(jump, state)?;
+        let jump = &displacement[..self.about.force.interface().n_dofs()];
+        let (linear, state) = self.about.force.interface().linearised(jump, state)?;
         self.loops(&InterfaceForce::new(&linear), state)
     }
 
     /// Loops about the static state with another force.
     fn loops(&self, force: &InterfaceForce<'_>, state: State) -> Result<Vec<MethodPoint>, Error> {
         let (stiffness, mass) = (self.reduced.stiffness.as_ref(), self.reduced.mass.as_ref());
-        let n_modes = self.line.eigenvalues.len();
+        let n_modes = self.about.line.eigenvalues.len();
         let displacement = self.prestress.displacement.clone();
         let mut line = modes::linearise(stiffness, mass, force, displacement, state, n_modes)?;
-        line.orient(self.response)?;
-        line.limits = self.line.limits;
+        line.orient(self.about.response)?;
+        line.limits = self.about.line.limits;
         let points = cqsma::run(&line, force, self.modal_forces, self.settings, |_| NoObserver)?;
         let points = points.into_iter().map(|(point, _)| MethodPoint {
             result: point.result.map(|r| MethodValues {
@@ -132,16 +128,16 @@ impl Request<'_> {
     fn masing(&self) -> Result<Vec<MethodPoint>, Error> {
         // As many edges as a branch of a loop has.
         let settings = self.loading(2 * self.settings.vertices_per_quarter);
-        let points = masing::run(self.line, self.force, self.modal_forces, &settings)?;
+        let points = masing::run(self.about.line, self.about.force, self.modal_forces, &settings)?;
         let phi = self.response_of_the_mode();
         Ok(values(points, |q, _| q * phi))
     }
 
     fn rqnma(&self) -> Result<Vec<MethodPoint>, Error> {
         let settings = self.loading(self.settings.vertices_per_quarter);
-        let eigenvalue = self.line.eigenvalues[self.settings.mode];
+        let eigenvalue = self.about.line.eigenvalues[self.settings.mode];
         let amplitudes: Vec<f64> = self.modal_forces.iter().map(|alpha| alpha / eigenvalue).collect();
-        let points = rqnma::run(self.line, self.force, &amplitudes, &settings)?;
+        let points = rqnma::run(self.about.line, self.about.force, &amplitudes, &settings)?;
         Ok(values(points, |_, v| self.response_of(v.iter()).abs()))
     }
 
@@ -155,11 +151,12 @@ impl Request<'_> {
     }
 
     fn response_of<'v>(&self, displacement: impl Iterator<Item = &'v f64>) -> f64 {
-        displacement.zip(self.response).map(|(a, b)| a * b).sum()
+        displacement.zip(self.about.response).map(|(a, b)| a * b).sum()
     }
 
     fn response_of_the_mode(&self) -> f64 {
-        self.response_of(self.line.shapes.col(self.settings.mode).iter()).abs()
+        self.response_of(self.about.line.shapes.col(self.settings.mode).iter())
+            .abs()
     }
 }
 

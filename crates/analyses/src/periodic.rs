@@ -1,23 +1,19 @@
 //! Periodic motions about the static state of a scene: EPMC backbones, forced responses and their resonances.
 
-use super::prestress::response;
+use super::linearised::Linearised;
 use super::sensitivities::Sensitivity;
 use crate::Error;
-use cqsma_solver::Linearisation;
 use harmonic_balance::aft::PointHistory;
 use harmonic_balance::backbone::{self, Accuracy, Kind, Motion, Point};
 use harmonic_balance::{Failure, NewtonSettings, Sampling, forced, interface, synthesis};
-use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Stage};
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use joints::store::key::KeyBuilder;
-use reduction::ReducedModel;
-use scenes::{Epmc, Forced, Scene};
+use scenes::{Epmc, Forced};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
-use zte_assembly::State;
 
 /// Periods that histories are followed for at first; more where they do not repeat.
 const PERIODS: usize = 2;
@@ -56,15 +52,7 @@ pub struct PointLoop {
     pub history: PointHistory,
 }
 
-/// What periodic motions of a scene start from.
-pub(super) struct Request<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) force: &'a InterfaceForce<'a>,
-    pub(super) vibrating: &'a ReducedModel,
-    pub(super) line: &'a Linearisation<'a, State>,
-}
-
-impl Request<'_> {
+impl Linearised<'_> {
     /// The backbone of free motions that begins as mode `mode` (from 0), at the amplitudes of the scene or else at `otherwise`.
     pub(super) fn epmc(
         &self,
@@ -122,9 +110,8 @@ impl Request<'_> {
                 flow(progress)
             },
         )?;
-        let row = response(self.vibrating);
         let first = |motion: &Motion| {
-            let along = motion.displacement.along(&row);
+            let along = motion.displacement.along(self.response);
             along[1].hypot(along[2])
         };
         let response_displacement = points.iter().map(|p| p.result.as_ref().ok().map(first)).collect();
@@ -178,9 +165,8 @@ impl Request<'_> {
         progress: &dyn Progress,
     ) -> Result<(Vec<ForcedResponse>, Checkpoints), Error> {
         progress.begin(Stage::Forced);
-        let at = response(self.vibrating);
-        let row = match self.vibrating.recovery.nrows() {
-            1 => at.clone(),
+        let row: Vec<f64> = match self.vibrating.recovery.nrows() {
+            1 => self.response.to_vec(),
             _ => self.vibrating.recovery.row(1).iter().copied().collect(),
         };
         let range = [TAU * settings.from_hz, TAU * settings.to_hz];
@@ -238,11 +224,11 @@ impl Request<'_> {
                 flow(progress)
             })?;
             let resonances = forced::resonances(self.line, self.force, &row, &curve, &solver)?;
-            let synthesis = synthesis::response(&motions, &row, &at, level, viscous, BETWEEN)
+            let synthesis = synthesis::response(&motions, &row, self.response, level, viscous, BETWEEN)
                 .into_iter()
                 .filter(|p| (p.omega - range[0]) * (p.omega - range[1]) <= 0.0)
                 .collect();
-            let response = ForcedResponse::new(&at, curve, &resonances, synthesis);
+            let response = ForcedResponse::new(self.response, curve, &resonances, synthesis);
             checkpoint.add(index, &response);
             responses.push(response);
         }

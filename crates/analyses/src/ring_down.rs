@@ -2,25 +2,21 @@
 
 use super::amplitude::AmplitudeResult;
 use super::comparison::{Backbone, Misfit, Point};
+use super::linearised::Linearised;
 use super::methods::MethodResult;
 use super::periodic::EpmcBackbone;
-use super::prestress::response;
 use crate::Error;
-use cqsma_solver::Linearisation;
 use cqsma_solver::transient::{self, Start, Transient};
-use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Stage};
 use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, identify};
 use modal_identification::signal::{Quantity, Signal};
 use modal_identification::{backbone, synthetic};
-use reduction::ReducedModel;
-use scenes::{EPMC, Length, Scene, Strike};
+use scenes::{EPMC, Length, Strike};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
-use zte_assembly::State;
 
 /// A ring-down.
 #[derive(Debug)]
@@ -48,14 +44,6 @@ pub struct Identified {
     pub own_error: Option<Misfit>,
 }
 
-/// A structure about its static state.
-pub(super) struct Request<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) force: &'a InterfaceForce<'a>,
-    pub(super) vibrating: &'a ReducedModel,
-    pub(super) line: &'a Linearisation<'a, State>,
-}
-
 /// The motion of the response point after a release or a strike.
 #[derive(Clone, Debug)]
 pub struct Motion {
@@ -71,12 +59,12 @@ impl RingDown {
     /// # Errors
     /// [`Error::Transient`] if a step did not converge, [`Error::Solver`].
     pub(super) fn of(
-        request: &Request<'_>,
+        about: &Linearised<'_>,
         settings: &scenes::RingDown,
         theories: Result<Vec<(String, Backbone)>, Error>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        let motion = request.motion(settings, progress)?;
+        let motion = about.motion(settings, progress)?;
         let identified = theories.and_then(|theories| Identified::of(&motion, theories));
         Ok(Self { motion, identified })
     }
@@ -183,20 +171,20 @@ impl RingDownSummary {
     }
 }
 
-impl Request<'_> {
+impl Linearised<'_> {
     /// The motion of the first mode followed.
     fn motion(&self, settings: &scenes::RingDown, progress: &dyn Progress) -> Result<Motion, Error> {
         progress.begin(Stage::Transient);
         let (scene, line) = (self.scene, self.line);
-        let row = response(self.vibrating);
+        let row = self.response;
         let mode = scene.analyses.modes.followed[0] - 1;
-        let phi: f64 = line.shapes.col(mode).iter().zip(&row).map(|(a, b)| a * b).sum();
+        let phi: f64 = line.shapes.col(mode).iter().zip(row).map(|(a, b)| a * b).sum();
         let start = match (settings.strike, settings.release) {
             (Some(Strike { force, contact_time_s }), _) => Start::Pulse {
                 // Of a half-sine.
                 impulse: force.si() * contact_time_s * 2.0 / PI,
                 duration: contact_time_s,
-                point: row.clone(),
+                point: row.to_vec(),
             },
             (None, release) => Start::Release {
                 modal_force: line.eigenvalues[mode] * release.map_or(0.0, Length::si) / phi,
@@ -213,7 +201,7 @@ impl Request<'_> {
         };
         let frequency_hz = line.frequencies()[mode];
         let wanted = settings.periods as f64 / frequency_hz;
-        let transient = transient::run(line, self.force, &row, &start, &solver, &mut |sample| {
+        let transient = transient::run(line, self.force, row, &start, &solver, &mut |sample| {
             progress.fraction(Stage::Transient, sample.time / wanted);
             if progress.interrupted() {
                 ControlFlow::Break(())

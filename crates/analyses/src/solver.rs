@@ -2,8 +2,8 @@
 
 use super::backbone::{self, uniform};
 use super::element_loops;
+use super::linearised::Linearised;
 use super::outcome::{Analysis, ModeAnalysis};
-use super::periodic;
 use super::prestress::{self, PrestressResult, closing, closing_force, linearise, load_of, response};
 use super::ring_down::{self, RingDown};
 use super::sensitivities::{Neighbours, Sensitivities};
@@ -116,6 +116,13 @@ impl Solver<'_> {
         progress.begin(Stage::Backbone);
         let followed = &scene.analyses.modes.followed;
         let response = response(vibrating);
+        let about = Linearised {
+            scene,
+            force: &force,
+            vibrating,
+            line: &line,
+            response: &response,
+        };
         let recorded = element_loops::recorded(
             &scene.analyses,
             scene.fields_at().len(),
@@ -132,13 +139,9 @@ impl Solver<'_> {
         let mut checkpoints = Checkpoints::default();
         for (place, mode) in followed.iter().enumerate() {
             let request = backbone::Request {
-                scene,
-                force: &force,
+                about,
                 reduced,
-                vibrating,
                 prestress: &prestress,
-                line: &line,
-                response: &response,
                 static_load: &static_load,
                 mass: self.model.facts.mass,
                 mode: mode - 1,
@@ -155,12 +158,6 @@ impl Solver<'_> {
         }
         progress.end(Stage::Backbone);
 
-        let request = periodic::Request {
-            scene,
-            force: &force,
-            vibrating,
-            line: &line,
-        };
         let free: Vec<_> = modes
             .iter()
             .filter_map(|mode: &ModeAnalysis| mode.epmc.as_ref())
@@ -168,7 +165,7 @@ impl Solver<'_> {
         let forced = match &scene.analyses.forced {
             Some(settings) => {
                 let key = kept(scene, self.options)?;
-                let (found, resume) = request.forced(settings, &free, key, progress)?;
+                let (found, resume) = about.forced(settings, &free, key, progress)?;
                 checkpoints.extend(resume);
                 found
             }
@@ -177,15 +174,9 @@ impl Solver<'_> {
 
         let ring_down = match (&scene.analyses.ring_down, modes.first()) {
             (Some(settings), Some(first)) => {
-                let request = ring_down::Request {
-                    scene,
-                    force: &force,
-                    vibrating,
-                    line: &line,
-                };
                 let background = scene.background_damping;
                 let theories = ring_down::backbones(&first.amplitudes, &first.methods, first.epmc.as_ref(), background);
-                let found = RingDown::of(&request, settings, theories, progress);
+                let found = RingDown::of(&about, settings, theories, progress);
                 go_on(progress)?;
                 Some(found)
             }

@@ -1,0 +1,19 @@
+//! A structure about its static state: what all analyses of its vibration start from.
+
+use cqsma_solver::Linearisation;
+use joints::interface::InterfaceForce;
+use reduction::ReducedModel;
+use scenes::Scene;
+use zte_assembly::State;
+
+/// A structure about its static state.
+#[derive(Clone, Copy)]
+pub(super) struct Linearised<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) force: &'a InterfaceForce<'a>,
+    /// The structure that vibrates, with locked bolts if they are so.
+    pub(super) vibrating: &'a ReducedModel,
+    pub(super) line: &'a Linearisation<'a, State>,
+    /// Recovers the displacement at the response point.
+    pub(super) response: &'a [f64],
+}
