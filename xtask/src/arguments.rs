@@ -1,5 +1,6 @@
 //! The tasks of the program `validation`, with their arguments.
 
+use clap::ValueEnum;
 use microslip::commands::SceneArguments;
 use microslip::files::Overwrite;
 use std::path::PathBuf;
@@ -15,6 +16,57 @@ pub enum Validation {
     Bench(Bench),
     /// Run scenes in hostile but finite situations, and check that each does what it must.
     Extremes(Extremes),
+    /// Compute what the documents quote, and record it with date and commit: an hour and more.
+    Validate(Validate),
+}
+
+/// Arguments of `validate`.
+#[derive(clap::Args)]
+pub struct Validate {
+    /// Reports to compute [default: all].
+    #[arg(long, value_name = "REPORT", num_args = 1..)]
+    only: Vec<Report>,
+    /// Folder for the results of the tasks, made if missing; what is in it is replaced.
+    #[arg(long, value_name = "DIR", default_value = "results/validation")]
+    pub out: PathBuf,
+    /// Folder of the records, a file for each report. Tests compare the documents with those of the checkout.
+    #[arg(long, value_name = "DIR", default_value = "fixtures/validation")]
+    pub record: PathBuf,
+}
+
+impl Validate {
+    /// What is asked for.
+    pub fn reports(&self) -> Vec<Report> {
+        match self.only.as_slice() {
+            [] => Report::value_variants().to_vec(),
+            only => only.to_vec(),
+        }
+    }
+}
+
+/// A report that the documents quote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Report {
+    /// Masses and frequencies of the built-in scenes.
+    Scenes,
+    /// `cargo xtask extremes`.
+    Extremes,
+    /// `cargo xtask paper`.
+    Paper,
+    /// `cargo xtask trade`.
+    Trade,
+}
+
+impl Report {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scenes => "scenes",
+            Self::Extremes => "extremes",
+            Self::Paper => "paper",
+            Self::Trade => "trade",
+        }
+    }
 }
 
 /// Arguments of `trade`.

@@ -3,8 +3,8 @@
 use super::amplitude::{AmplitudeResult, LoopFields};
 use super::linearised::Linearised;
 use super::methods;
+use super::mode_backbone::ModeAnalysis;
 use super::observer::{Stored, Watcher};
-use super::outcome::ModeAnalysis;
 use super::prestress::PrestressResult;
 use super::sensitivities::Sensitivities;
 use crate::Error;

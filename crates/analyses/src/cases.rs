@@ -2,7 +2,7 @@
 
 use super::effects::Effects;
 use super::ensemble::loops_alone;
-use super::outcome::ModeAnalysis;
+use super::mode_backbone::ModeAnalysis;
 use super::prepared::check_bolts;
 use super::prestress::closing_force;
 use super::solver::Solver;

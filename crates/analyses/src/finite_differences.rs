@@ -1,6 +1,7 @@
 //! Derivatives of backbones by central differences: what is there of parameters that have no gradient.
 
-use super::outcome::{Analysis, ModeAnalysis};
+use super::mode_backbone::ModeAnalysis;
+use super::outcome::Analysis;
 use super::sensitivities::{FoundBy, Per, Sensitivity};
 use super::variants::{Forces, Rates, Variant, Variants};
 use crate::Error;

@@ -7,7 +7,7 @@
 //! see [`LimitWeight`]. Damping has no such order: both formulations may lie on one side.
 
 use super::comparison::{Backbone, Point};
-use super::outcome::ModeBackbone;
+use super::mode_backbone::ModeBackbone;
 use super::run::Run;
 use crate::Error;
 use finite_elements::elements::Formulation;

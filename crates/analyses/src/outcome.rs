@@ -1,54 +1,17 @@
 //! What the analyses of one interface find.
 
-use super::amplitude::AmplitudeResult;
-use super::comparison::Backbone;
-use super::methods::MethodResult;
-use super::periodic::{EpmcBackbone, ForcedResponse};
+use super::forced::ForcedResponse;
+use super::linearised::Linearised;
+use super::mode_backbone::ModeAnalysis;
 use super::prestress::PrestressResult;
-use super::ring_down::{self, RingDown};
-use super::sensitivities::Sensitivity;
+use super::ring_down::RingDown;
 use super::tightening::TighteningResult;
-use super::validity::Validity;
+use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
+use joints::progress::Progress;
 use joints::store::checkpoint::Checkpoints;
-
-/// The backbone of one mode.
-#[derive(Clone, Debug)]
-pub struct ModeBackbone {
-    /// The mode, counted from 1.
-    pub mode: usize,
-    /// Amplitudes in ascending order.
-    pub amplitudes: Vec<AmplitudeResult>,
-    /// Results of the methods beside CQSMA, in the scene's order.
-    pub methods: Vec<MethodResult>,
-    /// Free periodic motions, if the scene asks for them.
-    pub epmc: Option<EpmcBackbone>,
-    /// Derivatives with respect to the parameters of the scene's `sensitivities`, in their order.
-    pub sensitivities: Vec<Sensitivity>,
-    /// Limits of the model.
-    pub validity: Validity,
-}
-
-impl ModeBackbone {
-    /// All backbones over the acceleration at the response point, by name.
-    ///
-    /// # Errors
-    /// [`Error::Comparison`].
-    pub fn over_acceleration(&self, background: f64) -> Result<Vec<(String, Backbone)>, Error> {
-        ring_down::backbones(&self.amplitudes, &self.methods, self.epmc.as_ref(), background)
-    }
-}
-
-/// One mode, before its validity is judged.
-pub(crate) struct ModeAnalysis {
-    pub(crate) mode: usize,
-    /// [`Validity::separation_modal_force`].
-    pub(crate) separation: Option<f64>,
-    pub(crate) amplitudes: Vec<AmplitudeResult>,
-    pub(crate) methods: Vec<MethodResult>,
-    pub(crate) epmc: Option<EpmcBackbone>,
-    pub(crate) sensitivities: Vec<Sensitivity>,
-}
+use joints::store::key::KeyBuilder;
+use std::path::Path;
 
 /// What the nonlinear solves made of an interface.
 pub(crate) struct Analysis {
@@ -59,10 +22,50 @@ pub(crate) struct Analysis {
     pub(crate) frequencies: Vec<f64>,
     /// The modes followed, in the scene's order.
     pub(crate) modes: Vec<ModeAnalysis>,
-    /// Forced responses, level by level.
-    pub(crate) forced: Vec<ForcedResponse>,
-    /// The ring-down, or why there is none.
-    pub(crate) ring_down: Option<Result<RingDown, Error>>,
+    pub(crate) vibration: Vibration,
     /// What lets the run resume until its results are safe.
     pub(crate) checkpoints: Checkpoints,
+}
+
+/// What analyses of vibration find beside the backbones; nothing where the scene does not ask for them.
+#[derive(Debug)]
+pub struct Vibration {
+    /// Forced responses, level by level.
+    pub forced: Option<Vec<ForcedResponse>>,
+    /// The ring-down, or why there is none.
+    pub ring_down: Option<Result<RingDown, Error>>,
+}
+
+impl Vibration {
+    /// Runs what the scene asks for, one after the other, and adds what lets it resume to `checkpoints`.
+    pub(crate) fn of(
+        about: Linearised<'_>,
+        modes: &[ModeAnalysis],
+        kept: Option<(&Path, KeyBuilder)>,
+        checkpoints: &mut Checkpoints,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let asked = &about.scene.analyses;
+        let start = || Start {
+            about,
+            modes,
+            kept: kept.clone(),
+            progress,
+        };
+        Ok(Self {
+            forced: find(asked.forced.as_ref(), start, checkpoints)?,
+            ring_down: find(asked.ring_down.as_ref(), start, checkpoints)?,
+        })
+    }
+}
+
+fn find<'a, A: VibrationAnalysis>(
+    settings: Option<&A>,
+    start: impl Fn() -> Start<'a>,
+    checkpoints: &mut Checkpoints,
+) -> Result<Option<A::Found>, Error> {
+    let Some(settings) = settings else { return Ok(None) };
+    let (found, resume) = settings.run(start())?;
+    checkpoints.extend(resume);
+    Ok(Some(found))
 }

@@ -1,22 +1,20 @@
 //! The ring-down of a scene's reduced model in time, identified like a measured one: an independent check of the backbone.
 
-use super::amplitude::AmplitudeResult;
 use super::comparison::{Backbone, Misfit, Point};
-use super::linearised::Linearised;
-use super::methods::MethodResult;
-use super::periodic::EpmcBackbone;
+use super::linearised::{Linearised, flow};
+use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
-use cqsma_solver::transient::{self, Start, Transient};
-use joints::progress::{Progress, Stage};
+use cqsma_solver::transient::{self, Transient};
+use joints::progress::{Progress, Stage, go_on};
+use joints::store::checkpoint::Checkpoints;
 use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, identify};
 use modal_identification::signal::{Quantity, Signal};
 use modal_identification::{backbone, synthetic};
-use scenes::{EPMC, Length, Strike};
+use scenes::{Length, Strike};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
-use std::ops::ControlFlow;
+use std::f64::consts::PI;
 
 /// A ring-down.
 #[derive(Debug)]
@@ -53,20 +51,21 @@ pub struct Motion {
     pub frequency_hz: f64,
 }
 
-impl RingDown {
-    /// The motion of the first mode followed, compared with `theories`.
-    ///
-    /// # Errors
-    /// [`Error::Transient`] if a step did not converge, [`Error::Solver`].
-    pub(super) fn of(
-        about: &Linearised<'_>,
-        settings: &scenes::RingDown,
-        theories: Result<Vec<(String, Backbone)>, Error>,
-        progress: &dyn Progress,
-    ) -> Result<Self, Error> {
-        let motion = about.motion(settings, progress)?;
-        let identified = theories.and_then(|theories| Identified::of(&motion, theories));
-        Ok(Self { motion, identified })
+impl VibrationAnalysis for scenes::RingDown {
+    type Found = Result<RingDown, Error>;
+
+    /// The motion of the first mode followed, compared with its backbones. A step that does not converge ends it, not the run.
+    fn run(&self, start: Start<'_>) -> Result<(Self::Found, Checkpoints), Error> {
+        let Start {
+            about, modes, progress, ..
+        } = start;
+        let theories = modes[0].over_acceleration(about.scene.background_damping);
+        let found = about.motion(self, progress).map(|motion| RingDown {
+            identified: theories.and_then(|theories| Identified::of(&motion, theories)),
+            motion,
+        });
+        go_on(progress)?;
+        Ok((found, Checkpoints::default()))
     }
 }
 
@@ -180,13 +179,13 @@ impl Linearised<'_> {
         let mode = scene.analyses.modes.followed[0] - 1;
         let phi: f64 = line.shapes.col(mode).iter().zip(row).map(|(a, b)| a * b).sum();
         let start = match (settings.strike, settings.release) {
-            (Some(Strike { force, contact_time_s }), _) => Start::Pulse {
+            (Some(Strike { force, contact_time_s }), _) => transient::Start::Pulse {
                 // Of a half-sine.
                 impulse: force.si() * contact_time_s * 2.0 / PI,
                 duration: contact_time_s,
                 point: row.to_vec(),
             },
-            (None, release) => Start::Release {
+            (None, release) => transient::Start::Release {
                 modal_force: line.eigenvalues[mode] * release.map_or(0.0, Length::si) / phi,
             },
         };
@@ -203,11 +202,7 @@ impl Linearised<'_> {
         let wanted = settings.periods as f64 / frequency_hz;
         let transient = transient::run(line, self.force, row, &start, &solver, &mut |sample| {
             progress.fraction(Stage::Transient, sample.time / wanted);
-            if progress.interrupted() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+            flow(progress)
         })?;
         progress.end(Stage::Transient);
         if let Some(failure) = transient.failure {
@@ -301,59 +296,4 @@ fn of_points(what: &str, points: &[backbone::Point]) -> Result<Backbone, Error> 
         damping_ratio: Some(p.damping_ratio),
     };
     Backbone::try_new(what, points.iter().map(point).collect())
-}
-
-/// Backbones over the acceleration at the response point, by name: `cqsma` (secants, amplitudes of the linearised mode), the same loops with
-/// the frequency of their first harmonic over the motion as it was, the other methods of the scene, and free motions; without those of
-/// which fewer than two amplitudes converged. `background` is the damping ratio apart from friction.
-///
-/// # Errors
-/// [`Error::Comparison`].
-pub(super) fn backbones(
-    amplitudes: &[AmplitudeResult],
-    methods: &[MethodResult],
-    epmc: Option<&EpmcBackbone>,
-    background: f64,
-) -> Result<Vec<(String, Backbone)>, Error> {
-    let point = |displacement: f64, omega: f64, friction: Option<f64>| Point {
-        amplitude: displacement * omega * omega,
-        frequency_hz: omega / TAU,
-        damping_ratio: friction.map(|zeta| zeta + background),
-    };
-    let converged = || {
-        let all = amplitudes.iter();
-        all.filter_map(|a| Some((a.point.result.as_ref().ok()?, a)))
-    };
-    let secant = converged().filter_map(|(r, a)| {
-        let zeta = r.is_resolved().then_some(r.zeta);
-        Some(point(a.response_displacement?, r.omega, zeta))
-    });
-    let harmonic = converged().filter_map(|(r, a)| {
-        let zeta = r.is_resolved().then_some(r.harmonic_zeta());
-        Some(point(a.fields.as_ref()?.response_motion, r.harmonic_omega, zeta))
-    });
-    let mut all = vec![
-        ("cqsma", secant.collect()),
-        ("cqsma, first harmonic", harmonic.collect()),
-    ];
-    for method in methods {
-        let found = method.points.iter().filter_map(|p| p.result.as_ref().ok());
-        let points = found.map(|v| point(v.response_displacement, v.omega, v.zeta)).collect();
-        all.push((method.method.name(), points));
-    }
-    if let Some(epmc) = epmc {
-        let found = epmc.points.iter().zip(&epmc.response_displacement);
-        let found = found.filter_map(|(point, displacement)| Some((point.result.as_ref().ok()?, (*displacement)?)));
-        // Below it the balance of energies says nothing.
-        let resolved =
-            |m: &harmonic_balance::backbone::Motion| m.zeta.filter(|zeta| *zeta > m.energy_error.max(m.residual));
-        let points = found
-            .map(|(motion, x)| point(x, motion.omega, resolved(motion)))
-            .collect();
-        all.push((EPMC, points));
-    }
-    let several = all.into_iter().filter(|(_, points): &(_, Vec<Point>)| points.len() > 1);
-    several
-        .map(|(name, points)| Ok((name.to_owned(), Backbone::try_new(name, points)?)))
-        .collect()
 }

@@ -3,14 +3,12 @@
 use super::amplitude::AmplitudeResult;
 use super::deformed::Deformed;
 use super::joint_info::JointInfo;
-use super::outcome::ModeBackbone;
-use super::periodic::ForcedResponse;
+use super::mode_backbone::ModeBackbone;
+use super::outcome::Vibration;
 use super::prestress::PrestressResult;
-use super::ring_down::RingDown;
 use super::tightening::TighteningResult;
 use super::validity::Validity;
 use super::warnings::Warning;
-use crate::Error;
 use faer::Mat;
 use joints::interface::{LawReport, PartReport};
 use joints::store::checkpoint::Checkpoints;
@@ -41,10 +39,8 @@ pub struct Run {
     pub frequencies: Vec<f64>,
     /// Backbones of the modes followed, in the scene's order; never empty.
     pub backbones: Vec<ModeBackbone>,
-    /// Forced responses, level by level.
-    pub forced: Vec<ForcedResponse>,
-    /// The ring-down, or why there is none, if the scene asks for one.
-    pub ring_down: Option<Result<RingDown, Error>>,
+    /// What analyses of vibration find beside the backbones.
+    pub vibration: Vibration,
     /// The bodies deformed, if the scene asks for them.
     pub deformed: Option<Deformed>,
     /// Interface elements at the places of `analyses.backbone.loops_at`, in their order, each once.

@@ -2,9 +2,10 @@
 
 use super::deformed::Deformed;
 use super::ensemble::{self, Ensemble, Member};
+use super::epmc::EpmcBackbone;
 use super::finite_differences;
-use super::outcome::{Analysis, ModeAnalysis, ModeBackbone};
-use super::periodic::EpmcBackbone;
+use super::mode_backbone::{ModeAnalysis, ModeBackbone};
+use super::outcome::Analysis;
 use super::prepared::{Prepared, prepare};
 use super::prestress::{PrestressResult, closing_force};
 use super::run::Run;
@@ -146,8 +147,7 @@ impl Prepared {
             tightening,
             frequencies,
             modes,
-            forced,
-            ring_down,
+            vibration,
             checkpoints,
         } = analysis;
         let asperities = self.interface.asperities();
@@ -191,8 +191,7 @@ impl Prepared {
             warnings,
             joint: self.joint,
             frequencies,
-            forced,
-            ring_down,
+            vibration,
             prestress,
             tightening,
             parts: self.interface.reports,

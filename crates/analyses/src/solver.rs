@@ -3,15 +3,14 @@
 use super::backbone::{self, uniform};
 use super::element_loops;
 use super::linearised::Linearised;
-use super::outcome::{Analysis, ModeAnalysis};
+use super::outcome::{Analysis, Vibration};
 use super::prestress::{self, PrestressResult, closing, closing_force, linearise, load_of, response};
-use super::ring_down::{self, RingDown};
 use super::sensitivities::{Neighbours, Sensitivities};
 use super::tightening::{TighteningResult, tighten};
 use crate::Error;
 use cqsma_solver::NewtonSettings;
 use joints::interface::InterfaceForce;
-use joints::progress::{Progress, Stage, end_stage, go_on};
+use joints::progress::{Progress, Stage, end_stage};
 use joints::store::Options;
 use joints::store::checkpoint::Checkpoints;
 use joints::store::key::KeyBuilder;
@@ -158,31 +157,7 @@ impl Solver<'_> {
         }
         progress.end(Stage::Backbone);
 
-        let free: Vec<_> = modes
-            .iter()
-            .filter_map(|mode: &ModeAnalysis| mode.epmc.as_ref())
-            .collect();
-        let forced = match &scene.analyses.forced {
-            Some(settings) => {
-                let key = kept(scene, self.options)?;
-                let (found, resume) = about.forced(settings, &free, key, progress)?;
-                checkpoints.extend(resume);
-                found
-            }
-            None => Vec::new(),
-        };
-
-        let ring_down = match (&scene.analyses.ring_down, modes.first()) {
-            (Some(settings), Some(first)) => {
-                let background = scene.background_damping;
-                let theories = ring_down::backbones(&first.amplitudes, &first.methods, first.epmc.as_ref(), background);
-                let found = RingDown::of(&about, settings, theories, progress);
-                go_on(progress)?;
-                Some(found)
-            }
-            _ => None,
-        };
-
+        let vibration = Vibration::of(about, &modes, kept(scene, self.options)?, &mut checkpoints, progress)?;
         let frequencies = line.frequencies();
         drop(line);
         Ok(Analysis {
@@ -190,8 +165,7 @@ impl Solver<'_> {
             tightening,
             frequencies,
             modes,
-            forced,
-            ring_down,
+            vibration,
             checkpoints,
         })
     }

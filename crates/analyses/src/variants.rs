@@ -3,7 +3,8 @@
 use super::amplitude::AmplitudeResult;
 use super::effects::Effects;
 use super::ensemble::{self, Batch};
-use super::outcome::{Analysis, ModeAnalysis};
+use super::mode_backbone::ModeAnalysis;
+use super::outcome::Analysis;
 use super::prepared::{Prepared, prepare_on};
 use super::prestress::closing_force;
 use super::sensitivities::{Neighbours, Per, Sensitivity};

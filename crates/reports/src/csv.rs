@@ -2,9 +2,10 @@
 
 use crate::Error;
 use analyses::ensemble::{Ensemble, MemberPoint};
-use analyses::periodic::PointLoop;
+use analyses::epmc::PointLoop;
+use analyses::forced::ForcedSummary;
 use analyses::registration::Moved;
-use analyses::results::summary::{BackboneSummary, ForcedSummary, MethodSummary, Summary};
+use analyses::results::summary::{BackboneSummary, MethodSummary, Summary};
 use analyses::{Run, element_centres};
 
 /// A number as the shortest text that reads back as the same.

@@ -5,8 +5,9 @@ use crate::plot::{
 };
 use crate::{Drawing, Error};
 use analyses::Run;
-use analyses::periodic::PointLoop;
-use analyses::results::summary::{ForcedSummary, MethodSummary, Summary};
+use analyses::epmc::PointLoop;
+use analyses::forced::ForcedSummary;
+use analyses::results::summary::{MethodSummary, Summary};
 use matrix_files::npz;
 use matrix_files::value::{Array, Dense};
 use plotters::prelude::*;
@@ -83,7 +84,7 @@ impl<'a> PeriodicMotions<'a> {
             .filter_map(|(mode, methods)| Some((mode, methods.get(EPMC)?.as_slice())))
             .filter(|(_, points)| !points.is_empty())
             .collect();
-        let single_mode = run.forced.iter().map(|level| {
+        let single_mode = run.vibration.forced.iter().flatten().map(|level| {
             let points = level.synthesis.iter().map(|p| SingleModePoint {
                 frequency_hz: p.omega / TAU,
                 amplitude: p.displacement,

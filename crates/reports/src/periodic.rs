@@ -6,7 +6,8 @@ use crate::motions::{PeriodicMotions, harmonics_picture, loops_picture};
 use crate::names::{by_mode, of_mode};
 use crate::{Error, Output, csv, fields, plot};
 use analyses::Run;
-use analyses::results::summary::{ForcedSummary, ResonanceSummary, Summary};
+use analyses::forced::{ForcedSummary, ResonanceSummary};
+use analyses::results::summary::Summary;
 use std::fmt::Write;
 
 /// Name of the table of free periodic motions by EPMC.

@@ -33,7 +33,7 @@ pub(crate) static ANALYSIS: Analysis = Analysis {
         };
         let mut outputs = Vec::new();
         let mut picture = None;
-        if let Some(Ok(found)) = &run.ring_down {
+        if let Some(Ok(found)) = &run.vibration.ring_down {
             outputs.push(Output::new(SIGNAL, signal(&found.motion)?));
             if let Ok(identified) = &found.identified {
                 let svg = svg(&found.motion, identified)?;

@@ -4,7 +4,7 @@ mod layering;
 mod modules;
 
 use clap::{Parser, Subcommand};
-use commands::{bench, extremes, paper, trade};
+use commands::{bench, extremes, paper, trade, validate};
 use microslip::Outcome;
 use std::process::ExitCode;
 use xtask::arguments::Validation;
@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         Task::Validation(Validation::Paper(arguments)) => paper::run(&arguments, &defaults()),
         Task::Validation(Validation::Bench(arguments)) => bench::run(&arguments).map(success),
         Task::Validation(Validation::Extremes(arguments)) => extremes::run(&arguments).map(success),
+        Task::Validation(Validation::Validate(arguments)) => validate::run_all(&arguments, &defaults()),
         Task::CheckLayering => layering::check().map(success),
         Task::Brb(arguments) => brb::run(&arguments, &defaults()),
     })

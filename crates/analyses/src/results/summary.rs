@@ -3,9 +3,9 @@
 use super::provenance::Provenance;
 use crate::ensemble::Ensemble;
 use crate::error_estimate::ErrorEstimate;
+use crate::forced::ForcedSummary;
 use crate::mesh_error::{ErrorBar, MeshEstimate};
 use crate::methods::MethodPoint;
-use crate::periodic::{ForcedPoint, ForcedResponse};
 use crate::ring_down::RingDownSummary;
 use crate::uncertainty::Uncertainty;
 use crate::validity::Validity;
@@ -395,76 +395,6 @@ pub struct MethodSummary {
     pub failure: Option<String>,
 }
 
-/// The response to a harmonic force of one amplitude; lists run along the curve.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ForcedSummary {
-    /// Amplitude of the force (N).
-    pub level: f64,
-    /// Frequencies of the force (Hz).
-    pub frequency: Vec<f64>,
-    /// Amplitudes of the first harmonic of the displacement at the response point (m).
-    pub amplitude: Vec<f64>,
-    /// How far it lags behind the force (degrees).
-    pub phase: Vec<f64>,
-    /// Amplitudes of all harmonics of the displacement from the first on (m).
-    pub harmonics: Vec<Vec<f64>>,
-    /// Cosines and sines of the same harmonics, the force being a cosine (m).
-    #[serde(default)]
-    pub components: Vec<Vec<[f64; 2]>>,
-    /// Mean displacements at the response point from the static state (m).
-    #[serde(default)]
-    pub mean: Vec<f64>,
-    /// Residuals relative to the elastic forces (energy norm).
-    pub residual: Vec<f64>,
-    /// Indices, from 0, of the points at which the frequency turns back.
-    pub turning_points: Vec<usize>,
-    /// Where the response is a quarter period behind the force.
-    pub resonances: Vec<ResonanceSummary>,
-    /// Where the share of a harmonic above the first has a maximum of more than a thousandth.
-    #[serde(default)]
-    pub superharmonics: Vec<SuperharmonicSummary>,
-    /// The largest first harmonic of the curve: frequency (Hz) and amplitude (m).
-    pub peak: Option<[f64; 2]>,
-    /// The same by the response of the nonlinear mode alone, where an EPMC backbone is there.
-    pub single_mode_peak: Option<[f64; 2]>,
-    /// Differences of the two, relative to the first.
-    pub single_mode_error: Option<[f64; 2]>,
-    /// Whether it is known that the motions are stable: never with friction, whose histories have no monodromy matrix; between
-    /// turning points they usually are not.
-    pub stability: String,
-    /// Krylov steps of the whole curve.
-    pub krylov_steps: usize,
-    /// Why the curve ends early, if it does.
-    pub failure: Option<String>,
-}
-
-/// A maximum of the share of a harmonic.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct SuperharmonicSummary {
-    /// The harmonic.
-    pub harmonic: usize,
-    /// Frequency of the force there (Hz).
-    pub frequency_hz: f64,
-    /// Amplitude of the harmonic over that of the first, at the response point.
-    pub share: f64,
-}
-
-/// A resonance of a forced response.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ResonanceSummary {
-    /// Frequency (Hz); `null` where it was not found.
-    pub frequency_hz: Option<f64>,
-    /// Amplitude of the first harmonic (m).
-    pub amplitude: Option<f64>,
-    /// Residual relative to the elastic forces (energy norm).
-    pub residual: Option<f64>,
-    /// Why there is none.
-    pub failure: Option<String>,
-}
-
 impl Summary {
     /// Summarises a run without an ensemble; times and memory are the caller's to know.
     pub fn new(run: &Run, timings: BTreeMap<String, f64>, peak_memory: Option<u64>) -> Self {
@@ -556,8 +486,8 @@ impl Summary {
             accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.preset().ok()),
             error_estimate: None,
             mesh_estimate: None,
-            forced: run.forced.iter().map(forced).collect(),
-            ring_down: run.ring_down.as_ref().map(RingDownSummary::of),
+            forced: run.vibration.forced.iter().flatten().map(ForcedSummary::of).collect(),
+            ring_down: run.vibration.ring_down.as_ref().map(RingDownSummary::of),
             validity: run.validity().clone(),
             skipped: skipped(run),
             provenance: None,
@@ -748,56 +678,6 @@ fn periodic(point: &Point, response_displacement: Option<f64>, scene: &Scene) ->
             failure: Some(failure.reason.to_string()),
             ..work
         },
-    }
-}
-
-fn forced(of: &ForcedResponse) -> ForcedSummary {
-    let each = |value: &dyn Fn(&ForcedPoint) -> f64| of.points.iter().map(value).collect::<Vec<f64>>();
-    let peak = of.peak().map(|p| [p.frequency_hz, p.harmonics[0]]);
-    let alone = of
-        .synthesis
-        .iter()
-        .max_by(|a, b| a.displacement.total_cmp(&b.displacement));
-    let alone = alone.map(|p| [hertz(p.omega), p.displacement]);
-    let resonance = |found: &Result<ForcedPoint, _>| {
-        let point = found.as_ref().ok();
-        ResonanceSummary {
-            frequency_hz: point.map(|p: &ForcedPoint| p.frequency_hz),
-            amplitude: point.map(|p| p.harmonics[0]),
-            residual: point.map(|p| p.residual),
-            failure: found
-                .as_ref()
-                .err()
-                .map(|f: &harmonic_balance::Failure| f.reason.to_string()),
-        }
-    };
-    ForcedSummary {
-        level: of.level,
-        frequency: each(&|p| p.frequency_hz),
-        amplitude: each(&|p| p.harmonics[0]),
-        phase: each(&|p| p.phase.to_degrees()),
-        harmonics: of.points.iter().map(|p| p.harmonics.clone()).collect(),
-        components: of.points.iter().map(|p| p.components.clone()).collect(),
-        mean: each(&|p| p.mean),
-        residual: each(&|p| p.residual),
-        turning_points: (0..of.points.len()).filter(|i| of.points[*i].turns).collect(),
-        resonances: of.resonances.iter().map(resonance).collect(),
-        superharmonics: of
-            .superharmonics()
-            .into_iter()
-            .map(|(harmonic, point)| SuperharmonicSummary {
-                harmonic,
-                frequency_hz: point.frequency_hz,
-                share: point.harmonics[harmonic - 1] / point.harmonics[0],
-            })
-            .collect(),
-        single_mode_error: peak.zip(alone).map(|(p, a)| [a[0] / p[0] - 1.0, a[1] / p[1] - 1.0]),
-        peak,
-        single_mode_peak: alone,
-        stability: "not judged: the history of friction has no monodromy matrix; motions between two turning points are usually unstable"
-            .to_owned(),
-        krylov_steps: of.effort.krylov_steps,
-        failure: of.failure.as_ref().map(|f| f.reason.to_string()),
     }
 }
 

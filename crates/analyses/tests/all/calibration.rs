@@ -216,7 +216,7 @@ fn ring(truth: &Scene, random: &mut Pcg64) -> Vec<Measured> {
     });
     let truth = truth.only(&["ring_down".into()]).unwrap();
     let run = run(&truth, &Options::default(), &Silent).unwrap();
-    let ring = run.ring_down.unwrap().unwrap().motion;
+    let ring = run.vibration.ring_down.unwrap().unwrap().motion;
     let mut signal = ring.signal();
     let largest = signal.samples.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
     add_noise(&mut signal.samples, 3e-3 * largest, random.random());

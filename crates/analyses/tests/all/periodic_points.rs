@@ -4,7 +4,7 @@
 
 use crate::common::points::{Slider, folder, scene, set, solve, try_run, write};
 use analyses::Run;
-use analyses::periodic::ForcedPoint;
+use analyses::forced::ForcedPoint;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use serde_json::{Value, json};
@@ -181,7 +181,7 @@ impl Beam {
                 "harmonics": harmonics, "samples": samples, "tolerance": 1e-11,
             } }),
         );
-        let curve = &found.forced[0];
+        let curve = &found.vibration.forced.as_ref().unwrap()[0];
         assert!(curve.failure.is_none(), "{:?}", curve.failure);
         curve.points.clone()
     }
@@ -620,14 +620,14 @@ fn a_curve_turns_corners_where_a_point_begins_to_slip() {
         "levels": [5.0], "from_hz": 15.0, "to_hz": 36.0, "terms": [[7, 1, 0.8], [7, 3, 0.6]], "harmonics": 9, "samples": 256,
     } });
     let found = try_run(&given).unwrap();
-    let curve = &found.forced[0];
+    let curve = &found.vibration.forced.as_ref().unwrap()[0];
     assert!(curve.failure.is_none(), "{:?}", curve.failure);
     // From the other side the curve is the same.
     let last = curve.points.last().unwrap();
     given["analyses"]["forced"]["from_hz"] = json!(36.0);
     given["analyses"]["forced"]["to_hz"] = json!(34.0);
     let back = try_run(&given).unwrap();
-    let first = &back.forced[0].points[0];
+    let first = &back.vibration.forced.as_ref().unwrap()[0].points[0];
     assert!((last.harmonics[0] / first.harmonics[0] - 1.0).abs() < 1e-6);
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -37,7 +37,7 @@ fn quick() -> &'static Run {
 
 #[test]
 fn ring_down_and_quasi_static_backbone_agree_within_what_was_measured() {
-    let Found { motion, identified } = quick().ring_down.as_ref().unwrap().as_ref().unwrap();
+    let Found { motion, identified } = quick().vibration.ring_down.as_ref().unwrap().as_ref().unwrap();
     let ring = identified.as_ref().unwrap();
     let transient = &motion.transient;
     assert_eq!(transient.samples.len(), 90 * 60 + 1);
@@ -92,7 +92,7 @@ fn an_impact_rings_at_the_frequency_of_the_linearised_mode() {
     let found = run(&scene, &Options::default(), &Silent).unwrap();
     assert!(found.amplitudes().is_empty() && found.first().epmc.is_none());
     // Too short for a backbone to be identified, which leaves the motion.
-    let found = found.ring_down.unwrap().unwrap();
+    let found = found.vibration.ring_down.unwrap().unwrap();
     assert!(found.identified.is_err());
     let ring = found.motion;
     assert!(

@@ -2,11 +2,13 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use crate::common::BENCHMARKS;
-use analyses::{Error, Run, run};
+use analyses::{Error, Prepared, Run};
 use joints::Options;
 use joints::progress::Silent;
+use joints::structure::{StructuralModel, Structure};
 use scenes::Scene;
 use serde_json::{Value, json};
+use std::sync::OnceLock;
 
 /// The coarse beam with a constant stiffness per area of each element, normal and tangential (Pa/m).
 fn scene(stiffnesses: impl Iterator<Item = f64>, per: &str, backbone: Value) -> Scene {
@@ -28,7 +30,14 @@ fn scene(stiffnesses: impl Iterator<Item = f64>, per: &str, backbone: Value) -> 
 }
 
 fn go(scene: &Scene) -> Result<Run, Error> {
-    run(scene, &Options::default(), &Silent)
+    // One structure, reduced once, for all contacts.
+    static STRUCTURE: OnceLock<(Structure, StructuralModel)> = OnceLock::new();
+    let (structure, model) = STRUCTURE.get_or_init(|| {
+        let structure = Structure::try_new(scene, &Silent).unwrap();
+        let model = structure.reduce(&Options::default(), &Silent).unwrap();
+        (structure, model)
+    });
+    Prepared::with_model(scene, structure, model.clone(), &Options::default(), &Silent)?.solve(&Silent)
 }
 
 #[test]

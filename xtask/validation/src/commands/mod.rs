@@ -3,3 +3,4 @@ pub(crate) mod bench;
 pub(crate) mod extremes;
 pub(crate) mod paper;
 pub(crate) mod trade;
+pub(crate) mod validate;

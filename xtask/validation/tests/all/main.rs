@@ -3,6 +3,7 @@
 #[path = "../../../../crates/microslip/tests/all/common/mod.rs"]
 mod common;
 
+mod documents;
 mod extremes;
 mod layering;
 mod paper;

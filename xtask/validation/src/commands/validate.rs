@@ -1,0 +1,87 @@
+//! `cargo xtask validate`: the reports that the documents quote, recorded with date and commit.
+
+use analyses::run;
+use anyhow::{Context, Result, bail};
+use brake_reuss_beam::BrakeReussBenchmark;
+use file_io::durable;
+use host::{GivenScene, provenance};
+use joint_model::Benchmark;
+use joints::Options;
+use microslip::commands::print;
+use microslip::progress::Monitor;
+use microslip::{Defaults, Outcome};
+use serde_json::{Value, json};
+use std::process::Command;
+use xtask::arguments::{self, Report};
+
+/// Runs the command.
+///
+/// # Errors
+/// Of the tasks; nothing is recorded of one that fails or is incomplete.
+pub(crate) fn run_all(arguments: &arguments::Validate, defaults: &Defaults) -> Result<Outcome> {
+    for report in arguments.reports() {
+        let provenance = provenance::of(Vec::new())?;
+        let found = compute(report, arguments, defaults)?;
+        let record = json!({
+            "date": provenance.date,
+            "commit": provenance.program.commit,
+            "arithmetic": provenance.arithmetic,
+            "found": found,
+        });
+        let path = arguments.record.join(format!("{}.json", report.name()));
+        std::fs::create_dir_all(&arguments.record)
+            .with_context(|| format!("making the folder {}", arguments.record.display()))?;
+        durable::write(&path, format!("{record:#}\n").as_bytes())?;
+        print(&format!("recorded in {}\n", path.display()))?;
+    }
+    Ok(Outcome::Success)
+}
+
+/// Computes a report anew, in a process of its own as if somebody had called the task, and reads what it found.
+fn compute(report: Report, arguments: &arguments::Validate, defaults: &Defaults) -> Result<Value> {
+    if report == Report::Scenes {
+        return scenes(defaults);
+    }
+    let (name, out) = (report.name(), arguments.out.join(report.name()));
+    let program = std::env::current_exe().context("finding this program")?;
+    let status = Command::new(program)
+        .args([name, "--overwrite", "--out"])
+        .arg(&out)
+        .status()
+        .with_context(|| format!("starting {name}"))?;
+    if !status.success() {
+        bail!(
+            "{name} failed or is incomplete, and is not recorded: see {}",
+            out.display()
+        );
+    }
+    let path = out.join(format!("{name}.json"));
+    let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
+    serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))
+}
+
+/// Mass and linearised frequencies of the built-in scenes that need no further file.
+fn scenes(defaults: &Defaults) -> Result<Value> {
+    let options = Options {
+        cache: defaults.cache.clone(),
+        ..Options::default()
+    };
+    let mut rows = Vec::new();
+    for (name, text) in BrakeReussBenchmark.scenes() {
+        let mut scene = GivenScene::built_in(name, text)?.scene;
+        if scene.structure.deck().is_some() {
+            continue;
+        }
+        scene = scene.only(&["modes".to_owned()])?;
+        let monitor = Monitor::new()?;
+        let found = run(&scene, &options, &monitor);
+        monitor.finish();
+        let found = found.with_context(|| format!("running the scene {name}"))?;
+        rows.push(json!({
+            "name": name,
+            "mass": found.model.facts.mass,
+            "frequencies_hz": found.frequencies,
+        }));
+    }
+    Ok(rows.into())
+}
