@@ -10,7 +10,7 @@ use joints::Options;
 use microslip::commands::print;
 use microslip::progress::Monitor;
 use microslip::{Defaults, Outcome};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::process::Command;
 use xtask::arguments::{self, Report};
 
@@ -57,7 +57,29 @@ fn compute(report: Report, arguments: &arguments::Validate, defaults: &Defaults)
     }
     let path = out.join(format!("{name}.json"));
     let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
-    serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))
+    let found: Value = serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
+    Ok(figures(report, &found))
+}
+
+/// The figures of what a task wrote, as rows with a `name` or an `id`.
+fn figures(report: Report, found: &Value) -> Value {
+    let rows = |rows: &Value, keep: &[&str]| -> Value {
+        let row = |row: &Value| {
+            keep.iter()
+                .map(|key| ((*key).to_owned(), row[*key].clone()))
+                .collect::<Map<_, _>>()
+        };
+        rows.as_array().into_iter().flatten().map(row).collect()
+    };
+    match report {
+        Report::Scenes => found.clone(),
+        Report::Paper => rows(found, &["id", "computed"]),
+        Report::Trade => rows(&found["settings"], &["name", "errors", "seconds", "peak_memory"]),
+        Report::Extremes => {
+            let done = found["cases"].as_array().map_or(0, Vec::len);
+            json!([{ "name": "all", "cases": { "done": done, "failed": found["failed"] } }])
+        }
+    }
 }
 
 /// Mass and linearised frequencies of the built-in scenes that need no further file.
@@ -79,7 +101,7 @@ fn scenes(defaults: &Defaults) -> Result<Value> {
         let found = found.with_context(|| format!("running the scene {name}"))?;
         rows.push(json!({
             "name": name,
-            "mass": found.model.facts.mass,
+            "model": { "mass": found.model.facts.mass },
             "frequencies_hz": found.frequencies,
         }));
     }

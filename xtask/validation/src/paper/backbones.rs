@@ -251,8 +251,8 @@ fn fig_19(inputs: &Inputs) -> Result<Plan<'_>> {
 pub(super) const METHODS: Entry = Entry {
     id: "methods",
     title: "CQSMA against QSMA, Masing's rule and RQNMA",
-    inputs: "Flat faces, measured statistics of another pair, mu = 0.2, displacement of 1 um to 1.5 mm. QSMA has its contact \
-             linearised about the static state and friction with the limit of that state; its loops are closed ones.",
+    inputs: "Flat faces, and the measured gap, measured statistics of another pair, mu = 0.2, displacement of 1 um to 1.5 mm. QSMA has its \
+             contact linearised about the static state and friction with the limit of that state; its loops are closed ones.",
     plan: methods,
 };
 
@@ -262,56 +262,86 @@ const COMPARED_METHODS: [f64; 4] = [2e-6, 1e-4, 2.5e-4, 1e-3];
 /// Displacement from which damping is compared (m).
 const SLIPPING: f64 = 5e-5;
 
+/// Frequency and damping over those of CQSMA, less one, by displacement.
+type Changes = [[f64; 2]; COMPARED_METHODS.len()];
+
+/// Compares the methods of a run on `faces` with its CQSMA.
+fn compared(run: &Record, names: &[&str], faces: &str, figures: &mut Vec<Figure>) -> Result<Vec<Changes>> {
+    let ours = [run.curve(FREQUENCY), run.curve(DAMPING)];
+    let mut add = |what: &str, x: f64, value: f64| {
+        let name = format!("{what}, {faces}, at {:.0} um", 1e6 * x);
+        figures.push(Figure::new(name, None, value, "the paper prints no figures"));
+    };
+    for x in COMPARED_METHODS {
+        for (what, curve) in ["frequency of CQSMA (Hz)", "damping of CQSMA"].into_iter().zip(&ours) {
+            if let Some(value) = at(curve, x) {
+                add(what, x, value);
+            }
+        }
+    }
+    let mut all = Vec::new();
+    for name in names {
+        let theirs = curves_of(run, name)?;
+        let mut changes = [[f64::NAN; 2]; COMPARED_METHODS.len()];
+        for (change, x) in changes.iter_mut().zip(COMPARED_METHODS) {
+            for (k, what) in ["frequency", "damping"].into_iter().enumerate() {
+                // Where nothing slips damping is that of round-off and history rules.
+                if k == 1 && x < SLIPPING {
+                    continue;
+                }
+                if let (Some(theirs), Some(ours)) = (at(&theirs[k], x), at(&ours[k], x)) {
+                    change[k] = theirs / ours - 1.0;
+                    add(
+                        &format!("{what} of {} over that of CQSMA, less one", title(name)),
+                        x,
+                        change[k],
+                    );
+                }
+            }
+        }
+        all.push(changes);
+    }
+    Ok(all)
+}
+
+/// Frequency and damping of a method against displacement.
+fn curves_of(run: &Record, name: &str) -> Result<[Vec<(f64, f64)>; 2]> {
+    let points = run.methods.get(name).with_context(|| format!("{name} gave nothing"))?;
+    Ok([
+        points.iter().map(|p| (p.0, p.1)).collect(),
+        points.iter().filter_map(|p| Some((p.0, p.2?))).collect(),
+    ])
+}
+
 fn methods(inputs: &Inputs) -> Result<Plan<'_>> {
-    let mut scene = inputs.backbone("four methods", 17, 1e-6, 1.5e-3);
-    scene.analyses.backbone.methods = vec![Method::Qsma, Method::Masing, Method::Rqnma];
-    let names: Vec<&str> = scene
+    let mut flat = inputs.backbone("four methods", 17, 1e-6, 1.5e-3);
+    flat.analyses.backbone.methods = vec![Method::Qsma, Method::Masing, Method::Rqnma];
+    let names: Vec<&str> = flat
         .analyses
         .backbone
         .methods
         .iter()
         .map(|method| method.name())
         .collect();
+    let mut rough = flat.clone();
+    rough.name = "four methods, measured gap".into();
+    rough.interfaces.gap = Gap::Measured;
     Ok(Plan {
-        scenes: vec![scene],
+        scenes: vec![flat, rough],
         evaluate: Box::new(move |results| {
             let run = results.of(0)?;
             let mut figures = Vec::new();
-            let ours = [run.curve(FREQUENCY), run.curve(DAMPING)];
+            let changes = compared(run, &names, "flat faces", &mut figures)?;
+            compared(results.of(1)?, &names, "measured gap", &mut figures)?;
             let mut lines = [
-                vec![curve("CQSMA".into(), RED, None, &ours[0])],
-                vec![curve(String::new(), RED, None, &ours[1])],
+                vec![curve("CQSMA".into(), RED, None, &run.curve(FREQUENCY))],
+                vec![curve(String::new(), RED, None, &run.curve(DAMPING))],
             ];
-            // Frequency and damping over those of CQSMA, less one, by method and displacement.
-            let mut changes: Vec<[[f64; 2]; 4]> = Vec::new();
             let dashes = [(9, 5), (14, 4), (2, 4), (5, 9)];
             for ((name, colour), dashes) in names.iter().zip(shades(names.len())).zip(dashes) {
-                let points = run.methods.get(*name).with_context(|| format!("{name} gave nothing"))?;
-                let theirs: [Vec<(f64, f64)>; 2] = [
-                    points.iter().map(|p| (p.0, p.1)).collect(),
-                    points.iter().filter_map(|p| Some((p.0, p.2?))).collect(),
-                ];
-                let mut rows = [[f64::NAN; 2]; 4];
-                for (row, x) in rows.iter_mut().zip(COMPARED_METHODS) {
-                    for (k, what) in ["frequency", "damping"].into_iter().enumerate() {
-                        // Where nothing slips damping is that of round-off and history rules.
-                        if k == 1 && x < SLIPPING {
-                            continue;
-                        }
-                        if let (Some(theirs), Some(ours)) = (at(&theirs[k], x), at(&ours[k], x)) {
-                            row[k] = theirs / ours - 1.0;
-                            let name = format!(
-                                "{what} of {} over that of CQSMA, less one, at {:.0} um",
-                                title(name),
-                                1e6 * x
-                            );
-                            figures.push(Figure::new(name, None, row[k], "the paper prints no figures"));
-                        }
-                    }
-                }
-                changes.push(rows);
-                lines[0].push(curve(title(name), colour, Some(dashes), &theirs[0]));
-                lines[1].push(curve(String::new(), colour, Some(dashes), &theirs[1]));
+                let [frequency, damping] = curves_of(run, name)?;
+                lines[0].push(curve(title(name), colour, Some(dashes), &frequency));
+                lines[1].push(curve(String::new(), colour, Some(dashes), &damping));
             }
             let [frequency, damping] = lines;
             let panels = [
