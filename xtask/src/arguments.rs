@@ -26,7 +26,7 @@ pub struct Validate {
     /// Reports to compute [default: all].
     #[arg(long, value_name = "REPORT", num_args = 1..)]
     only: Vec<Report>,
-    /// Folder for the results of the tasks, made if missing; what is in it is replaced.
+    /// Folder for the results of the tasks, with a folder for each commit.
     #[arg(long, value_name = "DIR", default_value = "results/validation")]
     pub out: PathBuf,
     /// Folder of the records, a file for each report. Tests compare the documents with those of the checkout.

@@ -11,20 +11,27 @@ use microslip::commands::print;
 use microslip::progress::Monitor;
 use microslip::{Defaults, Outcome};
 use serde_json::{Map, Value, json};
+use std::path::Path;
 use std::process::Command;
 use xtask::arguments::{self, Report};
 
 /// Runs the command.
 ///
 /// # Errors
-/// Of the tasks; nothing is recorded of one that fails or is incomplete.
+/// The sources are not those of a commit; of the tasks. Nothing is recorded of one that fails or is incomplete.
 pub(crate) fn run_all(arguments: &arguments::Validate, defaults: &Defaults) -> Result<Outcome> {
+    let commit = provenance::commit().filter(|commit| !commit.ends_with("-modified"));
+    let Some(commit) = commit else {
+        bail!("the sources are not those of a commit, which a record must name: commit them first");
+    };
+    // What an interrupted call has finished is kept, and is of the same sources.
+    let out = arguments.out.join(&commit);
     for report in arguments.reports() {
         let provenance = provenance::of(Vec::new())?;
-        let found = compute(report, arguments, defaults)?;
+        let found = compute(report, &out, defaults)?;
         let record = json!({
             "date": provenance.date,
-            "commit": provenance.program.commit,
+            "commit": commit,
             "arithmetic": provenance.arithmetic,
             "found": found,
         });
@@ -38,15 +45,16 @@ pub(crate) fn run_all(arguments: &arguments::Validate, defaults: &Defaults) -> R
 }
 
 /// Computes a report anew, in a process of its own as if somebody had called the task, and reads what it found.
-fn compute(report: Report, arguments: &arguments::Validate, defaults: &Defaults) -> Result<Value> {
+fn compute(report: Report, out: &Path, defaults: &Defaults) -> Result<Value> {
     if report == Report::Scenes {
         return scenes(defaults);
     }
-    let (name, out) = (report.name(), arguments.out.join(report.name()));
+    let (name, out) = (report.name(), out.join(report.name()));
     let program = std::env::current_exe().context("finding this program")?;
     let status = Command::new(program)
-        .args([name, "--overwrite", "--out"])
+        .args([name, "--out"])
         .arg(&out)
+        .args((report == Report::Paper).then_some("--no-cache"))
         .status()
         .with_context(|| format!("starting {name}"))?;
     if !status.success() {
