@@ -18,6 +18,9 @@ const YIELDED: f64 = 0.1;
 /// Fraction of the interface that must be in contact.
 const IN_CONTACT: f64 = 0.5;
 
+/// Poisson ratio up to which incompatible modes keep up with nearly constant volume: at 0.4999 they agree with B-bar on the
+/// Brake-Reuss beam within 3 %, at 0.499999 they are 4 % too stiff.
+const POISSON_RATIO: f64 = 0.4999;
 /// Mean distance of faces that touch (m) that is believed. Coordinates of files are rounded far below it, and the flatness of machined faces,
 /// which a scan brings into a mesh, is about as large; clearances of drawings, sheets and bodies that were moved are larger.
 const FACES_APART: f64 = 20e-6;
@@ -49,6 +52,8 @@ pub enum WarningKind {
     Density,
     /// A Young's modulus (Pa).
     YoungsModulus,
+    /// A Poisson ratio that many elements are too stiff at (-).
+    PoissonRatio,
     /// Nothing presses the faces together (Pa).
     NoPressure,
     /// The bolt loads over the area exceed the hardness (Pa).
@@ -189,6 +194,15 @@ pub fn of_input(overview: &Overview) -> Vec<Warning> {
                 limit,
                 message,
             ));
+        }
+        let ratio = material.poisson_ratio;
+        if ratio > POISSON_RATIO {
+            let message = format!(
+                "the Poisson ratio of {} is {ratio}: above {POISSON_RATIO} elements of first order are too stiff, except for \
+                 \"model\": {{ \"formulation\": \"b-bar\" }}; so are quadratic ones with full integration",
+                material.name
+            );
+            warnings.push(warning(WarningKind::PoissonRatio, ratio, POISSON_RATIO, message));
         }
     }
     let fit = &overview.fit;
@@ -466,6 +480,10 @@ mod tests {
         assert_eq!(
             only(|o, _| o.materials[0].youngs_modulus = 2e14),
             (K::YoungsModulus, 2e14, 1.5e12)
+        );
+        assert_eq!(
+            only(|o, _| o.materials[0].poisson_ratio = 0.499_99),
+            (K::PoissonRatio, 0.499_99, 0.4999)
         );
         assert_eq!(only(|_, f| f.peak_pressure = 0.0), (K::NoPressure, 0.0, 0.0));
         assert_eq!(

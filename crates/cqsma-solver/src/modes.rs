@@ -54,6 +54,12 @@ impl<S> Linearisation<'_, S> {
         self.mass
     }
 
+    /// Energy norm, in the stiffness with everything in contact stuck, of the round-off that evaluating the contact forces leaves
+    /// (sqrt(J)): a residual below it says nothing.
+    pub fn round_off(&self) -> f64 {
+        self.round_off.energy
+    }
+
     /// Symmetrised tangent of the stuck contact over the pattern of the force (N/m).
     pub fn stuck_tangent(&self) -> &[f64] {
         self.stuck.tangent()

@@ -16,6 +16,11 @@ const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 /// Largest part of an eigenvalue that this round-off may be.
 const LARGEST_ROUND_OFF: f64 = 1e-6;
 
+/// Change of the eigenvalues, relative to each, that may be the round-off of an ill-conditioned factor: it counts as found where it has
+/// not fallen for some iterations.
+const LARGEST_PLATEAU: f64 = 1e-9;
+const PLATEAU: usize = 5;
+
 /// The `count` lowest eigenpairs of `L L^T y = lambda m y` for a positive semi-definite `m`, with `y^T m y = 1`,
 /// by subspace iteration on `L^-1 m L^-T`, whose eigenvalues are `1 / lambda`.
 ///
@@ -35,6 +40,7 @@ pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) ->
     let width = (2 * count + 10).min(size);
     let mut image = scattered(size, width);
     let mut previous = vec![0.0; count];
+    let (mut least_change, mut since) = (f64::INFINITY, 0);
     for _ in 0..MAX_ITERATIONS {
         let basis = orthonormal(image)?;
         image = apply(&basis);
@@ -48,12 +54,20 @@ pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) ->
             return Err(Error::Rank { size, count });
         }
         let round_off = ROUND_OFF * largest;
+        let changes = values
+            .iter()
+            .zip(&previous)
+            .map(|(value, before)| (value - before).abs() / value);
+        let change = changes.fold(0.0, f64::max);
+        since = if change < least_change { 0 } else { since + 1 };
+        least_change = change.min(least_change);
+        let is_plateau = since >= PLATEAU && change < LARGEST_PLATEAU;
         let settled = values.iter().zip(&previous).all(|(value, before)| {
             let change = (value - before).abs();
             change < SETTLED * value || (change < round_off && round_off < LARGEST_ROUND_OFF * value)
         });
         previous.clone_from(&values);
-        if settled {
+        if settled || is_plateau {
             let mut shapes = Mat::from_fn(size, count, |i, j| image[(i, image.ncols() - 1 - j)]);
             solve_lower_transposed(lower, shapes.as_mut());
             normalise(&mut shapes, m);

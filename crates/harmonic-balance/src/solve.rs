@@ -15,6 +15,9 @@ const CRAWLING: f64 = 0.9;
 const MAX_BOLD: usize = 8;
 const WORST: f64 = 10.0;
 
+/// Round-off of the contact forces over the elastic forces of the first harmonic, in the energy norm, from which a motion says nothing.
+const LARGEST_ROUND_OFF: f64 = 1e-2;
+
 /// Most iterations in a row that do not reduce the residual.
 const MAX_STALLED: usize = 4;
 
@@ -49,6 +52,11 @@ pub enum Reason {
         "the residual stopped falling, however often the step was halved; take more samples per period, or smaller steps"
     )]
     Stalled,
+    /// The motion is too small to be told from round-off.
+    #[error(
+        "the motion is within the round-off of the contact forces of the static state; take larger amplitudes or forces"
+    )]
+    BelowRoundOff,
     /// Too many iterations.
     #[error("more iterations were needed than allowed")]
     IterationLimit,
@@ -435,7 +443,13 @@ pub(crate) fn solve<F: PointwiseForce>(
         if !(size / scale).is_finite() {
             return fail(Reason::NotFinite, history);
         }
-        if size <= settings.tolerance * scale {
+        let round_off = system.line().round_off();
+        if round_off > LARGEST_ROUND_OFF * scale {
+            return fail(Reason::BelowRoundOff, history);
+        }
+        // Round-off that falls no further is as good as it gets; the result says how large it is.
+        let falls = history.len() > 1 && history[history.len() - 2] > 2.0 * history[history.len() - 1];
+        if size <= settings.tolerance * scale || (size <= round_off && !falls) {
             return Ok(Converged {
                 residual: size / scale,
                 drift: evaluation.drift,

@@ -3,6 +3,7 @@
 use super::bench::{Bench, meshed};
 use super::case::Case;
 use super::findings::{Findings, Refusal};
+use analyses::warnings::WarningKind;
 use analyses::{Error, Prepared, Run};
 use anyhow::{Context, Result, bail};
 use finite_elements::mesh::{Cell, Element as Solid};
@@ -63,9 +64,10 @@ pub(super) static CASES: &[Case] = &[
         run: unconnected,
     },
     Case {
-        name: "poisson-0.4999",
-        change: "a Poisson ratio of 0.4999",
-        expected: "converges; incompatible modes and B-bar agree and change little from 0.49, full integration is stiffer",
+        name: "poisson-0.499999",
+        change: "Poisson ratios of 0.4999 and 0.499999",
+        expected: "converges; incompatible modes and B-bar agree and change little from 0.49, full integration is stiffer; B-bar changes \
+                   little to 0.499999, where a warning says that incompatible modes lock",
         run: incompressible,
     },
 ];
@@ -340,6 +342,31 @@ fn incompressible(bench: &Bench) -> Result<Findings> {
     let first = |run: &Run| run.frequencies[0];
     findings.equal("as with 0.49", first(&modes), first(&near), 0.03);
     findings.equal("as with B-bar", first(&modes), first(&b_bar), 0.03);
+    let nearer = with(0.499_999, Formulation::BBar)?;
+    findings.sound("0.499999, ", &nearer)?;
+    findings.equal(
+        "0.499999, as with 0.4999, both by B-bar",
+        first(&nearer),
+        first(&b_bar),
+        0.01,
+    );
+    // Incompatible modes are too stiff there, and the run says so.
+    let locked = with(0.499_999, Formulation::IncompatibleModes)?;
+    findings.between(
+        "0.499999, incompatible modes over B-bar",
+        first(&locked) / first(&nearer),
+        1.0,
+        1.1,
+    );
+    let is_warned = |run: &Run| {
+        run.warnings
+            .iter()
+            .any(|warning| warning.kind == WarningKind::PoissonRatio)
+    };
+    findings.that(
+        "a warning with 0.499999, none with 0.4999",
+        is_warned(&locked) && !is_warned(&modes),
+    );
     findings.between(
         "full integration over incompatible modes",
         first(&full) / first(&modes),

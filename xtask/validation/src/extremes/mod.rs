@@ -1,5 +1,6 @@
 //! Hostile but finite situations, each with what must happen. A case converges to values known
 //! from elsewhere, or is refused with a reason; it never ends in a silent number, a panic, a hang or NaN.
+mod asked;
 mod bench;
 mod case;
 mod execution;
@@ -7,6 +8,7 @@ mod findings;
 mod laws;
 mod loads;
 mod meshes;
+mod sizes;
 
 use anyhow::{Context, Result, bail};
 use bench::Bench;
@@ -27,9 +29,16 @@ const SCHEMA_VERSION: u32 = 1;
 
 /// All groups of cases, in the order of the table.
 fn table() -> impl Iterator<Item = &'static Case> {
-    [loads::CASES, laws::CASES, meshes::CASES, execution::CASES]
-        .into_iter()
-        .flatten()
+    [
+        loads::CASES,
+        laws::CASES,
+        asked::CASES,
+        sizes::CASES,
+        meshes::CASES,
+        execution::CASES,
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// Cases of these names, all without any.

@@ -187,7 +187,7 @@ fn claims() -> Vec<Claim> {
         ),
     ];
     for faces in ["flat faces", "measured gap"] {
-        for um in [100, 250, 1000] {
+        for um in [100, 1000] {
             let of = |what: &str| Some(of("methods", &format!("{what}, {faces}, at {um} um")));
             let mut row = vec![of("frequency of CQSMA (Hz)"), of("damping of CQSMA")];
             for method in ["QSMA", "Masing", "RQNMA"] {

@@ -1,0 +1,266 @@
+//! Joints of other sizes: two plates of a hundred micrometres, and of a hundred metres.
+
+use super::bench::Bench;
+use super::case::Case;
+use super::findings::Findings;
+use analyses::{Run, run};
+use anyhow::{Context, Result};
+use brake_reuss_beam::BrakeReussBenchmark;
+use finite_elements::elements::{Cell, Formulation, HEX8};
+use finite_elements::formats::gmsh;
+use finite_elements::mesh::{Element, Face, Group, Material, Mesh};
+use joints::Options;
+use joints::progress::Silent;
+use scenes::Scene;
+use serde_json::json;
+
+pub(super) static CASES: &[Case] = &[
+    Case {
+        name: "joint-100-um-and-100-m",
+        change: "two bolted plates of 100 um and of 100 m, with bolt load and contact in proportion",
+        expected: "frequencies in inverse proportion to the size, the same damping",
+        run: sizes,
+    },
+    Case {
+        name: "units-um-and-km",
+        change: "a mesh in micrometres, and in kilometres",
+        expected: "the same results",
+        run: units,
+    },
+    Case {
+        name: "aspect-1-to-1e3",
+        change: "two bolted plates a thousandth as wide as long, one element across",
+        expected: "converges; frequencies of bending as of wide plates, in which no stress varies across",
+        run: slender,
+    },
+];
+
+/// Length of a plate (m).
+const LENGTH: f64 = 0.12;
+
+/// Elements of a plate along, across and through it.
+const CELLS: [usize; 3] = [24, 4, 2];
+
+/// Two plates that overlap by two thirds of their length, clamped together by a bolt in the middle of the overlap.
+struct Plates {
+    /// Times the usual size.
+    scale: f64,
+    /// Over its length.
+    width: f64,
+    cells: [usize; 3],
+    poisson_ratio: f64,
+    /// Unit of length of the file, and its size (m).
+    unit: (&'static str, f64),
+}
+
+impl Default for Plates {
+    fn default() -> Self {
+        Self {
+            scale: 1.0,
+            width: 0.25,
+            cells: CELLS,
+            poisson_ratio: 0.3,
+            unit: ("m", 1.0),
+        }
+    }
+}
+
+impl Plates {
+    /// A plate with its lowest corner at `(x, 0, z)` in plate lengths; gives the faces below and above it, of which `seat` is the
+    /// middle of the overlap.
+    fn add(&self, mesh: &mut Mesh, [x, z]: [f64; 2], material: u16) -> Result<[Vec<Face>; 2]> {
+        let [nx, ny, nz] = self.cells;
+        let first = mesh.nodes.len();
+        let length = self.scale * LENGTH / self.unit.1;
+        let node = |i: usize, j: usize, k: usize| (first + i + (nx + 1) * (j + (ny + 1) * k)) as u32;
+        for k in 0..=nz {
+            for j in 0..=ny {
+                for i in 0..=nx {
+                    let at = [
+                        x + i as f64 / nx as f64,
+                        self.width * j as f64 / ny as f64,
+                        z + THICKNESS * k as f64 / nz as f64,
+                    ];
+                    mesh.nodes.push(at.map(|c| length * c));
+                }
+            }
+        }
+        for k in 0..nz {
+            for j in 0..ny {
+                for i in 0..nx {
+                    let corners = [
+                        (0, 0, 0),
+                        (1, 0, 0),
+                        (1, 1, 0),
+                        (0, 1, 0),
+                        (0, 0, 1),
+                        (1, 0, 1),
+                        (1, 1, 1),
+                        (0, 1, 1),
+                    ];
+                    let nodes = corners.map(|(a, b, c)| node(i + a, j + b, k + c));
+                    let cell = Cell::try_new(&HEX8, Formulation::IncompatibleModes, &nodes).context("a hexahedron")?;
+                    mesh.elements.push(Element { cell, material });
+                }
+            }
+        }
+        let face = |k: usize, order: [(usize, usize); 4]| -> Vec<Face> {
+            let cells = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
+            cells
+                .map(|(i, j)| Face::quad4(order.map(|(a, b)| node(i + a, j + b, k))))
+                .collect()
+        };
+        Ok([
+            face(0, [(0, 1), (1, 1), (1, 0), (0, 0)]),
+            face(nz, [(0, 0), (1, 0), (1, 1), (0, 1)]),
+        ])
+    }
+
+    /// The scene, with its mesh in a file of this name in the folder of the bench.
+    fn scene(&self, bench: &Bench, name: &str) -> Result<Scene> {
+        let material = |name: &str| Material {
+            name: name.into(),
+            youngs_modulus: 1.0,
+            poisson_ratio: 0.0,
+            density: 1.0,
+        };
+        let mut mesh = Mesh {
+            materials: ["upper", "lower"].map(material).into(),
+            ..Mesh::default()
+        };
+        let [contact_above, top] = self.add(&mut mesh, [1.0 / 3.0, 0.0], 0)?;
+        let [bottom, contact_below] = self.add(&mut mesh, [0.0, -THICKNESS], 1)?;
+        // Elements about the middle of the overlap, of each plate.
+        let (nx, ny) = (self.cells[0], self.cells[1]);
+        let seat = |faces: &[Face], from: usize| -> Vec<Face> {
+            let inside = |number: &usize| (from..from + nx / 6).contains(&(number % nx));
+            (0..nx * ny).filter(inside).map(|number| faces[number]).collect()
+        };
+        let group = |name: &str, members: Vec<Face>| Group {
+            name: name.into(),
+            members,
+        };
+        let (head, nut) = (seat(&top, nx / 4), seat(&bottom, nx / 4 + nx / 3));
+        let faces = [
+            group("upper face", contact_above),
+            group("lower face", contact_below),
+            group("head", head),
+            group("nut", nut),
+        ];
+        let path = bench.folder.join(format!("{name}.msh"));
+        std::fs::write(&path, gmsh::write(&mesh, &faces, &[])?)
+            .with_context(|| format!("writing {}", path.display()))?;
+        let (unit, size) = self.unit;
+        let length = self.scale * LENGTH;
+        let tip = [4.0 / 3.0, 0.0, THICKNESS].map(|c| length * c / size);
+        let newton = |force: f64| format!("{force:e} N");
+        let metre = |length: f64| format!("{length:e} m");
+        let stiffness = |k: f64| format!("{:e} Pa/m", k / self.scale);
+        let scene = json!({
+            "units": { "length": unit, "mass": "kg", "time": "s" },
+            "structure": { "mesh": {
+                "path": path,
+                "interfaces": [{ "top": "upper face", "bottom": "lower face" }],
+                "bolts": [{ "head": "head", "nut": "nut" }],
+                "response": { "nearest": tip, "direction": [0.0, 0.6, 0.8] },
+            } },
+            "model": { "material": {
+                "youngs_modulus": "200 GPa", "poisson_ratio": self.poisson_ratio, "density": "7800 kg/m^3",
+            } },
+            "interfaces": {
+                "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
+                    "normal_stiffness": stiffness(4e13), "tangential_stiffness": [stiffness(3e13), stiffness(3e13)],
+                } } }] } },
+                "mu": 0.15,
+            },
+            "bolts": { "load": newton(8e3 * self.width / 0.25 * self.scale.powi(2)) },
+            "analyses": { "backbone": {
+                "amplitudes": 3, "vertices_per_quarter": 4,
+                "amplitude_from": metre(2e-6 * self.scale), "amplitude_to": metre(6e-5 * self.scale),
+            } },
+        });
+        Ok(Scene::from_json(
+            &scene.to_string(),
+            name,
+            name,
+            &[&BrakeReussBenchmark],
+        )?)
+    }
+
+    fn run(&self, bench: &Bench, name: &str) -> Result<Run> {
+        Ok(run(&self.scene(bench, name)?, &Options::default(), &Silent)?)
+    }
+}
+
+/// Thickness of a plate over its length.
+const THICKNESS: f64 = 1.0 / 12.0;
+
+fn sizes(bench: &Bench) -> Result<Findings> {
+    let usual = Plates::default().run(bench, "plates")?;
+    let mut findings = Findings::default();
+    findings.sound("usual, ", &usual)?;
+    for (name, length) in [("100 um", 1e-4), ("100 m", 1e2)] {
+        let scale = length / LENGTH;
+        let plates = Plates {
+            scale,
+            ..Plates::default()
+        };
+        let found = plates.run(bench, name)?;
+        findings.sound(&format!("{name}, "), &found)?;
+        findings.alike(&format!("{name}, "), &found, &usual, [1.0 / scale, scale], 1e-6);
+    }
+    findings.outcome = format!("converged, {:.3} Hz of plates of 120 mm", usual.frequencies[0]);
+    Ok(findings)
+}
+
+fn units(bench: &Bench) -> Result<Findings> {
+    let usual = Plates::default().run(bench, "plates")?;
+    let mut findings = Findings::default();
+    for unit in [("um", 1e-6), ("km", 1e3)] {
+        let plates = Plates {
+            unit,
+            ..Plates::default()
+        };
+        let found = plates.run(bench, unit.0)?;
+        findings.sound(&format!("{}, ", unit.0), &found)?;
+        findings.alike(&format!("{}, ", unit.0), &found, &usual, [1.0; 2], 1e-6);
+    }
+    findings.outcome = format!("converged, {:.6} Hz", usual.frequencies[0]);
+    Ok(findings)
+}
+
+fn slender(bench: &Bench) -> Result<Findings> {
+    let of_width = |width: f64, name: &str| -> Result<Run> {
+        let plates = Plates {
+            width,
+            cells: [CELLS[0], 1, CELLS[2]],
+            // Without it bending of wide and of narrow plates is the same.
+            poisson_ratio: 0.0,
+            ..Plates::default()
+        };
+        let mut scene = plates.scene(bench, name)?;
+        scene.analyses.backbone.amplitudes = 0;
+        // The narrow ones have many modes sideways before the first across the interface.
+        (scene.model.modes, scene.analyses.modes.number) = (Some(80), 60);
+        Ok(run(&scene, &Options::default(), &Silent)?)
+    };
+    let mut findings = Findings::default();
+    let (wide, narrow) = (of_width(0.25, "wide")?, of_width(1e-3, "narrow")?);
+    findings.sound("a quarter, ", &wide)?;
+    findings.sound("a thousandth, ", &narrow)?;
+    let first = wide.frequencies[0];
+    let distance = |f: &f64| (f / first - 1.0).abs();
+    let nearest = narrow
+        .frequencies
+        .iter()
+        .copied()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    findings.equal(
+        "frequency of bending across the interface (Hz)",
+        nearest.unwrap_or(f64::NAN),
+        first,
+        1e-5,
+    );
+    findings.outcome = format!("converged, {first:.4} Hz of both");
+    Ok(findings)
+}
