@@ -1,10 +1,13 @@
 //! What a scene asks for.
 
 use super::Parameter;
-use super::periodic::{Epmc, Forced};
+use super::check::Check;
+use super::epmc::Epmc;
+use super::forced::Forced;
 use super::ring_down::RingDown;
 use super::tightening::Tightening;
 use super::units::Length;
+use crate::Error;
 use cqsma_solver::cqsma::Commit;
 use serde::{Deserialize, Serialize};
 
@@ -169,4 +172,88 @@ pub struct Output {
     /// a second time for it. Matrices have no bodies.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub deformed: bool,
+}
+
+impl Backbone {
+    /// Refuses values outside their ranges.
+    pub(super) fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        let [from, to] = [self.amplitude_from, self.amplitude_to].map(Length::si);
+        check.positive("analyses.backbone.amplitude_from", from, "m")?;
+        check.that(
+            to.is_finite() && to >= from,
+            "analyses.backbone.amplitude_to",
+            to,
+            "m",
+            "finite and not below amplitude_from",
+        )?;
+        check.that(
+            self.amplitudes <= 10_000,
+            "analyses.backbone.amplitudes",
+            self.amplitudes as f64,
+            "",
+            "at most 10000",
+        )?;
+        check.that(
+            (1..=4096).contains(&self.vertices_per_quarter),
+            "analyses.backbone.vertices_per_quarter",
+            self.vertices_per_quarter as f64,
+            "",
+            "between 1 and 4096",
+        )?;
+        if let Some(cycles) = self.cycles {
+            check.that(
+                (1..=1000).contains(&cycles),
+                "analyses.backbone.cycles",
+                cycles as f64,
+                "",
+                "between 1 and 1000",
+            )?;
+        }
+        if let Some(tolerance) = self.until_closed {
+            check.that(
+                (1e-12..=1.0).contains(&tolerance),
+                "analyses.backbone.until_closed",
+                tolerance,
+                "",
+                "between 1e-12 (round-off) and 1",
+            )?;
+            check.that(
+                self.cycles.is_none(),
+                "analyses.backbone.until_closed",
+                tolerance,
+                "",
+                "left out where analyses.backbone.cycles is given",
+            )?;
+        }
+        check.that(
+            (1e-13..=1e-2).contains(&self.tolerance),
+            "analyses.backbone.tolerance",
+            self.tolerance,
+            "",
+            "between 1e-13 (round-off) and 1e-2",
+        )
+    }
+}
+
+impl Modes {
+    /// Refuses values outside their ranges.
+    pub(super) fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        check.that(
+            (1..=100).contains(&self.number),
+            "analyses.modes.number",
+            self.number as f64,
+            "",
+            "between 1 and 100",
+        )?;
+        let field = "analyses.modes.followed";
+        check.that(!self.followed.is_empty(), field, 0.0, "(modes)", "at least one")?;
+        for (index, mode) in self.followed.iter().enumerate() {
+            let value = *mode as f64;
+            let is_computed = (1..=self.number).contains(mode);
+            check.that(is_computed, field, value, "", "between 1 and analyses.modes.number")?;
+            let is_new = !self.followed[..index].contains(mode);
+            check.that(is_new, field, value, "", "different from the modes before it")?;
+        }
+        Ok(())
+    }
 }

@@ -1,7 +1,9 @@
 //! Free decay in time.
 
+use super::check::Check;
 use super::units::{Force, Length};
-use cqsma_solver::transient;
+use crate::Error;
+use cqsma_solver::transient::{self, MOST_STEPS};
 use serde::{Deserialize, Serialize};
 
 /// A free decay of the first mode followed, in time, begun by `release` or by `strike`.
@@ -48,5 +50,50 @@ impl Default for RingDown {
             spectral_radius: solver.spectral_radius,
             other_damping: solver.other_damping,
         }
+    }
+}
+
+impl RingDown {
+    /// Refuses values outside their ranges.
+    pub(super) fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        let one = self.release.is_some() != self.strike.is_some();
+        check.that(
+            one,
+            "analyses.ring_down",
+            f64::from(u8::from(self.release.is_some())) + f64::from(u8::from(self.strike.is_some())),
+            "(of release and strike)",
+            "begun by one of the two, such as \"release\": \"1 mm\"",
+        )?;
+        if let Some(release) = self.release {
+            check.positive("analyses.ring_down.release", release.si(), "m")?;
+        }
+        if let Some(strike) = self.strike {
+            check.positive("analyses.ring_down.strike.force", strike.force.si(), "N")?;
+            check.positive("analyses.ring_down.strike.contact_time_s", strike.contact_time_s, "s")?;
+        }
+        let periods = self.periods as f64;
+        check.that(
+            self.periods > 0,
+            "analyses.ring_down.periods",
+            periods,
+            "",
+            "at least 1",
+        )?;
+        check.that(
+            (1..=MOST_STEPS).contains(&self.steps_per_period.saturating_mul(self.periods)),
+            "analyses.ring_down.periods",
+            periods,
+            "",
+            "so few that they have at most 1e7 steps; follow fewer periods, or take fewer steps for each",
+        )?;
+        let radius = self.spectral_radius;
+        check.that(
+            (0.0..=1.0).contains(&radius),
+            "analyses.ring_down.spectral_radius",
+            radius,
+            "",
+            "between 0 and 1",
+        )?;
+        check.not_negative("analyses.ring_down.other_damping", self.other_damping, "")
     }
 }

@@ -1,6 +1,8 @@
-//! Periodic motions of a scene: EPMC backbones and forced responses.
+//! Free periodic motions by the extended periodic motion concept (EPMC).
 
-use super::units::{Force, ModalAmplitude};
+use super::check::Check;
+use super::units::ModalAmplitude;
+use crate::Error;
 use serde::{Deserialize, Serialize};
 
 /// Free periodic motions by the extended periodic motion concept (method `epmc`).
@@ -103,93 +105,79 @@ pub struct SamplingAccuracy {
     pub damping: f64,
 }
 
-/// Damping in proportion to mass and stiffness.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Rayleigh {
-    /// Factor of the mass (1/s).
-    pub mass: f64,
-    /// Factor of the stiffness of the structure without contact (s).
-    pub stiffness: f64,
-}
-
-/// Responses to a harmonic force: at the response point in its direction, unless `node` and `direction` or `terms` say otherwise.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct Forced {
-    /// Node that the force acts on: in a deck a label or a set of one node, in matrices a label. Not for benchmarks.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub node: Option<String>,
-    /// Direction of the force at the node, a unit vector.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub direction: Option<[f64; 3]>,
-    /// In matrices: factors of the coordinates that the force acts on, in the place of a node: label, component, factor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub terms: Option<Vec<(i64, u32, f64)>>,
-    /// Proportional damping beside `background_damping`: factors of the mass (1/s) and of the stiffness without contact (s).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rayleigh: Option<Rayleigh>,
-    /// Amplitudes of the force (force).
-    pub levels: Vec<Force>,
-    /// First frequency (Hz).
-    pub from_hz: f64,
-    /// Last frequency (Hz); above or below the first.
-    pub to_hz: f64,
-    /// Highest harmonic, 1 to 100.
-    #[serde(default = "three")]
-    pub harmonics: usize,
-    /// Samples per period, 8 to 65536 and more than twice the harmonics.
-    #[serde(default = "samples")]
-    pub samples: usize,
-    /// Residual relative to the elastic forces of the first harmonic, in the energy norm.
-    #[serde(default = "tolerance")]
-    pub tolerance: f64,
-    /// Largest relative change of the motion from one point of a curve to the next.
-    #[serde(default = "amplitude_step")]
-    pub amplitude_step: f64,
-    /// Largest relative change of the frequency from one point of a curve to the next.
-    #[serde(default = "frequency_step")]
-    pub frequency_step: f64,
-}
-
-impl Forced {
-    /// These levels between these frequencies (Hz), with defaults for all else.
-    pub fn new(levels: Vec<Force>, from_hz: f64, to_hz: f64) -> Self {
-        Self {
-            node: None,
-            direction: None,
-            terms: None,
-            rayleigh: None,
-            levels,
-            from_hz,
-            to_hz,
-            harmonics: three(),
-            samples: samples(),
-            tolerance: tolerance(),
-            amplitude_step: amplitude_step(),
-            frequency_step: frequency_step(),
+impl Epmc {
+    /// Refuses values outside their ranges.
+    pub(super) fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        sampling(
+            check,
+            ["analyses.epmc.harmonics", "analyses.epmc.samples"],
+            self.harmonics,
+            self.samples,
+        )?;
+        check.that(
+            self.tolerance >= 1e-13 && self.tolerance <= 1e-3,
+            "analyses.epmc.tolerance",
+            self.tolerance,
+            "",
+            "between 1e-13 and 1e-3",
+        )?;
+        if let Some(target) = self.accuracy {
+            check.positive("analyses.epmc.accuracy.frequency", target.frequency, "")?;
+            check.positive("analyses.epmc.accuracy.damping", target.damping, "")?;
         }
+        for point in self.loops_at.iter().flatten() {
+            check.that(
+                *point > 0,
+                "analyses.epmc.loops_at",
+                0.0,
+                "",
+                "numbers of points, counted from 1",
+            )?;
+        }
+        let Some(amplitudes) = &self.modal_amplitudes else {
+            return Ok(());
+        };
+        if let Amplitudes::Range(range) = amplitudes {
+            check.that(
+                (1..=10_000).contains(&range.number),
+                "analyses.epmc.modal_amplitudes.number",
+                range.number as f64,
+                "",
+                "from 1 to 10000",
+            )?;
+        }
+        let mut last = 0.0;
+        for value in amplitudes.values() {
+            check.positive("analyses.epmc.modal_amplitudes", value, "sqrt(kg) m")?;
+            let rises = value > last;
+            check.that(
+                rises,
+                "analyses.epmc.modal_amplitudes",
+                value,
+                "sqrt(kg) m",
+                "above the one before it",
+            )?;
+            last = value;
+        }
+        Ok(())
     }
 }
 
-fn three() -> usize {
-    3
-}
-
-fn samples() -> usize {
-    128
-}
-
-fn tolerance() -> f64 {
-    1e-8
-}
-
-fn amplitude_step() -> f64 {
-    0.2
-}
-
-fn frequency_step() -> f64 {
-    0.02
+/// Harmonics and samples of harmonic balance.
+pub(super) fn sampling(
+    check: &Check<'_>,
+    fields: [&'static str; 2],
+    harmonics: usize,
+    samples: usize,
+) -> Result<(), Error> {
+    let range = (1..=100).contains(&harmonics);
+    check.that(range, fields[0], harmonics as f64, "", "from 1 to 100")?;
+    let enough = samples > 2 * harmonics && (8..=65_536).contains(&samples);
+    check.that(
+        enough,
+        fields[1],
+        samples as f64,
+        "",
+        "from 8 to 65536, and more than twice the number of harmonics",
+    )
 }
