@@ -1,5 +1,6 @@
 //! Tells the library the commit that it is built from, as `MICROSLIP_COMMIT`; empty if that is not known.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::process::Command;
 
@@ -38,11 +39,13 @@ fn checked_out() -> Option<String> {
             println!("cargo::rerun-if-changed={}", sources.display());
         }
     }
-    Some(if changes.is_empty() {
-        commit
-    } else {
-        format!("{commit}-modified")
-    })
+    if changes.is_empty() {
+        return Some(commit);
+    }
+    // What builds of other changes have stored must not be taken for results of this one.
+    let mut hash = DefaultHasher::new();
+    git(&[&["diff", "HEAD"][..], &sources].concat())?.hash(&mut hash);
+    Some(format!("{commit}-modified-{:016x}", hash.finish()))
 }
 
 fn git(arguments: &[&str]) -> Option<String> {

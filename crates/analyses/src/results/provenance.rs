@@ -64,7 +64,7 @@ pub struct ProgramBuild {
     pub name: String,
     /// Its version.
     pub version: String,
-    /// Commit that it was built from, with `-modified` where sources differed from it; `null` if that is not known.
+    /// Commit that it was built from, with `-modified` and a hash of the differences where sources differed from it; `null` if that is not known.
     pub commit: Option<String>,
 }
 

@@ -20,7 +20,7 @@ use xtask::arguments::{self, Report};
 /// # Errors
 /// The sources are not those of a commit; of the tasks. Nothing is recorded of one that fails or is incomplete.
 pub(crate) fn run_all(arguments: &arguments::Validate, defaults: &Defaults) -> Result<Outcome> {
-    let commit = provenance::commit().filter(|commit| !commit.ends_with("-modified"));
+    let commit = provenance::commit().filter(|commit| !commit.contains("-modified"));
     let Some(commit) = commit else {
         bail!("the sources are not those of a commit, which a record must name: commit them first");
     };
@@ -94,6 +94,7 @@ fn figures(report: Report, found: &Value) -> Value {
 fn scenes(defaults: &Defaults) -> Result<Value> {
     let options = Options {
         cache: defaults.cache.clone(),
+        build: provenance::commit(),
         ..Options::default()
     };
     let mut rows = Vec::new();

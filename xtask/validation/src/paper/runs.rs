@@ -1,27 +1,24 @@
 //! The scenes behind the entries: each run once, what is needed of it kept on disk.
 
 use crate::progress::{Batch, Display, Task};
-use analyses::results::provenance::arithmetic_fingerprint;
 use analyses::results::summary::Summary;
 use analyses::{Fields, Prepared, Run};
 use anyhow::{Context, Result};
 use contact_laws::Regime;
+use host::provenance;
 use joints::Options;
 use joints::progress::Progress;
 use joints::store::checkpoint::Checkpoints;
+use joints::store::key::KeyBuilder;
 use joints::structure::Structure;
 use scenes::Scene;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-
-/// Changes whenever what is stored of a run, or how it is computed, does.
-const VERSION: u32 = 3;
 
 /// Scenes that run at the same time; their loops share all threads, and each holds a reduced model of its own.
 const WORKERS: usize = 2;
@@ -184,15 +181,11 @@ fn key(scene: &Scene) -> Result<String> {
     })
 }
 
-/// Hash of inputs and of what turns them into results.
+/// Hash of inputs, and of the build that turns them into results.
 fn hash(inputs: &impl Serialize) -> Result<String> {
-    let mut hash = Sha256::new();
-    hash.update(VERSION.to_le_bytes());
-    hash.update(env!("CARGO_PKG_VERSION"));
-    hash.update(contact_laws::instruction_set());
-    hash.update(arithmetic_fingerprint());
-    hash.update(serde_json::to_vec(inputs).context("encoding inputs")?);
-    Ok(file_io::durable::hex(&hash.finalize()[..16]))
+    let mut key = KeyBuilder::new(provenance::commit().as_deref());
+    key.text(&serde_json::to_string(inputs).context("encoding inputs")?);
+    Ok(key.finish().0)
 }
 
 fn path_of(folder: &Path, key: &str) -> PathBuf {
@@ -282,6 +275,7 @@ fn run_group(scenes: &[Scene], members: &[usize], cache: Option<&Path>, batch: &
     let silent = batch.task(0.0);
     let options = Options {
         cache: cache.map(Path::to_owned),
+        build: provenance::commit(),
         ..Options::default()
     };
     let began = Instant::now();
