@@ -28,6 +28,12 @@ pub(super) static CASES: &[Case] = &[
         run: units,
     },
     Case {
+        name: "moduli-1-to-1e6",
+        change: "the lower of two bolted plates ten thousand and a million times as stiff as the upper one",
+        expected: "the same frequencies and damping with both: those of a plate on a rigid one",
+        run: stiff_below,
+    },
+    Case {
         name: "aspect-1-to-1e3",
         change: "two bolted plates a thousandth as wide as long, one element across",
         expected: "converges; frequencies of bending as of wide plates, in which no stress varies across",
@@ -49,6 +55,8 @@ struct Plates {
     width: f64,
     cells: [usize; 3],
     poisson_ratio: f64,
+    /// Young's modulus of the lower plate over that of the upper one.
+    stiffer_below: f64,
     /// Unit of length of the file, and its size (m).
     unit: (&'static str, f64),
 }
@@ -60,6 +68,7 @@ impl Default for Plates {
             width: 0.25,
             cells: CELLS,
             poisson_ratio: 0.3,
+            stiffer_below: 1.0,
             unit: ("m", 1.0),
         }
     }
@@ -156,17 +165,21 @@ impl Plates {
         let newton = |force: f64| format!("{force:e} N");
         let metre = |length: f64| format!("{length:e} m");
         let stiffness = |k: f64| format!("{:e} Pa/m", k / self.scale);
+        let elastic = |modulus: f64| {
+            json!({
+                "youngs_modulus": format!("{modulus:e} GPa"), "poisson_ratio": self.poisson_ratio, "density": "7800 kg/m^3",
+            })
+        };
         let scene = json!({
             "units": { "length": unit, "mass": "kg", "time": "s" },
             "structure": { "mesh": {
                 "path": path,
+                "materials": { "lower": elastic(200.0 * self.stiffer_below) },
                 "interfaces": [{ "top": "upper face", "bottom": "lower face" }],
                 "bolts": [{ "head": "head", "nut": "nut" }],
                 "response": { "nearest": tip, "direction": [0.0, 0.6, 0.8] },
             } },
-            "model": { "material": {
-                "youngs_modulus": "200 GPa", "poisson_ratio": self.poisson_ratio, "density": "7800 kg/m^3",
-            } },
+            "model": { "material": elastic(200.0) },
             "interfaces": {
                 "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
                     "normal_stiffness": stiffness(4e13), "tangential_stiffness": [stiffness(3e13), stiffness(3e13)],
@@ -226,6 +239,28 @@ fn units(bench: &Bench) -> Result<Findings> {
         findings.alike(&format!("{}, ", unit.0), &found, &usual, [1.0; 2], 1e-6);
     }
     findings.outcome = format!("converged, {:.6} Hz", usual.frequencies[0]);
+    Ok(findings)
+}
+
+fn stiff_below(bench: &Bench) -> Result<Findings> {
+    let below = |stiffer_below: f64, name: &str| {
+        let plates = Plates {
+            stiffer_below,
+            ..Plates::default()
+        };
+        plates.run(bench, name)
+    };
+    let (less, more) = (below(1e4, "less")?, below(1e6, "more")?);
+    let mut findings = Findings::default();
+    findings.sound("1e4, ", &less)?;
+    findings.count(&more);
+    // Of bodies so unlike, round-off is more.
+    findings.within("1e6, equilibrium", more.prestress.equilibrium_error, 1e-8);
+    findings.alike("", &less, &more, [1.0; 2], 1e-3);
+    findings.outcome = format!(
+        "converged, {:.4} and {:.4} Hz",
+        less.frequencies[0], more.frequencies[0]
+    );
     Ok(findings)
 }
 
