@@ -448,8 +448,8 @@ pub(crate) fn solve<F: PointwiseForce>(
             return fail(Reason::BelowRoundOff, history);
         }
         // Round-off that falls no further is as good as it gets; the result says how large it is.
-        let falls = history.len() > 1 && history[history.len() - 2] > 2.0 * history[history.len() - 1];
-        if size <= settings.tolerance * scale || (size <= round_off && !falls) {
+        let stays = history.len() > 1 && history[history.len() - 2] <= 2.0 * history[history.len() - 1];
+        if size <= settings.tolerance * scale || (size <= round_off && stays) {
             return Ok(Converged {
                 residual: size / scale,
                 drift: evaluation.drift,
