@@ -25,7 +25,7 @@ fn checked_out() -> Option<String> {
         return None;
     }
     let commit = git(&["rev-parse", "HEAD"])?;
-    let sources = ["--", "..", "../../Cargo.lock"];
+    let sources = ["--", "..", "../../xtask", "../../Cargo.lock"];
     let changes = git(&[&["status", "--porcelain", "--untracked-files=no"][..], &sources].concat())?;
     // Every commit is appended to the log of HEAD, and whatever changes a source compiles programs anew anyway.
     let log = git(&["rev-parse", "--git-path", "logs/HEAD"])?;
@@ -33,6 +33,9 @@ fn checked_out() -> Option<String> {
         println!("cargo::rerun-if-changed={log}");
     }
     println!("cargo::rerun-if-changed=../../Cargo.lock");
+    // The tasks have this commit too, and name it in their records.
+    println!("cargo::rerun-if-changed=../../xtask/src");
+    println!("cargo::rerun-if-changed=../../xtask/validation/src");
     for entry in std::fs::read_dir("..").ok()?.flatten() {
         let sources = entry.path().join("src");
         if sources.exists() {

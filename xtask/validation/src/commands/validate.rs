@@ -44,11 +44,33 @@ pub(crate) fn run_all(arguments: &arguments::Validate, defaults: &Defaults) -> R
     Ok(Outcome::Success)
 }
 
-/// Computes a report anew, in a process of its own as if somebody had called the task, and reads what it found.
+/// Computes a report anew and gives its figures, as rows with a `name` or an `id`.
 fn compute(report: Report, out: &Path, defaults: &Defaults) -> Result<Value> {
-    if report == Report::Scenes {
-        return scenes(defaults);
-    }
+    let task = || task(report, out);
+    Ok(match report {
+        Report::Scenes => scenes(defaults)?,
+        Report::Paper => rows(&task()?, &["id", "computed"]),
+        Report::Trade => rows(&task()?["settings"], &["name", "errors", "seconds", "peak_memory"]),
+        Report::Extremes => {
+            let found = task()?;
+            let done = found["cases"].as_array().map_or(0, Vec::len);
+            json!([{ "name": "all", "cases": { "done": done, "failed": found["failed"] } }])
+        }
+    })
+}
+
+/// Some fields of all rows.
+fn rows(rows: &Value, keep: &[&str]) -> Value {
+    let row = |row: &Value| {
+        keep.iter()
+            .map(|key| ((*key).to_owned(), row[*key].clone()))
+            .collect::<Map<_, _>>()
+    };
+    rows.as_array().into_iter().flatten().map(row).collect()
+}
+
+/// What a task writes that runs in a process of its own, as if somebody had called it.
+fn task(report: Report, out: &Path) -> Result<Value> {
     let (name, out) = (report.name(), out.join(report.name()));
     let program = std::env::current_exe().context("finding this program")?;
     let status = Command::new(program)
@@ -65,29 +87,7 @@ fn compute(report: Report, out: &Path, defaults: &Defaults) -> Result<Value> {
     }
     let path = out.join(format!("{name}.json"));
     let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
-    let found: Value = serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))?;
-    Ok(figures(report, &found))
-}
-
-/// The figures of what a task wrote, as rows with a `name` or an `id`.
-fn figures(report: Report, found: &Value) -> Value {
-    let rows = |rows: &Value, keep: &[&str]| -> Value {
-        let row = |row: &Value| {
-            keep.iter()
-                .map(|key| ((*key).to_owned(), row[*key].clone()))
-                .collect::<Map<_, _>>()
-        };
-        rows.as_array().into_iter().flatten().map(row).collect()
-    };
-    match report {
-        Report::Scenes => found.clone(),
-        Report::Paper => rows(found, &["id", "computed"]),
-        Report::Trade => rows(&found["settings"], &["name", "errors", "seconds", "peak_memory"]),
-        Report::Extremes => {
-            let done = found["cases"].as_array().map_or(0, Vec::len);
-            json!([{ "name": "all", "cases": { "done": done, "failed": found["failed"] } }])
-        }
-    }
+    serde_json::from_str(&text).with_context(|| format!("reading {}", path.display()))
 }
 
 /// Mass and linearised frequencies of the built-in scenes that need no further file.
