@@ -190,7 +190,8 @@ fn two_formulations_of_the_elements_estimate_the_limit_of_the_mesh() {
     let folder = folder("mesh-estimate");
     let mut scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
-        "model": { "refinement": "coarse", "symmetry": "half" },
+        "model": { "element_order": "linear", "refinement": "coarse", "symmetry": "half" },
+        "interfaces": { "law": { "friction": "lumped" } },
         "analyses": { "backbone": { "amplitudes": 3, "amplitude_from": 5e-5, "amplitude_to": 5e-4 } },
     });
     std::fs::write(folder.join("coarse.json"), scene.to_string()).unwrap();
@@ -246,7 +247,8 @@ fn two_formulations_of_the_elements_estimate_the_limit_of_the_mesh() {
     assert!(succeeds(&folder, &["verify", "run", "--rerun"]).contains("the same when they are computed again"));
 
     // The weight is not known of full integration: the two frequencies alone.
-    scene["model"] = json!({ "refinement": "quick", "symmetry": "half", "formulation": "full" });
+    scene["model"] =
+        json!({ "element_order": "linear", "refinement": "quick", "symmetry": "half", "formulation": "full" });
     std::fs::write(folder.join("full.json"), scene.to_string()).unwrap();
     let text = succeeds(
         &folder,

@@ -75,11 +75,19 @@ fn motions(
         _ => at_rest[i],
     };
     let since = Mat::from_fn(vibrating, peaks.len(), |i, j| peaks[j][i] - start(i));
-    let change = match behaviour {
-        BoltBehaviour::DeadLoad => since,
-        BoltBehaviour::Locked => product(model.reduced.locked_with_motions()?.1.as_ref(), since.as_ref()),
-    };
     let mut of_peaks = motions.subcols_mut(1, peaks.len());
-    of_peaks += change;
+    of_peaks += unlocked(model, behaviour, since)?;
     Ok(motions)
+}
+
+/// Motions of the structure that vibrates, over the coordinates of the one whose bolts are not locked.
+pub(super) fn unlocked(
+    model: &StructuralModel,
+    behaviour: BoltBehaviour,
+    vibrating: Mat<f64>,
+) -> Result<Mat<f64>, Error> {
+    Ok(match behaviour {
+        BoltBehaviour::DeadLoad => vibrating,
+        BoltBehaviour::Locked => product(model.reduced.locked_with_motions()?.1.as_ref(), vibrating.as_ref()),
+    })
 }

@@ -53,7 +53,7 @@ impl ErrorBar {
         let model = &scene.model;
         let row = accuracy.errors.iter().find(|row| {
             (row.element_order, row.refinement, row.hexahedra)
-                == (model.element_order, model.refinement, model.hexahedra())
+                == (scene.element_order(), model.refinement, scene.hexahedra())
         });
         match row {
             None => Self::unknown("this refinement was not measured with this formulation of the elements"),
@@ -248,9 +248,8 @@ impl Partner {
             ),
             Ok(accuracy) => {
                 let mut rows = accuracy.limits.iter();
-                let model = &scene.model;
-                let row =
-                    rows.find(|row| (row.element_order, row.refinement) == (model.element_order, model.refinement));
+                let own = (scene.element_order(), scene.model.refinement);
+                let row = rows.find(|row| (row.element_order, row.refinement) == own);
                 row.map(|row| (*row, accuracy.source))
                     .ok_or("the weight was not measured on this refinement")
             }

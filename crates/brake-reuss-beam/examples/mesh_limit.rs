@@ -99,7 +99,7 @@ fn first(refinement: &Refinement, (_, element_order, hexahedra): Elements, gap: 
         Gap::Flat => Symmetry::Half,
         _ => Symmetry::None,
     };
-    scene.model.element_order = element_order;
+    scene.model.element_order = Some(element_order);
     if element_order == ElementOrder::Quadratic {
         scene.interfaces.points_per_direction = 3;
     }

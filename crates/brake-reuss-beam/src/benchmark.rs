@@ -59,6 +59,11 @@ impl Benchmark for BrakeReussBenchmark {
         &[
             ("brb-flat", include_str!("../scenes/brb-flat.json")),
             ("brb-topography", include_str!("../scenes/brb-topography.json")),
+            ("brb-paper-flat", include_str!("../scenes/brb-paper-flat.json")),
+            (
+                "brb-paper-topography",
+                include_str!("../scenes/brb-paper-topography.json"),
+            ),
             ("brb-synthetic-scan", include_str!("../scenes/brb-synthetic-scan.json")),
             ("brb-quick", include_str!("../scenes/brb-quick.json")),
             ("brb-deck", include_str!("../scenes/brb-deck.json")),

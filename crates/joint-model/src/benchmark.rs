@@ -95,9 +95,9 @@ pub enum RefinementLevel {
     /// For a look in seconds: of the Brake-Reuss beam about 150 interface elements.
     Quick,
     /// About 300.
+    #[default]
     Coarse,
     /// 588, as the method paper.
-    #[default]
     Default,
     /// About 1200.
     Fine,
@@ -106,12 +106,11 @@ pub enum RefinementLevel {
 }
 
 /// Order of the shape functions of solids and interface elements.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ElementOrder {
     /// Hexahedra of 8 nodes, quadrilaterals of 4.
-    #[default]
     Linear,
     /// Serendipity hexahedra of 20 nodes (`C3D20R` with reduced, `C3D20` with full integration), quadrilaterals of 8. Edges of a
     /// benchmark on circles are curved, those of a deck whose order is raised are straight.

@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 pub struct Preset {
     /// Name.
     pub name: &'static str,
-    /// Order of the elements and refinement of a benchmark's mesh; without effect where a deck or matrices replace it, and on scenes
-    /// that give a mesh of their own: an order, a refinement or a formulation. Of a mesh file the order alone, as far as its elements fit.
+    /// Order of the elements and refinement of a benchmark's mesh; without effect on decks and matrices. Of a mesh file the order alone:
+    /// linear elements stay as they are.
     pub element_order: ElementOrder,
     /// See there.
     pub refinement: RefinementLevel,
@@ -125,6 +125,12 @@ pub struct Target {
     pub damping: Option<f64>,
 }
 
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self::Level(Level::Standard)
+    }
+}
+
 impl Accuracy {
     /// The preset that is asked for.
     ///
@@ -187,26 +193,31 @@ impl Preset {
     /// Writes the settings into a scene file where it has none of its own.
     pub fn fill(&self, scene: &mut Value) {
         let given = |path: &str| scene.pointer(path).is_some_and(|value| !value.is_null());
-        // Order, refinement and formulation make a mesh together.
-        let own_mesh = [
-            "structure/deck",
-            "structure/matrices",
-            "model/element_order",
-            "model/refinement",
-            "model/formulation",
-        ]
-        .iter()
-        .any(|path| given(&format!("/{path}")));
+        let is_benchmark = given("/structure/benchmark");
+        let is_kept_linear = given("/structure/mesh") && self.element_order == ElementOrder::Linear;
+        // The refinement is a measured one for elements of the preset's order alone.
+        let order = scene.pointer("/model/element_order");
+        let has_other_order = order.is_some_and(|order| !order.is_null() && *order != json!(self.element_order));
         // A reduction to an error finds its number of modes, and matrices over the jump have theirs.
         let own_modes = given("/structure/matrices") || given("/model/reduction_error");
+        let has_points = given("/structure/matrices/points");
         if let Some(Value::Object(analyses)) = scene.get_mut("analyses") {
             // Settings alone ask for no loops.
             analyses.entry("backbone").or_insert(json!({ "amplitudes": 0 }));
         }
-        for (path, value) in self.settings() {
-            let of_mesh = path.starts_with("/model/") && path != "/model/modes";
-            if (of_mesh && own_mesh) || (path == "/model/modes" && own_modes) {
+        for (path, mut value) in self.settings() {
+            let applies = match path {
+                "/model/element_order" => is_benchmark || is_kept_linear,
+                "/model/refinement" => is_benchmark,
+                "/model/modes" => !own_modes,
+                "/interfaces/points_per_direction" => !has_points,
+                _ => true,
+            };
+            if !applies {
                 continue;
+            }
+            if path == "/model/refinement" && has_other_order {
+                value = json!(RefinementLevel::Default);
             }
             let mut place = &mut *scene;
             for name in path.split('/').skip(1) {

@@ -62,7 +62,7 @@ pub enum Error {
     /// A formulation that the hexahedra of an order do not have.
     #[error(
         "{place}: model.formulation = {formulation} is none of hexahedra with model.element_order = {order}; choose one of {offered}, \
-         or leave it out"
+         leave it out, or give the other model.element_order"
     )]
     NoSuchFormulation {
         /// File name of the scene.

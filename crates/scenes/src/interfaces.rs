@@ -55,7 +55,7 @@ pub struct OwnInterface {
 
 impl Interfaces {
     pub(super) fn default_points() -> usize {
-        2
+        3
     }
 
     /// Those of one interface, counted from zero, alone.

@@ -15,7 +15,7 @@ pub struct Law {
     pub tangential: TangentialReading,
     /// How the stuck traction follows from the last committed state.
     pub history: HistoryRule,
-    /// What sticks or slips as a whole.
+    /// What sticks or slips as a whole. Without asperities (`surface.parameters`) points do.
     pub friction: Friction,
     /// How asperities yield; by default they are elastic. For resolved friction.
     #[serde(rename = "yield", skip_serializing_if = "Option::is_none")]
@@ -48,7 +48,7 @@ impl Default for Law {
             kind: LawKind::Tabulated,
             tangential: TangentialReading::Mindlin,
             history: HistoryRule::Incremental,
-            friction: Friction::Lumped,
+            friction: Friction::MindlinIwan,
             yielding: None,
             cone: Cone::Circle,
             limit: AsperityLimit::Coulomb,

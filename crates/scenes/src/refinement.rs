@@ -13,6 +13,22 @@ const STANDARD_SECONDS: f64 = 12.4;
 const TIMED_AMPLITUDES: usize = 20;
 
 impl Preset {
+    /// The preset whose settings a scene has, as far as its structure takes them.
+    pub fn of(scene: &Scene) -> Option<&'static Self> {
+        let loops = &scene.analyses.backbone;
+        let is_own = |preset: &&Self| {
+            let has_mesh = scene.structure.benchmark().is_none()
+                || (scene.element_order(), scene.model.refinement) == (preset.element_order, preset.refinement);
+            let has_modes = scene.structure.matrices().is_some() || scene.model.modes == Some(preset.modes);
+            has_mesh
+                && has_modes
+                && scene.interfaces.points_per_direction == preset.points_per_direction
+                && loops.vertices_per_quarter == preset.vertices_per_quarter
+                && loops.tolerance == preset.tolerance
+        };
+        PRESETS.iter().find(is_own)
+    }
+
     /// Whether its errors were measured on the structure of a scene.
     fn is_measured_on(scene: &Scene) -> bool {
         scene.structure.benchmark().is_some()
@@ -29,7 +45,7 @@ impl Preset {
             seconds => format!("{:.0} min", seconds / 60.0),
         };
         let model = &scene.model;
-        let has_mesh = (model.element_order, model.refinement) == (self.element_order, self.refinement);
+        let has_mesh = (scene.element_order(), model.refinement) == (self.element_order, self.refinement);
         let loops = scene.analyses.backbone.amplitudes * scene.analyses.modes.followed.len();
         let differs = match (has_mesh, loops == TIMED_AMPLITUDES) {
             (true, true) => String::new(),
@@ -62,7 +78,7 @@ impl Preset {
         let pairs = [
             (
                 mesh(self.element_order, self.refinement),
-                mesh(scene.model.element_order, scene.model.refinement),
+                mesh(scene.element_order(), scene.model.refinement),
                 meshed,
             ),
             (self.points_per_direction, scene.interfaces.points_per_direction, true),
@@ -81,11 +97,11 @@ impl Preset {
     fn refine(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         if scene.structure.benchmark().is_some() {
-            if scene.model.element_order != self.element_order {
+            if scene.element_order() != self.element_order {
                 // The other order need not have the scene's formulation.
                 scene.model.formulation = None;
             }
-            (scene.model.element_order, scene.model.refinement) = (self.element_order, self.refinement);
+            (scene.model.element_order, scene.model.refinement) = (Some(self.element_order), self.refinement);
         }
         if scene.structure.matrices().is_none() && scene.model.reduction_error.is_none() {
             scene.model.modes = Some(self.modes);

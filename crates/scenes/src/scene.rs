@@ -15,7 +15,8 @@ use crate::torque;
 use crate::uncertain::Uncertain;
 use crate::units::Units;
 use contact_laws::AsperityLimit;
-use joint_model::benchmark::{Benchmark, Benchmarks, MeasuredSurface};
+use finite_elements::elements::Formulation;
+use joint_model::benchmark::{Benchmark, Benchmarks, ElementOrder, MeasuredSurface, RefinementLevel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -30,7 +31,8 @@ pub struct Scene {
     /// Name of the scene; the file's name by default.
     #[serde(default)]
     pub name: String,
-    /// How exact the result shall be: settings that the scene does not give are those of the cheapest set that is.
+    /// How exact the result shall be: settings that the scene does not give are those of the cheapest set that is; of `standard` by
+    /// default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
     /// The structure.
@@ -174,13 +176,11 @@ impl Scene {
         let own = scene.encoded()?;
         refuse_lists(&given, &own, "").map_err(syntax)?;
         scene.refuse_idle(&given).map_err(syntax)?;
-        if let Some(accuracy) = scene.accuracy {
-            let preset = accuracy.preset();
-            preset
-                .map_err(|message| syntax(Refusal::of("accuracy", message)))?
-                .fill(&mut filled);
-            scene = read(filled)?;
-        }
+        let preset = scene.accuracy.unwrap_or_default().preset();
+        preset
+            .map_err(|message| syntax(Refusal::of("accuracy", message)))?
+            .fill(&mut filled);
+        scene = read(filled)?;
         scene.derive().map_err(syntax)?;
         if let Some(mut uncertain) = scene.uncertain.take() {
             uncertain.convert(&scene, units)?;
@@ -244,6 +244,9 @@ impl Scene {
             "structure": StructureSource::Benchmark(BenchmarkRef(benchmark)),
         });
         fill(&mut value, benchmark.defaults());
+        if let Ok(preset) = Accuracy::default().preset() {
+            preset.fill(&mut value);
+        }
         let read = || Self::understand(value);
         let scene = benchmark::scope(&[benchmark], read);
         let mut scene = scene.map_err(|refusal| refused(&format!("the defaults of {}", benchmark.name()), refusal))?;
@@ -279,6 +282,21 @@ impl Scene {
         });
         let all = surfaces.chain(gaps).chain([self.structure.benchmark()]);
         all.flatten().map(|benchmark| benchmark.0)
+    }
+
+    /// Order of the elements that are made: of a benchmark, and of linear ones of a mesh or a deck.
+    pub fn element_order(&self) -> ElementOrder {
+        let default = match self.structure.source {
+            StructureSource::Benchmark(_) | StructureSource::Mesh(_) => ElementOrder::Quadratic,
+            StructureSource::Deck(_) | StructureSource::Matrices(_) => ElementOrder::Linear,
+        };
+        self.model.element_order.unwrap_or(default)
+    }
+
+    /// Formulation of the hexahedra of a benchmark, and of those that are made quadratic.
+    pub fn hexahedra(&self) -> Formulation {
+        let default = self.element_order().formulations().next();
+        self.model.formulation.or(default).unwrap_or_default()
     }
 
     /// Whether bodies are made of the scene's material.
@@ -354,9 +372,8 @@ impl Scene {
         let meshes = "meshes of a benchmark, and structure names another source";
         let reductions = "reductions, and matrices over the jump are reduced";
         let asperities = "asperities, which interfaces.surface.parameters replaces";
-        let resolved = law.friction != Friction::Lumped;
-        let lumped =
-            "interfaces.law.friction = \"lumped\"; resolved friction sums over its bins, with Mindlin's stiffness";
+        let resolved = law.friction != Friction::Lumped && !parameters;
+        let lumped = "interfaces.law.friction = \"lumped\", which must be named; friction of asperities sums over its bins, with Mindlin's stiffness";
         let of_asperities = "interfaces.law.friction = \"resolved\" or \"mindlin-iwan\"";
         let by_strength = law.limit != default.limit;
         let coulomb = "interfaces.law.limit = \"coulomb\"; with others friction follows from the strength";
@@ -365,13 +382,13 @@ impl Scene {
         let meshed = "interface meshes, and structure.matrices.points has points of contact instead";
         // What makes a field idle, the field, what its default is, and what it belongs to.
         let idle = [
-            (other, "/model/refinement", json!("default"), meshes),
+            (other, "/model/refinement", json!(RefinementLevel::default()), meshes),
             (other, "/model/arm_layers", Value::Null, meshes),
             (other, "/model/symmetry", json!("none"), meshes),
             (
                 matrices.is_some(),
                 "/model/element_order",
-                json!("linear"),
+                Value::Null,
                 "meshes, and structure.matrices has none",
             ),
             (
@@ -444,7 +461,7 @@ impl Scene {
             (by_strength, "/interfaces/mu", json!(0.0), coulomb),
             (by_strength, "/interfaces/friction_zones", json!([]), coulomb),
             (
-                law.friction != Friction::MindlinIwan,
+                law.friction != Friction::MindlinIwan || parameters,
                 "/interfaces/law/radii",
                 json!(default.radii),
                 "interfaces.law.friction = \"mindlin-iwan\"",

@@ -184,8 +184,8 @@ impl PointMass {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Model {
-    /// How finely a benchmark is meshed; on the Brake-Reuss beam 148, 300, 588, 1196 and 2352 interface elements, with an `element_order`
-    /// of `quadratic` 132, 184, 272, 828 and 1200.
+    /// How finely a benchmark is meshed; on the Brake-Reuss beam 132, 184, 272, 828 and 1200 interface elements, with an `element_order`
+    /// of `linear` 148, 300, 588, 1196 and 2352. By default that of `accuracy`; `default` where `element_order` is not that of `accuracy`.
     #[serde(default)]
     pub refinement: RefinementLevel,
     /// Layers of elements along each arm of a benchmark, if they shall not be those of the refinement.
@@ -194,12 +194,13 @@ pub struct Model {
     /// Which part of a benchmark is modelled.
     #[serde(default)]
     pub symmetry: Symmetry,
-    /// Order of the elements of a benchmark or a deck. Linear elements of a deck are made quadratic; those of a deck that has quadratic
-    /// ones keep their order with `linear`, and are refused with `quadratic`.
-    #[serde(default, skip_serializing_if = "is_linear")]
-    pub element_order: ElementOrder,
-    /// Formulation of all hexahedra; by default incompatible modes, in a deck that of their element type, and with an `element_order` of
-    /// `quadratic` reduced integration. Quadratic hexahedra have `reduced` and `full` alone.
+    /// Order of the elements. By default, on a benchmark that of `accuracy`; a mesh file of linear elements becomes quadratic, and one that
+    /// has others as well stays as it is; a deck stays as it is. With `linear` a mesh or a deck stays as it is, with `quadratic` its linear
+    /// elements become quadratic, or are refused where that cannot be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub element_order: Option<ElementOrder>,
+    /// Formulation of all hexahedra; by default reduced integration of quadratic and incompatible modes of linear ones, in a deck that of
+    /// their element type. Quadratic hexahedra have `reduced` and `full` alone.
     #[serde(default)]
     pub formulation: Option<Formulation>,
     /// Material of all parts, unless a deck has its own, and of the asperities; left out where nothing depends on it
@@ -223,12 +224,6 @@ impl Model {
     /// [`Error::NoMaterial`].
     pub fn material(&self) -> Result<&Material, Error> {
         self.material.as_ref().ok_or(Error::NoMaterial)
-    }
-
-    /// Formulation of the hexahedra of a benchmark, and of those of a deck that are made quadratic.
-    pub fn hexahedra(&self) -> Formulation {
-        let default = self.element_order.formulations().next();
-        self.formulation.or(default).unwrap_or_default()
     }
 
     /// Modes computed for the reduction.
@@ -490,10 +485,6 @@ pub enum MaterialSource {
     Deck,
     /// The scene's, in all parts.
     Scene,
-}
-
-fn is_linear(order: &ElementOrder) -> bool {
-    *order == ElementOrder::Linear
 }
 
 fn first() -> MatrixVector {

@@ -198,15 +198,15 @@ impl Scene {
             let within = point.within.map_or(0.0, Length::si);
             check.not_negative("structure.point_masses[].within", within, "m")?;
         }
-        let mut offered = model.element_order.formulations();
+        let order = self.element_order();
         // Linear elements of a deck that do not have the formulation keep theirs.
-        let is_uniform = self.structure.benchmark().is_some() || model.element_order == ElementOrder::Quadratic;
-        if is_uniform && !offered.any(|known| known == model.hexahedra()) {
-            let offered: Vec<String> = model.element_order.formulations().map(word).collect();
+        let is_uniform = self.structure.benchmark().is_some() || order == ElementOrder::Quadratic;
+        if is_uniform && !order.formulations().any(|known| known == self.hexahedra()) {
+            let offered: Vec<String> = order.formulations().map(word).collect();
             return Err(Error::NoSuchFormulation {
                 place: check.place.into(),
-                order: word(model.element_order),
-                formulation: word(model.hexahedra()),
+                order: word(order),
+                formulation: word(self.hexahedra()),
                 offered: offered.join(", "),
             });
         }

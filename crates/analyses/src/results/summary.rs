@@ -82,7 +82,7 @@ pub struct Summary {
     /// Bands from uncertain inputs; left out unless asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,
-    /// The measured set of settings that the accuracy asked for led to; left out of scenes that ask for none.
+    /// The measured set of settings that the scene has; left out where it has none of them as a whole.
     #[serde(
         default,
         skip_serializing_if = "Option::is_none",
@@ -483,7 +483,7 @@ impl Summary {
             sensitivities: run.backbones.iter().flat_map(sensitivities).cloned().collect(),
             ensemble: None,
             uncertainty: None,
-            accuracy: run.scene.accuracy.and_then(|accuracy| accuracy.preset().ok()),
+            accuracy: Preset::of(&run.scene),
             error_estimate: None,
             mesh_estimate: None,
             forced: run.vibration.forced.iter().flatten().map(ForcedSummary::of).collect(),

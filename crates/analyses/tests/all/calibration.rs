@@ -65,7 +65,8 @@ fn friction_and_bolt_load_are_recovered_from_a_noisy_backbone() {
     let quick = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" }, "interfaces": { "gap": "flat", "mu": 0.2 },
+        "model": { "element_order": "linear", "refinement": "quick" },
+        "interfaces": { "gap": "flat", "mu": 0.2, "law": { "friction": "lumped" } },
         "analyses": { "backbone": {
             "amplitudes": 8, "amplitude_from": "10 um", "amplitude_to": "0.6 mm", "vertices_per_quarter": 4,
         } },

@@ -219,8 +219,8 @@ fn by_torque(bolts: &Value) -> Value {
     let mut given = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" },
-        "interfaces": { "gap": "flat", "mu": 0.2 },
+        "model": { "element_order": "linear", "refinement": "quick" },
+        "interfaces": { "gap": "flat", "mu": 0.2, "law": { "friction": "lumped" } },
         "bolts": {
             "thread": { "diameter": 7.9375e-3, "pitch": 1.4111e-3 },
             "thread_friction": 0.15, "head_friction": 0.12, "bearing_diameters": [8.7e-3, 12.7e-3],

@@ -26,7 +26,8 @@ fn structure() -> &'static Structure {
 fn read(finish: &str) -> Result<Scene, scenes::Error> {
     let text = format!(
         r#"{{ "units": {{ "length": "mm", "mass": "t", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
-             "model": {{ "refinement": "quick" }}, "interfaces": {{ "surface": {{ "finish": {finish} }} }} }}"#
+             "model": {{ "element_order": "linear", "refinement": "quick" }},
+             "interfaces": {{ "surface": {{ "finish": {finish} }}, "law": {{ "friction": "lumped" }}, "points_per_direction": 2 }} }}"#
     );
     Scene::from_json(&text, "drawing.json", "drawing", &BENCHMARKS)
 }

@@ -39,12 +39,13 @@ fn scene(fields: &Value) -> Result<Scene, scenes::Error> {
     let mut scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" },
+        "model": { "element_order": "linear", "refinement": "quick" },
         "interfaces": {
             "surface": { "parameters": { "per": "interface", "sets": [
                 { "curves": { "elastic": { "normal_stiffness": 5e13, "tangential_stiffness": [3e13, 3e13] } } },
             ] } },
             "mu": 0.1,
+            "points_per_direction": 2,
         },
         "analyses": { "backbone": { "amplitudes": 3, "amplitude_from": 1e-5, "amplitude_to": 1e-4 } },
     });

@@ -6,7 +6,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 #![expect(clippy::print_stdout, reason = "tests print how far they are from the reference")]
 
-use crate::common::BENCHMARKS;
+use crate::common::{BENCHMARKS, plain};
 use analyses::results::summary::{BackboneSummary, Status, Summary};
 use analyses::run;
 use joints::Options;
@@ -61,7 +61,7 @@ fn cases(reference: &Value) -> [(&'static str, Scene, Vec<Point>, usize); 3] {
             "model": { "refinement": "quick" },
             "interfaces": interfaces,
         });
-        Scene::from_json(&scene.to_string(), "scene", "epmc", &BENCHMARKS).unwrap()
+        Scene::from_json(&plain(scene).to_string(), "scene", "epmc", &BENCHMARKS).unwrap()
     };
     let measured = |mu: f64| {
         scene(json!({

@@ -484,6 +484,7 @@ fn what_does_not_fit_together_is_refused() {
 #[test]
 fn given_parameters_belong_to_interface_elements_or_points() {
     let mut scene = lap(&fixture("lap.sti"), 1.0, &json!({}));
+    scene["interfaces"]["points_per_direction"] = json!(2);
     let reference = go(&scene);
     let set = scene["interfaces"]["surface"]["parameters"]["sets"][0].clone();
     // Three elements of 2 x 2 points.

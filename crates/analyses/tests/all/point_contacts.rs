@@ -581,7 +581,7 @@ fn what_is_no_contact_is_refused() {
             "structure.matrices.interface belongs to interface meshes",
         ),
         (
-            changed(&|scene| scene["interfaces"]["points_per_direction"] = json!(3)),
+            changed(&|scene| scene["interfaces"]["points_per_direction"] = json!(2)),
             "interfaces.points_per_direction belongs to interface meshes",
         ),
     ] {

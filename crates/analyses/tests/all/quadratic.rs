@@ -374,6 +374,7 @@ fn a_benchmark_in_quadratic_elements_runs_from_scene_to_backbone() {
             "units": { "length": "m", "mass": "kg", "time": "s" },
             "structure": { "benchmark": "brake-reuss-beam" },
             "model": { "refinement": "quick", "symmetry": "half", "element_order": order },
+            "interfaces": { "law": { "friction": "lumped" } },
             "analyses": { "backbone": {
                 "amplitudes": 2, "amplitude_from": "0.2 mm", "amplitude_to": "0.6 mm", "vertices_per_quarter": 4,
             } },
@@ -407,7 +408,7 @@ fn a_benchmark_in_quadratic_elements_runs_from_scene_to_backbone() {
 /// A scene on a deck of linear elements that are made quadratic.
 fn raised(path: &Path, points: usize) -> Scene {
     let mut scene = on_deck(path, points);
-    scene.model.element_order = ElementOrder::Quadratic;
+    scene.model.element_order = Some(ElementOrder::Quadratic);
     scene
 }
 
@@ -568,7 +569,7 @@ fn decks_that_cannot_be_made_quadratic_are_refused() {
     let path = written(&folder, "crossed.inp", &crossed);
     let linear = Structure::try_new(&on_deck(&path, 3), &Silent).unwrap();
     let mut scene = on_deck(&path, 3);
-    scene.model.element_order = ElementOrder::Quadratic;
+    scene.model.element_order = Some(ElementOrder::Quadratic);
     let raised = Structure::try_new(&scene, &Silent).unwrap();
     for (structure, is_projected) in [(linear, false), (raised, true)] {
         let Bodies::Meshed(bodies) = &structure.joint.bodies else {
@@ -594,7 +595,7 @@ fn decks_of_raised_elements_are_read_back_as_the_same_matrices() {
         on_again.structure =
             scenes::StructureSource::Deck(Box::new(deck(&structure.joint, before, &again, MaterialSource::Deck)))
                 .into();
-        on_again.model.element_order = ElementOrder::Linear;
+        on_again.model.element_order = Some(ElementOrder::Linear);
         let read = Structure::try_new(&on_again, &Silent).unwrap();
         let [a, b] = [before, bodies(&read)].map(|bodies| System::try_new(&bodies.assembly).unwrap());
         assert!(a.stiffness == b.stiffness && a.mass == b.mass, "{kind}");

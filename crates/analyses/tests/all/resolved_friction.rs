@@ -203,11 +203,11 @@ fn what_does_not_belong_to_the_friction_of_a_scene_is_refused() {
     let yielding = r#""yield": { "strength": "300 MPa", "tangent_modulus": 0 }"#;
     for (law, parts) in [
         (
-            format!("{{ {yielding} }}"),
+            format!(r#"{{ "friction": "lumped", {yielding} }}"#),
             ["interfaces.law.yield", "interfaces.law.friction"],
         ),
         (
-            r#"{ "bins": { "gauss": 8 } }"#.into(),
+            r#"{ "friction": "lumped", "bins": { "gauss": 8 } }"#.into(),
             ["interfaces.law.bins", "interfaces.law.friction"],
         ),
         (

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 #![allow(clippy::print_stdout, reason = "what was measured, for those who look")]
 
-use crate::common::BENCHMARKS;
+use crate::common::{BENCHMARKS, plain};
 use analyses::{FoundBy, Per, Prepared, Sensitivity};
 use joints::Options;
 use joints::progress::Silent;
@@ -35,7 +35,7 @@ fn scene(more: &Value) -> Scene {
         let block = scene[block].as_object_mut().unwrap();
         block.extend(fields.as_object().unwrap().clone());
     }
-    Scene::from_json(&scene.to_string(), "scene", "scene", &BENCHMARKS).unwrap()
+    Scene::from_json(&plain(scene).to_string(), "scene", "scene", &BENCHMARKS).unwrap()
 }
 
 /// `ln omega` and `ln zeta`, and the same of the first harmonic, at the modal amplitude `ln_q`, from three loops about a displacement.

@@ -19,10 +19,11 @@ fn scene(stiffnesses: impl Iterator<Item = f64>, per: &str, backbone: Value) -> 
     let scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" },
+        "model": { "element_order": "linear", "refinement": "quick" },
         "interfaces": {
             "surface": { "parameters": { "per": per, "sets": stiffnesses.map(set).collect::<Vec<_>>() } },
             "mu": 0.2,
+            "points_per_direction": 2,
         },
         "analyses": { "backbone": backbone },
     });

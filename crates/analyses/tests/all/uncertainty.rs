@@ -304,7 +304,7 @@ fn inputs_that_change_the_structure_are_reduced_anew() {
     let mut given = json!({
         "units": { "length": "mm", "mass": "t", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" }, "interfaces": { "gap": "flat" },
+        "model": { "refinement": "quick", "element_order": "linear" }, "interfaces": { "gap": "flat", "law": { "friction": "lumped" } },
         "analyses": {},
     });
     given["uncertain"] = json!({ "parameters": {

@@ -9,19 +9,19 @@ use finite_elements::mesh::{BeyondTolerance, Dof, LoadPattern};
 use joint_model::benchmark::ElementOrder;
 use joint_model::fit::{FacesFit, Fit};
 use joint_model::{Bodies, Joint, MeshedBodies, Sides, quadratic};
-use scenes::{Deck, DeckBolt, Forced, Length, MaterialSource, Model, PointMass, Untied};
+use scenes::{Deck, DeckBolt, Length, MaterialSource, Scene, Untied};
 
-/// A structure from an input deck, in SI, with `masses` at nodes that it names, in elements of the order of `model`.
+/// A structure from an input deck, in SI, with point masses at nodes that it names.
 ///
 /// # Errors
 /// Of the deck; [`Error::Facing`], [`Error::NotRaisable`].
-pub(super) fn joint(
-    source: &Deck,
-    masses: &[PointMass],
-    model: &Model,
-    forced: Option<&Forced>,
-    notes: &mut dyn FnMut(&str),
-) -> Result<Joint, Error> {
+pub(super) fn joint(source: &Deck, scene: &Scene, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
+    let (model, masses, forced) = (
+        &scene.model,
+        &scene.structure.point_masses,
+        scene.analyses.forced.as_ref(),
+    );
+    let order = scene.element_order();
     let (length, mass) = (source.units.length_in_si(), source.units.mass_in_si());
     let choices = Choices {
         formulation: model.formulation,
@@ -37,7 +37,7 @@ pub(super) fn joint(
         source: Box::new(error),
     };
     let read = abaqus::read(&source.path, source.includes)?;
-    if model.element_order == ElementOrder::Quadratic {
+    if order == ElementOrder::Quadratic {
         read.require_linear().map_err(not_raisable)?;
     }
     let deck = read.assembly(&choices)?;
@@ -62,7 +62,7 @@ pub(super) fn joint(
         along: source.along,
         pair_tolerance: source.pair_tolerance.map(Length::si),
         within: None,
-        order: model.element_order,
+        order,
         label: &label,
     };
     let mut facing = Facing::try_new(&mut assembly.mesh.nodes, &surfaces)?;
@@ -110,7 +110,7 @@ pub(super) fn joint(
         });
     }
     // Last, so that edges stay straight where nodes of the interface were moved.
-    let raised = match model.element_order {
+    let raised = match order {
         ElementOrder::Linear => None,
         ElementOrder::Quadratic => {
             let raised = match &mut facing.sides {
@@ -132,7 +132,7 @@ pub(super) fn joint(
                     raised
                 }
             };
-            assembly.mesh.set_formulation(model.hexahedra());
+            assembly.mesh.set_formulation(scene.hexahedra());
             notes(&format!(
                 "the {} elements of the deck were made quadratic, with {} nodes in the middles of their straight edges",
                 raised.elements, raised.added_nodes

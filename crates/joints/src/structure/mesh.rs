@@ -80,16 +80,17 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
     let elements = &assembly.mesh.elements;
     let is_linear = |element: &&Element| element.cell.element_type().quadratic().is_some();
     let (linear, all) = (elements.iter().filter(is_linear).count(), elements.len());
-    let raised = match model.element_order {
+    let raised = match scene.element_order() {
         ElementOrder::Linear => None,
         ElementOrder::Quadratic if linear == 0 => {
-            notes("the elements of the mesh are quadratic already");
+            if model.element_order.is_some() {
+                notes("the elements of the mesh are quadratic already");
+            }
             None
         }
-        ElementOrder::Quadratic if linear < all && scene.accuracy.is_some() => {
+        ElementOrder::Quadratic if linear < all && model.element_order.is_none() => {
             notes(&format!(
-                "{linear} of {all} elements are linear, where the accuracy asked for takes quadratic ones; they stay as they are, since only a \
-                 mesh that is linear as a whole can be made quadratic"
+                "{linear} of {all} elements are linear; they stay as they are, since only a mesh that is linear as a whole can be made quadratic"
             ));
             None
         }
@@ -102,7 +103,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
                 deck: source.path.clone(),
                 source: Box::new(error),
             })?;
-            assembly.mesh.set_formulation(model.hexahedra());
+            assembly.mesh.set_formulation(scene.hexahedra());
             notes(&format!(
                 "the {} elements of the mesh were made quadratic, with {} nodes in the middles of their straight edges",
                 raised.elements, raised.added_nodes
@@ -122,7 +123,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
                 pair_tolerance: None,
                 within: named.interface.within.map(Length::si),
                 // Faces of a mesh that stays as it is have their own.
-                order: raised.map_or(ElementOrder::Linear, |_| model.element_order),
+                order: raised.map_or(ElementOrder::Linear, |_| ElementOrder::Quadratic),
                 label: &label,
             },
         )
@@ -260,7 +261,7 @@ impl File<'_> {
             .iter()
             .filter(|element| matches!(element.cell.nodes().len(), 4 | 6))
             .count();
-        if stiff > 0 && model.element_order == ElementOrder::Linear {
+        if stiff > 0 && model.element_order == Some(ElementOrder::Linear) {
             notes(&format!(
                 "{stiff} elements are linear tetrahedra or wedges, which are far too stiff in bending: with two of them over the thickness of a \
                  plate its frequencies in bending and torsion are 22 to 33 % too high; give model.element_order = \"quadratic\""

@@ -89,7 +89,7 @@ impl Structure {
             StructureSource::Matrices(source) => {
                 matrices::joint(source, &scene.bolts, scene.analyses.forced.as_ref(), notes)?
             }
-            StructureSource::Deck(source) => deck::joint(source, masses, model, scene.analyses.forced.as_ref(), notes)?,
+            StructureSource::Deck(source) => deck::joint(source, scene, notes)?,
             StructureSource::Mesh(source) => mesh::joint(source, scene, notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {
@@ -99,8 +99,8 @@ impl Structure {
                     refinement: model.refinement,
                     arm_layers: model.arm_layers,
                     symmetry: model.symmetry,
-                    element_order: model.element_order,
-                    hexahedra: model.hexahedra(),
+                    element_order: scene.element_order(),
+                    hexahedra: scene.hexahedra(),
                     material: material(model)?,
                 };
                 let mut joint = benchmark.joint(&settings).map_err(|source| Error::Benchmark {

@@ -12,7 +12,7 @@ use finite_elements::formats::vtu::{self, Encoding};
 use finite_elements::formats::{abaqus, gmsh};
 use host::results_of;
 use joint_model::Bodies;
-use joint_model::benchmark::{ElementOrder, RefinementLevel, Symmetry};
+use joint_model::benchmark::{RefinementLevel, Symmetry};
 use joints::structure::Structure;
 use joints::structure::export::{ABOUT, arrays, deck, groups};
 use matrix_files::value::Array;
@@ -146,7 +146,7 @@ fn mesh(scene: &Scene, structure: &Structure, format: Format) -> Result<Vec<Outp
             let deck = deck(joint, bodies, Path::new("structure.inp"), materials);
             on_deck.structure = StructureSource::Deck(Box::new(deck)).into();
             // Formulation and order are those of the deck's element types.
-            (on_deck.model.formulation, on_deck.model.element_order) = (None, ElementOrder::default());
+            (on_deck.model.formulation, on_deck.model.element_order) = (None, None);
             (on_deck.model.refinement, on_deck.model.arm_layers) = (RefinementLevel::default(), None);
             // What the structure's own measured faces were is not known of a deck.
             if let Some(benchmark) = scene.structure.benchmark() {

@@ -13,7 +13,7 @@ use analyses::mesh_error::{MeshEstimate, Partner};
 use analyses::registration::Moved;
 use analyses::results::summary::Summary;
 use analyses::{Run, registration};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use host::{GivenScene, peak_memory, provenance, results_of};
 use joints::Options;
 use joints::progress::Progress;
@@ -22,7 +22,7 @@ use reports::names::SUMMARY;
 use reports::registry::is_complete;
 use reports::run::outputs;
 use reports::{Output, csv};
-use scenes::{Length, Scene};
+use scenes::{Length, Preset, Scene};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -196,11 +196,7 @@ impl Request {
     pub(super) fn compute(&self, scene: &Scene, options: &Options) -> Result<(Run, Summary)> {
         let began = Instant::now();
         let monitor = Monitor::new()?;
-        if let Some(accuracy) = scene.accuracy {
-            // The scene was read with it.
-            let preset = accuracy
-                .preset()
-                .map_err(|reason| anyhow!("{}: {reason}", scene.name))?;
+        if let Some(preset) = Preset::of(scene) {
             monitor.note(&format!(
                 "settings `{}`: expect {}",
                 preset.name,

@@ -211,9 +211,9 @@ fn loops_of_chosen_elements_are_a_table_and_enclose_their_dissipation() {
     let scene = json!({
         "units": { "length": "mm", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" },
+        "model": { "element_order": "linear", "refinement": "quick" },
         // The mean over an element is then the value at its point.
-        "interfaces": { "gap": "flat", "points_per_direction": 1 },
+        "interfaces": { "gap": "flat", "points_per_direction": 1, "law": { "friction": "lumped" } },
         "analyses": { "backbone": {
             "amplitudes": 2, "amplitude_from": 0.05, "amplitude_to": 0.1, "vertices_per_quarter": 4,
             "loops_at": [[57.5, 9, 0], ["-0.05 m", -9, 0]],
@@ -403,7 +403,7 @@ fn halves_have_no_mode_shapes() {
     let scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick", "symmetry": "half" },
+        "model": { "element_order": "linear", "refinement": "quick", "symmetry": "half" },
         "interfaces": { "gap": "flat" },
     });
     std::fs::write(folder.join("half.json"), scene.to_string()).unwrap();

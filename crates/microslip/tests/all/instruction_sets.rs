@@ -40,7 +40,7 @@ fn backbones_agree_whatever_instruction_set_evaluates_the_laws() {
     for kind in ["tabulated", "fitted"] {
         let folder = folder(&format!("instructions-{kind}"));
         let mut scene = read_json(Path::new(QUICK));
-        scene["interfaces"]["law"] = json!({ "kind": kind });
+        scene["interfaces"]["law"] = json!({ "friction": "lumped", "kind": kind });
         scene["analyses"]["backbone"] = json!({ "amplitudes": 4, "vertices_per_quarter": 4 });
         std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
         let (widest, all) = backbone(&folder, "");

@@ -390,6 +390,8 @@ fn loops_that_close_within_their_tolerance_pass_and_others_do_not() {
     scene["analyses"]["backbone"] = json!({
         "amplitudes": 1, "amplitude_from": "50 um", "vertices_per_quarter": 2, "commit": "at-reversals",
     });
+    scene["interfaces"]["law"] = json!({ "friction": "lumped" });
+    scene["interfaces"]["points_per_direction"] = json!(2);
     std::fs::write(folder.join("samples/open.json"), scene.to_string()).unwrap();
     succeeds(&folder, &["run", "samples/open.json", "--out", "out", "--no-cache"]);
     let point = &read_json(&folder.join("out/summary.json"))["backbone"][0];

@@ -13,7 +13,8 @@ fn quick(folder: &Path, analyses: Value) -> String {
     let scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" },
+        "model": { "element_order": "linear", "refinement": "quick" },
+        "interfaces": { "law": { "friction": "lumped" } },
         "analyses": analyses,
     });
     std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();

@@ -24,8 +24,8 @@ fn scene() -> Value {
         "name": "coarse",
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" },
-        "interfaces": { "gap": "flat" },
+        "model": { "element_order": "linear", "refinement": "quick" },
+        "interfaces": { "gap": "flat", "law": { "friction": "lumped" }, "points_per_direction": 2 },
         "analyses": {
             "backbone": { "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 3 },
         },

@@ -18,8 +18,8 @@ fn scene(change: &[(&str, Value)]) -> Scene {
     let mut scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": "quick" },
-        "interfaces": { "mu": 0.2, "gap": "flat" },
+        "model": { "element_order": "linear", "refinement": "quick" },
+        "interfaces": { "mu": 0.2, "gap": "flat", "law": { "friction": "lumped" }, "points_per_direction": 2 },
         "analyses": {
             "backbone": { "amplitudes": 2, "amplitude_from": 1e-4, "amplitude_to": 4e-4, "vertices_per_quarter": 2 },
         },
@@ -111,7 +111,12 @@ fn addresses_follow_what_a_case_depends_on_and_nothing_else() {
             "{change:?}"
         );
     }
-    let material = |material: Value| ("model", json!({ "refinement": "quick", "material": material }));
+    let material = |material: Value| {
+        (
+            "model",
+            json!({ "element_order": "linear", "refinement": "quick", "material": material }),
+        )
+    };
     let stiffer = keys(&case(&[material(json!({ "youngs_modulus": "200 GPa" }))]));
     assert!(stiffer.case != plain.case && stiffer.structure != plain.structure);
     let hard = keys(&case(&[material(json!({ "hardness": "2 GPa" }))]));

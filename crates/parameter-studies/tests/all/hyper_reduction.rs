@@ -34,7 +34,7 @@ fn scene(refinement: &str, gap: &str, friction: &str, loops: &Value, (mu, load, 
     let scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },
-        "model": { "refinement": refinement },
+        "model": { "element_order": "linear", "refinement": refinement },
         "interfaces": {
             "mu": mu,
             "gap": gap,

@@ -4,13 +4,11 @@ use super::instruments::Instruments;
 use super::solver::{Bench, fastest};
 use analyses::prepare;
 use anyhow::{Context, Result, anyhow};
-use brake_reuss_beam::BrakeReussBenchmark;
 use harmonic_balance::backbone::{Kind, Settings, follow};
 use harmonic_balance::probe::Probe;
 use harmonic_balance::{Effort, NewtonSettings, Sampling};
 use joint_model::benchmark::RefinementLevel;
 use joints::Options;
-use scenes::Scene;
 use serde_json::{Value, json};
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -36,7 +34,7 @@ pub(super) fn figures(instruments: &Instruments<'_>) -> Result<(Value, String)> 
     let mut figures = json!({});
     let mut text = String::from("free periodic motions, 25 amplitudes, 3 harmonics, 128 samples\n");
     for (name, refinement, points) in MESHES {
-        let mut scene = Scene::of(&BrakeReussBenchmark, "bench")?;
+        let mut scene = crate::paper_scene("bench")?;
         scene.model.refinement = refinement;
         scene.interfaces.points_per_direction = points;
         let prepared = prepare(&scene, &Options::default(), instruments.progress)?;

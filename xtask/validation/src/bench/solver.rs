@@ -4,7 +4,7 @@ use super::instruments::Instruments;
 use analyses::{Prepared, prepare};
 use anyhow::{Context, Result, anyhow};
 use brake_reuss_beam::mesh::Refinement;
-use brake_reuss_beam::{BrakeReussBenchmark, benchmark, published};
+use brake_reuss_beam::{benchmark, published};
 use cqsma_solver::cqsma::{Cycles, Settings};
 use cqsma_solver::newton::Effort;
 use cqsma_solver::{BackbonePoint, HystereticForce};
@@ -15,7 +15,6 @@ use joint_model::benchmark::MeshSettings;
 use joints::Options;
 use joints::interface::InterfaceForce;
 use joints::structure::Structure;
-use scenes::Scene;
 use serde_json::{Value, json};
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -35,7 +34,7 @@ const ROUNDS: usize = 25;
 type Figures = (Vec<(&'static str, Value)>, String);
 
 pub(super) fn figures(instruments: &Instruments<'_>) -> Result<Figures> {
-    let mut scene = Scene::of(&BrakeReussBenchmark, "bench")?;
+    let mut scene = crate::paper_scene("bench")?;
     scene.interfaces.points_per_direction = 5;
     let prepared = prepare(&scene, &Options::default(), instruments.progress)?;
     let stages = (instruments.stages)();
@@ -179,14 +178,14 @@ pub(super) fn scaling(cache: PathBuf, instruments: &Instruments<'_>) -> Result<S
     );
     let mut rows = Vec::new();
     let mut measure = |refinement: &Refinement, points_per_direction: usize| -> Result<Row> {
-        let mut scene = Scene::of(&BrakeReussBenchmark, "scaling")?;
+        let mut scene = crate::paper_scene("scaling")?;
         scene.interfaces.points_per_direction = points_per_direction;
         let settings = MeshSettings {
             refinement: scene.model.refinement,
             arm_layers: scene.model.arm_layers,
             symmetry: scene.model.symmetry,
-            element_order: scene.model.element_order,
-            hexahedra: scene.model.hexahedra(),
+            element_order: scene.element_order(),
+            hexahedra: scene.hexahedra(),
             material: published::steel(),
         };
         let joint = benchmark::joint(refinement, &settings)?;

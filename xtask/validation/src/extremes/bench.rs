@@ -2,7 +2,6 @@
 
 use analyses::{Error, Prepared, Run, run};
 use anyhow::{Context, Result, bail};
-use brake_reuss_beam::BrakeReussBenchmark;
 use joint_model::benchmark::RefinementLevel;
 use joint_model::{Bodies, MeshedBodies};
 use joints::Options;
@@ -30,7 +29,7 @@ impl Drop for Bench {
 impl Bench {
     /// On the mesh of the default scene if it is `full`, else on the coarse one.
     pub(super) fn try_new(full: bool) -> Result<Self> {
-        let mut scene = Scene::of(&BrakeReussBenchmark, if full { "brb-flat" } else { "brb-quick" })?;
+        let mut scene = crate::paper_scene(if full { "brb-paper-flat" } else { "brb-quick" })?;
         if !full {
             scene.model.refinement = RefinementLevel::Quick;
         }

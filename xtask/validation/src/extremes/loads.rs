@@ -12,7 +12,7 @@ use joints::progress::Silent;
 use joints::structure::export::arrays;
 use matrix_files::npz;
 use scenes::{
-    BenchmarkRef, Coordinates, Force, Length, Matrices, MatrixVector, Scene, StructureSource, Surface, Units,
+    BenchmarkRef, Coordinates, Force, Length, Matrices, MatrixVector, Model, Scene, StructureSource, Surface, Units,
 };
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -109,7 +109,10 @@ fn one_bolt_loose(bench: &Bench) -> Result<Findings> {
     let path = bench.folder.join("reduced.npz");
     let exported = npz::to_bytes(&arrays(&bench.base.model, &bench.structure()?.joint)?)?;
     std::fs::write(&path, exported).with_context(|| format!("writing {}", path.display()))?;
-    let model = Scene::of(&BrakeReussBenchmark, "")?.model;
+    let model = Model {
+        element_order: None,
+        ..crate::paper_scene("")?.model
+    };
     let with = |bolts: &[usize]| {
         let scene = bench.changed(|scene| {
             scene.structure = StructureSource::Matrices(Box::new(Matrices {
@@ -331,6 +334,7 @@ fn units(bench: &Bench) -> Result<Findings> {
             "units": units,
             "structure": si.structure,
             "model": {
+                "element_order": si.model.element_order,
                 "refinement": si.model.refinement,
                 "material": {
                     "youngs_modulus": material.youngs_modulus.si() / stress,
@@ -343,6 +347,7 @@ fn units(bench: &Bench) -> Result<Findings> {
                 "gap": si.interfaces.gap,
                 "mu": si.interfaces.mu,
                 "points_per_direction": si.interfaces.points_per_direction,
+                "law": { "friction": si.interfaces.law.friction },
             },
             "bolts": { "load": si.bolts.load.si() / force },
             "analyses": { "backbone": {

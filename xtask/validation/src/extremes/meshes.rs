@@ -217,7 +217,7 @@ fn inverted_hexahedron(bench: &Bench) -> Result<Findings> {
 
 fn quadratic(bench: &Bench) -> Result<Findings> {
     let scene = bench.changed(|scene| {
-        (scene.model.element_order, scene.model.refinement) = (ElementOrder::Quadratic, RefinementLevel::Quick);
+        (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Quadratic), RefinementLevel::Quick);
         scene.model.symmetry = Symmetry::Half;
         scene.interfaces.points_per_direction = 3;
     });

@@ -12,7 +12,7 @@ use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use reports::map::rgb;
 use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
 use reports::styles::title;
-use scenes::{Commit, Gap, Law, LawKind, Method, Scene};
+use scenes::{Commit, Friction, Gap, Law, LawKind, Method, Scene};
 use surface_characterisation::{
     AsperityCount, HeightCombination, Options, PackingHeight, PairRadius, RadiusStatistic, characterise,
 };
@@ -548,7 +548,10 @@ fn experiment(inputs: &Inputs) -> Result<Plan<'_>> {
     let lumped = |scene: &Scene| {
         let mut lumped = scene.clone();
         lumped.name = format!("{}, one limit per point", scene.name);
-        lumped.interfaces.law = Law::default();
+        lumped.interfaces.law = Law {
+            friction: Friction::Lumped,
+            ..Law::default()
+        };
         lumped
     };
     let ours = family(inputs, 0.2);

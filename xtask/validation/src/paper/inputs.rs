@@ -37,7 +37,7 @@ pub(crate) fn synthetic() -> SyntheticScan {
 
 impl Inputs {
     pub(super) fn try_new(quick: bool, cache: Option<PathBuf>) -> Result<Self> {
-        let mut scene = Scene::of(&BrakeReussBenchmark, "paper")?;
+        let mut scene = crate::paper_scene("paper")?;
         if quick {
             scene.model.refinement = RefinementLevel::Quick;
         }

@@ -145,7 +145,10 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
     ];
     meshes.truncate(if quick { 3 } else { 5 });
     let finest = meshes[meshes.len() - 1];
-    let mut mesh = named(base, &meshes, |scene, refinement| scene.model.refinement = refinement);
+    let linear = |scene: &mut Scene, refinement| {
+        (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Linear), refinement);
+    };
+    let mut mesh = named(base, &meshes, linear);
     // The finest of these is nearest to the limit of all.
     let quadratic = [
         ("quadratic quick", RefinementLevel::Quick),
@@ -157,7 +160,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         base,
         &quadratic[..if quick { 2 } else { 4 }],
         |scene, refinement| {
-            (scene.model.element_order, scene.model.refinement) = (ElementOrder::Quadratic, refinement);
+            (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Quadratic), refinement);
         },
     ));
     let mut formulations = named(
@@ -170,7 +173,10 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         ],
         |scene, formulation| scene.model.formulation = Some(formulation),
     );
-    let reference = named(base, &[finest], |scene, refinement| scene.model.refinement = refinement);
+    formulations
+        .iter_mut()
+        .for_each(|setting| setting.scene.model.element_order = Some(ElementOrder::Linear));
+    let reference = named(base, &[finest], linear);
     formulations.extend(reference.into_iter().map(|setting| Setting {
         name: format!("incompatible-modes, {} mesh", setting.name),
         ..setting
@@ -258,13 +264,17 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
             ..error("method", "quasi-static method", methods(base))
         },
         error("symmetry", "half of the structure, or the whole", symmetry(base)),
-        error("law", "how the asperity sums are evaluated, one population", laws(base)),
+        error(
+            "law",
+            "how the asperity sums are evaluated, one population, one friction limit per point",
+            laws(&lumped(base)),
+        ),
         Parameter {
             share: Share::Choice,
             ..error(
                 "reading",
-                "tangential stiffness and history of the published law",
-                readings(base),
+                "tangential stiffness and history of the published law, one friction limit per point",
+                readings(&lumped(base)),
             )
         },
         Parameter {
@@ -297,7 +307,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         },
     ];
     let scan = {
-        let mut scene = base.clone();
+        let mut scene = lumped(base);
         scene.interfaces.surface = Surface::SyntheticScan(SyntheticScan::default());
         scene.interfaces.gap = Gap::Scan;
         scene.interfaces.law.kind = LawKind::Fitted;
@@ -330,6 +340,13 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
         parameters.push(none("accuracy", "whole sets of settings", sets(base)));
     }
     Ok(parameters)
+}
+
+/// With one friction limit per point, as in the method paper.
+fn lumped(base: &Scene) -> Scene {
+    let mut scene = base.clone();
+    scene.interfaces.law.friction = Friction::Lumped;
+    scene
 }
 
 fn methods(base: &Scene) -> Vec<Setting> {
@@ -511,7 +528,7 @@ fn bootstrap(scan: &Scene) -> Vec<Setting> {
 fn sets(base: &Scene) -> Vec<Setting> {
     let scene = |preset: &Preset, refinement| {
         let mut scene = base.clone();
-        (scene.model.element_order, scene.model.refinement) = (preset.element_order, refinement);
+        (scene.model.element_order, scene.model.refinement) = (Some(preset.element_order), refinement);
         scene.model.modes = Some(preset.modes);
         scene.interfaces.points_per_direction = preset.points_per_direction;
         scene.analyses.backbone.vertices_per_quarter = preset.vertices_per_quarter;

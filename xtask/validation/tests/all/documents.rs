@@ -98,7 +98,11 @@ fn wrong(page: &str, claims: &[Claim]) -> Vec<String> {
 fn claims() -> Vec<Claim> {
     let (scenes, paper, extremes) = (Record::of("scenes"), Record::of("paper"), Record::of("extremes"));
     let first = |scene: &str| scenes.at(scene, "frequencies_hz", 0);
-    let (flat, rough, predictive) = (first("brb-flat"), first("brb-topography"), first("brb-predictive"));
+    let (flat, rough, predictive) = (
+        first("brb-paper-flat"),
+        first("brb-paper-topography"),
+        first("brb-predictive"),
+    );
     let of = |entry: &str, figure: &str| paper.at(entry, "computed", figure);
     let table_1 = |faces: &str| of("table1", &format!("{faces} (Hz)"));
     let raised = |surface: &str| table_1(&format!("topography, {surface}")) - table_1(&format!("flat, {surface}"));
@@ -110,7 +114,7 @@ fn claims() -> Vec<Claim> {
     let mut claims = vec![
         (
             "| mass | ".to_owned(),
-            vec![Some(scenes.at("brb-flat", "model", "mass"))],
+            vec![Some(scenes.at("brb-paper-flat", "model", "mass"))],
         ),
         ("| measured beam | ".to_owned(), beside(180.92, rough)),
         (
