@@ -6,7 +6,7 @@ use super::finite_differences;
 use super::outcome::Analysis;
 use super::variants::{Forces, Rates, Reading, Solved, Variant, Variants};
 use crate::Error;
-use joints::progress::Progress;
+use joints::progress::{Progress, Quiet};
 use joints::store::Options;
 use joints::store::checkpoint::Checkpoints;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
@@ -267,15 +267,6 @@ struct Problem<'a> {
     /// All points so far.
     known: Vec<Evaluation>,
     checkpoints: Checkpoints,
-}
-
-/// Shows nothing but whether to stop.
-struct Quiet<'a>(&'a dyn Progress);
-
-impl Progress for Quiet<'_> {
-    fn interrupted(&self) -> bool {
-        self.0.interrupted()
-    }
 }
 
 impl Problem<'_> {

@@ -1,5 +1,4 @@
-//! How far the mesh of a scene is from its limit: measured in advance on a benchmark, or estimated from a second formulation of the
-//! elements.
+//! How far the mesh of a scene is from its limit, estimated from a second formulation of the elements.
 //!
 //! On the same mesh hexahedra of eight nodes with incompatible modes are too stiff and those with reduced integration are too soft, so
 //! that the limit of a frequency lies between the two. Hexahedra of twenty nodes with full integration are too stiff; with reduced
@@ -7,112 +6,23 @@
 //! see [`LimitWeight`]. Damping has no such order: both formulations may lie on one side.
 
 use super::comparison::{Backbone, Point};
+use super::error_bar::accuracy;
 use super::mode_backbone::ModeBackbone;
 use super::run::Run;
 use crate::Error;
 use finite_elements::elements::Formulation;
 use finite_elements::mesh::Cell;
 use joint_model::Bodies;
-use joint_model::benchmark::{LimitWeight, MeshAccuracy};
+use joint_model::benchmark::LimitWeight;
 use joints::progress::Silent;
 use joints::structure::Structure;
-use scenes::{Scene, StructureSource};
+use scenes::Scene;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Both runs have the same forces, at which their amplitudes differ a little: the outermost ones may lie beyond the other's range by
 /// this factor.
 const BESIDE: f64 = 1.05;
-
-/// The error bar of a mesh: the largest differences to the limit of the mesh that were measured on one like it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ErrorBar {
-    /// Relative, of frequencies; `null` where nothing was measured.
-    pub frequency_relative: Option<f64>,
-    /// Of the logarithm of damping ratios; `null` where nothing was measured.
-    pub damping_ln: Option<f64>,
-    /// What was measured, or why there is no figure.
-    pub source: String,
-}
-
-impl Default for ErrorBar {
-    /// Of summaries that were written without one.
-    fn default() -> Self {
-        Self::unknown("the summary was written without an error bar of the mesh")
-    }
-}
-
-impl ErrorBar {
-    /// From the table of the scene's benchmark, if its mesh is in there.
-    pub fn of(scene: &Scene) -> Self {
-        let accuracy = match accuracy(scene) {
-            Ok(accuracy) => accuracy,
-            Err(reason) => return Self::unknown(reason),
-        };
-        let model = &scene.model;
-        let row = accuracy.errors.iter().find(|row| {
-            (row.element_order, row.refinement, row.hexahedra)
-                == (scene.element_order(), model.refinement, scene.hexahedra())
-        });
-        match row {
-            None => Self::unknown("this refinement was not measured with this formulation of the elements"),
-            Some(row) => Self {
-                frequency_relative: Some(row.frequency),
-                damping_ln: Some(row.damping),
-                source: accuracy.source.to_owned(),
-            },
-        }
-    }
-
-    fn unknown(reason: &str) -> Self {
-        Self {
-            frequency_relative: None,
-            damping_ln: None,
-            source: reason.to_owned(),
-        }
-    }
-
-    /// One sentence for readers.
-    pub fn sentence(&self) -> String {
-        match (self.frequency_relative, self.damping_ln) {
-            (Some(frequency), Some(damping)) => format!(
-                "{:.2} % of frequency and {damping:.3} of the logarithm of damping; {}",
-                100.0 * frequency,
-                self.source
-            ),
-            _ => format!("not known: {}", self.source),
-        }
-    }
-}
-
-/// What was measured of meshes like the scene's; if nothing was, why.
-fn accuracy(scene: &Scene) -> Result<MeshAccuracy, &'static str> {
-    let accuracy = match &scene.structure.source {
-        StructureSource::Benchmark(benchmark) => benchmark.mesh_accuracy(),
-        StructureSource::Deck(_) => {
-            return Err(
-                "the mesh is the deck's own, and no refinements of it were measured; refine the deck, or bracket \
-                        the limit with --estimate-error mesh",
-            );
-        }
-        StructureSource::Mesh(_) => {
-            return Err(
-                "the mesh is the file's own, and no refinements of it were measured; refine it, or bracket the limit with --estimate-error \
-                 mesh",
-            );
-        }
-        StructureSource::Matrices(_) => return Err("matrices do not show their mesh"),
-    };
-    let accuracy = accuracy.ok_or("no refinements of this benchmark were measured")?;
-    if scene.model.arm_layers.is_some() {
-        return Err("model.arm_layers replaces what the refinement had when it was measured");
-    }
-    if scene.analyses.modes.followed != [accuracy.mode] {
-        return Err("refinements were measured for the first mode alone, and the scene follows another one");
-    }
-    Ok(accuracy)
-}
 
 /// The limit of a scene's mesh, estimated by a run of the same mesh with another formulation of its hexahedra.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 use super::backbone::uniform;
 use super::deformed::Deformed;
 use super::element_loops;
+use super::error_bar::ErrorBar;
 use super::joint_info::JointInfo;
 use super::outcome::Analysis;
 use super::prestress::{closing_force, linearise, load_of};
@@ -28,7 +29,7 @@ pub struct Prepared {
     pub(super) interface: SceneInterface,
     pub(super) derivatives: Derivatives,
     pub(super) loop_elements: Vec<usize>,
-    /// The structure, if its bodies are to be shown deformed, or if there are such derivatives.
+    /// The structure, if its bodies are to be shown deformed, its mesh's error is to be estimated, or if there are such derivatives.
     pub(super) structure: Option<Structure>,
 }
 
@@ -117,7 +118,8 @@ impl Prepared {
             model,
             interface,
             loop_elements: loop_elements(scene, structure)?,
-            structure: (scene.output.deformed || !differenced.is_empty()).then(|| structure.clone()),
+            structure: (scene.output.deformed || !differenced.is_empty() || ErrorBar::is_estimated(scene))
+                .then(|| structure.clone()),
             derivatives: Derivatives {
                 shown: scene.analyses.sensitivities.len(),
                 neighbours,

@@ -2,6 +2,7 @@
 
 use super::amplitude::AmplitudeResult;
 use super::deformed::Deformed;
+use super::error_bar::ErrorBar;
 use super::joint_info::JointInfo;
 use super::mode_backbone::ModeBackbone;
 use super::outcome::Vibration;
@@ -43,6 +44,8 @@ pub struct Run {
     pub vibration: Vibration,
     /// The bodies deformed, if the scene asks for them.
     pub deformed: Option<Deformed>,
+    /// The error of the mesh, where it was estimated.
+    pub estimated_error: Option<ErrorBar>,
     /// Interface elements at the places of `analyses.backbone.loops_at`, in their order, each once.
     pub loop_elements: Vec<usize>,
     /// What is implausible in the scene or in the results.

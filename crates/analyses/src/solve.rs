@@ -3,6 +3,7 @@
 use super::deformed::Deformed;
 use super::ensemble::{self, Ensemble, Member};
 use super::epmc::EpmcBackbone;
+use super::error_bar::ErrorBar;
 use super::finite_differences;
 use super::mode_backbone::{ModeAnalysis, ModeBackbone};
 use super::outcome::Analysis;
@@ -45,6 +46,12 @@ pub fn run_ensemble(
     prepare(scene, options, progress)?.solve_ensemble(realisations, progress)
 }
 
+/// What is found of the bodies after the loops.
+pub(super) struct OfBodies {
+    deformed: Option<Deformed>,
+    estimated_error: Option<ErrorBar>,
+}
+
 impl Prepared {
     /// Prestress, modes and backbone of the scene itself, with all its derivatives.
     ///
@@ -83,8 +90,8 @@ impl Prepared {
     /// [`Error::Prestress`] and defects of the linear structure.
     pub fn solve(self, progress: &dyn Progress) -> Result<Run, Error> {
         let analysis = self.analyse_in_full(progress)?;
-        let deformed = self.deformed(&analysis, progress)?;
-        Ok(self.finish(analysis, deformed, progress))
+        let bodies = self.bodies(&analysis, progress)?;
+        Ok(self.finish(analysis, bodies, progress))
     }
 
     /// As [`Prepared::solve`], and then the backbones of `realisations` bootstrap realisations of all elements' laws on
@@ -97,8 +104,8 @@ impl Prepared {
         let mut analysis = self.analyse_in_full(progress)?;
         let (ensemble, checkpoints) = self.ensemble(realisations, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
-        let deformed = self.deformed(&analysis, progress)?;
-        Ok((self.finish(analysis, deformed, progress), ensemble))
+        let bodies = self.bodies(&analysis, progress)?;
+        Ok((self.finish(analysis, bodies, progress), ensemble))
     }
 
     fn ensemble(
@@ -140,7 +147,18 @@ impl Prepared {
         Ok((Ensemble::new(members, &analysis.modes[0].amplitudes), checkpoints))
     }
 
-    pub(super) fn finish(mut self, analysis: Analysis, deformed: Option<Deformed>, progress: &dyn Progress) -> Run {
+    /// What is found of the bodies after the loops.
+    ///
+    /// # Errors
+    /// An interruption; of the displacements.
+    pub(super) fn bodies(&self, analysis: &Analysis, progress: &dyn Progress) -> Result<OfBodies, Error> {
+        Ok(OfBodies {
+            deformed: self.deformed(analysis, progress)?,
+            estimated_error: self.estimated_error(analysis, progress)?,
+        })
+    }
+
+    pub(super) fn finish(mut self, analysis: Analysis, bodies: OfBodies, progress: &dyn Progress) -> Run {
         self.scene.analyses.sensitivities.truncate(self.derivatives.shown);
         let Analysis {
             prestress,
@@ -198,7 +216,8 @@ impl Prepared {
             clipped_gaps: self.interface.clipped_gaps,
             interface: self.interface.interface,
             model: self.model,
-            deformed,
+            deformed: bodies.deformed,
+            estimated_error: bodies.estimated_error,
             loop_elements: self.loop_elements,
             scene: self.scene,
             checkpoints,

@@ -307,8 +307,8 @@ pub fn run_samples(
         modes,
         variants: samples,
     };
-    let deformed = prepared.deformed(&analysis, progress)?;
-    Ok((prepared.finish(analysis, deformed, progress), found))
+    let bodies = prepared.bodies(&analysis, progress)?;
+    Ok((prepared.finish(analysis, bodies, progress), found))
 }
 
 /// The derivatives of a mode's backbone that its loops have brought along; amplitude 0 is the linearised mode.

@@ -17,6 +17,7 @@ mod material;
 pub mod mesh;
 pub mod ordering;
 mod quadratic;
+pub mod recovery;
 pub mod reflection;
 mod rigid;
 pub mod sets;

@@ -95,3 +95,12 @@ pub fn end_stage(progress: &dyn Progress, stage: Stage) -> Result<(), Error> {
 pub struct Silent;
 
 impl Progress for Silent {}
+
+/// Shows nothing but whether to stop.
+pub struct Quiet<'a>(pub &'a dyn Progress);
+
+impl Progress for Quiet<'_> {
+    fn interrupted(&self) -> bool {
+        self.0.interrupted()
+    }
+}

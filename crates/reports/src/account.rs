@@ -135,6 +135,9 @@ pub fn account(summary: &Summary, scene: &Scene, directory: &Path) -> String {
         );
     }
     let _ = writeln!(out, "error of the mesh: {}", summary.model.error_bar.sentence());
+    if let Some(places) = summary.model.error_bar.places() {
+        let _ = writeln!(out, "the mesh errs most at {places} of the error");
+    }
     if let Some(estimate) = &summary.mesh_estimate {
         out.push_str(&mesh_estimate(estimate));
     }

@@ -258,6 +258,9 @@ fn key_numbers(summary: &Summary) -> Facts {
 fn accuracy(summary: &Summary, scene: &Scene) -> Facts {
     let mut facts = facts([("Error of the mesh", summary.model.error_bar.sentence())]);
     let mut add = |name: &str, value: String| facts.push((name.into(), value));
+    if let Some(places) = summary.model.error_bar.places() {
+        add("The mesh errs most at", format!("{places} of the error"));
+    }
     if let Some(preset) = summary.accuracy {
         add("Settings", format!("{}; {}", preset.name, preset.promise(scene)));
     }

@@ -6,8 +6,8 @@ use crate::scene::Scene;
 use joint_model::benchmark::{ElementOrder, RefinementLevel};
 
 /// Time of `standard` on the flat Brake-Reuss beam, from nothing to the backbone of [`TIMED_AMPLITUDES`] amplitudes of one mode, on two
-/// cores (s): `docs/validation.md`, what accuracy costs.
-const STANDARD_SECONDS: f64 = 12.4;
+/// cores (s), with friction of annuli; with lumped friction it takes half of that.
+const STANDARD_SECONDS: f64 = 19.0;
 
 /// Amplitudes of the runs that were timed.
 const TIMED_AMPLITUDES: usize = 20;

@@ -2,9 +2,10 @@
 
 use super::provenance::Provenance;
 use crate::ensemble::Ensemble;
+use crate::error_bar::ErrorBar;
 use crate::error_estimate::ErrorEstimate;
 use crate::forced::ForcedSummary;
-use crate::mesh_error::{ErrorBar, MeshEstimate};
+use crate::mesh_error::MeshEstimate;
 use crate::methods::MethodPoint;
 use crate::ring_down::RingDownSummary;
 use crate::uncertainty::Uncertainty;
@@ -441,7 +442,7 @@ impl Summary {
                 reduction_asymmetry: reduced.asymmetry,
                 moved_pairs: run.joint.moved_pairs,
                 raised: run.joint.raised,
-                error_bar: ErrorBar::of(&run.scene),
+                error_bar: run.estimated_error.clone().unwrap_or_else(|| ErrorBar::of(&run.scene)),
             },
             law: run.law().clone(),
             interfaces: match run.parts.len() {

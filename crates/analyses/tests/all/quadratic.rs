@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
 use crate::common::{BENCHMARKS, material};
-use analyses::mesh_error::ErrorBar;
+use analyses::error_bar::ErrorBar;
+use analyses::results::summary::Summary;
 use analyses::{Run, run};
 use finite_elements::assemble::System;
 use finite_elements::elements::{CORNERS, ElementType, Formulation, HEX8, HEX20, WEDGE6, WEDGE15};
@@ -402,6 +403,42 @@ fn a_benchmark_in_quadratic_elements_runs_from_scene_to_backbone() {
         let [fall, of_other] = [a[0] / linear, b[0] / quadratic];
         assert!(fall < 0.98 && (fall / of_other - 1.0).abs() < 2e-3, "{fall} {of_other}");
         assert!((a[1] / b[1]).ln().abs() < 0.06, "{a:?} {b:?}");
+    }
+}
+
+/// Layers of one's own take the beam out of the table, so that its error is estimated.
+#[test]
+fn the_error_of_a_mesh_is_estimated_where_it_was_not_measured() {
+    let limit = 166.30;
+    for order in ["linear", "quadratic"] {
+        let text = json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "model": { "refinement": "quick", "symmetry": "half", "element_order": order, "arm_layers": 14 },
+            "interfaces": { "law": { "friction": "lumped" }, "points_per_direction": 2 },
+            "analyses": { "backbone": {
+                "amplitudes": 3, "amplitude_from": "0.1 mm", "amplitude_to": "0.6 mm", "vertices_per_quarter": 4,
+            } },
+        });
+        let scene = Scene::from_json(&text.to_string(), "a test", "a test", &BENCHMARKS).unwrap();
+        let run = run(&scene, &Options::default(), &Silent).unwrap();
+        let bar = run.estimated_error.as_ref().unwrap();
+        let error = (run.frequencies[0] / limit - 1.0).abs();
+        let effectivity = bar.frequency_relative.unwrap() / error;
+        assert!((0.5..3.0).contains(&effectivity), "{order}: {effectivity}");
+        // As measured: 0.059 and 0.009.
+        let damping = bar.damping_ln.unwrap();
+        assert!((0.005..0.05).contains(&damping), "{order}: {damping}");
+        assert_eq!(bar.worst.len(), 5);
+        // The stiffness lacks most at the ends of the lap and at the holes.
+        assert!(
+            bar.worst
+                .iter()
+                .all(|place| place.at[0].abs() < 0.07 && place.share < 0.1)
+        );
+        let summary = Summary::new(&run, BTreeMap::new(), None);
+        assert_eq!(summary.model.error_bar, *bar);
+        assert!(bar.source.contains("estimated"));
     }
 }
 

@@ -3,7 +3,8 @@
 
 use crate::common::{BENCHMARKS, beam};
 use analyses::Error;
-use analyses::mesh_error::{ErrorBar, Partner};
+use analyses::error_bar::ErrorBar;
+use analyses::mesh_error::Partner;
 use finite_elements::elements::Formulation;
 use joint_model::benchmark::{ElementOrder, RefinementLevel};
 use scenes::{Accuracy, Friction, Influence, Length, PRESETS, Parameter, Preset, Scene, Surface, Target, refined};

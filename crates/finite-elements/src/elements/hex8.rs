@@ -4,7 +4,7 @@ use super::cell::{Cell, ElementType, ForeignType, Formulation};
 use super::face::QUAD4;
 use super::matrices::{Jacobian, Matrices, Place, add_stiffness, add_volumetric};
 use crate::Error;
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 /// Eight-node hexahedron.
 pub static HEX8: ElementType = ElementType {
@@ -96,9 +96,7 @@ fn matrices(place: &Place<'_>, formulation: Formulation) -> Result<Matrices, Err
             Formulation::BBar => add_stiffness(&mut out.stiffness, &g, [lambda - bulk, mu], weight),
             Formulation::Reduced => {}
             Formulation::IncompatibleModes => {
-                // Gradients of 1 - xi_m^2.
-                let modes = [0, 1, 2]
-                    .map(|m| centre.inverse.column(m) * (-2.0 * xi[m] * centre.determinant / jacobian.determinant));
+                let modes = incompatible_gradients(&centre, &jacobian, xi);
                 let all: Vec<_> = g.into_iter().chain(modes).collect();
                 add_stiffness(&mut extended, &all, [lambda, mu], weight);
             }
@@ -118,6 +116,36 @@ fn matrices(place: &Place<'_>, formulation: Formulation) -> Result<Matrices, Err
         Formulation::IncompatibleModes => condense(&extended, &mut out.stiffness),
     }
     Ok(out)
+}
+
+/// Gradients of the incompatible modes `1 - xi_m^2`.
+pub(super) fn incompatible_gradients(centre: &Jacobian, here: &Jacobian, xi: [f64; 3]) -> [Vector3<f64>; 3] {
+    [0, 1, 2].map(|m| centre.inverse.column(m) * (-2.0 * xi[m] * centre.determinant / here.determinant))
+}
+
+/// Amplitudes of the incompatible modes, three components of each, for displacements of the nodes.
+pub(super) fn incompatible_motion(place: &Place<'_>, nodes: &[[f64; 3]; 8]) -> Result<[[f64; 3]; 3], Error> {
+    let mut extended = vec![0.0; 33 * 33];
+    let (mut values, mut derivatives) = ([0.0; 8], [[0.0; 3]; 8]);
+    interpolation([0.0; 3], &mut values, &mut derivatives);
+    let centre = Jacobian::try_new(place, 8, &derivatives)?;
+    for (point, corner) in CORNERS.iter().enumerate() {
+        let xi = corner.map(|sign| sign / 3.0_f64.sqrt());
+        interpolation(xi, &mut values, &mut derivatives);
+        let jacobian = Jacobian::try_new(place, point, &derivatives)?;
+        let g = derivatives.map(|d| jacobian.gradient(d));
+        let all: Vec<_> = g
+            .into_iter()
+            .chain(incompatible_gradients(&centre, &jacobian, xi))
+            .collect();
+        add_stiffness(&mut extended, &all, place.material.lame(), jacobian.determinant);
+    }
+    let all = SMatrix::<f64, 33, 33>::from_row_slice(&extended);
+    let forces = all.fixed_view::<9, 24>(24, 0) * SVector::<f64, 24>::from_iterator(nodes.iter().flatten().copied());
+    // Positive definite for any admissible material and positive Jacobian.
+    let own = all.fixed_view::<9, 9>(24, 24).into_owned().cholesky();
+    let found = own.map_or_else(SVector::zeros, |own| -own.solve(&forces));
+    Ok([0, 1, 2].map(|m| [0, 1, 2].map(|c| found[3 * m + c])))
 }
 
 /// Eliminates the incompatible modes, on which no force acts.

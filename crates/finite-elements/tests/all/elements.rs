@@ -11,6 +11,7 @@ use finite_elements::elements::{
 };
 use finite_elements::factor::SparseCholesky;
 use finite_elements::mesh::{Assembly, BeyondTolerance, Cell, Element, Material, Mesh, Tie};
+use finite_elements::recovery::StrainErrors;
 use finite_elements::sparse::multiply_vector;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -601,7 +602,7 @@ fn true_errors(mesh: &Mesh, poisson_ratio: f64) -> [f64; 2] {
                 let (values, derivatives) = row.shape_functions([r, s, t]);
                 let mut place = nalgebra::Vector3::zeros();
                 let mut shift = nalgebra::Vector3::zeros();
-                let mut jacobian = nalgebra::Matrix3::zeros();
+                let mut jacobian = nalgebra::Matrix3::<f64>::zeros();
                 let mut slope = nalgebra::Matrix3::zeros();
                 for ((&node, value), d) in element.cell.nodes().iter().zip(&values).zip(&derivatives) {
                     let x = nalgebra::Vector3::from(mesh.nodes[node as usize]);
@@ -880,5 +881,119 @@ fn volumes_are_masses_of_unit_density() {
         let mass: f64 = matrices(0, &cell, &nodes, &unit).unwrap().mass.iter().sum();
         let volume = cell.volume(&nodes);
         assert!((volume / mass - 1.0).abs() < 1e-12, "{kind:?}: {volume} {mass}");
+    }
+}
+
+/// Displacements of all nodes.
+fn of_nodes(mesh: &Mesh, field: impl Fn(Point) -> Point) -> Vec<Point> {
+    mesh.nodes.iter().map(|x| field(*x)).collect()
+}
+
+#[test]
+fn strains_that_a_mesh_follows_have_no_error() {
+    for kind in kinds() {
+        let mesh = cube(kind, 3, 0.1, 0.1, 0.3);
+        let linear = of_nodes(&mesh, |[x, y, z]| [x + 2.0 * y, z - x, 0.5 * y + z]);
+        let size = StrainErrors::try_new(&mesh, std::slice::from_ref(&linear)).unwrap();
+        let whole = 192.85e9 * 0.1_f64.powi(3);
+        assert!(size.products[0].abs() < 1e-18 * whole, "{kind:?}: {}", size.products[0]);
+        // A linear strain is beyond linear elements.
+        let curved = of_nodes(&mesh, |[x, y, z]| [10.0 * x * y, 10.0 * z * z, 10.0 * (x - y) * z]);
+        let both = StrainErrors::try_new(&mesh, &[linear, curved]).unwrap();
+        let [own, mixed, _, error] = both.products[..] else {
+            panic!()
+        };
+        assert!(own.abs() < 1e-18 * whole && mixed.abs() < 1e-9 * (whole * error.max(whole)).sqrt());
+        assert!(
+            (both.of_elements.iter().skip(1).step_by(2).sum::<f64>() / error - 1.0).abs() < 1e-9
+                || error < 1e-12 * whole
+        );
+    }
+}
+
+/// Twice the energy of the difference between the strains of a field (its gradient) and those of displacements of the nodes.
+fn energy_of_error(mesh: &Mesh, u: &[Point], gradient: impl Fn(Point) -> [Point; 3]) -> f64 {
+    let far = (3.0 / 7.0 + 2.0 / 7.0 * 1.2_f64.sqrt()).sqrt();
+    let near = (3.0 / 7.0 - 2.0 / 7.0 * 1.2_f64.sqrt()).sqrt();
+    let [light, heavy] = [-1.0, 1.0].map(|sign| (18.0 + sign * 30.0_f64.sqrt()) / 36.0);
+    let line = [(-far, light), (-near, heavy), (near, heavy), (far, light)];
+    let (e, nu) = (mesh.materials[0].youngs_modulus, mesh.materials[0].poisson_ratio);
+    let (lambda, mu) = (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * e / (1.0 + nu));
+    let mut sum = 0.0;
+    for element in &mesh.elements {
+        let row = element.cell.element_type();
+        for (r, wr) in line {
+            for (s, ws) in line {
+                for (t, wt) in line {
+                    // Tetrahedra are collapsed cubes.
+                    let (at, weight) = if row.name.starts_with("Hex") {
+                        ([r, s, t], wr * ws * wt)
+                    } else {
+                        let [a, b, c] = [r, s, t].map(|x| 0.5 * (1.0 + x));
+                        let weight = wr * ws * wt / 8.0 * (1.0 - a).powi(2) * (1.0 - b);
+                        ([a, (1.0 - a) * b, (1.0 - a) * (1.0 - b) * c], weight)
+                    };
+                    let (values, derivatives) = row.shape_functions(at);
+                    let nodes: Vec<usize> = element.cell.nodes().iter().map(|n| *n as usize).collect();
+                    let mut jacobian = nalgebra::Matrix3::<f64>::zeros();
+                    let mut natural = nalgebra::Matrix3::<f64>::zeros();
+                    let mut x = [0.0; 3];
+                    for (local, &node) in nodes.iter().enumerate() {
+                        for i in 0..3 {
+                            x[i] += values[local] * mesh.nodes[node][i];
+                            for j in 0..3 {
+                                jacobian[(i, j)] += derivatives[local][i] * mesh.nodes[node][j];
+                                natural[(i, j)] += derivatives[local][i] * u[node][j];
+                            }
+                        }
+                    }
+                    let found = jacobian.try_inverse().unwrap() * natural;
+                    let exact = gradient(x);
+                    let strain = |i: usize, j: usize| {
+                        let difference = |i: usize, j: usize| exact[i][j] - found[(i, j)];
+                        0.5 * (difference(i, j) + difference(j, i))
+                    };
+                    let trace = (0..3).map(|i| strain(i, i)).sum::<f64>();
+                    let all = (0..9).map(|k| strain(k / 3, k % 3).powi(2)).sum::<f64>();
+                    sum += weight * jacobian.determinant() * (lambda * trace * trace + 2.0 * mu * all);
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// Against a field whose strains are known, on two meshes; of reduced integration a half is taken.
+#[test]
+fn recovered_strains_estimate_the_error_of_a_mesh() {
+    let k = 25.0_f64;
+    let field = |[x, y, z]: Point| {
+        let s = (k * x).sin() * (k * y + 0.3).cos() * (0.5 * k * z).exp();
+        [s, 0.5 * s, -0.3 * s].map(|u| 1e-3 * u)
+    };
+    let gradient = |[x, y, z]: Point| {
+        let [sx, cx] = [(k * x).sin(), (k * x).cos()];
+        let [sy, cy] = [(k * y + 0.3).sin(), (k * y + 0.3).cos()];
+        let e = (0.5 * k * z).exp();
+        // By direction, then component.
+        [cx * cy * e, -sx * sy * e, 0.5 * sx * cy * e].map(|d| [1.0, 0.5, -0.3].map(|f| 1e-3 * k * d * f))
+    };
+    // On coarse meshes of hexahedra the strains at the surface are extrapolated, and the error of smooth fields is overestimated.
+    for (kind, share, largest) in [
+        (Kind::Hex20(Formulation::Full), 1.0, [20.0, 4.0]),
+        (Kind::Hex20(Formulation::Reduced), 0.5, [20.0, 4.0]),
+        (Kind::Hex27, 1.0, [20.0, 4.0]),
+        (Kind::Tet10, 1.0, [1.5, 1.5]),
+        (Kind::Tet4, 1.0, [1.5, 1.5]),
+        (Kind::Hex(Formulation::Full), 1.0, [3.0, 3.0]),
+    ] {
+        for (n, largest) in [4, 10].into_iter().zip(largest) {
+            let mesh = cube(kind, n, 0.1, 0.1, 0.3);
+            let u = of_nodes(&mesh, field);
+            let error = energy_of_error(&mesh, &u, gradient);
+            let estimate = StrainErrors::try_new(&mesh, &[u]).unwrap().products[0];
+            let effectivity = estimate / (share * error);
+            assert!((0.7..largest).contains(&effectivity), "{kind:?}, {n}: {effectivity}");
+        }
     }
 }

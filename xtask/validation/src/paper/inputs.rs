@@ -2,7 +2,7 @@
 
 use super::runs;
 use crate::elements::given;
-use analyses::mesh_error::ErrorBar;
+use analyses::error_bar::ErrorBar;
 use anyhow::{Result, anyhow};
 use brake_reuss_beam::BrakeReussBenchmark;
 use joint_model::benchmark::Benchmark as _;

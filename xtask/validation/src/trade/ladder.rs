@@ -2,7 +2,7 @@
 
 use super::parameters::{AMPLITUDES, Parameter, Share};
 use analyses::comparison::Backbone;
-use analyses::mesh_error::ErrorBar;
+use analyses::error_bar::ErrorBar;
 use analyses::results::trends::{Extrapolation, extrapolate};
 use scenes::PRESETS;
 

@@ -1,0 +1,233 @@
+//! The error of a mesh, estimated from the run itself.
+//!
+//! A finite mesh is too stiff: it lacks the flexibility of strains that it cannot follow. The energy of these strains is estimated by patch
+//! recovery ([`StrainErrors`]), as a small matrix over a few motions: the modes followed, and the motions at the peaks of two loops of each.
+//! Given back as flexibility along these motions, it makes a second structure. What changes in its modes and loops estimates what
+//! the limit of the mesh would change.
+
+use super::deformed::unlocked;
+use super::ensemble::loops_alone;
+use super::error_bar::{ErrorBar, Place};
+use super::mode_backbone::ModeAnalysis;
+use super::outcome::Analysis;
+use super::prepared::Prepared;
+use super::prestress::linearise;
+use super::solver::Solver;
+use crate::Error;
+use dense_algebra::{add_product, product, symmetric_eigen};
+use faer::{Mat, MatRef};
+use finite_elements::mesh::Mesh;
+use finite_elements::recovery::StrainErrors;
+use joint_model::Bodies;
+use joints::interface::InterfaceForce;
+use joints::progress::{Progress, Quiet};
+use joints::structure::Structure;
+use scenes::Scene;
+
+/// Damping ratio from which on loops are chosen for the error of damping: below it no mesh resolves where slip begins.
+const RESOLVED_DAMPING: f64 = 5e-3;
+
+/// Motions that differ from the others by less than this share of their energy are none of their own.
+const SAME_MOTION: f64 = 1e-8;
+
+/// Places where the mesh errs most that are named.
+const PLACES: usize = 5;
+
+/// Where the figures come from.
+const SOURCE: &str = "estimated for this run from recovered strains (Zienkiewicz and Zhu) of the modes followed and of two loops of each";
+
+impl Prepared {
+    /// The error bar of the mesh, estimated; none where the bodies have no mesh or a table has the error of the mesh.
+    ///
+    /// # Errors
+    /// An interruption. Whatever else prevents an estimate is said in its place.
+    pub(super) fn estimated_error(
+        &self,
+        analysis: &Analysis,
+        progress: &dyn Progress,
+    ) -> Result<Option<ErrorBar>, Error> {
+        let Some(structure) = self.structure.as_ref().filter(|_| ErrorBar::is_estimated(&self.scene)) else {
+            return Ok(None);
+        };
+        let Bodies::Meshed(bodies) = &structure.joint.bodies else {
+            return Ok(None);
+        };
+        progress.note("the structure is factored again, to estimate the error of its mesh");
+        match self.estimate(structure, &bodies.assembly.mesh, analysis, progress) {
+            Ok(bar) => Ok(Some(bar)),
+            Err(error) if error.is_interruption() => Err(error),
+            Err(error) => Ok(Some(ErrorBar::unknown(&format!("the estimate failed: {error}")))),
+        }
+    }
+
+    fn estimate(
+        &self,
+        structure: &Structure,
+        mesh: &Mesh,
+        analysis: &Analysis,
+        progress: &dyn Progress,
+    ) -> Result<ErrorBar, Error> {
+        let quiet = Quiet(progress);
+        let chosen: Vec<Vec<usize>> = analysis.modes.iter().map(chosen).collect();
+        let forces: Vec<Vec<f64>> = (analysis.modes.iter().zip(&chosen))
+            .map(|(mode, numbers)| {
+                let force = |number: &usize| mode.amplitudes[*number].point.modal_force;
+                numbers.iter().map(force).collect()
+            })
+            .collect();
+        let scene = loops_of(&self.scene, forces.iter().map(Vec::len).max().unwrap_or(0));
+        let uncached = joints::store::Options {
+            cache: None,
+            ..self.options.clone()
+        };
+        let solver = Solver {
+            neighbours: &[],
+            options: &uncached,
+            loop_elements: &[],
+            ..self.solver()
+        };
+        let interface = (&self.interface.interface, self.interface.closure);
+        let own = solver.analyse(&scene, interface.0, interface.1, Some(&forces), &quiet)?;
+        let motions = self.motions(&own)?;
+        let displacements = structure.displacements(&self.model, motions.as_ref())?;
+        let errors = StrainErrors::try_new(mesh, &displacements).map_err(joints::Error::from)?;
+        let n = errors.n_motions;
+        let lacking = Mat::from_fn(n, n, |i, j| errors.products[n * i + j]);
+        let mut softer = self.model.clone();
+        softer.reduced.stiffness = softened(
+            self.model.reduced.stiffness.as_ref(),
+            motions.as_ref(),
+            lacking.as_ref(),
+        )?;
+        let solver = Solver {
+            model: &softer,
+            ..solver
+        };
+        let other = solver.analyse(&scene, interface.0, interface.1, Some(&forces), &quiet)?;
+        let (mut frequency, mut damping) = (0.0_f64, None::<f64>);
+        for (own_mode, other_mode) in own.modes.iter().zip(&other.modes) {
+            let at = own_mode.mode - 1;
+            frequency = frequency.max((other.frequencies[at] / own.frequencies[at] - 1.0).abs());
+            for (a, b) in own_mode.amplitudes.iter().zip(&other_mode.amplitudes) {
+                let (Ok(a), Ok(b)) = (&a.point.result, &b.point.result) else {
+                    continue;
+                };
+                frequency = frequency.max((b.omega / a.omega - 1.0).abs());
+                if a.is_resolved() && b.is_resolved() {
+                    let difference = (b.zeta / a.zeta).ln().abs();
+                    damping = Some(damping.map_or(difference, |worst| worst.max(difference)));
+                }
+            }
+        }
+        Ok(ErrorBar {
+            frequency_relative: Some(frequency),
+            damping_ln: damping,
+            source: SOURCE.to_owned(),
+            worst: worst(mesh, &errors),
+        })
+    }
+
+    /// Modes and motions at the peaks of loops as columns, over the coordinates of the structure whose bolts are not locked.
+    fn motions(&self, analysis: &Analysis) -> Result<Mat<f64>, Error> {
+        let scene = &self.scene;
+        let locked = self.solver().locked(scene)?;
+        let vibrating = locked.as_ref().unwrap_or(&self.model.reduced);
+        let force = InterfaceForce::new(&self.interface.interface);
+        let line = linearise(scene, vibrating, &force, &analysis.prestress.solution)?;
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for mode in &analysis.modes {
+            columns.push(line.shapes.col(mode.mode - 1).iter().copied().collect());
+            let peaks = mode.amplitudes.iter().filter_map(|amplitude| {
+                let peak = amplitude.fields.as_ref()?.displacement.as_ref()?;
+                Some(peak.iter().zip(line.displacement()).map(|(u, rest)| u - rest).collect())
+            });
+            columns.extend(peaks);
+        }
+        let over_vibrating = Mat::from_fn(vibrating.mass.nrows(), columns.len(), |i, j| columns[j][i]);
+        unlocked(&self.model, scene.bolts.behaviour, over_vibrating)
+    }
+}
+
+/// The scene with loops at so many amplitudes alone, whose peaks are kept.
+fn loops_of(scene: &Scene, amplitudes: usize) -> Scene {
+    let mut scene = loops_alone(scene, true);
+    scene.analyses.backbone.amplitudes = amplitudes;
+    scene.output.fields_at = Some((1..=amplitudes).collect());
+    scene.output.deformed = true;
+    scene
+}
+
+/// Two amplitudes of a mode: the smallest and the largest whose damping a mesh resolves, or the last ones that have any.
+fn chosen(mode: &ModeAnalysis) -> Vec<usize> {
+    let resolved = |least: f64| -> Vec<usize> {
+        let is_resolved = |number: &usize| {
+            let result = mode.amplitudes[*number].point.result.as_ref();
+            result.is_ok_and(|found| found.is_resolved() && found.zeta >= least)
+        };
+        (0..mode.amplitudes.len()).filter(is_resolved).collect()
+    };
+    let mut numbers = resolved(RESOLVED_DAMPING);
+    match numbers.len() {
+        0 | 1 => {
+            numbers = resolved(0.0);
+            numbers.drain(..numbers.len().saturating_sub(2));
+        }
+        many => drop(numbers.drain(1..many - 1)),
+    }
+    numbers
+}
+
+/// A stiffness with more flexibility along some motions (columns): `lacking` has what the energy norm of these motions (twice the energy) lacks.
+///
+/// With motions `v` that are orthonormal in the stiffness `k` and the matrix `p` of what they lack, `k^-1 + v p v^T` is the new
+/// flexibility, whose inverse is `k - k v (1 + p)^-1 p v^T k`: it stays positive whatever `p` is.
+fn softened(stiffness: MatRef<'_, f64>, motions: MatRef<'_, f64>, lacking: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
+    let forces = product(stiffness, motions);
+    let n = motions.ncols();
+    let energies = product(motions.transpose(), forces.as_ref());
+    let size = |i: usize| energies[(i, i)].max(f64::MIN_POSITIVE).sqrt();
+    let scaled = Mat::from_fn(n, n, |i, j| energies[(i, j)] / (size(i) * size(j)));
+    let dense = |error| Error::from(cqsma_solver::Error::from(error));
+    let (values, vectors) = symmetric_eigen(scaled.as_ref()).map_err(dense)?;
+    let kept: Vec<usize> = (0..n).filter(|i| values[*i] > SAME_MOTION).collect();
+    let basis = Mat::from_fn(n, kept.len(), |i, j| {
+        vectors[(i, kept[j])] / (size(i) * values[kept[j]].sqrt())
+    });
+    let own = product(lacking, basis.as_ref());
+    let own = product(basis.transpose(), own.as_ref());
+    let (shares, turned) = symmetric_eigen(own.as_ref()).map_err(dense)?;
+    let basis = product(basis.as_ref(), turned.as_ref());
+    let forces = product(forces.as_ref(), basis.as_ref());
+    let weighted = Mat::from_fn(forces.nrows(), forces.ncols(), |i, j| {
+        let share = shares[j].max(0.0);
+        forces[(i, j)] * share / (1.0 + share)
+    });
+    let mut softer = stiffness.to_owned();
+    add_product(softer.as_mut(), weighted.as_ref(), forces.transpose(), -1.0);
+    Ok(dense_algebra::symmetric(softer.as_ref()))
+}
+
+/// Where the first motion errs most.
+fn worst(mesh: &Mesh, errors: &StrainErrors) -> Vec<Place> {
+    let own = errors
+        .of_elements
+        .chunks(errors.n_motions)
+        .map(|of_motions| of_motions[0]);
+    let mut all: Vec<(f64, usize)> = own.zip(0..).collect();
+    let sum: f64 = all.iter().map(|(error, _)| error).sum();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let place = |&(error, element): &(f64, usize)| {
+        let nodes = mesh.elements[element].cell.nodes();
+        let mean = |c: usize| nodes.iter().map(|node| mesh.nodes[*node as usize][c]).sum::<f64>() / nodes.len() as f64;
+        Place {
+            element: element + 1,
+            at: [0, 1, 2].map(mean),
+            share: error / sum,
+        }
+    };
+    all.iter()
+        .take(PLACES)
+        .filter(|(error, _)| *error > 0.0)
+        .map(place)
+        .collect()
+}
