@@ -179,12 +179,13 @@ impl Plates {
                 "bolts": [{ "head": "head", "nut": "nut" }],
                 "response": { "nearest": tip, "direction": [0.0, 0.6, 0.8] },
             } },
-            "model": { "material": elastic(200.0) },
+            "model": { "element_order": "linear", "material": elastic(200.0) },
             "interfaces": {
                 "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
                     "normal_stiffness": stiffness(4e13), "tangential_stiffness": [stiffness(3e13), stiffness(3e13)],
                 } } }] } },
                 "mu": 0.15,
+                "points_per_direction": 2,
             },
             "bolts": { "load": newton(8e3 * self.width / 0.25 * self.scale.powi(2)) },
             "analyses": { "backbone": {
