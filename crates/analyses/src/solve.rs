@@ -12,7 +12,7 @@ use super::prestress::{PrestressResult, closing_force};
 use super::run::Run;
 use super::sensitivities::Sensitivity;
 use super::solver::{Solver, kept};
-use super::validity::{self, LARGEST_CONTACT, Validity};
+use super::validity::{self, LARGEST_CONTACT};
 use super::variants::Variants;
 use super::warnings::{self, ContactCircles, Findings};
 use crate::Error;
@@ -20,7 +20,7 @@ use joints::progress::{Progress, Stage};
 use joints::store::Options;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use joints::structure::choice_name;
-use scenes::{Scale, Scene, Stress, Surface};
+use scenes::{Friction, Law, Parameter, Scale, Scene, Stress, Surface};
 
 /// Runs a scene.
 ///
@@ -199,7 +199,7 @@ impl Prepared {
             sensitivities: shown(found.sensitivities),
         };
         let backbones: Vec<ModeBackbone> = modes.into_iter().map(judge).collect();
-        let found = self.findings(&prestress, &frequencies, backbones.first().map(|first| &first.validity));
+        let found = self.findings(&prestress, &frequencies, &backbones);
         let of_results = warnings::of_results(&self.joint.overview, &found);
         of_results.iter().for_each(|warning| progress.warn(&warning.message));
         let mut warnings = warnings::of_input(&self.joint.overview);
@@ -224,8 +224,32 @@ impl Prepared {
         }
     }
 
+    /// Smallest damping ratio that is differentiated by another number than a friction coefficient, with friction of asperities.
+    fn differentiated(&self, backbones: &[ModeBackbone]) -> Option<f64> {
+        let interfaces = &self.scene.interfaces;
+        let own = interfaces.each.iter().filter_map(|own| own.law.as_ref());
+        let is_resolved = |law: &Law| law.friction != Friction::Lumped;
+        let has_asperities = interfaces
+            .surfaces()
+            .any(|surface| !matches!(surface, Surface::Parameters(_)));
+        let by_others = self
+            .scene
+            .analyses
+            .sensitivities
+            .iter()
+            .any(|number| !is_friction(number));
+        if !(by_others && has_asperities && std::iter::once(&interfaces.law).chain(own).any(is_resolved)) {
+            return None;
+        }
+        let amplitudes = backbones.iter().flat_map(|backbone| &backbone.amplitudes);
+        let damping = amplitudes.filter_map(|amplitude| amplitude.point.result.as_ref().ok());
+        let damping = damping.filter(|found| found.is_resolved()).map(|found| found.zeta);
+        damping.reduce(f64::min)
+    }
+
     /// What warnings judge.
-    fn findings(&self, prestress: &PrestressResult, frequencies: &[f64], validity: Option<&Validity>) -> Findings {
+    fn findings(&self, prestress: &PrestressResult, frequencies: &[f64], backbones: &[ModeBackbone]) -> Findings {
+        let validity = backbones.first().map(|first| &first.validity);
         let pressures = &prestress.fields.traction[2];
         let hardness = self
             .scene
@@ -252,8 +276,15 @@ impl Prepared {
                     load: loads_from(&self.scene),
                 })
             }),
+            differentiated: self.differentiated(backbones),
         }
     }
+}
+
+/// Whether a number is a friction coefficient.
+fn is_friction(parameter: &Parameter) -> bool {
+    let path = parameter.path();
+    path == "mu" || path.ends_with(".mu")
 }
 
 /// Fields of a scene that its asperities follow from.

@@ -5,6 +5,9 @@ use joint_model::significant;
 use joints::structure::Overview;
 use serde::{Deserialize, Serialize};
 
+/// Damping ratio from which on derivatives with fixed bins are those of whole runs within a sixth (`docs/guide/sensitivities.md`).
+const DIFFERENTIATED: f64 = 1e-2;
+
 /// Least and largest extent of a structure that is believed (m).
 const SIZES: [f64; 2] = [1e-3, 20.0];
 /// First elastic frequencies that are believed (Hz).
@@ -80,6 +83,8 @@ pub enum WarningKind {
     SeatsOverlap,
     /// Contact circles of asperities are larger than the formulas of contact reach; value and limit are radii over the asperities' (-).
     ContactCircles,
+    /// Derivatives of damping depend on single bins of asperities; value and limit are damping ratios (-).
+    DerivativesOfBins,
 }
 
 /// Something implausible.
@@ -113,6 +118,8 @@ pub struct Findings {
     pub first_frequency: Option<f64>,
     /// Contact circles beyond the formulas of contact, if they are.
     pub contact_circles: Option<ContactCircles>,
+    /// Smallest damping ratio that was differentiated by another number than a friction coefficient with friction of asperities.
+    pub differentiated: Option<f64>,
 }
 
 /// Contact circles beyond the formulas of contact, and what leads to them.
@@ -387,6 +394,14 @@ pub fn of_results(overview: &Overview, found: &Findings) -> Vec<Warning> {
         );
         add(WarningKind::ContactCircles, *ratio, *limit, message);
     }
+    if let Some(damping) = found.differentiated.filter(|damping| *damping < DIFFERENTIATED) {
+        let message = format!(
+            "derivatives of damping by other numbers than friction coefficients depend on single bins of asperities below a damping ratio of \
+             {DIFFERENTIATED}, and the smallest here is {damping:.1e}; compare runs at two values, or differentiate with \
+             interfaces.law.friction = \"lumped\""
+        );
+        add(WarningKind::DerivativesOfBins, damping, DIFFERENTIATED, message);
+    }
     if let Some((frequency, limit)) = found.first_frequency.and_then(|f| Some((f, beyond(f, FREQUENCIES)?))) {
         let message = format!(
             "the first elastic frequency is {} Hz (plausible: {} to {} Hz); are the units right?",
@@ -442,6 +457,7 @@ mod tests {
             in_contact: 0.9,
             first_frequency: Some(170.0),
             contact_circles: None,
+            differentiated: None,
         };
         (overview, findings)
     }
@@ -496,6 +512,10 @@ mod tests {
             (K::YieldedAsperities, 0.2, 0.1)
         );
         assert_eq!(only(|_, f| f.in_contact = 0.4), (K::OpenInterface, 0.4, 0.5));
+        assert_eq!(
+            only(|_, f| f.differentiated = Some(1e-4)),
+            (K::DerivativesOfBins, 1e-4, 1e-2)
+        );
         assert_eq!(
             only(|_, f| f.first_frequency = Some(0.44)),
             (K::FirstFrequency, 0.44, 1.0)
