@@ -414,7 +414,7 @@ fn a_run_says_what_its_accuracy_takes_and_counts_all_its_time() {
     let told = messages(&output);
     assert_eq!(exit_code(&output), 0, "{told}");
     let expected =
-        "settings `draft`: expect about 1 s where nothing is in the cache, as measured on the flat Brake-Reuss beam";
+        "settings `draft`: expect about 2 s where nothing is in the cache, as measured on the flat Brake-Reuss beam";
     let at = told.find(expected).unwrap_or_else(|| panic!("{told}"));
     assert!(at < told.find("mesh ...").unwrap(), "{told}");
     assert!(
