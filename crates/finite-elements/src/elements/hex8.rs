@@ -72,11 +72,10 @@ fn matrices(place: &Place<'_>, formulation: Formulation) -> Result<Matrices, Err
     let mut out = Matrices::zeros(8);
     let [lambda, mu] = material.lame();
     let bulk = lambda + 2.0 / 3.0 * mu;
-    // The incompatible modes stand behind the nodes like three more of them.
-    let mut extended = vec![0.0; 33 * 33];
     let (mut values, mut derivatives) = ([0.0; 8], [[0.0; 3]; 8]);
     interpolation([0.0; 3], &mut values, &mut derivatives);
-    let centre = Jacobian::try_new(place, 8, &derivatives)?;
+    // An element that is inverted at its centre is refused in every formulation.
+    Jacobian::try_new(place, 8, &derivatives)?;
     let (mut volume, mut mean) = (0.0, [Vector3::zeros(); 8]);
     let gauss = 1.0 / 3.0_f64.sqrt();
     for (point, corner) in CORNERS.iter().enumerate() {
@@ -94,12 +93,7 @@ fn matrices(place: &Place<'_>, formulation: Formulation) -> Result<Matrices, Err
             Formulation::Full => add_stiffness(&mut out.stiffness, &g, [lambda, mu], weight),
             // What is left without the volumetric strain.
             Formulation::BBar => add_stiffness(&mut out.stiffness, &g, [lambda - bulk, mu], weight),
-            Formulation::Reduced => {}
-            Formulation::IncompatibleModes => {
-                let modes = incompatible_gradients(&centre, &jacobian, xi);
-                let all: Vec<_> = g.into_iter().chain(modes).collect();
-                add_stiffness(&mut extended, &all, [lambda, mu], weight);
-            }
+            Formulation::Reduced | Formulation::IncompatibleModes => {}
         }
     }
     for mean in &mut mean {
@@ -113,7 +107,7 @@ fn matrices(place: &Place<'_>, formulation: Formulation) -> Result<Matrices, Err
             add_hourglass(&mut out.stiffness, place.x, &mean, HOURGLASS * mu * volume);
             out.lump();
         }
-        Formulation::IncompatibleModes => condense(&extended, &mut out.stiffness),
+        Formulation::IncompatibleModes => condense(&with_incompatible_modes(place)?, &mut out.stiffness),
     }
     Ok(out)
 }
@@ -123,24 +117,28 @@ pub(super) fn incompatible_gradients(centre: &Jacobian, here: &Jacobian, xi: [f6
     [0, 1, 2].map(|m| centre.inverse.column(m) * (-2.0 * xi[m] * centre.determinant / here.determinant))
 }
 
-/// Amplitudes of the incompatible modes, three components of each, for displacements of the nodes.
-pub(super) fn incompatible_motion(place: &Place<'_>, nodes: &[[f64; 3]; 8]) -> Result<[[f64; 3]; 3], Error> {
+/// Stiffness over the nodes and, behind them like three more nodes, the incompatible modes.
+fn with_incompatible_modes(place: &Place<'_>) -> Result<SMatrix<f64, 33, 33>, Error> {
     let mut extended = vec![0.0; 33 * 33];
     let (mut values, mut derivatives) = ([0.0; 8], [[0.0; 3]; 8]);
     interpolation([0.0; 3], &mut values, &mut derivatives);
     let centre = Jacobian::try_new(place, 8, &derivatives)?;
+    let gauss = 1.0 / 3.0_f64.sqrt();
     for (point, corner) in CORNERS.iter().enumerate() {
-        let xi = corner.map(|sign| sign / 3.0_f64.sqrt());
+        let xi = corner.map(|sign| sign * gauss);
         interpolation(xi, &mut values, &mut derivatives);
         let jacobian = Jacobian::try_new(place, point, &derivatives)?;
         let g = derivatives.map(|d| jacobian.gradient(d));
-        let all: Vec<_> = g
-            .into_iter()
-            .chain(incompatible_gradients(&centre, &jacobian, xi))
-            .collect();
+        let modes = incompatible_gradients(&centre, &jacobian, xi);
+        let all: Vec<_> = g.into_iter().chain(modes).collect();
         add_stiffness(&mut extended, &all, place.material.lame(), jacobian.determinant);
     }
-    let all = SMatrix::<f64, 33, 33>::from_row_slice(&extended);
+    Ok(SMatrix::from_row_slice(&extended))
+}
+
+/// Amplitudes of the incompatible modes, three components of each, for displacements of the nodes.
+pub(super) fn incompatible_motion(place: &Place<'_>, nodes: &[[f64; 3]; 8]) -> Result<[[f64; 3]; 3], Error> {
+    let all = with_incompatible_modes(place)?;
     let forces = all.fixed_view::<9, 24>(24, 0) * SVector::<f64, 24>::from_iterator(nodes.iter().flatten().copied());
     // Positive definite for any admissible material and positive Jacobian.
     let own = all.fixed_view::<9, 9>(24, 24).into_owned().cholesky();
@@ -149,8 +147,7 @@ pub(super) fn incompatible_motion(place: &Place<'_>, nodes: &[[f64; 3]; 8]) -> R
 }
 
 /// Eliminates the incompatible modes, on which no force acts.
-fn condense(extended: &[f64], stiffness: &mut [f64]) {
-    let all = SMatrix::<f64, 33, 33>::from_row_slice(extended);
+fn condense(all: &SMatrix<f64, 33, 33>, stiffness: &mut [f64]) {
     let coupling = all.fixed_view::<24, 9>(0, 24);
     let mut condensed: SMatrix<f64, 24, 24> = all.fixed_view::<24, 24>(0, 0).into_owned();
     // Positive definite for any admissible material and positive Jacobian.
