@@ -1,5 +1,6 @@
 //! What is found at one amplitude.
 
+use super::dials::{AmplitudeError, Dial, DialError};
 use super::element_loops::ElementLoops;
 use contact_laws::Regime;
 use cqsma_solver::BackbonePoint;
@@ -38,6 +39,8 @@ pub struct LoopFields {
     pub displacement: Option<Vec<f64>>,
     /// The loops of the elements, for the same amplitudes; none where no element is recorded.
     pub loops: Option<ElementLoops>,
+    /// Errors of the settings of the law and of the vertices; empty where they are not estimated.
+    pub errors: Vec<(Dial, DialError)>,
 }
 
 /// One amplitude.
@@ -51,4 +54,6 @@ pub struct AmplitudeResult {
     pub response_acceleration: Option<f64>,
     /// Displacement amplitude at the response point, `q phi` (m).
     pub response_displacement: Option<f64>,
+    /// Its error by numerical settings, where it is estimated.
+    pub error: Option<AmplitudeError>,
 }

@@ -1,6 +1,7 @@
 //! The backbone of one mode: hysteresis loops over amplitudes, and the methods beside CQSMA.
 
 use super::amplitude::{AmplitudeResult, LoopFields};
+use super::dials::{self, Walks};
 use super::linearised::Linearised;
 use super::methods;
 use super::mode_backbone::ModeAnalysis;
@@ -35,7 +36,7 @@ const FREE_OF_INERTIA: f64 = 1e-9;
 const EPMC_AMPLITUDES: usize = 20;
 
 /// Changes whenever [`LoopFields`] holds something else, so that lines of another layout are not taken for finished amplitudes.
-const LAYOUT: u64 = 3;
+const LAYOUT: u64 = 4;
 
 /// What came of an amplitude.
 type Loop = (BackbonePoint, Option<LoopFields>);
@@ -62,6 +63,8 @@ pub(super) struct Request<'a> {
     pub(super) sensitivities: Option<&'a Sensitivities<'a>>,
     /// Modal forces (sqrt(kg) m/s^2) that stand for those by the amplitudes of the scene.
     pub(super) forces: Option<&'a Vec<f64>>,
+    /// What errors of settings are estimated with, if they are.
+    pub(super) walks: Option<&'a Walks<'a>>,
 }
 
 /// The loads of the loops of a mode.
@@ -120,6 +123,7 @@ impl<'a> Request<'a> {
                 fields,
                 response_acceleration: motion.map(|(x, omega)| x * omega * omega),
                 response_displacement: motion.map(|(x, _)| x),
+                error: None,
                 point,
             }
         };
@@ -157,6 +161,7 @@ impl<'a> Request<'a> {
             epmc,
             mode: self.mode + 1,
             separation: self.separation(&shape),
+            truncation: dials::of_modes(self.about.vibrating, &shape, omega2),
             amplitudes: done.into_iter().map(amplitude).collect(),
             methods: methods.run(progress)?,
         };
@@ -246,7 +251,7 @@ impl<'a> Request<'a> {
         key.numbers(self.about.line.displacement().iter().copied());
         key.numbers(shape.iter().copied());
         key.numbers(forces.iter().copied());
-        key.integers([LAYOUT]);
+        key.integers([LAYOUT, u64::from(self.walks.is_some())]);
         let finished = Finished::open(directory, "loops", &key.finish());
         let (found, all) = (finished.n_finished(), forces.len());
         if found > 0 {
@@ -293,6 +298,7 @@ impl<'a> Request<'a> {
                 self.about.response,
                 index,
                 stored,
+                self.walks,
                 &finish,
             )
         };

@@ -256,6 +256,7 @@ impl CaseStructure {
             options: &self.options,
             loop_elements: &[],
             neighbours: &[],
+            beside: None,
         }
     }
 

@@ -187,6 +187,7 @@ impl CaseStructure {
             recorded: &[],
             sensitivities: None,
             forces: None,
+            walks: None,
         });
         let requests: Vec<_> = requests.collect();
         requests.iter().map(one).collect()

@@ -1,11 +1,13 @@
 #![doc = include_str!("../README.md")]
 
+pub mod adaptation;
 mod amplitude;
 mod backbone;
 pub mod calibration;
 pub mod cases;
 pub mod comparison;
 mod deformed;
+pub mod dials;
 mod effects;
 mod element_loops;
 pub mod ensemble;

@@ -42,6 +42,8 @@ pub(crate) struct ModeAnalysis {
     pub(crate) mode: usize,
     /// [`Validity::separation_modal_force`].
     pub(crate) separation: Option<f64>,
+    /// Relative error of the linearised frequency by the modes that the reduction leaves out.
+    pub(crate) truncation: f64,
     pub(crate) amplitudes: Vec<AmplitudeResult>,
     pub(crate) methods: Vec<MethodResult>,
     pub(crate) epmc: Option<EpmcBackbone>,

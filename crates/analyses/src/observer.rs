@@ -1,6 +1,7 @@
 //! Watches hysteresis loops at the quadrature points.
 
 use super::amplitude::{Fields, LoopFields};
+use super::dials::Walks;
 use super::element_loops::ElementLoops;
 use contact_laws::{Regime, Sticking};
 use cqsma_solver::{BackbonePoint, LoopObserver};
@@ -62,6 +63,9 @@ pub(super) struct Watcher<'a> {
     /// Elements whose loops are stored, ascending.
     recorded: &'a [usize],
     finish: &'a Finish<'a>,
+    /// What the loop is walked with once more, and its jumps; none where errors are not estimated.
+    walks: Option<&'a Walks<'a>>,
+    path: Vec<Vec<f64>>,
     area: LoopArea,
     workspace: Workspace,
     end: Option<State>,
@@ -88,6 +92,7 @@ impl<'a> Watcher<'a> {
         response: &'a [f64],
         index: usize,
         stored: Option<Stored<'a>>,
+        walks: Option<&'a Walks<'a>>,
         finish: &'a Finish<'a>,
     ) -> Self {
         Self {
@@ -98,6 +103,8 @@ impl<'a> Watcher<'a> {
             store: stored.is_some(),
             recorded: stored.map_or(&[], |stored| stored.elements),
             finish,
+            walks,
+            path: Vec::new(),
             area: LoopArea::new(interface.operators().n_points()),
             workspace: interface.workspace(),
             end: None,
@@ -114,7 +121,7 @@ impl<'a> Watcher<'a> {
         }
     }
 
-    fn close(&mut self) -> LoopFields {
+    fn close(&mut self, point: &BackbonePoint) -> LoopFields {
         let flux = std::mem::replace(&mut self.area, LoopArea::new(0)).close();
         let weights = &self.interface.operators().weights;
         let dissipation = flux
@@ -135,6 +142,9 @@ impl<'a> Watcher<'a> {
             }),
             displacement: self.displacement_at_peak.take(),
             loops: self.loops.take(),
+            errors: self
+                .walks
+                .map_or_else(Vec::new, |walks| walks.errors(&self.path, point)),
         }
     }
 }
@@ -144,11 +154,12 @@ impl LoopObserver<State> for Watcher<'_> {
         self.area = LoopArea::new(self.interface.operators().n_points());
         (self.peak, self.largest_sliding) = (f64::NEG_INFINITY, 0.0);
         self.motion.begin();
+        self.path.clear();
         self.loops = (!self.recorded.is_empty()).then(|| ElementLoops::new(self.recorded));
     }
 
     fn done(&mut self, point: &BackbonePoint) -> ControlFlow<()> {
-        self.fields = point.result.is_ok().then(|| self.close());
+        self.fields = point.result.is_ok().then(|| self.close(point));
         (self.finish)(self.index, point, self.fields.as_ref())
     }
 
@@ -169,6 +180,9 @@ impl LoopObserver<State> for Watcher<'_> {
             loops.add(self.interface.operators(), modal_force, &self.workspace);
         }
         self.motion.vertex(modal_force, displacement, begin);
+        if self.walks.is_some() {
+            self.path.push(jump.to_vec());
+        }
         for p in 0..self.workspace.regime.len() {
             let slide = |c: usize| self.workspace.jump[c][p] - self.prestress.jump[c][p];
             self.largest_sliding = self.largest_sliding.max(slide(0).hypot(slide(1)));

@@ -2,6 +2,7 @@
 
 use super::backbone::uniform;
 use super::deformed::Deformed;
+use super::dials::{self, Beside};
 use super::element_loops;
 use super::error_bar::ErrorBar;
 use super::joint_info::JointInfo;
@@ -12,12 +13,14 @@ use super::solver::{Solver, tensions};
 use super::warnings;
 use crate::Error;
 use cqsma_solver::Limits;
+use joint_model::InterfacePart;
 use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::{Progress, Stage, end_stage, go_on};
 use joints::store::Options;
 use joints::structure::{StructuralModel, Structure};
 use scenes::{Parameter, Scene};
 use sprs::CsMat;
+use zte_assembly::InterfaceMesh;
 
 /// A scene with its structure reduced and its interface built: everything before the first nonlinear solve.
 #[derive(Debug)]
@@ -27,6 +30,8 @@ pub struct Prepared {
     pub(super) joint: JointInfo,
     pub(super) model: StructuralModel,
     pub(super) interface: SceneInterface,
+    /// The mesh of the interface and its parts.
+    faces: (InterfaceMesh, Vec<InterfacePart>),
     pub(super) derivatives: Derivatives,
     pub(super) loop_elements: Vec<usize>,
     /// The structure, if its bodies are to be shown deformed, its mesh's error is to be estimated, or if there are such derivatives.
@@ -117,6 +122,7 @@ impl Prepared {
             joint: JointInfo::of(scene, structure)?,
             model,
             interface,
+            faces: (structure.interface().clone(), structure.joint.parts.clone()),
             loop_elements: loop_elements(scene, structure)?,
             structure: (scene.output.deformed || !differenced.is_empty() || ErrorBar::is_estimated(scene))
                 .then(|| structure.clone()),
@@ -204,6 +210,14 @@ impl Prepared {
         Ok(CsMat::new((n, n), indices.0, indices.1, line.stuck_tangent().to_vec()))
     }
 
+    /// The interfaces with another number of each setting of its law, if there are loops whose errors are to be estimated.
+    pub(super) fn beside(&self) -> Option<Vec<Beside>> {
+        let load = closing_force(&self.scene, &self.model);
+        let (mesh, parts) = &self.faces;
+        (self.scene.analyses.backbone.amplitudes > 0)
+            .then(|| dials::beside(&self.scene, (mesh, parts), &self.interface, load))
+    }
+
     /// What solves need of it.
     pub(super) fn solver(&self) -> Solver<'_> {
         Solver {
@@ -211,6 +225,7 @@ impl Prepared {
             options: &self.options,
             loop_elements: &self.loop_elements,
             neighbours: &self.derivatives.neighbours,
+            beside: None,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What a run finds.
 
+use super::adaptation::Adaptation;
 use super::amplitude::AmplitudeResult;
 use super::deformed::Deformed;
 use super::error_bar::ErrorBar;
@@ -46,6 +47,8 @@ pub struct Run {
     pub deformed: Option<Deformed>,
     /// The error of the mesh, where it was estimated.
     pub estimated_error: Option<ErrorBar>,
+    /// How the settings were adapted, where the scene names errors that it bears.
+    pub adaptation: Option<Adaptation>,
     /// Interface elements at the places of `analyses.backbone.loops_at`, in their order, each once.
     pub loop_elements: Vec<usize>,
     /// What is implausible in the scene or in the results.

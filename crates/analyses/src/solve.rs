@@ -1,6 +1,8 @@
 //! A scene, run from mesh to results.
 
+use super::adaptation;
 use super::deformed::Deformed;
+use super::dials::AmplitudeError;
 use super::ensemble::{self, Ensemble, Member};
 use super::epmc::EpmcBackbone;
 use super::error_bar::ErrorBar;
@@ -20,14 +22,17 @@ use joints::progress::{Progress, Stage};
 use joints::store::Options;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use joints::structure::choice_name;
-use scenes::{Friction, Law, Parameter, Scale, Scene, Stress, Surface};
+use scenes::{Accuracy, Friction, Law, Parameter, Scale, Scene, Stress, Surface};
 
-/// Runs a scene.
+/// Runs a scene, with settings that are adapted to the errors it bears if it names any.
 ///
 /// # Errors
 /// Whatever makes the scene impossible to run. Amplitudes that do not converge are results, not errors.
 pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
-    prepare(scene, options, progress)?.solve(progress)
+    match &scene.accuracy {
+        Some(Accuracy::Target(target)) => adaptation::run(scene, target, options, progress),
+        _ => prepare(scene, options, progress)?.solve(progress),
+    }
 }
 
 /// Runs a scene and an ensemble of `realisations` bootstrap realisations of its laws, see [`Prepared::solve_ensemble`].
@@ -58,7 +63,13 @@ impl Prepared {
     /// # Errors
     /// As [`Solver::analyse`].
     pub(super) fn analyse_in_full(&self, progress: &dyn Progress) -> Result<Analysis, Error> {
-        let mut analysis = self.analyse_itself(None, progress)?;
+        let beside = self.beside();
+        let solver = Solver {
+            beside: beside.as_deref(),
+            ..self.solver()
+        };
+        let interface = &self.interface;
+        let mut analysis = solver.analyse(&self.scene, &interface.interface, interface.closure, None, progress)?;
         let Some(structure) = self
             .structure
             .as_ref()
@@ -158,7 +169,19 @@ impl Prepared {
         })
     }
 
-    pub(super) fn finish(mut self, analysis: Analysis, bodies: OfBodies, progress: &dyn Progress) -> Run {
+    /// Gives each amplitude its error, of which `estimated` is that of the mesh where no table has it.
+    pub(super) fn estimate_errors(&self, modes: &mut [ModeAnalysis], estimated: Option<&ErrorBar>) {
+        let is_meshed = self.scene.structure.matrices().is_none();
+        let bar = is_meshed.then(|| estimated.cloned().unwrap_or_else(|| ErrorBar::of(&self.scene)));
+        for mode in modes {
+            for at in 0..mode.amplitudes.len() {
+                mode.amplitudes[at].error = AmplitudeError::of(&mode.amplitudes, at, bar.as_ref(), mode.truncation);
+            }
+        }
+    }
+
+    pub(super) fn finish(mut self, mut analysis: Analysis, bodies: OfBodies, progress: &dyn Progress) -> Run {
+        self.estimate_errors(&mut analysis.modes, bodies.estimated_error.as_ref());
         self.scene.analyses.sensitivities.truncate(self.derivatives.shown);
         let Analysis {
             prestress,
@@ -219,6 +242,7 @@ impl Prepared {
             deformed: bodies.deformed,
             estimated_error: bodies.estimated_error,
             loop_elements: self.loop_elements,
+            adaptation: None,
             scene: self.scene,
             checkpoints,
         }

@@ -1,6 +1,7 @@
 //! Prestress, modes and backbones of an interface on a reduced structure.
 
 use super::backbone::{self, uniform};
+use super::dials::{AtRest, Beside, Walks};
 use super::element_loops;
 use super::linearised::Linearised;
 use super::outcome::{Analysis, Vibration};
@@ -10,7 +11,7 @@ use super::tightening::{TighteningResult, tighten};
 use crate::Error;
 use cqsma_solver::NewtonSettings;
 use joints::interface::InterfaceForce;
-use joints::progress::{Progress, Stage, end_stage};
+use joints::progress::{Progress, Quiet, Stage, end_stage};
 use joints::store::Options;
 use joints::store::checkpoint::Checkpoints;
 use joints::store::key::KeyBuilder;
@@ -30,6 +31,8 @@ pub(super) struct Solver<'a> {
     pub(super) loop_elements: &'a [usize],
     /// What backbones are differentiated with respect to: what the scene's `sensitivities` name.
     pub(super) neighbours: &'a [Neighbours],
+    /// Interfaces with another number of a setting, if errors of loops are to be estimated.
+    pub(super) beside: Option<&'a [Beside]>,
 }
 
 impl Solver<'_> {
@@ -70,6 +73,25 @@ impl Solver<'_> {
         };
         end_stage(progress, Stage::Prestress)?;
         Ok(found)
+    }
+
+    /// Static states of the interfaces with another number of a setting; none of one that has none.
+    ///
+    /// # Errors
+    /// An interruption.
+    fn at_rest(&self, scene: &Scene, progress: &dyn Progress) -> Result<Vec<Option<PrestressResult>>, Error> {
+        let quiet = Quiet(progress);
+        let of = |beside: &Beside| {
+            let Some(other) = &beside.interface else {
+                return Ok(None);
+            };
+            match self.static_state(scene, &other.interface, other.closure, &quiet) {
+                Ok((found, _)) => Ok(Some(found)),
+                Err(error) if error.is_interruption() => Err(error),
+                Err(_) => Ok(None),
+            }
+        };
+        self.beside.unwrap_or_default().iter().map(of).collect()
     }
 
     /// The reduced structure with locked bolts, if they are so in vibration.
@@ -113,6 +135,19 @@ impl Solver<'_> {
         };
         end_stage(progress, Stage::Modes)?;
         progress.begin(Stage::Backbone);
+        let rests = self.at_rest(scene, progress)?;
+        let walks = self.beside.map(|beside| Walks {
+            own: AtRest {
+                interface,
+                state: &prestress.solution.state,
+                displacement: &prestress.solution.displacement,
+            },
+            beside: beside
+                .iter()
+                .zip(&rests)
+                .map(|(one, rest)| (one.dial, one.at_rest(rest.as_ref())))
+                .collect(),
+        });
         let followed = &scene.analyses.modes.followed;
         let response = response(vibrating);
         let about = Linearised {
@@ -148,6 +183,7 @@ impl Solver<'_> {
                 recorded: &recorded,
                 sensitivities: sensitivities.as_ref(),
                 forces: forces.and_then(|forces| forces.get(place)),
+                walks: walks.as_ref(),
             };
             let key = kept(scene, self.options)?;
             let share = |done: f64| (place as f64 + done) / followed.len() as f64;

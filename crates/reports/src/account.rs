@@ -1,5 +1,6 @@
 //! What is printed at the end of a run.
 
+use crate::errors::{adaptation, errors};
 use crate::names::SUMMARY;
 use crate::phrases::damping;
 use crate::plot;
@@ -133,6 +134,12 @@ pub fn account(summary: &Summary, scene: &Scene, directory: &Path) -> String {
             cell(estimate.frequency, &|v| format!("{v:.1e}")),
             cell(estimate.damping, &|v| format!("{v:.1e}"))
         );
+    }
+    if let Some(found) = &summary.adaptation {
+        let _ = writeln!(out, "accuracy: {}", adaptation(found));
+    }
+    if let Some(errors) = errors(summary) {
+        let _ = writeln!(out, "errors of the settings: {errors}");
     }
     let _ = writeln!(out, "error of the mesh: {}", summary.model.error_bar.sentence());
     if let Some(places) = summary.model.error_bar.places() {

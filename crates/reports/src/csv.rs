@@ -43,7 +43,7 @@ where
 type Column<T> = (&'static str, fn(&T) -> String);
 
 /// Every column of a backbone beside the number.
-const COLUMNS: [Column<BackboneSummary>; 25] = [
+const COLUMNS: [Column<BackboneSummary>; 27] = [
     ("converged", |b| b.converged.to_string()),
     ("response_displacement [m]", |b| optional(b.response_displacement)),
     ("response_acceleration [m/s^2]", |b| optional(b.response_acceleration)),
@@ -75,6 +75,12 @@ const COLUMNS: [Column<BackboneSummary>; 25] = [
     ("cycles", |b| b.cycles.map_or_else(String::new, |n| n.to_string())),
     ("loop_closure [-]", |b| optional(b.loop_closure)),
     ("residual [-]", |b| optional(b.residual)),
+    ("error_frequency [-]", |b| {
+        optional(b.error.as_ref().and_then(|error| error.frequency_relative))
+    }),
+    ("error_ln_damping [-]", |b| {
+        optional(b.error.as_ref().and_then(|error| error.damping_ln))
+    }),
     ("iterations", |b| b.iterations.to_string()),
     ("failure", |b| b.failure.clone().unwrap_or_default()),
 ];

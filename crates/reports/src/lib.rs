@@ -6,6 +6,7 @@ pub mod bodies;
 pub mod csv;
 pub mod ensemble;
 mod error;
+mod errors;
 pub mod fields;
 pub mod findings;
 pub mod html;

@@ -1,6 +1,7 @@
 //! One self-contained page about a run.
 
 use crate::analysis::Section;
+use crate::errors::{adaptation, errors};
 use crate::fields::Placed;
 use crate::html::{MISSING, Picture, Table, render};
 use crate::interactive::{Document, Live};
@@ -263,6 +264,12 @@ fn accuracy(summary: &Summary, scene: &Scene) -> Facts {
     }
     if let Some(preset) = summary.accuracy {
         add("Settings", format!("{}; {}", preset.name, preset.promise(scene)));
+    }
+    if let Some(found) = &summary.adaptation {
+        add("Accuracy asked for", adaptation(found));
+    }
+    if let Some(errors) = errors(summary) {
+        add("Errors of the settings", errors);
     }
     if let Some(estimate) = &summary.error_estimate {
         let largest = |value: Option<f64>| value.map_or_else(|| MISSING.into(), |v| format!("{v:.1e}"));

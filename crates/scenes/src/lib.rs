@@ -39,7 +39,7 @@ mod units;
 mod upgrade;
 mod validate;
 
-pub use accuracy::{Accuracy, Level, PRESETS, Preset, Target};
+pub use accuracy::{Accuracy, GivenSettings, Level, PRESETS, Preset, Target};
 pub use analyses::{Analyses, Backbone, EPMC, InterfacePlace, Method, Modes, Output};
 pub use benchmark::BenchmarkRef;
 pub use bolts::{Assembly, BoltBehaviour, Bolts, ThreadSize};

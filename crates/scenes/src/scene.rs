@@ -1,6 +1,6 @@
 //! A scene, and how it is read from a file, a text or a summary.
 
-use crate::accuracy::Accuracy;
+use crate::accuracy::{Accuracy, GivenSettings};
 use crate::analyses::{Analyses, Output};
 use crate::benchmark::{self, BenchmarkRef};
 use crate::bolts::Bolts;
@@ -181,6 +181,9 @@ impl Scene {
             .map_err(|message| syntax(Refusal::of("accuracy", message)))?
             .fill(&mut filled);
         scene = read(filled)?;
+        if let Some(Accuracy::Target(target)) = &mut scene.accuracy {
+            target.given = GivenSettings::of(&given);
+        }
         scene.derive().map_err(syntax)?;
         if let Some(mut uncertain) = scene.uncertain.take() {
             uncertain.convert(&scene, units)?;

@@ -1,6 +1,8 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
 use super::provenance::Provenance;
+use crate::adaptation::Adaptation;
+use crate::dials::AmplitudeError;
 use crate::ensemble::Ensemble;
 use crate::error_bar::ErrorBar;
 use crate::error_estimate::ErrorEstimate;
@@ -91,6 +93,9 @@ pub struct Summary {
     )]
     #[cfg_attr(feature = "schema", schemars(with = "Option<serde_json::Value>"))]
     pub accuracy: Option<&'static Preset>,
+    /// How the settings were adapted to the errors that the scene bears; left out unless it names any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub adaptation: Option<Adaptation>,
     /// Differences to a run with finer settings; left out unless asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_estimate: Option<ErrorEstimate>,
@@ -326,6 +331,9 @@ pub struct BackboneSummary {
     pub loop_closure: Option<f64>,
     /// Largest residual of a vertex relative to the peak load (energy norm).
     pub residual: Option<f64>,
+    /// Error of frequency and damping by numerical settings; left out where it is not estimated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<AmplitudeError>,
     /// Whether all vertices converged.
     pub converged: bool,
     /// If not: why.
@@ -485,6 +493,7 @@ impl Summary {
             ensemble: None,
             uncertainty: None,
             accuracy: Preset::of(&run.scene),
+            adaptation: run.adaptation.clone(),
             error_estimate: None,
             mesh_estimate: None,
             forced: run.vibration.forced.iter().flatten().map(ForcedSummary::of).collect(),
@@ -733,6 +742,7 @@ fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, holds: f64) -> Bac
             .map(|r| r.closed),
         loop_closure: result.map(|r| r.closure),
         residual: result.map(|r| r.residual),
+        error: amplitude.error.clone(),
         converged: result.is_some(),
         failure: point.result.as_ref().err().map(|f| f.reason.to_string()),
     }

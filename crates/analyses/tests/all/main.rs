@@ -7,6 +7,7 @@ mod bolt;
 mod calibration;
 mod deck;
 mod effects;
+mod errors;
 mod finish;
 mod friction;
 mod full_size;

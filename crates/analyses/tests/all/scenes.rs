@@ -7,7 +7,9 @@ use analyses::error_bar::ErrorBar;
 use analyses::mesh_error::Partner;
 use finite_elements::elements::Formulation;
 use joint_model::benchmark::{ElementOrder, RefinementLevel};
-use scenes::{Accuracy, Friction, Influence, Length, PRESETS, Parameter, Preset, Scene, Surface, Target, refined};
+use scenes::{
+    Accuracy, Friction, GivenSettings, Influence, Length, PRESETS, Parameter, Preset, Scene, Surface, Target, refined,
+};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -60,7 +62,7 @@ fn errors_give_field_value_and_remedy_beside_their_message() {
         (json!({ "bolts": { "load": "12 parsec" } }), "bolts.load"),
         (json!({ "bolts": [12e3] }), "bolts"),
         (json!({ "structure": { "benchmark": "none" } }), "structure.benchmark"),
-        (json!({ "accuracy": { "damping": 1e-9 } }), "accuracy"),
+        (json!({ "accuracy": { "damping": -1.0 } }), "accuracy"),
     ] {
         let error = on_beam(wrong);
         assert_eq!((error.field(), error.value()), (Some(field), None), "{error}");
@@ -530,7 +532,15 @@ fn the_cheapest_preset_within_a_target_is_chosen() {
         assert!(pair[0].cost < pair[1].cost && pair[0].damping_error >= pair[1].damping_error);
         assert!(pair[0].frequency_error >= pair[1].frequency_error);
     }
-    let of = |frequency, damping| Accuracy::Target(Target { frequency, damping }).preset();
+    let of = |frequency, damping| {
+        let given = GivenSettings::default();
+        let target = Target {
+            frequency,
+            damping,
+            given,
+        };
+        Accuracy::Target(target).preset()
+    };
     for (index, preset) in PRESETS.iter().enumerate() {
         assert_eq!(of(None, Some(preset.damping_error)).unwrap().name, preset.name);
         if index > 0 {
@@ -538,7 +548,8 @@ fn the_cheapest_preset_within_a_target_is_chosen() {
             assert_eq!(of(None, Some(slightly_more)).unwrap().name, preset.name);
         }
     }
-    assert!(of(None, Some(1e-9)).unwrap_err().contains("finest"));
+    // A run refines further from there.
+    assert_eq!(of(None, Some(1e-9)).unwrap().name, PRESETS[PRESETS.len() - 1].name);
     assert!(of(Some(-1.0), None).unwrap_err().contains("accuracy.frequency"));
     assert!(of(None, None).unwrap_err().contains("empty"));
 }
@@ -605,7 +616,7 @@ fn scenes_get_the_settings_that_they_do_not_give() {
     for wrong in [
         json!({ "accuracy": "best" }),
         json!({ "accuracy": { "speed": 1 } }),
-        json!({ "accuracy": { "damping": 1e-9 } }),
+        json!({ "accuracy": { "damping": -1.0 } }),
     ] {
         assert!(
             read(wrong.clone()).unwrap_err().to_string().contains("ccuracy"),

@@ -261,10 +261,16 @@ impl File<'_> {
             .iter()
             .filter(|element| matches!(element.cell.nodes().len(), 4 | 6))
             .count();
-        if stiff > 0 && model.element_order == Some(ElementOrder::Linear) {
+        // A mesh that is linear as a whole becomes quadratic.
+        let is_mixed = mesh.elements.iter().any(|element| element.cell.nodes().len() > 8);
+        if stiff > 0 && (is_mixed || model.element_order == Some(ElementOrder::Linear)) {
+            let remedy = match is_mixed {
+                true => "make the mesh quadratic as a whole",
+                false => "give model.element_order = \"quadratic\"",
+            };
             notes(&format!(
                 "{stiff} elements are linear tetrahedra or wedges, which are far too stiff in bending: with two of them over the thickness of a \
-                 plate its frequencies in bending and torsion are 22 to 33 % too high; give model.element_order = \"quadratic\""
+                 plate its frequencies in bending and torsion are 22 to 33 % too high; {remedy}"
             ));
         }
         Ok(mesh)

@@ -22,7 +22,7 @@ use reports::names::SUMMARY;
 use reports::registry::is_complete;
 use reports::run::outputs;
 use reports::{Output, csv};
-use scenes::{Length, Preset, Scene};
+use scenes::{Accuracy, Length, Preset, Scene};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -202,6 +202,13 @@ impl Request {
                 preset.name,
                 preset.expectation(scene)
             ));
+        }
+        let is_target = matches!(scene.accuracy, Some(Accuracy::Target(_)));
+        if is_target && (self.ensemble.is_some() || self.samples.is_some()) {
+            monitor.note(
+                "with realisations or samples the accuracy chooses a set of settings and does not adapt it; a run without them shows what to \
+                 give",
+            );
         }
         if scene.uncertain.is_some() && self.samples.is_none() {
             monitor.note("the scene has uncertain inputs; --samples N gives bands");

@@ -17,14 +17,15 @@ use std::path::{Path, PathBuf};
 /// Relative difference that is allowed of numbers where arithmetic or program differ.
 const TOLERANCE: f64 = 1e-6;
 
-/// Fields of the summary that are not results: inputs, where they come from, and what the computer spent.
-const NOT_RESULTS: [&str; 4] = ["scene", "provenance", "timings", "peak_memory"];
+/// Fields of the summary that are not results: inputs, where they and the settings come from, and what the computer spent.
+const NOT_RESULTS: [&str; 5] = ["scene", "adaptation", "provenance", "timings", "peak_memory"];
 
 /// Fields that round-off decides: how much work was done, what was left of residuals, and what follows from that.
-const OF_ROUND_OFF: [&str; 15] = [
+const OF_ROUND_OFF: [&str; 16] = [
     "coarse_loop_area",
     "damping_floor",
     "equilibrium_error",
+    "error",
     "evaluations",
     "factorisations",
     "iterations",
