@@ -22,7 +22,7 @@ use zte_assembly::{Interface, InterfaceMesh, State};
 const MANY: usize = 16;
 
 /// Edges of a loop that the walks go along, where it has a multiple of them: differences of laws need no more.
-const EDGES: usize = 16;
+const EDGES: usize = 8;
 
 /// A numerical setting that is finite where the model means an infinite one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
