@@ -8,14 +8,15 @@ use super::amplitude::AmplitudeResult;
 use super::dials::{self, AmplitudeError, Dial, DialError};
 use super::ensemble::loops_alone;
 use super::error_bar::{self, ErrorBar};
-use super::prepared::Prepared;
+use super::prepared::{Prepared, prepare};
 use super::run::Run;
 use crate::Error;
 use joint_model::benchmark::RefinementLevel;
 use joints::progress::{Progress, Quiet};
 use joints::store::Options;
+use joints::store::checkpoint::Checkpoints;
 use joints::structure::{StructuralModel, Structure};
-use scenes::{Scene, Target};
+use scenes::{Accuracy, Scene, Target};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -91,11 +92,19 @@ struct Known {
     bar: Option<ErrorBar>,
 }
 
-/// Runs a scene with settings that are adapted to a target.
+/// Runs a scene, with settings that are adapted to the errors it bears if it names any.
 ///
 /// # Errors
-/// As [`super::run`].
-pub(super) fn run(scene: &Scene, target: &Target, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
+/// Whatever makes the scene impossible to run. Amplitudes that do not converge are results, not errors.
+pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
+    match &scene.accuracy {
+        Some(Accuracy::Target(target)) => adapted(scene, target, options, progress),
+        _ => prepare(scene, options, progress)?.solve(progress),
+    }
+}
+
+/// Runs a scene with settings that are adapted to a target.
+fn adapted(scene: &Scene, target: &Target, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
     let mut scene = scene.clone();
     // The scene of the results has the settings that were chosen.
     scene.accuracy = None;
@@ -115,8 +124,9 @@ pub(super) fn run(scene: &Scene, target: &Target, options: &Options, progress: &
         }
     }
     let most = steps.len() + MOST[1];
+    let mut checkpoints = Checkpoints::default();
     loop {
-        let mut run = super::prepare(&scene, options, progress)?.solve(progress)?;
+        let mut run = prepare(&scene, options, progress)?.solve(progress)?;
         let backbones = run.backbones.iter().flat_map(|mode| &mode.amplitudes);
         let step = AdaptationStep::of(&scene, dials::bins(&run.parts), backbones);
         let next = step.refined(&scene, target, false);
@@ -124,9 +134,12 @@ pub(super) fn run(scene: &Scene, target: &Target, options: &Options, progress: &
         steps.push(step);
         if let (Some(next), true) = (next, steps.len() < most) {
             progress.note("again, with more of what misses the accuracy asked for");
+            checkpoints.extend(run.checkpoints);
             scene = next;
             continue;
         }
+        // Those of runs that were not enough go with those of the last.
+        run.checkpoints.extend(checkpoints);
         run.adaptation = Some(Adaptation {
             frequency: target.frequency,
             damping: target.damping,
@@ -305,7 +318,7 @@ impl AdaptationStep {
             // What the scene has may lie beyond either end.
             let wanted = wanted.clamp(least.min(number), most.max(number));
             let wanted = match dial {
-                // Of an even number all elements would have the same places of bins.
+                // The numbers that errors are estimated with.
                 Dial::Points if wanted > 2 => wanted | 1,
                 Dial::Bins => wanted.next_multiple_of(2),
                 _ => wanted,

@@ -195,7 +195,7 @@ pub(super) fn beside(
         }
         let number = dial.number(scene, bins)?;
         let other = match (dial, number) {
-            // Sixteen points of an element would each have the same places of bins in all elements, which is an error of its own.
+            // One more than three would leave more than half of the error.
             (Dial::Points, 1..=4) => (number + 1) | 1,
             (Dial::Points, _) => number - 2,
             // More of many would cost more than the run.
@@ -284,7 +284,11 @@ impl Walks<'_> {
             .collect();
         // Reversals are at the ends and in the middle of as many edges as there are.
         let edges = motions.len().saturating_sub(1);
-        let stride = if edges.is_multiple_of(EDGES) { edges / EDGES } else { 1 };
+        let stride = if edges.is_multiple_of(EDGES) {
+            (edges / EDGES).max(1)
+        } else {
+            1
+        };
         let along = |stride: usize| motions.iter().step_by(stride).map(Vec::as_slice);
         let own = self.own.walk(along(stride));
         let load = point.modal_force * result.modal_amplitude;

@@ -43,6 +43,7 @@ pub mod variants;
 mod vibration;
 pub mod warnings;
 
+pub use adaptation::run;
 pub use amplitude::{AmplitudeResult, Fields, LoopFields};
 pub use deformed::Deformed;
 pub use element_loops::{ElementLoops, MOST_RECORDED, element_centres};
@@ -56,6 +57,6 @@ pub use prestress::PrestressResult;
 pub use run::Run;
 pub use sampling::unit_cube;
 pub use sensitivities::{FoundBy, Per, Sensitivity};
-pub use solve::{run, run_ensemble};
+pub use solve::run_ensemble;
 pub use tightening::{ENERGY_TOLERANCE, TighteningEnergy, TighteningResult, TighteningStep};
 pub use uncertainty::run_samples;

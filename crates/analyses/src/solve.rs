@@ -1,6 +1,5 @@
 //! A scene, run from mesh to results.
 
-use super::adaptation;
 use super::deformed::Deformed;
 use super::dials::AmplitudeError;
 use super::ensemble::{self, Ensemble, Member};
@@ -22,23 +21,12 @@ use joints::progress::{Progress, Stage};
 use joints::store::Options;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use joints::structure::choice_name;
-use scenes::{Accuracy, Friction, Law, Parameter, Scale, Scene, Stress, Surface};
-
-/// Runs a scene, with settings that are adapted to the errors it bears if it names any.
-///
-/// # Errors
-/// Whatever makes the scene impossible to run. Amplitudes that do not converge are results, not errors.
-pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
-    match &scene.accuracy {
-        Some(Accuracy::Target(target)) => adaptation::run(scene, target, options, progress),
-        _ => prepare(scene, options, progress)?.solve(progress),
-    }
-}
+use scenes::{Friction, Law, Parameter, Scale, Scene, Stress, Surface};
 
 /// Runs a scene and an ensemble of `realisations` bootstrap realisations of its laws, see [`Prepared::solve_ensemble`].
 ///
 /// # Errors
-/// As [`run`] and [`Prepared::solve_ensemble`].
+/// As [`super::run`] and [`Prepared::solve_ensemble`].
 pub fn run_ensemble(
     scene: &Scene,
     realisations: usize,

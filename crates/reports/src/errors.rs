@@ -56,7 +56,10 @@ pub(crate) fn adaptation(adaptation: &Adaptation) -> String {
         true => "met".to_owned(),
         false => {
             let names: Vec<&str> = adaptation.limited_by.iter().map(|dial| dial.name()).collect();
-            format!("NOT met, most is missed by {}", names.join(", "))
+            match names.as_slice() {
+                [] => "NOT met, as no error could be estimated".to_owned(),
+                names => format!("NOT met, most is missed by {}", names.join(", ")),
+            }
         }
     };
     format!(

@@ -65,7 +65,7 @@ impl Preset {
                 "measured errors on the flat beam: {} in frequency, {} in the logarithm of damping",
                 self.frequency_error, self.damping_error
             ),
-            false => "their errors are not known of this structure; --estimate-error settings measures them".into(),
+            false => "measured on another structure; the errors below are estimated of this run".into(),
         }
     }
 

@@ -305,6 +305,9 @@ fn quadratic_and_finer_linear_hexahedra_have_the_same_modes() {
 }
 
 /// Uniform pressure over two blocks of the same cross-section, whose meshes do not match: the stress is uniform, and so is the jump.
+///
+/// Of linear elements: a seat of quadratic ones is loaded at the middles of its edges alone, which is no uniform pressure. With two layers of them the
+/// pressure of meshes that match differs by 6 %, with six by 1.5 %.
 #[test]
 fn uniform_pressure_passes_the_interface() {
     let folder = TemporaryFolder::new("patch-blocks");

@@ -102,7 +102,14 @@ impl Asperities {
         let (count, bin_errors) = count(&sources, law.bins)?;
 
         // The sets that points need: a population, and a place of the bins.
-        let key = |(point, &element): (usize, &u32)| (self.of_element[element as usize], point % SHIFTS);
+        // Where an element has as many points as there are places, a point would have the same place in all elements: there the places go on
+        // by one from element to element.
+        let points = element_of.iter().take_while(|&&element| element == element_of[0]);
+        let turn = usize::from(points.count().is_multiple_of(SHIFTS));
+        let key = |(point, &element): (usize, &u32)| {
+            let place = (point + turn * element as usize) % SHIFTS;
+            (self.of_element[element as usize], place)
+        };
         let mut needed: BTreeMap<u32, BTreeMap<usize, u32>> = BTreeMap::new();
         for (population, place) in element_of.iter().enumerate().map(key) {
             needed.entry(population).or_default().insert(place, 0);
