@@ -1,30 +1,14 @@
-//! Runs whose settings are adapted to the errors that the scene bears.
+//! Settings that are adapted to the errors that a scene bears.
 //!
-//! Errors are estimated from the run ([`super::dials`]), first at a few amplitudes. What misses more than its part of the error that is borne gets
-//! as much more as its error needs; what misses next to nothing gets less, once. The run itself has the last word: where it misses the target,
-//! it is repeated with more.
+//! What misses more than its part of the error that is borne gets as much more as its error needs; what misses next to nothing gets less, once.
 
 use super::amplitude::AmplitudeResult;
-use super::dials::{self, AmplitudeError, Dial, DialError};
-use super::ensemble::loops_alone;
-use super::error_bar::{self, ErrorBar};
-use super::prepared::{Prepared, prepare};
-use super::run::Run;
-use crate::Error;
+use super::dials::{AmplitudeError, Dial, DialError};
+use super::error_bar;
 use joint_model::benchmark::RefinementLevel;
-use joints::progress::{Progress, Quiet};
-use joints::store::Options;
-use joints::store::checkpoint::Checkpoints;
-use joints::structure::{StructuralModel, Structure};
-use scenes::{Accuracy, Scene, Target};
+use scenes::{Scene, Target};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Amplitudes of a pilot.
-const PILOT: usize = 5;
-
-/// Most pilots, and most runs.
-const MOST: [usize; 2] = [4, 3];
 
 /// Part of what a setting may miss below which it gets less.
 const NEXT_TO_NOTHING: f64 = 0.1;
@@ -85,117 +69,8 @@ pub struct AdaptationStep {
     pub of: BTreeMap<Dial, DialError>,
 }
 
-/// A structure with its reduced model, as long as the mesh stays the same, and the error of that mesh.
-struct Known {
-    structure: Structure,
-    model: StructuralModel,
-    bar: Option<ErrorBar>,
-}
-
-/// Runs a scene, with settings that are adapted to the errors it bears if it names any.
-///
-/// # Errors
-/// Whatever makes the scene impossible to run. Amplitudes that do not converge are results, not errors.
-pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
-    match &scene.accuracy {
-        Some(Accuracy::Target(target)) => adapted(scene, target, options, progress),
-        _ => prepare(scene, options, progress)?.solve(progress),
-    }
-}
-
-/// Runs a scene with settings that are adapted to a target.
-fn adapted(scene: &Scene, target: &Target, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
-    let mut scene = scene.clone();
-    // The scene of the results has the settings that were chosen.
-    scene.accuracy = None;
-    let mut steps = Vec::new();
-    if scene.analyses.backbone.amplitudes > 2 * PILOT {
-        let mut known = None;
-        while steps.len() < MOST[0] {
-            let step = pilot(&scene, &mut known, options, progress)?;
-            progress.note(&step.sentence(target));
-            let next = step.refined(&scene, target, steps.is_empty());
-            steps.push(step);
-            let Some(next) = next else { break };
-            if next.model != scene.model {
-                known = None;
-            }
-            scene = next;
-        }
-    }
-    let most = steps.len() + MOST[1];
-    let mut checkpoints = Checkpoints::default();
-    loop {
-        let mut run = prepare(&scene, options, progress)?.solve(progress)?;
-        let backbones = run.backbones.iter().flat_map(|mode| &mode.amplitudes);
-        let step = AdaptationStep::of(&scene, dials::bins(&run.parts), backbones);
-        let next = step.refined(&scene, target, false);
-        let (met, limited_by) = (step.meets(target), step.limits(target));
-        steps.push(step);
-        if let (Some(next), true) = (next, steps.len() < most) {
-            progress.note("again, with more of what misses the accuracy asked for");
-            checkpoints.extend(run.checkpoints);
-            scene = next;
-            continue;
-        }
-        // Those of runs that were not enough go with those of the last.
-        run.checkpoints.extend(checkpoints);
-        run.adaptation = Some(Adaptation {
-            frequency: target.frequency,
-            damping: target.damping,
-            met,
-            limited_by,
-            steps,
-        });
-        return Ok(run);
-    }
-}
-
-/// Errors at a few amplitudes.
-fn pilot(
-    scene: &Scene,
-    known: &mut Option<Known>,
-    options: &Options,
-    progress: &dyn Progress,
-) -> Result<AdaptationStep, Error> {
-    let mut pilot = loops_alone(scene, true);
-    pilot.analyses.backbone.amplitudes = PILOT;
-    // Its loops are its own.
-    let uncached = Options {
-        cache: None,
-        ..options.clone()
-    };
-    let known = match known {
-        Some(known) => known,
-        None => {
-            let structure = Structure::try_new(&pilot, progress)?;
-            let model = structure.reduce(options, progress)?;
-            let bar = None;
-            known.insert(Known { structure, model, bar })
-        }
-    };
-    let prepared = Prepared::with_model(
-        &pilot,
-        &known.structure,
-        known.model.clone(),
-        &uncached,
-        &Quiet(progress),
-    )?;
-    let mut analysis = prepared.analyse_in_full(&Quiet(progress))?;
-    if known.bar.is_none() {
-        known.bar = prepared.estimated_error(&analysis, &Quiet(progress))?;
-    }
-    prepared.estimate_errors(&mut analysis.modes, known.bar.as_ref());
-    let amplitudes = analysis.modes.iter().flat_map(|mode| &mode.amplitudes);
-    Ok(AdaptationStep::of(
-        &pilot,
-        dials::bins(&prepared.interface().reports),
-        amplitudes,
-    ))
-}
-
 impl AdaptationStep {
-    fn of<'a>(scene: &Scene, bins: usize, amplitudes: impl Iterator<Item = &'a AmplitudeResult>) -> Self {
+    pub(super) fn of<'a>(scene: &Scene, bins: usize, amplitudes: impl Iterator<Item = &'a AmplitudeResult>) -> Self {
         let (mut loops, mut load_points) = (0, 0);
         let (mut error, mut of) = (DialError::default(), BTreeMap::<Dial, DialError>::new());
         for amplitude in amplitudes {
@@ -236,12 +111,12 @@ impl AdaptationStep {
     }
 
     /// Whether the errors are within a target. Where nothing is known of one, it is not.
-    fn meets(&self, target: &Target) -> bool {
+    pub(super) fn meets(&self, target: &Target) -> bool {
         pairs(&self.error, target).all(|(error, target)| error.is_some_and(|error| error <= target))
     }
 
     /// What misses most of a target, the largest first; nothing where it is met.
-    fn limits(&self, target: &Target) -> Vec<Dial> {
+    pub(super) fn limits(&self, target: &Target) -> Vec<Dial> {
         if self.meets(target) {
             return Vec::new();
         }
@@ -260,7 +135,7 @@ impl AdaptationStep {
 
     /// The scene with more of what misses a target, and with less of what misses next to nothing if it `may_shrink`; none where nothing is to be
     /// changed.
-    fn refined(&self, scene: &Scene, target: &Target, may_shrink: bool) -> Option<Scene> {
+    pub(super) fn refined(&self, scene: &Scene, target: &Target, may_shrink: bool) -> Option<Scene> {
         let met = self.meets(target);
         if met && !may_shrink {
             return None;
@@ -361,7 +236,7 @@ impl AdaptationStep {
     }
 
     /// What was found, for readers.
-    fn sentence(&self, target: &Target) -> String {
+    pub(super) fn sentence(&self, target: &Target) -> String {
         let numbers = self.numbers.iter().map(|(dial, n)| format!("{n} {}", dial.name()));
         let numbers: Vec<String> = numbers.collect();
         let errors = pairs(&self.error, target).zip(["frequency", "ln(damping)"]);

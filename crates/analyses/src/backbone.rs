@@ -1,13 +1,13 @@
 //! The backbone of one mode: hysteresis loops over amplitudes, and the methods beside CQSMA.
 
 use super::amplitude::{AmplitudeResult, LoopFields};
-use super::dials::{self, Walks};
 use super::linearised::Linearised;
 use super::methods;
 use super::mode_backbone::ModeAnalysis;
 use super::observer::{Stored, Watcher};
 use super::prestress::PrestressResult;
 use super::sensitivities::Sensitivities;
+use super::walks::{self, Walks};
 use crate::Error;
 use cqsma_solver::cqsma::{self, Cycles, Settings};
 use cqsma_solver::sensitivity::Derivatives;
@@ -161,7 +161,7 @@ impl<'a> Request<'a> {
             epmc,
             mode: self.mode + 1,
             separation: self.separation(&shape),
-            truncation: dials::of_modes(self.about.vibrating, &shape, omega2),
+            truncation: walks::of_modes(self.about.vibrating, &shape, omega2),
             amplitudes: done.into_iter().map(amplitude).collect(),
             methods: methods.run(progress)?,
         };

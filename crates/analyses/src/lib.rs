@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod adaptation;
+mod adapted;
 mod amplitude;
 mod backbone;
 pub mod calibration;
@@ -41,9 +42,10 @@ pub mod uncertainty;
 pub mod validity;
 pub mod variants;
 mod vibration;
+mod walks;
 pub mod warnings;
 
-pub use adaptation::run;
+pub use adapted::run;
 pub use amplitude::{AmplitudeResult, Fields, LoopFields};
 pub use deformed::Deformed;
 pub use element_loops::{ElementLoops, MOST_RECORDED, element_centres};

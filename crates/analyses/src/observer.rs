@@ -1,8 +1,8 @@
 //! Watches hysteresis loops at the quadrature points.
 
 use super::amplitude::{Fields, LoopFields};
-use super::dials::Walks;
 use super::element_loops::ElementLoops;
+use super::walks::Walks;
 use contact_laws::{Regime, Sticking};
 use cqsma_solver::{BackbonePoint, LoopObserver};
 use std::ops::ControlFlow;

@@ -2,7 +2,6 @@
 
 use super::backbone::uniform;
 use super::deformed::Deformed;
-use super::dials::{self, Beside};
 use super::element_loops;
 use super::error_bar::ErrorBar;
 use super::joint_info::JointInfo;
@@ -10,6 +9,7 @@ use super::outcome::Analysis;
 use super::prestress::{closing_force, linearise, load_of};
 use super::sensitivities::Neighbours;
 use super::solver::{Solver, tensions};
+use super::walks::{self, Beside};
 use super::warnings;
 use crate::Error;
 use cqsma_solver::Limits;
@@ -215,7 +215,7 @@ impl Prepared {
         let load = closing_force(&self.scene, &self.model);
         let (mesh, parts) = &self.faces;
         (self.scene.analyses.backbone.amplitudes > 0)
-            .then(|| dials::beside(&self.scene, (mesh, parts), &self.interface, load))
+            .then(|| walks::beside(&self.scene, (mesh, parts), &self.interface, load))
     }
 
     /// What solves need of it.

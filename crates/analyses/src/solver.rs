@@ -1,13 +1,13 @@
 //! Prestress, modes and backbones of an interface on a reduced structure.
 
 use super::backbone::{self, uniform};
-use super::dials::{AtRest, Beside, Walks};
 use super::element_loops;
 use super::linearised::Linearised;
 use super::outcome::{Analysis, Vibration};
 use super::prestress::{self, PrestressResult, closing, closing_force, linearise, load_of, response};
 use super::sensitivities::{Neighbours, Sensitivities};
 use super::tightening::{TighteningResult, tighten};
+use super::walks::{AtRest, Beside, Walks};
 use crate::Error;
 use cqsma_solver::NewtonSettings;
 use joints::interface::InterfaceForce;

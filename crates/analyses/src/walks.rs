@@ -1,0 +1,256 @@
+//! The errors of a run's numerical settings, amplitude by amplitude, estimated from the run itself.
+//!
+//! Bins, radii, points and vertices are estimated without further equilibria along the loops. The motion of a measured loop is walked once more,
+//! with the interface of the run and with one that has another number of them, each from its own static state. At a given motion the relative change of
+//! the work of the contact forces is that of the square of the frequency, and the change of the logarithm of the loop's area that of damping, both
+//! to first order. For the vertices every second one is walked. What that changes, times [`Dial::share`], is the estimate.
+
+use super::amplitude::AmplitudeResult;
+use super::dials::{AmplitudeError, Dial, DialError};
+use super::error_bar::ErrorBar;
+use super::prestress::PrestressResult;
+use contact_laws::Sticking;
+use cqsma_solver::BackbonePoint;
+use joint_model::InterfacePart;
+use joints::interface::{PartReport, SceneInterface};
+use reduction::ReducedModel;
+use scenes::Scene;
+use std::collections::BTreeMap;
+use zte_assembly::{Interface, InterfaceMesh, State};
+
+/// Bins and radii from which on half as many are compared with, and not twice as many.
+const MANY: usize = 16;
+
+/// Edges of a loop that the walks go along, where it has a multiple of them: differences of laws need no more.
+const EDGES: usize = 8;
+
+/// The interface with another number of a setting, or none where it could not be built.
+#[derive(Debug)]
+pub(super) struct Beside {
+    pub(super) dial: Dial,
+    pub(super) interface: Option<SceneInterface>,
+}
+
+impl Beside {
+    /// In its static state, if it has one.
+    pub(super) fn at_rest<'a>(&'a self, found: Option<&'a PrestressResult>) -> Option<AtRest<'a>> {
+        let (built, found) = self.interface.as_ref().zip(found)?;
+        Some(AtRest {
+            interface: &built.interface,
+            state: &found.solution.state,
+            displacement: &found.solution.displacement,
+        })
+    }
+}
+
+/// The largest number of bins at a point; zero where asperities have no history of their own.
+pub(super) fn bins(parts: &[PartReport]) -> usize {
+    let resolved = parts.iter().filter_map(|part| part.law.resolved.as_ref());
+    resolved.map(|report| report.bins).max().unwrap_or(0)
+}
+
+/// The interfaces of a scene with another number of each setting of the law that it has.
+pub(super) fn beside(
+    scene: &Scene,
+    (mesh, parts): (&InterfaceMesh, &[InterfacePart]),
+    interface: &SceneInterface,
+    load: f64,
+) -> Vec<Beside> {
+    let bins = bins(&interface.reports);
+    let of = |dial: Dial| {
+        if mesh.is_of_points() && dial == Dial::Points {
+            return None;
+        }
+        let number = dial.number(scene, bins)?;
+        let other = match (dial, number) {
+            // One more than three would leave more than half of the error.
+            (Dial::Points, 1..=4) => (number + 1) | 1,
+            (Dial::Points, _) => number - 2,
+            // More of many would cost more than the run.
+            (_, MANY..) => number / 2,
+            _ => 2 * number,
+        };
+        let scene = dial.with(scene, other);
+        let interface = SceneInterface::knowing(Some(interface), &scene, mesh, parts, load).ok();
+        Some(Beside { dial, interface })
+    };
+    [Dial::Points, Dial::Bins, Dial::Radii]
+        .into_iter()
+        .filter_map(of)
+        .collect()
+}
+
+/// An interface in its static state.
+pub(super) struct AtRest<'a> {
+    pub(super) interface: &'a Interface,
+    pub(super) state: &'a State,
+    /// The jump (m), followed by coordinates that are not looked at.
+    pub(super) displacement: &'a [f64],
+}
+
+/// The interface of a run at rest, and those with another number of a setting, as far as they have a static state.
+pub(super) struct Walks<'a> {
+    pub(super) own: AtRest<'a>,
+    pub(super) beside: Vec<(Dial, Option<AtRest<'a>>)>,
+}
+
+/// Work of the contact forces along a loop.
+#[derive(Clone, Copy, Debug)]
+struct Work {
+    /// Mean over both reversals of the change of the force since rest times the motion (J).
+    reversals: f64,
+    /// Area of the loop (J).
+    area: f64,
+}
+
+impl AtRest<'_> {
+    /// Along the jumps of a closed loop from its positive reversal on (m), relative to the static state.
+    fn walk<'p>(&self, path: impl ExactSizeIterator<Item = &'p [f64]>) -> Work {
+        let n = self.interface.n_dofs();
+        let (mut begin, mut end) = (self.state.clone(), self.state.clone());
+        let (mut workspace, mut force, mut jump) = (self.interface.workspace(), vec![0.0; n], vec![0.0; n]);
+        let mut at = |motion: Option<&[f64]>, begin: &State, end: &mut State| -> Vec<f64> {
+            for (i, jump) in jump.iter_mut().enumerate() {
+                *jump = self.displacement[i] + motion.map_or(0.0, |motion| motion[i]);
+            }
+            self.interface
+                .evaluate(&jump, Sticking::Coulomb, begin, end, &mut workspace, &mut force, None);
+            force.clone()
+        };
+        let rest = at(None, &begin, &mut end);
+        let middle = path.len() / 2;
+        let mut work = Work {
+            reversals: 0.0,
+            area: 0.0,
+        };
+        let mut before: Option<(Vec<f64>, &[f64])> = None;
+        for (vertex, motion) in path.enumerate() {
+            let mut found = at(Some(motion), &begin, &mut end);
+            begin.clone_from(&end);
+            found.iter_mut().zip(&rest).for_each(|(force, rest)| *force -= rest);
+            if vertex == 0 || vertex == middle {
+                work.reversals += 0.5 * found.iter().zip(motion).map(|(f, u)| f * u).sum::<f64>();
+            }
+            if let Some((old, from)) = &before {
+                let steps = found.iter().zip(old).zip(motion.iter().zip(*from));
+                work.area += steps.map(|((f, g), (u, v))| 0.5 * (f + g) * (u - v)).sum::<f64>();
+            }
+            before = Some((found, motion));
+        }
+        work
+    }
+}
+
+impl Walks<'_> {
+    /// Errors of the settings of the law and of the vertices, from the jumps (m) along a measured loop; `point` is its result.
+    pub(super) fn errors(&self, path: &[Vec<f64>], point: &BackbonePoint) -> Vec<(Dial, DialError)> {
+        let Ok(result) = &point.result else { return Vec::new() };
+        let rest = self.own.displacement;
+        let motions: Vec<Vec<f64>> = path
+            .iter()
+            .map(|jump| jump.iter().zip(rest).map(|(u, rest)| u - rest).collect())
+            .collect();
+        // Reversals are at the ends and in the middle of as many edges as there are.
+        let edges = motions.len().saturating_sub(1);
+        let stride = if edges.is_multiple_of(EDGES) {
+            (edges / EDGES).max(1)
+        } else {
+            1
+        };
+        let along = |stride: usize| motions.iter().step_by(stride).map(Vec::as_slice);
+        let own = self.own.walk(along(stride));
+        let load = point.modal_force * result.modal_amplitude;
+        let compare = |dial: Dial, other: Work, [own_area, other_area]: [f64; 2]| {
+            let damping = (result.is_resolved() && own_area > 0.0 && other_area > 0.0)
+                .then(|| dial.share() * (other_area / own_area).ln().abs());
+            let frequency = 0.5 * ((other.reversals - own.reversals) / load).abs();
+            DialError {
+                frequency_relative: Some(dial.share() * frequency),
+                damping_ln: damping,
+            }
+        };
+        let of_law = self.beside.iter().map(|(dial, beside)| {
+            let error = beside.as_ref().map(|beside| {
+                let other = beside.walk(along(stride));
+                compare(*dial, other, [own.area, other.area])
+            });
+            (*dial, error.unwrap_or_default())
+        });
+        let second = self.own.walk(along(2 * stride));
+        let areas = [result.loop_area, result.coarse_loop_area.unwrap_or(f64::NAN)];
+        of_law
+            .chain(std::iter::once((
+                Dial::Vertices,
+                compare(Dial::Vertices, second, areas),
+            )))
+            .collect()
+    }
+}
+
+/// Relative error of a linearised frequency by the modes that the reduction leaves out, from what the upper half of those kept does:
+/// without a mode that takes part by `eta` in a mass-normalised shape, the eigenvalue `lambda` is higher by `eta^2 (omega^2 - lambda)`.
+pub(super) fn of_modes(reduced: &ReducedModel, shape: &[f64], eigenvalue: f64) -> f64 {
+    let (first, n) = (reduced.n_relative, reduced.n_modes());
+    let upper = first + n / 2..first + n;
+    let added = upper.map(|i| shape[i] * shape[i] * (reduced.stiffness[(i, i)] - eigenvalue).max(0.0));
+    0.5 * added.sum::<f64>() / eigenvalue
+}
+
+impl AmplitudeError {
+    /// The error of one of the amplitudes of a mode, if it has a result, with that of the mesh, if there is one, and of the modes kept, which all
+    /// of them share.
+    ///
+    /// Where bins and radii slip one after the other, errors change their sign along the amplitudes, and near such a place the estimate would be
+    /// too small: of an amplitude and its neighbours the largest one is taken.
+    pub(super) fn of(amplitudes: &[AmplitudeResult], at: usize, mesh: Option<&ErrorBar>, modes: f64) -> Option<Self> {
+        let result = amplitudes[at].point.result.as_ref().ok()?;
+        let neighbours = amplitudes.iter().take(at + 2).skip(at.saturating_sub(1));
+        let mut own = BTreeMap::<Dial, DialError>::new();
+        for (dial, error) in neighbours
+            .filter_map(|one| one.fields.as_ref())
+            .flat_map(|fields| &fields.errors)
+        {
+            own.entry(*dial).or_default().raise(error);
+        }
+        // Nothing is to be made of a neighbour that has what this one has not.
+        for (dial, error) in &amplitudes[at].fields.as_ref()?.errors {
+            let known = own.entry(*dial).or_default();
+            known.frequency_relative = error.frequency_relative.and(known.frequency_relative);
+            known.damping_ln = error.damping_ln.and(known.damping_ln);
+        }
+        let of_damping = |error: f64| result.is_resolved().then_some(error);
+        // Errors of meshes are known where much slips. Where slip begins, elements resolve it no better than the points within them do.
+        let of_points = own.get(&Dial::Points).and_then(|error| error.damping_ln);
+        let unresolved = of_points.unwrap_or(0.0);
+        let mesh = mesh.map(|mesh| {
+            let error = DialError {
+                frequency_relative: mesh.frequency_relative,
+                damping_ln: mesh.damping_ln.map(|error| error.max(unresolved)).and_then(of_damping),
+            };
+            (Dial::Mesh, error)
+        });
+        let shared = [
+            (
+                Dial::Modes,
+                DialError {
+                    frequency_relative: Some(modes),
+                    damping_ln: of_damping(modes),
+                },
+            ),
+            (
+                Dial::Equilibrium,
+                DialError {
+                    frequency_relative: Some(0.5 * result.residual),
+                    damping_ln: of_damping(result.zeta_floor / result.zeta.abs()),
+                },
+            ),
+        ];
+        let of: BTreeMap<Dial, DialError> = own.into_iter().chain(mesh).chain(shared).collect();
+        let sum = |part: fn(&DialError) -> Option<f64>| of.values().map(part).sum::<Option<f64>>();
+        Some(Self {
+            frequency_relative: sum(|error| error.frequency_relative),
+            damping_ln: sum(|error| error.damping_ln),
+            of,
+        })
+    }
+}
