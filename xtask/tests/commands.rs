@@ -178,7 +178,7 @@ fn an_accuracy_chooses_settings_and_an_error_is_estimated() {
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(
-        message.contains("impossible.json") && message.contains("no measured set"),
+        message.contains("impossible.json") && message.contains("no measured mesh"),
         "{message}"
     );
 }

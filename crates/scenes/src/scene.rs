@@ -16,7 +16,7 @@ use crate::uncertain::Uncertain;
 use crate::units::Units;
 use contact_laws::AsperityLimit;
 use finite_elements::elements::Formulation;
-use joint_model::benchmark::{Benchmark, Benchmarks, ElementOrder, MeasuredSurface, RefinementLevel};
+use joint_model::benchmark::{Benchmark, Benchmarks, ElementOrder, MeasuredSurface, MeshError, RefinementLevel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -184,6 +184,7 @@ impl Scene {
         if let Some(Accuracy::Target(target)) = &mut scene.accuracy {
             target.given = GivenSettings::of(&given);
         }
+        scene.refuse_beyond_all_meshes().map_err(syntax)?;
         scene.derive().map_err(syntax)?;
         if let Some(mut uncertain) = scene.uncertain.take() {
             uncertain.convert(&scene, units)?;
@@ -195,6 +196,37 @@ impl Scene {
         }
         scene.validate(place)?;
         Ok(scene)
+    }
+
+    /// Refuses an accuracy that none of the measured meshes of a benchmark has, unless the scene gives its mesh.
+    fn refuse_beyond_all_meshes(&self) -> Result<(), Refusal> {
+        let Some(Accuracy::Target(target)) = self.accuracy.filter(|_| self.analyses.backbone.amplitudes > 0) else {
+            return Ok(());
+        };
+        let measured = self
+            .structure
+            .benchmark()
+            .and_then(|benchmark| benchmark.mesh_accuracy());
+        let Some(accuracy) = measured.filter(|_| !target.given.mesh) else {
+            return Ok(());
+        };
+        let own = (self.element_order(), self.hexahedra());
+        let rows = || {
+            let rows = accuracy.errors.iter();
+            rows.filter(|row| (row.element_order, row.hexahedra) == own)
+        };
+        let is_borne = |error: f64, borne: Option<f64>| borne.is_none_or(|borne| error <= borne);
+        if rows().any(|row| is_borne(row.frequency, target.frequency) && is_borne(row.damping, target.damping)) {
+            return Ok(());
+        }
+        let least = |of: fn(&MeshError) -> f64| rows().map(of).fold(f64::INFINITY, f64::min);
+        let message = format!(
+            "no measured mesh of the benchmark is within the accuracy asked for; the best miss {} of frequency and {} of the logarithm of \
+             damping. Ask for less, or give model.refinement",
+            least(|row| row.frequency),
+            least(|row| row.damping)
+        );
+        Err(Refusal::of("accuracy", message))
     }
 
     /// Finds what follows from other numbers of the scene and is kept beside them.

@@ -617,6 +617,7 @@ fn scenes_get_the_settings_that_they_do_not_give() {
         json!({ "accuracy": "best" }),
         json!({ "accuracy": { "speed": 1 } }),
         json!({ "accuracy": { "damping": -1.0 } }),
+        json!({ "accuracy": { "damping": 1e-9 } }),
     ] {
         assert!(
             read(wrong.clone()).unwrap_err().to_string().contains("ccuracy"),
