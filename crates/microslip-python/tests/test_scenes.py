@@ -40,7 +40,7 @@ WRONG = [
     ),
     (changed(bolts={"load": 1.0, "loads": [1.0, 2.0, 3.0]}), "bolts.load", None, "bolts.loads has one for each", "leave one of them out"),
     (changed(interfaces={"law": {"radii": "measured", "friction": "lumped", "bins": {"error": 1e-3}}}), None, None, "law", None),
-    (changed(accuracy={"damping": 1e-9}), "accuracy", None, "no measured set of settings", None),
+    (changed(accuracy={"damping": 1e-9}), "accuracy", None, "no measured mesh", None),
     (changed(background_damping=-0.01), "background_damping", -0.01, "background_damping = -0.01", "it must be"),
     (changed(interfaces={"mu": "rough"}), "interfaces.mu", None, "mu", None),
 ]
