@@ -219,11 +219,8 @@ impl AdaptationStep {
             return None;
         }
         let accuracy = error_bar::accuracy(scene).ok()?;
-        let own = (scene.element_order(), scene.hexahedra());
         let mut finer: Vec<_> = accuracy
-            .errors
-            .iter()
-            .filter(|row| (row.element_order, row.hexahedra) == own)
+            .of(scene.element_order(), scene.hexahedra())
             .filter(|row| row.refinement as usize > scene.model.refinement as usize)
             .collect();
         finer.sort_by_key(|row| row.refinement as usize);

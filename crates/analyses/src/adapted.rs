@@ -6,7 +6,7 @@
 use super::adaptation::{Adaptation, AdaptationStep};
 use super::ensemble::loops_alone;
 use super::error_bar::ErrorBar;
-use super::prepared::{Prepared, prepare};
+use super::prepared::{Prepared, mesh, prepare};
 use super::run::Run;
 use super::walks;
 use crate::Error;
@@ -46,10 +46,11 @@ fn adapted(scene: &Scene, target: &Target, options: &Options, progress: &dyn Pro
     // The scene of the results has the settings that were chosen.
     scene.accuracy = None;
     let mut steps = Vec::new();
+    let mut known = None;
     if scene.analyses.backbone.amplitudes > 2 * PILOT {
-        let mut known = None;
         while steps.len() < MOST[0] {
-            let step = pilot(&scene, &mut known, options, progress)?;
+            let (step, after) = pilot(&scene, known, options, progress)?;
+            known = Some(after);
             progress.note(&step.sentence(target));
             let next = step.refined(&scene, target, steps.is_empty());
             steps.push(step);
@@ -63,7 +64,11 @@ fn adapted(scene: &Scene, target: &Target, options: &Options, progress: &dyn Pro
     let most = steps.len() + MOST[1];
     let mut checkpoints = Checkpoints::default();
     loop {
-        let mut run = prepare(&scene, options, progress)?.solve(progress)?;
+        let prepared = match known.take() {
+            Some(Known { structure, model, .. }) => Prepared::with_model(&scene, &structure, model, options, progress)?,
+            None => prepare(&scene, options, progress)?,
+        };
+        let mut run = prepared.solve(progress)?;
         let backbones = run.backbones.iter().flat_map(|mode| &mode.amplitudes);
         let step = AdaptationStep::of(&scene, walks::bins(&run.parts), backbones);
         let next = step.refined(&scene, target, false);
@@ -88,13 +93,13 @@ fn adapted(scene: &Scene, target: &Target, options: &Options, progress: &dyn Pro
     }
 }
 
-/// Errors at a few amplitudes.
+/// Errors at a few amplitudes, with what the next pilot or the run may know.
 fn pilot(
     scene: &Scene,
-    known: &mut Option<Known>,
+    known: Option<Known>,
     options: &Options,
     progress: &dyn Progress,
-) -> Result<AdaptationStep, Error> {
+) -> Result<(AdaptationStep, Known), Error> {
     let mut pilot = loops_alone(scene, true);
     pilot.analyses.backbone.amplitudes = PILOT;
     // Its loops are its own.
@@ -102,31 +107,26 @@ fn pilot(
         cache: None,
         ..options.clone()
     };
-    let known = match known {
+    let Known { structure, model, bar } = match known {
         Some(known) => known,
         None => {
-            let structure = Structure::try_new(&pilot, progress)?;
+            // With the nodes of all that the scene asks for.
+            let structure = mesh(scene, progress)?;
             let model = structure.reduce(options, progress)?;
             let bar = None;
-            known.insert(Known { structure, model, bar })
+            Known { structure, model, bar }
         }
     };
-    let prepared = Prepared::with_model(
-        &pilot,
-        &known.structure,
-        known.model.clone(),
-        &uncached,
-        &Quiet(progress),
-    )?;
-    let mut analysis = prepared.analyse_in_full(&Quiet(progress))?;
-    if known.bar.is_none() {
-        known.bar = prepared.estimated_error(&analysis, &Quiet(progress))?;
-    }
-    prepared.estimate_errors(&mut analysis.modes, known.bar.as_ref());
+    let quiet = Quiet(progress);
+    let prepared = Prepared::with_model(&pilot, &structure, model, &uncached, &quiet)?;
+    let mut analysis = prepared.analyse_in_full(&quiet)?;
+    let bar = match bar {
+        Some(bar) => Some(bar),
+        None => prepared.estimated_error(&analysis, &quiet)?,
+    };
+    prepared.estimate_errors(&mut analysis.modes, bar.as_ref());
     let amplitudes = analysis.modes.iter().flat_map(|mode| &mode.amplitudes);
-    Ok(AdaptationStep::of(
-        &pilot,
-        walks::bins(&prepared.interface().reports),
-        amplitudes,
-    ))
+    let step = AdaptationStep::of(&pilot, walks::bins(&prepared.interface().reports), amplitudes);
+    let model = prepared.model;
+    Ok((step, Known { structure, model, bar }))
 }

@@ -47,11 +47,9 @@ impl ErrorBar {
     /// From the table of the scene's benchmark; if it is not in there, why.
     pub(super) fn measured(scene: &Scene) -> Result<Self, &'static str> {
         let accuracy = accuracy(scene)?;
-        let model = &scene.model;
-        let row = accuracy.errors.iter().find(|row| {
-            (row.element_order, row.refinement, row.hexahedra)
-                == (scene.element_order(), model.refinement, scene.hexahedra())
-        });
+        let row = accuracy
+            .of(scene.element_order(), scene.hexahedra())
+            .find(|row| row.refinement == scene.model.refinement);
         let row = row.ok_or("this refinement was not measured with this formulation of the elements")?;
         Ok(Self {
             frequency_relative: Some(row.frequency),

@@ -64,6 +64,16 @@ pub(super) fn prepare_on(
     progress: &dyn Progress,
 ) -> Result<(Structure, Prepared), Error> {
     scene.validate(&scene.name)?;
+    let structure = mesh(scene, progress)?;
+    let prepared = Prepared::try_new(scene, &structure, options, progress)?;
+    Ok((structure, prepared))
+}
+
+/// Meshes the structure of a scene and tells what it is.
+///
+/// # Errors
+/// Of the mesher.
+pub(super) fn mesh(scene: &Scene, progress: &dyn Progress) -> Result<Structure, Error> {
     progress.begin(Stage::Mesh);
     let structure = Structure::try_new(scene, progress)?;
     end_stage(progress, Stage::Mesh)?;
@@ -72,8 +82,7 @@ pub(super) fn prepare_on(
     for warning in warnings::of_input(&overview) {
         progress.warn(&warning.message);
     }
-    let prepared = Prepared::try_new(scene, &structure, options, progress)?;
-    Ok((structure, prepared))
+    Ok(structure)
 }
 
 impl Prepared {
@@ -150,18 +159,22 @@ impl Prepared {
         Ok(())
     }
 
-    /// Prestress, modes and backbone of the scene itself, with the derivatives of its loops.
+    /// Prestress, modes and backbone of the scene itself, with the derivatives of its loops, and their errors where there are interfaces `beside`.
     ///
     /// # Errors
     /// As [`Solver::analyse`].
     pub(super) fn analyse_itself(
         &self,
         forces: Option<&[Vec<f64>]>,
+        beside: Option<&[Beside]>,
         progress: &dyn Progress,
     ) -> Result<Analysis, Error> {
         let interface = &self.interface;
-        self.solver()
-            .analyse(&self.scene, &interface.interface, interface.closure, forces, progress)
+        let solver = Solver {
+            beside,
+            ..self.solver()
+        };
+        solver.analyse(&self.scene, &interface.interface, interface.closure, forces, progress)
     }
 
     /// The reduced structure.

@@ -52,12 +52,7 @@ impl Prepared {
     /// As [`Solver::analyse`].
     pub(super) fn analyse_in_full(&self, progress: &dyn Progress) -> Result<Analysis, Error> {
         let beside = self.beside();
-        let solver = Solver {
-            beside: beside.as_deref(),
-            ..self.solver()
-        };
-        let interface = &self.interface;
-        let mut analysis = solver.analyse(&self.scene, &interface.interface, interface.closure, None, progress)?;
+        let mut analysis = self.analyse_itself(None, beside.as_deref(), progress)?;
         let Some(structure) = self
             .structure
             .as_ref()

@@ -506,7 +506,7 @@ impl<'a> Variants<'a> {
         if rates == Rates::WhereTheyCostLittle {
             prepared.differentiate_also(&self.parameters)?;
         }
-        prepared.analyse_itself(forces, progress)
+        prepared.analyse_itself(forces, None, progress)
     }
 
     /// The backbone of the scene itself.

@@ -146,19 +146,20 @@ impl Walks<'_> {
     pub(super) fn errors(&self, path: &[Vec<f64>], point: &BackbonePoint) -> Vec<(Dial, DialError)> {
         let Ok(result) = &point.result else { return Vec::new() };
         let rest = self.own.displacement;
-        let motions: Vec<Vec<f64>> = path
-            .iter()
-            .map(|jump| jump.iter().zip(rest).map(|(u, rest)| u - rest).collect())
-            .collect();
         // Reversals are at the ends and in the middle of as many edges as there are.
-        let edges = motions.len().saturating_sub(1);
+        let edges = path.len().saturating_sub(1);
         let stride = if edges.is_multiple_of(EDGES) {
             (edges / EDGES).max(1)
         } else {
             1
         };
-        let along = |stride: usize| motions.iter().step_by(stride).map(Vec::as_slice);
-        let own = self.own.walk(along(stride));
+        let motions: Vec<Vec<f64>> = path
+            .iter()
+            .step_by(stride)
+            .map(|jump| jump.iter().zip(rest).map(|(u, rest)| u - rest).collect())
+            .collect();
+        let along = |every: usize| motions.iter().step_by(every).map(Vec::as_slice);
+        let own = self.own.walk(along(1));
         let load = point.modal_force * result.modal_amplitude;
         let compare = |dial: Dial, other: Work, [own_area, other_area]: [f64; 2]| {
             let damping = (result.is_resolved() && own_area > 0.0 && other_area > 0.0)
@@ -171,12 +172,12 @@ impl Walks<'_> {
         };
         let of_law = self.beside.iter().map(|(dial, beside)| {
             let error = beside.as_ref().map(|beside| {
-                let other = beside.walk(along(stride));
+                let other = beside.walk(along(1));
                 compare(*dial, other, [own.area, other.area])
             });
             (*dial, error.unwrap_or_default())
         });
-        let second = self.own.walk(along(2 * stride));
+        let second = self.own.walk(along(2));
         let areas = [result.loop_area, result.coarse_loop_area.unwrap_or(f64::NAN)];
         of_law
             .chain(std::iter::once((

@@ -172,6 +172,14 @@ pub struct MeshAccuracy {
     pub source: &'static str,
 }
 
+impl MeshAccuracy {
+    /// The meshes of elements of this order and formulation.
+    pub fn of(&self, element_order: ElementOrder, hexahedra: Formulation) -> impl Iterator<Item = &'static MeshError> {
+        let rows = self.errors.iter();
+        rows.filter(move |row| (row.element_order, row.hexahedra) == (element_order, hexahedra))
+    }
+}
+
 /// Largest differences of the results on one mesh to the limit of the mesh, the uncertainty of the limit included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshError {

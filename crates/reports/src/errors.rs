@@ -11,34 +11,38 @@ pub(crate) fn errors(summary: &Summary) -> Option<String> {
     let known: Vec<(&BackboneSummary, &AmplitudeError)> = points
         .filter_map(|point| Some((point, point.error.as_ref()?)))
         .collect();
-    let ends = |of: fn(&DialError) -> Option<f64>, total: fn(&AmplitudeError) -> Option<f64>| {
-        let found = known
-            .iter()
-            .filter_map(|(point, error)| Some((total(error)?, *point, *error)));
-        let least = found.clone().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let most = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let largest = most.2.of.iter().max_by(|a, b| {
-            let size = |error: &DialError| of(error).unwrap_or(0.0);
-            size(a.1).total_cmp(&size(b.1))
-        });
-        let place = most.1.response_displacement.unwrap_or(f64::NAN);
-        let why = largest.map_or("", |(dial, _)| dial.name());
-        Some((least.0, most.0, place, why))
-    };
     if known.is_empty() {
         return None;
     }
-    let frequency = match ends(|part| part.frequency_relative, |error| error.frequency_relative) {
-        Some((least, most, ..)) => format!("{:.2} to {:.2} % of frequency", 100.0 * least, 100.0 * most),
+    let frequency = match range(known.iter().filter_map(|(_, error)| error.frequency_relative)) {
+        Some([least, most]) => format!("{:.2} to {:.2} % of frequency", 100.0 * least, 100.0 * most),
         None => "not known of frequency".into(),
     };
-    let damping = match ends(|part| part.damping_ln, |error| error.damping_ln) {
-        Some((least, most, place, why)) => {
-            format!("{least:.3} to {most:.3} of the logarithm of damping, most at {place:.2e} m by {why}")
+    let damping = |error: &AmplitudeError| error.damping_ln;
+    let worst = known
+        .iter()
+        .max_by(|a, b| damping(a.1).unwrap_or(0.0).total_cmp(&damping(b.1).unwrap_or(0.0)));
+    let damping = match (range(known.iter().filter_map(|(_, error)| damping(error))), worst) {
+        (Some([least, most]), Some((point, error))) => {
+            let part = |part: &DialError| part.damping_ln.unwrap_or(0.0);
+            let largest = error.of.iter().max_by(|a, b| part(a.1).total_cmp(&part(b.1)));
+            format!(
+                "{least:.3} to {most:.3} of the logarithm of damping, most at {:.2e} m by {}",
+                point.response_displacement.unwrap_or(f64::NAN),
+                largest.map_or("", |(dial, _)| dial.name())
+            )
         }
-        None => "not known of damping".into(),
+        _ => "not known of damping".into(),
     };
     Some(format!("{frequency}; {damping}"))
+}
+
+/// Smallest and largest.
+fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values.fold(None, |range, value| match range {
+        None => Some([value; 2]),
+        Some([least, most]) => Some([least.min(value), most.max(value)]),
+    })
 }
 
 /// How settings were adapted, and whether that was enough.

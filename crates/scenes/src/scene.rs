@@ -16,7 +16,9 @@ use crate::uncertain::Uncertain;
 use crate::units::Units;
 use contact_laws::AsperityLimit;
 use finite_elements::elements::Formulation;
-use joint_model::benchmark::{Benchmark, Benchmarks, ElementOrder, MeasuredSurface, MeshError, RefinementLevel};
+use joint_model::benchmark::{
+    Benchmark, Benchmarks, ElementOrder, MeasuredSurface, MeshAccuracy, MeshError, RefinementLevel,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -200,21 +202,19 @@ impl Scene {
 
     /// Refuses an accuracy that none of the measured meshes of a benchmark has, unless the scene gives its mesh.
     fn refuse_beyond_all_meshes(&self) -> Result<(), Refusal> {
-        let Some(Accuracy::Target(target)) = self.accuracy.filter(|_| self.analyses.backbone.amplitudes > 0) else {
+        let Some(Accuracy::Target(target)) = self.accuracy else {
             return Ok(());
         };
         let measured = self
             .structure
             .benchmark()
             .and_then(|benchmark| benchmark.mesh_accuracy());
-        let Some(accuracy) = measured.filter(|_| !target.given.mesh) else {
+        // They were measured for one mode.
+        let applies = |measured: &MeshAccuracy| !target.given.mesh && self.analyses.modes.followed == [measured.mode];
+        let Some(accuracy) = measured.filter(applies) else {
             return Ok(());
         };
-        let own = (self.element_order(), self.hexahedra());
-        let rows = || {
-            let rows = accuracy.errors.iter();
-            rows.filter(|row| (row.element_order, row.hexahedra) == own)
-        };
+        let rows = || accuracy.of(self.element_order(), self.hexahedra());
         let is_borne = |error: f64, borne: Option<f64>| borne.is_none_or(|borne| error <= borne);
         if rows().any(|row| is_borne(row.frequency, target.frequency) && is_borne(row.damping, target.damping)) {
             return Ok(());

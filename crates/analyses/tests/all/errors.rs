@@ -159,3 +159,35 @@ fn slow_settings_are_adapted_to_the_errors_that_are_borne() {
     assert!(!adaptation.met);
     assert_eq!(adaptation.limited_by[0], Dial::Mesh);
 }
+
+/// Sixteen points of an element have as many places of bins as there are: were these the same in all elements, the error would not average out.
+#[test]
+fn four_points_per_direction_agree_with_five() {
+    let first_frequency = |points: usize| {
+        let scene = json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "interfaces": { "surface": "measured", "gap": "flat", "mu": 0.2, "points_per_direction": points },
+            "analyses": { "backbone": { "amplitudes": 0 } },
+        });
+        run(&Scene::from_value(scene, "here", "points", &BENCHMARKS).unwrap()).frequencies[0]
+    };
+    let [four, five] = [4, 5].map(first_frequency);
+    assert!((four / five - 1.0).abs() < 2e-4, "{four} {five}");
+}
+
+#[test]
+fn errors_measured_for_one_mode_refuse_no_other() {
+    let asked = |mode: usize, damping: f64| {
+        let scene = json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
+            "accuracy": { "damping": damping },
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "analyses": { "modes": { "followed": [mode] } },
+        });
+        Scene::from_value(scene, "here", "accuracy", &BENCHMARKS)
+    };
+    assert!(asked(1, 1e-9).unwrap_err().to_string().contains("no measured mesh"));
+    assert!(asked(1, 0.02).is_ok());
+    assert!(asked(3, 1e-9).is_ok());
+}
