@@ -52,7 +52,7 @@ impl Default for Law {
             yielding: None,
             cone: Cone::Circle,
             limit: AsperityLimit::Coulomb,
-            bins: Bins::Error(1e-3),
+            bins: Bins::Error(3e-4),
             radii: RadialRule::Annuli(8),
         }
     }

@@ -160,7 +160,7 @@ fn slow_settings_are_adapted_to_the_errors_that_are_borne() {
     assert_eq!(adaptation.limited_by[0], Dial::Mesh);
 }
 
-/// Sixteen points of an element have as many places of bins as there are: were these the same in all elements, the error would not average out.
+/// Were the places of the bins the same in all elements, the error of single points (8e-4 with eight bins) would not average out.
 #[test]
 fn four_points_per_direction_agree_with_five() {
     let first_frequency = |points: usize| {
@@ -173,7 +173,7 @@ fn four_points_per_direction_agree_with_five() {
         run(&Scene::from_value(scene, "here", "points", &BENCHMARKS).unwrap()).frequencies[0]
     };
     let [four, five] = [4, 5].map(first_frequency);
-    assert!((four / five - 1.0).abs() < 2e-4, "{four} {five}");
+    assert!((four / five - 1.0).abs() < 4e-4, "{four} {five}");
 }
 
 #[test]

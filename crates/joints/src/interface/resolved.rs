@@ -14,8 +14,11 @@ use std::collections::BTreeMap;
 /// Interferences are expected up to that which carries so many times the mean pressure of the bolts.
 const PRESSURE_REACH: f64 = 10.0;
 
-/// Different places of the bins, which neighbouring points take in turn.
-const SHIFTS: usize = 16;
+/// Different places of the bins.
+const PLACES: usize = 1024;
+
+/// Places that errors are measured with, evenly spaced.
+const MEASURED_PLACES: usize = 16;
 
 /// Numbers of bins that are tried.
 const COUNTS: [usize; 12] = [4, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128];
@@ -64,8 +67,7 @@ impl Source<'_> {
                 vec![same; places.len()]
             }
             Bins::Error(_) | Bins::Gauss(_) => {
-                let golden = |place: usize| (0.5 + place as f64 * 0.618_033_988_749_895).fract();
-                let shifts: Vec<f64> = places.iter().map(|&place| golden(place)).collect();
+                let shifts: Vec<f64> = places.iter().map(|&place| place as f64 / PLACES as f64).collect();
                 AsperityBins::gauss(self.asperity, self.population, count, self.reach, &shifts)?
             }
         })
@@ -73,7 +75,7 @@ impl Source<'_> {
 
     /// Errors of bins against others of the same population.
     fn errors(&self, bins: Bins, count: usize, reference: &AsperityBins) -> Result<[f64; 3], Error> {
-        let places: Vec<usize> = (0..SHIFTS).collect();
+        let places: Vec<usize> = (0..PLACES).step_by(PLACES / MEASURED_PLACES).collect();
         let found = self.bins(bins, count, &places)?;
         Ok(AsperityBins::errors(&found, reference, self.reach, SMALLEST_AMPLITUDE))
     }
@@ -102,16 +104,20 @@ impl Asperities {
         let (count, bin_errors) = count(&sources, law.bins)?;
 
         // The sets that points need: a population, and a place of the bins.
-        // Where an element has as many points as there are places, a point would have the same place in all elements: there the places go on
-        // by one from element to element.
-        let points = element_of.iter().take_while(|&&element| element == element_of[0]);
-        let turn = usize::from(points.count().is_multiple_of(SHIFTS));
+        let mut first = 0;
         let key = |(point, &element): (usize, &u32)| {
-            let place = (point + turn * element as usize) % SHIFTS;
+            if element != element_of[first] {
+                first = point;
+            }
+            let place = match law.bins {
+                Bins::EquallySpaced(_) => 0,
+                Bins::Error(_) | Bins::Gauss(_) => place(element, point - first),
+            };
             (self.of_element[element as usize], place)
         };
+        let keys: Vec<(u32, usize)> = element_of.iter().enumerate().map(key).collect();
         let mut needed: BTreeMap<u32, BTreeMap<usize, u32>> = BTreeMap::new();
-        for (population, place) in element_of.iter().enumerate().map(key) {
+        for &(population, place) in &keys {
             needed.entry(population).or_default().insert(place, 0);
         }
         let made = needed.par_iter().map(|(&population, places)| {
@@ -122,8 +128,10 @@ impl Asperities {
         let numbers = needed.values_mut().flat_map(BTreeMap::values_mut);
         numbers.zip(0..).for_each(|(number, next)| *number = next);
         let sets: Vec<AsperityBins> = made.into_iter().flatten().collect();
-        let index = element_of.iter().enumerate().map(key);
-        let index = index.map(|(population, place)| needed[&population][&place]).collect();
+        let index = keys
+            .iter()
+            .map(|(population, place)| needed[population][place])
+            .collect();
 
         let mean = |of: &dyn Fn(&Source<'_>) -> f64| sources.iter().map(of).sum::<f64>() / sources.len() as f64;
         let (friction, radii) = match (law.friction, law.radii) {
@@ -144,6 +152,18 @@ impl Asperities {
         let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
         Ok((law, report))
     }
+}
+
+/// The place of the bins at a point of an element. Golden sections spread the points of an element; elements are independent of each other, so that
+/// no regular mesh can fall in step with the bins.
+fn place(element: u32, point: usize) -> usize {
+    // SplitMix64, Steele, Lea and Flood 2014, DOI 10.1145/2714064.2660195.
+    let mut z = (u64::from(element) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    let offset = (z ^ (z >> 31)) as f64 / 2f64.powi(64);
+    let shift = (offset + point as f64 * 0.618_033_988_749_895).fract();
+    ((shift * PLACES as f64) as usize).min(PLACES - 1)
 }
 
 /// Gauss bins per point, and the errors measured with them.
