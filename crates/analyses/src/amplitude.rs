@@ -35,7 +35,8 @@ pub struct LoopFields {
     pub response_motion: f64,
     /// Fields at the positive peak, for the amplitudes asked for.
     pub fields: Option<Fields>,
-    /// Coordinates of the reduced structure that vibrates at the positive peak, if the bodies are to be shown deformed: jumps (m) first.
+    /// Coordinates of the reduced structure that vibrates at the positive peak, jumps (m) first: where the bodies are to be shown deformed, and at
+    /// all amplitudes where the error of their mesh is to be estimated.
     pub displacement: Option<Vec<f64>>,
     /// The loops of the elements, for the same amplitudes; none where no element is recorded.
     pub loops: Option<ElementLoops>,

@@ -1,6 +1,7 @@
 //! The backbone of one mode: hysteresis loops over amplitudes, and the methods beside CQSMA.
 
 use super::amplitude::{AmplitudeResult, LoopFields};
+use super::error_bar::ErrorBar;
 use super::linearised::Linearised;
 use super::methods;
 use super::mode_backbone::ModeAnalysis;
@@ -36,7 +37,7 @@ const FREE_OF_INERTIA: f64 = 1e-9;
 const EPMC_AMPLITUDES: usize = 20;
 
 /// Changes whenever [`LoopFields`] holds something else, so that lines of another layout are not taken for finished amplitudes.
-const LAYOUT: u64 = 4;
+const LAYOUT: u64 = 5;
 
 /// What came of an amplitude.
 type Loop = (BackbonePoint, Option<LoopFields>);
@@ -274,7 +275,9 @@ impl<'a> Request<'a> {
     ) -> Result<(Vec<Loop>, Checkpoints), Error> {
         let pending: Vec<usize> = (0..forces.len()).filter(|i| !finished.holds(*i)).collect();
         let pending_forces: Vec<f64> = pending.iter().map(|&i| forces[i]).collect();
-        let stored = self.about.scene.fields_at();
+        let scene = self.about.scene;
+        let stored = scene.fields_at();
+        let estimates_mesh = self.walks.is_some() && ErrorBar::is_estimated(scene);
         let count = AtomicUsize::new(forces.len() - pending.len());
         let finish = |index: usize, point: &BackbonePoint, fields: Option<&LoopFields>| {
             finished.add(index, (point, fields));
@@ -288,10 +291,11 @@ impl<'a> Request<'a> {
         };
         let watch = |at: usize| {
             let index = pending[at];
-            let stored = stored.contains(&(index + 1)).then_some(Stored {
-                elements: self.recorded,
-                deformed: self.about.scene.output.deformed,
-            });
+            let elements = stored.contains(&(index + 1)).then_some(self.recorded);
+            let stored = Stored {
+                elements,
+                displacement: estimates_mesh || (elements.is_some() && scene.output.deformed),
+            };
             Watcher::new(
                 self.about.force.interface(),
                 &self.prestress.fields,

@@ -1,5 +1,6 @@
 //! The bodies as loads deform them.
 
+use super::amplitude::AmplitudeResult;
 use super::outcome::Analysis;
 use crate::Error;
 use dense_algebra::product;
@@ -7,7 +8,7 @@ use faer::Mat;
 use finite_elements::mesh::Mesh;
 use joint_model::Bodies;
 use joints::structure::{StructuralModel, Structure};
-use scenes::BoltBehaviour;
+use scenes::{BoltBehaviour, Scene};
 
 /// Displacements of the bodies under the bolt loads, and at the positive peaks of loops.
 #[derive(Clone, Debug)]
@@ -24,27 +25,26 @@ impl Deformed {
     pub(super) fn new(
         structure: &Structure,
         model: &StructuralModel,
-        behaviour: BoltBehaviour,
+        scene: &Scene,
         analysis: &Analysis,
     ) -> Result<Self, Error> {
+        let stored = scene.fields_at();
         let Bodies::Meshed(bodies) = &structure.joint.bodies else {
             return Err(joints::Error::NoMesh.into());
         };
         let at_rest = &analysis.prestress.solution.displacement;
-        let amplitudes = analysis.modes.iter().flat_map(|mode| &mode.amplitudes);
-        let peaks: Vec<&[f64]> = amplitudes
-            .filter_map(|amplitude| amplitude.fields.as_ref()?.displacement.as_deref())
-            .collect();
-        let motions = motions(model, behaviour, at_rest, &peaks)?;
+        let amplitudes = analysis
+            .modes
+            .iter()
+            .flat_map(|mode| mode.amplitudes.iter().enumerate());
+        let peaks: Vec<&[f64]> = amplitudes.filter_map(|one| peak(&stored, one)).collect();
+        let motions = motions(model, scene.bolts.behaviour, at_rest, &peaks)?;
         let mut found = structure.displacements(model, motions.as_ref())?.into_iter();
         let prestress = found.next().unwrap_or_default();
-        let mut of_amplitude = |is_stored: bool| is_stored.then(|| found.next()).flatten();
+        let mut of_amplitude = |one| peak(&stored, one).and_then(|_| found.next());
         let peaks = analysis.modes.iter().map(|mode| {
-            let stored = mode.amplitudes.iter().map(|amplitude| {
-                let fields = amplitude.fields.as_ref();
-                fields.is_some_and(|fields| fields.displacement.is_some())
-            });
-            stored.map(&mut of_amplitude).collect()
+            let amplitudes = mode.amplitudes.iter().enumerate();
+            amplitudes.map(&mut of_amplitude).collect()
         });
         Ok(Self {
             peaks: peaks.collect(),
@@ -52,6 +52,12 @@ impl Deformed {
             prestress,
         })
     }
+}
+
+/// The positive peak of an amplitude, with its place, that is among those `stored`.
+fn peak<'a>(stored: &[usize], (index, amplitude): (usize, &'a AmplitudeResult)) -> Option<&'a [f64]> {
+    let fields = amplitude.fields.as_ref().filter(|_| stored.contains(&(index + 1)))?;
+    fields.displacement.as_deref()
 }
 
 /// The static state and the peaks as columns over the coordinates of the reduced structure.

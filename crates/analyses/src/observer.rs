@@ -44,13 +44,13 @@ impl LoopObserver<State> for ResponseMotion<'_> {
     }
 }
 
-/// What is kept of an amplitude beside its fields.
+/// What is kept of an amplitude.
 #[derive(Clone, Copy)]
 pub(super) struct Stored<'a> {
-    /// Elements whose loops are kept, ascending.
-    pub(super) elements: &'a [usize],
+    /// Elements whose loops are kept, ascending; none if no fields are.
+    pub(super) elements: Option<&'a [usize]>,
     /// Whether the displacement at the positive peak is.
-    pub(super) deformed: bool,
+    pub(super) displacement: bool,
 }
 
 /// Watches one loop at the quadrature points.
@@ -76,8 +76,8 @@ pub(super) struct Watcher<'a> {
     largest_sliding: f64,
     /// The workspace at the positive peak, if it is to be stored.
     at_peak: Option<Workspace>,
-    /// Whether the displacement at the positive peak is stored as well, and the displacement.
-    deformed: bool,
+    /// Whether the displacement at the positive peak is stored, and the displacement.
+    stores_displacement: bool,
     displacement_at_peak: Option<Vec<f64>>,
     loops: Option<ElementLoops>,
     /// What came of the loop, when it is done and has converged.
@@ -85,13 +85,12 @@ pub(super) struct Watcher<'a> {
 }
 
 impl<'a> Watcher<'a> {
-    /// `stored` is what is kept beside the fields; none for an amplitude whose fields are not.
     pub(super) fn new(
         interface: &'a Interface,
         prestress: &'a Fields,
         response: &'a [f64],
         index: usize,
-        stored: Option<Stored<'a>>,
+        stored: Stored<'a>,
         walks: Option<&'a Walks<'a>>,
         finish: &'a Finish<'a>,
     ) -> Self {
@@ -100,8 +99,8 @@ impl<'a> Watcher<'a> {
             prestress,
             motion: ResponseMotion::new(response),
             index,
-            store: stored.is_some(),
-            recorded: stored.map_or(&[], |stored| stored.elements),
+            store: stored.elements.is_some(),
+            recorded: stored.elements.unwrap_or(&[]),
             finish,
             walks,
             path: Vec::new(),
@@ -114,7 +113,7 @@ impl<'a> Watcher<'a> {
             open_fraction: 0.0,
             largest_sliding: 0.0,
             at_peak: None,
-            deformed: stored.is_some_and(|stored| stored.deformed),
+            stores_displacement: stored.displacement,
             displacement_at_peak: None,
             loops: None,
             fields: None,
@@ -204,7 +203,7 @@ impl LoopObserver<State> for Watcher<'_> {
             if self.store {
                 self.at_peak = Some(self.workspace.clone());
             }
-            if self.deformed {
+            if self.stores_displacement {
                 self.displacement_at_peak = Some(displacement.to_vec());
             }
         }

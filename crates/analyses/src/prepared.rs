@@ -203,7 +203,7 @@ impl Prepared {
             return Ok(None);
         };
         progress.note("the structure is factored again, to find displacements of the bodies");
-        Deformed::new(structure, &self.model, self.scene.bolts.behaviour, analysis).map(Some)
+        Deformed::new(structure, &self.model, &self.scene, analysis).map(Some)
     }
 
     /// Stiffness over the jump of the contact under the bolt loads with everything in contact stuck, symmetrised (N/m).

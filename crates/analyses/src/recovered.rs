@@ -2,7 +2,7 @@
 //!
 //! A finite mesh is too stiff: it lacks the flexibility of strains that it cannot follow. The energy of these strains is estimated by patch
 //! recovery ([`StrainErrors`]), as a small matrix over a few motions: the modes followed, and the motions at the peaks of two loops of each.
-//! Given back as flexibility along these motions, it makes a second structure. What changes in its modes and loops estimates what
+//! Given back as flexibility along these motions, it makes a second structure. What differs in its modes and in these loops estimates what
 //! the limit of the mesh would change.
 
 use super::deformed::unlocked;
@@ -22,7 +22,6 @@ use joint_model::Bodies;
 use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Quiet};
 use joints::structure::Structure;
-use scenes::Scene;
 
 /// Damping ratio from which on loops are chosen for the error of damping: below it no mesh resolves where slip begins.
 const RESOLVED_DAMPING: f64 = 5e-3;
@@ -75,20 +74,13 @@ impl Prepared {
                 numbers.iter().map(force).collect()
             })
             .collect();
-        let scene = loops_of(&self.scene, forces.iter().map(Vec::len).max().unwrap_or(0));
+        let mut scene = loops_alone(&self.scene, true);
+        scene.analyses.backbone.amplitudes = forces.iter().map(Vec::len).max().unwrap_or(0);
         let uncached = joints::store::Options {
             cache: None,
             ..self.options.clone()
         };
-        let solver = Solver {
-            neighbours: &[],
-            options: &uncached,
-            loop_elements: &[],
-            ..self.solver()
-        };
-        let interface = (&self.interface.interface, self.interface.closure);
-        let own = solver.analyse(&scene, interface.0, interface.1, Some(&forces), &quiet)?;
-        let motions = self.motions(&own)?;
+        let motions = self.motions(analysis, &chosen)?;
         let displacements = structure.displacements(&self.model, motions.as_ref())?;
         let errors = StrainErrors::try_new(mesh, &displacements).map_err(joints::Error::from)?;
         let n = errors.n_motions;
@@ -101,15 +93,19 @@ impl Prepared {
         )?;
         let solver = Solver {
             model: &softer,
-            ..solver
+            neighbours: &[],
+            options: &uncached,
+            loop_elements: &[],
+            ..self.solver()
         };
-        let other = solver.analyse(&scene, interface.0, interface.1, Some(&forces), &quiet)?;
+        let (interface, closure) = (&self.interface.interface, self.interface.closure);
+        let other = solver.analyse(&scene, interface, closure, Some(&forces), &quiet)?;
         let (mut frequency, mut damping) = (0.0_f64, None::<f64>);
-        for (own_mode, other_mode) in own.modes.iter().zip(&other.modes) {
+        for ((own_mode, numbers), other_mode) in analysis.modes.iter().zip(&chosen).zip(&other.modes) {
             let at = own_mode.mode - 1;
-            frequency = frequency.max((other.frequencies[at] / own.frequencies[at] - 1.0).abs());
-            for (a, b) in own_mode.amplitudes.iter().zip(&other_mode.amplitudes) {
-                let (Ok(a), Ok(b)) = (&a.point.result, &b.point.result) else {
+            frequency = frequency.max((other.frequencies[at] / analysis.frequencies[at] - 1.0).abs());
+            for (number, b) in numbers.iter().zip(&other_mode.amplitudes) {
+                let (Ok(a), Ok(b)) = (&own_mode.amplitudes[*number].point.result, &b.point.result) else {
                     continue;
                 };
                 frequency = frequency.max((b.omega / a.omega - 1.0).abs());
@@ -127,18 +123,18 @@ impl Prepared {
         })
     }
 
-    /// Modes and motions at the peaks of loops as columns, over the coordinates of the structure whose bolts are not locked.
-    fn motions(&self, analysis: &Analysis) -> Result<Mat<f64>, Error> {
+    /// Modes and motions at the peaks of the `chosen` loops of each as columns, over the coordinates of the structure whose bolts are not locked.
+    fn motions(&self, analysis: &Analysis, chosen: &[Vec<usize>]) -> Result<Mat<f64>, Error> {
         let scene = &self.scene;
         let locked = self.solver().locked(scene)?;
         let vibrating = locked.as_ref().unwrap_or(&self.model.reduced);
         let force = InterfaceForce::new(&self.interface.interface);
         let line = linearise(scene, vibrating, &force, &analysis.prestress.solution)?;
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for mode in &analysis.modes {
+        for (mode, numbers) in analysis.modes.iter().zip(chosen) {
             columns.push(line.shapes.col(mode.mode - 1).iter().copied().collect());
-            let peaks = mode.amplitudes.iter().filter_map(|amplitude| {
-                let peak = amplitude.fields.as_ref()?.displacement.as_ref()?;
+            let peaks = numbers.iter().filter_map(|number| {
+                let peak = mode.amplitudes[*number].fields.as_ref()?.displacement.as_ref()?;
                 Some(peak.iter().zip(line.displacement()).map(|(u, rest)| u - rest).collect())
             });
             columns.extend(peaks);
@@ -146,15 +142,6 @@ impl Prepared {
         let over_vibrating = Mat::from_fn(vibrating.mass.nrows(), columns.len(), |i, j| columns[j][i]);
         unlocked(&self.model, scene.bolts.behaviour, over_vibrating)
     }
-}
-
-/// The scene with loops at so many amplitudes alone, whose peaks are kept.
-fn loops_of(scene: &Scene, amplitudes: usize) -> Scene {
-    let mut scene = loops_alone(scene, true);
-    scene.analyses.backbone.amplitudes = amplitudes;
-    scene.output.fields_at = Some((1..=amplitudes).collect());
-    scene.output.deformed = true;
-    scene
 }
 
 /// Two amplitudes of a mode: the smallest and the largest whose damping a mesh resolves, or the last ones that have any.

@@ -159,6 +159,22 @@ impl SparseCholesky {
         Ok(elimination.run(name, limits)?.0)
     }
 
+    /// Factors a matrix whose rows `held` are coupled to no others.
+    ///
+    /// # Errors
+    /// As [`Self::try_new`]; [`Error::Memory`], [`Error::Interrupted`].
+    pub fn holding(
+        matrix: &CsMat<f64>,
+        positions: &[[f64; 3]],
+        held: &[usize],
+        name: &'static str,
+        limits: Limits<'_>,
+    ) -> Result<Self, Error> {
+        let elimination = Elimination::new(&[matrix], positions, 0, held);
+        elimination.refuse_too_large(0, name, limits)?;
+        Ok(elimination.run(name, limits)?.0)
+    }
+
     /// Factors all rows of `stiffness` but the first `n_kept`, and condenses it and `mass` onto those. The rows `held` of the
     /// stiffness, none of them kept, are coupled to no others.
     ///

@@ -196,7 +196,8 @@ fn reduce_parts(
     for (part, stuck) in stuck.into_iter().enumerate() {
         let system = parts.system(part);
         let acting = acting_loads(parts, part, settings);
-        let (basis, condensed) = Basis::try_new(&system, &stuck, retained[part], &acting, limits)?;
+        let (supported, condensed) = Supported::condense(&system, stuck.zero_energy(), limits)?;
+        let basis = Basis::try_new(&system, supported, &stuck, retained[part], &acting)?;
         drop(stuck);
         progress(Step::Stream, 0.8 * (part + 1) as f64 / parts.len() as f64);
         reduced.push(ReducedPart::try_new(basis, condensed, &parts.onto(part, rows))?);
@@ -382,7 +383,7 @@ impl ReducedPart {
 
 /// Displacements over `[jump; rest]` in motions of a reduced model, which are the columns of `motions`.
 ///
-/// The basis is not part of the model: it is found again, which takes as long as the reduction. `system`, `rows` and `settings` are those that
+/// The basis is not part of the model: it is found again, without attachment modes in less time than by the reduction. `system`, `rows` and `settings` are those that
 /// `model` was made of; it may have been truncated since.
 ///
 /// # Errors
@@ -427,7 +428,13 @@ fn displacements_of_parts(
     let systems: Vec<_> = (0..parts.len()).map(|part| parts.system(part)).collect();
     let bases = systems.iter().enumerate().map(|(part, system)| {
         let acting = acting_loads(parts, part, settings);
-        Ok(Basis::try_new(system, &stuck[part], retained[part], &acting, Limits::default())?.0)
+        let (zero_energy, limits) = (stuck[part].zero_energy(), Limits::default());
+        let supported = match acting.is_empty() {
+            true => Supported::try_new(system, zero_energy, limits)?,
+            // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.
+            false => Supported::condense(system, zero_energy, limits)?.0,
+        };
+        Basis::try_new(system, supported, &stuck[part], retained[part], &acting)
     });
     let bases = bases.collect::<Result<Vec<_>, Error>>()?;
     let of_basis = |basis: &Basis<'_>| (basis.interior.eigenvalues.clone(), basis.n_attachment);
@@ -473,14 +480,13 @@ struct Basis<'a> {
 impl<'a> Basis<'a> {
     fn try_new(
         system: &'a RelativeSystem,
+        supported: Supported,
         stuck: &Modes,
         n_modes: usize,
         attached: &[usize],
-        limits: Limits<'_>,
-    ) -> Result<(Self, Condensed), Error> {
+    ) -> Result<Self, Error> {
         let nd = system.n_relative;
         let n_rest = system.stiffness.rows() - nd;
-        let (supported, condensed) = Supported::try_new(system, stuck.zero_energy(), limits)?;
         let mut interior = Interior::modes(stuck, n_modes);
         // Where no mode is left out, the flexibility at the loads is complete without them.
         let complete = interior.eigenvalues.len() + stuck.n_zero == n_rest;
@@ -505,13 +511,12 @@ impl<'a> Basis<'a> {
             supported,
         };
         let momentum = static_part.momentum(static_part.supported.modes.as_ref());
-        let basis = Self {
+        Ok(Self {
             static_part,
             interior,
             n_attachment,
             momentum,
-        };
-        Ok((basis, condensed))
+        })
     }
 
     /// Rows over `[jump; rest]` times the basis.

@@ -8,6 +8,9 @@ use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use finite_elements::factor::{Condensed, SparseCholesky};
 
+/// What messages call the matrix that is factored.
+const NAME: &str = "stuck stiffness without its zero-energy modes";
+
 /// A semi-definite stiffness held at as many components as it has zero-energy modes.
 ///
 /// For loads in equilibrium the reactions vanish, so the solution is exact up to a zero-energy motion, which
@@ -22,9 +25,17 @@ pub(crate) struct Supported {
 }
 
 impl Supported {
-    /// Supports the rest of a system with the given zero-energy modes, and condenses it onto the jump: a rest that is
-    /// held follows the jump up to a zero-energy motion.
-    pub(crate) fn try_new(
+    /// Supports the rest of a system with the given zero-energy modes.
+    pub(crate) fn try_new(system: &RelativeSystem, modes: MatRef<'_, f64>, limits: Limits<'_>) -> Result<Self, Error> {
+        let held = components_to_hold(modes);
+        let stiffness = system.rest(&system.stiffness);
+        let positions = &system.positions[system.n_relative..];
+        let factor = SparseCholesky::holding(&stiffness, positions, &held, NAME, limits)?;
+        Ok(Self::new(system, factor, held, modes))
+    }
+
+    /// As [`Self::try_new`], and condenses the rest onto the jump: a rest that is held follows the jump up to a zero-energy motion.
+    pub(crate) fn condense(
         system: &RelativeSystem,
         modes: MatRef<'_, f64>,
         limits: Limits<'_>,
@@ -32,24 +43,26 @@ impl Supported {
         let nd = system.n_relative;
         let held = components_to_hold(modes);
         let fixed: Vec<usize> = held.iter().map(|component| nd + component).collect();
-        let name = "stuck stiffness without its zero-energy modes";
         let (factor, condensed) = SparseCholesky::condense(
             &system.stiffness,
             &system.mass,
             &system.positions,
             nd,
             &fixed,
-            name,
+            NAME,
             limits,
         )?;
+        Ok((Self::new(system, factor, held, modes), condensed))
+    }
+
+    fn new(system: &RelativeSystem, factor: SparseCholesky, held: Vec<usize>, modes: MatRef<'_, f64>) -> Self {
         let [_, mass_modes] = system.momentum(None, modes);
-        let supported = Self {
+        Self {
             factor,
             held,
             modes: modes.to_owned(),
             mass_modes,
-        };
-        Ok((supported, condensed))
+        }
     }
 
     /// One particular solution of `K x = b` for columns in equilibrium, in place.

@@ -1,4 +1,4 @@
-//! Files of mode shapes: table, VTK files for ParaView, and a page with a picture per mode.
+//! Files of mode shapes: table, VTK file for ParaView, and a page with a picture per mode.
 
 use crate::csv::{number, optional, table};
 use crate::html::{Picture, Table, render};
@@ -7,7 +7,7 @@ use crate::interactive::{Live, Shapes};
 use crate::map::rgb;
 use crate::markup::escape;
 use crate::styles::hex;
-use crate::{Error, Output, bodies, fields};
+use crate::{Error, Output, bodies};
 use askama::Template;
 use finite_elements::mesh::{Face, Mesh};
 use joints::structure::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
@@ -16,11 +16,8 @@ use std::fmt::Write;
 /// Name of the table.
 pub const TABLE: &str = "modes.csv";
 
-/// Name of the file that lists the VTK files for ParaView.
-pub const COLLECTION: &str = "modes.pvd";
-
-/// Name of the displacements in VTK files.
-const DISPLACEMENT: &str = "displacement [1/sqrt(kg)]";
+/// Name of the VTK file.
+pub const SHAPES: &str = "modes.vtu";
 
 /// Largest displacement in a picture over the longest extent of the structure.
 const DEFORMATION: f64 = 0.08;
@@ -37,30 +34,29 @@ const CLASSES: usize = 16;
 /// Direction towards the eye along the principal axes, the longest first.
 const EYE: [f64; 3] = [0.42, -0.72, 0.55];
 
-/// Name of the VTK file of a mode.
-pub fn shape_file(contact: Contact, mode: usize) -> String {
-    format!("modes-{}-{mode:02}.vtu", contact.name())
+/// Name of the displacements of a mode in the VTK file.
+pub fn shape(contact: Contact, mode: usize) -> String {
+    format!("{} {mode:02} [1/sqrt(kg)]", contact.name())
 }
 
-/// All files but the summary: table, VTK files with their collection, and the page, whose heading is `title` and which says `about` first.
+/// All files but the summary: table, VTK file, and the page, whose heading is `title` and which says `about` first.
 ///
 /// # Errors
 /// [`Error::Table`], [`Error::Shapes`], [`Error::Page`], [`Error::Summary`].
 pub fn outputs(model: &ModalModel, mesh: &Mesh, title: &str, about: &str) -> Result<Vec<Output>, Error> {
     let surface = mesh.boundary();
-    let mut outputs = vec![Output::new(TABLE, modes_table(model)?)];
-    let mut listed = Vec::new();
-    for of in &model.contacts {
-        for mode in &of.modes {
-            let name = shape_file(of.contact, mode.number);
-            listed.push(((listed.len() + 1) as f64, name.clone()));
-            let document = bodies::vtu(mesh, &surface, DISPLACEMENT, &mode.displacement).map_err(Error::Shapes)?;
-            outputs.push(Output::new(name, document));
-        }
-    }
-    outputs.push(Output::new(COLLECTION, fields::collection(&listed)));
-    outputs.push(Output::new("report.html", page(model, mesh, &surface, title, about)?));
-    Ok(outputs)
+    let all = model
+        .contacts
+        .iter()
+        .flat_map(|of| of.modes.iter().map(|mode| (of.contact, mode)));
+    let shapes: Vec<(String, &[[f64; 3]])> = all
+        .map(|(contact, mode)| (shape(contact, mode.number), mode.displacement.as_slice()))
+        .collect();
+    Ok(vec![
+        Output::new(TABLE, modes_table(model)?),
+        Output::new(SHAPES, bodies::vtu(mesh, &surface, &shapes).map_err(Error::Shapes)?),
+        Output::new("report.html", page(model, mesh, &surface, title, about)?),
+    ])
 }
 
 /// One row per mode.

@@ -86,7 +86,11 @@ impl<'a> Bodies<'a> {
     }
 
     fn file(&self, name: String, displacement: &[[f64; 3]]) -> Result<Output, Error> {
-        let document = bodies::vtu(&self.of.mesh, &self.surface, "displacement [m]", displacement);
+        let document = bodies::vtu(
+            &self.of.mesh,
+            &self.surface,
+            &[("displacement [m]".into(), displacement)],
+        );
         document
             .map(|document| Output::new(name, document))
             .map_err(Error::Shapes)

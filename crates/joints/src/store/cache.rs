@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// First line of a stored model; the numbers follow as little-endian doubles in the order of the fields.
+/// First line of a stored model; the numbers follow as little-endian doubles in the order of the fields, of mass and stiffness the lower triangles.
 #[derive(Serialize, Deserialize)]
 struct Header<F> {
     key: String,
@@ -38,27 +38,33 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
         return None;
     }
     let n = header.n;
+    // Two triangles, loads and recovery.
     let columns = n
-        .checked_mul(2)?
+        .checked_add(1)?
         .checked_add(header.n_loads)?
         .checked_add(header.n_recovered)?;
     if Some(payload.len()) != columns.checked_mul(n)?.checked_mul(8) || header.n_relative > n {
         return None;
     }
-    let mut numbers = payload
-        .chunks_exact(8)
-        .map(|c| f64::from_le_bytes(c.try_into().unwrap_or_default()));
-    let mut matrix = |rows: usize, columns: usize| {
-        let mut m = Mat::zeros(rows, columns);
-        for j in 0..columns {
-            for i in 0..rows {
-                m[(i, j)] = numbers.next().unwrap_or(f64::NAN);
+    let mut numbers = payload.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
+    let mut next = || numbers.next().unwrap_or(f64::NAN);
+    let mut symmetric = || {
+        let mut m = Mat::zeros(n, n);
+        for j in 0..n {
+            for i in j..n {
+                let value = next();
+                (m[(i, j)], m[(j, i)]) = (value, value);
             }
         }
         m
     };
-    let mass = matrix(n, n);
-    let stiffness = matrix(n, n);
+    let (mass, stiffness) = (symmetric(), symmetric());
+    let mut matrix = |rows, columns| {
+        let mut m = Mat::zeros(rows, columns);
+        m.col_iter_mut()
+            .for_each(|column| column.iter_mut().for_each(|value| *value = next()));
+        m
+    };
     let loads = matrix(n, header.n_loads);
     let recovery = matrix(header.n_recovered, n);
     let reduced = ReducedModel {
@@ -77,19 +83,7 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
 
 /// Stores a model with `facts` about it; the file appears whole or not at all.
 pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl Serialize) -> Result<(), Error> {
-    let mut payload = Vec::new();
-    let mut put = |m: faer::MatRef<'_, f64>| {
-        for column in m.col_iter() {
-            for value in column.iter() {
-                payload.extend_from_slice(&value.to_le_bytes());
-            }
-        }
-    };
-    put(reduced.mass.as_ref());
-    put(reduced.stiffness.as_ref());
     let n = reduced.mass.nrows();
-    put(Mat::from_fn(n, reduced.loads.len(), |i, j| reduced.loads[j][i]).as_ref());
-    put(reduced.recovery.as_ref());
     let header = Header {
         key: key.0.clone(),
         n,
@@ -109,6 +103,16 @@ pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl S
         source: error.into(),
     })?;
     bytes.push(b'\n');
-    bytes.extend_from_slice(&payload);
+    let mut put = |value: &f64| bytes.extend_from_slice(&value.to_le_bytes());
+    for matrix in [&reduced.mass, &reduced.stiffness] {
+        let lower = matrix
+            .col_iter()
+            .enumerate()
+            .flat_map(|(j, column)| column.iter().skip(j));
+        lower.for_each(&mut put);
+    }
+    reduced.loads.iter().flatten().for_each(&mut put);
+    let recovery = reduced.recovery.col_iter().flat_map(|column| column.iter());
+    recovery.for_each(&mut put);
     Ok(file_io::durable::write_sealed(&path, &bytes)?)
 }

@@ -40,7 +40,7 @@ pub struct Arguments {
     #[arg(long, value_name = "STIFFNESS", requires = "normal_stiffness")]
     tangential_stiffness: Option<f64>,
     /// Also the N lowest mode shapes of the unstressed assembly, with a stuck and with the linear interface: names, shares of energy,
-    /// effective masses, files for ParaView and a page with pictures.
+    /// effective masses, a file for ParaView and a page with pictures.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=200))]
     modes: Option<u16>,
     /// Also those about the prestress of the scene, with everything in contact stuck.
@@ -158,7 +158,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
         if is_large {
             writeln!(
                 text,
-                "the mesh has more than {LARGEST_VOLUME} elements: VTK files of the modes hold its surface only"
+                "the mesh has more than {LARGEST_VOLUME} elements: modes.vtu holds its surface only"
             )?;
         }
         outputs = modes::outputs(modal, mesh, &format!("{}: modes", scene.name), &about(modal, is_large))?;
@@ -221,14 +221,14 @@ fn listed(modal: &ModalModel) -> String {
 fn about(modal: &ModalModel, is_large: bool) -> String {
     let [x, y, z] = modal.centre;
     let files = match is_large {
-        true => "VTK files hold the surface of the mesh",
-        false => "VTK files hold the whole mesh",
+        true => "modes.vtu holds the surface of the mesh",
+        false => "modes.vtu holds the whole mesh",
     };
     format!(
         "{:.4} kg, centre of mass at ({x:.4}, {y:.4}, {z:.4}) m. Names say which share of the mass-weighted square of the motion \
          the cross-sections along the longest axis have as rigid bodies. Effective masses are those of the three translations and, about \
          the centre of mass, rotations. In the pictures the largest displacement is 8 % of the length, colours are magnitudes, and \
-         grey lines are the structure at rest. {files}; modes.pvd lists them for ParaView, with a time step per mode.",
+         grey lines are the structure at rest. {files} for ParaView, with an array of displacements per mode.",
         modal.mass
     )
 }

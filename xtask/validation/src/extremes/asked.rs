@@ -108,7 +108,7 @@ fn bolt_loads(bench: &Bench) -> Result<Findings> {
                 outcome @ Err(_) if friction == Friction::Resolved && !(1e2..1e5).contains(&load) => {
                     let refusal = Refusal {
                         place: "interfaces.law.bins.error",
-                        value: "1e-3",
+                        value: "3e-4",
                         remedy: "give their number",
                     };
                     findings.refused(&prefix, outcome, &refusal);
