@@ -284,6 +284,7 @@ impl Prepared {
                 })
             }),
             differentiated: self.differentiated(backbones),
+            nearest: warnings::nearest(frequencies, backbones.iter().map(|backbone| backbone.mode)),
         }
     }
 }

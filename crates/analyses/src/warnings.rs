@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Damping ratio from which on derivatives with fixed bins are those of whole runs within a sixth (`docs/guide/sensitivities.md`).
 const DIFFERENTIATED: f64 = 1e-2;
 
+/// Relative distance of two frequencies below which the smallest asymmetry mixes the shapes of their modes.
+const TWINS: f64 = 1e-3;
+
 /// Least and largest extent of a structure that is believed (m).
 const SIZES: [f64; 2] = [1e-3, 20.0];
 /// First elastic frequencies that are believed (Hz).
@@ -85,6 +88,8 @@ pub enum WarningKind {
     ContactCircles,
     /// Derivatives of damping depend on single bins of asperities; value and limit are damping ratios (-).
     DerivativesOfBins,
+    /// A mode that is followed has a twin; value and limit are relative distances of their frequencies (-).
+    TwinModes,
 }
 
 /// Something implausible.
@@ -120,6 +125,22 @@ pub struct Findings {
     pub contact_circles: Option<ContactCircles>,
     /// Smallest damping ratio that was differentiated by another number than a friction coefficient with friction of asperities.
     pub differentiated: Option<f64>,
+    /// Of the modes followed the one that is nearest to a neighbour, and that neighbour: numbers from 1 and linearised frequencies (Hz).
+    pub nearest: Option<[(usize, f64); 2]>,
+}
+
+/// Of the modes `followed` the one that is nearest to a neighbour, and that neighbour, among `frequencies` (Hz).
+pub(super) fn nearest(frequencies: &[f64], followed: impl Iterator<Item = usize>) -> Option<[(usize, f64); 2]> {
+    let of_mode = |mode: usize| Some((mode, *frequencies.get(mode.checked_sub(1)?)?));
+    followed
+        .flat_map(|mode| [[mode, mode + 1], [mode, mode - 1]])
+        .filter_map(|[mode, other]| Some([of_mode(mode)?, of_mode(other)?]))
+        .min_by(|a, b| apart(*a).total_cmp(&apart(*b)))
+}
+
+/// Relative distance of two frequencies.
+fn apart([(_, a), (_, b)]: [(usize, f64); 2]) -> f64 {
+    (b / a - 1.0).abs()
 }
 
 /// Contact circles beyond the formulas of contact, and what leads to them.
@@ -402,6 +423,16 @@ pub fn of_results(overview: &Overview, found: &Findings) -> Vec<Warning> {
         );
         add(WarningKind::DerivativesOfBins, damping, DIFFERENTIATED, message);
     }
+    if let Some(twins) = found.nearest.filter(|twins| apart(*twins) < TWINS) {
+        let [(mode, frequency), (other, _)] = twins;
+        let message = format!(
+            "modes {mode} and {other} are twins: their frequencies, {} Hz, differ by {:.0e} of it, so that any mix of their shapes is a mode as well, \
+             and damping is that of the mix found; follow both and compare, or model what makes the structure unsymmetric",
+            significant(frequency),
+            apart(twins)
+        );
+        add(WarningKind::TwinModes, apart(twins), TWINS, message);
+    }
     if let Some((frequency, limit)) = found.first_frequency.and_then(|f| Some((f, beyond(f, FREQUENCIES)?))) {
         let message = format!(
             "the first elastic frequency is {} Hz (plausible: {} to {} Hz); are the units right?",
@@ -458,6 +489,7 @@ mod tests {
             first_frequency: Some(170.0),
             contact_circles: None,
             differentiated: None,
+            nearest: Some([(1, 170.0), (2, 210.0)]),
         };
         (overview, findings)
     }
@@ -516,6 +548,9 @@ mod tests {
             only(|_, f| f.differentiated = Some(1e-4)),
             (K::DerivativesOfBins, 1e-4, 1e-2)
         );
+        let (kind, value, limit) = only(|_, f| f.nearest = Some([(3, 200.0), (2, 199.9)]));
+        assert_eq!((kind, limit), (K::TwinModes, 1e-3));
+        assert!((value - 5e-4).abs() < 1e-12);
         assert_eq!(
             only(|_, f| f.first_frequency = Some(0.44)),
             (K::FirstFrequency, 0.44, 1.0)
@@ -524,6 +559,16 @@ mod tests {
             only(|_, f| f.first_frequency = Some(2e5)),
             (K::FirstFrequency, 2e5, 1e5)
         );
+    }
+
+    #[test]
+    fn the_nearest_neighbour_of_the_modes_followed_is_found() {
+        let frequencies = [100.0, 150.0, 151.0, 300.0];
+        let nearest = |followed: &[usize]| nearest(&frequencies, followed.iter().copied());
+        assert_eq!(nearest(&[1]), Some([(1, 100.0), (2, 150.0)]));
+        assert_eq!(nearest(&[1, 3]), Some([(3, 151.0), (2, 150.0)]));
+        assert_eq!(nearest(&[4]), Some([(4, 300.0), (3, 151.0)]));
+        assert_eq!(nearest(&[]), None);
     }
 
     #[test]

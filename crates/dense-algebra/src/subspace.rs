@@ -1,6 +1,8 @@
 //! A few eigenpairs of a large dense pair.
 
-use crate::{Error, product, scattered, solve_lower, solve_lower_transposed, symmetric, symmetric_eigen};
+use crate::{
+    Error, cholesky_in_place, product, scattered, solve_lower, solve_lower_transposed, symmetric, symmetric_eigen,
+};
 use faer::{Mat, MatRef};
 
 /// Most subspace iterations; a dozen are usual.
@@ -21,13 +23,49 @@ const LARGEST_ROUND_OFF: f64 = 1e-6;
 const LARGEST_PLATEAU: f64 = 1e-9;
 const PLATEAU: usize = 5;
 
+/// Shift over the highest eigenvalue sought, where the lowest are so far below it that its inverse drowns in their round-off.
+const SHIFT: f64 = 1e-4;
+
+/// Round-off that each of them may have then.
+const KNOWN: f64 = 1e-2;
+
 /// The `count` lowest eigenpairs of `L L^T y = lambda m y` for a positive semi-definite `m`, with `y^T m y = 1`,
-/// by subspace iteration on `L^-1 m L^-T`, whose eigenvalues are `1 / lambda`.
+/// by subspace iteration on `L^-1 m L^-T`, whose eigenvalues are `1 / lambda`. Where these are too far apart, as those of a body on soft
+/// springs are, `L L^T` is shifted by a multiple of `m`.
 ///
 /// # Errors
 /// [`Error::Rank`] if `m` has fewer than `count` positive eigenvalues, or holds infinities or NaN;
 /// [`Error::NoConvergence`].
 pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let failed = || Error::NoConvergence { size: m.nrows() };
+    let highest = match iterate(lower, m, count)? {
+        Ok(found) => return Ok(found),
+        Err(highest) => highest,
+    };
+    let sigma = SHIFT * highest;
+    let size = m.nrows();
+    let lower = Mat::from_fn(size, size, |i, j| if i < j { 0.0 } else { lower[(i, j)] });
+    let stiffness = product(lower.as_ref(), lower.transpose());
+    let shifted = Mat::from_fn(size, size, |i, j| stiffness[(i, j)] + sigma * m[(i, j)]);
+    let shifted = cholesky_in_place(shifted).map_err(|_| failed())?;
+    let (values, shapes) = iterate(shifted.as_ref(), m, count)?.map_err(|_| failed())?;
+    let values: Vec<f64> = values.into_iter().map(|value| value - sigma).collect();
+    // What round-off in the entries of the matrix is to the quotient of a shape.
+    let sizes = |a: &Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)].abs());
+    let (sizes, terms) = (
+        sizes(&shapes),
+        product(sizes(&stiffness).as_ref(), sizes(&shapes).as_ref()),
+    );
+    let noise = |j: usize| f64::EPSILON * (sizes.col(j).transpose() * terms.col(j));
+    let are_known = values.iter().enumerate().all(|(j, value)| noise(j) < KNOWN * value);
+    if are_known { Ok((values, shapes)) } else { Err(failed()) }
+}
+
+/// Eigenvalues and shapes.
+type Pairs = (Vec<f64>, Mat<f64>);
+
+/// As [`lowest_pairs`], without a shift; the last estimate of the highest eigenvalue sought where they do not settle.
+fn iterate(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) -> Result<Result<Pairs, f64>, Error> {
     let size = m.nrows();
     // Forming the product of three matrices would cost more than all iterations.
     let apply = |basis: &Mat<f64>| {
@@ -71,10 +109,10 @@ pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) ->
             let mut shapes = Mat::from_fn(size, count, |i, j| image[(i, image.ncols() - 1 - j)]);
             solve_lower_transposed(lower, shapes.as_mut());
             normalise(&mut shapes, m);
-            return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
+            return Ok(Ok((values.iter().map(|v| 1.0 / v).collect(), shapes)));
         }
     }
-    Err(Error::NoConvergence { size })
+    Ok(Err(previous.last().map_or(f64::NAN, |value| 1.0 / value)))
 }
 
 /// Makes the columns orthonormal in the inner product of `m`, the first ones first: a far lower eigenvalue enlarges what

@@ -159,7 +159,19 @@ fn a_mode_far_below_the_others_does_not_keep_them_from_being_found() {
         let gram = product(shapes.transpose(), shapes.as_ref());
         assert!((gram - Mat::<f64>::identity(6, 6)).norm_max() < 1e-7);
     }
-    // Where the others drown altogether, that is said.
+    // The others drown: they are found about a shift, the lowest as far as the matrix has it.
+    let values: Vec<f64> = (0..120)
+        .map(|i| match i {
+            0 | 1 => 1e-4 * f64::from(1 + i),
+            _ => 1e4 * f64::from(i).powi(2),
+        })
+        .collect();
+    let lower = cholesky(with_spectrum(&values).as_ref()).unwrap();
+    let (found, _) = lowest_pairs(lower.as_ref(), Mat::identity(120, 120).as_ref(), 6).unwrap();
+    for (i, (f, v)) in found.iter().zip(&values).enumerate() {
+        assert!((f / v - 1.0).abs() < if i < 2 { 1e-2 } else { 1e-8 }, "{f:e} {v:e}");
+    }
+    // Where it has nothing of it, that is said.
     let values: Vec<f64> = (0..120)
         .map(|i| if i == 0 { 1e-12 } else { 1e3 + f64::from(i) })
         .collect();

@@ -21,6 +21,10 @@ const MASSLESS: f64 = 1e-13;
 /// Vectors advanced together: more cost little, because each solve reads the whole factor.
 const BLOCK: usize = 8;
 
+/// `omega^2` over [`shift`] from which a mode stores energy: motions without any are found at 1e-8 of it at most, and bodies on springs of 1 N/m
+/// must be told from them.
+const ENERGY: f64 = 1e-6;
+
 /// Most vectors of a subspace, relative to the number of modes.
 const MOST_VECTORS: usize = 20;
 
@@ -71,8 +75,7 @@ pub fn shift(stiffness: &CsMat<f64>, mass: &CsMat<f64>) -> f64 {
 
 /// The `n_elastic` lowest modes that store energy, or all that have mass if there are fewer, and all that do not.
 ///
-/// A mode counts as free of energy when its `omega^2` is below 1e-4 of [`shift`] or 1e-6 of the first elastic one found,
-/// whichever is larger.
+/// A mode counts as free of energy when its `omega^2` is below 1e-6 of [`shift`] or of the first elastic one found, whichever is larger.
 ///
 /// # Errors
 /// [`Error::NotPositiveDefinite`] if `K + sigma M` is not definite, [`Error::EigenNotConverged`] if the residuals of
@@ -154,7 +157,7 @@ fn subspace(
     let (eigenvalues, shapes, n_zero, vectors) = loop {
         let (vectors, basis) = krylov_basis(mass, factor, wanted, least, tolerance, limits)?;
         let (eigenvalues, shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
-        let n_zero = count_zero(&eigenvalues, 1e-4 * sigma);
+        let n_zero = count_zero(&eigenvalues, ENERGY * sigma);
         if n_zero + n_elastic <= eigenvalues.len() || wanted == n {
             break (eigenvalues, shapes, n_zero, vectors);
         }
@@ -240,7 +243,7 @@ fn all_modes(stiffness: &CsMat<f64>, mass: &CsMat<f64>, n_elastic: usize) -> Res
     (modes.eigenvalues, modes.shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
     let largest = modes.eigenvalues.last().map_or(0.0, |w2| w2.abs());
     // Above the round-off of the decomposition, which is relative to the largest.
-    modes.n_zero = count_zero(&modes.eigenvalues, (1e-4 * sigma).max(1e-13 * largest));
+    modes.n_zero = count_zero(&modes.eigenvalues, (ENERGY * sigma).max(1e-13 * largest));
     let keep = (modes.n_zero + n_elastic).min(modes.eigenvalues.len());
     modes.eigenvalues.truncate(keep);
     modes.shapes.truncate(n, keep);

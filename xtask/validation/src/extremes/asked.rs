@@ -42,6 +42,12 @@ pub(super) static CASES: &[Case] = &[
         run: periodic,
     },
     Case {
+        name: "epmc-of-asperities",
+        change: "free periodic motions with friction resolved over asperities, from 1 nm to 20 um",
+        expected: "frequencies and damping beside those of loops: the loops' secants to a thousandth, their damping to a fifth where it is above 1e-5",
+        run: periodic_resolved,
+    },
+    Case {
         name: "forced-1e-9-N-to-1-kN",
         change: "harmonic forces of 1e-9 N and of 1 kN about the first resonance",
         expected: "a linear resonance of the background damping; far less amplitude per force at 1 kN, or a reason why the curve ends",
@@ -244,6 +250,39 @@ fn periodic(bench: &Bench) -> Result<Findings> {
         first.omega / TAU,
         found.last().map_or(f64::NAN, |m| m.omega / TAU)
     );
+    Ok(findings)
+}
+
+fn periodic_resolved(bench: &Bench) -> Result<Findings> {
+    let run = bench.run(|scene| {
+        resolve(scene);
+        scene.analyses.backbone.amplitude_from = Length::from_si(1e-9);
+        scene.analyses.backbone.amplitude_to = Length::from_si(2e-5);
+        scene.analyses.backbone.amplitudes = 5;
+        scene.analyses.epmc = Some(Epmc::default());
+    })?;
+    let mut findings = Findings::default();
+    findings.sound("", &run)?;
+    let epmc = run.first().epmc.as_ref().context("no periodic motions")?;
+    findings.that(
+        "one result for each amplitude",
+        epmc.points.len() == run.amplitudes().len(),
+    );
+    let mut told = Vec::new();
+    for (loops, motion) in run.amplitudes().iter().zip(&epmc.points) {
+        let name = format!("{:.0e} m, ", loops.response_displacement.unwrap_or(f64::NAN));
+        let (Ok(loops), Ok(motion)) = (&loops.point.result, &motion.result) else {
+            findings.that(&format!("{name}converged"), false);
+            continue;
+        };
+        findings.equal(&format!("{name}frequency (rad/s)"), motion.omega, loops.omega, 1e-3);
+        let damping = motion.zeta.unwrap_or(0.0);
+        if loops.zeta > 1e-5 {
+            findings.equal(&format!("{name}damping"), damping, loops.zeta, 0.2);
+        }
+        told.push(format!("{damping:.1e} ({:.1e})", loops.zeta));
+    }
+    findings.outcome = format!("damping (that of loops) {}", told.join(", "));
     Ok(findings)
 }
 

@@ -2,16 +2,19 @@
 
 use super::bench::Bench;
 use super::case::Case;
-use super::findings::Findings;
-use analyses::{Run, run};
-use anyhow::{Context, Result};
+use super::findings::{Findings, worst};
+use analyses::warnings::WarningKind;
+use analyses::{Prepared, Run, run};
+use anyhow::{Context, Result, bail};
 use brake_reuss_beam::BrakeReussBenchmark;
 use finite_elements::elements::{Cell, Formulation, HEX8};
 use finite_elements::formats::gmsh;
-use finite_elements::mesh::{Element, Face, Group, Material, Mesh};
+use finite_elements::mesh::{Element, Face, GroundSpring, Group, Material, Mesh};
+use joint_model::Bodies;
 use joints::Options;
 use joints::progress::Silent;
-use scenes::Scene;
+use joints::structure::Structure;
+use scenes::{Length, Scene};
 use serde_json::json;
 
 pub(super) static CASES: &[Case] = &[
@@ -34,6 +37,18 @@ pub(super) static CASES: &[Case] = &[
         run: stiff_below,
     },
     Case {
+        name: "twin-modes",
+        change: "two square columns end to end, whose bending modes are twins, and the same with sides of 1 : 1.02",
+        expected: "equal frequencies and a warning that shapes are mixed; two frequencies about them without it",
+        run: twins,
+    },
+    Case {
+        name: "soft-springs",
+        change: "two bolted plates on springs of 1 N/m at three corners",
+        expected: "converges; six motions of the plates below a fiftieth of the first elastic frequency, which is that of free plates, as is its backbone",
+        run: soft_springs,
+    },
+    Case {
         name: "aspect-1-to-1e3",
         change: "two bolted plates a thousandth as wide as long, one element across",
         expected: "converges; frequencies of bending as of wide plates, in which no stress varies across",
@@ -47,12 +62,16 @@ const LENGTH: f64 = 0.12;
 /// Elements of a plate along, across and through it.
 const CELLS: [usize; 3] = [24, 4, 2];
 
-/// Two plates that overlap by two thirds of their length, clamped together by a bolt in the middle of the overlap.
+/// Two plates that overlap, clamped together by a bolt in the middle of the overlap.
 struct Plates {
     /// Times the usual size.
     scale: f64,
+    /// What is not overlapped, over their length.
+    shift: f64,
     /// Over its length.
     width: f64,
+    /// Over its length.
+    thickness: f64,
     cells: [usize; 3],
     poisson_ratio: f64,
     /// Young's modulus of the lower plate over that of the upper one.
@@ -65,7 +84,9 @@ impl Default for Plates {
     fn default() -> Self {
         Self {
             scale: 1.0,
+            shift: 1.0 / 3.0,
             width: 0.25,
+            thickness: 1.0 / 12.0,
             cells: CELLS,
             poisson_ratio: 0.3,
             stiffer_below: 1.0,
@@ -88,7 +109,7 @@ impl Plates {
                     let at = [
                         x + i as f64 / nx as f64,
                         self.width * j as f64 / ny as f64,
-                        z + THICKNESS * k as f64 / nz as f64,
+                        z + self.thickness * k as f64 / nz as f64,
                     ];
                     mesh.nodes.push(at.map(|c| length * c));
                 }
@@ -137,8 +158,8 @@ impl Plates {
             materials: ["upper", "lower"].map(material).into(),
             ..Mesh::default()
         };
-        let [contact_above, top] = self.add(&mut mesh, [1.0 / 3.0, 0.0], 0)?;
-        let [bottom, contact_below] = self.add(&mut mesh, [0.0, -THICKNESS], 1)?;
+        let [contact_above, top] = self.add(&mut mesh, [self.shift, 0.0], 0)?;
+        let [bottom, contact_below] = self.add(&mut mesh, [0.0, -self.thickness], 1)?;
         // Elements about the middle of the overlap, of each plate.
         let (nx, ny) = (self.cells[0], self.cells[1]);
         let seat = |faces: &[Face], from: usize| -> Vec<Face> {
@@ -149,7 +170,9 @@ impl Plates {
             name: name.into(),
             members,
         };
-        let (head, nut) = (seat(&top, nx / 4), seat(&bottom, nx / 4 + nx / 3));
+        let beyond = (self.shift * nx as f64).round() as usize;
+        let first = (nx - beyond) / 2 - nx / 12;
+        let (head, nut) = (seat(&top, first), seat(&bottom, first + beyond));
         let faces = [
             group("upper face", contact_above),
             group("lower face", contact_below),
@@ -161,7 +184,7 @@ impl Plates {
             .with_context(|| format!("writing {}", path.display()))?;
         let (unit, size) = self.unit;
         let length = self.scale * LENGTH;
-        let tip = [4.0 / 3.0, 0.0, THICKNESS].map(|c| length * c / size);
+        let tip = [1.0 + self.shift, 0.0, self.thickness].map(|c| length * c / size);
         let newton = |force: f64| format!("{force:e} N");
         let metre = |length: f64| format!("{length:e} m");
         let stiffness = |k: f64| format!("{:e} Pa/m", k / self.scale);
@@ -205,9 +228,6 @@ impl Plates {
         Ok(run(&self.scene(bench, name)?, &Options::default(), &Silent)?)
     }
 }
-
-/// Thickness of a plate over its length.
-const THICKNESS: f64 = 1.0 / 12.0;
 
 fn sizes(bench: &Bench) -> Result<Findings> {
     let usual = Plates::default().run(bench, "plates")?;
@@ -261,6 +281,109 @@ fn stiff_below(bench: &Bench) -> Result<Findings> {
     findings.outcome = format!(
         "converged, {:.4} and {:.4} Hz",
         less.frequencies[0], more.frequencies[0]
+    );
+    Ok(findings)
+}
+
+fn twins(bench: &Bench) -> Result<Findings> {
+    let of_width = |width: f64, name: &str| -> Result<Run> {
+        let columns = Plates {
+            shift: 0.0,
+            width,
+            thickness: 4.0,
+            cells: [12; 3],
+            ..Plates::default()
+        };
+        let mut scene = columns.scene(bench, name)?;
+        // Far below what parts the columns.
+        scene.analyses.backbone.amplitude_from = Length::from_si(1e-8);
+        scene.analyses.backbone.amplitude_to = Length::from_si(1e-6);
+        scene.analyses.modes.followed = vec![1, 2];
+        Ok(run(&scene, &Options::default(), &Silent)?)
+    };
+    let (square, oblong) = (of_width(1.0, "square")?, of_width(1.02, "oblong")?);
+    let mut findings = Findings::default();
+    findings.sound("square, ", &square)?;
+    findings.sound("oblong, ", &oblong)?;
+    let is_warned = |run: &Run| {
+        run.warnings
+            .iter()
+            .any(|warning| warning.kind == WarningKind::TwinModes)
+    };
+    findings.that(
+        "a warning of the square ones alone",
+        is_warned(&square) && !is_warned(&oblong),
+    );
+    let [first, second] = [0, 1].map(|mode| square.frequencies[mode]);
+    findings.equal("frequencies of the twins (Hz)", second, first, 1e-6);
+    findings.between(
+        "first of the oblong ones over it",
+        oblong.frequencies[0] / first,
+        0.99,
+        1.01,
+    );
+    findings.between(
+        "their second over their first",
+        oblong.frequencies[1] / oblong.frequencies[0],
+        1.005,
+        1.04,
+    );
+    findings.outcome = format!(
+        "converged, {first:.4} Hz and {:.1e} more; {:.4} and {:.4} Hz of oblong ones",
+        second / first - 1.0,
+        oblong.frequencies[0],
+        oblong.frequencies[1]
+    );
+    Ok(findings)
+}
+
+fn soft_springs(bench: &Bench) -> Result<Findings> {
+    let mut scene = Plates::default().scene(bench, "free")?;
+    let free = run(&scene, &Options::default(), &Silent)?;
+    let mut joint = Structure::try_new(&scene, &Silent)?.joint;
+    let Bodies::Meshed(bodies) = &mut joint.bodies else {
+        bail!("plates without a mesh");
+    };
+    let nodes = &bodies.assembly.mesh.nodes;
+    // Two ends of the upper plate, and a corner of the lower one: not on one line.
+    let last = (nodes.len() - 1) as u32;
+    let springs = [0, CELLS[0] as u32, last].into_iter().flat_map(|node| {
+        (0..3).map(move |component| GroundSpring {
+            node,
+            component,
+            stiffness: 1.0,
+        })
+    });
+    bodies.assembly.springs.extend(springs);
+    bodies.rigid_motions = 0;
+    scene.analyses.modes.followed = vec![7];
+    scene.analyses.modes.number = 10;
+    let structure = Structure::from_joint(&scene.model, scene.bolts.behaviour, joint);
+    let held = Prepared::try_new(&scene, &structure, &Options::default(), &Silent)?.solve(&Silent)?;
+    let mut findings = Findings::default();
+    findings.sound("free, ", &free)?;
+    findings.count(&held);
+    findings.within("residual of the prestress", held.prestress.residual_ratio, 1e-6);
+    findings.within(
+        "highest motion of the plates over the first elastic frequency",
+        held.frequencies[5] / free.frequencies[0],
+        0.02,
+    );
+    findings.equal(
+        "first elastic frequency (Hz)",
+        held.frequencies[6],
+        free.frequencies[0],
+        1e-5,
+    );
+    let pairs = held.amplitudes().iter().zip(free.amplitudes());
+    let differences = pairs.map(|(a, b)| match (&a.point.result, &b.point.result) {
+        (Ok(a), Ok(b)) => (a.omega / b.omega - 1.0).abs().max((a.zeta - b.zeta).abs()),
+        _ => f64::NAN,
+    });
+    findings.within("frequencies and damping along the backbone", worst(differences), 1e-4);
+    findings.outcome = format!(
+        "converged, plates at {:.3} to {:.3} Hz, then {:.4} Hz; free {:.4} Hz",
+        held.frequencies[0], held.frequencies[5], held.frequencies[6], free.frequencies[0]
     );
     Ok(findings)
 }
