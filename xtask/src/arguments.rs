@@ -78,6 +78,9 @@ pub struct Trade {
     /// Settings to measure, such as mesh [default: all].
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub only: Vec<String>,
+    /// Files of the scene's mesh, from coarse to fine, where it comes as a file.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub meshes: Vec<PathBuf>,
     /// A coarse mesh and only what takes seconds on it, for a look.
     #[arg(long)]
     pub quick: bool,

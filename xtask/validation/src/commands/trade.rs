@@ -13,7 +13,7 @@ use xtask::arguments;
 pub(crate) fn run(arguments: &arguments::Trade, defaults: &Defaults) -> Result<Outcome> {
     let scene = arguments.scene.read(defaults)?.scene;
     let identity = results_of("trade", &scene);
-    let plan = Plan::try_new(scene, &arguments.only, arguments.quick)?;
+    let plan = Plan::try_new(scene, &arguments.only, arguments.quick, &arguments.meshes)?;
     let results = arguments.overwrite.open(&arguments.out, &identity, &[])?;
     let runs = arguments.out.join("runs");
     std::fs::create_dir_all(&runs).with_context(|| format!("making the folder {}", runs.display()))?;
@@ -27,7 +27,12 @@ pub(crate) fn run(arguments: &arguments::Trade, defaults: &Defaults) -> Result<O
         drop(writeln!(std::io::stderr(), "{line}"));
     })?;
     publish(results, &trade.outputs)?;
-    let names = trade.outputs.each_ref().map(|o| o.name.as_str()).join(", ");
+    let names = trade
+        .outputs
+        .iter()
+        .map(|o| o.name.as_str())
+        .collect::<Vec<_>>()
+        .join(", ");
     print(&format!(
         "\n{}\nwritten to {}: {names}\n",
         trade.table,

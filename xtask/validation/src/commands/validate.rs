@@ -50,7 +50,7 @@ fn compute(report: Report, out: &Path, defaults: &Defaults) -> Result<Value> {
     Ok(match report {
         Report::Scenes => scenes(defaults)?,
         Report::Paper => rows(&task()?, &["id", "computed"]),
-        Report::Trade => rows(&task()?["settings"], &["name", "errors", "seconds", "peak_memory"]),
+        Report::Trade => rows(&task()?["rungs"], &["name", "errors", "seconds", "peak_memory"]),
         Report::Extremes => {
             let found = task()?;
             let done = found["cases"].as_array().map_or(0, Vec::len);

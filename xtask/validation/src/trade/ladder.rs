@@ -112,7 +112,8 @@ pub(super) fn ladder(parameter: Parameter, measured: Vec<Result<Measured, String
     }
 }
 
-fn errors(setting: &Measured, reference: &Measured) -> Errors {
+/// How far a setting is from another.
+pub(super) fn errors(setting: &Measured, reference: &Measured) -> Errors {
     let at = |amplitude: f64| setting.backbone.at(amplitude).zip(reference.backbone.at(amplitude));
     let shift = |amplitude| {
         let ((own, _), (right, _)) = at(amplitude)?;

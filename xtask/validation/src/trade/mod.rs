@@ -3,6 +3,7 @@
 //! Every setting of every parameter is a run in a process of its own, one after another, so that time and memory are
 //! its own. A setting is judged against the last one of its parameter.
 
+mod front;
 mod ladder;
 mod page;
 mod parameters;
@@ -10,11 +11,12 @@ mod parameters;
 use analyses::comparison::{Backbone, Point};
 use analyses::results::summary::Summary;
 use anyhow::{Context, Result, anyhow, bail};
+use front::Front;
 use ladder::{Ladder, Measured, Part, budget, exceeded, ladder, total};
 use parameters::{AMPLITUDES, Parameter, Setting, Source};
 use reports::Output;
 use reports::names::SUMMARY;
-use scenes::Scene;
+use scenes::{EPMC, Scene};
 use serde_json::{Map, Value, json};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -33,17 +35,23 @@ pub struct Launcher {
 pub struct Plan {
     base: Scene,
     parameters: Vec<Parameter>,
+    /// What all settings are compared with on one plane, if all are measured.
+    truth: Option<Setting>,
 }
 
 impl Plan {
-    /// The settings of `scene` that are named, all without any; `quick` on a coarse mesh and only what takes seconds on it.
+    /// The settings of `scene` that are named, all without any; `quick` on a coarse mesh and only what takes seconds on it. `meshes` are files of
+    /// the scene's mesh from coarse to fine.
     ///
     /// # Errors
     /// An unknown name, listing those that exist; a scene that cannot be varied.
-    pub fn try_new(scene: Scene, only: &[String], quick: bool) -> Result<Self> {
+    pub fn try_new(scene: Scene, only: &[String], quick: bool, meshes: &[PathBuf]) -> Result<Self> {
+        if !meshes.is_empty() && scene.structure.mesh().is_none() {
+            bail!("--meshes: the structure of the scene {} is not a mesh file", scene.name);
+        }
         let base = parameters::base(scene, quick);
         let wanted = |name: &str| only.is_empty() || only.iter().any(|only| only == name);
-        let mut parameters = parameters::all(&base, quick, wanted)?;
+        let mut parameters = parameters::all(&base, quick, meshes, wanted)?;
         for name in only {
             if parameters.iter().all(|parameter| parameter.name != name) {
                 let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
@@ -51,7 +59,14 @@ impl Plan {
             }
         }
         parameters.retain(|parameter| wanted(parameter.name));
-        Ok(Self { base, parameters })
+        let truth = only
+            .is_empty()
+            .then(|| parameters::truth(&base, quick, meshes.last().map(PathBuf::as_path)));
+        Ok(Self {
+            base,
+            parameters,
+            truth,
+        })
     }
 
     /// Runs everything, or takes what an equal scene left in the folder `runs`. `show` is given a line after each run.
@@ -62,11 +77,13 @@ impl Plan {
         let runs = runs
             .canonicalize()
             .with_context(|| format!("finding the folder {}", runs.display()))?;
-        let all = 1 + self
-            .parameters
-            .iter()
-            .map(|parameter| parameter.settings.len())
-            .sum::<usize>();
+        let all = 1
+            + usize::from(self.truth.is_some())
+            + self
+                .parameters
+                .iter()
+                .map(|parameter| parameter.settings.len())
+                .sum::<usize>();
         let mut bench = Bench::new(runs, launcher, &show, all);
         let ladders: Vec<Ladder> = self
             .parameters
@@ -84,16 +101,32 @@ impl Plan {
         let own = bench.run("scene", &Setting::new("as it is", self.base.clone()));
         let own = own.map_err(|reason| anyhow!("the scene itself failed: {reason}"))?;
         let budget = budget(&ladders, &own);
-        let report = report(&ladders, &self.base, &budget, &own);
+        let mut report = report(&ladders, &self.base, &budget, &own);
+        let front = match &self.truth {
+            None => None,
+            Some(truth) => {
+                let measured = bench.run("truth", truth);
+                let measured = measured.map_err(|reason| anyhow!("the run with all settings fine failed: {reason}"))?;
+                Some(Front::new(&ladders, &truth.scene, &measured))
+            }
+        };
+        report["front"] = json!(front.as_ref().map(Front::json));
         let table = page::markdown(&ladders, &budget);
         let outcomes = || ladders.iter().flat_map(|ladder| &ladder.outcomes);
         Ok(Trade {
             outputs: [
-                Output::new("trade.csv", page::csv(&ladders)?),
-                Output::new("trade.md", table.clone()),
-                Output::new("trade.svg", page::pareto(&ladders)?),
-                Output::new("trade.json", format!("{report:#}\n")),
-            ],
+                Some(Output::new("trade.csv", page::csv(&ladders)?)),
+                Some(Output::new("trade.md", table.clone())),
+                Some(Output::new("trade.svg", page::pareto(&ladders)?)),
+                front
+                    .map(|front| page::front(&front, &self.base.name))
+                    .transpose()?
+                    .map(|picture| Output::new("front.svg", picture)),
+                Some(Output::new("trade.json", format!("{report:#}\n"))),
+            ]
+            .into_iter()
+            .flatten()
+            .collect(),
             table,
             failed: outcomes().filter(|outcome| outcome.measured.is_err()).count(),
             exceeded: exceeded(&ladders),
@@ -104,7 +137,7 @@ impl Plan {
 /// What was measured.
 pub struct Trade {
     /// Its files.
-    pub outputs: [Output; 4],
+    pub outputs: Vec<Output>,
     /// Markdown.
     pub table: String,
     /// Number of runs that failed.
@@ -241,8 +274,11 @@ impl<'a> Bench<'a> {
                     .filter_map(|b| point(b.response_displacement, b.frequency_hz, b.damping_ratio))
                     .collect()
             }
-            Source::Method(method) => {
-                let points = summary.methods.get(method.name());
+            Source::Method(_) | Source::Epmc => {
+                let points = summary.methods.get(match setting.source {
+                    Source::Method(method) => method.name(),
+                    _ => EPMC,
+                });
                 points
                     .context("the summary has no backbone of the method")?
                     .iter()
@@ -267,6 +303,7 @@ impl<'a> Bench<'a> {
         let own = match setting.source {
             Source::Loops => "backbone",
             Source::Method(_) => "methods",
+            Source::Epmc => EPMC,
             Source::Ensemble(_) => "ensemble",
         };
         let (structure, memory) = self.structure_of(summary);

@@ -1,10 +1,11 @@
 //! What was measured as a table and a picture.
 
-use super::ladder::{Ladder, Measured, Part, total};
+use super::front::{Front, Placed};
+use super::ladder::{Errors, Ladder, Measured, Part, total};
 use super::parameters::{AMPLITUDES, Source};
 use plotters::prelude::*;
 use reports::csv::table;
-use reports::plot::{Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
+use reports::plot::{Band, Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
 use reports::{Drawing, Error};
 use std::fmt::Write;
 
@@ -226,6 +227,92 @@ fn draw(ladders: &[Ladder], root: &Canvas<'_>) -> Result<(), Drawing> {
             [&plain, &power],
             &curves,
             &[],
+            SeriesLabelPosition::LowerLeft,
+        )?;
+    }
+    Ok(())
+}
+
+/// All settings of the scene `name` on one plane, with those on the Pareto front named.
+pub(crate) fn front(front: &Front, name: &str) -> Result<String, Error> {
+    picture("all settings on one plane", SIZE, |root| draw_front(front, name, root))
+}
+
+/// What settings that nothing beats are drawn in.
+const BEST: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+
+fn draw_front(front: &Front, name: &str, root: &Canvas<'_>) -> Result<(), Drawing> {
+    let title = match front.physics {
+        Some(_) => format!("{name}: settings against all fine; band: physics against the measured beam"),
+        None => format!("{name}: settings against all fine"),
+    };
+    let root = root.titled(&title, ("sans-serif", 18))?;
+    let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
+    let frequency: fn(&Errors) -> Option<f64> = |errors| Some(errors.frequency()).filter(|error| *error > 0.0);
+    let damping: fn(&Errors) -> Option<f64> = |errors| errors.damping().filter(|error| *error > 0.0);
+    for (area, y_label, x_label, error, physics) in [
+        (
+            &upper,
+            "largest relative error of frequency",
+            "",
+            frequency,
+            front.physics,
+        ),
+        (
+            &lower,
+            "largest error of ln(damping ratio)",
+            "seconds from nothing",
+            damping,
+            None,
+        ),
+    ] {
+        let place = |placed: &Placed| Some((placed.seconds, error(&placed.errors)?));
+        let all: Vec<(f64, f64)> = front.settings.iter().filter_map(place).collect();
+        let best = front.best(error);
+        let curve = |name: String, colour, dashes, marks, points: Vec<(f64, f64)>| Curve {
+            name,
+            colour,
+            dashes,
+            marks,
+            points: points.into_iter().enumerate().map(|(i, (x, y))| (i, x, y)).collect(),
+        };
+        let grey = RGBColor(150, 150, 150);
+        let line = best.iter().filter_map(|placed| place(placed)).collect();
+        let mut curves = vec![
+            curve(String::new(), grey, None, Marks::Bounds, all.clone()),
+            curve("Pareto front".into(), grey, Some((4, 4)), Marks::None, line),
+        ];
+        curves.extend(best.iter().enumerate().map(|(i, placed)| {
+            let name = format!("{:.1} s, {}", placed.seconds, placed.name);
+            let point = place(placed).into_iter().collect();
+            curve(name, BEST[i % BEST.len()], None, Marks::Triangles, point)
+        }));
+        let ends = physics.into_iter().flatten().filter(|end| *end > 0.0);
+        let x = widen(&bounds(all.iter().map(|p| p.0)).unwrap_or(1.0..10.0), 1.5);
+        let y = widen(&bounds(all.iter().map(|p| p.1).chain(ends)).unwrap_or(1e-6..1.0), 2.0);
+        let band = physics.map(|[low, high]| Band {
+            colour: grey,
+            points: vec![(x.start, low.max(y.start), high), (x.end, low.max(y.start), high)],
+        });
+        let (x_ticks, y_ticks) = (ticks(&x), ticks(&y));
+        let plain = |value: &f64| format!("{value}");
+        panel(
+            area,
+            log(&x, &x_ticks),
+            log(&y, &y_ticks),
+            y_label,
+            x_label,
+            [&plain, &power],
+            &curves,
+            band.as_slice(),
             SeriesLabelPosition::LowerLeft,
         )?;
     }

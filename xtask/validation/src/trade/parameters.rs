@@ -9,15 +9,20 @@ use joints::interface::ScannedSurface;
 use joints::progress::Silent;
 use joints::structure::Structure;
 use scenes::{
-    Bins, Commit, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RadialRule, Scene, Stress,
-    Surface, SyntheticScan, Yield,
+    Bins, Commit, EPMC, Epmc, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RadialRule,
+    Scene, Stress, StructureSource, Surface, SyntheticScan, Yield,
 };
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 
 /// Response amplitudes at which settings are compared (m): at the onset of slip, in microslip, near macroslip.
 pub(crate) const AMPLITUDES: [f64; 3] = [5e-5, 2e-4, 6e-4];
 
 /// The parameter of laws from scans.
 const SCAN_LAW: &str = "scan-law";
+
+/// The parameter of physics beside the measured beam.
+pub(crate) const MEASURED_GAP: &str = "measured-gap";
 
 /// Bootstrap realisations that show what the sampling of the surface leaves open.
 const REALISATIONS: u16 = 10;
@@ -73,6 +78,8 @@ pub(crate) enum Source {
     Loops,
     /// Another method.
     Method(Method),
+    /// Free periodic motions.
+    Epmc,
     /// The upper ends of the bands of an ensemble of this size.
     Ensemble(u16),
 }
@@ -118,10 +125,57 @@ pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
     scene.analyses.backbone.amplitudes = 10;
     scene.output.fields_at = Some(Vec::new());
     scene.analyses.backbone.methods.clear();
-    if quick {
+    if quick && scene.structure.benchmark().is_some() {
         scene.model.refinement = RefinementLevel::Quick;
     }
     scene
+}
+
+/// Parameters of the block mesh of a benchmark, and of its own scans.
+const OF_BENCHMARK: [&str; 6] = ["formulation", "arms", "symmetry", SCAN_LAW, "bootstrap", "accuracy"];
+
+/// The scene with all settings finer than any that is varied on its own; `finest` is its finest mesh, if it comes as a file.
+pub(crate) fn truth(base: &Scene, quick: bool, finest: Option<&Path>) -> Setting {
+    let mut scene = base.clone();
+    match finest {
+        Some(path) => on_mesh(&mut scene, path),
+        None if scene.structure.benchmark().is_some() => {
+            let refinement = if quick {
+                RefinementLevel::Coarse
+            } else {
+                RefinementLevel::Fine
+            };
+            (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Quadratic), refinement);
+        }
+        None => {}
+    }
+    scene.model.modes = Some(40);
+    scene.interfaces.points_per_direction = 4;
+    scene.analyses.backbone.vertices_per_quarter = 32;
+    let law = &mut scene.interfaces.law;
+    if law.friction != Friction::Lumped {
+        law.bins = Bins::Gauss(64);
+    }
+    if law.friction == Friction::MindlinIwan {
+        law.radii = RadialRule::Annuli(24);
+    }
+    Setting::new("all settings fine", scene)
+}
+
+/// What a scene models, without what is numerical about it.
+pub(crate) fn physics(scene: &Scene) -> Value {
+    let mut scene = scene.clone();
+    let (bins, radii) = (Law::default().bins, Law::default().radii);
+    (scene.interfaces.law.bins, scene.interfaces.law.radii) = (bins, radii);
+    scene.interfaces.points_per_direction = 1;
+    json!([scene.interfaces, scene.bolts, scene.analyses.backbone.commit])
+}
+
+/// Puts a scene on another mesh file.
+fn on_mesh(scene: &mut Scene, path: &Path) {
+    if let StructureSource::Mesh(mesh) = &mut scene.structure.source {
+        mesh.path = path.to_owned();
+    }
 }
 
 /// All parameters about the scene `base`; `quick` leaves out what takes more than seconds on its coarse mesh. Settings that cost work to
@@ -129,7 +183,13 @@ pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
 ///
 /// # Errors
 /// Of the mesh and of the characterisation of the synthetic scans.
-pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> Result<Vec<Parameter>> {
+pub(crate) fn all(
+    base: &Scene,
+    quick: bool,
+    files: &[PathBuf],
+    wanted: impl Fn(&str) -> bool,
+) -> Result<Vec<Parameter>> {
+    let is_benchmark = base.structure.benchmark().is_some();
     let error = |name, what, settings| Parameter {
         name,
         what,
@@ -163,6 +223,15 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
             (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Quadratic), refinement);
         },
     ));
+    if !is_benchmark {
+        let of_file = |path: &PathBuf| {
+            let mut scene = base.clone();
+            on_mesh(&mut scene, path);
+            let stem = path.file_stem().unwrap_or(path.as_os_str());
+            Setting::new(stem.to_string_lossy(), scene)
+        };
+        mesh = files.iter().map(of_file).collect();
+    }
     let mut formulations = named(
         base,
         &[
@@ -184,7 +253,11 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
     let mut parameters = vec![
         error(
             "mesh",
-            "block mesh: order of the elements and refinement, interface and bodies",
+            if is_benchmark {
+                "block mesh: order of the elements and refinement, interface and bodies"
+            } else {
+                "mesh file"
+            },
             mesh,
         ),
         Parameter {
@@ -320,7 +393,7 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
     let mut flat = scan.clone();
     flat.interfaces.gap = Gap::Flat;
     let mut laws = scan_laws(&flat);
-    if wanted(SCAN_LAW) {
+    if is_benchmark && wanted(SCAN_LAW) {
         laws.insert(0, uniform(&flat)?);
     }
     parameters.push(none(
@@ -338,6 +411,17 @@ pub(crate) fn all(base: &Scene, quick: bool, wanted: impl Fn(&str) -> bool) -> R
     });
     if !quick {
         parameters.push(none("accuracy", "whole sets of settings", sets(base)));
+    }
+    if is_benchmark {
+        let mut measured = base.clone();
+        measured.interfaces.gap = Gap::Measured;
+        parameters.push(none(
+            MEASURED_GAP,
+            "what sticks or slips as a whole, and whether asperities yield, with the measured gap",
+            frictions(&measured),
+        ));
+    } else {
+        parameters.retain(|parameter| !OF_BENCHMARK.contains(&parameter.name) && !parameter.settings.is_empty());
     }
     Ok(parameters)
 }
@@ -359,6 +443,12 @@ fn methods(base: &Scene) -> Vec<Setting> {
         }
     };
     let mut settings: Vec<Setting> = [Method::Rqnma, Method::Masing, Method::Qsma].map(method).into();
+    let mut periodic = base.clone();
+    periodic.analyses.epmc = Some(Epmc::default());
+    settings.push(Setting {
+        source: Source::Epmc,
+        ..Setting::new(EPMC, periodic)
+    });
     settings.push(Setting::new("cqsma", base.clone()));
     settings
 }
@@ -451,7 +541,9 @@ fn bins(base: &Scene) -> Vec<Setting> {
             ("64", Bins::Gauss(64)),
         ],
         |scene, bins| {
-            scene.interfaces.law.friction = Friction::Resolved;
+            if scene.interfaces.law.friction == Friction::Lumped {
+                scene.interfaces.law.friction = Friction::Resolved;
+            }
             scene.interfaces.law.bins = bins;
         },
     )
