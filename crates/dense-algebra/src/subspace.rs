@@ -50,13 +50,13 @@ pub fn lowest_pairs(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) ->
     let shifted = cholesky_in_place(shifted).map_err(|_| failed())?;
     let (values, shapes) = iterate(shifted.as_ref(), m, count)?.map_err(|_| failed())?;
     let values: Vec<f64> = values.into_iter().map(|value| value - sigma).collect();
-    // What round-off in the entries of the matrix is to the quotient of a shape.
+    // What round-off in the shift and in the entries of the matrix is to the quotient of a shape.
     let sizes = |a: &Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)].abs());
     let (sizes, terms) = (
         sizes(&shapes),
         product(sizes(&stiffness).as_ref(), sizes(&shapes).as_ref()),
     );
-    let noise = |j: usize| f64::EPSILON * (sizes.col(j).transpose() * terms.col(j));
+    let noise = |j: usize| ROUND_OFF * sigma + f64::EPSILON * (sizes.col(j).transpose() * terms.col(j));
     let are_known = values.iter().enumerate().all(|(j, value)| noise(j) < KNOWN * value);
     if are_known { Ok((values, shapes)) } else { Err(failed()) }
 }

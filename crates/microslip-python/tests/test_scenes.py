@@ -116,7 +116,7 @@ def test_a_prestress_that_does_not_exist_is_a_convergence_error(tmp_path: Path) 
 
 
 def test_matrices_that_cannot_be_solved_are_a_solver_error(tmp_path: Path) -> None:
-    np.savez(tmp_path / "beam.npz", K=np.diag([1e4, 1e4, 1e-6]), M=np.eye(3), dofs=np.array([[10, 1], [10, 2], [10, 3]]))
+    np.savez(tmp_path / "beam.npz", K=np.diag([1e4, 1e4, 1e-13]), M=np.eye(3), dofs=np.array([[10, 1], [10, 2], [10, 3]]))
     fields = copy.deepcopy(beam.SCENE)
     fields["structure"]["matrices"]["points"] = [{"node": 10}]
     del fields["interfaces"]["surface"]["parameters"]["sets"][1]
