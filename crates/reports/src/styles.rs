@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 use serde_json::{Map, Value, json};
 
 /// Colours of what is compared, in order, told apart by readers who confuse red and green as well (Okabe and Ito, 2008).
-pub(crate) const COLOURS: [RGBColor; 8] = [
+pub const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),

@@ -163,7 +163,7 @@ fn place(element: u32, point: usize) -> usize {
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     let offset = (z ^ (z >> 31)) as f64 / 2f64.powi(64);
     let shift = (offset + point as f64 * 0.618_033_988_749_895).fract();
-    ((shift * PLACES as f64) as usize).min(PLACES - 1)
+    (shift * PLACES as f64) as usize
 }
 
 /// Gauss bins per point, and the errors measured with them.

@@ -49,9 +49,15 @@ impl Plan {
         if !meshes.is_empty() && scene.structure.mesh().is_none() {
             bail!("--meshes: the structure of the scene {} is not a mesh file", scene.name);
         }
+        // Runs have a working directory of their own.
+        let meshes = meshes.iter().map(|path| {
+            let found = path.canonicalize();
+            found.with_context(|| format!("--meshes: finding the mesh file {}", path.display()))
+        });
+        let meshes = meshes.collect::<Result<Vec<_>>>()?;
         let base = parameters::base(scene, quick);
         let wanted = |name: &str| only.is_empty() || only.iter().any(|only| only == name);
-        let mut parameters = parameters::all(&base, quick, meshes, wanted)?;
+        let mut parameters = parameters::all(&base, quick, &meshes, wanted)?;
         for name in only {
             if parameters.iter().all(|parameter| parameter.name != name) {
                 let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
@@ -112,21 +118,18 @@ impl Plan {
         };
         report["front"] = json!(front.as_ref().map(Front::json));
         let table = page::markdown(&ladders, &budget);
+        let mut outputs = vec![
+            Output::new("trade.csv", page::csv(&ladders)?),
+            Output::new("trade.md", table.clone()),
+            Output::new("trade.svg", page::pareto(&ladders)?),
+        ];
+        if let Some(front) = &front {
+            outputs.push(Output::new("front.svg", page::front(front, &self.base.name)?));
+        }
+        outputs.push(Output::new("trade.json", format!("{report:#}\n")));
         let outcomes = || ladders.iter().flat_map(|ladder| &ladder.outcomes);
         Ok(Trade {
-            outputs: [
-                Some(Output::new("trade.csv", page::csv(&ladders)?)),
-                Some(Output::new("trade.md", table.clone())),
-                Some(Output::new("trade.svg", page::pareto(&ladders)?)),
-                front
-                    .map(|front| page::front(&front, &self.base.name))
-                    .transpose()?
-                    .map(|picture| Output::new("front.svg", picture)),
-                Some(Output::new("trade.json", format!("{report:#}\n"))),
-            ]
-            .into_iter()
-            .flatten()
-            .collect(),
+            outputs,
             table,
             failed: outcomes().filter(|outcome| outcome.measured.is_err()).count(),
             exceeded: exceeded(&ladders),
@@ -274,11 +277,8 @@ impl<'a> Bench<'a> {
                     .filter_map(|b| point(b.response_displacement, b.frequency_hz, b.damping_ratio))
                     .collect()
             }
-            Source::Method(_) | Source::Epmc => {
-                let points = summary.methods.get(match setting.source {
-                    Source::Method(method) => method.name(),
-                    _ => EPMC,
-                });
+            Source::Method(method) => {
+                let points = summary.methods.get(method);
                 points
                     .context("the summary has no backbone of the method")?
                     .iter()
@@ -302,8 +302,8 @@ impl<'a> Bench<'a> {
         let not_converged = setting.scene.analyses.backbone.amplitudes.saturating_sub(points.len());
         let own = match setting.source {
             Source::Loops => "backbone",
+            Source::Method(EPMC) => EPMC,
             Source::Method(_) => "methods",
-            Source::Epmc => EPMC,
             Source::Ensemble(_) => "ensemble",
         };
         let (structure, memory) = self.structure_of(summary);

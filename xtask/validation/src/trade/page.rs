@@ -6,6 +6,7 @@ use super::parameters::{AMPLITUDES, Source};
 use plotters::prelude::*;
 use reports::csv::table;
 use reports::plot::{Band, Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
+use reports::styles::COLOURS;
 use reports::{Drawing, Error};
 use std::fmt::Write;
 
@@ -175,10 +176,44 @@ pub(crate) fn pareto(ladders: &[Ladder]) -> Result<String, Error> {
 }
 
 fn draw(ladders: &[Ladder], root: &Canvas<'_>) -> Result<(), Drawing> {
-    let root = root.titled(
-        "What errors cost: each parameter against its finest setting, all others as in the scene",
-        ("sans-serif", 18),
-    )?;
+    let curves = |is_damping: bool| -> Vec<Curve> {
+        let curve = |&(name, colour): &(&str, RGBColor)| {
+            let ladder = ladders.iter().find(|ladder| ladder.parameter.name == name)?;
+            let points = ladder.outcomes.iter().enumerate().filter_map(|(index, outcome)| {
+                let error = drawn(&outcome.errors?, is_damping)?;
+                Some((index, seconds(outcome.measured.as_ref().ok()?), error))
+            });
+            Some(Curve {
+                name: name.into(),
+                colour,
+                dashes: None,
+                marks: Marks::Dots,
+                points: points.collect(),
+            })
+        };
+        DRAWN.iter().filter_map(curve).collect()
+    };
+    let title = "What errors cost: each parameter against its finest setting, all others as in the scene";
+    planes(root, title, curves, None)
+}
+
+/// The error that is drawn; a run that is the reference itself has none.
+fn drawn(errors: &Errors, is_damping: bool) -> Option<f64> {
+    let error = match is_damping {
+        true => errors.damping(),
+        false => Some(errors.frequency()),
+    };
+    error.filter(|error| *error > 0.0)
+}
+
+/// Errors of frequency above and of damping below, against seconds. `curves` is told whether they are of damping; `band` is a range of errors of frequency.
+fn planes(
+    root: &Canvas<'_>,
+    title: &str,
+    curves: impl Fn(bool) -> Vec<Curve>,
+    band: Option<[f64; 2]>,
+) -> Result<(), Drawing> {
+    let root = root.titled(title, ("sans-serif", 18))?;
     let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
     for (area, y_label, x_label, is_damping) in [
         (&upper, "largest relative error of frequency", "", false),
@@ -189,118 +224,15 @@ fn draw(ladders: &[Ladder], root: &Canvas<'_>) -> Result<(), Drawing> {
             true,
         ),
     ] {
-        let curves: Vec<Curve> = DRAWN
-            .iter()
-            .filter_map(|&(name, colour)| {
-                let ladder = ladders.iter().find(|ladder| ladder.parameter.name == name)?;
-                let points = ladder.outcomes.iter().enumerate().filter_map(|(index, outcome)| {
-                    let errors = outcome.errors?;
-                    let error = if is_damping {
-                        errors.damping()?
-                    } else {
-                        errors.frequency()
-                    };
-                    let measured = outcome.measured.as_ref().ok()?;
-                    // The reference itself has no error to draw.
-                    (error > 0.0).then(|| (index, seconds(measured), error))
-                });
-                Some(Curve {
-                    name: name.into(),
-                    colour,
-                    dashes: None,
-                    marks: Marks::Dots,
-                    points: points.collect(),
-                })
-            })
-            .collect();
+        let curves = curves(is_damping);
+        let band = band.filter(|_| !is_damping);
         let all = || curves.iter().flat_map(|curve| &curve.points);
+        let ends = band.into_iter().flatten();
         let x = widen(&bounds(all().map(|p| p.1)).unwrap_or(1.0..10.0), 1.5);
-        let y = widen(&bounds(all().map(|p| p.2)).unwrap_or(1e-6..1.0), 2.0);
-        let (x_ticks, y_ticks) = (ticks(&x), ticks(&y));
-        let plain = |value: &f64| format!("{value}");
-        panel(
-            area,
-            log(&x, &x_ticks),
-            log(&y, &y_ticks),
-            y_label,
-            x_label,
-            [&plain, &power],
-            &curves,
-            &[],
-            SeriesLabelPosition::LowerLeft,
-        )?;
-    }
-    Ok(())
-}
-
-/// All settings of the scene `name` on one plane, with those on the Pareto front named.
-pub(crate) fn front(front: &Front, name: &str) -> Result<String, Error> {
-    picture("all settings on one plane", SIZE, |root| draw_front(front, name, root))
-}
-
-/// What settings that nothing beats are drawn in.
-const BEST: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
-];
-
-fn draw_front(front: &Front, name: &str, root: &Canvas<'_>) -> Result<(), Drawing> {
-    let title = match front.physics {
-        Some(_) => format!("{name}: settings against all fine; band: physics against the measured beam"),
-        None => format!("{name}: settings against all fine"),
-    };
-    let root = root.titled(&title, ("sans-serif", 18))?;
-    let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 30);
-    let frequency: fn(&Errors) -> Option<f64> = |errors| Some(errors.frequency()).filter(|error| *error > 0.0);
-    let damping: fn(&Errors) -> Option<f64> = |errors| errors.damping().filter(|error| *error > 0.0);
-    for (area, y_label, x_label, error, physics) in [
-        (
-            &upper,
-            "largest relative error of frequency",
-            "",
-            frequency,
-            front.physics,
-        ),
-        (
-            &lower,
-            "largest error of ln(damping ratio)",
-            "seconds from nothing",
-            damping,
-            None,
-        ),
-    ] {
-        let place = |placed: &Placed| Some((placed.seconds, error(&placed.errors)?));
-        let all: Vec<(f64, f64)> = front.settings.iter().filter_map(place).collect();
-        let best = front.best(error);
-        let curve = |name: String, colour, dashes, marks, points: Vec<(f64, f64)>| Curve {
-            name,
-            colour,
-            dashes,
-            marks,
-            points: points.into_iter().enumerate().map(|(i, (x, y))| (i, x, y)).collect(),
-        };
-        let grey = RGBColor(150, 150, 150);
-        let line = best.iter().filter_map(|placed| place(placed)).collect();
-        let mut curves = vec![
-            curve(String::new(), grey, None, Marks::Bounds, all.clone()),
-            curve("Pareto front".into(), grey, Some((4, 4)), Marks::None, line),
-        ];
-        curves.extend(best.iter().enumerate().map(|(i, placed)| {
-            let name = format!("{:.1} s, {}", placed.seconds, placed.name);
-            let point = place(placed).into_iter().collect();
-            curve(name, BEST[i % BEST.len()], None, Marks::Triangles, point)
-        }));
-        let ends = physics.into_iter().flatten().filter(|end| *end > 0.0);
-        let x = widen(&bounds(all.iter().map(|p| p.0)).unwrap_or(1.0..10.0), 1.5);
-        let y = widen(&bounds(all.iter().map(|p| p.1).chain(ends)).unwrap_or(1e-6..1.0), 2.0);
-        let band = physics.map(|[low, high]| Band {
-            colour: grey,
-            points: vec![(x.start, low.max(y.start), high), (x.end, low.max(y.start), high)],
+        let y = widen(&bounds(all().map(|p| p.2).chain(ends)).unwrap_or(1e-6..1.0), 2.0);
+        let bands = band.map(|[low, high]| Band {
+            colour: OTHERS,
+            points: [x.start, x.end].map(|x| (x, low, high)).into(),
         });
         let (x_ticks, y_ticks) = (ticks(&x), ticks(&y));
         let plain = |value: &f64| format!("{value}");
@@ -312,9 +244,55 @@ fn draw_front(front: &Front, name: &str, root: &Canvas<'_>) -> Result<(), Drawin
             x_label,
             [&plain, &power],
             &curves,
-            band.as_slice(),
+            bands.as_slice(),
             SeriesLabelPosition::LowerLeft,
         )?;
     }
     Ok(())
+}
+
+/// What settings that others beat are drawn in.
+const OTHERS: RGBColor = RGBColor(150, 150, 150);
+
+/// All settings of the scene `name` on one plane, with those on the Pareto front named.
+pub(crate) fn front(front: &Front, name: &str) -> Result<String, Error> {
+    let mut title = format!("{name}: settings against all fine");
+    if front.physics.is_some() {
+        title += "; band: physics against the measured beam";
+    }
+    let curves = |is_damping| on_front(front, is_damping);
+    picture("all settings on one plane", SIZE, |root| {
+        planes(root, &title, curves, front.physics)
+    })
+}
+
+/// All settings, the line of the front, and each setting on it with its name.
+fn on_front(front: &Front, is_damping: bool) -> Vec<Curve> {
+    let place = |placed: &Placed| Some((placed.seconds, drawn(&placed.errors, is_damping)?));
+    let curve = |name: String, colour, dashes, marks, points: &mut dyn Iterator<Item = &Placed>| Curve {
+        name,
+        colour,
+        dashes,
+        marks,
+        points: (0..)
+            .zip(points.filter_map(place))
+            .map(|(i, (x, y))| (i, x, y))
+            .collect(),
+    };
+    let best = front.best(|errors| drawn(errors, is_damping));
+    let mut curves = vec![
+        curve(String::new(), OTHERS, None, Marks::Bounds, &mut front.settings.iter()),
+        curve(
+            "Pareto front".into(),
+            OTHERS,
+            Some((4, 4)),
+            Marks::None,
+            &mut best.iter().copied(),
+        ),
+    ];
+    curves.extend(best.iter().zip(COLOURS.iter().cycle()).map(|(placed, colour)| {
+        let name = format!("{:.1} s, {}", placed.seconds, placed.name);
+        curve(name, *colour, None, Marks::Triangles, &mut std::iter::once(*placed))
+    }));
+    curves
 }

@@ -76,10 +76,8 @@ pub(crate) struct Setting {
 pub(crate) enum Source {
     /// The loops of CQSMA.
     Loops,
-    /// Another method.
-    Method(Method),
-    /// Free periodic motions.
-    Epmc,
+    /// Another method, by its name in the summary.
+    Method(&'static str),
     /// The upper ends of the bands of an ensemble of this size.
     Ensemble(u16),
 }
@@ -134,7 +132,7 @@ pub(crate) fn base(mut scene: Scene, quick: bool) -> Scene {
 /// Parameters of the block mesh of a benchmark, and of its own scans.
 const OF_BENCHMARK: [&str; 6] = ["formulation", "arms", "symmetry", SCAN_LAW, "bootstrap", "accuracy"];
 
-/// The scene with all settings finer than any that is varied on its own; `finest` is its finest mesh, if it comes as a file.
+/// The scene with all settings fine at once, as far as time allows: single ones are varied beyond. `finest` is its finest mesh, if it comes as a file.
 pub(crate) fn truth(base: &Scene, quick: bool, finest: Option<&Path>) -> Setting {
     let mut scene = base.clone();
     match finest {
@@ -164,11 +162,11 @@ pub(crate) fn truth(base: &Scene, quick: bool, finest: Option<&Path>) -> Setting
 
 /// What a scene models, without what is numerical about it.
 pub(crate) fn physics(scene: &Scene) -> Value {
-    let mut scene = scene.clone();
-    let (bins, radii) = (Law::default().bins, Law::default().radii);
-    (scene.interfaces.law.bins, scene.interfaces.law.radii) = (bins, radii);
-    scene.interfaces.points_per_direction = 1;
-    json!([scene.interfaces, scene.bolts, scene.analyses.backbone.commit])
+    let mut interfaces = scene.interfaces.clone();
+    let Law { bins, radii, .. } = Law::default();
+    (interfaces.law.bins, interfaces.law.radii) = (bins, radii);
+    interfaces.points_per_direction = 1;
+    json!([interfaces, scene.bolts, scene.analyses.backbone.commit])
 }
 
 /// Puts a scene on another mesh file.
@@ -438,7 +436,7 @@ fn methods(base: &Scene) -> Vec<Setting> {
         let mut scene = base.clone();
         scene.analyses.backbone.methods = vec![method];
         Setting {
-            source: Source::Method(method),
+            source: Source::Method(method.name()),
             ..Setting::new(method.name(), scene)
         }
     };
@@ -446,7 +444,7 @@ fn methods(base: &Scene) -> Vec<Setting> {
     let mut periodic = base.clone();
     periodic.analyses.epmc = Some(Epmc::default());
     settings.push(Setting {
-        source: Source::Epmc,
+        source: Source::Method(EPMC),
         ..Setting::new(EPMC, periodic)
     });
     settings.push(Setting::new("cqsma", base.clone()));
