@@ -17,6 +17,10 @@ pub struct ErrorBar {
     /// Where the mesh errs most in the first mode followed, as far as it was estimated: there it should be finer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub worst: Vec<Place>,
+    /// Share of each element of the mesh in the estimated error of the first mode followed; none where it was not estimated. On the best
+    /// mesh of a size all are alike.
+    #[serde(skip)]
+    pub shares: Vec<f64>,
 }
 
 /// An element whose strains are among the worst.
@@ -56,6 +60,7 @@ impl ErrorBar {
             damping_ln: Some(row.damping),
             source: accuracy.source.to_owned(),
             worst: Vec::new(),
+            shares: Vec::new(),
         })
     }
 
@@ -70,6 +75,7 @@ impl ErrorBar {
             damping_ln: None,
             source: reason.to_owned(),
             worst: Vec::new(),
+            shares: Vec::new(),
         }
     }
 

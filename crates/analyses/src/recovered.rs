@@ -115,11 +115,13 @@ impl Prepared {
                 }
             }
         }
+        let shares = shares(&errors);
         Ok(ErrorBar {
             frequency_relative: Some(frequency),
             damping_ln: damping,
             source: SOURCE.to_owned(),
-            worst: worst(mesh, &errors),
+            worst: worst(mesh, &shares),
+            shares,
         })
     }
 
@@ -194,27 +196,30 @@ fn softened(stiffness: MatRef<'_, f64>, motions: MatRef<'_, f64>, lacking: MatRe
     Ok(dense_algebra::symmetric(softer.as_ref()))
 }
 
-/// Where the first motion errs most.
-fn worst(mesh: &Mesh, errors: &StrainErrors) -> Vec<Place> {
-    let own = errors
-        .of_elements
-        .chunks(errors.n_motions)
-        .map(|of_motions| of_motions[0]);
-    let mut all: Vec<(f64, usize)> = own.zip(0..).collect();
-    let sum: f64 = all.iter().map(|(error, _)| error).sum();
+/// What the elements have of the error of the first motion.
+fn shares(errors: &StrainErrors) -> Vec<f64> {
+    let of_elements = errors.of_elements.chunks(errors.n_motions);
+    let own = || of_elements.clone().map(|of_motions| of_motions[0]);
+    let sum = own().sum::<f64>().max(f64::MIN_POSITIVE);
+    own().map(|error| error / sum).collect()
+}
+
+/// Where shares are largest.
+fn worst(mesh: &Mesh, shares: &[f64]) -> Vec<Place> {
+    let mut all: Vec<(f64, usize)> = shares.iter().copied().zip(0..).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let place = |&(error, element): &(f64, usize)| {
+    let place = |&(share, element): &(f64, usize)| {
         let nodes = mesh.elements[element].cell.nodes();
         let mean = |c: usize| nodes.iter().map(|node| mesh.nodes[*node as usize][c]).sum::<f64>() / nodes.len() as f64;
         Place {
             element: element + 1,
             at: [0, 1, 2].map(mean),
-            share: error / sum,
+            share,
         }
     };
     all.iter()
         .take(PLACES)
-        .filter(|(error, _)| *error > 0.0)
+        .filter(|(share, _)| *share > 0.0)
         .map(place)
         .collect()
 }

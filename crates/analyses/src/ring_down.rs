@@ -14,7 +14,7 @@ use modal_identification::{backbone, synthetic};
 use scenes::{Length, Strike};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// A ring-down.
 #[derive(Debug)]
@@ -123,12 +123,37 @@ pub struct RingDownSummary {
     pub points: usize,
     /// Its smallest and largest amplitude (m/s^2).
     pub amplitudes: [f64; 2],
+    /// The backbone itself, amplitudes ascending.
+    #[serde(default)]
+    pub backbone: Vec<RingDownPoint>,
     /// What is doubtful of the identification.
     pub warnings: Vec<String>,
     /// Differences of the backbones of the run, by name.
     pub theory_minus_ring_down: BTreeMap<String, Misfit>,
     /// What identification makes of a ring-down that has exactly the backbone by CQSMA.
     pub identification_of_cqsma_minus_cqsma: Option<Misfit>,
+}
+
+/// A point of an identified backbone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RingDownPoint {
+    /// Displacement amplitude at the response point (m), of the acceleration at this frequency.
+    pub response_displacement: f64,
+    /// Natural frequency (Hz).
+    pub frequency_hz: f64,
+    /// Damping ratio (-), background included.
+    pub damping_ratio: f64,
+}
+
+impl RingDownPoint {
+    fn of(mean: &MeanPoint) -> Self {
+        Self {
+            response_displacement: mean.amplitude / (TAU * mean.frequency_hz).powi(2),
+            frequency_hz: mean.frequency_hz,
+            damping_ratio: mean.damping_ratio,
+        }
+    }
 }
 
 impl RingDownSummary {
@@ -162,6 +187,7 @@ impl RingDownSummary {
             summary.band_hz = identification.band_hz;
             summary.points = identification.backbone.len();
             summary.amplitudes = found.backbone.range();
+            summary.backbone = found.mean.iter().map(RingDownPoint::of).collect();
             summary.warnings = identification.warnings.iter().map(ToString::to_string).collect();
             summary.theory_minus_ring_down = found.misfits.iter().cloned().collect();
             summary.identification_of_cqsma_minus_cqsma = found.own_error;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-const STAGES: [Stage; 12] = [
+const STAGES: [Stage; 13] = [
     Stage::Mesh,
     Stage::Assemble,
     Stage::Factor,
@@ -18,6 +18,7 @@ const STAGES: [Stage; 12] = [
     Stage::Epmc,
     Stage::Forced,
     Stage::Ensemble,
+    Stage::Transient,
 ];
 
 /// Measures the stages of a run, from when it is made on.

@@ -29,7 +29,7 @@ pub enum Stage {
     Forced,
     /// Realisations of an ensemble (skipped when none is asked for).
     Ensemble,
-    /// A motion followed in time (none in a run of a scene alone).
+    /// A motion followed in time (skipped when none is asked for).
     Transient,
 }
 

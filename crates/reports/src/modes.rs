@@ -49,12 +49,13 @@ pub fn outputs(model: &ModalModel, mesh: &Mesh, title: &str, about: &str) -> Res
         .contacts
         .iter()
         .flat_map(|of| of.modes.iter().map(|mode| (of.contact, mode)));
-    let shapes: Vec<(String, &[[f64; 3]])> = all
-        .map(|(contact, mode)| (shape(contact, mode.number), mode.displacement.as_slice()))
-        .collect();
+    let shapes = all.map(|(contact, mode)| bodies::displacement(shape(contact, mode.number), &mode.displacement));
     Ok(vec![
         Output::new(TABLE, modes_table(model)?),
-        Output::new(SHAPES, bodies::vtu(mesh, &surface, &shapes).map_err(Error::Shapes)?),
+        Output::new(
+            SHAPES,
+            bodies::vtu(mesh, &surface, shapes.collect()).map_err(Error::Shapes)?,
+        ),
         Output::new("report.html", page(model, mesh, &surface, title, about)?),
     ])
 }

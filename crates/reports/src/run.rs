@@ -23,7 +23,8 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
     let mut outputs = vec![field_file(PRESTRESS.into(), &run.prestress.fields)?];
     let bodies = Bodies::of(run);
     if let Some(bodies) = &bodies {
-        outputs.push(bodies.file(BODIES_PRESTRESS.into(), &bodies.of.prestress)?);
+        let shares = run.estimated_error.as_ref().map_or(&[][..], |bar| &bar.shares);
+        outputs.push(bodies.file(BODIES_PRESTRESS.into(), &bodies.of.prestress, shares)?);
     }
     let mut pictures = Vec::with_capacity(run.backbones.len());
     for (place, (backbone, (mode, of_mode))) in run.backbones.iter().zip(summary.by_mode()).enumerate() {
@@ -37,7 +38,7 @@ pub fn outputs(run: &Run, summary: &Summary) -> Result<Vec<Output>, Error> {
                 if let Some((bodies, peak)) = bodies.as_ref().and_then(|b| Some((b, b.peak(place, index)?))) {
                     let name = bodies_file(mode, index + 1);
                     series.extend(amplitude.response_displacement.map(|x| (x, name.clone())));
-                    outputs.push(bodies.file(name, peak)?);
+                    outputs.push(bodies.file(name, peak, &[])?);
                 }
             }
         }
@@ -85,13 +86,14 @@ impl<'a> Bodies<'a> {
         self.of.peaks.get(mode)?.get(amplitude)?.as_deref()
     }
 
-    fn file(&self, name: String, displacement: &[[f64; 3]]) -> Result<Output, Error> {
-        let document = bodies::vtu(
-            &self.of.mesh,
-            &self.surface,
-            &[("displacement [m]".into(), displacement)],
-        );
-        document
+    /// Displacements, and shares of the elements in the error of the mesh, if there are any.
+    fn file(&self, name: String, displacement: &[[f64; 3]], shares: &[f64]) -> Result<Output, Error> {
+        let mesh = &self.of.mesh;
+        let mut fields = vec![bodies::displacement("displacement [m]".into(), displacement)];
+        if !shares.is_empty() {
+            fields.push(bodies::mean_at_nodes(mesh, "share of mesh error [-]", shares));
+        }
+        bodies::vtu(mesh, &self.surface, fields)
             .map(|document| Output::new(name, document))
             .map_err(Error::Shapes)
     }

@@ -430,6 +430,8 @@ fn the_error_of_a_mesh_is_estimated_where_it_was_not_measured() {
         let damping = bar.damping_ln.unwrap();
         assert!((0.005..0.1).contains(&damping), "{order}: {damping}");
         assert_eq!(bar.worst.len(), 5);
+        assert!((bar.shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert_eq!(bar.shares[bar.worst[0].element - 1], bar.worst[0].share);
         // The stiffness lacks most at the ends of the lap and at the holes.
         assert!(
             bar.worst

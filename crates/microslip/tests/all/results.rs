@@ -392,8 +392,14 @@ fn loops_that_close_within_their_tolerance_pass_and_others_do_not() {
     });
     scene["interfaces"]["law"] = json!({ "friction": "lumped" });
     scene["interfaces"]["points_per_direction"] = json!(2);
+    scene["output"] = json!({ "deformed": true });
     std::fs::write(folder.join("samples/open.json"), scene.to_string()).unwrap();
     succeeds(&folder, &["run", "samples/open.json", "--out", "out", "--no-cache"]);
+    // The mesh is the file's own, so that its error is estimated.
+    for (file, has_error) in [("bodies-prestress.vtu", true), ("bodies-amplitude-01.vtu", false)] {
+        let text = std::fs::read_to_string(folder.join("out").join(file)).unwrap();
+        assert_eq!(text.contains(r#"Name="share of mesh error [-]""#), has_error, "{file}");
+    }
     let point = &read_json(&folder.join("out/summary.json"))["backbone"][0];
     let frequency = point["frequency_hz"].as_f64().unwrap();
     let halves = [0, 1].map(|half| point["half_frequencies_hz"][half].as_f64().unwrap());

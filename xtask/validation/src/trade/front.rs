@@ -24,9 +24,14 @@ pub(crate) struct Front {
 }
 
 impl Front {
-    /// All settings of the physics of the scene `truth`, which was `measured`.
-    pub(crate) fn new(ladders: &[Ladder], truth: &Scene, measured: &Measured) -> Self {
+    /// The scene itself, which gave `own`, and all settings of the physics of the scene `truth`, which was `measured`.
+    pub(crate) fn new(ladders: &[Ladder], own: &Measured, truth: &Scene, measured: &Measured) -> Self {
         let same = physics(truth);
+        let itself = Placed {
+            name: "scene as it is".into(),
+            seconds: own.seconds(),
+            errors: errors(own, measured),
+        };
         let placed = |ladder: &Ladder| -> Vec<Placed> {
             let parameter = &ladder.parameter;
             let settings = parameter.settings.iter().zip(&ladder.outcomes);
@@ -35,13 +40,16 @@ impl Front {
                 let own = outcome.measured.as_ref().ok()?;
                 Some(Placed {
                     name: format!("{}: {}", parameter.name, setting.name),
-                    seconds: own.structure_seconds + own.interface_seconds,
+                    seconds: own.seconds(),
                     errors: errors(own, measured),
                 })
             });
+            // Each parameter has the scene's own setting among its own.
+            let found = found.filter(|placed| placed.errors != itself.errors);
             found.collect()
         };
         let mut settings: Vec<Placed> = ladders.iter().flat_map(placed).collect();
+        settings.push(itself);
         settings.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
         let beside = ladders.iter().find(|ladder| ladder.parameter.name == MEASURED_GAP);
         let distances = beside
@@ -58,11 +66,12 @@ impl Front {
         Self { settings, physics }
     }
 
-    /// The settings than which none is both faster and nearer, by an error; settings without one are none of them.
+    /// The settings than which none is both faster and as near, by an error; settings without one are none of them. A tenth of the error is no
+    /// difference.
     pub(crate) fn best(&self, error: impl Fn(&Errors) -> Option<f64>) -> Vec<&Placed> {
         let mut least = f64::INFINITY;
         let is_best = |placed: &&Placed| match error(&placed.errors) {
-            Some(own) if own < least => {
+            Some(own) if own < 0.9 * least => {
                 least = own;
                 true
             }

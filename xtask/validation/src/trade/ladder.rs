@@ -21,8 +21,15 @@ pub(crate) struct Measured {
     pub(super) not_converged: usize,
 }
 
+impl Measured {
+    /// From nothing to the backbone.
+    pub(super) fn seconds(&self) -> f64 {
+        self.structure_seconds + self.interface_seconds
+    }
+}
+
 /// How far a setting is from its reference.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Errors {
     /// Relative, of the linearised frequency.
     pub(crate) linear: f64,
@@ -85,11 +92,8 @@ pub(super) fn ladder(parameter: Parameter, measured: Vec<Result<Measured, String
         .zip(&errors)
         .map(|(measured, errors)| {
             let (measured, errors) = (measured.as_ref().ok()?, errors.as_ref()?);
-            let seconds = measured.structure_seconds + measured.interface_seconds;
-            Some((
-                seconds,
-                errors.damping().unwrap_or(f64::INFINITY).max(errors.frequency()),
-            ))
+            let error = errors.damping().unwrap_or(f64::INFINITY).max(errors.frequency());
+            Some((measured.seconds(), error))
         })
         .collect();
     let outcomes = measured

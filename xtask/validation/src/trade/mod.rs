@@ -113,7 +113,7 @@ impl Plan {
             Some(truth) => {
                 let measured = bench.run("truth", truth);
                 let measured = measured.map_err(|reason| anyhow!("the run with all settings fine failed: {reason}"))?;
-                Some(Front::new(&ladders, &truth.scene, &measured))
+                Some(Front::new(&ladders, &own, &truth.scene, &measured))
             }
         };
         report["front"] = json!(front.as_ref().map(Front::json));
@@ -194,7 +194,7 @@ impl<'a> Bench<'a> {
             .and_then(|summary| self.measured(setting, &summary))
             .map_err(|error| format!("{error:#}"));
         let account = match &measured {
-            Ok(m) => format!("{:.1} s", m.structure_seconds + m.interface_seconds),
+            Ok(m) => format!("{:.1} s", m.seconds()),
             Err(reason) => format!("failed: {reason}"),
         };
         (self.show)(&format!(
@@ -285,6 +285,22 @@ impl<'a> Bench<'a> {
                     .filter_map(|m| point(m.response_displacement, m.frequency_hz, m.damping_ratio))
                     .collect()
             }
+            Source::RingDown => {
+                let found = summary.ring_down.as_ref().context("the summary has no ring-down")?;
+                if let Some(failure) = &found.failure {
+                    bail!("{failure}");
+                }
+                let points = found.backbone.iter();
+                points
+                    .filter_map(|b| {
+                        point(
+                            Some(b.response_displacement),
+                            Some(b.frequency_hz),
+                            Some(b.damping_ratio),
+                        )
+                    })
+                    .collect()
+            }
             Source::Ensemble(_) => {
                 let ensemble = summary.ensemble.as_ref().context("the summary has no ensemble")?;
                 let upper = ensemble.bands.iter();
@@ -304,6 +320,7 @@ impl<'a> Bench<'a> {
             Source::Loops => "backbone",
             Source::Method(EPMC) => EPMC,
             Source::Method(_) => "methods",
+            Source::RingDown => "transient",
             Source::Ensemble(_) => "ensemble",
         };
         let (structure, memory) = self.structure_of(summary);

@@ -24,10 +24,6 @@ const DRAWN: [(&str, RGBColor); 8] = [
     ("accuracy", RGBColor(204, 121, 167)),
 ];
 
-fn seconds(measured: &Measured) -> f64 {
-    measured.structure_seconds + measured.interface_seconds
-}
-
 /// All settings as rows.
 pub(crate) fn csv(ladders: &[Ladder]) -> Result<String, Error> {
     let mut headings: Vec<String> = [
@@ -54,7 +50,7 @@ pub(crate) fn csv(ladders: &[Ladder]) -> Result<String, Error> {
             let mut row = vec![
                 ladder.parameter.name.to_owned(),
                 setting.name.clone(),
-                of(seconds),
+                of(Measured::seconds),
                 of(|m| m.interface_seconds),
                 memory.map_or_else(String::new, |bytes| bytes.to_string()),
                 cell(outcome.errors.map(|e| e.linear)),
@@ -109,7 +105,7 @@ pub(crate) fn markdown(ladders: &[Ladder], budget: &[Part]) -> String {
                     0 => String::new(),
                     count => format!(" ({count} not converged)"),
                 },
-                seconds(measured),
+                measured.seconds(),
                 measured.interface_seconds
             );
             let _ = match outcome.errors {
@@ -181,7 +177,7 @@ fn draw(ladders: &[Ladder], root: &Canvas<'_>) -> Result<(), Drawing> {
             let ladder = ladders.iter().find(|ladder| ladder.parameter.name == name)?;
             let points = ladder.outcomes.iter().enumerate().filter_map(|(index, outcome)| {
                 let error = drawn(&outcome.errors?, is_damping)?;
-                Some((index, seconds(outcome.measured.as_ref().ok()?), error))
+                Some((index, outcome.measured.as_ref().ok()?.seconds(), error))
             });
             Some(Curve {
                 name: name.into(),

@@ -10,7 +10,7 @@ use joints::progress::Silent;
 use joints::structure::Structure;
 use scenes::{
     Bins, Commit, EPMC, Epmc, Formulation, Friction, Gap, Law, LawKind, Length, Method, PRESETS, Preset, RadialRule,
-    Scene, Stress, StructureSource, Surface, SyntheticScan, Yield,
+    RingDown, Scene, Stress, StructureSource, Surface, SyntheticScan, Yield,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -78,6 +78,8 @@ pub(crate) enum Source {
     Loops,
     /// Another method, by its name in the summary.
     Method(&'static str),
+    /// A motion in time, identified.
+    RingDown,
     /// The upper ends of the bands of an ensemble of this size.
     Ensemble(u16),
 }
@@ -147,15 +149,14 @@ pub(crate) fn truth(base: &Scene, quick: bool, finest: Option<&Path>) -> Setting
         }
         None => {}
     }
-    scene.model.modes = Some(40);
     scene.interfaces.points_per_direction = 4;
-    scene.analyses.backbone.vertices_per_quarter = 32;
+    scene.analyses.backbone.vertices_per_quarter = 16;
     let law = &mut scene.interfaces.law;
     if law.friction != Friction::Lumped {
-        law.bins = Bins::Gauss(64);
+        law.bins = Bins::Gauss(32);
     }
     if law.friction == Friction::MindlinIwan {
-        law.radii = RadialRule::Annuli(24);
+        law.radii = RadialRule::Annuli(16);
     }
     Setting::new("all settings fine", scene)
 }
@@ -199,9 +200,8 @@ pub(crate) fn all(
         ("coarse", RefinementLevel::Coarse),
         ("default", RefinementLevel::Default),
         ("fine", RefinementLevel::Fine),
-        ("finest", RefinementLevel::Finest),
     ];
-    meshes.truncate(if quick { 3 } else { 5 });
+    meshes.truncate(if quick { 3 } else { 4 });
     let finest = meshes[meshes.len() - 1];
     let linear = |scene: &mut Scene, refinement| {
         (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Linear), refinement);
@@ -269,7 +269,7 @@ pub(crate) fn all(
         error(
             "arms",
             "layers of elements along each arm",
-            refined(base, &[13_u16, 25, 50, 100, 200], |scene, n| {
+            refined(base, &[25_u16, 50, 100, 200], |scene, n| {
                 scene.model.arm_layers = Some(n.into());
             }),
         ),
@@ -447,6 +447,16 @@ fn methods(base: &Scene) -> Vec<Setting> {
         source: Source::Method(EPMC),
         ..Setting::new(EPMC, periodic)
     });
+    let mut in_time = base.clone();
+    in_time.analyses.ring_down = Some(RingDown {
+        release: Some(base.analyses.backbone.amplitude_to),
+        other_damping: 0.05,
+        ..RingDown::default()
+    });
+    settings.push(Setting {
+        source: Source::RingDown,
+        ..Setting::new("ring-down", in_time)
+    });
     settings.push(Setting::new("cqsma", base.clone()));
     settings
 }
@@ -587,8 +597,9 @@ fn uniform(scan: &Scene) -> Result<Setting> {
     let median = Representatives::try_new(&surface.found.elements)?.median;
     let mut scene = scan.clone();
     scene.interfaces.surface = given(vec![joints::interface::curves_of_element(median)]);
-    // The curves say what they are.
-    scene.interfaces.law.kind = Law::default().kind;
+    // The curves say what they are, and are of one friction limit per point.
+    let law = Law::default();
+    (scene.interfaces.law.kind, scene.interfaces.law.friction) = (law.kind, law.friction);
     Ok(Setting::new("fitted, uniform", scene))
 }
 
