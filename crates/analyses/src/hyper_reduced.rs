@@ -18,7 +18,7 @@ use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::Progress;
 use scenes::Scene;
 use std::f64::consts::TAU;
-use zte_assembly::State;
+use zte_assembly::Workspace;
 
 /// Most amplitudes of a mode of a case that are learned from.
 const TRAINING_AMPLITUDES: usize = 12;
@@ -273,7 +273,7 @@ struct TrainingObserver<'a> {
     motion: ResponseMotion<'a>,
 }
 
-impl LoopObserver<State> for TrainingObserver<'_> {
+impl LoopObserver<Workspace> for TrainingObserver<'_> {
     fn begin(&mut self) {
         if let Some(recorder) = &mut self.recorder {
             recorder.begin();
@@ -281,10 +281,10 @@ impl LoopObserver<State> for TrainingObserver<'_> {
         self.motion.begin();
     }
 
-    fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &State) {
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], workspace: &Workspace) {
         if let Some(recorder) = &mut self.recorder {
-            recorder.vertex(modal_force, displacement, begin);
+            recorder.vertex(modal_force, displacement, workspace);
         }
-        self.motion.vertex(modal_force, displacement, begin);
+        self.motion.vertex(modal_force, displacement, workspace);
     }
 }

@@ -3,11 +3,11 @@
 use super::amplitude::{Fields, LoopFields};
 use super::element_loops::ElementLoops;
 use super::walks::Walks;
-use contact_laws::{Regime, Sticking};
+use contact_laws::Regime;
 use cqsma_solver::{BackbonePoint, LoopObserver};
 use std::ops::ControlFlow;
 use zte_assembly::flux::LoopArea;
-use zte_assembly::{Interface, State, Workspace};
+use zte_assembly::{Interface, Workspace};
 
 /// Hears of a finished amplitude: its place in the backbone, the loop, and what it did at the interface.
 pub(super) type Finish<'a> = dyn Fn(usize, &BackbonePoint, Option<&LoopFields>) -> ControlFlow<()> + Sync + 'a;
@@ -33,12 +33,12 @@ impl<'a> ResponseMotion<'a> {
     }
 }
 
-impl LoopObserver<State> for ResponseMotion<'_> {
+impl LoopObserver<Workspace> for ResponseMotion<'_> {
     fn begin(&mut self) {
         *self = Self::new(self.response);
     }
 
-    fn vertex(&mut self, _: f64, displacement: &[f64], _: &State) {
+    fn vertex(&mut self, _: f64, displacement: &[f64], _: &Workspace) {
         let motion: f64 = displacement.iter().zip(self.response).map(|(u, r)| u * r).sum();
         self.range = [self.range[0].min(motion), self.range[1].max(motion)];
     }
@@ -67,9 +67,6 @@ pub(super) struct Watcher<'a> {
     walks: Option<&'a Walks<'a>>,
     path: Vec<Vec<f64>>,
     area: LoopArea,
-    workspace: Workspace,
-    end: Option<State>,
-    force: Vec<f64>,
     peak: f64,
     slip_fraction: f64,
     open_fraction: f64,
@@ -105,9 +102,6 @@ impl<'a> Watcher<'a> {
             walks,
             path: Vec::new(),
             area: LoopArea::new(interface.operators().n_points()),
-            workspace: interface.workspace(),
-            end: None,
-            force: vec![0.0; interface.n_dofs()],
             peak: f64::NEG_INFINITY,
             slip_fraction: 0.0,
             open_fraction: 0.0,
@@ -148,7 +142,7 @@ impl<'a> Watcher<'a> {
     }
 }
 
-impl LoopObserver<State> for Watcher<'_> {
+impl LoopObserver<Workspace> for Watcher<'_> {
     fn begin(&mut self) {
         self.area = LoopArea::new(self.interface.operators().n_points());
         (self.peak, self.largest_sliding) = (f64::NEG_INFINITY, 0.0);
@@ -162,28 +156,17 @@ impl LoopObserver<State> for Watcher<'_> {
         (self.finish)(self.index, point, self.fields.as_ref())
     }
 
-    fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &State) {
-        let end = self.end.get_or_insert_with(|| begin.clone());
-        let jump = &displacement[..self.interface.n_dofs()];
-        self.interface.evaluate(
-            jump,
-            Sticking::Coulomb,
-            begin,
-            end,
-            &mut self.workspace,
-            &mut self.force,
-            None,
-        );
-        self.area.add(&self.workspace);
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], workspace: &Workspace) {
+        self.area.add(workspace);
         if let Some(loops) = &mut self.loops {
-            loops.add(self.interface.operators(), modal_force, &self.workspace);
+            loops.add(self.interface.operators(), modal_force, workspace);
         }
-        self.motion.vertex(modal_force, displacement, begin);
+        self.motion.vertex(modal_force, displacement, workspace);
         if self.walks.is_some() {
-            self.path.push(jump.to_vec());
+            self.path.push(displacement[..self.interface.n_dofs()].to_vec());
         }
-        for p in 0..self.workspace.regime.len() {
-            let slide = |c: usize| self.workspace.jump[c][p] - self.prestress.jump[c][p];
+        for p in 0..workspace.regime.len() {
+            let slide = |c: usize| workspace.jump[c][p] - self.prestress.jump[c][p];
             self.largest_sliding = self.largest_sliding.max(slide(0).hypot(slide(1)));
         }
         // The loop begins and ends at its positive peak; the end carries the regimes that led there.
@@ -191,8 +174,7 @@ impl LoopObserver<State> for Watcher<'_> {
             self.peak = modal_force;
             let operators = self.interface.operators();
             let fraction = |regime: Regime| {
-                let found = self
-                    .workspace
+                let found = workspace
                     .regime
                     .iter()
                     .zip(&operators.weights)
@@ -201,7 +183,7 @@ impl LoopObserver<State> for Watcher<'_> {
             };
             (self.slip_fraction, self.open_fraction) = (fraction(Regime::Slip), fraction(Regime::Open));
             if self.store {
-                self.at_peak = Some(self.workspace.clone());
+                self.at_peak = Some(workspace.clone());
             }
             if self.stores_displacement {
                 self.displacement_at_peak = Some(displacement.to_vec());

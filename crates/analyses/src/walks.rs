@@ -126,7 +126,7 @@ impl AtRest<'_> {
         let mut before: Option<(Vec<f64>, &[f64])> = None;
         for (vertex, motion) in path.enumerate() {
             let mut found = at(Some(motion), &begin, &mut end);
-            begin.clone_from(&end);
+            std::mem::swap(&mut begin, &mut end);
             found.iter_mut().zip(&rest).for_each(|(force, rest)| *force -= rest);
             if vertex == 0 || vertex == middle {
                 work.reversals += 0.5 * found.iter().zip(motion).map(|(f, u)| f * u).sum::<f64>();

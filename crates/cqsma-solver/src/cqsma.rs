@@ -4,6 +4,7 @@ use crate::Error;
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
 use crate::linear::{Motion, dot, multiply};
+use crate::loading::Curve;
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
@@ -32,12 +33,26 @@ pub enum Commit {
     AtEveryVertex,
 }
 
+/// Damping ratio up to which residuals are those of the settings. Where there is more damping they may be larger in proportion.
+const SMALL_DAMPING: f64 = 1e-5;
+
+/// Most by which they may be larger.
+const LARGEST_FACTOR: f64 = 30.0;
+
+/// Largest tolerance that comes of it: a relative change of a frequency is half of the residual at most.
+const LARGEST_TOLERANCE: f64 = 1e-7;
+
+/// The largest residual at a vertex of a loop that is borne for a tolerance: [`Settings::newton`].
+pub fn largest_tolerance(tolerance: f64) -> f64 {
+    (LARGEST_FACTOR * tolerance).min(LARGEST_TOLERANCE).max(tolerance)
+}
+
 /// How many cycles are computed, all with the same vertices. The first carries slip left over from the prestress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cycles {
     /// So many, of which the last is measured.
     Fixed(usize),
-    /// Until a cycle closes, and the one that is measured, which must close as well or is measured again.
+    /// Until a cycle closes, which is the measured one.
     ///
     /// Closed is a loop of modal force and amplitude, not the motion of every point: points under low pressure may creep on
     /// from cycle to cycle for ever, without a change of frequency or damping.
@@ -52,7 +67,7 @@ pub enum Cycles {
 impl Default for Cycles {
     fn default() -> Self {
         Self::UntilClosed {
-            tolerance: 1e-2,
+            tolerance: 2e-3,
             most: 20,
         }
     }
@@ -69,7 +84,8 @@ pub struct Settings {
     pub cycles: Cycles,
     /// When the history is committed.
     pub commit: Commit,
-    /// Newton's method; the tolerance refers to the peak load of the loop.
+    /// Newton's method; the tolerance refers to the peak load of the loop, where the damping ratio is up to 1e-5. Of a loop with more damping it is larger
+    /// in proportion, by 30 and up to 1e-7 at most.
     pub newton: NewtonSettings,
     /// How its linear systems are solved.
     pub solver: LinearSolver,
@@ -88,13 +104,13 @@ impl Default for Settings {
     }
 }
 
-/// Sees every converged vertex of a measured loop.
-pub trait LoopObserver<S>: Send {
-    /// A loop begins. It replaces one seen before, which did not close.
+/// Sees every converged vertex of the cycles.
+pub trait LoopObserver<W>: Send {
+    /// A cycle begins. It replaces the one seen before, which was not the last.
     fn begin(&mut self) {}
 
-    /// `modal_force` and the total displacement; `begin` is the history that the force at this vertex starts from.
-    fn vertex(&mut self, modal_force: f64, displacement: &[f64], begin: &S);
+    /// `modal_force` and the total displacement; `workspace` is what the evaluation of the force there left.
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], workspace: &W);
 
     /// The amplitude is done, with or without success. `Break` stops the run: loops under way are finished and
     /// reported, others not begun.
@@ -107,8 +123,8 @@ pub trait LoopObserver<S>: Send {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoObserver;
 
-impl<S> LoopObserver<S> for NoObserver {
-    fn vertex(&mut self, _: f64, _: &[f64], _: &S) {}
+impl<W> LoopObserver<W> for NoObserver {
+    fn vertex(&mut self, _: f64, _: &[f64], _: &W) {}
 }
 
 /// What a measured loop gives.
@@ -235,7 +251,7 @@ pub struct BackbonePoint {
 ///
 /// # Errors
 /// Settings outside their range; [`Error::Interrupted`] if an observer or [`Linearisation::limits`] ended the run. A loop that does not converge is a point with a [`Failure`].
-pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
+pub fn run<F: HystereticForce, O: LoopObserver<F::Workspace>>(
     structure: &Linearisation<'_, F::State>,
     force: &F,
     modal_forces: &[f64],
@@ -249,7 +265,7 @@ pub fn run<F: HystereticForce, O: LoopObserver<F::State>>(
 ///
 /// # Errors
 /// As [`run`], and derivatives that belong to another mode.
-pub fn run_differentiated<F: DifferentiableForce, O: LoopObserver<F::State>>(
+pub fn run_differentiated<F: DifferentiableForce, O: LoopObserver<F::Workspace>>(
     structure: &Linearisation<'_, F::State>,
     force: &F,
     modal_forces: &[f64],
@@ -272,7 +288,7 @@ pub fn run_differentiated<F: DifferentiableForce, O: LoopObserver<F::State>>(
 /// What goes along with a loop, made anew for each.
 type Followers<'a, F> = dyn Fn() -> Option<Box<dyn Follower<F> + 'a>> + Sync + 'a;
 
-fn run_followed<F: HystereticForce, O: LoopObserver<F::State>>(
+fn run_followed<F: HystereticForce, O: LoopObserver<F::Workspace>>(
     structure: &Linearisation<'_, F::State>,
     force: &F,
     modal_forces: &[f64],
@@ -341,7 +357,7 @@ fn run_followed<F: HystereticForce, O: LoopObserver<F::State>>(
     points.filter(|_| !interrupted.into_inner()).ok_or(Error::Interrupted)
 }
 
-fn run_loop<F: HystereticForce, O: LoopObserver<F::State>>(
+fn run_loop<F: HystereticForce, O: LoopObserver<F::Workspace>>(
     structure: &Linearisation<'_, F::State>,
     force: &F,
     mode: &Mode,
@@ -387,15 +403,8 @@ struct LoopTracer<'a, F: HystereticForce> {
     open: Option<[usize; 2]>,
     /// Goes along.
     follower: Option<Box<dyn Follower<F> + 'a>>,
-}
-
-/// What comes before the measured loop.
-struct Settled {
-    cycles: usize,
-    /// Whether nothing that can be told from the residuals was dissipated in the last of them.
-    is_quiet: bool,
-    /// Regimes at the positive peak.
-    counts: RegimeCounts,
+    /// Factors and motions of the last branches down and up.
+    walked: [Vec<(f64, Motion)>; 2],
 }
 
 impl<'a, F: HystereticForce> LoopTracer<'a, F> {
@@ -416,33 +425,62 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             most_slipping: 0,
             open: None,
             follower: None,
+            walked: Default::default(),
         }
     }
 
-    fn measure<O: LoopObserver<F::State>>(
+    /// Follows the first loading and cycle after cycle, all with the same vertices: friction keeps what it is left with, and after coarser steps points
+    /// near the onset of slip would shake down to another state, in which loops close as well.
+    fn measure<O: LoopObserver<F::Workspace>>(
         &mut self,
         structure: &Linearisation<'_, F::State>,
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
-        let settled = self.settle_down()?;
-        let mut cycles = settled.cycles;
+        let mut loading = Curve::default();
+        let mut record = |tracer: &Self| {
+            let q = tracer.modal_amplitude();
+            loading.add(q, tracer.path.at / q, tracer.path.residual);
+        };
+        let mut counts = self.branch(self.peak, self.settings.vertices_per_quarter, &mut record)?;
+        self.bear(loading.zeta());
+        // Whether nothing that can be told from the residuals is dissipated.
+        let mut quiet = !self.path.equilibrium.force.dissipates();
+        let most = match self.settings.cycles {
+            Cycles::Fixed(most) | Cycles::UntilClosed { most, .. } => most,
+        };
+        let mut cycles = 0;
         loop {
             cycles += 1;
             observer.begin();
-            let found = self.measured_loop(structure, &settled, cycles, observer)?;
-            match self.settings.cycles {
-                Cycles::UntilClosed { most, .. } if !found.closed && cycles < most => {}
-                _ => return Ok(found),
+            let found = self.loop_from_peak(structure, (cycles, quiet, counts), observer)?;
+            if quiet || cycles >= most {
+                return Ok(found);
             }
+            if found.closed {
+                if !self.is_quiet(&found.hysteresis) {
+                    return Ok(found);
+                }
+                quiet = true;
+            }
+            self.bear(found.zeta);
+            counts = found.counts;
         }
     }
 
+    /// Asks for residuals as small as a damping ratio needs them.
+    fn bear(&mut self, zeta: f64) {
+        let own = self.settings.newton.tolerance;
+        // Where there is no such ratio, the tolerance itself.
+        let larger = (own * zeta / SMALL_DAMPING).max(own);
+        self.path.settings.tolerance = larger.min(largest_tolerance(own));
+    }
+
     /// The loop from where the path is, at its positive peak.
-    fn measured_loop<O: LoopObserver<F::State>>(
+    /// Beside it come the number of the cycle, whether those before dissipate nothing, and the regimes at the peak.
+    fn loop_from_peak<O: LoopObserver<F::Workspace>>(
         &mut self,
         structure: &Linearisation<'_, F::State>,
-        settled: &Settled,
-        cycles: usize,
+        (cycles, quiet, counts_before): (usize, bool, RegimeCounts),
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
         let mut hysteresis = Loop::default();
@@ -450,25 +488,24 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         let mut numbers = Vec::new();
         let mut deviation = 0.0_f64;
         // Without dissipation the way back passes the same vertices, which are kept for it.
-        let quiet = settled.is_quiet;
         if !quiet {
-            // Of cycles that are not measured; one way the peak is not solved for again.
+            // Of the cycles before; one way the peak is not solved for again.
             self.path.residual = 0.0;
         }
-        let mut passed: Vec<(Vec<f64>, F::State)> = Vec::new();
+        let mut passed: Vec<(Vec<f64>, F::Workspace)> = Vec::new();
         let mut total = vec![0.0; self.mode.shape.len()];
         let mut record = |tracer: &Self| {
             let v = &tracer.path.sequence.motion.v;
-            let q = dot(&tracer.mode.unit.p, v);
+            let q = tracer.modal_amplitude();
             hysteresis.force.push(tracer.path.at);
             hysteresis.amplitude.push(q);
             numbers.extend(tracer.follower.as_ref().map(|follower| follower.last()));
             for ((t, u), v) in total.iter_mut().zip(&structure.displacement).zip(v) {
                 *t = u + v;
             }
-            observer.vertex(tracer.path.at, &total, &tracer.path.sequence.begin);
+            observer.vertex(tracer.path.at, &total, &tracer.path.sequence.workspace);
             if quiet {
-                passed.push((total.clone(), tracer.path.sequence.begin.clone()));
+                passed.push((total.clone(), tracer.path.sequence.workspace.clone()));
             }
             if tracer.path.at.abs() >= tracer.peak {
                 let rest: Vec<f64> = v.iter().zip(&tracer.mode.shape).map(|(v, phi)| v - q * phi).collect();
@@ -489,14 +526,14 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             && self.open.is_some_and(|[fewest, most]| fewest == most);
         let one_way = quiet && (sticks || !self.path.equilibrium.force.dissipates());
         let (counts, closure) = if one_way {
-            for (vertex, (total, begin)) in passed.iter().enumerate().rev().skip(1) {
+            for (vertex, (total, workspace)) in passed.iter().enumerate().rev().skip(1) {
                 let (force, amplitude) = (hysteresis.force[vertex], hysteresis.amplitude[vertex]);
                 hysteresis.force.push(force);
                 hysteresis.amplitude.push(amplitude);
                 numbers.extend(numbers.get(vertex).copied());
-                observer.vertex(force, total, begin);
+                observer.vertex(force, total, workspace);
             }
-            (settled.counts, 0.0)
+            (counts_before, 0.0)
         } else {
             (self.branch(self.peak, edges, &mut record)?, self.distance(&start))
         };
@@ -519,44 +556,6 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         ))
     }
 
-    /// Follows the first loading and the cycles before the measured one. Friction keeps what it is left with: after coarser
-    /// steps, points near the onset of slip would shake down to another state, in which the measured loop closes as well.
-    fn settle_down(&mut self) -> Result<Settled, Failure> {
-        let quarter = self.settings.vertices_per_quarter;
-        let mut counts = self.branch(self.peak, quarter, &mut |_| {})?;
-        let most = match self.settings.cycles {
-            _ if !self.path.equilibrium.force.dissipates() => {
-                return Ok(Settled {
-                    cycles: 0,
-                    is_quiet: true,
-                    counts,
-                });
-            }
-            Cycles::Fixed(n) => n,
-            Cycles::UntilClosed { most, .. } => most,
-        };
-        for cycle in 1..most {
-            self.path.residual = 0.0;
-            let mut hysteresis = Loop::default();
-            let mut record = |tracer: &Self| tracer.record(&mut hysteresis);
-            record(self);
-            self.branch(-self.peak, 2 * quarter, &mut record)?;
-            counts = self.branch(self.peak, 2 * quarter, &mut record)?;
-            if self.is_closed(&hysteresis) {
-                return Ok(Settled {
-                    cycles: cycle,
-                    is_quiet: self.is_quiet(&hysteresis),
-                    counts,
-                });
-            }
-        }
-        Ok(Settled {
-            cycles: most - 1,
-            is_quiet: false,
-            counts,
-        })
-    }
-
     /// Damping ratio that a loop with everything stuck has under this rule of history.
     fn remainder(&mut self) -> Result<f64, Failure> {
         let mut hysteresis = Loop::default();
@@ -574,9 +573,11 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     /// Adds the vertex at hand to a loop.
     fn record(&self, hysteresis: &mut Loop) {
         hysteresis.force.push(self.path.at);
-        hysteresis
-            .amplitude
-            .push(dot(&self.mode.unit.p, &self.path.sequence.motion.v));
+        hysteresis.amplitude.push(self.modal_amplitude());
+    }
+
+    fn modal_amplitude(&self) -> f64 {
+        dot(&self.mode.unit.p, &self.path.sequence.motion.v)
     }
 
     /// Distance from `start` relative to the motion at hand (energy norm).
@@ -610,6 +611,9 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     /// Goes to `target` in `steps` equal steps, calls `record` at each, and commits the history at the end.
     fn branch(&mut self, target: f64, steps: usize, record: &mut dyn FnMut(&Self)) -> Result<RegimeCounts, Failure> {
         let start = self.path.at;
+        let walked = &mut self.walked[usize::from(target > start)];
+        self.path.guide = std::mem::take(walked);
+        let mut walked = vec![(start, self.path.sequence.motion.clone())];
         let mut counts = RegimeCounts::default();
         for step in 1..=steps {
             let goal = if step == steps {
@@ -618,6 +622,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 start + (target - start) * step as f64 / steps as f64
             };
             counts = self.path.advance(goal)?;
+            walked.push((goal, self.path.sequence.motion.clone()));
             if let Some(follower) = &mut self.follower {
                 follower.vertex(&self.path);
             }
@@ -640,6 +645,10 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             follower.commit();
         }
         self.path.turn();
+        // The first loading is like no branch after it.
+        if start != 0.0 {
+            self.walked[usize::from(target > start)] = walked;
+        }
         Ok(counts)
     }
 }

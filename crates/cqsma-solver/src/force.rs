@@ -55,8 +55,8 @@ impl PatternView<'_> {
 pub trait HystereticForce: Sync {
     /// History of the force.
     type State: Clone + Send + Sync;
-    /// Scratch memory of one evaluation.
-    type Workspace: Send;
+    /// Scratch memory of one evaluation, which observers may read.
+    type Workspace: Clone + Send;
 
     /// Number of leading coordinates it acts on.
     fn n_dofs(&self) -> usize;

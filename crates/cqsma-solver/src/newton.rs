@@ -198,7 +198,8 @@ pub(crate) struct Sequence<F: HystereticForce> {
     /// Square of the frequency at the last evaluation with [`Load::Inertia`].
     pub(crate) lambda: f64,
     pub(crate) effort: Effort,
-    workspace: F::Workspace,
+    /// What the last evaluation left: that at the solution, after a solve.
+    pub(crate) workspace: F::Workspace,
     total: Vec<f64>,
     /// Force of the contact at the last evaluation: that at the solution, after a solve.
     pub(crate) contact: Vec<f64>,

@@ -51,6 +51,8 @@ pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) residual: f64,
     /// The last points of the same branch before the one at hand, the later one first, for extrapolation.
     previous: Vec<(f64, Motion)>,
+    /// The same branch in the cycle before, whose motions at the same factors the next ones are like.
+    pub(crate) guide: Vec<(f64, Motion)>,
     /// Steps since the forces of the motions were last turned into their displacements.
     steps: usize,
 }
@@ -76,6 +78,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             force: 0.0,
             residual: 0.0,
             previous: Vec::new(),
+            guide: Vec::new(),
             steps: 0,
         }
     }
@@ -176,10 +179,29 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         Ok(counts)
     }
 
-    /// Moves the motion on to where the last points of the branch lead. Without any, as after a reversal, everything
-    /// sticks, or a motion of given amplitude keeps its shape.
+    /// Moves the motion on like the guide, and with what the branch has been moving away from it. Without a guide, to where the last points of the
+    /// branch lead. Without any, as after a reversal, everything sticks, or a motion of given amplitude keeps its shape.
     fn predict(&mut self, next: f64, origin: &Motion) {
         let from = self.at;
+        let guided = |at: f64| {
+            self.guide
+                .iter()
+                .find(|(other, _)| *other == at)
+                .map(|(_, motion)| motion)
+        };
+        if let (Some(there), Some(here)) = (guided(next), guided(from)) {
+            let motion = &mut self.sequence.motion;
+            motion.add(1.0, there);
+            motion.add(-1.0, here);
+            if let Some((at, before)) = self.previous.first()
+                && let Some(beside) = guided(*at)
+            {
+                for (weight, other) in [(1.0, origin), (-1.0, before), (-1.0, here), (1.0, beside)] {
+                    motion.add(weight, other);
+                }
+            }
+            return;
+        }
         // Points close together tell nothing of what is far away.
         let reached = |at: f64| (next - from).abs() <= REACH * (at - from).abs();
         let points: Vec<(f64, &Motion)> = std::iter::once((from, origin))

@@ -53,6 +53,7 @@ pub struct PointForce<'a> {
 }
 
 /// Scratch memory of an evaluation.
+#[derive(Clone)]
 pub struct Scratch {
     jump: Vec<f64>,
     traction: Vec<f64>,

@@ -85,13 +85,13 @@ impl Judge<'_> {
     }
 }
 
-impl LoopObserver<Vec<f64>> for Judge<'_> {
+impl<W> LoopObserver<W> for Judge<'_> {
     fn begin(&mut self) {
         self.loads.clear();
         self.coordinates.clear();
     }
 
-    fn vertex(&mut self, modal_force: f64, displacement: &[f64], _: &Vec<f64>) {
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], _: &W) {
         self.loads.push(modal_force);
         self.coordinates.push(displacement.to_vec());
     }

@@ -125,9 +125,6 @@ pub struct Recorder<'a> {
     stride: usize,
     seen: usize,
     at_rest: &'a StaticState,
-    workspace: Workspace,
-    end: State,
-    force: Vec<f64>,
     area: LoopArea,
     record: LoopRecord,
 }
@@ -140,9 +137,6 @@ impl<'a> Recorder<'a> {
             stride: vertices_per_quarter.div_ceil(EDGES).max(1),
             seen: 0,
             at_rest,
-            workspace: interface.workspace(),
-            end: interface.no_change(),
-            force: vec![0.0; interface.n_dofs()],
             area: LoopArea::new(interface.operators().n_points()),
             record: LoopRecord::default(),
         }
@@ -164,30 +158,21 @@ pub(crate) fn dissipation(interface: &Interface, area: LoopArea) -> Vec<f64> {
     (0..weights.len()).map(|p| weights[p] * (x[p] + y[p] + n[p])).collect()
 }
 
-impl LoopObserver<State> for Recorder<'_> {
+impl LoopObserver<Workspace> for Recorder<'_> {
     fn begin(&mut self) {
         self.record = LoopRecord::default();
         self.seen = 0;
         self.area = LoopArea::new(self.interface.operators().n_points());
     }
 
-    fn vertex(&mut self, _: f64, displacement: &[f64], begin: &State) {
+    fn vertex(&mut self, _: f64, displacement: &[f64], workspace: &Workspace) {
         let at_rest = self.at_rest;
-        self.interface.evaluate(
-            &displacement[..self.interface.n_dofs()],
-            Sticking::Coulomb,
-            begin,
-            &mut self.end,
-            &mut self.workspace,
-            &mut self.force,
-            None,
-        );
-        self.area.add(&self.workspace);
+        self.area.add(workspace);
         self.seen += 1;
         if !(self.seen - 1).is_multiple_of(self.stride) {
             return;
         }
-        let Workspace { jump, traction, .. } = &self.workspace;
+        let Workspace { jump, traction, .. } = workspace;
         let departure = |i: usize, p: usize| {
             let stuck: f64 = (0..3)
                 .map(|j| at_rest.tangent[3 * i + j][p] * (jump[j][p] - at_rest.jump[j][p]))

@@ -114,15 +114,16 @@ pub struct Backbone {
     pub amplitudes: usize,
     /// Vertices per quarter loop, 1 to 4096.
     pub vertices_per_quarter: usize,
-    /// Cycles walked, the last of which is measured, 1 to 1000; by default as many as it takes until the loop closes,
+    /// Cycles walked, the last of which is measured, 1 to 1000; by default as many as it takes until one closes,
     /// at most 20.
     pub cycles: Option<usize>,
-    /// Part of the damping ratio that the gap between the ends of a loop may make up for the loop to count as closed, 1e-12 to 1; 1e-2 by
+    /// Part of the damping ratio that the gap between the ends of a loop may make up for the loop to count as closed, 1e-12 to 1; 2e-3 by
     /// default. Not together with `cycles`.
     pub until_closed: Option<f64>,
     /// When the friction history is committed.
     pub commit: Commit,
-    /// Residual relative to the load, in the energy norm, 1e-13 to 1e-2.
+    /// Residual relative to the load, in the energy norm, 1e-13 to 1e-2; of a loop whose damping ratio is above 1e-5 more in proportion, by 30 and
+    /// up to 1e-7 at most.
     pub tolerance: f64,
     /// Places on the interface (length). The hysteresis loops of the elements there are written as a table, at the amplitudes whose
     /// fields are stored.

@@ -118,8 +118,12 @@ impl HystereticForce for Reticent<'_> {
 #[derive(Default)]
 struct Path(Vec<(f64, Vec<f64>)>);
 
-impl LoopObserver<State> for Path {
-    fn vertex(&mut self, modal_force: f64, displacement: &[f64], _: &State) {
+impl<W> LoopObserver<W> for Path {
+    fn begin(&mut self) {
+        self.0.clear();
+    }
+
+    fn vertex(&mut self, modal_force: f64, displacement: &[f64], _: &W) {
         self.0.push((modal_force, displacement.to_vec()));
     }
 }
@@ -180,7 +184,7 @@ fn without_friction_one_way_of_a_loop_is_the_whole_loop() {
             let worst = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max((u - v).abs()));
             assert!(worst < 1e-9 * size, "{f}: {worst:e} of {size:e}");
         }
-        assert!(2 * a.effort.iterations < b.effort.iterations + 10);
+        assert!(a.effort.iterations < b.effort.iterations);
     }
     let summary = serde_json::to_value(Summary::new(&run, BTreeMap::new(), None)).unwrap();
     assert!(summary["skipped"]["gap"].is_string() && summary["skipped"]["way_back_of_loops"].is_string());

@@ -222,7 +222,7 @@ fn a_mean_load_leaves_the_closed_loop_as_it_is() {
         for (point, cold) in bar_loops(&bar, mean, &amplitudes, 32).into_iter().zip(&cold) {
             let (r, cold) = (point.result.unwrap(), cold.result.as_ref().unwrap());
             assert!(
-                (r.omega / cold.omega - 1.0).abs() < 1e-9,
+                (r.omega / cold.omega - 1.0).abs() < 1e-8,
                 "mean {mean}: {} {}",
                 r.omega,
                 cold.omega
@@ -329,17 +329,17 @@ fn the_loops_cost_what_they_did() {
     // Newton iterations, evaluations of the force, Krylov steps, factorisations. A change that costs more than a tenth
     // more is a regression; one that saves more than a quarter is worth recording, or the next loss goes unseen.
     let table = [
-        ("chain", chain(Commit::AtReversals), [849, 2620, 3632, 0]),
+        ("chain", chain(Commit::AtReversals), [475, 1926, 1982, 0]),
         (
             "chain, commits at every vertex",
             chain(Commit::AtEveryVertex),
-            [849, 2017, 3632, 0],
+            [475, 1323, 1982, 0],
         ),
-        ("bar", bar(Commit::AtReversals), [1306, 3109, 4342, 0]),
+        ("bar", bar(Commit::AtReversals), [729, 2148, 2412, 0]),
         (
             "bar, commits at every vertex",
             bar(Commit::AtEveryVertex),
-            [1306, 2506, 4342, 0],
+            [729, 1545, 2412, 0],
         ),
     ];
     let mut found = String::new();

@@ -1,7 +1,7 @@
 //! Units, noise floors, and what happens to loops that cannot be computed.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use cqsma_solver::cqsma::{Commit, Cycles, Settings, run};
+use cqsma_solver::cqsma::{Commit, Cycles, Settings, largest_tolerance, run};
 use cqsma_solver::test_problems::{Jenkins, JenkinsChain};
 use cqsma_solver::{
     BackbonePoint, Error, HystereticForce, LinearSolver, LoopObserver, NoObserver, PatternView, Reason, RegimeCounts,
@@ -93,7 +93,9 @@ fn the_floor_bounds_what_the_tolerance_does_to_damping() {
                 b.zeta,
                 a.zeta_floor
             );
-            assert!(a.zeta_floor < 4.0 * tolerance, "{tolerance:e}: {:e}", a.zeta_floor);
+            // Where damping is larger than 1e-5, residuals may be as well.
+            let borne = largest_tolerance(tolerance);
+            assert!(a.zeta_floor < 4.0 * borne, "{tolerance:e}: {:e}", a.zeta_floor);
         }
     }
     // Nothing slips at the smallest amplitudes: whatever is found there is noise, and said to be.
@@ -333,8 +335,8 @@ fn a_loop_is_followed_until_it_closes() {
 
 struct StopsAt<'a>(&'a AtomicUsize);
 
-impl<S> LoopObserver<S> for StopsAt<'_> {
-    fn vertex(&mut self, _: f64, _: &[f64], _: &S) {}
+impl<W> LoopObserver<W> for StopsAt<'_> {
+    fn vertex(&mut self, _: f64, _: &[f64], _: &W) {}
 
     fn done(&mut self, _: &BackbonePoint) -> ControlFlow<()> {
         self.0.fetch_add(1, Ordering::Relaxed);

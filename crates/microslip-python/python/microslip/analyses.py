@@ -679,7 +679,7 @@ def cqsma(
     closure: float | None = None,
     vertices_per_quarter: int = 8,
     cycles: int | None = None,
-    until_closed: float = 1e-2,
+    until_closed: float = 2e-3,
     max_cycles: int = 20,
     commit: Literal["every-vertex", "reversals"] = "every-vertex",
     tolerance: float = 1e-9,

@@ -32,8 +32,8 @@ struct Watch<'a, 'b> {
     monitor: &'a Monitor<'b>,
 }
 
-impl LoopObserver<State> for Watch<'_, '_> {
-    fn vertex(&mut self, _: f64, _: &[f64], _: &State) {}
+impl<W> LoopObserver<W> for Watch<'_, '_> {
+    fn vertex(&mut self, _: f64, _: &[f64], _: &W) {}
 
     fn done(&mut self, _: &BackbonePoint) -> ControlFlow<()> {
         flow(self.monitor)
