@@ -9,10 +9,12 @@ pub mod incremental;
 pub mod paper;
 pub mod potential;
 
+use super::annulus::{Annulus, Ruled};
 use super::return_map::Block;
 use super::rule::{FrictionRule, Memory, StiffnessAt};
 use crate::choice::choices;
 use crate::law::{Quantity, RegimeCounts};
+use crate::simd::run;
 
 /// What there is for every rule, from its row.
 macro_rules! history_rules {
@@ -56,6 +58,13 @@ macro_rules! history_rules {
             pub(crate) fn respond<const B: usize>(self, block: Block<'_, B>) -> RegimeCounts {
                 match self {
                     $(Self::$Rule => block.respond($module::$Rule),)+
+                }
+            }
+
+            /// Adds what an annulus answers.
+            pub(crate) fn annulus<const B: usize>(self, annulus: Annulus<'_, B>) {
+                match self {
+                    $(Self::$Rule => run(Ruled(annulus, $module::$Rule)),)+
                 }
             }
 

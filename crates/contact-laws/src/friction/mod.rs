@@ -99,6 +99,7 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
+mod annulus;
 mod block_start;
 mod cone;
 mod frictional_law;

@@ -103,6 +103,7 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
+use super::annulus::{Annulus, Room};
 use super::block_start::Present;
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
@@ -505,6 +506,7 @@ impl ResolvedLaw {
             middle,
             curves,
             of_annulus,
+            annulus,
             workspace,
             box_workspace,
             bin,
@@ -660,6 +662,7 @@ impl ResolvedLaw {
                         self.limit_changes(sets, dent, rows.begin(dent_base), approach, u_n, changes);
                     }
                 }
+                let at_once = !couples && !present.reclosed && direction.is_none() && box_workspace.is_none();
                 let mut stick_or_slip = |history: HistoryRule,
                                          curves: &CurveBlock<B>,
                                          memory: usize,
@@ -694,6 +697,30 @@ impl ResolvedLaw {
                     AsperityFriction::StickSlip(history) => {
                         stick_or_slip(*history, curves, base, workspace, bin, None);
                         sums.add(density, bin, &workspace.regime, entries);
+                    }
+                    AsperityFriction::Annuli(history, _) if at_once => {
+                        for (k, &shares) in self.shares.iter().enumerate() {
+                            let memory = base + 2 * k;
+                            history.annulus(Annulus {
+                                shares,
+                                jump,
+                                begin: [begin[0], begin[1], begin[2]],
+                                memory: [rows.begin(memory), rows.begin(memory + 1)],
+                                mu: &mu.0[..m],
+                                mu_slope: &mu_slope.0[..m],
+                                u_n,
+                                curves,
+                                density,
+                                unlimited: sticking == Sticking::Full,
+                                largest: LARGEST,
+                                with_tangent,
+                                room: annulus,
+                                end: rows.end::<2>(memory),
+                                traction: &mut sums.traction,
+                                tangent: &mut sums.tangent,
+                                regimes: &mut sums.regimes,
+                            });
+                        }
                     }
                     AsperityFriction::Annuli(history, _) => {
                         for (k, &[limit, stiffness]) in self.shares.iter().enumerate() {
@@ -1428,6 +1455,7 @@ struct Scratch<const B: usize> {
     middle: Lanes<f64, B>,
     curves: CurveBlock<B>,
     of_annulus: CurveBlock<B>,
+    annulus: Room<B>,
     workspace: Workspace<B>,
     box_workspace: Option<BoxWorkspace<B>>,
     /// What one asperity of a bin answers, or one of its annuli.
@@ -1513,6 +1541,7 @@ impl<const B: usize> Scratch<B> {
             middle: zero,
             curves: CurveBlock::new(),
             of_annulus: CurveBlock::new(),
+            annulus: Room::new(),
             workspace: Workspace::new(),
             box_workspace: (cone == Cone::Box).then(BoxWorkspace::new),
             bin: BinResponse {

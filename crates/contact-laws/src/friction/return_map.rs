@@ -163,10 +163,10 @@ impl<const B: usize> Workspace<B> {
 pub(super) const STICK: u64 = 1;
 pub(super) const SLIP: u64 = 1 << 16;
 pub(super) const OPEN: u64 = 1 << 32;
-const INVALID: u64 = 1 << 48;
+pub(super) const INVALID: u64 = 1 << 48;
 
 /// How many points of one regime are in a sum of regimes.
-fn count(sum: u64, regime: u64) -> usize {
+pub(super) fn count(sum: u64, regime: u64) -> usize {
     (sum / regime % (1 << 16)) as usize
 }
 
@@ -287,7 +287,7 @@ fn trials<R: FrictionRule, const REOPENS: bool, const B: usize>(
 
 /// A stiffness with its derivatives, cut to what may be multiplied.
 #[inline(always)]
-fn jet(value: f64, slope: f64, curvature: f64) -> Jet {
+pub(super) fn jet(value: f64, slope: f64, curvature: f64) -> Jet {
     Jet {
         value: bounded(value),
         slope: bounded(slope),
@@ -408,7 +408,7 @@ fn limits<const B: usize>(
 
 /// A trial in a power of two of its unit in which squares neither overflow nor underflow, and that power.
 #[inline(always)]
-fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
+pub(super) fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
     let largest = max(x.abs(), y.abs());
     let small = if largest < 1e-140 { UP } else { 1.0 };
     let scale = if largest > 1e140 { DOWN } else { small };
@@ -513,7 +513,7 @@ impl<R: FrictionRule, const B: usize> Pass for Tangents<'_, '_, R, B> {
 
 /// Derivative of the slip limit with respect to the interference.
 #[inline(always)]
-fn limit_slope(mu_slope: f64, normal_slope: f64) -> f64 {
+pub(super) fn limit_slope(mu_slope: f64, normal_slope: f64) -> f64 {
     within(mu_slope * bounded(normal_slope), TRACTION)
 }
 

@@ -749,3 +749,74 @@ fn gross_slip_begins_with_the_first_asperity_to_touch() {
     let tangents = [0.4, 1.0, 2.0].map(|w| respond(at(w * 1e-6)).tangent[0][0]);
     assert!(tangents[0] > tangents[1] && tangents[1] > tangents[2] && tangents[2] > 0.0);
 }
+
+/// Traction, tangent and memory of points, number by number.
+fn all_of(law: &ResolvedLaw, sticking: Sticking, jump: &[Vec<f64>; 3], begin: &[f64]) -> Vec<Vec<f64>> {
+    let n = jump[0].len();
+    let mut end = vec![0.0; begin.len()];
+    let mut found = vec![vec![0.0; n]; 12];
+    let mut lists = found.iter_mut();
+    let [x, y, z, tangent @ ..]: [&mut [f64]; 12] = core::array::from_fn(|_| lists.next().unwrap().as_mut_slice());
+    law.evaluate(
+        0..n,
+        sticking,
+        Components::new(&jump[0], &jump[1], &jump[2]),
+        StateView::new(begin, n, 0),
+        StateViewMut::new(&mut end, n, 0),
+        ComponentsMut::new(x, y, z),
+        Some(TangentMut::from_entries(tangent)),
+        None,
+    );
+    found.extend(end.chunks(n).map(<[f64]>::to_vec));
+    found
+}
+
+/// Where all points were closed before, an annulus is answered at once; beside one that was open, pass by pass.
+#[test]
+fn annuli_have_the_same_bits_beside_a_point_that_was_open() {
+    let [formulas, _] = published();
+    for (rule, sticking) in [
+        (HistoryRule::Incremental, Sticking::Coulomb),
+        (HistoryRule::Incremental, Sticking::Full),
+        (HistoryRule::EndPoint, Sticking::Coulomb),
+        (HistoryRule::Paper, Sticking::Frictionless),
+    ] {
+        let case = Case {
+            formulas: Formulas {
+                yielding: None,
+                ..formulas
+            },
+            gaps: vec![0.0, 1e-6, 2e-6, 4e-6],
+            densities: vec![1e5; 4],
+            mu: 0.2,
+            friction: AsperityFriction::Annuli(rule, 5),
+            cone: Cone::Circle,
+            limit: AsperityLimit::Coulomb,
+        };
+        let (n, one) = (21, case.law());
+        let mu = PointParameters::uniform(case.mu, n);
+        let law = ResolvedLaw::try_new(PointParameters::uniform(case.bins(), n), mu, case.friction, case.cone).unwrap();
+        // Points that lie apart, moved from a state with some slip.
+        let spread = |i: usize, scale: f64| scale * (1.7 * i as f64 + 0.3).sin();
+        let jump = |scale: f64| -> [Vec<f64>; 3] {
+            [1.0, 0.6, 0.0].map(|share| {
+                let of = |i| match share {
+                    0.0 => 3e-6 + spread(i, 2.5e-6),
+                    _ => share * spread(i, scale),
+                };
+                (0..n).map(of).collect()
+            })
+        };
+        let start = vec![0.0; n * one.info().n_state()];
+        let before = all_of(&law, Sticking::Coulomb, &jump(2e-7), &start);
+        let begin = before[12..].concat();
+        let mut beside = begin.clone();
+        beside[2 * n + n - 1] = -1e-6;
+        let [alone, with_other] = [&begin, &beside].map(|begin| all_of(&law, sticking, &jump(5e-7), begin));
+        for (a, b) in alone.iter().zip(&with_other) {
+            assert_eq!(a[..n - 1], b[..n - 1], "{rule:?} {sticking:?}");
+        }
+        let moved = alone.iter().any(|row| row[..n - 1].iter().any(|value| *value != 0.0));
+        assert!(moved);
+    }
+}

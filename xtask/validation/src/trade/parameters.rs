@@ -143,7 +143,7 @@ pub(crate) fn truth(base: &Scene, quick: bool, finest: Option<&Path>) -> Setting
             let refinement = if quick {
                 RefinementLevel::Coarse
             } else {
-                RefinementLevel::Fine
+                RefinementLevel::Default
             };
             (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Quadratic), refinement);
         }
@@ -195,28 +195,25 @@ pub(crate) fn all(
         settings,
         share: Share::Error,
     };
-    let mut meshes = vec![
+    let meshes = [
         ("quick", RefinementLevel::Quick),
         ("coarse", RefinementLevel::Coarse),
         ("default", RefinementLevel::Default),
-        ("fine", RefinementLevel::Fine),
     ];
-    meshes.truncate(if quick { 3 } else { 4 });
     let finest = meshes[meshes.len() - 1];
     let linear = |scene: &mut Scene, refinement| {
         (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Linear), refinement);
     };
     let mut mesh = named(base, &meshes, linear);
-    // The finest of these is nearest to the limit of all.
+    // The finest of these is nearest to the limit of all, and that of `truth`.
     let quadratic = [
         ("quadratic quick", RefinementLevel::Quick),
         ("quadratic coarse", RefinementLevel::Coarse),
         ("quadratic default", RefinementLevel::Default),
-        ("quadratic fine", RefinementLevel::Fine),
     ];
     mesh.extend(named(
         base,
-        &quadratic[..if quick { 2 } else { 4 }],
+        &quadratic[..if quick { 2 } else { 3 }],
         |scene, refinement| {
             (scene.model.element_order, scene.model.refinement) = (Some(ElementOrder::Quadratic), refinement);
         },
