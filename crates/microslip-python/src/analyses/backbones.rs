@@ -16,7 +16,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
-use zte_assembly::State;
 
 /// Of a static state, its linear modes, and an analysis about it.
 pub(super) type AboutStaticState<T> = (StaticState, Modes, T);
