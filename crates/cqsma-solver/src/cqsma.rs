@@ -4,7 +4,6 @@ use crate::Error;
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
 use crate::linear::{Motion, dot, multiply};
-use crate::loading::Curve;
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
@@ -31,20 +30,6 @@ pub enum Commit {
     /// At every converged vertex: curved paths and local reversals are followed.
     #[default]
     AtEveryVertex,
-}
-
-/// Damping ratio up to which residuals are those of the settings. Where there is more damping they may be larger in proportion.
-const SMALL_DAMPING: f64 = 1e-5;
-
-/// Most by which they may be larger.
-const LARGEST_FACTOR: f64 = 30.0;
-
-/// Largest tolerance that comes of it: a relative change of a frequency is half of the residual at most.
-const LARGEST_TOLERANCE: f64 = 1e-7;
-
-/// The largest residual at a vertex of a loop that is borne for a tolerance: [`Settings::newton`].
-pub fn largest_tolerance(tolerance: f64) -> f64 {
-    (LARGEST_FACTOR * tolerance).min(LARGEST_TOLERANCE).max(tolerance)
 }
 
 /// How many cycles are computed, all with the same vertices. The first carries slip left over from the prestress.
@@ -84,8 +69,7 @@ pub struct Settings {
     pub cycles: Cycles,
     /// When the history is committed.
     pub commit: Commit,
-    /// Newton's method; the tolerance refers to the peak load of the loop, where the damping ratio is up to 1e-5. Of a loop with more damping it is larger
-    /// in proportion, by 30 and up to 1e-7 at most.
+    /// Newton's method; the tolerance refers to the peak load of the loop.
     pub newton: NewtonSettings,
     /// How its linear systems are solved.
     pub solver: LinearSolver,
@@ -161,7 +145,7 @@ pub struct LoopResult {
     pub one_way: bool,
     /// Distance between the ends of the measured loop relative to the motion there (energy norm); zero where nothing dissipates.
     pub closure: f64,
-    /// Largest residual at a vertex, relative to the peak load (energy norm).
+    /// Largest residual at a vertex of this cycle and those before, relative to the peak load (energy norm).
     pub residual: f64,
     /// Regimes of the points at the positive peak.
     pub counts: RegimeCounts,
@@ -436,13 +420,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         structure: &Linearisation<'_, F::State>,
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
-        let mut loading = Curve::default();
-        let mut record = |tracer: &Self| {
-            let q = tracer.modal_amplitude();
-            loading.add(q, tracer.path.at / q, tracer.path.residual);
-        };
-        let mut counts = self.branch(self.peak, self.settings.vertices_per_quarter, &mut record)?;
-        self.bear(loading.zeta());
+        let mut counts = self.branch(self.peak, self.settings.vertices_per_quarter, &mut |_| {})?;
         // Whether nothing that can be told from the residuals is dissipated.
         let mut quiet = !self.path.equilibrium.force.dissipates();
         let most = match self.settings.cycles {
@@ -462,21 +440,12 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 }
                 quiet = true;
             }
-            self.bear(found.zeta);
             counts = found.counts;
         }
     }
 
-    /// Asks for residuals as small as a damping ratio needs them.
-    fn bear(&mut self, zeta: f64) {
-        let own = self.settings.newton.tolerance;
-        // Where there is no such ratio, the tolerance itself.
-        let larger = (own * zeta / SMALL_DAMPING).max(own);
-        self.path.settings.tolerance = larger.min(largest_tolerance(own));
-    }
-
-    /// The loop from where the path is, at its positive peak.
-    /// Beside it come the number of the cycle, whether those before dissipate nothing, and the regimes at the peak.
+    /// The loop from where the path is, at its positive peak, with the number of the cycle, whether those before dissipate nothing, and the regimes at the
+    /// peak.
     fn loop_from_peak<O: LoopObserver<F::Workspace>>(
         &mut self,
         structure: &Linearisation<'_, F::State>,
@@ -488,10 +457,6 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         let mut numbers = Vec::new();
         let mut deviation = 0.0_f64;
         // Without dissipation the way back passes the same vertices, which are kept for it.
-        if !quiet {
-            // Of the cycles before; one way the peak is not solved for again.
-            self.path.residual = 0.0;
-        }
         let mut passed: Vec<(Vec<f64>, F::Workspace)> = Vec::new();
         let mut total = vec![0.0; self.mode.shape.len()];
         let mut record = |tracer: &Self| {
@@ -587,7 +552,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         difference.norm() / self.path.sequence.motion.norm()
     }
 
-    /// Damping ratio that the residuals since the last reset may make.
+    /// Damping ratio that the residuals may make.
     fn noise(&self) -> f64 {
         2.0 * self.path.residual / PI
     }

@@ -172,7 +172,7 @@ pub(crate) fn follow<F: HystereticForce>(
 
 /// The polygon so far.
 #[derive(Default)]
-pub(crate) struct Curve {
+struct Curve {
     /// Last vertex and the one before it.
     last: Vertex,
     before: Vertex,
@@ -199,7 +199,7 @@ impl Vertex {
 }
 
 impl Curve {
-    pub(crate) fn add(&mut self, q: f64, lambda: f64, residual: f64) {
+    fn add(&mut self, q: f64, lambda: f64, residual: f64) {
         // Nothing lies between the origin, where q vanishes, and the first vertex but a straight edge.
         self.dissipation += 4.0 * self.last.q * q * (self.last.lambda - lambda);
         self.noise += self.last.noise(q - self.before.q);
@@ -221,25 +221,16 @@ impl Curve {
         Loop { force, amplitude }
     }
 
-    /// Twice pi times the square of modal amplitude and frequency (J).
-    fn energy(&self) -> f64 {
-        2.0 * PI * self.last.lambda * self.last.q.powi(2)
-    }
-
-    /// Damping ratio.
-    pub(crate) fn zeta(&self) -> f64 {
-        self.dissipation / self.energy()
-    }
-
     fn result<F: HystereticForce>(&self, path: &Path<'_, F>) -> LoadingResult {
         let Vertex { q, lambda, residual } = self.last;
+        let energy = 2.0 * PI * lambda * q * q;
         LoadingResult {
             modal_force: lambda * q,
             modal_amplitude: q,
             omega: lambda.sqrt(),
             harmonic_omega: self.masing_loop().harmonic_omega(),
-            zeta: self.zeta(),
-            zeta_floor: (self.noise + self.last.noise(self.before.q)) / self.energy(),
+            zeta: self.dissipation / energy,
+            zeta_floor: (self.noise + self.last.noise(self.before.q)) / energy,
             dissipation: self.dissipation,
             residual,
             displacement: path.sequence.motion.v.clone(),

@@ -179,8 +179,8 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         Ok(counts)
     }
 
-    /// Moves the motion on like the guide, and with what the branch has been moving away from it. Without a guide, to where the last points of the
-    /// branch lead. Without any, as after a reversal, everything sticks, or a motion of given amplitude keeps its shape.
+    /// Moves the motion on like the guide. Without one, to where the last points of the branch lead. Without any, as after a reversal, everything sticks,
+    /// or a motion of given amplitude keeps its shape.
     fn predict(&mut self, next: f64, origin: &Motion) {
         let from = self.at;
         let guided = |at: f64| {
@@ -190,16 +190,8 @@ impl<'a, F: HystereticForce> Path<'a, F> {
                 .map(|(_, motion)| motion)
         };
         if let (Some(there), Some(here)) = (guided(next), guided(from)) {
-            let motion = &mut self.sequence.motion;
-            motion.add(1.0, there);
-            motion.add(-1.0, here);
-            if let Some((at, before)) = self.previous.first()
-                && let Some(beside) = guided(*at)
-            {
-                for (weight, other) in [(1.0, origin), (-1.0, before), (-1.0, here), (1.0, beside)] {
-                    motion.add(weight, other);
-                }
-            }
+            self.sequence.motion.add(1.0, there);
+            self.sequence.motion.add(-1.0, here);
             return;
         }
         // Points close together tell nothing of what is far away.

@@ -207,8 +207,7 @@ impl Checks {
             let dissipation = value("dissipation", point.dissipation)?;
             let area = value("loop_area", point.loop_area)?;
             let load = point.modal_force * value("modal_amplitude", point.modal_amplitude)?;
-            let residual = value("residual", point.residual)?.max(scene.analyses.backbone.tolerance);
-            let bound = 1e-6 * dissipation.abs() + 10.0 * residual * load;
+            let bound = 1e-6 * dissipation.abs() + 10.0 * scene.analyses.backbone.tolerance * load;
             self.that((dissipation - area).abs() <= bound, || {
                 format!(
                     "amplitude {n}: dissipation {dissipation} J by points and {area} J by the loop differ by more than \

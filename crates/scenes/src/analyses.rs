@@ -122,8 +122,7 @@ pub struct Backbone {
     pub until_closed: Option<f64>,
     /// When the friction history is committed.
     pub commit: Commit,
-    /// Residual relative to the load, in the energy norm, 1e-13 to 1e-2; of a loop whose damping ratio is above 1e-5 more in proportion, by 30 and
-    /// up to 1e-7 at most.
+    /// Residual relative to the load, in the energy norm, 1e-13 to 1e-2.
     pub tolerance: f64,
     /// Places on the interface (length). The hysteresis loops of the elements there are written as a table, at the amplitudes whose
     /// fields are stored.

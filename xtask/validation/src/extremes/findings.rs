@@ -2,7 +2,6 @@
 
 use analyses::{Error, Run};
 use anyhow::{Context, Result};
-use cqsma_solver::cqsma::largest_tolerance;
 use serde_json::{Map, Value, json};
 
 /// Outcome, work and checks of a case.
@@ -109,7 +108,7 @@ impl Findings {
     /// What holds for every sound run: finite numbers, vertical equilibrium, residuals as small as asked for, as much energy
     /// dissipated at the points as the loops do work, and convergence wherever there is an equilibrium.
     pub(super) fn sound(&mut self, prefix: &str, run: &Run) -> Result<()> {
-        self.sound_within(prefix, run, largest_tolerance(run.scene.analyses.backbone.tolerance))
+        self.sound_within(prefix, run, run.scene.analyses.backbone.tolerance)
     }
 
     /// As [`Findings::sound`], with the residuals of loops that round-off allows.
