@@ -227,18 +227,6 @@ fn a_mean_load_leaves_the_closed_loop_as_it_is() {
                 r.omega,
                 cold.omega
             );
-            println!(
-                "DBG mean {mean} zeta {:e} floor {:e} res {:e} closure {:e} cycles {} one_way {} closed {} cold {} {:e}",
-                r.zeta,
-                r.zeta_floor,
-                r.residual,
-                r.closure,
-                r.cycles,
-                r.one_way,
-                r.closed,
-                cold.one_way,
-                cold.zeta_floor
-            );
             assert!(
                 (r.zeta - cold.zeta).abs() < 1e-8 * cold.zeta + r.zeta_floor + cold.zeta_floor,
                 "mean {mean}: {} {}",
