@@ -430,7 +430,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         loop {
             cycles += 1;
             observer.begin();
-            let found = self.loop_from_peak(structure, (cycles, quiet, counts), observer)?;
+            let found = self.loop_from_peak(structure, cycles, quiet, counts, observer)?;
             if quiet || cycles >= most {
                 return Ok(found);
             }
@@ -449,7 +449,9 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     fn loop_from_peak<O: LoopObserver<F::Workspace>>(
         &mut self,
         structure: &Linearisation<'_, F::State>,
-        (cycles, quiet, counts_before): (usize, bool, RegimeCounts),
+        cycles: usize,
+        quiet: bool,
+        counts_before: RegimeCounts,
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
         let mut hysteresis = Loop::default();
@@ -461,9 +463,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         let mut total = vec![0.0; self.mode.shape.len()];
         let mut record = |tracer: &Self| {
             let v = &tracer.path.sequence.motion.v;
-            let q = tracer.modal_amplitude();
-            hysteresis.force.push(tracer.path.at);
-            hysteresis.amplitude.push(q);
+            tracer.record(&mut hysteresis);
             numbers.extend(tracer.follower.as_ref().map(|follower| follower.last()));
             for ((t, u), v) in total.iter_mut().zip(&structure.displacement).zip(v) {
                 *t = u + v;
@@ -473,6 +473,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 passed.push((total.clone(), tracer.path.sequence.workspace.clone()));
             }
             if tracer.path.at.abs() >= tracer.peak {
+                let q = tracer.modal_amplitude();
                 let rest: Vec<f64> = v.iter().zip(&tracer.mode.shape).map(|(v, phi)| v - q * phi).collect();
                 let mut momentum = vec![0.0; v.len()];
                 multiply(structure.mass, &rest, &mut momentum);
@@ -576,8 +577,8 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     /// Goes to `target` in `steps` equal steps, calls `record` at each, and commits the history at the end.
     fn branch(&mut self, target: f64, steps: usize, record: &mut dyn FnMut(&Self)) -> Result<RegimeCounts, Failure> {
         let start = self.path.at;
-        let walked = &mut self.walked[usize::from(target > start)];
-        self.path.guide = std::mem::take(walked);
+        let way = usize::from(target > start);
+        self.path.guide = std::mem::take(&mut self.walked[way]);
         let mut walked = vec![(start, self.path.sequence.motion.clone())];
         let mut counts = RegimeCounts::default();
         for step in 1..=steps {
@@ -612,7 +613,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         self.path.turn();
         // The first loading is like no branch after it.
         if start != 0.0 {
-            self.walked[usize::from(target > start)] = walked;
+            self.walked[way] = walked;
         }
         Ok(counts)
     }

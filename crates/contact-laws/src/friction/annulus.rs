@@ -3,11 +3,9 @@
 //! The numbers are those of [`Block`](super::return_map::Block), with a share of the asperity's curves, added up by the densities, and to the last bit: the
 //! same operations without the arrays between some fifteen passes, for points that were closed before, a circular cone and rules that remember tractions.
 
-use super::return_map::{INVALID, OPEN, SLIP, STICK, TRACTION, count, jet, limit_slope, scaled};
-use super::rule::{FrictionRule, Path};
+use super::return_map::{CLOSED, SLIP, STICK, Slip, count, jet, limit_slope, path, regime_of, rows_of, slip_of};
+use super::rule::FrictionRule;
 use crate::curves::CurveBlock;
-#[cfg(not(feature = "std"))]
-use crate::math::Float as _;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::{Lanes, Pass};
 
@@ -165,32 +163,19 @@ fn trials<R: FrictionRule, const B: usize>(
     let [curvature_x, curvature_y] = &curves.tangential_curvature;
     let mut sum = 0;
     for i in 0..n {
-        let path = |u: f64, u_0: f64, memory: f64| Path {
-            u: bounded(u),
-            du: bounded(u - u_0),
-            du_n: bounded(jump_n[i] - begin_n[i]),
-            share: 1.0,
-            share_slope: 0.0,
-            traction: within(memory, TRACTION),
-            stretch: 0.0,
-            stretch_slope: 0.0,
-        };
         let k =
             |k: f64, slope: f64, curvature: f64| jet(of_stiffness * k, of_stiffness * slope, of_stiffness * curvature);
         let along = k(k_x.0[i], slope_x.0[i], curvature_x.0[i]);
-        let stuck_x = rule.trial(path(jump_x[i], begin_x[i], memory_x[i]), along);
+        let normal = [jump_n[i], begin_n[i]];
+        let stuck_x = rule.trial(path([jump_x[i], begin_x[i]], normal, memory_x[i], CLOSED), along);
         let along = k(k_y.0[i], slope_y.0[i], curvature_y.0[i]);
-        let stuck_y = rule.trial(path(jump_y[i], begin_y[i], memory_y[i]), along);
+        let stuck_y = rule.trial(path([jump_y[i], begin_y[i]], normal, memory_y[i], CLOSED), along);
         (trial_x.0[i], trial_y.0[i]) = (stuck_x.traction, stuck_y.traction);
         (along_x.0[i], along_y.0[i]) = (stuck_x.along, stuck_y.along);
         (closing_x.0[i], closing_y.0[i]) = (stuck_x.closing, stuck_y.closing);
-        let (x, y, scale) = scaled(stuck_x.traction, stuck_y.traction);
         let limit = mu[i] * bounded(of_limit * curves.normal.0[i]);
         let limit = if unlimited { f64::MAX } else { limit };
-        let sticks = (x * x + y * y <= (limit * scale) * (limit * scale)) & (limit > 0.0);
-        let code = if sticks { STICK } else { SLIP };
-        let code = if u_n.0[i] > 0.0 { code } else { OPEN };
-        let code = if u_n.0[i].is_nan() { INVALID } else { code };
+        let code = regime_of(stuck_x.traction, stuck_y.traction, limit, u_n.0[i]);
         regime.0[i] = code;
         sum += code;
     }
@@ -237,18 +222,12 @@ fn answers<const SLIPS: bool, const TANGENT: bool, const B: usize>(
         let normal = bounded(of_limit * curves.normal.0[i]);
         let limit = mu[i] * normal;
         let sticks = regime.0[i] == STICK;
-        let (mut d_x, mut d_y, mut ratio) = (0.0, 0.0, 1.0);
-        if SLIPS {
-            let (x, y, scale) = scaled(x, y);
-            let slips = regime.0[i] == SLIP;
-            // A limit of zero leaves nothing to differentiate and needs no direction.
-            let directed = slips & (limit > 0.0);
-            let length = (x * x + y * y).sqrt();
-            let per_length = if directed { 1.0 / length } else { 0.0 };
-            d_x = if directed { x * per_length } else { 0.0 };
-            d_y = if directed { y * per_length } else { 0.0 };
-            ratio = if slips { limit * scale * per_length } else { 1.0 };
-        }
+        let slip = if SLIPS {
+            slip_of(x, y, limit, regime.0[i])
+        } else {
+            Slip::NONE
+        };
+        let [d_x, d_y] = slip.direction;
         let held = if unlimited { 0.0 } else { limit };
         let t_x = if sticks { x } else { held * d_x };
         let t_y = if sticks { y } else { held * d_y };
@@ -263,24 +242,21 @@ fn answers<const SLIPS: bool, const TANGENT: bool, const B: usize>(
         add(&mut traction_y.0[i], t_y);
         add(&mut traction_n.0[i], normal);
         if TANGENT {
-            let (along_x, along_y, closing_x, closing_y) = (along_x.0[i], along_y.0[i], closing_x.0[i], closing_y.0[i]);
-            let across_x = if sticks { 1.0 } else { ratio * d_y * d_y };
-            let across_y = if sticks { 1.0 } else { ratio * d_x * d_x };
-            let mixed = -(ratio * d_x * d_y);
             let normal_slope = of_limit * curves.normal_slope.0[i];
-            let slip_slope = limit_slope(mu_slope[i], normal_slope);
-            add(&mut xx.0[i], across_x * along_x);
-            add(&mut xy.0[i], mixed * along_y);
-            add(
-                &mut xn.0[i],
-                across_x * closing_x + mixed * closing_y + slip_slope * d_x,
+            let rows = rows_of(
+                sticks,
+                slip.direction,
+                slip.ratio,
+                [along_x.0[i], along_y.0[i]],
+                [closing_x.0[i], closing_y.0[i]],
+                limit_slope(mu_slope[i], normal_slope),
             );
-            add(&mut yx.0[i], mixed * along_x);
-            add(&mut yy.0[i], across_y * along_y);
-            add(
-                &mut yn.0[i],
-                mixed * closing_x + across_y * closing_y + slip_slope * d_y,
-            );
+            add(&mut xx.0[i], rows[0]);
+            add(&mut xy.0[i], rows[1]);
+            add(&mut xn.0[i], rows[2]);
+            add(&mut yx.0[i], rows[3]);
+            add(&mut yy.0[i], rows[4]);
+            add(&mut yn.0[i], rows[5]);
             add(&mut nn.0[i], bounded(normal_slope));
         }
         regimes.0[i] |= if weight > 0.0 { regime.0[i] } else { 0 };

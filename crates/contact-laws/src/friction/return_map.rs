@@ -163,7 +163,7 @@ impl<const B: usize> Workspace<B> {
 pub(super) const STICK: u64 = 1;
 pub(super) const SLIP: u64 = 1 << 16;
 pub(super) const OPEN: u64 = 1 << 32;
-pub(super) const INVALID: u64 = 1 << 48;
+const INVALID: u64 = 1 << 48;
 
 /// How many points of one regime are in a sum of regimes.
 pub(super) fn count(sum: u64, regime: u64) -> usize {
@@ -258,22 +258,12 @@ fn trials<R: FrictionRule, const REOPENS: bool, const B: usize>(
     let n = u.len().min(B);
     let (u, u_0, u_n, u_n0, memory) = (&u[..n], &u_0[..n], &u_n[..n], &u_n0[..n], &memory[..n]);
     for i in 0..n {
-        let du = bounded(u[i] - u_0[i]);
-        let (share, share_slope) = if REOPENS {
-            (share.0[i], share_slope.0[i])
+        let share = if REOPENS {
+            [share.0[i], share_slope.0[i]]
         } else {
-            (1.0, 0.0)
+            CLOSED
         };
-        let path = Path {
-            u: bounded(u[i]),
-            du,
-            du_n: bounded(u_n[i] - u_n0[i]),
-            share,
-            share_slope,
-            traction: within(memory[i], TRACTION),
-            stretch: within(memory[i] + share * du, STRETCH),
-            stretch_slope: within(share_slope * du, STRETCH),
-        };
+        let path = path([u[i], u_0[i]], [u_n[i], u_n0[i]], memory[i], share);
         let stuck = rule.trial(path, jet(k.0[i], k_slope.0[i], k_curvature.0[i]));
         trial.0[i] = stuck.traction;
         along.0[i] = stuck.along;
@@ -282,6 +272,25 @@ fn trials<R: FrictionRule, const REOPENS: bool, const B: usize>(
             stretch.0[i] = path.stretch;
             stretch_slope.0[i] = path.stretch_slope;
         }
+    }
+}
+
+/// Share of the path of a point that was closed before, and its derivative.
+pub(super) const CLOSED: [f64; 2] = [1.0, 0.0];
+
+/// The path of a point along a direction, from now and before.
+#[inline(always)]
+pub(super) fn path(u: [f64; 2], u_n: [f64; 2], memory: f64, [share, share_slope]: [f64; 2]) -> Path {
+    let du = bounded(u[0] - u[1]);
+    Path {
+        u: bounded(u[0]),
+        du,
+        du_n: bounded(u_n[0] - u_n[1]),
+        share,
+        share_slope,
+        traction: within(memory, TRACTION),
+        stretch: within(memory + share * du, STRETCH),
+        stretch_slope: within(share_slope * du, STRETCH),
     }
 }
 
@@ -370,13 +379,9 @@ fn limits<const B: usize>(
     let mu = &mu[..n];
     let mut sum = 0;
     for i in 0..n {
-        let (x, y, scale) = scaled(trial_x.0[i], trial_y.0[i]);
         let limit = mu[i] * bounded(normal.0[i]);
         let limit = if unlimited { f64::MAX } else { limit };
-        let sticks = (x * x + y * y <= (limit * scale) * (limit * scale)) & (limit > 0.0);
-        let code = if sticks { STICK } else { SLIP };
-        let code = if u_n.0[i] > 0.0 { code } else { OPEN };
-        let code = if u_n.0[i].is_nan() { INVALID } else { code };
+        let code = regime_of(trial_x.0[i], trial_y.0[i], limit, u_n.0[i]);
         regime.0[i] = code;
         sum += code;
         direction_x.0[i] = 0.0;
@@ -388,27 +393,64 @@ fn limits<const B: usize>(
         return sum;
     }
     for i in 0..n {
-        let (x, y, scale) = scaled(trial_x.0[i], trial_y.0[i]);
         let limit = mu[i] * bounded(normal.0[i]);
-        // A limit of zero leaves nothing to differentiate and needs no direction.
-        let directed = (regime.0[i] == SLIP) & (limit > 0.0);
-        let length = (x * x + y * y).sqrt();
-        let per_length = if directed { 1.0 / length } else { 0.0 };
-        direction_x.0[i] = if directed { x * per_length } else { 0.0 };
-        direction_y.0[i] = if directed { y * per_length } else { 0.0 };
-        per_trial.0[i] = per_length * scale;
-        ratio.0[i] = if regime.0[i] == SLIP {
-            limit * scale * per_length
-        } else {
-            1.0
-        };
+        let slip = slip_of(trial_x.0[i], trial_y.0[i], limit, regime.0[i]);
+        [direction_x.0[i], direction_y.0[i]] = slip.direction;
+        (per_trial.0[i], ratio.0[i]) = (slip.per_trial, slip.ratio);
     }
     sum
 }
 
+/// Regime of a point with a stuck trial.
+#[inline(always)]
+pub(super) fn regime_of(trial_x: f64, trial_y: f64, limit: f64, u_n: f64) -> u64 {
+    let (x, y, scale) = scaled(trial_x, trial_y);
+    let sticks = (x * x + y * y <= (limit * scale) * (limit * scale)) & (limit > 0.0);
+    let code = if sticks { STICK } else { SLIP };
+    let code = if u_n > 0.0 { code } else { OPEN };
+    if u_n.is_nan() { INVALID } else { code }
+}
+
+/// How a point slips.
+#[derive(Clone, Copy)]
+pub(super) struct Slip {
+    /// Zero without slip.
+    pub(super) direction: [f64; 2],
+    /// Traction over trial, and one over the length of the trial.
+    pub(super) ratio: f64,
+    per_trial: f64,
+}
+
+impl Slip {
+    pub(super) const NONE: Self = Self {
+        direction: [0.0; 2],
+        ratio: 1.0,
+        per_trial: 0.0,
+    };
+}
+
+/// Where a point slips the direction and what is left of the trial, eq. (20).
+#[inline(always)]
+pub(super) fn slip_of(trial_x: f64, trial_y: f64, limit: f64, regime: u64) -> Slip {
+    let (x, y, scale) = scaled(trial_x, trial_y);
+    // A limit of zero leaves nothing to differentiate and needs no direction.
+    let directed = (regime == SLIP) & (limit > 0.0);
+    let length = (x * x + y * y).sqrt();
+    let per_length = if directed { 1.0 / length } else { 0.0 };
+    let slipping = limit * scale * per_length;
+    Slip {
+        direction: [
+            if directed { x * per_length } else { 0.0 },
+            if directed { y * per_length } else { 0.0 },
+        ],
+        ratio: if regime == SLIP { slipping } else { 1.0 },
+        per_trial: per_length * scale,
+    }
+}
+
 /// A trial in a power of two of its unit in which squares neither overflow nor underflow, and that power.
 #[inline(always)]
-pub(super) fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
+fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
     let largest = max(x.abs(), y.abs());
     let small = if largest < 1e-140 { UP } else { 1.0 };
     let scale = if largest > 1e140 { DOWN } else { small };
@@ -538,24 +580,46 @@ fn tangential_rows<const B: usize>(
     let ([along_x, along_y], [closing_x, closing_y]) = (&workspace.along, &workspace.closing);
     let [direction_x, direction_y] = &workspace.direction;
     for i in 0..n {
-        let (along_x, along_y, closing_x, closing_y) = (along_x.0[i], along_y.0[i], closing_x.0[i], closing_y.0[i]);
-        let (d_x, d_y, ratio) = (direction_x.0[i], direction_y.0[i], workspace.ratio.0[i]);
-        let sticks = workspace.regime.0[i] == STICK;
-        let across_x = if sticks { 1.0 } else { ratio * d_y * d_y };
-        let across_y = if sticks { 1.0 } else { ratio * d_x * d_x };
-        let mixed = -(ratio * d_x * d_y);
-        let slip_slope = limit_slope(mu_slope[i], curves.normal_slope.0[i]);
+        let rows = rows_of(
+            workspace.regime.0[i] == STICK,
+            [direction_x.0[i], direction_y.0[i]],
+            workspace.ratio.0[i],
+            [along_x.0[i], along_y.0[i]],
+            [closing_x.0[i], closing_y.0[i]],
+            limit_slope(mu_slope[i], curves.normal_slope.0[i]),
+        );
         let closed = u_n.0[i] > 0.0;
         let fill = 0.0 * u_n.0[i];
-        let with_x_n = across_x * closing_x + mixed * closing_y + slip_slope * d_x;
-        let with_y_n = mixed * closing_x + across_y * closing_y + slip_slope * d_y;
-        xx[i] = if closed { across_x * along_x } else { fill };
-        xy[i] = if closed { mixed * along_y } else { fill };
-        xn[i] = if closed { with_x_n } else { fill };
-        yx[i] = if closed { mixed * along_x } else { fill };
-        yy[i] = if closed { across_y * along_y } else { fill };
-        yn[i] = if closed { with_y_n } else { fill };
+        xx[i] = if closed { rows[0] } else { fill };
+        xy[i] = if closed { rows[1] } else { fill };
+        xn[i] = if closed { rows[2] } else { fill };
+        yx[i] = if closed { rows[3] } else { fill };
+        yy[i] = if closed { rows[4] } else { fill };
+        yn[i] = if closed { rows[5] } else { fill };
     }
+}
+
+/// Rows of the tangential tractions of a closed point, from the derivatives of the trial along each direction and along `u_n`.
+#[inline(always)]
+pub(super) fn rows_of(
+    sticks: bool,
+    [d_x, d_y]: [f64; 2],
+    ratio: f64,
+    [along_x, along_y]: [f64; 2],
+    [closing_x, closing_y]: [f64; 2],
+    slip_slope: f64,
+) -> [f64; 6] {
+    let across_x = if sticks { 1.0 } else { ratio * d_y * d_y };
+    let across_y = if sticks { 1.0 } else { ratio * d_x * d_x };
+    let mixed = -(ratio * d_x * d_y);
+    [
+        across_x * along_x,
+        mixed * along_y,
+        across_x * closing_x + mixed * closing_y + slip_slope * d_x,
+        mixed * along_x,
+        across_y * along_y,
+        mixed * closing_x + across_y * closing_y + slip_slope * d_y,
+    ]
 }
 
 /// Row of the normal traction.
@@ -735,16 +799,7 @@ fn trial_changes<R: FrictionRule, const REOPENS: bool, const B: usize>(
         } else {
             (1.0, 0.0)
         };
-        let path = Path {
-            u: bounded(u[i]),
-            du,
-            du_n: bounded(u_n[i] - u_n0[i]),
-            share,
-            share_slope: 0.0,
-            traction: within(memory[i], TRACTION),
-            stretch: within(memory[i] + share * du, STRETCH),
-            stretch_slope: 0.0,
-        };
+        let path = path([u[i], u_0[i]], [u_n[i], u_n0[i]], memory[i], [share, 0.0]);
         let path_change = PathChange {
             u: bounded(change[i]),
             du: du_change,
