@@ -313,7 +313,7 @@ fn run_followed<F: HystereticForce, O: LoopObserver<F::Workspace>>(
             requirement: "positive and finite",
         });
     }
-    let mode = Mode::try_new(structure, settings.mode)?;
+    let mode = Mode::try_new(structure, force.pattern(), settings.mode)?;
     let interrupted = AtomicBool::new(false);
     let points: Vec<Option<(BackbonePoint, O)>> = modal_forces
         .par_iter()
@@ -405,7 +405,14 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             mode,
             peak,
             settings,
-            path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, sequence),
+            path: Path::new(
+                structure.equilibrium(force),
+                &mode.load,
+                &mode.response,
+                peak,
+                solution,
+                sequence,
+            ),
             most_slipping: 0,
             open: None,
             follower: None,
@@ -543,7 +550,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     }
 
     fn modal_amplitude(&self) -> f64 {
-        dot(&self.mode.unit.p, &self.path.sequence.motion.v)
+        dot(&self.mode.load, &self.path.sequence.motion.v)
     }
 
     /// Distance from `start` relative to the motion at hand (energy norm).

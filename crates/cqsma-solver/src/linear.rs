@@ -13,9 +13,15 @@ const MAX_KRYLOV: usize = 100;
 /// Fewest coordinates for which reflections are of use.
 const LEAST_REFLECTED: usize = 256;
 
-/// Difference between an entry `ij` of the stuck tangent and its image, relative to the root of the product of the entries `ii` and `jj`, that may be left
-/// to the Krylov steps.
+/// Difference between an entry `ij` of the stiffness and its image, relative to the root of the product of the entries `ii` and `jj`, that is round-off.
 const REFLECTED: f64 = 1e-8;
+
+/// Largest distance between the stuck structure and its mean with its image, in which the latter takes its place: a Krylov step on two halves is half the
+/// work, and where the distance is 0.16 there are a third more of them where little slips, and as many where much does.
+const NEAR: f64 = 0.3;
+
+/// Products by which that distance is estimated.
+const POWERS: usize = 8;
 
 /// Most directions that are kept for right-hand sides that share a matrix.
 const MOST_SEARCHED: usize = 400;
@@ -91,7 +97,7 @@ pub(crate) struct RoundOff {
     pub(crate) force: f64,
 }
 
-/// The structure with everything in contact stuck, `P`: preconditioner and energy norm.
+/// The structure with everything in contact stuck, or one that is near it and its own mirror image, `P`: preconditioner and energy norm.
 #[derive(Clone, Debug)]
 pub(crate) struct Stuck {
     flexibility: Flexibility,
@@ -108,36 +114,69 @@ enum Flexibility {
 }
 
 impl Stuck {
-    /// Lower Cholesky factor of `stiffness + (tangent + tangent^T) / 2`, and the structure that it belongs to. Each of the `reflections` may leave it as it
-    /// is.
+    /// That of `stiffness + tangent`, with a symmetric `tangent`. Where one of the `reflections` leaves the stiffness as it is, and the contact nearly, the
+    /// contact is that of its mean with its image.
     pub(crate) fn try_new(
         stiffness: MatRef<'_, f64>,
         pattern: PatternView<'_>,
         tangent: &[f64],
         reflections: Vec<Reflection>,
-    ) -> Result<(Mat<f64>, Self), Error> {
-        let tangent = symmetrised(pattern, tangent);
-        let matrix = pattern.added_to(stiffness, &tangent);
-        let mut reflected = None;
-        if matrix.nrows() >= LEAST_REFLECTED {
+    ) -> Result<Self, Error> {
+        if stiffness.nrows() >= LEAST_REFLECTED {
             for reflection in reflections {
-                let reflection = reflection.of_first(matrix.nrows());
-                if let Some(mean) = reflected_mean(pattern, &tangent, &reflection)
-                    && let Some(inverse) = ReflectedInverse::try_new(matrix.as_ref(), &reflection, REFLECTED)?
-                {
-                    reflected = Some((Flexibility::Reflected(inverse), mean));
-                    break;
+                if let Some(found) = Self::reflected(stiffness, pattern, tangent, reflection)? {
+                    return Ok(found);
                 }
             }
         }
-        let lower = dense_algebra::cholesky_in_place(matrix)?;
-        let (flexibility, tangent) = reflected.unwrap_or_else(|| {
-            (
-                Flexibility::Whole(Symmetric::inverse_of_factor(lower.as_ref())),
-                tangent,
-            )
-        });
-        Ok((lower, Self { flexibility, tangent }))
+        let lower = dense_algebra::cholesky_in_place(pattern.added_to(stiffness, tangent))?;
+        Ok(Self {
+            flexibility: Flexibility::Whole(Symmetric::inverse_of_factor(lower.as_ref())),
+            tangent: tangent.to_vec(),
+        })
+    }
+
+    fn reflected(
+        stiffness: MatRef<'_, f64>,
+        pattern: PatternView<'_>,
+        tangent: &[f64],
+        reflection: Reflection,
+    ) -> Result<Option<Self>, Error> {
+        let reflection = reflection.of_first(stiffness.nrows());
+        let Some(mean) = reflected_mean(pattern, tangent, &reflection) else {
+            return Ok(None);
+        };
+        let matrix = pattern.added_to(stiffness, &mean);
+        let Some(inverse) = ReflectedInverse::try_new(matrix.as_ref(), &reflection, REFLECTED)? else {
+            return Ok(None);
+        };
+        let found = Self {
+            flexibility: Flexibility::Reflected(inverse),
+            tangent: mean,
+        };
+        Ok((found.distance(pattern, tangent, stiffness.nrows()) <= NEAR).then_some(found))
+    }
+
+    /// Largest change of a displacement, relative and in the energy norm, where a symmetric contact tangent takes the place of the one in `P`: by
+    /// powers of `P^-1 dT`, from below.
+    fn distance(&self, pattern: PatternView<'_>, tangent: &[f64], n: usize) -> f64 {
+        let difference: Vec<f64> = tangent.iter().zip(&self.tangent).map(|(a, b)| a - b).collect();
+        // Of no symmetry.
+        let start: Vec<f64> = (0..n).map(|i| (1.0 + i as f64).sin()).collect();
+        let mut motion = self.response(&start);
+        let mut largest = 0.0;
+        for _ in 0..POWERS {
+            let length = motion.norm();
+            if length == 0.0 {
+                break;
+            }
+            motion.scale(1.0 / length);
+            motion.p.fill(0.0);
+            pattern.add_product(&difference, &motion.v, &mut motion.p);
+            self.solve_into(&motion.p, &mut motion.v);
+            largest = motion.norm();
+        }
+        largest
     }
 
     /// Tangent values of the contact in `P`.

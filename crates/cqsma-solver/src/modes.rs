@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, PatternView};
-use crate::linear::{Motion, RoundOff, Stuck, multiply, solve_krylov};
+use crate::linear::{Motion, RoundOff, Stuck, multiply, solve_krylov, symmetrised};
 use crate::newton::Equilibrium;
 use contact_laws::Sticking;
 use dense_algebra::{Inner, Limits};
@@ -15,6 +15,8 @@ pub struct Linearisation<'a, S> {
     pub(crate) stiffness: MatRef<'a, f64>,
     pub(crate) mass: MatRef<'a, f64>,
     pub(crate) stuck: Stuck,
+    /// Tangent of the stuck contact (symmetrised).
+    pub(crate) tangent: Vec<f64>,
     pub(crate) displacement: Vec<f64>,
     pub(crate) state: S,
     pub(crate) contact_force: Vec<f64>,
@@ -62,14 +64,21 @@ impl<S> Linearisation<'_, S> {
 
     /// Symmetrised tangent of the stuck contact over the pattern of the force (N/m).
     pub fn stuck_tangent(&self) -> &[f64] {
+        &self.tangent
+    }
+
+    /// Tangent values in the place of [`stuck_tangent`](Self::stuck_tangent) for which [`preconditioner_solve_into`](Self::preconditioner_solve_into) is
+    /// exact: the same, or their mean with those of the reflected contact, where that is near (N/m).
+    pub fn preconditioner_tangent(&self) -> &[f64] {
         self.stuck.tangent()
     }
 
-    /// `v`, the displacements of the stuck structure under the force `p`, which both have as many numbers as there are coordinates.
+    /// `v`, the displacements under the force `p` of the structure with the contact of [`preconditioner_tangent`](Self::preconditioner_tangent); both
+    /// have as many numbers as there are coordinates.
     ///
     /// # Panics
     /// On other lengths.
-    pub fn stuck_solve_into(&self, p: &[f64], v: &mut [f64]) {
+    pub fn preconditioner_solve_into(&self, p: &[f64], v: &mut [f64]) {
         self.stuck.solve_into(p, v);
     }
 
@@ -93,15 +102,6 @@ impl<S> Linearisation<'_, S> {
         }
         let found = solve_krylov(&self.stuck, pattern, tangent, None, &start, norm, tolerance);
         Ok(found.map(|(motion, _)| (motion.v, norm)))
-    }
-
-    /// Displacements of the structure with everything in contact stuck under the force `force` (N).
-    ///
-    /// # Errors
-    /// [`Error::Size`].
-    pub fn stuck_response(&self, force: &[f64]) -> Result<Vec<f64>, Error> {
-        check_size("the force", force.len(), self.shapes.nrows())?;
-        Ok(self.stuck.response(force).v)
     }
 
     /// Equilibrium in increments from the static state.
@@ -146,13 +146,19 @@ pub(crate) struct Mode {
     pub(crate) shape: Vec<f64>,
     /// `omega^2` (rad^2/s^2).
     pub(crate) eigenvalue: f64,
-    /// `M phi`, the load of unit modal force, and the stuck structure's response to it.
-    pub(crate) unit: Motion,
+    /// `M phi`, the load of unit modal force.
+    pub(crate) load: Vec<f64>,
+    /// The stuck structure's response to it, `phi / omega^2`.
+    pub(crate) response: Motion,
 }
 
 impl Mode {
-    /// Mode number `mode`, zero-based.
-    pub(crate) fn try_new<S>(structure: &Linearisation<'_, S>, mode: usize) -> Result<Self, Error> {
+    /// Mode number `mode`, zero-based, with the contact over `pattern`.
+    pub(crate) fn try_new<S>(
+        structure: &Linearisation<'_, S>,
+        pattern: PatternView<'_>,
+        mode: usize,
+    ) -> Result<Self, Error> {
         let Some(&eigenvalue) = structure.eigenvalues.get(mode) else {
             return Err(Error::Setting {
                 field: "mode",
@@ -163,10 +169,17 @@ impl Mode {
         let shape: Vec<f64> = structure.shapes.col(mode).iter().copied().collect();
         let mut load = vec![0.0; shape.len()];
         multiply(structure.mass, &shape, &mut load);
+        // The contact may differ from the one of the preconditioner: P v = M phi + dT phi / omega^2.
+        let mut held = vec![0.0; shape.len()];
+        let tangents = structure.stuck.tangent().iter().zip(&structure.tangent);
+        let difference: Vec<f64> = tangents.map(|(a, b)| (a - b) / eigenvalue).collect();
+        pattern.add_product(&difference, &shape, &mut held);
+        held.iter_mut().zip(&load).for_each(|(h, l)| *h += l);
         Ok(Self {
+            response: structure.stuck.response(&held),
             shape,
             eigenvalue,
-            unit: structure.stuck.response(&load),
+            load,
         })
     }
 }
@@ -215,7 +228,9 @@ pub fn linearise<'a, F: HystereticForce>(
         &mut contact_force,
         None,
     );
-    let (lower, stuck) = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
+    let tangent = symmetrised(force.pattern(), &tangent);
+    let stuck = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
+    let lower = dense_algebra::cholesky_in_place(force.pattern().added_to(stiffness, &tangent))?;
     let (eigenvalues, shapes) =
         dense_algebra::lowest_pairs(lower.as_ref(), mass, n_modes.min(n)).map_err(|error| match error {
             dense_algebra::Error::Rank { .. } => Error::Setting {
@@ -231,6 +246,7 @@ pub fn linearise<'a, F: HystereticForce>(
         mass,
         round_off: stuck.round_off(force.pattern(), u, &contact_force),
         stuck,
+        tangent,
         displacement,
         state,
         contact_force,

@@ -36,12 +36,20 @@ pub fn run<F: HystereticForce>(
     settings: &Settings,
 ) -> Result<Vec<LoadingPoint>, Error> {
     check(settings, "modal_amplitude", modal_amplitudes)?;
-    let mut mode = Mode::try_new(structure, settings.mode)?;
+    let mut mode = Mode::try_new(structure, force.pattern(), settings.mode)?;
     // The inertia of the linear mode at unit amplitude.
-    mode.unit.scale(mode.eigenvalue);
+    mode.load.iter_mut().for_each(|load| *load *= mode.eigenvalue);
+    mode.response.scale(mode.eigenvalue);
     let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
     let solution = (settings.solver, settings.newton);
-    let mut path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, sequence);
+    let mut path = Path::new(
+        structure.equilibrium(force),
+        &mode.load,
+        &mode.response,
+        1.0,
+        solution,
+        sequence,
+    );
     path.mass = Some(structure.mass);
     finished(
         structure,

@@ -116,7 +116,7 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     mass: Symmetric,
     /// `M phi_k`, `n x n_modes`.
     momenta: Mat<f64>,
-    /// Forces that hold the shapes in the stuck structure, `lambda_k M phi_k`.
+    /// Forces that hold the shapes in the structure of the preconditioner, `P phi_k`.
     elastic: Mat<f64>,
     /// What the preconditioner is made of, if it is not the stuck structure.
     averaged: Option<Averaged>,
@@ -159,12 +159,18 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         rayleigh: [f64; 2],
         sampling: Sampling,
     ) -> Self {
-        let n = line.shapes.nrows();
         let mass = Symmetric::from_lower(line.mass());
         let momenta = dense_algebra::product(line.mass(), line.shapes.as_ref());
-        let elastic = Mat::from_fn(n, line.shapes.ncols(), |i, mode| {
-            line.eigenvalues[mode] * momenta[(i, mode)]
-        });
+        let mut elastic = momenta.clone();
+        let tangents = line.preconditioner_tangent().iter().zip(line.stuck_tangent());
+        let difference: Vec<f64> = tangents.map(|(a, b)| a - b).collect();
+        for (mode, &eigenvalue) in line.eigenvalues.iter().enumerate() {
+            let held = elastic.col_as_slice_mut(mode);
+            held.iter_mut().for_each(|f| *f *= eigenvalue);
+            force
+                .pattern()
+                .add_product(&difference, line.shapes.col_as_slice(mode), held);
+        }
         let omega = line.eigenvalues.iter().map(|lambda| lambda.max(0.0).sqrt());
         Self {
             contact: Contact::new(force, line.displacement(), line.state(), sampling),
@@ -192,7 +198,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     /// Makes the preconditioner of the structure with the mean tangent of a motion; the stuck one stays where that fails.
     pub(crate) fn adapt(&mut self, motion: &Harmonics) {
         let line = self.line;
-        let stuck = line.stuck_tangent();
+        let stuck = line.preconditioner_tangent();
         let mut tangent = self.contact.mean_tangent(motion);
         for (mean, stuck) in tangent.iter_mut().zip(stuck) {
             *mean = (1.0 - STUCK_SHARE) * *mean + STUCK_SHARE * stuck;
@@ -252,7 +258,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     /// `P^-1 x`, column by column.
     pub(crate) fn solve_stuck(&self, x: &Harmonics) -> Harmonics {
         let mut out = Harmonics::zeros(x.size(), x.count());
-        out.each_column(|column, y| self.line.stuck_solve_into(x.column(column), y));
+        out.each_column(|column, y| self.line.preconditioner_solve_into(x.column(column), y));
         out
     }
 
@@ -274,7 +280,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             let mut product = vec![0.0; nd];
             self.force
                 .pattern()
-                .add_product(self.line.stuck_tangent(), x.column(column), &mut product);
+                .add_product(self.line.preconditioner_tangent(), x.column(column), &mut product);
             for (y, product) in y.iter_mut().zip(product) {
                 *y -= product;
             }
@@ -416,7 +422,9 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             p.fill(0.0);
             let v = v.column(column);
             add_product(stiffness, v, p);
-            self.force.pattern().add_product(self.line.stuck_tangent(), v, p);
+            self.force
+                .pattern()
+                .add_product(self.line.preconditioner_tangent(), v, p);
         });
     }
 

@@ -42,7 +42,7 @@ pub fn run<F: HystereticForce>(
     observe: &mut dyn FnMut(&Sample) -> ControlFlow<()>,
 ) -> Result<Transient, Error> {
     check(structure, row, start, settings)?;
-    let mode = Mode::try_new(structure, settings.mode)?;
+    let mode = Mode::try_new(structure, force.pattern(), settings.mode)?;
     let step = TAU / mode.eigenvalue.sqrt() / settings.steps_per_period as f64;
     let mut integrator = Integrator::new(structure, force, &mode, start, settings);
     let mut transient = Transient {
