@@ -270,8 +270,8 @@ const FIRST: f64 = 0.1;
 /// Steps are not made shorter than this.
 const SHORTEST: f64 = 1e-5;
 
-/// Iterations beyond which steps are not made longer.
-const EASY: usize = 5;
+/// Iterations far from the solution beyond which steps are not made longer.
+const EASY: usize = 3;
 
 /// Most times that the force is halved to reach the first point.
 const MAX_RAMP: i32 = 8;
@@ -340,7 +340,6 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                     Some((next.clone(), tangent))
                 }
             };
-            let iterations = self.effort.iterations;
             let corrected = self.correct(&mut next, predicted.as_ref().map(|(at, tangent)| (at, *tangent)));
             let length = self.length(&here, &next);
             let outcome = match corrected {
@@ -391,7 +390,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                         }
                         .into());
                     }
-                    let easy = self.effort.iterations - iterations <= EASY;
+                    let easy = found.far <= EASY;
                     self.before += std::mem::take(&mut self.effort);
                     tangent = Some(self.secant(&here, &next, length));
                     here = next;

@@ -12,6 +12,7 @@ pub struct Probe<'a, F: PointwiseForce> {
     system: System<'a, F>,
     unknown: Unknown,
     evaluation: Evaluation,
+    coarse: Harmonics,
 }
 
 impl<'a, F: PointwiseForce> Probe<'a, F> {
@@ -34,6 +35,7 @@ impl<'a, F: PointwiseForce> Probe<'a, F> {
         system.restore(&mut unknown);
         let evaluation = system.evaluate(&unknown);
         Self {
+            coarse: system.coarse_forces(&unknown.v),
             system,
             unknown,
             evaluation,
@@ -54,14 +56,18 @@ impl<'a, F: PointwiseForce> Probe<'a, F> {
     pub fn krylov_step(&self) -> f64 {
         let Evaluation { residual, response, .. } = &self.evaluation;
         let [v, p] = self.system.precondition(&self.unknown, residual, response);
-        let image = self.system.product(&self.unknown, &v, &p);
+        let image = self.system.product(&self.unknown, &v, &p, Some(&self.coarse));
         self.system.solve_stuck(&image).dot(&image)
     }
 
     /// The derivative of the contact forces of one such step.
     pub fn contact_derivative(&self) -> f64 {
         self.system
-            .contact_derivative(&self.unknown.v, &self.evaluation.response)
+            .contact_derivative(
+                &self.unknown,
+                [&self.evaluation.response, &self.evaluation.residual],
+                Some(&self.coarse),
+            )
             .dot(&self.unknown.v)
     }
 

@@ -163,9 +163,20 @@ pub(crate) struct Closure<'c> {
 /// A converged point.
 pub(crate) struct Converged {
     pub(crate) residual: f64,
+    /// Iterations that began with a residual above [`NEAR`].
+    pub(crate) far: usize,
     pub(crate) drift: f64,
     pub(crate) evaluation: Evaluation,
 }
+
+/// Relative residual from which the way to a solution is one of patience alone.
+const NEAR: f64 = 1e-4;
+
+/// Accuracy of steps with an approximate Jacobian, relative: its own error is of this size.
+const COARSE_FORCING: f64 = 0.01;
+
+/// Residual over the one before from which the exact Jacobian takes over.
+const SLOW: f64 = 0.5;
 
 /// Most directions that are kept for right-hand sides that share a Jacobian.
 const MOST_SEARCHED: usize = 600;
@@ -174,6 +185,8 @@ const MOST_SEARCHED: usize = 600;
 struct Bordered<'s, 'a, F: PointwiseForce> {
     system: &'s System<'a, F>,
     unknown: &'s Unknown,
+    /// Contact forces at the motion from fewer samples, where the Jacobian is an approximation.
+    coarse: Option<Harmonics>,
     /// Derivatives of the residual with respect to the free parameters, their preconditioned answers as displacement and force.
     columns: Vec<Harmonics>,
     answers: Vec<[Harmonics; 2]>,
@@ -219,6 +232,7 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
     fn try_new(
         system: &'s System<'a, F>,
         unknown: &'s Unknown,
+        is_coarse: bool,
         evaluation: &Evaluation,
         closure: &Closure<'_>,
         conditions: Vec<Condition>,
@@ -237,6 +251,7 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
         Some(Self {
             system,
             unknown,
+            coarse: is_coarse.then(|| system.coarse_forces(&unknown.v)),
             inverse: inverse(&block)?,
             columns,
             answers,
@@ -270,7 +285,9 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
 
     /// The Jacobian times a step whose values of the conditions are `conditions`.
     fn product(&self, step: &Step, conditions: &[f64]) -> Direction {
-        let mut force = self.system.product(self.unknown, &step.v, &step.p);
+        let mut force = self
+            .system
+            .product(self.unknown, &step.v, &step.p, self.coarse.as_ref());
         for (change, column) in step.parameters.iter().zip(&self.columns) {
             force.add(*change, column);
         }
@@ -382,7 +399,7 @@ pub(crate) fn parameter_rates<F: PointwiseForce>(
     let evaluation = system.evaluate(unknown);
     let conditions = (closure.conditions)(unknown, &evaluation.inertia);
     let scale = system.scale(unknown);
-    let bordered = Bordered::try_new(system, unknown, &evaluation, closure, conditions, scale)?;
+    let bordered = Bordered::try_new(system, unknown, false, &evaluation, closure, conditions, scale)?;
     let starts = changes.into_iter().map(|(force, conditions)| {
         let mut start = Direction {
             response: system.solve_stuck(&force),
@@ -432,6 +449,7 @@ pub(crate) fn solve<F: PointwiseForce>(
     let mut evaluation = system.evaluate(unknown);
     effort.evaluations += 1;
     let (mut stalled, mut bold_steps) = (0, 0);
+    let mut is_coarse = true;
     loop {
         if unknown.at(Parameter::Square) <= 0.0 {
             return fail(Reason::NoFrequency, history);
@@ -452,6 +470,7 @@ pub(crate) fn solve<F: PointwiseForce>(
         if size <= settings.tolerance * scale || (size <= round_off && stays) {
             return Ok(Converged {
                 residual: size / scale,
+                far: history.iter().filter(|residual| **residual > NEAR).count(),
                 drift: evaluation.drift,
                 evaluation,
             });
@@ -480,11 +499,21 @@ pub(crate) fn solve<F: PointwiseForce>(
             .min(0.1)
             .max(0.1 * settings.tolerance * scale / size)
             .min(0.3);
-        let Some(bordered) = Bordered::try_new(system, unknown, &evaluation, closure, conditions, scale) else {
+        let forcing = if is_coarse {
+            forcing.max(COARSE_FORCING)
+        } else {
+            forcing
+        };
+        let Some(bordered) = Bordered::try_new(system, unknown, is_coarse, &evaluation, closure, conditions, scale)
+        else {
             return fail(Reason::LinearSolve, history);
         };
         let Some((step, krylov)) = bordered.solve(start, forcing) else {
             effort.krylov_steps += MAX_KRYLOV;
+            if is_coarse {
+                is_coarse = false;
+                continue;
+            }
             let reason = match system.line().limits.stops() {
                 true => Reason::Interrupted,
                 false => Reason::LinearSolve,
@@ -532,6 +561,7 @@ pub(crate) fn solve<F: PointwiseForce>(
                 history,
             );
         };
+        is_coarse &= found <= SLOW * size;
         if found > 0.999 * size {
             stalled += 1;
         } else {

@@ -94,6 +94,23 @@ impl Vector for Step {
     }
 }
 
+/// Samples per period over those of coarse forces.
+const COARSER: usize = 4;
+
+/// Fewest samples per period of the highest harmonic that those have.
+const LEAST: usize = 8;
+
+/// Part of the motion, in the energy norm, that it is changed by for a difference of forces.
+const DIFFERENCE: f64 = 1e-4;
+
+fn coarser(sampling: Sampling) -> Sampling {
+    let Sampling { harmonics, samples, .. } = sampling;
+    Sampling {
+        samples: (samples / COARSER).max(LEAST * harmonics).min(samples),
+        ..sampling
+    }
+}
+
 /// Share of the stuck tangent in that of [`Averaged`], so that nothing can move freely.
 const STUCK_SHARE: f64 = 0.02;
 
@@ -113,6 +130,8 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     line: &'a Linearisation<'a, F::State>,
     force: &'a F,
     contact: Contact<'a, F>,
+    /// The same at fewer samples.
+    coarse: Contact<'a, F>,
     mass: Symmetric,
     /// `M phi_k`, `n x n_modes`.
     momenta: Mat<f64>,
@@ -174,6 +193,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         let omega = line.eigenvalues.iter().map(|lambda| lambda.max(0.0).sqrt());
         Self {
             contact: Contact::new(force, line.displacement(), line.state(), sampling),
+            coarse: Contact::new(force, line.displacement(), line.state(), coarser(sampling)),
             background: omega.map(|omega| 2.0 * background * omega).collect(),
             line,
             force,
@@ -190,7 +210,8 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     /// Takes other harmonics, samples or periods.
     pub(crate) fn resample(&mut self, sampling: Sampling) {
         if self.sampling != sampling {
-            self.contact = Contact::new(self.force, self.line.displacement(), self.line.state(), sampling);
+            let contact = |sampling| Contact::new(self.force, self.line.displacement(), self.line.state(), sampling);
+            (self.contact, self.coarse) = (contact(sampling), contact(coarser(sampling)));
             self.sampling = sampling;
         }
     }
@@ -199,7 +220,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     pub(crate) fn adapt(&mut self, motion: &Harmonics) {
         let line = self.line;
         let stuck = line.preconditioner_tangent();
-        let mut tangent = self.contact.mean_tangent(motion);
+        let mut tangent = self.coarse.mean_tangent(motion);
         for (mean, stuck) in tangent.iter_mut().zip(stuck) {
             *mean = (1.0 - STUCK_SHARE) * *mean + STUCK_SHARE * stuck;
         }
@@ -357,9 +378,29 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         self.contact.forces(motion).force
     }
 
-    /// Their derivative along a change of it.
-    pub(crate) fn contact_derivative(&self, motion: &Harmonics, change: &Harmonics) -> Harmonics {
-        self.contact.derivative(motion, change)
+    /// The same from fewer samples.
+    pub(crate) fn coarse_forces(&self, motion: &Harmonics) -> Harmonics {
+        self.coarse.forces(motion).force
+    }
+
+    /// Their derivative along a change of the motion: to rounding, or with the `coarse` forces at the motion by a difference of such forces.
+    pub(crate) fn contact_derivative(
+        &self,
+        unknown: &Unknown,
+        [v, p]: [&Harmonics; 2],
+        coarse: Option<&Harmonics>,
+    ) -> Harmonics {
+        let ratio = unknown.v.dot(&unknown.p) / v.dot(p);
+        let Some(base) = coarse.filter(|_| ratio.is_finite() && ratio > 0.0) else {
+            return self.contact.derivative(&unknown.v, v);
+        };
+        let step = DIFFERENCE * ratio.sqrt();
+        let mut moved = unknown.v.clone();
+        moved.add(step, v);
+        let mut change = self.coarse_forces(&moved);
+        change.add(-1.0, base);
+        change.scale(1.0 / step);
+        change
     }
 
     /// The residual at a motion.
@@ -470,10 +511,17 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         out
     }
 
-    /// Product of the Jacobian with a change of the motion, given with `p = P v`.
-    pub(crate) fn product(&self, unknown: &Unknown, v: &Harmonics, p: &Harmonics) -> Harmonics {
+    /// Product of the Jacobian with a change of the motion, given with `p = P v`; with the coarse forces at the motion an approximation, at a tenth
+    /// of the price.
+    pub(crate) fn product(
+        &self,
+        unknown: &Unknown,
+        v: &Harmonics,
+        p: &Harmonics,
+        coarse: Option<&Harmonics>,
+    ) -> Harmonics {
         let [a, b, _] = unknown.parameters;
-        let mut out = self.contact_derivative(&unknown.v, v);
+        let mut out = self.contact_derivative(unknown, [v, p], coarse);
         self.subtract_stuck(v, &mut out);
         out.add(1.0, p);
         let inertia = self.inertia(v);

@@ -2,7 +2,7 @@
 
 use super::instruments::Instruments;
 use analyses::{Prepared, prepare};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use brake_reuss_beam::mesh::Refinement;
 use brake_reuss_beam::{benchmark, published};
 use cqsma_solver::cqsma::{Cycles, Settings};

@@ -49,7 +49,7 @@ pub(super) static CASES: &[Case] = &[
     },
     Case {
         name: "forced-1e-9-N-to-1-kN",
-        change: "harmonic forces of 1e-9 N and of 1 kN about the first resonance",
+        change: "harmonic forces of 1e-9 N and of 1 kN about the first resonance, without and with friction resolved over asperities",
         expected: "a linear resonance of the background damping; far less amplitude per force at 1 kN, or a reason why the curve ends",
         run: forced,
     },
@@ -287,40 +287,55 @@ fn periodic_resolved(bench: &Bench) -> Result<Findings> {
 }
 
 fn forced(bench: &Bench) -> Result<Findings> {
-    let first = bench.base.frequencies[0];
     let background = 1e-3;
-    let run = bench.run(|scene| {
-        scene.background_damping = background;
-        scene.analyses.backbone.amplitudes = 0;
-        let levels = [1e-9, 1e3].map(Force::from_si).into();
-        scene.analyses.forced = Some(Forced::new(levels, 0.98 * first, 1.02 * first));
-    })?;
     let mut findings = Findings::default();
-    findings.sound("", &run)?;
-    let [small, large] = run.vibration.forced.as_deref().unwrap_or_default() else {
-        findings.that("two responses", false);
-        return Ok(findings);
-    };
-    let peak = small.peak().context("no response to the smallest force")?;
-    findings.equal("resonance at 1e-9 N (Hz)", peak.frequency_hz, run.frequencies[0], 1e-4);
-    let per_force = |of: &analyses::forced::ForcedResponse| of.peak().map_or(f64::NAN, |p| p.harmonics[0] / of.level);
-    let finite = [small, large]
-        .iter()
-        .flat_map(|of| &of.points)
-        .all(|p| p.harmonics[0].is_finite());
-    findings.that("all numbers are finite", finite);
-    findings.that(
-        "1 kN has less amplitude per force, or says why it ends",
-        per_force(large) < per_force(small) || large.failure.is_some(),
-    );
-    let end = large
-        .failure
-        .as_ref()
-        .map_or_else(String::new, |failure| format!(", ends: {}", failure.reason));
-    findings.outcome = format!(
-        "{:.3e} m/N at 1e-9 N, {:.3e} m/N at 1 kN{end}",
-        per_force(small),
-        per_force(large)
-    );
+    let mut told = Vec::new();
+    for (law, friction) in [("lumped", Friction::Lumped), ("resolved", Friction::Resolved)] {
+        let rest = bench.run(|scene| {
+            scene.interfaces.law.friction = friction;
+            scene.analyses.backbone.amplitudes = 0;
+        })?;
+        let first = rest.frequencies[0];
+        let run = bench.run(|scene| {
+            scene.interfaces.law.friction = friction;
+            scene.background_damping = background;
+            scene.analyses.backbone.amplitudes = 0;
+            let levels = [1e-9, 1e3].map(Force::from_si).into();
+            scene.analyses.forced = Some(Forced::new(levels, 0.98 * first, 1.02 * first));
+        })?;
+        findings.sound(&format!("{law}, "), &run)?;
+        let [small, large] = run.vibration.forced.as_deref().unwrap_or_default() else {
+            findings.that("two responses", false);
+            return Ok(findings);
+        };
+        let peak = small.peak().context("no response to the smallest force")?;
+        findings.equal(
+            &format!("{law}, resonance at 1e-9 N (Hz)"),
+            peak.frequency_hz,
+            first,
+            1e-4,
+        );
+        let per_force =
+            |of: &analyses::forced::ForcedResponse| of.peak().map_or(f64::NAN, |p| p.harmonics[0] / of.level);
+        let finite = [small, large]
+            .iter()
+            .flat_map(|of| &of.points)
+            .all(|p| p.harmonics[0].is_finite());
+        findings.that(&format!("{law}, all numbers are finite"), finite);
+        findings.that(
+            &format!("{law}, 1 kN has less amplitude per force, or says why it ends"),
+            per_force(large) < per_force(small) || large.failure.is_some(),
+        );
+        let end = large
+            .failure
+            .as_ref()
+            .map_or_else(String::new, |failure| format!(", ends: {}", failure.reason));
+        told.push(format!(
+            "{law} {:.3e} m/N at 1e-9 N, {:.3e} m/N at 1 kN{end}",
+            per_force(small),
+            per_force(large)
+        ));
+    }
+    findings.outcome = told.join("; ");
     Ok(findings)
 }

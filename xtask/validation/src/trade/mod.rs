@@ -45,11 +45,12 @@ impl Plan {
     ///
     /// # Errors
     /// An unknown name, listing those that exist; a scene that cannot be varied.
-    pub fn try_new(scene: Scene, only: &[String], quick: bool, meshes: &[PathBuf]) -> Result<Self> {
+    pub fn try_new(mut scene: Scene, only: &[String], quick: bool, meshes: &[PathBuf]) -> Result<Self> {
         if !meshes.is_empty() && scene.structure.mesh().is_none() {
             bail!("--meshes: the structure of the scene {} is not a mesh file", scene.name);
         }
         // Runs have a working directory of their own.
+        scene.resolve(&std::env::current_dir().context("finding the working directory")?);
         let meshes = meshes.iter().map(|path| {
             let found = path.canonicalize();
             found.with_context(|| format!("--meshes: finding the mesh file {}", path.display()))

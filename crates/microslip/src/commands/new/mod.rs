@@ -11,8 +11,8 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Folder for the files, made if missing.
     directory: PathBuf,
-    /// A bolted structure to start from, with a script that makes its mesh by Gmsh: lap-joint (two plates), ring (two flanges), s4 (two
-    /// C-shaped beams).
+    /// A bolted structure to start from, with a script that makes its mesh by Gmsh: half-brake-reuss-beam, lap-joint (two plates), ring (two
+    /// flanges), s4 (two C-shaped beams).
     #[arg(long, value_name = "NAME")]
     benchmark: Option<String>,
 }
@@ -27,7 +27,16 @@ struct Template {
     files: [(&'static str, &'static str); 4],
 }
 
-const TEMPLATES: [Template; 3] = [
+const TEMPLATES: [Template; 4] = [
+    Template {
+        name: "half-brake-reuss-beam",
+        files: [
+            ("README.md", include_str!("half-brake-reuss-beam/README.md")),
+            ("scene.json", include_str!("half-brake-reuss-beam/scene.json")),
+            ("mesh.py", include_str!("half-brake-reuss-beam/mesh.py")),
+            BLOCKS,
+        ],
+    },
     Template {
         name: "lap-joint",
         files: [
