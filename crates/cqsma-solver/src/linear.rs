@@ -115,25 +115,26 @@ enum Flexibility {
 
 impl Stuck {
     /// That of `stiffness + tangent`, with a symmetric `tangent`. Where one of the `reflections` leaves the stiffness as it is, and the contact nearly, the
-    /// contact is that of its mean with its image.
+    /// contact is that of its mean with its image; otherwise the lower Cholesky factor is there too.
     pub(crate) fn try_new(
         stiffness: MatRef<'_, f64>,
         pattern: PatternView<'_>,
         tangent: &[f64],
         reflections: Vec<Reflection>,
-    ) -> Result<Self, Error> {
+    ) -> Result<(Self, Option<Mat<f64>>), Error> {
         if stiffness.nrows() >= LEAST_REFLECTED {
             for reflection in reflections {
                 if let Some(found) = Self::reflected(stiffness, pattern, tangent, reflection)? {
-                    return Ok(found);
+                    return Ok((found, None));
                 }
             }
         }
         let lower = dense_algebra::cholesky_in_place(pattern.added_to(stiffness, tangent))?;
-        Ok(Self {
+        let whole = Self {
             flexibility: Flexibility::Whole(Symmetric::inverse_of_factor(lower.as_ref())),
             tangent: tangent.to_vec(),
-        })
+        };
+        Ok((whole, Some(lower)))
     }
 
     fn reflected(

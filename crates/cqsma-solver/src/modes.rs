@@ -229,8 +229,11 @@ pub fn linearise<'a, F: HystereticForce>(
         None,
     );
     let tangent = symmetrised(force.pattern(), &tangent);
-    let stuck = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
-    let lower = dense_algebra::cholesky_in_place(force.pattern().added_to(stiffness, &tangent))?;
+    let (stuck, lower) = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
+    let lower = match lower {
+        Some(lower) => lower,
+        None => dense_algebra::cholesky_in_place(force.pattern().added_to(stiffness, &tangent))?,
+    };
     let (eigenvalues, shapes) =
         dense_algebra::lowest_pairs(lower.as_ref(), mass, n_modes.min(n)).map_err(|error| match error {
             dense_algebra::Error::Rank { .. } => Error::Setting {

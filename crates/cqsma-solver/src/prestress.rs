@@ -231,7 +231,7 @@ fn search<F: HystereticForce>(
         Some(&mut tangent),
     );
     let tangent = symmetrised(force.pattern(), &tangent);
-    let stuck = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
+    let (stuck, _) = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
     let mut guess = Motion::zero(n);
     guess.v.copy_from_slice(start);
     multiply(stiffness, start, &mut guess.p);

@@ -251,7 +251,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             }
         }
         let pattern = self.force.pattern();
-        let stuck = Stuck::try_new(stiffness.as_ref(), pattern, &self.structure.tangent, Vec::new())?;
+        let (stuck, _) = Stuck::try_new(stiffness.as_ref(), pattern, &self.structure.tangent, Vec::new())?;
         let reference = &self.structure.displacement[..self.force.n_dofs()];
         self.levels.push(Level {
             step,

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::process::Command;
 
 /// The structures, with their masses (kg) and areas in contact (mm^2).
-const STRUCTURES: [(&str, f64, f64); 3] = [
+const STRUCTURES: [(&str, f64, f64); 4] = [
+    ("half-brake-reuss-beam", 1.8854, 2881.8),
     ("lap-joint", 1.0360, 3072.8),
     ("ring", 5.1048, 8227.8),
     ("s4", 2.7598, 3098.6),

@@ -241,7 +241,7 @@ fn planes(
             [&plain, &power],
             &curves,
             bands.as_slice(),
-            SeriesLabelPosition::LowerLeft,
+            SeriesLabelPosition::UpperRight,
         )?;
     }
     Ok(())

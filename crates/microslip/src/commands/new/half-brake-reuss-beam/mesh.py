@@ -14,7 +14,7 @@ THICKNESS = 12.7  # of an arm; half of it in the lap
 LAP = 120.0
 PITCH = 30.0  # between bolts; the middle one is at x = 0
 HOLE = 8.4
-SEAT = 17.46  # washer of 5/16 inch, SAE
+SEAT = 16.0  # washer of ISO 7089 for M8, which stands for 5/16-18 UNC
 
 
 def half(name, given, is_upper):
