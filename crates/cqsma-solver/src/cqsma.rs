@@ -405,14 +405,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             mode,
             peak,
             settings,
-            path: Path::new(
-                structure.equilibrium(force),
-                &mode.load,
-                &mode.response,
-                peak,
-                solution,
-                sequence,
-            ),
+            path: Path::new(structure.equilibrium(force), &mode.unit, peak, solution, sequence),
             most_slipping: 0,
             open: None,
             follower: None,
@@ -550,7 +543,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     }
 
     fn modal_amplitude(&self) -> f64 {
-        dot(&self.mode.load, &self.path.sequence.motion.v)
+        dot(&self.mode.unit.force, &self.path.sequence.motion.v)
     }
 
     /// Distance from `start` relative to the motion at hand (energy norm).

@@ -88,6 +88,24 @@ impl Inner for Motion {
     }
 }
 
+/// A unit load, and what the stuck structure does under it.
+pub(crate) struct UnitLoad {
+    pub(crate) force: Vec<f64>,
+    pub(crate) response: Motion,
+}
+
+impl UnitLoad {
+    /// Its energy norm.
+    pub(crate) fn norm(&self) -> f64 {
+        dot(&self.force, &self.response.v).sqrt()
+    }
+
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.force.iter_mut().for_each(|f| *f *= factor);
+        self.response.scale(factor);
+    }
+}
+
 /// Round-off in the contact forces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoundOff {

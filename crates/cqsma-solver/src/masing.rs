@@ -27,18 +27,11 @@ pub fn run<F: HystereticForce>(
     let mode = Mode::try_new(structure, force.pattern(), settings.mode)?;
     let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
     let solution = (settings.solver, settings.newton);
-    let path = Path::new(
-        structure.equilibrium(force),
-        &mode.load,
-        &mode.response,
-        1.0,
-        solution,
-        sequence,
-    );
+    let path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, sequence);
     finished(
         structure,
         follow(path, modal_forces, settings.edges, |path| {
-            let q = dot(&mode.load, &path.sequence.motion.v);
+            let q = dot(&mode.unit.force, &path.sequence.motion.v);
             (q, path.at / q)
         }),
     )

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, PatternView};
-use crate::linear::{Motion, RoundOff, Stuck, multiply, solve_krylov, symmetrised};
+use crate::linear::{RoundOff, Stuck, UnitLoad, multiply, solve_krylov, symmetrised};
 use crate::newton::Equilibrium;
 use contact_laws::Sticking;
 use dense_algebra::{Inner, Limits};
@@ -146,10 +146,8 @@ pub(crate) struct Mode {
     pub(crate) shape: Vec<f64>,
     /// `omega^2` (rad^2/s^2).
     pub(crate) eigenvalue: f64,
-    /// `M phi`, the load of unit modal force.
-    pub(crate) load: Vec<f64>,
-    /// The stuck structure's response to it, `phi / omega^2`.
-    pub(crate) response: Motion,
+    /// That of unit modal force, `M phi`, with the response `phi / omega^2`.
+    pub(crate) unit: UnitLoad,
 }
 
 impl Mode {
@@ -167,19 +165,21 @@ impl Mode {
             });
         };
         let shape: Vec<f64> = structure.shapes.col(mode).iter().copied().collect();
-        let mut load = vec![0.0; shape.len()];
-        multiply(structure.mass, &shape, &mut load);
+        let mut force = vec![0.0; shape.len()];
+        multiply(structure.mass, &shape, &mut force);
         // The contact may differ from the one of the preconditioner: P v = M phi + dT phi / omega^2.
         let mut held = vec![0.0; shape.len()];
         let tangents = structure.stuck.tangent().iter().zip(&structure.tangent);
         let difference: Vec<f64> = tangents.map(|(a, b)| (a - b) / eigenvalue).collect();
         pattern.add_product(&difference, &shape, &mut held);
-        held.iter_mut().zip(&load).for_each(|(h, l)| *h += l);
+        held.iter_mut().zip(&force).for_each(|(h, f)| *h += f);
         Ok(Self {
-            response: structure.stuck.response(&held),
             shape,
             eigenvalue,
-            load,
+            unit: UnitLoad {
+                force,
+                response: structure.stuck.response(&held),
+            },
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Equilibria along a load factor: prediction, step halving, commits.
 
 use crate::force::HystereticForce;
-use crate::linear::{Motion, dot, multiply};
+use crate::linear::{Motion, UnitLoad, dot, multiply};
 use crate::newton::{Balance, Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Sequence};
 use contact_laws::{RegimeCounts, Sticking};
 use dense_algebra::Vector;
@@ -33,10 +33,7 @@ const LARGEST_IMBALANCE: f64 = 1e-3;
 /// Equilibria along the factor of one load.
 pub(crate) struct Path<'a, F: HystereticForce> {
     pub(crate) equilibrium: Equilibrium<'a, F>,
-    /// Unit load.
-    pub(crate) load: &'a [f64],
-    /// The stuck structure's response to it, or nearly that.
-    pub(crate) response: &'a Motion,
+    pub(crate) unit: &'a UnitLoad,
     /// Largest factor of the path: tolerances and smallest steps refer to it.
     pub(crate) range: f64,
     /// Given: the factor is the amplitude of the motion, the load its own inertia, and the unit load a first guess.
@@ -62,16 +59,14 @@ pub(crate) struct Path<'a, F: HystereticForce> {
 impl<'a, F: HystereticForce> Path<'a, F> {
     pub(crate) fn new(
         equilibrium: Equilibrium<'a, F>,
-        load: &'a [f64],
-        response: &'a Motion,
+        unit: &'a UnitLoad,
         range: f64,
         (solver, settings): (LinearSolver, NewtonSettings),
         sequence: Sequence<F>,
     ) -> Self {
         Self {
             equilibrium,
-            load,
-            response,
+            unit,
             range,
             mass: None,
             sticking: Sticking::Coulomb,
@@ -89,7 +84,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
 
     /// Solves at `factor` from the motion at hand.
     pub(crate) fn settle(&mut self, factor: f64) -> Result<RegimeCounts, Failure> {
-        let scale = self.range * dot(self.load, &self.response.v).sqrt();
+        let scale = self.range * self.unit.norm();
         // Residuals below round-off count as converged, which says nothing where round-off is as large as the load. Without
         // any load there is nothing to compare with.
         if scale > 0.0 && self.equilibrium.round_off.energy > LARGEST_ROUND_OFF * scale {
@@ -100,7 +95,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         }
         let goal = Goal {
             factor,
-            load: self.mass.map_or(Load::Pattern(self.load), Load::Inertia),
+            load: self.mass.map_or(Load::Pattern(&self.unit.force), Load::Inertia),
             scale,
             sticking: self.sticking,
             balance: Some(Balance {
@@ -122,7 +117,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         let counts = self.settle(factor)?;
         let Some(mass) = self.mass else { return Ok(counts) };
         let known = if neighbour.v.iter().all(|&v| v == 0.0) {
-            &self.response.v
+            &self.unit.response.v
         } else {
             &neighbour.v
         };
@@ -210,7 +205,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             .collect();
         if points.len() == 1 {
             if self.mass.is_none() || from == 0.0 {
-                self.sequence.motion.add(next - from, self.response);
+                self.sequence.motion.add(next - from, &self.unit.response);
             }
             return;
         }

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::HystereticForce;
-use crate::linear::{Motion, Stuck, multiply, symmetrised};
+use crate::linear::{Motion, Stuck, UnitLoad, multiply, symmetrised};
 use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use contact_laws::{RegimeCounts, Sticking};
@@ -236,7 +236,10 @@ fn search<F: HystereticForce>(
     guess.v.copy_from_slice(start);
     multiply(stiffness, start, &mut guess.p);
     force.pattern().add_product(stuck.tangent(), start, &mut guess.p);
-    let response = stuck.response(load);
+    let unit = UnitLoad {
+        force: load.to_vec(),
+        response: stuck.response(load),
+    };
     let zero = vec![0.0; nc];
     let equilibrium = Equilibrium {
         stiffness,
@@ -248,14 +251,7 @@ fn search<F: HystereticForce>(
         limits: Limits::default(),
     };
     let sequence = Sequence::<F>::new(force, guess, history.clone());
-    let mut path = Path::new(
-        equilibrium,
-        load,
-        &response,
-        1.0,
-        (LinearSolver::Krylov, *settings),
-        sequence,
-    );
+    let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), sequence);
     let mut counts = RegimeCounts::default();
     for (stage, sticking) in [Sticking::Full, Sticking::Coulomb].into_iter().enumerate() {
         path.sticking = sticking;
@@ -282,7 +278,7 @@ fn search<F: HystereticForce>(
     }
     path.sequence.commit();
     work.effort += path.sequence.effort;
-    let stretch = path.sequence.motion.norm() / response.norm();
+    let stretch = path.sequence.motion.norm() / unit.norm();
     let solution = Prestress {
         displacement: path.sequence.motion.v,
         state: path.sequence.begin,

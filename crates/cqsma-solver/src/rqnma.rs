@@ -21,7 +21,6 @@ use crate::loading::{LoadingPoint, Settings, check, finished, follow};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::Sequence;
 use crate::path::Path;
-use dense_algebra::Vector;
 
 /// One sweep through `modal_amplitudes` (sqrt(kg) m), positive and ascending; it begins in the direction of the linear
 /// mode.
@@ -38,18 +37,10 @@ pub fn run<F: HystereticForce>(
     check(settings, "modal_amplitude", modal_amplitudes)?;
     let mut mode = Mode::try_new(structure, force.pattern(), settings.mode)?;
     // The inertia of the linear mode at unit amplitude.
-    mode.load.iter_mut().for_each(|load| *load *= mode.eigenvalue);
-    mode.response.scale(mode.eigenvalue);
+    mode.unit.scale(mode.eigenvalue);
     let sequence = Sequence::new(force, Motion::zero(mode.shape.len()), structure.state.clone());
     let solution = (settings.solver, settings.newton);
-    let mut path = Path::new(
-        structure.equilibrium(force),
-        &mode.load,
-        &mode.response,
-        1.0,
-        solution,
-        sequence,
-    );
+    let mut path = Path::new(structure.equilibrium(force), &mode.unit, 1.0, solution, sequence);
     path.mass = Some(structure.mass);
     finished(
         structure,

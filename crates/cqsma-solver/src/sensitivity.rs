@@ -341,7 +341,7 @@ fn mode_rates<F: DifferentiableForce>(
     let matrix = pattern.added_to(structure.stiffness, &structure.tangent);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
     let scale = largest(&mut matrix.diagonal().column_vector().iter().copied())
-        / largest(&mut mode.load.iter().copied()).max(f64::MIN_POSITIVE);
+        / largest(&mut mode.unit.force.iter().copied()).max(f64::MIN_POSITIVE);
     for (change, state) in changes.iter().zip(statics) {
         let mut rate = vec![0.0; tangent.len()];
         for side in [1.0, -1.0] {
@@ -368,7 +368,10 @@ fn mode_rates<F: DifferentiableForce>(
             right.iter_mut().zip(own).for_each(|(r, own)| *r += lambda * own);
         }
         let eigenvalue = -dot(&right, phi);
-        right.iter_mut().zip(&mode.load).for_each(|(r, m)| *r += eigenvalue * m);
+        right
+            .iter_mut()
+            .zip(&mode.unit.force)
+            .for_each(|(r, m)| *r += eigenvalue * m);
         right.push(-0.5 * scale * of_mass);
         rights.push(right);
         eigenvalues.push(eigenvalue);
@@ -376,7 +379,7 @@ fn mode_rates<F: DifferentiableForce>(
     let bordered = Mat::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
         (false, false) => matrix[(i, j)] - lambda * structure.mass[(i, j)],
         (true, true) => 0.0,
-        _ => scale * mode.load[i.min(j)],
+        _ => scale * mode.unit.force[i.min(j)],
     });
     let rights: Vec<&[f64]> = rights.iter().map(Vec::as_slice).collect();
     let found = dense_algebra::solve_general_all(bordered, &rights)?;
@@ -457,7 +460,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
             let mut solves = TransposedSolves::new(equilibrium.stuck, pattern, &tangent);
             let mut forces = Vec::with_capacity(GOALS);
             for (goal, history) in through_history.iter().enumerate() {
-                let mut right: Vec<f64> = path.load.iter().map(|unit| weight[goal] * unit).collect();
+                let mut right: Vec<f64> = path.unit.force.iter().map(|unit| weight[goal] * unit).collect();
                 right.iter_mut().zip(history).for_each(|(r, own)| *r += own);
                 let found = match solves.solve(&right, TOLERANCE) {
                     Some(found) => found.v,
@@ -493,7 +496,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
             if let Some(by_force) = sums.last_mut() {
                 // All forces of the loop grow with its peak.
                 for (sum, m) in by_force.iter_mut().zip(&forces) {
-                    *sum += vertex.at * dot(m, path.load);
+                    *sum += vertex.at * dot(m, &path.unit.force);
                 }
             }
             let unmoved;

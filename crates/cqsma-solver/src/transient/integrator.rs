@@ -165,14 +165,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         let sequence = Sequence::new(self.force, self.sequence.motion.clone(), self.structure.state.clone());
         let solution = (self.settings.solver, NewtonSettings::default());
         let equilibrium = self.structure.equilibrium(self.force);
-        let mut path = Path::new(
-            equilibrium,
-            &self.mode.load,
-            &self.mode.response,
-            modal_force,
-            solution,
-            sequence,
-        );
+        let mut path = Path::new(equilibrium, &self.mode.unit, modal_force, solution, sequence);
         for step in 1..=LOADING_STEPS {
             path.advance(modal_force * step as f64 / LOADING_STEPS as f64)?;
             path.sequence.commit();
@@ -182,7 +175,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         self.stiffness.product_into(&self.displacement, &mut self.elastic_force);
         self.mass.product_into(&self.displacement, &mut self.mass_displacement);
         self.acceleration = combine([(-modal_force, &self.mode.shape)]);
-        self.mass_acceleration = combine([(-modal_force, &self.mode.load)]);
+        self.mass_acceleration = combine([(-modal_force, &self.mode.unit.force)]);
         self.contact = self.contact_change();
         self.energy.elastic = 0.5 * dot(&self.displacement, &self.elastic_force);
         Ok(())
@@ -472,7 +465,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         }
         self.energy.elastic = 0.5 * dot(&displacement, &self.elastic_force);
         self.energy.kinetic = 0.5 * dot(&velocity, &mass_velocity);
-        let modal = dot(&self.mode.load, &velocity);
+        let modal = dot(&self.mode.unit.force, &velocity);
         self.energy.kinetic_elsewhere = (self.energy.kinetic - 0.5 * modal * modal).max(0.0);
         self.displacement = displacement;
         self.velocity = velocity;

@@ -110,6 +110,19 @@ class Body:
         return min([self.size, *near, *within])
 
 
+def make(given, upper, lower):
+    """Draws, meshes and writes two bodies that touch at one face. `upper` and `lower` draw one each, and return it with its surfaces in contact and, bolt
+    by bolt, those below heads or nuts."""
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Verbosity", 1)
+    (above, of_upper, heads), (below, of_lower, nuts) = upper(), lower()
+    groups = {"upper contact": of_upper, "lower contact": of_lower}
+    for i, (head, nut) in enumerate(zip(heads, nuts), 1):
+        groups[f"head {i}"], groups[f"nut {i}"] = head, nut
+    write(given, [above, below], groups)
+    gmsh.finalize()
+
+
 def write(given, bodies, groups):
     """Meshes the upper and the lower body and writes the file. `groups` are lists of surfaces by name."""
     upper, lower = bodies

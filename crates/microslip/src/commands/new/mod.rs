@@ -27,43 +27,25 @@ struct Template {
     files: [(&'static str, &'static str); 4],
 }
 
+macro_rules! template {
+    ($name:literal) => {
+        Template {
+            name: $name,
+            files: [
+                ("README.md", include_str!(concat!($name, "/README.md"))),
+                ("scene.json", include_str!(concat!($name, "/scene.json"))),
+                ("mesh.py", include_str!(concat!($name, "/mesh.py"))),
+                BLOCKS,
+            ],
+        }
+    };
+}
+
 const TEMPLATES: [Template; 4] = [
-    Template {
-        name: "half-brake-reuss-beam",
-        files: [
-            ("README.md", include_str!("half-brake-reuss-beam/README.md")),
-            ("scene.json", include_str!("half-brake-reuss-beam/scene.json")),
-            ("mesh.py", include_str!("half-brake-reuss-beam/mesh.py")),
-            BLOCKS,
-        ],
-    },
-    Template {
-        name: "lap-joint",
-        files: [
-            ("README.md", include_str!("lap-joint/README.md")),
-            ("scene.json", include_str!("lap-joint/scene.json")),
-            ("mesh.py", include_str!("lap-joint/mesh.py")),
-            BLOCKS,
-        ],
-    },
-    Template {
-        name: "ring",
-        files: [
-            ("README.md", include_str!("ring/README.md")),
-            ("scene.json", include_str!("ring/scene.json")),
-            ("mesh.py", include_str!("ring/mesh.py")),
-            BLOCKS,
-        ],
-    },
-    Template {
-        name: "s4",
-        files: [
-            ("README.md", include_str!("s4/README.md")),
-            ("scene.json", include_str!("s4/scene.json")),
-            ("mesh.py", include_str!("s4/mesh.py")),
-            BLOCKS,
-        ],
-    },
+    template!("half-brake-reuss-beam"),
+    template!("lap-joint"),
+    template!("ring"),
+    template!("s4"),
 ];
 
 /// Runs the command.

@@ -4,9 +4,7 @@ Two halves of 420 mm overlap by 120 mm, where each is half as thick. The upper o
 axes are parallel to z.
 """
 
-import gmsh
-
-from blocks import QUARTER, Body, divisions, options, write
+from blocks import QUARTER, Body, divisions, make, options
 
 LENGTH = 720.0  # of the whole
 WIDTH = 25.4
@@ -40,15 +38,7 @@ def half(name, given, is_upper):
 
 def main():
     given = options(__doc__.splitlines()[0], "beam.msh", bolts=None, size=5.0)
-    gmsh.initialize()
-    gmsh.option.setNumber("General.Verbosity", 1)
-    upper, of_upper, heads = half("upper", given, True)
-    lower, of_lower, nuts = half("lower", given, False)
-    groups = {"upper contact": of_upper, "lower contact": of_lower}
-    for i, (head, nut) in enumerate(zip(heads, nuts), 1):
-        groups[f"head {i}"], groups[f"nut {i}"] = head, nut
-    write(given, [upper, lower], groups)
-    gmsh.finalize()
+    make(given, lambda: half("upper", given, True), lambda: half("lower", given, False))
 
 
 if __name__ == "__main__":

@@ -3,9 +3,7 @@
 The upper plate lies on z > 0, the lower one on z < 0; x is along both. The bolts' axes are parallel to z.
 """
 
-import gmsh
-
-from blocks import QUARTER, Body, divisions, options, write
+from blocks import QUARTER, Body, divisions, make, options
 
 LENGTH = 200.0  # of a plate
 WIDTH = 40.0
@@ -36,16 +34,8 @@ def plate(name, given, free):
 
 def main():
     given = options(__doc__.splitlines()[0], "lap.msh", bolts=(2, 1, 4), size=8.0)
-    gmsh.initialize()
-    gmsh.option.setNumber("General.Verbosity", 1)
     overlap = given.bolts * PITCH
-    upper, of_upper, heads = plate("upper", given, (overlap, LENGTH))
-    lower, of_lower, nuts = plate("lower", given, (overlap - LENGTH, 0.0))
-    groups = {"upper contact": of_upper, "lower contact": of_lower}
-    for i, (head, nut) in enumerate(zip(heads, nuts), 1):
-        groups[f"head {i}"], groups[f"nut {i}"] = head, nut
-    write(given, [upper, lower], groups)
-    gmsh.finalize()
+    make(given, lambda: plate("upper", given, (overlap, LENGTH)), lambda: plate("lower", given, (overlap - LENGTH, 0.0)))
 
 
 if __name__ == "__main__":

@@ -5,9 +5,7 @@ The tubes' axis is z, and the flanges meet at z = 0. The first bolt lies on the 
 
 import math
 
-import gmsh
-
-from blocks import QUARTER, Body, divisions, options, write
+from blocks import QUARTER, Body, divisions, make, options
 
 BORE = 30.0  # radius
 TUBE = 36.0  # outer radius of the tube
@@ -52,15 +50,7 @@ def flange(name, given, is_upper):
 
 def main():
     given = options(__doc__.splitlines()[0], "ring.msh", bolts=(4, 2, 8), size=8.0)
-    gmsh.initialize()
-    gmsh.option.setNumber("General.Verbosity", 1)
-    upper, of_upper, heads = flange("upper", given, True)
-    lower, of_lower, nuts = flange("lower", given, False)
-    groups = {"upper contact": of_upper, "lower contact": of_lower}
-    for i, (head, nut) in enumerate(zip(heads, nuts), 1):
-        groups[f"head {i}"], groups[f"nut {i}"] = head, nut
-    write(given, [upper, lower], groups)
-    gmsh.finalize()
+    make(given, lambda: flange("upper", given, True), lambda: flange("lower", given, False))
 
 
 if __name__ == "__main__":
