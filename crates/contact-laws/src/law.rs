@@ -4,10 +4,13 @@
 //! evaluated; entry `i` belongs to point `points.start + i`.
 
 use alloc::borrow::Cow;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::{AddAssign, Range};
 
 use crate::choice::choices;
+use crate::simd::BLOCK;
+use crate::transposed::{self, Adjoint, Part};
 
 /// The method paper, where eqs. (18)-(20), (28), (29), (45) are from.
 pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";
@@ -280,6 +283,8 @@ pub(crate) struct Along<'a> {
     pub(crate) d_begin: StateView<'a>,
     pub(crate) d_end: StateViewMut<'a>,
     pub(crate) d_traction: ComponentsMut<'a>,
+    /// Changes of the tractions part by part, `[part][x, y, n][point]` without holes, zero before.
+    pub(crate) parts: Option<&'a mut [f64]>,
 }
 
 /// [`TractionLaw::evaluate`] and [`TractionLaw::derivative`] by one method of the law, which takes the arguments of the
@@ -323,6 +328,7 @@ macro_rules! evaluates_by {
                 d_begin,
                 d_end,
                 d_traction,
+                parts: None,
             });
             $crate::law::evaluated!(
                 self, $($method)+, points, sticking, jump, begin, end, traction, None, None, along
@@ -424,6 +430,51 @@ pub trait TractionLaw: Send + Sync {
         traction: ComponentsMut<'_>,
         d_traction: ComponentsMut<'_>,
     ) -> RegimeCounts;
+
+    /// Transposed derivatives under friction: for adjoints `l` of the end state and `m` of the tractions, `(d end/d begin)^T l + (d traction/d begin)^T m`.
+    ///
+    /// - Of the branch taken, as [`Self::derivative`].
+    /// - All slices, and the parts of the states in view, have the length of `points`.
+    ///
+    /// By default one derivative for each number of the state.
+    ///
+    /// # Panics
+    /// As [`Self::derivative`].
+    fn to_begin(&self, points: Range<usize>, jump: Components<'_>, begin: StateView<'_>, adjoints: &mut [Adjoint<'_>]) {
+        let n_state = self.info().n_state();
+        let (mut end, mut traction) = (vec![0.0; n_state * BLOCK], [[0.0; BLOCK]; 3]);
+        let all = [Part {
+            begin: 0..n_state,
+            end: 0..n_state,
+            tractions: 0..1,
+        }];
+        let still = [0.0; BLOCK];
+        transposed::to_begin(
+            0..points.len(),
+            n_state,
+            1,
+            &[&all],
+            adjoints,
+            |chunk, unit, d_end, d_traction| {
+                let n = chunk.len();
+                let (d_x, rest) = d_traction.split_at_mut(n);
+                let (d_y, d_n) = rest.split_at_mut(n);
+                let [x, y, normal] = traction.each_mut().map(|values| &mut values[..n]);
+                self.derivative(
+                    points.start + chunk.start..points.start + chunk.end,
+                    Sticking::Coulomb,
+                    Components::new(&jump.x[chunk.clone()], &jump.y[chunk.clone()], &jump.n[chunk.clone()]),
+                    StateView::new(begin.data, begin.stride, begin.offset + chunk.start),
+                    Components::new(&still[..n], &still[..n], &still[..n]),
+                    StateView::new(unit, n, 0),
+                    StateViewMut::new(&mut end, n, 0),
+                    StateViewMut::new(d_end, n, 0),
+                    ComponentsMut::new(x, y, normal),
+                    ComponentsMut::new(d_x, d_y, d_n),
+                );
+            },
+        );
+    }
 
     /// Whether friction can take energy. If not, tractions under Coulomb's law depend on the jump alone: a path back gives what
     /// the path there gave.

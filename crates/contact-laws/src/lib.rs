@@ -66,6 +66,7 @@ mod physics;
 mod simd;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
+mod transposed;
 
 #[cfg(test)]
 mod tests;
@@ -109,3 +110,4 @@ pub use physics::slip_limit::AsperityLimit;
 pub use physics::{adhesion, elastic_plastic, hertz, mindlin, slip_limit};
 pub use simd::elementary::Real;
 pub use simd::instruction_set;
+pub use transposed::Adjoint;

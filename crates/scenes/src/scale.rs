@@ -1,8 +1,9 @@
 //! Factors on what a surface is known by.
 
+use crate::units::Length;
 use serde::{Deserialize, Serialize};
 
-/// Factors on what is known of the faces, and a tilt of one against the other: the numbers that sensitivities, calibrations and
+/// Factors on what is known of the faces, and a tilt and a crown of one against the other: the numbers that sensitivities, calibrations and
 /// uncertain inputs vary where a surface was measured. All of them leave the surface as it is by default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -19,6 +20,9 @@ pub struct Scale {
     /// Slopes along x and y of a plane that is added to the gap (rad), at most 0.1 in size. It is zero at the corner of
     /// the interface where it is least.
     pub gap_tilt: [f64; 2],
+    /// Rises along x and y of a parabola that is added to the gap (length), from the middle to the ends of the interface (its outermost
+    /// quadrature points). Where it is negative the ends are nearer than the middle. It is zero where it is least.
+    pub gap_crown: [Length; 2],
 }
 
 impl Default for Scale {
@@ -29,6 +33,7 @@ impl Default for Scale {
             asperity_height: 1.0,
             gap: 1.0,
             gap_tilt: [0.0; 2],
+            gap_crown: [Length::default(); 2],
         }
     }
 }
@@ -46,23 +51,30 @@ impl Scale {
 
     /// The gaps (m) at points of the interface, from those that are known.
     pub fn gaps(&self, known: impl Iterator<Item = f64>, points: &[[f64; 2]]) -> Vec<f64> {
-        let least = |axis: usize| {
-            let terms = points.iter().map(|point| self.gap_tilt[axis] * point[axis]);
-            terms.fold(f64::INFINITY, f64::min)
-        };
-        // Without a tilt not even a zero is added, so that gaps keep their bits.
-        let is_tilted = self.gap_tilt != [0.0; 2];
-        let corner = if is_tilted { least(0) + least(1) } else { 0.0 };
+        let along = |axis: usize| points.iter().map(move |point| point[axis]);
+        let added = [0, 1].map(|axis| {
+            let (low, high) = along(axis).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let (slope, rise, half) = (self.gap_tilt[axis], self.gap_crown[axis].si(), 0.5 * (high - low));
+            move |x: f64| {
+                let crown = if rise == 0.0 || half == 0.0 {
+                    0.0
+                } else {
+                    rise * ((x - low) / half - 1.0).powi(2)
+                };
+                slope * x + crown
+            }
+        });
+        let least = [0, 1].map(|axis| along(axis).map(added[axis]).fold(f64::INFINITY, f64::min));
+        // Without a form not even a zero is added, so that gaps keep their bits.
+        let is_flat = self.gap_tilt == [0.0; 2] && self.gap_crown == [Length::default(); 2];
         known
             .zip(points)
             .map(|(gap, [x, y])| {
-                let [along, across] = self.gap_tilt;
-                let plane = if is_tilted {
-                    along * x + across * y - corner
-                } else {
-                    0.0
+                let form = match is_flat {
+                    true => 0.0,
+                    false => added[0](*x) + added[1](*y) - (least[0] + least[1]),
                 };
-                self.gap * gap + plane
+                self.gap * gap + form
             })
             .collect()
     }

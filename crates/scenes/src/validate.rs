@@ -116,6 +116,7 @@ impl Scene {
             asperity_height,
             gap,
             gap_tilt,
+            gap_crown,
         } = self.interfaces.scale;
         check.positive("interfaces.scale.asperity_radius", asperity_radius, "")?;
         check.positive("interfaces.scale.asperity_density", asperity_density, "")?;
@@ -128,6 +129,15 @@ impl Scene {
                 slope,
                 "rad",
                 "at most 0.1 in size: faces are nearly parallel",
+            )?;
+        }
+        for rise in gap_crown {
+            check.that(
+                rise.si().is_finite(),
+                "interfaces.scale.gap_crown",
+                rise.si(),
+                "m",
+                "finite",
             )?;
         }
         let is_given = matches!(self.interfaces.surface, Surface::Parameters(_));

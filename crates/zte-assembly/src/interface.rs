@@ -4,8 +4,8 @@ use crate::Error;
 use crate::kernels::Blocks;
 use crate::operators::Operators;
 use contact_laws::{
-    Components, ComponentsMut, LinearisedContact, Regime, RegimeCounts, Scaling, Similarity, StateView, StateViewMut,
-    Sticking, TangentMut, TractionLaw,
+    Adjoint, Components, ComponentsMut, LinearisedContact, Regime, RegimeCounts, Scaling, Similarity, StateView,
+    StateViewMut, Sticking, TangentMut, TractionLaw,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -464,12 +464,21 @@ impl Interface {
     ) {
         let n = self.operators.n_points();
         let mut fields: Vec<[Vec<f64>; 3]> = adjoints.iter().map(|_| std::array::from_fn(|_| vec![0.0; n])).collect();
-        let none = self.no_change();
-        let mut columns = Columns::new(self, jump, begin, workspace);
+        let [still, mut end, mut d_end] = [0; 3].map(|_| self.no_change());
+        let components = self.laws.iter().map(|(_, law)| law.info().n_state()).max().unwrap_or(0);
+        self.interpolate_jump(jump, workspace);
         for axis in 0..3 {
-            columns.along(Some(axis), &none);
+            for (c, field) in workspace.tangent.iter_mut().take(3).enumerate() {
+                field.fill(if axis == c { 1.0 } else { 0.0 });
+            }
+            let coulomb = Sticking::Coulomb;
+            self.change_points(coulomb, begin, &still, None, &mut end, &mut d_end, workspace);
             for (adjoint, field) in adjoints.iter().zip(&mut fields) {
-                columns.end_products(adjoint, &mut field[axis]);
+                for (range, at) in (0..components).flat_map(|component| self.places(component)) {
+                    let pairs = adjoint.values[at.clone()].iter().zip(&d_end.values[at]);
+                    let sums = field[axis][range].iter_mut();
+                    sums.zip(pairs).for_each(|(sum, (a, b))| *sum += a * b);
+                }
             }
         }
         for (field, into) in fields.iter_mut().zip(into) {
@@ -508,28 +517,26 @@ impl Interface {
                     values
                         .iter_mut()
                         .zip(&self.operators.weights)
-                        .for_each(|(v, w)| *v *= w);
+                        .for_each(|(v, w)| *v *= -w);
                 }
                 fields
             })
             .collect();
-        let components = self.laws.iter().map(|(_, law)| law.info().n_state()).max().unwrap_or(0);
-        let mut unit = self.no_change();
-        let mut products = vec![0.0; n];
-        let mut columns = Columns::new(self, jump, begin, workspace);
-        for component in 0..components {
-            let places = || self.places(component);
-            places().for_each(|(_, at)| unit.values[at].fill(1.0));
-            columns.along(None, &unit);
-            for ((adjoint, traction), into) in adjoints.iter().zip(&tractions).zip(&mut *into) {
-                products.fill(0.0);
-                columns.end_products(adjoint, &mut products);
-                columns.subtract_traction_products(traction, &mut products);
-                for (range, at) in places() {
-                    into.values[at].copy_from_slice(&products[range]);
-                }
-            }
-            places().for_each(|(_, at)| unit.values[at].fill(0.0));
+        self.interpolate_jump(jump, workspace);
+        let mut block = 0;
+        for (range, law) in &self.laws {
+            let stride = range.len();
+            let states = block..block + stride * law.info().n_state();
+            block = states.end;
+            let adjoints = adjoints.iter().zip(&tractions).zip(&mut *into);
+            let adjoints = adjoints.map(|((end, traction), begin)| Adjoint {
+                end: StateView::new(&end.values[states.clone()], stride, 0),
+                traction: components(traction, range),
+                begin: StateViewMut::new(&mut begin.values[states.clone()], stride, 0),
+            });
+            let jump = components(&workspace.jump, range);
+            let begin = StateView::new(&begin.values[states.clone()], stride, 0);
+            law.to_begin(0..stride, jump, begin, &mut adjoints.collect::<Vec<_>>());
         }
     }
 
@@ -626,66 +633,6 @@ impl Interface {
     }
 }
 
-/// Derivatives of all points along one component of jump or history at a time.
-struct Columns<'a> {
-    interface: &'a Interface,
-    begin: &'a State,
-    workspace: &'a mut Workspace,
-    end: State,
-    d_end: State,
-}
-
-impl<'a> Columns<'a> {
-    fn new(interface: &'a Interface, jump: &[f64], begin: &'a State, workspace: &'a mut Workspace) -> Self {
-        interface.interpolate_jump(jump, workspace);
-        Self {
-            interface,
-            begin,
-            workspace,
-            end: interface.no_change(),
-            d_end: interface.no_change(),
-        }
-    }
-
-    /// Along a component of the jump at all points, or along `d_begin`.
-    fn along(&mut self, axis: Option<usize>, d_begin: &State) {
-        for (c, field) in self.workspace.tangent.iter_mut().take(3).enumerate() {
-            field.fill(if axis == Some(c) { 1.0 } else { 0.0 });
-        }
-        self.interface.change_points(
-            Sticking::Coulomb,
-            self.begin,
-            d_begin,
-            None,
-            &mut self.end,
-            &mut self.d_end,
-            self.workspace,
-        );
-    }
-
-    /// Adds, at each point, the product of an adjoint of the end state with the change of that.
-    fn end_products(&self, adjoint: &State, into: &mut [f64]) {
-        let components = self.interface.laws.iter().map(|(_, law)| law.info().n_state()).max();
-        for component in 0..components.unwrap_or(0) {
-            for (range, at) in self.interface.places(component) {
-                let pairs = adjoint.values[at.clone()].iter().zip(&self.d_end.values[at]);
-                into[range]
-                    .iter_mut()
-                    .zip(pairs)
-                    .for_each(|(sum, (a, b))| *sum += a * b);
-            }
-        }
-    }
-
-    /// Takes the products of an adjoint of the tractions with the change of those off.
-    fn subtract_traction_products(&self, adjoint: &[Vec<f64>; 3], into: &mut [f64]) {
-        for (adjoint, change) in adjoint.iter().zip(&self.workspace.tangent[3..6]) {
-            let pairs = adjoint.iter().zip(change);
-            into.iter_mut().zip(pairs).for_each(|(sum, (a, b))| *sum -= a * b);
-        }
-    }
-}
-
 impl std::fmt::Debug for Interface {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Interface")
@@ -701,6 +648,12 @@ impl std::fmt::Debug for Interface {
             )
             .finish()
     }
+}
+
+/// Values of some points.
+fn components<'a>(fields: &'a [Vec<f64>; 3], points: &Range<usize>) -> Components<'a> {
+    let [x, y, n] = fields.each_ref().map(|field| &field[points.clone()]);
+    Components { x, y, n }
 }
 
 /// First value of the block of each ordered pair of an element's nodes.

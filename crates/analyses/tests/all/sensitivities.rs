@@ -160,6 +160,7 @@ fn derivatives_of_the_beam_are_those_of_whole_runs() {
         "interfaces.scale.asperity_height",
         "interfaces.scale.gap",
         "interfaces.scale.gap_tilt.0",
+        "interfaces.scale.gap_crown.0",
     ];
     let scene = scene(&json!({ "analyses": { "sensitivities": parameters } }));
     for (parameter, errors) in compare(&scene, &[0, 5, 9]) {

@@ -116,7 +116,7 @@ use crate::curves::CurveBlock;
 use crate::error::Error;
 use crate::law::{
     Along, Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
-    TangentMut, TractionLaw, evaluates_by,
+    TangentMut, TractionLaw, check_points, evaluates_by,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -126,9 +126,11 @@ use crate::physics::elastic_plastic::{Asperity, Dent, Unloading};
 use crate::physics::slip_limit::AsperityLimit;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::elementary::{max, min};
-use crate::simd::{Lanes, Pass, part, part_mut, run};
+use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
+use crate::transposed::{self, Adjoint, Part};
 use alloc::borrow::Cow;
 use alloc::format;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -385,6 +387,13 @@ impl ResolvedLaw {
         self.cone
     }
 
+    /// How much a bin remembers: its tangential force, then its dent if it can have one; and of that its dent.
+    fn memories(&self) -> (usize, usize) {
+        let Tables { n_bins, yields, .. } = self.tables;
+        let of_bin = (self.info.n_state() - N_JUMP).checked_div(n_bins).unwrap_or(0);
+        (of_bin, if yields { 2 } else { 0 })
+    }
+
     /// [`TractionLaw::evaluate`] or, along a direction, [`TractionLaw::derivative`] in blocks of `B` points.
     fn evaluate_blocks<const B: usize>(
         &self,
@@ -418,6 +427,7 @@ impl ResolvedLaw {
                     block: block.clone(),
                 },
                 changes,
+                parts: along.parts.as_deref_mut(),
             });
             let rows = Rows {
                 begin,
@@ -487,9 +497,7 @@ impl ResolvedLaw {
             (true, false) => &UNCOUPLED,
             (true, true) => &[0, 1, 2, 3, 4, 5, 6, 7, 8],
         };
-        // A bin remembers its tangential force, then its dent if it can have one.
-        let n_dent = if tables.yields { 2 } else { 0 };
-        let n_memory = (self.info.n_state() - N_JUMP).checked_div(tables.n_bins).unwrap_or(0);
+        let (n_memory, n_dent) = self.memories();
         let m = jump[0].len();
         let Scratch {
             sets,
@@ -579,7 +587,10 @@ impl ResolvedLaw {
                     hertz,
                 });
             }
-            if let Some(Direction { jump, rows, changes }) = &mut direction {
+            if let Some(Direction {
+                jump, rows, changes, ..
+            }) = &mut direction
+            {
                 run(ApproachChanges {
                     w: jump[2],
                     u_n0: rows.begin(2),
@@ -668,6 +679,7 @@ impl ResolvedLaw {
                                          memory: usize,
                                          workspace: &mut Workspace<B>,
                                          bin: &mut BinResponse<B>,
+                                         part: usize,
                                          annulus: Option<[f64; 2]>| {
                     let derivative = direction
                         .as_mut()
@@ -690,12 +702,12 @@ impl ResolvedLaw {
                     };
                     respond(history, box_workspace, block);
                     if let Some(direction) = &mut direction {
-                        direction.changes.add(density);
+                        direction.add(part, density);
                     }
                 };
                 match &self.friction {
                     AsperityFriction::StickSlip(history) => {
-                        stick_or_slip(*history, curves, base, workspace, bin, None);
+                        stick_or_slip(*history, curves, base, workspace, bin, j, None);
                         sums.add(density, bin, &workspace.regime, entries);
                     }
                     AsperityFriction::Annuli(history, _) if at_once => {
@@ -731,7 +743,8 @@ impl ResolvedLaw {
                                 into: of_annulus,
                             });
                             let shares = Some([limit, stiffness]);
-                            stick_or_slip(*history, of_annulus, base + 2 * k, workspace, bin, shares);
+                            let part = j * self.shares.len() + k;
+                            stick_or_slip(*history, of_annulus, base + 2 * k, workspace, bin, part, shares);
                             sums.add(density, bin, &workspace.regime, entries);
                         }
                     }
@@ -761,7 +774,7 @@ impl ResolvedLaw {
                         }
                         sums.add(density, bin, &workspace.regime, entries);
                         if let Some(direction) = &mut direction {
-                            direction.changes.add(density);
+                            direction.add(j, density);
                         }
                     }
                 }
@@ -999,6 +1012,62 @@ impl TractionLaw for ResolvedLaw {
 
     evaluates_by!(evaluate_blocks in blocks);
 
+    /// By a derivative for each number of the jump, of what an annulus remembers and of a dent: bins share nothing but the jump, annuli the dent.
+    fn to_begin(&self, points: Range<usize>, jump: Components<'_>, begin: StateView<'_>, adjoints: &mut [Adjoint<'_>]) {
+        check_points(&points, self);
+        let (n_bins, n_state) = (self.tables.n_bins, self.info.n_state());
+        let (n_memory, n_dent) = self.memories();
+        let per_bin = self.shares.len().max(1);
+        let per_part = (n_memory - n_dent) / per_bin;
+        let of_bin = |bin: usize| N_JUMP + bin * n_memory..N_JUMP + (bin + 1) * n_memory;
+        let motion = [Part {
+            begin: 0..N_JUMP,
+            end: 0..n_state,
+            tractions: 0..n_bins * per_bin,
+        }];
+        let forces = (0..n_bins * per_bin).map(|part| {
+            let first = of_bin(part / per_bin).start + part % per_bin * per_part;
+            Part {
+                begin: first..first + per_part,
+                end: first..first + per_part,
+                tractions: part..part + 1,
+            }
+        });
+        let dents = (0..n_bins).map(|bin| Part {
+            begin: of_bin(bin).end - n_dent..of_bin(bin).end,
+            end: of_bin(bin),
+            tractions: bin * per_bin..(bin + 1) * per_bin,
+        });
+        let (forces, dents): (Vec<Part>, Vec<Part>) = (forces.collect(), dents.collect());
+        let passes: [&[Part]; 3] = [&motion, &forces, &dents];
+        let (mut end, mut numbers) = (vec![0.0; n_state * BLOCK], [[0.0; BLOCK]; 6]);
+        let still = [0.0; BLOCK];
+        let along = |chunk: Range<usize>, unit: &[f64], d_end: &mut [f64], parts: &mut [f64]| {
+            let n = chunk.len();
+            let [x, y, normal, d_x, d_y, d_n] = numbers.each_mut().map(|values| &mut values[..n]);
+            let still = &still[..n];
+            let direction = Along {
+                d_jump: Components::new(still, still, still),
+                d_begin: StateView::new(unit, n, 0),
+                d_end: StateViewMut::new(d_end, n, 0),
+                d_traction: ComponentsMut::new(d_x, d_y, d_n),
+                parts: Some(parts),
+            };
+            self.evaluate_blocks::<BLOCK>(
+                points.start + chunk.start..points.start + chunk.end,
+                Sticking::Coulomb,
+                Components::new(&jump.x[chunk.clone()], &jump.y[chunk.clone()], &jump.n[chunk.clone()]),
+                StateView::new(begin.data, begin.stride, begin.offset + chunk.start),
+                StateViewMut::new(&mut end, n, 0),
+                ComponentsMut::new(x, y, normal),
+                None,
+                None,
+                Some(direction),
+            );
+        };
+        transposed::to_begin(0..points.len(), n_state, n_bins * per_bin, &passes, adjoints, along);
+    }
+
     fn friction_coefficient(&self, point: usize) -> Option<f64> {
         (self.limit == AsperityLimit::Coulomb).then(|| *self.mu.at(point))
     }
@@ -1093,6 +1162,8 @@ struct Direction<'a, const B: usize> {
     jump: [&'a [f64]; 3],
     rows: Rows<'a>,
     changes: &'a mut Changes<B>,
+    /// As in [`Along`].
+    parts: Option<&'a mut [f64]>,
 }
 
 /// Changes along a direction at the points of a block.
@@ -1143,19 +1214,14 @@ impl<const B: usize> Changes<B> {
             nothing: zero,
         }
     }
-
-    /// Adds what a number of asperities per area answer.
-    fn add(&mut self, density: &Lanes<f64, B>) {
-        for (sum, part) in self.sum.iter_mut().zip(&self.traction) {
-            run(Add(density, part, sum));
-        }
-    }
 }
 
 impl<const B: usize> Direction<'_, B> {
     /// Nothing is in contact yet; `fill` is NaN where the input is no number.
     fn begin(&mut self, n_state: usize, fill: &Lanes<f64, B>) {
-        let Self { jump, rows, changes } = self;
+        let Self {
+            jump, rows, changes, ..
+        } = self;
         let spoilt = &mut changes.curves.fill;
         spoilt.0 = [0.0; B];
         for part in *jump {
@@ -1176,9 +1242,26 @@ impl<const B: usize> Direction<'_, B> {
         }
     }
 
+    /// Adds what a number of asperities per area answer, or one of their annuli.
+    fn add(&mut self, part: usize, density: &Lanes<f64, B>) {
+        let Rows { n, block, .. } = &self.rows;
+        for (q, (sum, own)) in self.changes.sum.iter_mut().zip(&self.changes.traction).enumerate() {
+            run(Add(density, own, sum));
+            if let Some(parts) = &mut self.parts {
+                let values = parts[(3 * part + q) * n..][block.clone()].iter_mut();
+                let terms = own.0.iter().zip(&density.0);
+                values
+                    .zip(terms)
+                    .for_each(|(value, (own, density))| *value = density * own);
+            }
+        }
+    }
+
     /// The direction as the friction of one bin or of an annulus with shares of slip limit and stiffness sees it.
     fn derivative(&mut self, m: usize, memory: usize, annulus: Option<[f64; 2]>) -> Derivative<'_, B> {
-        let Self { jump, rows, changes } = self;
+        let Self {
+            jump, rows, changes, ..
+        } = self;
         let Changes {
             approach,
             curves,
@@ -1211,7 +1294,9 @@ impl<const B: usize> Direction<'_, B> {
 
     /// Changes of the asperities of a bin at one point, radius by radius.
     fn microslip(&mut self, radii: &Radii, circle: &Circle, base: usize, i: usize, before: &[[f64; 2]]) {
-        let Self { jump, rows, changes } = self;
+        let Self {
+            jump, rows, changes, ..
+        } = self;
         let Changes {
             curves,
             sliders,

@@ -67,6 +67,41 @@ fn changes(found: &PointDerivative) -> Vec<f64> {
 /// What has been seen: steps compared with differences of all steps, and the largest error.
 type Tally = BTreeMap<&'static str, (u32, u32, f64)>;
 
+/// The product of adjoints with the change along a direction of the begin state is the same on both sides.
+fn transposed(
+    law: &dyn TractionLaw,
+    (u, state): (&[f64; 3], &[f64]),
+    d_begin: &[f64],
+    (m, l): &Input,
+) -> Result<(), TestCaseError> {
+    let forwards = derivative_at_point(law, 0, Sticking::Coulomb, (*u, state), ([0.0; 3], d_begin));
+    let mut begin = vec![0.0; state.len()];
+    let mut adjoints = [Adjoint {
+        end: StateView::new(l, 1, 0),
+        traction: Components::new(&m[..1], &m[1..2], &m[2..]),
+        begin: StateViewMut::new(&mut begin, 1, 0),
+    }];
+    let jump = Components::new(&u[..1], &u[1..2], &u[2..]);
+    law.to_begin(0..1, jump, StateView::new(state, 1, 0), &mut adjoints);
+    let changes = forwards.d_traction.iter().chain(&forwards.d_end);
+    let values = forwards.traction.iter().chain(&forwards.end);
+    let (mut sum, mut size, mut values_size) = (0.0, 0.0, 0.0);
+    for ((adjoint, change), value) in m.iter().chain(l).zip(changes).zip(values) {
+        sum += adjoint * change;
+        size += (adjoint * change).abs();
+        values_size += (adjoint * value).abs();
+    }
+    let terms = || begin.iter().zip(d_begin).map(|(a, b)| a * b);
+    let (back, parts) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
+    // What does not depend on the history changes by rounding of what it is.
+    prop_assert!(
+        (back - sum).abs() <= 1e-9 * (size + parts) + 1e-12 * values_size,
+        "{}: {back:e} backwards, {sum:e} forwards of {size:e} and {parts:e}",
+        law.info().name
+    );
+    Ok(())
+}
+
 /// Steps with commits: the bits of the evaluation, its tangent, differences, linearity.
 fn follow(
     law: &dyn TractionLaw,
@@ -113,6 +148,10 @@ fn follow(
                 (sum - (a - 0.75 * b)).abs() <= 1e-8 * size,
                 "{sum:e} {a:e} {b:e} {scale:e}"
             );
+        }
+
+        if sticking == Sticking::Coulomb {
+            transposed(law, (&u, &state), &along.1, &other)?;
         }
 
         let kind = match (here.regime, sticking) {
