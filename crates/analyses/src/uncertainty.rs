@@ -15,7 +15,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use scenes::distribution::standard_normal;
 use scenes::uncertain::{beyond, of_parameter};
-use scenes::{Marginal, Parameter, Scene, TIGHTENING_SIGMAS, Uncertain};
+use scenes::{Marginal, Parameter, Scene, Surface, TIGHTENING_SIGMAS, Uncertain};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -48,6 +48,9 @@ pub struct Uncertainty {
     pub inputs: Vec<Input>,
     /// The modes followed, in the order of the scene.
     pub modes: Vec<ModeBands>,
+    /// What is known to be in error and is not in the bands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<String>,
     /// The samples themselves; in tables alone.
     #[serde(skip)]
     pub variants: Vec<Variant>,
@@ -305,6 +308,7 @@ pub fn run_samples(
         runs: derivative_runs + inputs.len(),
         inputs: described.collect::<Result<_, Error>>()?,
         modes,
+        left_out: left_out(scene, uncertain),
         variants: samples,
     };
     let bodies = prepared.bodies(&analysis, progress)?;
@@ -366,6 +370,20 @@ fn refuse(parameters: &[Parameter], marginals: &[Marginal], scene: &Scene, sampl
         }
     }
     Ok(())
+}
+
+/// The error of asperity sums, unless an input stands for it.
+fn left_out(scene: &Scene, uncertain: &Uncertain) -> Option<String> {
+    let stands_for_it = |parameter: &Parameter| {
+        let path = parameter.path();
+        path.starts_with("interfaces.scale.asperity_") || path.starts_with("interfaces.surface")
+    };
+    let has_asperities = !matches!(scene.interfaces.surface, Surface::Parameters(_));
+    (has_asperities && !uncertain.parameters.keys().any(stands_for_it)).then(|| {
+        "the error of the traction law is not in the bands: asperity sums have 0.9, 0.7 and 0.5 times the stiffness of boundary elements at 5, 20 and 50 \
+         MPa, and patches scatter by 0.2; to have it in, vary interfaces.scale.asperity_height, such as by { \"lognormal\": { \"factor\": 1.5 } }"
+            .into()
+    })
 }
 
 /// What turns a method of tightening into a distribution.

@@ -514,6 +514,7 @@ fn remarks(uncertainty: &Uncertainty) -> Vec<String> {
         .iter()
         .filter_map(|input| Some((input, input.assumption.as_ref()?)));
     all.extend(assumed.map(|(input, assumption)| format!("{}: {assumption}", input.parameter)));
+    all.extend(uncertainty.left_out.clone());
     for (place, (name, unit, of)) in QUANTITIES.into_iter().enumerate() {
         // The edge that the number of samples leaves the least certain.
         let worst = rows(uncertainty).filter_map(|(_, band)| {
