@@ -1,7 +1,4 @@
-//! The contract between a traction law and the code that calls it: views of batches, the [`TractionLaw`] trait.
-//!
-//! All batches are structures of arrays. The slices of one call have the length of the range of points that is
-//! evaluated; entry `i` belongs to point `points.start + i`.
+//! The contract between a traction law and the code that calls it: the [`TractionLaw`] trait.
 
 use alloc::borrow::Cow;
 use alloc::vec;
@@ -11,118 +8,10 @@ use core::ops::{AddAssign, Range};
 use crate::choice::choices;
 use crate::simd::BLOCK;
 use crate::transposed::{self, Adjoint, Part};
+pub use crate::views::{Components, ComponentsMut, StateView, StateViewMut};
 
 /// The method paper, where eqs. (18)-(20), (28), (29), (45) are from.
 pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";
-
-/// One vector per point: components along x, y and the normal n.
-#[derive(Debug, Clone, Copy)]
-pub struct Components<'a> {
-    /// Along x.
-    pub x: &'a [f64],
-    /// Along y.
-    pub y: &'a [f64],
-    /// Along the normal.
-    pub n: &'a [f64],
-}
-
-impl<'a> Components<'a> {
-    /// From the components, which must have the same length.
-    pub fn new(x: &'a [f64], y: &'a [f64], n: &'a [f64]) -> Self {
-        Self { x, y, n }
-    }
-}
-
-/// Like [`Components`], to be written.
-#[derive(Debug)]
-pub struct ComponentsMut<'a> {
-    /// Along x.
-    pub x: &'a mut [f64],
-    /// Along y.
-    pub y: &'a mut [f64],
-    /// Along the normal.
-    pub n: &'a mut [f64],
-}
-
-impl<'a> ComponentsMut<'a> {
-    /// From the components, which must have the same length.
-    pub fn new(x: &'a mut [f64], y: &'a mut [f64], n: &'a mut [f64]) -> Self {
-        Self { x, y, n }
-    }
-}
-
-/// State of a batch of points inside a block stored as `[component][point]`.
-///
-/// Component `c` of the batch's point `i` is `data[c * stride + offset + i]`: `stride` is the number of points of the
-/// whole block, `offset` the batch's first point in it.
-#[derive(Debug, Clone, Copy)]
-pub struct StateView<'a> {
-    /// The whole block.
-    pub data: &'a [f64],
-    /// Points of the block.
-    pub stride: usize,
-    /// First point of the batch in the block.
-    pub offset: usize,
-}
-
-impl<'a> StateView<'a> {
-    /// A batch that begins at `offset` of a block of `stride` points.
-    pub fn new(data: &'a [f64], stride: usize, offset: usize) -> Self {
-        Self { data, stride, offset }
-    }
-
-    /// The first `n` points' values of the first `N` components.
-    ///
-    /// # Panics
-    /// When the block is too short.
-    #[inline]
-    pub fn components<const N: usize>(&self, n: usize) -> [&'a [f64]; N] {
-        core::array::from_fn(|c| self.component(c, n))
-    }
-
-    /// The first `n` points' values of component `c`.
-    ///
-    /// # Panics
-    /// When the block is too short.
-    #[inline]
-    pub fn component(&self, c: usize, n: usize) -> &'a [f64] {
-        &self.data[c * self.stride + self.offset..][..n]
-    }
-}
-
-/// Like [`StateView`], to be written.
-#[derive(Debug)]
-pub struct StateViewMut<'a> {
-    /// The whole block.
-    pub data: &'a mut [f64],
-    /// Points of the block.
-    pub stride: usize,
-    /// First point of the batch in the block.
-    pub offset: usize,
-}
-
-impl<'a> StateViewMut<'a> {
-    /// A batch that begins at `offset` of a block of `stride` points.
-    pub fn new(data: &'a mut [f64], stride: usize, offset: usize) -> Self {
-        Self { data, stride, offset }
-    }
-
-    /// The first `n` points' values of the first `N` components.
-    ///
-    /// # Panics
-    /// When the block is too short.
-    #[inline]
-    pub fn components<const N: usize>(self, n: usize) -> [&'a mut [f64]; N] {
-        let mut rest = self.data;
-        core::array::from_fn(|_| {
-            let block = core::mem::take(&mut rest);
-            // The last component may end before its stride.
-            let (component, after) = block.split_at_mut(self.stride.min(block.len()));
-            rest = after;
-            &mut component[self.offset..][..n]
-        })
-    }
-}
 
 /// Derivatives of the traction with respect to the jump (Pa/m), one slice per entry: `xn` is `d t_x / d u_n`.
 #[derive(Debug)]

@@ -67,6 +67,7 @@ mod simd;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 mod transposed;
+mod views;
 
 #[cfg(test)]
 mod tests;

@@ -6,8 +6,8 @@
 use alloc::vec;
 use core::ops::Range;
 
-use crate::law::{Components, StateView, StateViewMut};
 use crate::simd::BLOCK;
+use crate::views::{Components, StateView, StateViewMut};
 
 /// Adjoints of what points answer, and where that of the begin state goes.
 #[derive(Debug)]

@@ -79,3 +79,32 @@ impl Scale {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(gap_tilt: [f64; 2], gap_crown: [f64; 2]) -> Vec<f64> {
+        let points = [[-1.0, 2.0], [0.0, 2.0], [1.0, 2.0], [0.5, 4.0]];
+        let scale = Scale {
+            gap: 2.0,
+            gap_tilt,
+            gap_crown: gap_crown.map(Length::from_si),
+            ..Scale::default()
+        };
+        scale.gaps([0.0, 1.0, 0.0, 0.0].into_iter(), &points)
+    }
+
+    #[test]
+    fn forms_are_added_to_the_scaled_gap_and_are_zero_where_they_are_least() {
+        assert_eq!(of([0.0; 2], [0.0; 2]), [0.0, 2.0, 0.0, 0.0]);
+        assert_eq!(of([0.25, 0.0], [0.0; 2]), [0.0, 2.25, 0.5, 0.375]);
+        // The ends stand apart, or touch first.
+        assert_eq!(of([0.0; 2], [8.0, 0.0]), [8.0, 2.0, 8.0, 2.0]);
+        assert_eq!(of([0.0; 2], [-8.0, 0.0]), [0.0, 10.0, 0.0, 6.0]);
+        // Both at once are least at x = 0.5.
+        assert_eq!(of([-2.0, 0.0], [2.0, 0.0]), [4.5, 2.5, 0.5, 0.0]);
+        // Two rows of points are two ends.
+        assert_eq!(of([0.0; 2], [0.0, 3.0]), [0.0, 2.0, 0.0, 0.0]);
+    }
+}
