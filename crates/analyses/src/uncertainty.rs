@@ -378,7 +378,7 @@ fn left_out(scene: &Scene, uncertain: &Uncertain) -> Option<String> {
         let path = parameter.path();
         path.starts_with("interfaces.scale.asperity_") || path.starts_with("interfaces.surface")
     };
-    let has_asperities = !matches!(scene.interfaces.surface, Surface::Parameters(_));
+    let has_asperities = (scene.interfaces.surfaces()).any(|surface| !matches!(surface, Surface::Parameters(_)));
     (has_asperities && !uncertain.parameters.keys().any(stands_for_it)).then(|| {
         "the error of the traction law is not in the bands: asperity sums have 0.9, 0.7 and 0.5 times the stiffness of boundary elements at 5, 20 and 50 \
          MPa, and patches scatter by 0.2; to have it in, vary interfaces.scale.asperity_height, such as by { \"lognormal\": { \"factor\": 1.5 } }"

@@ -1,13 +1,12 @@
 //! The contract between a traction law and the code that calls it: the [`TractionLaw`] trait.
 
 use alloc::borrow::Cow;
-use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::{AddAssign, Range};
 
 use crate::choice::choices;
-use crate::simd::BLOCK;
-use crate::transposed::{self, Adjoint, Part};
+use crate::transposed::{self, Adjoint, Input, Part, WHOLE};
+pub(crate) use crate::views::Along;
 pub use crate::views::{Components, ComponentsMut, StateView, StateViewMut};
 
 /// The method paper, where eqs. (18)-(20), (28), (29), (45) are from.
@@ -166,16 +165,6 @@ impl LawInfo {
     }
 }
 
-/// A direction of [`TractionLaw::derivative`], and where the derivatives go.
-pub(crate) struct Along<'a> {
-    pub(crate) d_jump: Components<'a>,
-    pub(crate) d_begin: StateView<'a>,
-    pub(crate) d_end: StateViewMut<'a>,
-    pub(crate) d_traction: ComponentsMut<'a>,
-    /// Changes of the tractions part by part, `[part][x, y, n][point]` without holes, zero before.
-    pub(crate) parts: Option<&'a mut [f64]>,
-}
-
 /// [`TractionLaw::evaluate`] and [`TractionLaw::derivative`] by one method of the law, which takes the arguments of the
 /// first and a direction, if there is one: `evaluates_by!(method)`, or `evaluates_by!(method in blocks)` for a method
 /// that is compiled for each size of blocks.
@@ -330,39 +319,35 @@ pub trait TractionLaw: Send + Sync {
     /// # Panics
     /// As [`Self::derivative`].
     fn to_begin(&self, points: Range<usize>, jump: Components<'_>, begin: StateView<'_>, adjoints: &mut [Adjoint<'_>]) {
-        let n_state = self.info().n_state();
-        let (mut end, mut traction) = (vec![0.0; n_state * BLOCK], [[0.0; BLOCK]; 3]);
+        let all = 0..self.info().n_state();
         let all = [Part {
-            begin: 0..n_state,
-            end: 0..n_state,
-            tractions: 0..1,
+            begin: all.clone(),
+            end: all,
+            tractions: WHOLE,
         }];
-        let still = [0.0; BLOCK];
-        transposed::to_begin(
-            0..points.len(),
-            n_state,
-            1,
-            &[&all],
-            adjoints,
-            |chunk, unit, d_end, d_traction| {
-                let n = chunk.len();
-                let (d_x, rest) = d_traction.split_at_mut(n);
-                let (d_y, d_n) = rest.split_at_mut(n);
-                let [x, y, normal] = traction.each_mut().map(|values| &mut values[..n]);
-                self.derivative(
-                    points.start + chunk.start..points.start + chunk.end,
-                    Sticking::Coulomb,
-                    Components::new(&jump.x[chunk.clone()], &jump.y[chunk.clone()], &jump.n[chunk.clone()]),
-                    StateView::new(begin.data, begin.stride, begin.offset + chunk.start),
-                    Components::new(&still[..n], &still[..n], &still[..n]),
-                    StateView::new(unit, n, 0),
-                    StateViewMut::new(&mut end, n, 0),
-                    StateViewMut::new(d_end, n, 0),
-                    ComponentsMut::new(x, y, normal),
-                    ComponentsMut::new(d_x, d_y, d_n),
-                );
-            },
-        );
+        let input = Input { points, jump, begin };
+        transposed::to_begin(&input, 0, &[&all], adjoints, |of, end, traction, along| {
+            let Along {
+                d_jump,
+                d_begin,
+                d_end,
+                d_traction,
+                ..
+            } = along;
+            let Input { points, jump, begin } = of;
+            self.derivative(
+                points,
+                Sticking::Coulomb,
+                jump,
+                begin,
+                d_jump,
+                d_begin,
+                end,
+                d_end,
+                traction,
+                d_traction,
+            );
+        });
     }
 
     /// Whether friction can take energy. If not, tractions under Coulomb's law depend on the jump alone: a path back gives what

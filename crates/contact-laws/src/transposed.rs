@@ -7,7 +7,7 @@ use alloc::vec;
 use core::ops::Range;
 
 use crate::simd::BLOCK;
-use crate::views::{Components, StateView, StateViewMut};
+use crate::views::{Along, Components, ComponentsMut, StateView, StateViewMut};
 
 /// Adjoints of what points answer, and where that of the begin state goes.
 #[derive(Debug)]
@@ -20,36 +20,63 @@ pub struct Adjoint<'a> {
     pub begin: StateViewMut<'a>,
 }
 
+/// Where points are, and where they were.
+pub(crate) struct Input<'a> {
+    pub(crate) points: Range<usize>,
+    pub(crate) jump: Components<'a>,
+    pub(crate) begin: StateView<'a>,
+}
+
+impl<'a> Input<'a> {
+    /// That of a chunk of the points, counted from the first.
+    fn part(&self, chunk: &Range<usize>) -> Self {
+        let of = |values: &'a [f64]| &values[chunk.clone()];
+        let Self { points, jump, begin } = self;
+        Self {
+            points: points.start + chunk.start..points.start + chunk.end,
+            jump: Components::new(of(jump.x), of(jump.y), of(jump.n)),
+            begin: StateView::new(begin.data, begin.stride, begin.offset + chunk.start),
+        }
+    }
+}
+
 /// Numbers of a begin state with all that they act on.
 pub(crate) struct Part {
     /// Components of the begin state.
     pub(crate) begin: Range<usize>,
     /// Components of the end state.
     pub(crate) end: Range<usize>,
-    /// Parts of the tractions.
+    /// The [`WHOLE`] tractions, or parts of them, counted after that.
     pub(crate) tractions: Range<usize>,
 }
 
-/// The adjoints of the begin state of `points`, counted within the views. Parts of one of the `passes` share directions: their end states and parts of
-/// tractions are not the same. `along` gives, for a chunk of the points and `d_begin`, the changes of the end state and of each of `n_tractions` parts
-/// of the tractions, `[part][x, y, n][point]`; all without holes.
+/// What all parts add up to.
+pub(crate) const WHOLE: Range<usize> = 0..1;
+
+/// The adjoints of the begin state. Parts of one of the `passes` share directions: their end states and parts of tractions are not the same. `derivative`
+/// is that of the law along a direction, with `n_parts` parts of the tractions.
 pub(crate) fn to_begin(
-    points: Range<usize>,
-    n_state: usize,
-    n_tractions: usize,
+    input: &Input<'_>,
+    n_parts: usize,
     passes: &[&[Part]],
     adjoints: &mut [Adjoint<'_>],
-    mut along: impl FnMut(Range<usize>, &[f64], &mut [f64], &mut [f64]),
+    mut derivative: impl FnMut(Input<'_>, StateViewMut<'_>, ComponentsMut<'_>, Along<'_>),
 ) {
-    let mut unit = vec![0.0; n_state * BLOCK];
-    let mut d_end = vec![0.0; n_state * BLOCK];
-    let mut d_traction = vec![0.0; 3 * n_tractions * BLOCK];
-    for first in points.clone().step_by(BLOCK) {
-        let chunk = first..points.end.min(first + BLOCK);
+    let n_state = passes
+        .iter()
+        .copied()
+        .flatten()
+        .map(|part| part.end.end)
+        .max()
+        .unwrap_or(0);
+    let still = [0.0; BLOCK];
+    let mut traction = [[0.0; BLOCK]; 3];
+    let [mut unit, mut end, mut d_end] = [0; 3].map(|_| vec![0.0; n_state * BLOCK]);
+    let mut d_traction = vec![0.0; 3 * (WHOLE.end + n_parts) * BLOCK];
+    for first in (0..input.points.len()).step_by(BLOCK) {
+        let chunk = first..input.points.len().min(first + BLOCK);
         let n = chunk.len();
         let row = |c: usize| c * n..(c + 1) * n;
-        let (unit, d_end) = (&mut unit[..n_state * n], &mut d_end[..n_state * n]);
-        let d_traction = &mut d_traction[..3 * n_tractions * n];
         for parts in passes {
             let directions = parts.iter().map(|part| part.begin.len()).max().unwrap_or(0);
             for direction in 0..directions {
@@ -59,7 +86,19 @@ pub(crate) fn to_begin(
                 };
                 seeded().for_each(|(c, _)| unit[row(c)].fill(1.0));
                 d_traction.fill(0.0);
-                along(chunk.clone(), unit, d_end, d_traction);
+                let (whole, of_parts) = d_traction.split_at_mut(3 * n);
+                let [x, y, normal] = traction.each_mut().map(|values| &mut values[..n]);
+                let (d_x, rest) = whole.split_at_mut(n);
+                let (d_y, d_n) = rest.split_at_mut(n);
+                let along = Along {
+                    d_jump: Components::new(&still[..n], &still[..n], &still[..n]),
+                    d_begin: StateView::new(&unit, n, 0),
+                    d_end: StateViewMut::new(&mut d_end, n, 0),
+                    d_traction: ComponentsMut::new(d_x, d_y, d_n),
+                    parts: Some(of_parts),
+                };
+                let end = StateViewMut::new(&mut end, n, 0);
+                derivative(input.part(&chunk), end, ComponentsMut::new(x, y, normal), along);
                 for adjoint in &mut *adjoints {
                     let tractions = [adjoint.traction.x, adjoint.traction.y, adjoint.traction.n];
                     let StateViewMut { data, stride, offset } = &mut adjoint.begin;

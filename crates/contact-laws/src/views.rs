@@ -111,3 +111,13 @@ impl<'a> StateViewMut<'a> {
         })
     }
 }
+
+/// A direction of a law's derivative, and where the derivatives go.
+pub(crate) struct Along<'a> {
+    pub(crate) d_jump: Components<'a>,
+    pub(crate) d_begin: StateView<'a>,
+    pub(crate) d_end: StateViewMut<'a>,
+    pub(crate) d_traction: ComponentsMut<'a>,
+    /// Changes of the tractions part by part, `[part][x, y, n][point]` without holes, zero before.
+    pub(crate) parts: Option<&'a mut [f64]>,
+}

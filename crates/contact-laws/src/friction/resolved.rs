@@ -127,10 +127,9 @@ use crate::physics::slip_limit::AsperityLimit;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::elementary::{max, min};
 use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
-use crate::transposed::{self, Adjoint, Part};
+use crate::transposed::{self, Adjoint, Input, Part, WHOLE};
 use alloc::borrow::Cow;
 use alloc::format;
-use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -1015,57 +1014,44 @@ impl TractionLaw for ResolvedLaw {
     /// By a derivative for each number of the jump, of what an annulus remembers and of a dent: bins share nothing but the jump, annuli the dent.
     fn to_begin(&self, points: Range<usize>, jump: Components<'_>, begin: StateView<'_>, adjoints: &mut [Adjoint<'_>]) {
         check_points(&points, self);
-        let (n_bins, n_state) = (self.tables.n_bins, self.info.n_state());
+        let n_bins = self.tables.n_bins;
         let (n_memory, n_dent) = self.memories();
         let per_bin = self.shares.len().max(1);
         let per_part = (n_memory - n_dent) / per_bin;
         let of_bin = |bin: usize| N_JUMP + bin * n_memory..N_JUMP + (bin + 1) * n_memory;
         let motion = [Part {
             begin: 0..N_JUMP,
-            end: 0..n_state,
-            tractions: 0..n_bins * per_bin,
+            end: 0..self.info.n_state(),
+            tractions: WHOLE,
         }];
         let forces = (0..n_bins * per_bin).map(|part| {
             let first = of_bin(part / per_bin).start + part % per_bin * per_part;
+            let memory = first..first + per_part;
             Part {
-                begin: first..first + per_part,
-                end: first..first + per_part,
-                tractions: part..part + 1,
+                begin: memory.clone(),
+                end: memory,
+                tractions: WHOLE.end + part..WHOLE.end + part + 1,
             }
         });
         let dents = (0..n_bins).map(|bin| Part {
             begin: of_bin(bin).end - n_dent..of_bin(bin).end,
             end: of_bin(bin),
-            tractions: bin * per_bin..(bin + 1) * per_bin,
+            tractions: WHOLE.end + bin * per_bin..WHOLE.end + (bin + 1) * per_bin,
         });
         let (forces, dents): (Vec<Part>, Vec<Part>) = (forces.collect(), dents.collect());
+        let input = Input { points, jump, begin };
         let passes: [&[Part]; 3] = [&motion, &forces, &dents];
-        let (mut end, mut numbers) = (vec![0.0; n_state * BLOCK], [[0.0; BLOCK]; 6]);
-        let still = [0.0; BLOCK];
-        let along = |chunk: Range<usize>, unit: &[f64], d_end: &mut [f64], parts: &mut [f64]| {
-            let n = chunk.len();
-            let [x, y, normal, d_x, d_y, d_n] = numbers.each_mut().map(|values| &mut values[..n]);
-            let still = &still[..n];
-            let direction = Along {
-                d_jump: Components::new(still, still, still),
-                d_begin: StateView::new(unit, n, 0),
-                d_end: StateViewMut::new(d_end, n, 0),
-                d_traction: ComponentsMut::new(d_x, d_y, d_n),
-                parts: Some(parts),
-            };
-            self.evaluate_blocks::<BLOCK>(
-                points.start + chunk.start..points.start + chunk.end,
-                Sticking::Coulomb,
-                Components::new(&jump.x[chunk.clone()], &jump.y[chunk.clone()], &jump.n[chunk.clone()]),
-                StateView::new(begin.data, begin.stride, begin.offset + chunk.start),
-                StateViewMut::new(&mut end, n, 0),
-                ComponentsMut::new(x, y, normal),
-                None,
-                None,
-                Some(direction),
-            );
-        };
-        transposed::to_begin(0..points.len(), n_state, n_bins * per_bin, &passes, adjoints, along);
+        transposed::to_begin(
+            &input,
+            n_bins * per_bin,
+            &passes,
+            adjoints,
+            |of, end, traction, along| {
+                let Input { points, jump, begin } = of;
+                let coulomb = Sticking::Coulomb;
+                self.evaluate_blocks::<BLOCK>(points, coulomb, jump, begin, end, traction, None, None, Some(along));
+            },
+        );
     }
 
     fn friction_coefficient(&self, point: usize) -> Option<f64> {
