@@ -88,11 +88,11 @@ impl Dial {
         let interfaces = &scene.interfaces;
         let own = interfaces.each.iter().filter_map(|own| own.law.as_ref());
         let of_law = |law: &Law| match self {
-            Self::Bins if law.friction != Friction::Lumped => Some(match law.bins {
+            Self::Bins if law.friction() != Friction::Lumped => Some(match law.bins {
                 Bins::Error(_) => 2 * (bins.saturating_sub(1) / 2).max(1),
                 Bins::Gauss(n) | Bins::EquallySpaced(n) => n,
             }),
-            Self::Radii if law.friction == Friction::MindlinIwan => Some(match law.radii {
+            Self::Radii if law.friction() == Friction::MindlinIwan => Some(match law.radii {
                 RadialRule::Annuli(n) | RadialRule::EquallySpaced(n) => n,
             }),
             _ => None,

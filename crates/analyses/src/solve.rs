@@ -235,7 +235,7 @@ impl Prepared {
     fn differentiated(&self, backbones: &[ModeBackbone]) -> Option<f64> {
         let interfaces = &self.scene.interfaces;
         let own = interfaces.each.iter().filter_map(|own| own.law.as_ref());
-        let is_resolved = |law: &Law| law.friction != Friction::Lumped;
+        let is_resolved = |law: &Law| law.friction() != Friction::Lumped;
         let has_asperities = interfaces
             .surfaces()
             .any(|surface| !matches!(surface, Surface::Parameters(_)));

@@ -14,12 +14,15 @@ use cqsma_solver::BackbonePoint;
 use joint_model::InterfacePart;
 use joints::interface::{PartReport, SceneInterface};
 use reduction::ReducedModel;
-use scenes::Scene;
+use scenes::{Friction, Scene};
 use std::collections::BTreeMap;
 use zte_assembly::{Interface, InterfaceMesh, State};
 
 /// Bins and radii from which on half as many are compared with, and not twice as many.
 const MANY: usize = 16;
+
+/// The same for springs of a foundation.
+const MANY_SPRINGS: usize = 66;
 
 /// Edges of a loop that the walks go along, where it has a multiple of them: differences of laws need no more.
 const EDGES: usize = 8;
@@ -57,6 +60,10 @@ pub(super) fn beside(
     load: f64,
 ) -> Vec<Beside> {
     let bins = bins(&interface.reports);
+    let many = match scene.interfaces.law.friction() {
+        Friction::Foundation => MANY_SPRINGS,
+        _ => MANY,
+    };
     let of = |dial: Dial| {
         if mesh.is_of_points() && dial == Dial::Points {
             return None;
@@ -67,7 +74,7 @@ pub(super) fn beside(
             (Dial::Points, 1..=4) => (number + 1) | 1,
             (Dial::Points, _) => number - 2,
             // More of many would cost more than the run.
-            (_, MANY..) => number / 2,
+            _ if number >= many => number / 2,
             _ => 2 * number,
         };
         let scene = dial.with(scene, other);

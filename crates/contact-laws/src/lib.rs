@@ -21,7 +21,7 @@
 //! | [`TableLaw`] | monotone C1 table of known error | any other curves | [`curves::table`] |
 //! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`curves::fitted`] |
 //! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`curves::elastic`] |
-//! | [`MindlinIwan`] | any of the above, with microslip | curves, number of sliders | [`friction::mindlin_iwan`] |
+//! | [`FoundationLaw`] | any of the above whose stiffness does not fall, with partial slip | curves, number of springs | [`friction::foundation`] |
 //! | [`ResolvedLaw`] | asperities one by one, elastic or with yield | bins of gaps | [`friction::resolved`] |
 //! | [`LinearisedContact`] | constant stiffnesses and slip limit | any law's static state | [`friction::linearised`] |
 //!
@@ -86,8 +86,8 @@ pub use curves::greenwood_williamson::{GreenwoodWilliamsonCurves, GreenwoodWilli
 pub use curves::table::{TableOptions, Tabulated};
 pub use curves::{CURVES, ContactCurves, CurveBlock, CurveFactors, CurvesInfo, Exponents, PointCurves};
 pub use error::{Error, Place};
+pub use friction::foundation::{Foundation, FoundationLaw};
 pub use friction::linearised::{LinearisedContact, StaticPoint};
-pub use friction::mindlin_iwan::MindlinIwan;
 pub use friction::radii::Radii;
 pub use friction::resolved::{AsperityFriction, ResolvedLaw};
 pub use friction::similarity::{Scaling, Similarity};

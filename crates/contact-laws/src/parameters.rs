@@ -151,6 +151,22 @@ impl<T> PointParameters<T> {
         matches!(self.0, Storage::Uniform { .. })
     }
 
+    /// What follows from each set of values, at the points that have it.
+    pub(crate) fn try_map<U, E>(&self, of: impl FnMut(&T) -> Result<U, E>) -> Result<PointParameters<U>, E> {
+        let mut of = of;
+        Ok(PointParameters(match &self.0 {
+            Storage::Uniform { value, n_points } => Storage::Uniform {
+                value: of(value)?,
+                n_points: *n_points,
+            },
+            Storage::PerPoint(values) => Storage::PerPoint(values.iter().map(of).collect::<Result<_, E>>()?),
+            Storage::Indexed { values, index } => Storage::Indexed {
+                values: values.iter().map(of).collect::<Result<_, E>>()?,
+                index: index.clone(),
+            },
+        }))
+    }
+
     /// All sets of values.
     pub(crate) fn sets(&self) -> &[T] {
         match &self.0 {

@@ -55,7 +55,7 @@ fn laws() -> Vec<Box<dyn TractionLaw>> {
     vec![
         Box::new(friction.clone()),
         Box::new(friction.with_cone(Cone::Box)),
-        Box::new(MindlinIwan::try_new(curves(), mu(), 8).unwrap()),
+        Box::new(FoundationLaw::of_curves(curves(), mu(), 0.8, 8, 1e-5).unwrap()),
         Box::new(LinearisedContact::try_new(vec![Some(static_point); N]).unwrap()),
         Box::new(resolved(
             AsperityFriction::StickSlip(HistoryRule::Incremental),

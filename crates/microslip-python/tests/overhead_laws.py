@@ -37,7 +37,7 @@ def examples() -> dict[str, laws.Law]:
         "fitted": laws.FrictionalLaw(fitted, 0.2, n_points=POINTS),
         "table": laws.FrictionalLaw(table, 0.2, n_points=POINTS),
         "asperity sum": laws.FrictionalLaw(asperities, 0.2, n_points=POINTS),
-        "Mindlin-Iwan, 16 sliders": laws.MindlinIwan(table, 0.2, n_sliders=16, n_points=POINTS),
+        "foundation, 64 springs": laws.FoundationLaw(table, 0.2, tangential_ratio=0.8, n_springs=64, reach=1e-5, n_points=POINTS),
     }
 
 

@@ -63,8 +63,8 @@ def every_law():
         for cone in ("circle", "box"):
             for own in curves:
                 yield laws.FrictionalLaw(own, 0.2, history=history, cone=cone, n_points=5)
-    for own in curves:
-        yield laws.MindlinIwan(own, 0.2, n_sliders=6, n_points=5)
+    for own in (elastic, asperities()):
+        yield laws.FoundationLaw(own, 0.2, tangential_ratio=0.8, n_springs=6, reach=1e-5, n_points=5)
     yield resolved()
     yield resolved(annuli=8, cone="box")
     yield resolved(radii=20)
@@ -258,7 +258,7 @@ def test_input_that_is_not_finite_spoils_its_point_alone():
 
 
 def test_threads_find_the_same_bits():
-    law = laws.MindlinIwan(fitted(), 0.2, n_sliders=8, n_points=2000)
+    law = laws.FoundationLaw(asperities(), 0.2, tangential_ratio=0.8, n_springs=8, reach=1e-5, n_points=2000)
     jump = np.abs(np.random.default_rng(5).normal(scale=2e-6, size=(3, 2000)))
     expected = law.evaluate(jump)
     with ThreadPoolExecutor(4) as pool:
@@ -288,7 +288,7 @@ LAW = laws.FrictionalLaw(ELASTIC, 0.3, n_points=5)
         (lambda: laws.FrictionalLaw(ELASTIC, 0.1, index=[-1]), ["index", "-1"]),
         (lambda: laws.FrictionalLaw(ELASTIC, 0.1, index=[0.5]), ["index", "float64"]),
         (lambda: laws.FrictionalLaw("elastic", 0.1), ["curves", "elastic"]),
-        (lambda: laws.MindlinIwan(ELASTIC, 0.1, n_sliders=0), ["n_sliders"]),
+        (lambda: laws.FoundationLaw(ELASTIC, 0.1, tangential_ratio=0.8, n_springs=0, reach=1e-5), ["bins"]),
         (lambda: laws.TabulatedCurves(asperities(), range=(1e-4, 1e-8)), ["range"]),
         (lambda: laws.TabulatedCurves(laws.TabulatedCurves(ELASTIC, range=(1e-8, 1e-4)), range=(1e-8, 1e-4)), ["table"]),
         (lambda: asperities(poisson_ratio=0.7), ["poisson_ratio", "7e-1"]),

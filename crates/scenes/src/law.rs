@@ -15,8 +15,9 @@ pub struct Law {
     pub tangential: TangentialReading,
     /// How the stuck traction follows from the last committed state.
     pub history: HistoryRule,
-    /// What sticks or slips as a whole. Without asperities (`surface.parameters`) points do.
-    pub friction: Friction,
+    /// What sticks or slips as a whole: by default springs of a foundation for elastic asperities, and annuli for asperities that yield. Without asperities (`surface.parameters`) points do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Friction>,
     /// How asperities yield; by default they are elastic. For resolved friction.
     #[serde(rename = "yield", skip_serializing_if = "Option::is_none")]
     pub yielding: Option<Yield>,
@@ -32,6 +33,15 @@ pub struct Law {
 }
 
 impl Law {
+    /// What sticks or slips as a whole.
+    pub fn friction(&self) -> Friction {
+        let by_default = match self.yielding {
+            None => Friction::Foundation,
+            Some(_) => Friction::MindlinIwan,
+        };
+        self.friction.unwrap_or(by_default)
+    }
+
     /// How asperities yield, in SI.
     pub fn yielding(&self) -> Option<contact_laws::Yield> {
         self.yielding.map(|of| contact_laws::Yield {
@@ -48,7 +58,7 @@ impl Default for Law {
             kind: LawKind::Tabulated,
             tangential: TangentialReading::Mindlin,
             history: HistoryRule::Incremental,
-            friction: Friction::MindlinIwan,
+            friction: None,
             yielding: None,
             cone: Cone::Circle,
             limit: AsperityLimit::Coulomb,
@@ -79,6 +89,9 @@ pub enum LawKind {
 pub enum Friction {
     /// A quadrature point, as in the method paper.
     Lumped,
+    /// A spring of an elastic foundation that has the normal traction of the asperities: partial slip as Cattaneo and Mindlin found it, for
+    /// elastic asperities ([`contact_laws::friction::foundation`]).
+    Foundation,
     /// An asperity.
     Resolved,
     /// An annulus of the contact circle of an asperity.

@@ -407,9 +407,12 @@ impl Scene {
         let meshes = "meshes of a benchmark, and structure names another source";
         let reductions = "reductions, and matrices over the jump are reduced";
         let asperities = "asperities, which interfaces.surface.parameters replaces";
-        let resolved = law.friction != Friction::Lumped && !parameters;
-        let lumped = "interfaces.law.friction = \"lumped\", which must be named; friction of asperities sums over its bins, with Mindlin's stiffness";
+        let resolved = law.friction() != Friction::Lumped && !parameters;
+        let lumped = "interfaces.law.friction = \"lumped\", which must be named; other friction sums over its bins, with Mindlin's stiffness";
+        let foundation = resolved && law.friction() == Friction::Foundation;
+        let of_parts = "interfaces.law.friction = \"foundation\", \"resolved\" or \"mindlin-iwan\"";
         let of_asperities = "interfaces.law.friction = \"resolved\" or \"mindlin-iwan\"";
+        let not_foundation = "interfaces.law.friction = \"mindlin-iwan\", \"resolved\" or \"lumped\", which must be named; springs of a foundation slip on a circle and remember their stretch";
         let by_strength = law.limit != default.limit;
         let coulomb = "interfaces.law.limit = \"coulomb\"; with others friction follows from the strength";
         let published_radii = matches!(law.radii, RadialRule::EquallySpaced(_));
@@ -485,8 +488,20 @@ impl Scene {
                 json!(default.tangential),
                 lumped,
             ),
-            (!resolved, "/interfaces/law/yield", Value::Null, of_asperities),
-            (!resolved, "/interfaces/law/bins", json!(default.bins), of_asperities),
+            (
+                !resolved || foundation,
+                "/interfaces/law/yield",
+                Value::Null,
+                of_asperities,
+            ),
+            (!resolved, "/interfaces/law/bins", json!(default.bins), of_parts),
+            (
+                foundation,
+                "/interfaces/law/history",
+                json!(default.history),
+                not_foundation,
+            ),
+            (foundation, "/interfaces/law/cone", json!(default.cone), not_foundation),
             (
                 law.yielding.is_none(),
                 "/interfaces/law/limit",
@@ -496,7 +511,7 @@ impl Scene {
             (by_strength, "/interfaces/mu", json!(0.0), coulomb),
             (by_strength, "/interfaces/friction_zones", json!([]), coulomb),
             (
-                law.friction != Friction::MindlinIwan || parameters,
+                law.friction() != Friction::MindlinIwan || parameters,
                 "/interfaces/law/radii",
                 json!(default.radii),
                 "interfaces.law.friction = \"mindlin-iwan\"",

@@ -38,6 +38,19 @@ pub enum SurfaceError {
     /// Whoever asked for the work has ended it.
     #[error("the characterisation was interrupted")]
     Interrupted,
+    /// Boundary elements did not find the contact of a surface.
+    #[error(
+        "contact of the surface at a mean pressure of {pressure:e} of the contact modulus: after {iterations} iterations gaps where there is contact are \
+         {residual:e} of the rms deflection; take another law, or look for spikes in the scans"
+    )]
+    NoContact {
+        /// Mean pressure over the contact modulus.
+        pressure: f64,
+        /// Gap over the rms deflection.
+        residual: f64,
+        /// Iterations made.
+        iterations: usize,
+    },
     /// A height is infinite. Missing data are marked by NaN.
     #[error("height of point ({i}, {j}) is {value} m: heights are finite, missing points are NaN")]
     InfiniteHeight {

@@ -11,6 +11,7 @@
 
 mod areal;
 mod bootstrap;
+mod boundary_elements;
 mod characterise;
 mod detrend;
 mod error;
@@ -38,6 +39,7 @@ pub mod writers;
 
 pub use areal::{ArealParameters, ArealPatch};
 pub use bootstrap::{Bootstrap, CurveBands, TallestPeak, bootstrap_bands, realisation};
+pub use boundary_elements::{BoundaryElements, LEAST_TOUCHING, Pressed};
 pub use characterise::{Characterisation, ElementSurface, Summary, characterise, characterise_until};
 pub use detrend::{Detrend, Plane, fit_plane, trend};
 pub use error::{FileError, SurfaceError};

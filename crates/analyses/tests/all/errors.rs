@@ -17,7 +17,7 @@ fn scene(amplitudes: usize, more: &Value) -> Scene {
         "model": { "element_order": "linear", "refinement": "quick" },
         "interfaces": {
             "surface": "measured", "gap": "flat", "mu": 0.2, "points_per_direction": 2,
-            "law": { "bins": { "gauss": 6 }, "radii": { "annuli": 4 } },
+            "law": { "friction": "mindlin-iwan", "bins": { "gauss": 6 }, "radii": { "annuli": 4 } },
         },
         "analyses": { "backbone": {
             "amplitudes": amplitudes, "amplitude_from": 2e-5, "amplitude_to": 2e-4, "vertices_per_quarter": 4,
@@ -59,18 +59,29 @@ fn found(run: &Run) -> Vec<[f64; 2]> {
 
 #[test]
 fn estimates_are_what_finer_settings_change() {
-    let own = run(&scene(3, &json!({})));
-    let base = found(&own);
     let law = |more: Value| json!({ "interfaces": { "law": more } });
-    for (dial, finer) in [
-        (Dial::Bins, law(json!({ "bins": { "gauss": 30 } }))),
-        (Dial::Radii, law(json!({ "radii": { "annuli": 16 } }))),
-        (Dial::Points, json!({ "interfaces": { "points_per_direction": 5 } })),
-        (
-            Dial::Vertices,
-            json!({ "analyses": { "backbone": { "vertices_per_quarter": 16 } } }),
-        ),
-    ] {
+    let springs =
+        |count: usize| law(json!({ "friction": "foundation", "bins": { "gauss": count }, "radii": { "annuli": 8 } }));
+    compare(&springs(32), vec![(Dial::Bins, springs(128))]);
+    compare(
+        &json!({}),
+        vec![
+            (Dial::Bins, law(json!({ "bins": { "gauss": 30 } }))),
+            (Dial::Radii, law(json!({ "radii": { "annuli": 16 } }))),
+            (Dial::Points, json!({ "interfaces": { "points_per_direction": 5 } })),
+            (
+                Dial::Vertices,
+                json!({ "analyses": { "backbone": { "vertices_per_quarter": 16 } } }),
+            ),
+        ],
+    );
+}
+
+/// Estimated errors of a scene against what finer settings change.
+fn compare(more: &Value, finer: Vec<(Dial, Value)>) {
+    let own = run(&scene(3, more));
+    let base = found(&own);
+    for (dial, finer) in finer {
         let fine = found(&run(&scene(3, &finer)));
         let mut sums = [[0.0; 2]; 2];
         for ((base, fine), amplitude) in base.iter().zip(&fine).zip(own.amplitudes()) {

@@ -147,7 +147,7 @@ fn annuli_dissipate_more_than_asperities_as_a_whole_and_few_of_them_suffice() {
     scene.interfaces.law.bins = Bins::Gauss(8);
     scene.background_damping = 0.0;
     let mut damping = |friction, radii| {
-        scene.interfaces.law.friction = friction;
+        scene.interfaces.law.friction = Some(friction);
         scene.interfaces.law.radii = RadialRule::Annuli(radii);
         backbone(&go(&scene)).into_iter().map(|p| p[2]).collect::<Vec<_>>()
     };

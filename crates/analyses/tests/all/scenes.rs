@@ -588,7 +588,7 @@ fn scenes_get_the_settings_that_they_do_not_give() {
     let nothing = read(json!({})).unwrap();
     for scene in [&standard, &nothing] {
         assert_eq!(mesh(scene), (ElementOrder::Quadratic, RefinementLevel::Coarse));
-        assert_eq!(scene.interfaces.law.friction, Friction::MindlinIwan);
+        assert_eq!(scene.interfaces.law.friction(), Friction::Foundation);
         assert_eq!(Preset::of(scene).unwrap().name, "standard");
     }
     for (own, expected) in [

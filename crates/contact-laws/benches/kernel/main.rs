@@ -53,10 +53,12 @@ fn laws() -> Result<Laws, Error> {
     let curves = fitted_curves(N, RANGE)?;
     let direct = asperity_sums()?;
     let table = Tabulated::try_new(direct.clone(), [1e-8, 1e-4], TableOptions::default())?;
-    let microslip = MindlinIwan::try_new(
-        PointParameters::uniform(table.clone(), N),
+    let foundation = FoundationLaw::of_curves(
+        PointParameters::uniform(direct.clone(), N),
         PointParameters::uniform(0.2, N),
-        8,
+        direct.material().mindlin_ratio(),
+        64,
+        1e-5,
     )?;
     Ok(vec![
         ("fitted", friction(FittedPoints::<f64>::new(&curves))?),
@@ -68,7 +70,7 @@ fn laws() -> Result<Laws, Error> {
             "elastic",
             friction(PointParameters::uniform(ElasticCurves::try_new(2e12, [1.5e12; 2])?, N))?,
         ),
-        ("microslip-8", Box::new(microslip)),
+        ("foundation-64", Box::new(foundation)),
         ("resolved-12", resolved(end_point(), None)?),
         ("resolved-12-yield", resolved(end_point(), Some(STEEL))?),
         (

@@ -97,3 +97,35 @@ fn start<const B: usize>(
         reclosed: n_reclosed > 0,
     }
 }
+
+/// NaN where a value is no finite number.
+pub(crate) struct SpreadNan<'a, const B: usize>(pub(crate) &'a [f64], pub(crate) &'a mut Lanes<f64, B>);
+
+impl<const B: usize> Pass for SpreadNan<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self(values, fill) = self;
+        let n = values.len().min(B);
+        let values = &values[..n];
+        for i in 0..n {
+            fill.0[i] += 0.0 * values[i];
+        }
+    }
+}
+
+/// The set that all points of a block have, as in most blocks, which lie within one element.
+pub(crate) fn common(sets: &[u32]) -> Option<u32> {
+    let first = sets.first().copied();
+    first.filter(|first| sets.iter().all(|set| set == first))
+}
+
+/// Values of sets at the points of a block.
+pub(crate) fn gather(of_sets: &[f64], sets: &[u32], common: Option<u32>, into: &mut [f64]) {
+    if let Some(set) = common {
+        into.fill(of_sets[set as usize]);
+        return;
+    }
+    for (into, &set) in into.iter_mut().zip(sets) {
+        *into = of_sets[set as usize];
+    }
+}

@@ -5,7 +5,7 @@
 //! stuck trial of the tangential traction follows by a [`HistoryRule`]: the [table of rules](HISTORY_RULES) has
 //! them all.
 //!
-//! [`resolved`] applies a rule to every asperity. Two laws have no history rule: [`mindlin_iwan`] slips part by part,
+//! [`resolved`] applies a rule to every asperity. Two laws have no history rule: [`foundation`] slips spring by spring,
 //! [`linearised`] keeps the slip limit of a static state.
 //!
 //! # Cone
@@ -102,15 +102,16 @@
 mod annulus;
 mod block_start;
 mod cone;
+pub mod foundation;
 mod frictional_law;
 pub mod history_rule;
 mod laws;
 pub mod linearised;
-pub mod mindlin_iwan;
 pub mod radii;
 pub mod resolved;
 mod return_map;
 pub(crate) mod rule;
+pub mod shares;
 pub mod similarity;
 
 pub use cone::Cone;

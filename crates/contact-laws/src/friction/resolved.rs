@@ -104,13 +104,13 @@
 #![doc = include_str!("../../katex.html")]
 
 use super::annulus::{Annulus, Room};
-use super::block_start::Present;
+use super::block_start::{Present, SpreadNan, common, gather};
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
-use super::mindlin_iwan::{self, N_SLIDERS};
 use super::radii::{Circle, CircleChange, MAX_RADII, Radii, Reaction};
 use super::return_map::{Block, CurveChange, Derivative, OPEN, SLIP, STICK, Workspace};
 use super::rule::{Memory, StiffnessAt};
+use super::shares::{N_ANNULI, shares};
 use super::{JUMP, MU, has_friction, require_friction};
 use crate::curves::CurveBlock;
 use crate::error::Error;
@@ -148,8 +148,8 @@ const LARGEST: f64 = 1e300;
 pub enum AsperityFriction {
     /// It sticks or slips as a whole.
     StickSlip(HistoryRule),
-    /// It slips from its rim inwards: 1 to [`MAX_SLIDERS`](mindlin_iwan::MAX_SLIDERS) annuli of its contact circle stick or slip, with the shares of stiffness and slip
-    /// limit that follow Mindlin's loading curve ([`mindlin_iwan`], with its errors). An annulus remembers its
+    /// It slips from its rim inwards: 1 to [`MAX_ANNULI`](super::shares::MAX_ANNULI) annuli of its contact circle stick or slip, with the shares of stiffness and slip
+    /// limit that follow Mindlin's loading curve ([`shares`](super::shares), with its errors). An annulus remembers its
     /// force and keeps its place relative to the contact radius.
     Annuli(HistoryRule, usize),
     /// As published: an annulus remembers its traction at its radius, which is interpolated when the contact radius changes. The
@@ -263,14 +263,7 @@ impl Tables {
     /// Gaps or densities of a bin at the points of a block.
     fn gather(&self, values: &[f64], bin: usize, sets: &[u32], one_set: Option<u32>, into: &mut [f64]) {
         let n_sets = self.asperities.len();
-        let row = &values[bin * n_sets..][..n_sets];
-        if let Some(set) = one_set {
-            into.fill(row[set as usize]);
-            return;
-        }
-        for (into, &set) in into.iter_mut().zip(sets) {
-            *into = row[set as usize];
-        }
+        gather(&values[bin * n_sets..][..n_sets], sets, one_set, into);
     }
 }
 
@@ -290,8 +283,8 @@ impl ResolvedLaw {
         let tables = Tables::new(bins.sets());
         let shares = match friction {
             AsperityFriction::Annuli(_, n) => {
-                N_SLIDERS.named("annuli").check(n as f64)?;
-                mindlin_iwan::shares(n)
+                N_ANNULI.check(n as f64)?;
+                shares(n)
             }
             AsperityFriction::StickSlip(_) | AsperityFriction::MindlinIwan(_) => Vec::new(),
         };
@@ -523,11 +516,7 @@ impl ResolvedLaw {
         } = room;
         let sets = &mut sets[..m];
         self.bins.copy_set_numbers(first, sets);
-        // Most blocks lie within one element.
-        let one_set = sets
-            .first()
-            .copied()
-            .filter(|first| sets.iter().all(|set| set == first));
+        let one_set = common(sets);
         match sticking {
             Sticking::Frictionless => mu.0 = [0.0; B],
             Sticking::Coulomb | Sticking::Full => self.mu.copy_to(first, &mut mu.0[..m]),
@@ -1628,21 +1617,6 @@ impl<const B: usize> Scratch<B> {
                 tangent: [zero; 9],
                 regimes: Lanes([0; B]),
             },
-        }
-    }
-}
-
-/// NaN where a value is no finite number.
-struct SpreadNan<'a, const B: usize>(&'a [f64], &'a mut Lanes<f64, B>);
-
-impl<const B: usize> Pass for SpreadNan<'_, B> {
-    #[inline(always)]
-    fn run<const FMA: bool>(self) {
-        let Self(values, fill) = self;
-        let n = values.len().min(B);
-        let values = &values[..n];
-        for i in 0..n {
-            fill.0[i] += 0.0 * values[i];
         }
     }
 }

@@ -94,8 +94,8 @@ impl Kind {
         let (what, axis, bin) = (parts.next()?, parts.next()?, parts.next());
         match (what, axis, bin) {
             ("u", "n", None) => Some(Self::Interference),
-            ("u" | "e", "x", _) => Some(Self::Sliding(0)),
-            ("u" | "e", "y", _) => Some(Self::Sliding(1)),
+            ("u" | "e" | "stretch", "x", _) => Some(Self::Sliding(0)),
+            ("u" | "e" | "stretch", "y", _) => Some(Self::Sliding(1)),
             ("t", "x" | "y", None) => Some(Self::Traction),
             ("f" | "t", "x" | "y", Some(_)) => Some(Self::Force),
             ("a" | "w" | "f", ..) => Some(Self::Fixed),

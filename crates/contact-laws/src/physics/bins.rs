@@ -94,49 +94,14 @@ impl AsperityBins {
         reach: f64,
         shifts: &[f64],
     ) -> Result<Vec<Self>, Error> {
-        let ok = n.is_multiple_of(2) && (2..=MAX_BINS - 4).contains(&n);
-        require(
-            ok,
-            "bins",
-            n as f64,
-            "(no unit)",
-            Place::Whole,
-            "an even number from 2 to 1020",
-        )?;
-        let gaps = population.gaps();
-        let ok = reach > gaps.smallest() && reach.is_finite();
-        require(ok, "reach", reach, "m", Place::Whole, "above the smallest gap")?;
-        let intervals = n / 2;
-        let set = |(i, &shift): (usize, &f64)| {
-            let ok = (0.0..1.0).contains(&shift);
-            require(
-                ok,
-                "shift",
-                shift,
-                "(no unit)",
-                Place::Entry(i),
-                "at least 0 and below 1",
-            )?;
-            // A shift of zero has no limit before the end of the first interval.
-            let inner = (0..intervals)
-                .map(|j| (j as f64 + shift) / intervals as f64)
-                .filter(|&at| at > 0.0);
-            let ends = [reach.min(gaps.largest()), gaps.largest()];
-            let (mut at, mut densities) = (Vec::with_capacity(n + 4), Vec::with_capacity(n + 4));
-            let mut begin = f64::NEG_INFINITY;
-            for end in inner
-                .map(|at| (reach * at.powf(GRADING)).min(gaps.largest()))
-                .chain(ends)
-            {
-                for (gap, mass) in gauss_rule(gaps, begin, end) {
-                    at.push(gap.max(0.0));
-                    densities.push(mass * population.density());
-                }
-                begin = begin.max(end);
-            }
-            Self::try_new(asperity, at, densities)
-        };
-        shifts.iter().enumerate().map(set).collect()
+        let sets = gauss_sets(population.gaps(), n, reach, shifts)?;
+        let sets = sets.into_iter().map(|(at, probabilities)| {
+            let densities = probabilities
+                .into_iter()
+                .map(|probability| probability * population.density());
+            Self::try_new(asperity, at, densities.collect())
+        });
+        sets.collect()
     }
 
     /// Relative errors of several sets against another set, elastic, on a surface whose interferences lie between a third of `reach`
@@ -144,23 +109,13 @@ impl AsperityBins {
     /// energy that cycles of stick and slip at constant interference dissipate, at amplitudes from `smallest` of gross slip to
     /// gross slip.
     pub fn errors(sets: &[Self], reference: &Self, reach: f64, smallest: f64) -> [f64; 3] {
-        let interferences = || (0..=40).map(|i| reach * (1.0 + 0.05 * f64::from(i)) / 3.0);
-        let mean = |set: &Self, of: &dyn Fn(f64) -> f64| interferences().map(|u| set.sum(u, of)).sum::<f64>();
-        let error = |of: &dyn Fn(f64) -> f64| {
-            let found = sets.iter().map(|set| mean(set, of)).sum::<f64>() / sets.len() as f64;
-            (found / mean(reference, of) - 1.0).abs()
-        };
-        // Asperities slip where their interference is below the amplitude times a constant.
-        let gross = reach - reference.gaps[0];
-        let amplitudes = (0..=12).map(|i| gross * smallest.powf(f64::from(i) / 12.0));
-        let dissipated = amplitudes.map(|slips| error(&|w| w * root(w) * (slips - w).max(0.0)));
-        [error(&|w| w * root(w)), error(&root), dissipated.fold(0.0, f64::max)]
+        let sets: Vec<_> = sets.iter().map(Self::parts).collect();
+        let forms: [&dyn Fn(f64) -> f64; 2] = [&|w| w * root(w), &root];
+        relative_errors(&sets, reference.parts(), (reach, 40), smallest, forms)
     }
 
-    /// Sum of a function of the interference over the asperities in contact.
-    fn sum(&self, u: f64, of: &dyn Fn(f64) -> f64) -> f64 {
-        let bins = self.gaps.iter().zip(&self.densities);
-        bins.map(|(gap, density)| density * of((u - gap).max(0.0))).sum()
+    fn parts(&self) -> [&[f64]; 2] {
+        [&self.gaps, &self.densities]
     }
 
     /// What an asperity of any bin does.
@@ -196,12 +151,58 @@ const COUNT: Parameter = Parameter::new("bins", "1", Bounds::Within([1.0, MAX_BI
 /// Exponent of the limits between intervals: of 0.5, 0.65, 0.8 and 1 the one with the smallest errors for 8 to 16 bins.
 const GRADING: f64 = 0.65;
 
+/// Gaps and probabilities.
+pub(crate) type GaussSet = (Vec<f64>, Vec<f64>);
+
+/// Those of the rules of [`AsperityBins::gauss`], once for each of the `shifts`.
+pub(crate) fn gauss_sets(gaps: &GapDistribution, n: usize, reach: f64, shifts: &[f64]) -> Result<Vec<GaussSet>, Error> {
+    let ok = n.is_multiple_of(2) && (2..=MAX_BINS - 4).contains(&n);
+    require(
+        ok,
+        "bins",
+        n as f64,
+        "(no unit)",
+        Place::Whole,
+        "an even number from 2 to 1020",
+    )?;
+    let ok = reach > gaps.smallest() && reach.is_finite();
+    require(ok, "reach", reach, "m", Place::Whole, "above the smallest gap")?;
+    let intervals = n / 2;
+    let set = |(i, &shift): (usize, &f64)| {
+        let ok = (0.0..1.0).contains(&shift);
+        require(
+            ok,
+            "shift",
+            shift,
+            "(no unit)",
+            Place::Entry(i),
+            "at least 0 and below 1",
+        )?;
+        // A shift of zero has no limit before the end of the first interval.
+        let inner = (0..intervals)
+            .map(|j| (j as f64 + shift) / intervals as f64)
+            .filter(|&at| at > 0.0);
+        let inner = inner.map(|at| (reach * at.powf(GRADING)).min(gaps.largest()));
+        let (mut at, mut probabilities) = (Vec::with_capacity(n + 4), Vec::with_capacity(n + 4));
+        let mut begin = f64::NEG_INFINITY;
+        for end in inner.chain([reach.min(gaps.largest()), gaps.largest()]) {
+            for (gap, mass) in gauss_rule(gaps, begin, end) {
+                at.push(gap.max(0.0));
+                probabilities.push(mass);
+            }
+            begin = begin.max(end);
+        }
+        Ok((at, probabilities))
+    };
+    shifts.iter().enumerate().map(set).collect()
+}
+
 /// Gaps and probabilities of the two-point rule for the gaps above `begin` up to `end`; one point where all are the same, none
 /// where there are none.
 fn gauss_rule(gaps: &GapDistribution, begin: f64, end: f64) -> impl Iterator<Item = (f64, f64)> {
     // Moments about the end, where all differences have one sign.
     let mut moments = [0.0; 4];
-    for (start, width, probability) in gaps.pieces() {
+    for (start, width, probability) in gaps.pieces_within(begin, end) {
         let (low, high) = (start.max(begin), (start + width).min(end));
         let inside = if width > 0.0 {
             high > low
@@ -244,6 +245,32 @@ fn gauss_rule(gaps: &GapDistribution, begin: f64, end: f64) -> impl Iterator<Ite
         (end - (mean + deviation * near), mass * (1.0 - share)),
     ];
     points.into_iter().filter(|(_, mass)| *mass > 0.0)
+}
+
+/// [`AsperityBins::errors`] of gaps and numbers of contacts, of which each has a normal force and a tangential stiffness that depend on its
+/// interference, at interferences in so many steps.
+pub(crate) fn relative_errors(
+    sets: &[[&[f64]; 2]],
+    reference: [&[f64]; 2],
+    (reach, steps): (f64, u32),
+    smallest: f64,
+    [force, stiffness]: [&dyn Fn(f64) -> f64; 2],
+) -> [f64; 3] {
+    let interferences = || (0..=steps).map(|i| reach * (1.0 + 2.0 * f64::from(i) / f64::from(steps)) / 3.0);
+    let sum = |[gaps, numbers]: [&[f64]; 2], u: f64, of: &dyn Fn(f64) -> f64| -> f64 {
+        let loaded = gaps.iter().zip(numbers).filter(|(gap, _)| **gap < u);
+        loaded.map(|(gap, number)| number * of(u - gap)).sum()
+    };
+    let mean = |set, of: &dyn Fn(f64) -> f64| interferences().map(|u| sum(set, u, of)).sum::<f64>();
+    let error = |of: &dyn Fn(f64) -> f64| {
+        let found = sets.iter().map(|set| mean(*set, of)).sum::<f64>() / sets.len() as f64;
+        (found / mean(reference, of) - 1.0).abs()
+    };
+    // Contacts slip where their interference is below the amplitude times a constant.
+    let gross = reach - reference[0][0];
+    let amplitudes = (0..=12).map(|i| gross * smallest.powf(f64::from(i) / 12.0));
+    let dissipated = amplitudes.map(|slips| error(&|w| force(w) * (slips - w).max(0.0)));
+    [error(force), error(stiffness), dissipated.fold(0.0, f64::max)]
 }
 
 fn root(x: f64) -> f64 {

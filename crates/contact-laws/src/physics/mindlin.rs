@@ -27,8 +27,7 @@
 //! | Young's modulus `E`, Poisson's ratio `nu` | Pa, 1 |
 //! | effective radius `R`, interference `w` | m |
 //!
-//! The functions check nothing. [`MindlinIwan`](crate::MindlinIwan) is the traction law that follows this curve at
-//! points.
+//! The functions check nothing. [`FoundationLaw`](crate::FoundationLaw) follows this curve at points.
 //!
 //! Source: C. Cattaneo, *Sul contatto di due corpi elastici: distribuzione locale degli sforzi*, Rend. Accad. Naz.
 //! Lincei 27, 1938; R. D. Mindlin, *Compliance of elastic bodies in contact*, J. Appl. Mech. 16, 1949; K. L. Johnson,

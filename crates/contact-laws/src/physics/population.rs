@@ -218,6 +218,14 @@ impl GapDistribution {
             .map(|piece| (piece.start, piece.width, piece.probability))
     }
 
+    /// Those of [`Self::pieces`] that may have gaps from `begin` to `end` (m).
+    pub(crate) fn pieces_within(&self, begin: f64, end: f64) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+        let first = self.pieces.partition_point(|piece| piece.start + piece.width < begin);
+        let after = self.pieces.partition_point(|piece| piece.start <= end).max(first);
+        let pieces = self.pieces[first..after].iter();
+        pieces.map(|piece| (piece.start, piece.width, piece.probability))
+    }
+
     /// Number of pieces that begin below `u`.
     fn n_loaded(&self, u: f64) -> usize {
         self.pieces.partition_point(|piece| piece.start < u)

@@ -401,8 +401,15 @@ proptest! {
         neutral(in_blocks, &fitted, &mu, &points, &order, &cuts)?;
         let in_single = |curves, mu| FrictionalLaw::try_new(FittedPoints::<f32>::new(&curves), mu, history).unwrap();
         neutral(in_single, &fitted, &mu, &points, &order, &cuts)?;
-        let sliders = |curves, mu| MindlinIwan::try_new(curves, mu, 1).unwrap();
-        neutral(sliders, &fitted, &mu, &points, &order, &cuts)?;
+        let springs: Vec<_> = elastic
+            .iter()
+            .map(|curves| Foundation::try_new(vec![1e-8], vec![curves.normal(1e-6).1], 0.8).unwrap())
+            .collect();
+        let on_springs = |springs: PointParameters<Foundation>, mu| {
+            let curves = PointParameters::uniform(super::elastic(), springs.len());
+            FoundationLaw::try_new(springs, curves, mu).unwrap()
+        };
+        neutral(on_springs, &springs, &mu, &points, &order, &cuts)?;
     }
 }
 

@@ -258,18 +258,22 @@ fn friction_on_curves() {
 }
 
 #[test]
-fn parallel_sliders() {
-    let strategy = (with_steps(), 1..12_usize, weights());
+fn springs_of_a_foundation() {
+    let strategy = (with_steps(), 1..6_usize, weights());
     let tally = seen(
-        "parallel_sliders",
+        "springs_of_a_foundation",
         1000,
         &strategy,
         |((mu, steps), n, weights), tally| {
             let mu = PointParameters::uniform(mu, 1);
-            let law = MindlinIwan::try_new(PointParameters::uniform(fitted(), 1), mu.clone(), n).unwrap();
-            follow(&law, &steps, &weights, tally)?;
-            let law = MindlinIwan::try_new(PointParameters::uniform(elastic(), 1), mu, n).unwrap();
-            follow(&law, &steps, &weights, tally)
+            follow(
+                &super::foundation::law(elastic(), mu.clone(), 2 * n),
+                &steps,
+                &weights,
+                tally,
+            )?;
+            let curves = super::asperities(TangentialReading::Mindlin);
+            follow(&super::foundation::law(curves, mu, 2 * n), &steps, &weights, tally)
         },
     );
     assert_compared(&tally, &KINDS, 100, 0.7);
@@ -344,7 +348,7 @@ fn many(n: usize, mu: f64, cone: Cone, history: HistoryRule) -> Vec<Box<dyn Trac
             .unwrap()
             .with_cone(cone),
         ),
-        Box::new(MindlinIwan::try_new(PointParameters::uniform(fitted(), n), mu(), 5).unwrap()),
+        Box::new(FoundationLaw::of_curves(PointParameters::uniform(elastic(), n), mu(), 0.8, 6, 1e-5).unwrap()),
         asperities(None, AsperityFriction::StickSlip(history)),
         asperities(None, AsperityFriction::Annuli(history, 3)),
         asperities(steel, AsperityFriction::StickSlip(yielding_rule)),

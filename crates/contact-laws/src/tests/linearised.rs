@@ -43,13 +43,13 @@ fn the_static_state_and_its_stuck_stiffness_are_those_of_the_law() {
     let mu = 0.2;
     let curves = |n| PointParameters::uniform(table(), n);
     let per = |history| TableLaw::try_new(curves(1), PointParameters::uniform(mu, 1), history).unwrap();
-    let iwan = MindlinIwan::try_new(curves(1), PointParameters::uniform(mu, 1), 8).unwrap();
+    let springs = FoundationLaw::of_curves(curves(1), PointParameters::uniform(mu, 1), 0.8, 8, 2e-5).unwrap();
     let laws: [&dyn TractionLaw; 5] = [
         &per(HistoryRule::Incremental),
         &per(HistoryRule::Paper),
         &per(HistoryRule::EndPoint),
         &per(HistoryRule::Potential),
-        &iwan,
+        &springs,
     ];
     for law in laws {
         for far in [1e-8, 1e-4] {

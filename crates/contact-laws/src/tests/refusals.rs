@@ -100,8 +100,8 @@ fn rough_friction(mu: Vec<f64>) -> Result<(), Error> {
     RoughLaw::try_new(curves, PointParameters::per_point(mu), HistoryRule::Potential).map(drop)
 }
 
-fn sliders(mu: PointParameters<f64>, n_sliders: usize) -> Result<(), Error> {
-    MindlinIwan::try_new(PointParameters::uniform(elastic(), mu.len()), mu, n_sliders).map(drop)
+fn springs(mu: PointParameters<f64>, n: usize) -> Result<(), Error> {
+    FoundationLaw::of_curves(PointParameters::uniform(elastic(), mu.len()), mu, 0.8, n, 1e-5).map(drop)
 }
 
 fn greenwood(change: impl Fn(&mut GreenwoodWilliamsonSurface)) -> Result<(), Error> {
@@ -268,14 +268,14 @@ fn fields() -> Vec<Field> {
         field("intermolecular_distance", " m", NOT_POSITIVE, |v| {
             Adhesion::try_new(2.5, v).map(drop)
         }),
-        field("n_sliders", "(no unit)", &[0.0, 257.0, 1e9], |v| {
-            sliders(PointParameters::uniform(0.1, 3), v as usize)
+        field("bins", "(no unit)", &[0.0, 7.0, 1e9], |v| {
+            springs(PointParameters::uniform(0.1, 3), v as usize)
         }),
         placed("mu", "(no unit)", Place::Point(0), NEGATIVE, |v| {
-            sliders(PointParameters::uniform(v, 3), 4)
+            springs(PointParameters::uniform(v, 3), 4)
         }),
         placed("mu", "(no unit)", Place::Point(2), NEGATIVE, |v| {
-            sliders(PointParameters::per_point(vec![0.1, 0.2, v]), 4)
+            springs(PointParameters::per_point(vec![0.1, 0.2, v]), 4)
         }),
         placed("mu", "(no unit)", Place::Point(0), NEGATIVE, |v| {
             friction(PointParameters::uniform(v, 3))

@@ -33,7 +33,7 @@ const TABLE_RANGE: [f64; 2] = [1e-10, 1e-3];
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawReport {
-    /// `tabulated`, `fitted`, `asperity-sum` or `elastic`; with friction of single asperities `resolved` or `mindlin-iwan`.
+    /// `tabulated`, `fitted`, `asperity-sum` or `elastic`; with friction of parts of a point `foundation`, `resolved` or `mindlin-iwan`.
     pub kind: String,
     /// History rule.
     pub history: contact_laws::HistoryRule,
@@ -175,8 +175,9 @@ impl Asperities {
         fits: &[Fit],
         pressure: f64,
     ) -> Result<NamedLaw, Error> {
-        let kind = match scene.interfaces.law.friction {
+        let kind = match scene.interfaces.law.friction() {
             Friction::Lumped => None,
+            Friction::Foundation => Some("foundation"),
             Friction::Resolved => Some("resolved"),
             Friction::MindlinIwan => Some("mindlin-iwan"),
         };
@@ -184,7 +185,7 @@ impl Asperities {
             let (law, report) = self.resolved_law(scene, element_of, mu, sums, pressure)?;
             return Ok(NamedLaw {
                 resolved: Some(report),
-                ..NamedLaw::lumped(kind, Arc::new(law))
+                ..NamedLaw::lumped(kind, law)
             });
         }
         let population_of: Vec<u32> = element_of.iter().map(|&e| self.of_element[e as usize]).collect();

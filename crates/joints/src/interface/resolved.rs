@@ -2,14 +2,16 @@
 
 use super::asperities::Asperities;
 use crate::Error;
+use contact_laws::friction::foundation::BEYOND_REACH;
 use contact_laws::{
-    Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, ContactCurves, PointParameters,
-    Radii, ResolvedLaw,
+    Asperity, AsperityBins, AsperityFriction, AsperitySumCurves, ContactCurves, Foundation, FoundationLaw,
+    PointParameters, Radii, ResolvedLaw, TractionLaw,
 };
 use rayon::prelude::*;
 use scenes::{Bins, Friction, RadialRule, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Interferences are expected up to that which carries so many times the mean pressure of the bolts.
 const PRESSURE_REACH: f64 = 10.0;
@@ -19,9 +21,6 @@ const PLACES: usize = 1024;
 
 /// Places that errors are measured with, evenly spaced.
 const MEASURED_PLACES: usize = 16;
-
-/// Numbers of bins that are tried.
-const COUNTS: [usize; 12] = [4, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128];
 
 /// Bins that errors are measured against.
 const FINEST: usize = 1000;
@@ -51,33 +50,103 @@ pub struct ResolvedReport {
     pub onset_of_yield: Option<f64>,
 }
 
-/// One population and what its bins are made from.
+/// One population and what stands for it at points.
 struct Source<'a> {
     asperity: Asperity,
-    population: &'a AsperityPopulation,
+    sum: &'a AsperitySumCurves,
     reach: f64,
 }
 
+/// What stands for a population at a point.
+trait Parts: Clone + Send + Sync {
+    /// Numbers that are tried.
+    const COUNTS: &'static [usize];
+
+    /// `count` parts, with shifted limits.
+    fn gauss(source: &Source<'_>, count: usize, shifts: &[f64]) -> Result<Vec<Self>, Error>;
+
+    /// `count` parts at equally spaced gaps, where there is such a rule.
+    fn equally_spaced(source: &Source<'_>, count: usize) -> Result<Self, Error>;
+
+    /// Errors of several against many parts.
+    fn errors(sets: &[Self], reference: &Self, reach: f64) -> [f64; 3];
+
+    fn len(&self) -> usize;
+}
+
+impl Parts for AsperityBins {
+    const COUNTS: &'static [usize] = &[4, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128];
+
+    fn gauss(source: &Source<'_>, count: usize, shifts: &[f64]) -> Result<Vec<Self>, Error> {
+        let Source { asperity, sum, reach } = source;
+        Ok(Self::gauss(*asperity, sum.population(), count, *reach, shifts)?)
+    }
+
+    fn equally_spaced(source: &Source<'_>, count: usize) -> Result<Self, Error> {
+        Ok(Self::equally_spaced(source.asperity, source.sum.population(), count)?)
+    }
+
+    fn errors(sets: &[Self], reference: &Self, reach: f64) -> [f64; 3] {
+        Self::errors(sets, reference, reach, SMALLEST_AMPLITUDE)
+    }
+
+    fn len(&self) -> usize {
+        self.len()
+    }
+}
+
+impl Parts for Foundation {
+    /// Fewer would do from a tenth of gross slip on. A spring costs a twentieth of an asperity with eight annuli, and below that few springs slip.
+    const COUNTS: &'static [usize] = &[64, 96, 128];
+
+    fn gauss(source: &Source<'_>, count: usize, shifts: &[f64]) -> Result<Vec<Self>, Error> {
+        let Source { sum, reach, .. } = source;
+        let ratio = sum.material().mindlin_ratio();
+        Ok(Self::of_curves(
+            *sum,
+            ratio,
+            count,
+            *reach,
+            BEYOND_REACH * reach,
+            shifts,
+        )?)
+    }
+
+    fn equally_spaced(source: &Source<'_>, count: usize) -> Result<Self, Error> {
+        let Source { sum, reach, .. } = source;
+        let spacing = reach / count as f64;
+        let at = |j: usize| (j as f64 + 0.5) * spacing;
+        let slope = |u: f64| if u > 0.0 { sum.normal(u).1 } else { 0.0 };
+        let grows = |j: usize| slope(at(j) + 0.5 * spacing) - slope(at(j) - 0.5 * spacing);
+        let (gaps, stiffnesses) = (0..count).map(|j| (at(j), grows(j))).unzip();
+        Ok(Self::try_new(gaps, stiffnesses, sum.material().mindlin_ratio())?)
+    }
+
+    fn errors(sets: &[Self], reference: &Self, reach: f64) -> [f64; 3] {
+        Self::errors(sets, reference, reach, SMALLEST_AMPLITUDE)
+    }
+
+    fn len(&self) -> usize {
+        self.gaps().len()
+    }
+}
+
 impl Source<'_> {
-    /// Bins at the places with these numbers.
-    fn bins(&self, bins: Bins, count: usize, places: &[usize]) -> Result<Vec<AsperityBins>, Error> {
+    /// Parts at the places with these numbers.
+    fn parts<P: Parts>(&self, bins: Bins, count: usize, places: &[usize]) -> Result<Vec<P>, Error> {
         Ok(match bins {
-            Bins::EquallySpaced(n) => {
-                let same = AsperityBins::equally_spaced(self.asperity, self.population, n)?;
-                vec![same; places.len()]
-            }
+            Bins::EquallySpaced(n) => vec![P::equally_spaced(self, n)?; places.len()],
             Bins::Error(_) | Bins::Gauss(_) => {
                 let shifts: Vec<f64> = places.iter().map(|&place| place as f64 / PLACES as f64).collect();
-                AsperityBins::gauss(self.asperity, self.population, count, self.reach, &shifts)?
+                P::gauss(self, count, &shifts)?
             }
         })
     }
 
-    /// Errors of bins against others of the same population.
-    fn errors(&self, bins: Bins, count: usize, reference: &AsperityBins) -> Result<[f64; 3], Error> {
+    /// Errors of parts against others of the same population.
+    fn errors<P: Parts>(&self, bins: Bins, count: usize, reference: &P) -> Result<[f64; 3], Error> {
         let places: Vec<usize> = (0..PLACES).step_by(PLACES / MEASURED_PLACES).collect();
-        let found = self.bins(bins, count, &places)?;
-        Ok(AsperityBins::errors(&found, reference, self.reach, SMALLEST_AMPLITUDE))
+        Ok(P::errors(&self.parts(bins, count, &places)?, reference, self.reach))
     }
 }
 
@@ -90,26 +159,61 @@ impl Asperities {
         mu: &PointParameters<f64>,
         sums: &[AsperitySumCurves],
         pressure: f64,
-    ) -> Result<(ResolvedLaw, ResolvedReport), Error> {
+    ) -> Result<(Arc<dyn TractionLaw>, ResolvedReport), Error> {
         let law = &scene.interfaces.law;
         let yielding = law.yielding();
         let sources = self.populations.iter().zip(sums).map(|(population, sum)| {
             Ok(Source {
                 asperity: Asperity::try_new(self.material, population.effective_radius(), yielding)?,
-                population,
+                sum,
                 reach: interference_at(sum, PRESSURE_REACH * pressure),
             })
         });
         let sources = sources.collect::<Result<Vec<_>, Error>>()?;
-        let (count, bin_errors) = count(&sources, law.bins)?;
+        let mean = |of: &dyn Fn(&Source<'_>) -> f64| sources.iter().map(of).sum::<f64>() / sources.len() as f64;
+        let (friction, radii) = match (law.friction(), law.radii) {
+            (Friction::Foundation, _) => (None, None),
+            (Friction::Lumped | Friction::Resolved, _) => (Some(AsperityFriction::StickSlip(law.history)), None),
+            (Friction::MindlinIwan, RadialRule::Annuli(n)) => (Some(AsperityFriction::Annuli(law.history, n)), Some(n)),
+            (Friction::MindlinIwan, RadialRule::EquallySpaced(n)) => {
+                (Some(AsperityFriction::MindlinIwan(Radii::equally_spaced(n)?)), Some(n))
+            }
+        };
+        let report = |bins, bin_errors| ResolvedReport {
+            bins,
+            reach: mean(&|source| source.reach),
+            bin_errors,
+            radii,
+            onset_of_yield: yielding.map(|_| mean(&|source| source.asperity.onset_of_yield())),
+        };
+        let Some(friction) = friction else {
+            let (springs, bins, errors) = self.parts::<Foundation>(&sources, law.bins, element_of)?;
+            let population_of = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
+            let curves = PointParameters::try_indexed(sums.to_vec(), population_of)?;
+            let law = FoundationLaw::try_new(springs, curves, mu.clone())?;
+            return Ok((Arc::new(law), report(bins, errors)));
+        };
+        let (bins, count, errors) = self.parts::<AsperityBins>(&sources, law.bins, element_of)?;
+        let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
+        Ok((Arc::new(law), report(count, errors)))
+    }
 
-        // The sets that points need: a population, and a place of the bins.
+    /// What stands for the populations at all points, most parts at a point, and their errors.
+    fn parts<P: Parts>(
+        &self,
+        sources: &[Source<'_>],
+        bins: Bins,
+        element_of: &[u32],
+    ) -> Result<(PointParameters<P>, usize, [f64; 3]), Error> {
+        let (count, errors) = count::<P>(sources, bins)?;
+
+        // The sets that points need: a population, and a place of its parts.
         let mut first = 0;
         let key = |(point, &element): (usize, &u32)| {
             if element != element_of[first] {
                 first = point;
             }
-            let place = match law.bins {
+            let place = match bins {
                 Bins::EquallySpaced(_) => 0,
                 Bins::Error(_) | Bins::Gauss(_) => place(element, point - first),
             };
@@ -122,35 +226,18 @@ impl Asperities {
         }
         let made = needed.par_iter().map(|(&population, places)| {
             let places: Vec<usize> = places.keys().copied().collect();
-            sources[population as usize].bins(law.bins, count, &places)
+            sources[population as usize].parts(bins, count, &places)
         });
         let made = made.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
         let numbers = needed.values_mut().flat_map(BTreeMap::values_mut);
         numbers.zip(0..).for_each(|(number, next)| *number = next);
-        let sets: Vec<AsperityBins> = made.into_iter().flatten().collect();
+        let sets: Vec<P> = made.into_iter().flatten().collect();
         let index = keys
             .iter()
             .map(|(population, place)| needed[population][place])
             .collect();
-
-        let mean = |of: &dyn Fn(&Source<'_>) -> f64| sources.iter().map(of).sum::<f64>() / sources.len() as f64;
-        let (friction, radii) = match (law.friction, law.radii) {
-            (Friction::Lumped | Friction::Resolved, _) => (AsperityFriction::StickSlip(law.history), None),
-            (Friction::MindlinIwan, RadialRule::Annuli(n)) => (AsperityFriction::Annuli(law.history, n), Some(n)),
-            (Friction::MindlinIwan, RadialRule::EquallySpaced(n)) => {
-                (AsperityFriction::MindlinIwan(Radii::equally_spaced(n)?), Some(n))
-            }
-        };
-        let report = ResolvedReport {
-            bins: sets.iter().map(AsperityBins::len).max().unwrap_or(0),
-            reach: mean(&|source| source.reach),
-            bin_errors,
-            radii,
-            onset_of_yield: yielding.map(|_| mean(&|source| source.asperity.onset_of_yield())),
-        };
-        let bins = PointParameters::try_indexed(sets, index)?;
-        let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
-        Ok((law, report))
+        let most = sets.iter().map(P::len).max().unwrap_or(0);
+        Ok((PointParameters::try_indexed(sets, index)?, most, errors))
     }
 }
 
@@ -166,12 +253,12 @@ fn place(element: u32, point: usize) -> usize {
     (shift * PLACES as f64) as usize
 }
 
-/// Gauss bins per point, and the errors measured with them.
-fn count(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3]), Error> {
+/// Gauss parts per point, and the errors measured with them.
+fn count<P: Parts>(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3]), Error> {
     let every = sources.len().div_ceil(MEASURED).max(1);
     let mut measured = Vec::with_capacity(MEASURED);
     for source in sources.iter().step_by(every) {
-        let finest = AsperityBins::gauss(source.asperity, source.population, FINEST, source.reach, &[0.0])?;
+        let finest = P::gauss(source, FINEST, &[0.0])?;
         measured.extend(finest.into_iter().map(|finest| (source, finest)));
     }
     let errors = |count: usize| -> Result<[f64; 3], Error> {
@@ -186,7 +273,7 @@ fn count(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3]), Error>
         Bins::Gauss(n) | Bins::EquallySpaced(n) => Ok((n, errors(n)?)),
         Bins::Error(target) => {
             let mut best = f64::INFINITY;
-            for count in COUNTS {
+            for &count in P::COUNTS {
                 let found = errors(count)?;
                 let worst = found.into_iter().fold(0.0, f64::max);
                 if worst <= target {

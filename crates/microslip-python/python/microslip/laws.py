@@ -51,12 +51,12 @@ __all__ = [
     "Curves",
     "ElasticCurves",
     "FittedCurves",
+    "FoundationLaw",
     "FrictionalLaw",
     "GreenwoodWilliamsonCurves",
     "Law",
     "LawInfo",
     "LinearisedContact",
-    "MindlinIwan",
     "Quantity",
     "ResolvedLaw",
     "TabulatedCurves",
@@ -818,31 +818,35 @@ class FrictionalLaw(Law):
         self._made = _native.Law.frictional(curves._made, friction, history, cone, n_points, sets)
 
 
-class MindlinIwan(Law):
-    """Contact curves with parallel sliders: microslip below gross slip.
+class FoundationLaw(Law):
+    """Contact curves as a foundation of linear springs that slip one by one: partial slip as Cattaneo and Mindlin found it.
 
     Parameters
     ----------
     curves : Curves
-        Normal traction and tangential stiffness.
+        Normal traction, whose stiffness must not fall with the interference, and contact area.
     mu : array_like
         Friction coefficient, one or one for each point.
-    n_sliders : int
-        Sliders of a point, 1 to 256. More follow the loading curve of Mindlin's sphere more closely.
+    tangential_ratio : float
+        Tangential over normal stiffness, of equal bodies ``2 (1 - nu)/(2 - nu)``.
+    n_springs : int
+        Springs up to `reach`, an even number. More follow the curves, and cycles of small amplitudes, more closely.
+    reach : float
+        Largest interference that is expected (m). Beyond it few springs are left.
     n_points, index : optional
         As for :class:`FrictionalLaw`.
 
     Raises
     ------
     InputError
-        As for :class:`FrictionalLaw`, and for numbers of sliders out of bounds.
+        As for :class:`FrictionalLaw`, for numbers out of bounds, and for curves whose stiffness falls.
 
     Examples
     --------
     >>> from microslip import laws
-    >>> law = laws.MindlinIwan(laws.ElasticCurves(k_n=2e12, k_x=1.5e12), mu=0.3, n_sliders=8)
-    >>> law.n_state
-    19
+    >>> curves = laws.ElasticCurves(k_n=2e12, k_x=1.6e12)
+    >>> laws.FoundationLaw(curves, mu=0.3, tangential_ratio=0.8, n_springs=8, reach=1e-5).n_points
+    1
     """
 
     def __init__(
@@ -850,13 +854,23 @@ class MindlinIwan(Law):
         curves: Curves,
         mu: ArrayLike,
         *,
-        n_sliders: int,
+        tangential_ratio: float,
+        n_springs: int,
+        reach: float,
         n_points: int | None = None,
         index: ArrayLike | None = None,
     ) -> None:
         friction, sets = values("mu", mu), _index(index)
-        self._describe(curves=_curves(curves), mu=friction, n_sliders=n_sliders, n_points=n_points, index=sets)
-        self._made = _native.Law.mindlin_iwan(curves._made, friction, n_sliders, n_points, sets)
+        self._describe(
+            curves=_curves(curves),
+            mu=friction,
+            tangential_ratio=tangential_ratio,
+            n_springs=n_springs,
+            reach=reach,
+            n_points=n_points,
+            index=sets,
+        )
+        self._made = _native.Law.foundation(curves._made, friction, tangential_ratio, n_springs, reach, n_points, sets)
 
 
 class ResolvedLaw(Law):

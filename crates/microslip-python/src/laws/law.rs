@@ -6,7 +6,7 @@ use crate::arrays::{check_shape, readable, slice, writable};
 use crate::error::{Exception, input};
 use contact_laws::{
     Asperity, AsperityBins, AsperityFriction, Components, ComponentsMut, Cone, ContactCurves, ElasticPair,
-    FittedPoints, FrictionalLaw, HistoryRule, LinearisedContact, MindlinIwan, PointCurves, PointParameters, Quantity,
+    FittedPoints, FoundationLaw, FrictionalLaw, HistoryRule, LinearisedContact, PointCurves, PointParameters, Quantity,
     Radii, Regime, ResolvedLaw, StateView, StateViewMut, StaticPoint, Sticking, TangentMut, TractionLaw, Yield,
 };
 use numpy::{PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -132,13 +132,15 @@ impl Law {
         }
     }
 
-    /// Contact curves with parallel sliders.
+    /// Springs of contact curves.
     #[staticmethod]
-    #[pyo3(signature = (curves, mu, n_sliders, n_points, index))]
-    fn mindlin_iwan(
+    #[pyo3(signature = (curves, mu, ratio, n_springs, reach, n_points, index))]
+    fn foundation(
         curves: &Curves,
         mu: &Bound<'_, PyAny>,
-        n_sliders: usize,
+        ratio: f64,
+        n_springs: usize,
+        reach: f64,
         n_points: Option<usize>,
         index: Option<&Bound<'_, PyAny>>,
     ) -> Result<Self, Exception> {
@@ -148,11 +150,12 @@ impl Law {
         fn law<C: ContactCurves + 'static>(
             curves: PointParameters<C>,
             mu: PointParameters<f64>,
-            n_sliders: usize,
+            (ratio, n_springs, reach): (f64, usize, f64),
         ) -> Result<Law, Exception> {
-            Ok(Law::new(MindlinIwan::try_new(curves, mu, n_sliders).map_err(refused)?))
+            let law = FoundationLaw::of_curves(curves, mu, ratio, n_springs, reach).map_err(refused)?;
+            Ok(Law::new(law))
         }
-        super::curves::with_sets!(&curves.0, list => law(points.spread(list)?, mu, n_sliders))
+        super::curves::with_sets!(&curves.0, list => law(points.spread(list)?, mu, (ratio, n_springs, reach)))
     }
 
     /// Asperities bin by bin; `gaps` and `densities` are bins x sets.

@@ -56,7 +56,7 @@ pub(super) static CASES: &[Case] = &[
 ];
 
 fn resolve(scene: &mut Scene) {
-    scene.interfaces.law.friction = Friction::Resolved;
+    scene.interfaces.law.friction = Some(Friction::Resolved);
 }
 
 /// Frequency (Hz) and damping ratio of each amplitude that converged.
@@ -102,7 +102,7 @@ fn bolt_loads(bench: &Bench) -> Result<Findings> {
         for load in [1.0, 1e3, 1e6, 1e9] {
             let with = |bins: Bins| {
                 bench.run(|scene| {
-                    scene.interfaces.law.friction = friction;
+                    scene.interfaces.law.friction = Some(friction);
                     scene.interfaces.law.bins = bins;
                     scene.bolts.load = Force::from_si(load);
                     scene.analyses.backbone.amplitudes = 0;
@@ -292,12 +292,12 @@ fn forced(bench: &Bench) -> Result<Findings> {
     let mut told = Vec::new();
     for (law, friction) in [("lumped", Friction::Lumped), ("resolved", Friction::Resolved)] {
         let rest = bench.run(|scene| {
-            scene.interfaces.law.friction = friction;
+            scene.interfaces.law.friction = Some(friction);
             scene.analyses.backbone.amplitudes = 0;
         })?;
         let first = rest.frequencies[0];
         let run = bench.run(|scene| {
-            scene.interfaces.law.friction = friction;
+            scene.interfaces.law.friction = Some(friction);
             scene.background_damping = background;
             scene.analyses.backbone.amplitudes = 0;
             let levels = [1e-9, 1e3].map(Force::from_si).into();

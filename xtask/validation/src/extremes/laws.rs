@@ -108,7 +108,7 @@ pub(super) static CASES: &[Case] = &[
 
 /// Friction of single asperities that yield.
 fn resolved(scene: &mut Scene, strength: f64, tangent_modulus: f64) {
-    scene.interfaces.law.friction = Friction::Resolved;
+    scene.interfaces.law.friction = Some(Friction::Resolved);
     scene.interfaces.law.bins = Bins::Gauss(8);
     scene.interfaces.law.yielding = Some(Yield {
         strength: Stress::from_si(strength),

@@ -549,7 +549,7 @@ fn experiment(inputs: &Inputs) -> Result<Plan<'_>> {
         let mut lumped = scene.clone();
         lumped.name = format!("{}, one limit per point", scene.name);
         lumped.interfaces.law = Law {
-            friction: Friction::Lumped,
+            friction: Some(Friction::Lumped),
             ..Law::default()
         };
         lumped

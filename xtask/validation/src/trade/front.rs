@@ -143,7 +143,7 @@ mod tests {
         finer.interfaces.law.bins = Bins::Gauss(64);
         finer.interfaces.points_per_direction = 5;
         assert_eq!(physics(&finer), physics(&scene));
-        finer.interfaces.law.friction = Friction::MindlinIwan;
+        finer.interfaces.law.friction = Some(Friction::MindlinIwan);
         assert_ne!(physics(&finer), physics(&scene));
     }
 }

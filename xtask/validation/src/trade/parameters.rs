@@ -152,10 +152,10 @@ pub(crate) fn truth(base: &Scene, quick: bool, finest: Option<&Path>) -> Setting
     scene.interfaces.points_per_direction = 4;
     scene.analyses.backbone.vertices_per_quarter = 16;
     let law = &mut scene.interfaces.law;
-    if law.friction != Friction::Lumped {
+    if law.friction() != Friction::Lumped {
         law.bins = Bins::Gauss(32);
     }
-    if law.friction == Friction::MindlinIwan {
+    if law.friction() == Friction::MindlinIwan {
         law.radii = RadialRule::Annuli(16);
     }
     Setting::new("all settings fine", scene)
@@ -424,7 +424,7 @@ pub(crate) fn all(
 /// With one friction limit per point, as in the method paper.
 fn lumped(base: &Scene) -> Scene {
     let mut scene = base.clone();
-    scene.interfaces.law.friction = Friction::Lumped;
+    scene.interfaces.law.friction = Some(Friction::Lumped);
     scene
 }
 
@@ -528,7 +528,7 @@ fn frictions(base: &Scene) -> Vec<Setting> {
             ("mindlin-iwan, yield", (Friction::MindlinIwan, Some(yielding()))),
         ],
         |scene, (friction, yielding)| {
-            scene.interfaces.law.friction = friction;
+            scene.interfaces.law.friction = Some(friction);
             scene.interfaces.law.yielding = yielding;
         },
     )
@@ -546,8 +546,8 @@ fn bins(base: &Scene) -> Vec<Setting> {
             ("64", Bins::Gauss(64)),
         ],
         |scene, bins| {
-            if scene.interfaces.law.friction == Friction::Lumped {
-                scene.interfaces.law.friction = Friction::Resolved;
+            if scene.interfaces.law.friction() == Friction::Lumped {
+                scene.interfaces.law.friction = Some(Friction::Resolved);
             }
             scene.interfaces.law.bins = bins;
         },
@@ -559,7 +559,7 @@ fn radii(base: &Scene) -> Vec<Setting> {
         base,
         &[("2", 2), ("4", 4), ("8", 8), ("16", 16), ("32", 32)],
         |scene, radii| {
-            scene.interfaces.law.friction = Friction::MindlinIwan;
+            scene.interfaces.law.friction = Some(Friction::MindlinIwan);
             scene.interfaces.law.radii = RadialRule::Annuli(radii);
         },
     )
@@ -567,7 +567,7 @@ fn radii(base: &Scene) -> Vec<Setting> {
 
 fn cones(base: &Scene) -> Vec<Setting> {
     named(base, &[("box", Cone::Box), ("circle", Cone::Circle)], |scene, cone| {
-        scene.interfaces.law.friction = Friction::Resolved;
+        scene.interfaces.law.friction = Some(Friction::Resolved);
         scene.interfaces.law.cone = cone;
     })
 }
@@ -578,7 +578,7 @@ fn limits(base: &Scene) -> Vec<Setting> {
         ("coulomb", AsperityLimit::Coulomb),
     ];
     named(base, &limits, |scene, limit| {
-        scene.interfaces.law.friction = Friction::Resolved;
+        scene.interfaces.law.friction = Some(Friction::Resolved);
         scene.interfaces.law.yielding = Some(yielding());
         scene.interfaces.law.limit = limit;
         if limit != AsperityLimit::Coulomb {

@@ -1,0 +1,321 @@
+//! Rough contact by boundary elements: the normal contact of a height field with an elastic half-space.
+//!
+//! Pressures `p >= 0` on the points of a grid press a surface of heights `h` against a flat half-space with the contact modulus `E*` of both bodies.
+//! Their gap is zero where they touch. The field is mirrored at its edges, so that no step of height enters and cosines diagonalise the
+//! compliance: to the wave number `q` belongs
+//! <div>
+//! $$ \hat u(q) = \frac{2}{E^* q} \, \hat p(q), \qquad q > 0 , $$
+//! </div>
+//!
+//! and none to the mean, which is the deflection that a structure's mesh has already. The pressures are found by conjugate gradients on the points that
+//! touch.
+//!
+//! Sources: I. A. Polonsky and L. M. Keer, Wear 231 (1999) 206-219; H. M. Stanley and T. Kato, J. Tribol. 119 (1997) 481-485; area of contact with a
+//! part of the points on its edges: V. A. Yastrebov, G. Anciaux and J.-F. Molinari, J. Mech. Phys. Solids 107 (2017) 469-493.
+
+use crate::error::SurfaceError;
+use crate::error::positive;
+use rustdct::{DctPlanner, TransformType2And3};
+use std::f64::consts::{LN_2, PI};
+use std::sync::Arc;
+
+/// Fewest points that touch at a pressure that is resolved.
+pub const LEAST_TOUCHING: usize = 30;
+
+/// Largest rms gap where there is contact, and largest overlap elsewhere, over the rms of the deflections.
+const TOLERANCE: f64 = 1e-5;
+
+const MOST_ITERATIONS: usize = 3000;
+
+/// A height field on a half-space.
+pub struct BoundaryElements<'a> {
+    heights: &'a [f64],
+    n: [usize; 2],
+    /// Of every pair of wave numbers, with what the transforms leave.
+    compliance: Vec<f64>,
+    transforms: [Arc<dyn TransformType2And3<f64>>; 2],
+    turned: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+/// What is found at a mean pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pressed {
+    /// Mean pressure over the contact modulus.
+    pub pressure: f64,
+    /// Mean gap (m).
+    pub separation: f64,
+    /// Part of the area that touches.
+    pub area: f64,
+}
+
+impl<'a> BoundaryElements<'a> {
+    /// A field of `n` points along x (fastest) and y at the distances `step` (m), heights in m.
+    ///
+    /// # Errors
+    /// Fewer than 2 points along an axis, another number of heights than points, heights that are not finite or all the same.
+    pub fn try_new(heights: &'a [f64], n: [usize; 2], step: [f64; 2]) -> Result<Self, SurfaceError> {
+        for step in step {
+            positive("lateral step", step, "m")?;
+        }
+        let points = n[0] * n[1];
+        if n.iter().any(|&n| n < 2) || heights.len() != points {
+            return Err(SurfaceError::LengthMismatch {
+                field: "heights",
+                found: heights.len(),
+                expected: points.max(4),
+                remedy: "give a height for every point, and at least two points along each axis",
+            });
+        }
+        if let Some(index) = heights.iter().position(|z| !z.is_finite()) {
+            return Err(SurfaceError::InvalidSample {
+                field: "heights",
+                index,
+                value: heights[index],
+                unit: "m",
+                requirement: "finite",
+            });
+        }
+        let mean = heights.iter().sum::<f64>() / points as f64;
+        let rms = (heights.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / points as f64).sqrt();
+        positive("rms of the heights", rms, "m")?;
+        let wave = |k: usize, axis: usize| PI * k as f64 / (n[axis] as f64 * step[axis]);
+        let compliance = (0..points).map(|k| {
+            let q = wave(k % n[0], 0).hypot(wave(k / n[0], 1));
+            if k == 0 { 0.0 } else { 2.0 / q * 4.0 / points as f64 }
+        });
+        let mut planner = DctPlanner::new();
+        let transforms = n.map(|n| planner.plan_dct2(n));
+        let scratch = transforms.iter().map(|of| of.get_scratch_len()).max().unwrap_or(0);
+        Ok(Self {
+            heights,
+            n,
+            compliance: compliance.collect(),
+            transforms,
+            turned: vec![0.0; points],
+            scratch: vec![0.0; scratch],
+        })
+    }
+
+    /// Deflections (m) under pressures over the contact modulus.
+    fn deflect(&mut self, pressures: &[f64], into: &mut [f64]) {
+        let [nx, ny] = self.n;
+        into.copy_from_slice(pressures);
+        let [along_x, along_y] = &self.transforms;
+        let scratch = &mut self.scratch;
+        into.chunks_exact_mut(nx)
+            .for_each(|row| along_x.process_dct2_with_scratch(row, scratch));
+        turn(into, [nx, ny], &mut self.turned);
+        for (kx, column) in self.turned.chunks_exact_mut(ny).enumerate() {
+            along_y.process_dct2_with_scratch(column, scratch);
+            for (ky, value) in column.iter_mut().enumerate() {
+                *value *= self.compliance[ky * nx + kx];
+            }
+            along_y.process_dct3_with_scratch(column, scratch);
+        }
+        turn(&self.turned, [ny, nx], into);
+        into.chunks_exact_mut(nx)
+            .for_each(|row| along_x.process_dct3_with_scratch(row, scratch));
+    }
+
+    /// Contact at a mean pressure over the contact modulus, from pressures that are near; they are overwritten by those found.
+    ///
+    /// # Errors
+    /// A pressure that is not above zero, and [`SurfaceError::NoContact`] where the iterations do not end.
+    pub fn press(&mut self, pressure: f64, pressures: &mut Vec<f64>) -> Result<Pressed, SurfaceError> {
+        positive("mean pressure over the contact modulus", pressure, "1")?;
+        let points = self.heights.len();
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / points as f64;
+        let scale = |values: &mut [f64]| {
+            let factor = pressure / mean(values);
+            values.iter_mut().for_each(|p| *p *= factor);
+        };
+        pressures.resize(points, 0.0);
+        if mean(pressures) > 0.0 {
+            scale(pressures);
+        } else {
+            pressures.fill(pressure);
+        }
+        let [mut gap, mut moved, mut direction] = [0; 3].map(|_| vec![0.0; points]);
+        let (mut last, mut keeps) = (1.0, false);
+        let mut found = f64::INFINITY;
+        for _ in 0..MOST_ITERATIONS {
+            self.deflect(pressures, &mut gap);
+            let deflected = (gap.iter().map(|u| u * u).sum::<f64>() / points as f64).sqrt();
+            let (mut sum, mut touching) = (0.0, 0);
+            for ((gap, z), p) in gap.iter_mut().zip(self.heights).zip(&*pressures) {
+                *gap -= z;
+                if *p > 0.0 {
+                    sum += *gap;
+                    touching += 1;
+                }
+            }
+            let level = sum / touching as f64;
+            let (mut square, mut overlap) = (0.0, 0.0_f64);
+            for (gap, p) in gap.iter_mut().zip(&*pressures) {
+                *gap -= level;
+                if *p > 0.0 {
+                    square += *gap * *gap;
+                } else {
+                    overlap = overlap.max(-*gap);
+                }
+            }
+            found = (square / touching as f64).sqrt().max(overlap) / deflected;
+            if found <= TOLERANCE {
+                return Ok(Pressed {
+                    pressure,
+                    separation: mean(&gap),
+                    area: self.area(pressures),
+                });
+            }
+            let carried = if keeps { square / last } else { 0.0 };
+            last = square;
+            for ((t, gap), p) in direction.iter_mut().zip(&gap).zip(&*pressures) {
+                *t = if *p > 0.0 { gap + carried * *t } else { 0.0 };
+            }
+            self.deflect(&direction, &mut moved);
+            let of_touching =
+                |of: &dyn Fn(usize) -> f64| -> f64 { (0..points).filter(|&i| pressures[i] > 0.0).map(of).sum() };
+            let level = of_touching(&|i| moved[i]) / touching as f64;
+            let step = of_touching(&|i| gap[i] * direction[i]) / of_touching(&|i| (moved[i] - level) * direction[i]);
+            let step = if step.is_finite() { step } else { 0.0 };
+            keeps = true;
+            for ((p, t), gap) in pressures.iter_mut().zip(&direction).zip(&gap) {
+                if *p > 0.0 {
+                    *p = (*p - step * t).max(0.0);
+                } else if *gap < 0.0 {
+                    *p = -step * gap;
+                    keeps = false;
+                }
+            }
+            scale(pressures);
+        }
+        Err(SurfaceError::NoContact {
+            pressure,
+            residual: found,
+            iterations: MOST_ITERATIONS,
+        })
+    }
+
+    /// Contacts at rising mean pressures over the contact modulus, those left out at which fewer than [`LEAST_TOUCHING`] points touch.
+    ///
+    /// # Errors
+    /// As [`Self::press`].
+    pub fn curve(&mut self, pressures: &[f64]) -> Result<Vec<Pressed>, SurfaceError> {
+        // From the largest on: fewer points touch from one to the next, which begins better than more.
+        let mut found = Vec::with_capacity(pressures.len());
+        let mut state = Vec::new();
+        for &pressure in pressures.iter().rev() {
+            let pressed = self.press(pressure, &mut state)?;
+            if state.iter().filter(|p| **p > 0.0).count() < LEAST_TOUCHING {
+                break;
+            }
+            found.push(pressed);
+        }
+        found.reverse();
+        Ok(found)
+    }
+
+    /// Part of the points that touch, less a part of those on the edges of contact.
+    fn area(&self, pressures: &[f64]) -> f64 {
+        let [nx, ny] = self.n;
+        let touches = |i: usize| pressures[i] > 0.0;
+        let (mut touching, mut edges) = (0, 0);
+        for i in 0..nx * ny {
+            touching += usize::from(touches(i));
+            edges += usize::from(i % nx > 0 && touches(i) != touches(i - 1));
+            edges += usize::from(i >= nx && touches(i) != touches(i - nx));
+        }
+        let part = touching as f64 - (PI - 1.0 + LN_2) / 24.0 * edges as f64;
+        part.max(0.0) / (nx * ny) as f64
+    }
+}
+
+/// Rows as columns.
+fn turn(rows: &[f64], [nx, ny]: [usize; 2], columns: &mut [f64]) {
+    for j in 0..ny {
+        for i in 0..nx {
+            columns[i * ny + j] = rows[j * nx + i];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wave: at the mean pressure `P sin^2(psi)` the part `2 psi/pi` touches, with `P = pi E* a/wavelength` for heights `a cos` (Westergaard 1939).
+    #[test]
+    fn a_wave_touches_as_westergaard_found() {
+        let n = 256;
+        let heights: Vec<f64> = (0..4 * n)
+            .map(|k| 1e-6 * (2.0 * PI * ((k % n) as f64 + 0.5) / n as f64).cos())
+            .collect();
+        let mut solver = BoundaryElements::try_new(&heights, [n, 4], [1e-3 / n as f64; 2]).unwrap();
+        let complete = PI * 1e-6 / 1e-3;
+        for share in [0.1, 0.3, 0.6] {
+            let mut pressures = vec![];
+            let found = solver.press(share * complete, &mut pressures).unwrap();
+            let touching = pressures.iter().filter(|p| **p > 0.0).count() as f64 / heights.len() as f64;
+            let exact = 2.0 / PI * f64::asin(share.sqrt());
+            assert!((touching - exact).abs() <= 1.0 / n as f64, "{share} {touching} {exact}");
+            // Johnson, Greenwood and Higginson, Int. J. Mech. Sci. 27 (1985) 383-396: the mean gap.
+            let sine = share;
+            let gap = 1e-6 * (1.0 - sine + sine * sine.ln());
+            assert!(
+                (found.separation - gap).abs() < 2e-3 * 1e-6,
+                "{share} {} {gap}",
+                found.separation
+            );
+        }
+    }
+
+    /// Pressure and area of Hertz's sphere, in the corner of the mirrored field.
+    #[test]
+    fn a_sphere_touches_as_hertz_found() {
+        let (n, edge, radius) = (256, 1e-3, 1e-3);
+        let at = |k: usize| (k as f64 + 0.5) * edge / n as f64;
+        let heights: Vec<f64> = (0..n * n)
+            .map(|k| -(at(k % n).powi(2) + at(k / n).powi(2)) / (2.0 * radius))
+            .collect();
+        let mut solver = BoundaryElements::try_new(&heights, [n, n], [edge / n as f64; 2]).unwrap();
+        let contact = 0.06 * edge;
+        let force = 4.0 / 3.0 * contact.powi(3) / radius;
+        let mut pressures = vec![];
+        let found = solver.press(0.25 * force / (edge * edge), &mut pressures).unwrap();
+        let peak = pressures.iter().copied().fold(0.0, f64::max) / (1.5 * force / (PI * contact * contact));
+        let area = found.area / (0.25 * PI * (contact / edge).powi(2));
+        assert!((peak - 1.0).abs() < 0.01 && (area - 1.0).abs() < 0.03, "{peak} {area}");
+    }
+
+    #[test]
+    fn what_is_no_field_is_refused() {
+        assert!(BoundaryElements::try_new(&[1.0; 4], [2, 2], [1.0; 2]).is_err_and(|e| e.to_string().contains("rms")));
+        assert!(BoundaryElements::try_new(&[1.0; 4], [2, 3], [1.0; 2]).is_err());
+        assert!(BoundaryElements::try_new(&[0.0, 1.0, f64::NAN, 0.0], [2, 2], [1.0; 2]).is_err());
+        let mut solver = BoundaryElements::try_new(&[0.0, 1.0, 2.0, 0.0], [2, 2], [1.0; 2]).unwrap();
+        assert!(solver.press(0.0, &mut vec![]).is_err());
+    }
+
+    /// Turned by 90 degrees and in other units, the contact is the same.
+    #[test]
+    fn units_and_axes_do_not_matter() {
+        let (nx, ny) = (48, 40);
+        let height = |i: usize, j: usize| {
+            1e-6 * ((0.9 * i as f64).sin() * (0.7 * j as f64).cos() + (0.31 * (i + 2 * j) as f64).sin())
+        };
+        let heights: Vec<f64> = (0..nx * ny).map(|k| height(k % nx, k / nx)).collect();
+        let turned: Vec<f64> = (0..nx * ny).map(|k| 1e3 * height(k / ny, k % ny)).collect();
+        let steps = [10e-6, 14e-6];
+        let mut first = BoundaryElements::try_new(&heights, [nx, ny], steps).unwrap();
+        let mut second = BoundaryElements::try_new(&turned, [ny, nx], [1e3 * steps[1], 1e3 * steps[0]]).unwrap();
+        for pressure in [1e-4, 1e-3, 1e-2] {
+            let a = first.press(pressure, &mut vec![]).unwrap();
+            let b = second.press(pressure, &mut vec![]).unwrap();
+            assert!(
+                (b.separation / a.separation / 1e3 - 1.0).abs() < 1e-3 && (a.area - b.area).abs() < 1e-3,
+                "{a:?} {b:?}"
+            );
+        }
+    }
+}
