@@ -15,7 +15,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use scenes::distribution::standard_normal;
 use scenes::uncertain::{beyond, of_parameter};
-use scenes::{Marginal, Parameter, Scene, Surface, TIGHTENING_SIGMAS, Uncertain};
+use scenes::{LawKind, Marginal, Parameter, Scene, Surface, TIGHTENING_SIGMAS, Uncertain};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -378,10 +378,12 @@ fn left_out(scene: &Scene, uncertain: &Uncertain) -> Option<String> {
         let path = parameter.path();
         path.starts_with("interfaces.scale.asperity_") || path.starts_with("interfaces.surface")
     };
-    let has_asperities = (scene.interfaces.surfaces()).any(|surface| !matches!(surface, Surface::Parameters(_)));
+    let by_sums = scene.interfaces.law.kind != LawKind::BoundaryElements;
+    let has_asperities =
+        by_sums && (scene.interfaces.surfaces()).any(|surface| !matches!(surface, Surface::Parameters(_)));
     (has_asperities && !uncertain.parameters.keys().any(stands_for_it)).then(|| {
         "the error of the traction law is not in the bands: asperity sums have 0.9, 0.7 and 0.5 times the stiffness of boundary elements at 5, 20 and 50 \
-         MPa, and patches scatter by 0.2; to have it in, vary interfaces.scale.asperity_height, such as by { \"lognormal\": { \"factor\": 1.5 } }"
+         MPa, and patches scatter by 0.2; with scans take interfaces.law.kind = \"boundary-elements\", or to have it in, vary interfaces.scale.asperity_height, such as by { \"lognormal\": { \"factor\": 1.5 } }"
             .into()
     })
 }

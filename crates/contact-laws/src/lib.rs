@@ -19,6 +19,7 @@
 //! | [`AsperityLaw`] | sums over asperities (Hertz, Mindlin), no fit | gaps, density, radii | [`curves::asperity_sum`] |
 //! | [`GreenwoodWilliamsonLaw`] | closed forms | heights, density, radii | [`curves::greenwood_williamson`] |
 //! | [`TableLaw`] | monotone C1 table of known error | any other curves | [`curves::table`] |
+//! | [`curves::sampled`] | through points, such as of boundary elements | interferences, tractions, areas | [`curves::sampled`] |
 //! | [`RoughLaw`] | fitted, eqs. (28), (29) | fit parameters | [`curves::fitted`] |
 //! | [`ElasticDryFriction`] | constant stiffnesses | `k_n`, `k_x`, `k_y` | [`curves::elastic`] |
 //! | [`FoundationLaw`] | any of the above whose stiffness does not fall, with partial slip | curves, number of springs | [`friction::foundation`] |
@@ -83,6 +84,7 @@ pub use curves::elastic::ElasticCurves;
 pub use curves::fitted::{FittedCurves, NormalFit, TangentialEnds, TangentialFit};
 pub use curves::fitted_points::FittedPoints;
 pub use curves::greenwood_williamson::{GreenwoodWilliamsonCurves, GreenwoodWilliamsonSurface};
+pub use curves::sampled::SampledCurves;
 pub use curves::table::{TableOptions, Tabulated};
 pub use curves::{CURVES, ContactCurves, CurveBlock, CurveFactors, CurvesInfo, Exponents, PointCurves};
 pub use error::{Error, Place};

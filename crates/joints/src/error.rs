@@ -204,6 +204,12 @@ pub enum Error {
          law have none; describe it by interfaces.surface.scans or interfaces.surface.synthetic-scan"
     )]
     NoSamples,
+    /// Boundary elements are asked for where they have no meaning.
+    #[error("interfaces.law.kind = \"boundary-elements\" {reason}")]
+    BoundaryElements {
+        /// Why, and what to do.
+        reason: &'static str,
+    },
     /// No number of bins is exact enough.
     #[error(
         "interfaces.law.bins.error = {target:e}: 128 bins reach {reached:.1e}; ask for less, or give their number with \
@@ -273,6 +279,7 @@ impl Error {
             Self::ReductionTarget { .. } => Some("model.reduction_error"),
             Self::Bins { .. } => Some("interfaces.law.bins.error"),
             Self::NoSamples => Some("interfaces.surface"),
+            Self::BoundaryElements { .. } => Some("interfaces.law.kind"),
             _ => None,
         }
     }

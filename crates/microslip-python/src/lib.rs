@@ -33,7 +33,7 @@ mod _native {
     #[pymodule_export]
     use crate::scene::{Scene, benchmarks};
     #[pymodule_export]
-    use crate::surfaces::{characterise, read_scan, synthetic_face, write_scan};
+    use crate::surfaces::{characterise, press, read_scan, synthetic_face, write_scan};
 
     /// The version of the package.
     #[pyfunction]

@@ -14,9 +14,9 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use surface_characterisation::readers::{self, FirstRow, Format, LengthUnit};
 use surface_characterisation::{
-    AsperityCount, Bootstrap, Characterisation, Detrend, ElementOutlines, ElementSurface, FaceAsperities,
-    HeightCombination, HeightMap, InterferenceRange, NoiseHandling, Options, PackingHeight, PairRadius,
-    RadiusStatistic, Registration, SyntheticFace, TallestPeak, Waviness, writers,
+    AsperityCount, Bootstrap, BoundaryElements, Characterisation, Detrend, ElementOutlines, ElementSurface,
+    FaceAsperities, HeightCombination, HeightMap, InterferenceRange, NoiseHandling, Options, PackingHeight, PairRadius,
+    Pressed, RadiusStatistic, Registration, SyntheticFace, TallestPeak, Waviness, writers,
 };
 use zte_assembly::{Element, InterfaceMesh};
 
@@ -161,6 +161,35 @@ pub(crate) fn synthetic_face<'py>(
         .detach(|| pool.install(|| face.generate(|_| false)))
         .map_err(Exception::from)?;
     to_python(py, &map)
+}
+
+/// Contact of heights on a half-space by boundary elements, at mean pressures over the contact modulus: mean gaps (m), parts of the area in contact, points that
+/// touch.
+#[pyfunction]
+#[pyo3(signature = (
+    map: "tuple[numpy.typing.NDArray[numpy.float64], tuple[float, float], tuple[float, float], float | None]",
+    pressures: "collections.abc.Sequence[float]"
+) -> "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], list[int]]")]
+pub(crate) fn press<'py>(
+    py: Python<'py>,
+    map: GivenMap<'_>,
+    pressures: Vec<f64>,
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<usize>)> {
+    let map = from_python(&map)?;
+    let found = py.detach(|| -> Result<Vec<Pressed>, Exception> {
+        let (nx, ny) = (map.nx(), map.ny());
+        let points = (0..nx * ny).map(|k| map.height(k % nx, k / nx).unwrap_or(f64::NAN));
+        let heights: Vec<f64> = points.collect();
+        let mut elements = BoundaryElements::try_new(&heights, [nx, ny], map.step())?;
+        Ok(elements.curve(&pressures)?)
+    })?;
+    let list = |of: fn(&Pressed) -> f64| PyArray1::from_iter(py, found.iter().map(of));
+    let touching = found.iter().map(|pressed| pressed.touching).collect();
+    Ok((
+        list(|pressed| pressed.separation),
+        list(|pressed| pressed.area),
+        touching,
+    ))
 }
 
 /// How faces are brought together and read; all in SI.

@@ -291,6 +291,8 @@ LAW = laws.FrictionalLaw(ELASTIC, 0.3, n_points=5)
         (lambda: laws.FoundationLaw(ELASTIC, 0.1, tangential_ratio=0.8, n_springs=0, reach=1e-5), ["bins"]),
         (lambda: laws.TabulatedCurves(asperities(), range=(1e-4, 1e-8)), ["range"]),
         (lambda: laws.TabulatedCurves(laws.TabulatedCurves(ELASTIC, range=(1e-8, 1e-4)), range=(1e-8, 1e-4)), ["table"]),
+        (lambda: laws.SampledCurves(interferences=[0, 1], tractions=[0, 1], areas=[0, 0], tangential_ratio=0.8), ["interferences", "3"]),
+        (lambda: laws.SampledCurves(interferences=[0, 1, 2], tractions=[0, 2, 1], areas=[0, 0, 0], tangential_ratio=0.8), ["tractions"]),
         (lambda: asperities(poisson_ratio=0.7), ["poisson_ratio", "7e-1"]),
         (lambda: greenwood("uniform"), ["heights", "uniform", "gaussian"]),
         (lambda: laws.FittedCurves(normal=(1.0,) * 4, tangential_x=(1.0,) * 4, u_ref=1e-6), ["normal", "4", "5"]),

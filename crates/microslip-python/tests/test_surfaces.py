@@ -260,3 +260,21 @@ def test_wrong_scans_are_named(tmp_path: Path) -> None:
         microslip.synthetic_face((100_000, 100_000), 1e-6, rms=1e-6, correlation_length=1e-6)
     with pytest.raises(microslip.InputError, match="correlation_length"):
         microslip.synthetic_face((20, 20), 1e-6, rms=1e-6, correlation_length=1.0)
+
+
+def test_waves_touch_as_westergaard_found() -> None:
+    n, height, length = 256, 1e-6, 1e-3
+    x = (np.arange(n) + 0.5) / n
+    wave = microslip.HeightMap(np.tile(height * np.cos(2 * np.pi * x), (4, 1)), step=(length / n, length / n))
+    shares = np.array([0.1, 0.3, 0.6])
+    separation, _, touching = microslip.press(wave, shares * np.pi * height / length)
+    assert np.allclose(np.array(touching) / (4 * n), 2 / np.pi * np.arcsin(np.sqrt(shares)), atol=1 / n)
+    assert np.allclose(separation, height * (1 - shares + shares * np.log(shares)), atol=2e-3 * height)
+    curves = microslip.laws.SampledCurves(
+        interferences=[0.0, *(height - separation)], tractions=[0.0, *(1e11 * shares)], areas=[0.0, *shares], tangential_ratio=0.8
+    )
+    law = microslip.laws.FoundationLaw(curves, 0.2, tangential_ratio=0.8, n_springs=64, reach=1.2e-6)
+    traction, _, _ = law.evaluate(np.array([[0.0], [0.0], [height - separation[1]]]))
+    assert abs(traction[2, 0] / 0.3e11 - 1) < 0.2
+    with pytest.raises(microslip.InputError, match="pressure"):
+        microslip.press(wave, [-1.0])

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Law {
-    /// How the asperity sums are evaluated. For lumped friction.
+    /// How the asperity sums are evaluated, for lumped friction; or, with `boundary-elements`, what takes their place.
     pub kind: LawKind,
     /// Tangential stiffness of an asperity. For lumped friction; asperities with a history of their own have Mindlin's.
     pub tangential: TangentialReading,
@@ -80,6 +80,8 @@ pub enum LawKind {
     Fitted,
     /// The sums themselves.
     AsperitySum,
+    /// Contact of the scanned faces by boundary elements ([`surface_characterisation::BoundaryElements`]), element by element; also for a foundation.
+    BoundaryElements,
 }
 
 /// What sticks or slips as a whole.

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::former;
 use crate::interfaces::Interfaces;
 use crate::json::{self, Refusal};
-use crate::law::{Friction, Law, RadialRule};
+use crate::law::{Friction, Law, LawKind, RadialRule};
 use crate::structure::{Coordinates, MaterialSource, Model, StructureBlock, StructureSource};
 use crate::surface::{Gap, Surface};
 use crate::torque;
@@ -481,7 +481,12 @@ impl Scene {
                 json!(default.friction),
                 asperities,
             ),
-            (resolved, "/interfaces/law/kind", json!(default.kind), lumped),
+            (
+                resolved && !(foundation && law.kind == LawKind::BoundaryElements),
+                "/interfaces/law/kind",
+                json!(default.kind),
+                lumped,
+            ),
             (
                 resolved,
                 "/interfaces/law/tangential",

@@ -13,14 +13,17 @@
 //! Sources: I. A. Polonsky and L. M. Keer, Wear 231 (1999) 206-219; H. M. Stanley and T. Kato, J. Tribol. 119 (1997) 481-485; area of contact with a
 //! part of the points on its edges: V. A. Yastrebov, G. Anciaux and J.-F. Molinari, J. Mech. Phys. Solids 107 (2017) 469-493.
 
-use crate::error::SurfaceError;
-use crate::error::positive;
+use crate::characterise::Characterisation;
+use crate::error::{SurfaceError, positive};
+use crate::partition::ElementOutlines;
+use crate::topography::HeightMap;
+use rayon::prelude::*;
 use rustdct::{DctPlanner, TransformType2And3};
 use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
 /// Fewest points that touch at a pressure that is resolved.
-pub const LEAST_TOUCHING: usize = 30;
+const LEAST_TOUCHING: usize = 30;
 
 /// Largest rms gap where there is contact, and largest overlap elsewhere, over the rms of the deflections.
 const TOLERANCE: f64 = 1e-5;
@@ -47,6 +50,8 @@ pub struct Pressed {
     pub separation: f64,
     /// Part of the area that touches.
     pub area: f64,
+    /// Points that touch.
+    pub touching: usize,
 }
 
 impl<'a> BoundaryElements<'a> {
@@ -166,6 +171,7 @@ impl<'a> BoundaryElements<'a> {
                     pressure,
                     separation: mean(&gap),
                     area: self.area(pressures),
+                    touching,
                 });
             }
             let carried = if keeps { square / last } else { 0.0 };
@@ -197,7 +203,7 @@ impl<'a> BoundaryElements<'a> {
         })
     }
 
-    /// Contacts at rising mean pressures over the contact modulus, those left out at which fewer than [`LEAST_TOUCHING`] points touch.
+    /// Contacts at rising mean pressures over the contact modulus.
     ///
     /// # Errors
     /// As [`Self::press`].
@@ -206,11 +212,7 @@ impl<'a> BoundaryElements<'a> {
         let mut found = Vec::with_capacity(pressures.len());
         let mut state = Vec::new();
         for &pressure in pressures.iter().rev() {
-            let pressed = self.press(pressure, &mut state)?;
-            if state.iter().filter(|p| **p > 0.0).count() < LEAST_TOUCHING {
-                break;
-            }
-            found.push(pressed);
+            found.push(self.press(pressure, &mut state)?);
         }
         found.reverse();
         Ok(found)
@@ -228,6 +230,135 @@ impl<'a> BoundaryElements<'a> {
         }
         let part = touching as f64 - (PI - 1.0 + LN_2) / 24.0 * edges as f64;
         part.max(0.0) / (nx * ny) as f64
+    }
+}
+
+/// Mean pressures over the contact modulus of [`Characterisation::pressed`]: for steel, from 0.1 to 1000 MPa.
+const PRESSURES: [f64; 2] = [1e-6, 1e-2];
+const PER_DECADE: f64 = 10.0;
+
+/// Most points of an element along an axis.
+const MOST_POINTS: usize = 256;
+
+/// A curve of an element by boundary elements.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct PressedElement {
+    /// Index of the element.
+    pub element: usize,
+    /// Points along x and y.
+    pub points: [usize; 2],
+    /// Every how many points of the top face along x and y they are.
+    pub stride: [usize; 2],
+    /// Part of the points without data on a face, which cannot touch.
+    pub missing: f64,
+    /// Interferences (m) as those of the element's asperities count: zero where the tallest peaks of both faces would meet. The first is where the
+    /// faces touch.
+    pub interferences: Vec<f64>,
+    /// Mean pressures over the contact modulus there, the first 0.
+    pub pressures: Vec<f64>,
+    /// Parts of the area in contact.
+    pub areas: Vec<f64>,
+    /// Smallest mean pressure over the contact modulus at which 30 points or more touch.
+    pub resolved_from: f64,
+}
+
+impl Characterisation {
+    /// Contact of some elements by boundary elements: of each its bounding box, with the heights of both faces above their forms, at up to 256 points along
+    /// an axis; of more points of the top face every second, third and so on. `maps` are those that were characterised.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Interrupted`] where `stop` says so, [`SurfaceError::NoContact`], [`SurfaceError::LengthMismatch`] for an element with so few points that no
+    /// pressure is resolved.
+    pub fn pressed(
+        &self,
+        stop: &(dyn Fn() -> bool + Sync),
+        maps: [&HeightMap; 2],
+        outlines: &ElementOutlines,
+        elements: &[usize],
+    ) -> Result<Vec<PressedElement>, SurfaceError> {
+        let [top, bottom] = maps;
+        let (top, _) = self.options.noise.apply(top)?;
+        let (bottom, _) = self.options.noise.apply(bottom)?;
+        let bottom = bottom.into_owned().shifted(self.options.registration.shift)?;
+        let found = elements.par_iter().map(|&element| match stop() {
+            true => Err(SurfaceError::Interrupted),
+            false => self.pressed_element([&top, &bottom], outlines, element),
+        });
+        // In order, so that of several errors the first element's is reported on any number of threads.
+        found.collect::<Vec<_>>().into_iter().collect()
+    }
+
+    fn pressed_element(
+        &self,
+        maps: [&HeightMap; 2],
+        outlines: &ElementOutlines,
+        element: usize,
+    ) -> Result<PressedElement, SurfaceError> {
+        let of_element = &self.elements[element];
+        let grid = maps[0];
+        let (low, high) = outlines.element_bounds(element);
+        let windows = [0, 1].map(|axis| grid.indices_within(axis, low[axis], high[axis]));
+        let stride = windows.map(|(first, end)| (end - first).div_ceil(MOST_POINTS).max(1));
+        let points = [0, 1].map(|axis| (windows[axis].1 - windows[axis].0).div_ceil(stride[axis]));
+        let step = [0, 1].map(|axis| grid.step()[axis] * stride[axis] as f64);
+        let residual = |side: usize, at: [f64; 2]| {
+            let form = self.faces[side].trend.at(at) + of_element.faces[side].plane.at(at);
+            maps[side].interpolated(at).map(|z| z - form)
+        };
+        let mut heights = Vec::with_capacity(points[0] * points[1]);
+        for j in (windows[1].0..windows[1].1).step_by(stride[1]) {
+            for i in (windows[0].0..windows[0].1).step_by(stride[0]) {
+                let at = grid.position(i, j);
+                heights.push(residual(0, at).zip(residual(1, at)).map(|(top, bottom)| top + bottom));
+            }
+        }
+        let lowest = heights.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        let missing = heights.iter().filter(|height| height.is_none()).count();
+        let heights: Vec<f64> = heights.into_iter().map(|height| height.unwrap_or(lowest)).collect();
+        let count = heights.len();
+        let curve = match heights.len() {
+            0 => Vec::new(),
+            _ => {
+                let decades = (PRESSURES[1] / PRESSURES[0]).log10();
+                let pressures =
+                    (0..=(decades * PER_DECADE) as i32).map(|i| PRESSURES[0] * 10f64.powf(f64::from(i) / PER_DECADE));
+                BoundaryElements::try_new(&heights, points, step)?.curve(&pressures.collect::<Vec<_>>())?
+            }
+        };
+        let datum = of_element.faces[0].tallest + of_element.faces[1].tallest;
+        let mean = heights.iter().sum::<f64>() / count.max(1) as f64;
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut found = PressedElement {
+            element,
+            points,
+            stride,
+            missing: missing as f64 / count.max(1) as f64,
+            interferences: vec![datum - highest],
+            pressures: vec![0.0],
+            areas: vec![0.0],
+            resolved_from: f64::INFINITY,
+        };
+        for pressed in curve {
+            if pressed.touching >= LEAST_TOUCHING {
+                found.resolved_from = found.resolved_from.min(pressed.pressure);
+            }
+            let interference = datum - (pressed.separation + mean);
+            if interference > found.interferences[found.interferences.len() - 1] {
+                found.interferences.push(interference);
+                found.pressures.push(pressed.pressure);
+                found.areas.push(pressed.area.min(1.0));
+            }
+        }
+        if found.pressures.len() < 4 || found.resolved_from > PRESSURES[1] {
+            return Err(SurfaceError::LengthMismatch {
+                field: "points of a patch for boundary elements",
+                found: count,
+                expected: 1000.max(count + 1),
+                remedy: "scan with more points, coarsen the interface mesh, or take another law",
+            });
+        }
+        Ok(found)
     }
 }
 
@@ -286,6 +417,37 @@ mod tests {
         let peak = pressures.iter().copied().fold(0.0, f64::max) / (1.5 * force / (PI * contact * contact));
         let area = found.area / (0.25 * PI * (contact / edge).powi(2));
         assert!((peak - 1.0).abs() < 0.01 && (area - 1.0).abs() < 0.03, "{peak} {area}");
+    }
+
+    /// Against Tamaas 2.9 (Frerot et al., J. Open Source Softw. 5 (2020) 2121), its solver of Polonsky, Keer and Rey on the field and its images.
+    #[test]
+    fn another_program_finds_the_same_contact() {
+        let (nx, ny) = (64, 48);
+        let heights: Vec<f64> = (0..nx * ny)
+            .map(|k| {
+                let (i, j) = ((k % nx) as f64, (k / nx) as f64);
+                let waves = (0.9 * i).sin() * (0.7 * j).cos() + (0.31 * (i + 2.0 * j)).sin();
+                1e-6 * (waves + 0.6 * (0.23 * i - 0.4 * j + 1.0).sin())
+            })
+            .collect();
+        let mut solver = BoundaryElements::try_new(&heights, [nx, ny], [10e-6, 12e-6]).unwrap();
+        for (pressure, separation, touching) in [
+            (1e-5, 2.3430779527e-6, 0.0013020833),
+            (1e-4, 2.0772863299e-6, 0.0087890625),
+            (1e-3, 1.4748616272e-6, 0.0481770833),
+            (5e-3, 8.3138085268e-7, 0.1858723958),
+        ] {
+            let mut pressures = vec![];
+            let found = solver.press(pressure, &mut pressures).unwrap();
+            assert!(
+                (found.separation / separation - 1.0).abs() < 1e-5,
+                "{found:?} {separation:e}"
+            );
+            assert!(
+                (found.touching as f64 / heights.len() as f64 - touching).abs() < 1e-9,
+                "{found:?} {touching}"
+            );
+        }
     }
 
     #[test]

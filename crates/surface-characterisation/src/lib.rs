@@ -39,7 +39,7 @@ pub mod writers;
 
 pub use areal::{ArealParameters, ArealPatch};
 pub use bootstrap::{Bootstrap, CurveBands, TallestPeak, bootstrap_bands, realisation};
-pub use boundary_elements::{BoundaryElements, LEAST_TOUCHING, Pressed};
+pub use boundary_elements::{BoundaryElements, Pressed, PressedElement};
 pub use characterise::{Characterisation, ElementSurface, Summary, characterise, characterise_until};
 pub use detrend::{Detrend, Plane, fit_plane, trend};
 pub use error::{FileError, SurfaceError};

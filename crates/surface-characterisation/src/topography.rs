@@ -164,6 +164,28 @@ impl HeightMap {
         (!z.is_nan()).then_some(z)
     }
 
+    /// Height at a position (m), bilinear between the four points around it; `None` where one of them has no data.
+    pub fn interpolated(&self, at: [f64; 2]) -> Option<f64> {
+        let n = [self.nx, self.ny];
+        let place = [0, 1].map(|axis| {
+            let x = (at[axis] - self.origin[axis]) / self.step[axis];
+            // On the last point, or within rounding of a point.
+            let nearest = x.round();
+            let x = if (x - nearest).abs() < 1e-6 { nearest } else { x };
+            (x >= 0.0 && x <= (n[axis] - 1) as f64).then(|| (x.floor() as usize, x.fract()))
+        });
+        let [(i, x), (j, y)] = [place[0]?, place[1]?];
+        let mut sum = 0.0;
+        for (di, of_x) in [(0, 1.0 - x), (1, x)] {
+            for (dj, of_y) in [(0, 1.0 - y), (1, y)] {
+                if of_x * of_y > 0.0 {
+                    sum += of_x * of_y * self.height(i + di, j + dj)?;
+                }
+            }
+        }
+        Some(sum)
+    }
+
     /// The face seen from the other side: x becomes `2 about - x`, heights keep their sign (still out of the body).
     #[must_use]
     pub fn mirrored_x(&self, about: f64) -> Self {
@@ -227,6 +249,14 @@ mod tests {
         heights[4] = f64::NAN;
         let map = HeightMap::try_new(3, 3, [1.0, 2.0], [10.0, 20.0], heights).unwrap();
         assert_eq!((map.height(1, 1), map.missing()), (None, 1));
+        assert_eq!(
+            (map.interpolated([12.0, 21.0]), map.interpolated([11.0, 20.0])),
+            (Some(3.5), Some(1.0))
+        );
+        assert_eq!(
+            (map.interpolated([11.5, 21.0]), map.interpolated([12.1, 21.0])),
+            (None, None)
+        );
         assert_eq!(map.height(3, 0), None);
         let mirrored = map.mirrored_x(0.0);
         // The point that was at x = 12 is now at -12.

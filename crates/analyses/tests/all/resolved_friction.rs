@@ -243,6 +243,22 @@ fn what_does_not_belong_to_the_friction_of_a_scene_is_refused() {
             ["interfaces.law.yield.tangent_modulus", "below"],
         ),
         (
+            r#"{ "history": "paper" }"#.into(),
+            ["interfaces.law.history", "foundation"],
+        ),
+        (
+            r#"{ "friction": "foundation", "cone": "box" }"#.into(),
+            ["interfaces.law.cone", "foundation"],
+        ),
+        (
+            format!(r#"{{ "friction": "foundation", {yielding} }}"#),
+            ["interfaces.law.yield", "mindlin-iwan"],
+        ),
+        (
+            r#"{ "friction": "resolved", "kind": "boundary-elements" }"#.into(),
+            ["interfaces.law.kind", "lumped"],
+        ),
+        (
             r#"{ "friction": "sticky" }"#.into(),
             ["interfaces.law.friction", "resolved"],
         ),
@@ -255,4 +271,58 @@ fn what_does_not_belong_to_the_friction_of_a_scene_is_refused() {
     scene.interfaces.law.history = contact_laws::HistoryRule::Potential;
     let error = analyses::run(&scene, &joints::Options::default(), &joints::progress::Silent);
     assert!(error.unwrap_err().to_string().contains("yield"));
+}
+
+/// Contact of synthetic scans by boundary elements, as the curves of both kinds of friction.
+#[test]
+fn boundary_elements_take_the_place_of_asperities() {
+    let scene = |law: &str, more: &str| {
+        let text = format!(
+            r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
+                "model": {{ "element_order": "linear", "refinement": "quick", "modes": 10 }},
+                "analyses": {{ "backbone": {{ "amplitudes": 2, "vertices_per_quarter": 4 }} }}, "output": {{ "fields_at": [] }},
+                "interfaces": {{ "surface": {{ "synthetic-scan": {{ "bootstrap": 0, "step": [60e-6, 100e-6], "correlation_length": [300e-6, 400e-6] }} }}, "gap": "flat", "mu": 0.2, "points_per_direction": 2,
+                    "law": {law} {more} }} }}"#
+        );
+        Scene::from_json(&text, "a.json", "a", &[&BrakeReussBenchmark]).unwrap()
+    };
+    let springs = go(&scene(r#"{ "kind": "boundary-elements" }"#, ""));
+    let lumped = go(&scene(r#"{ "kind": "boundary-elements", "friction": "lumped" }"#, ""));
+    let sums = go(&scene("{}", ""));
+    let omega = |run: &Run| run.amplitudes()[0].point.result.as_ref().unwrap().omega;
+    // The same stiffness where nothing slips, and another one than that of the sums.
+    assert!(
+        (omega(&springs) / omega(&lumped) - 1.0).abs() < 1.5e-3,
+        "{} {}",
+        omega(&springs),
+        omega(&lumped)
+    );
+    assert!(
+        (omega(&springs) / omega(&sums) - 1.0).abs() > 3e-3,
+        "{} {}",
+        omega(&springs),
+        omega(&sums)
+    );
+    let of_law = |run: &Run| run.law().asperities.clone().unwrap().boundary_elements;
+    let report = of_law(&springs).unwrap();
+    assert_eq!(report.elements, 32);
+    assert!(
+        report.points.iter().all(|n| (16..=256).contains(n)) && report.stride == [1, 1] && report.missing < 0.2,
+        "{report:?}"
+    );
+    assert!((0.2..1.5).contains(&report.sums_to_boundary_elements), "{report:?}");
+    assert!(of_law(&sums).is_none());
+
+    let refused = |scene: &Scene| run(scene, &Options::cached(cache()), &Silent).unwrap_err().to_string();
+    let text = refused(&scene(
+        r#"{ "kind": "boundary-elements" }"#,
+        r#", "scale": { "asperity_height": 1.1 }"#,
+    ));
+    assert!(
+        text.contains("boundary-elements") && text.contains("asperity_height"),
+        "{text}"
+    );
+    let mut without = scene(r#"{ "kind": "boundary-elements" }"#, "");
+    without.interfaces.surface = scenes::Surface::Measured;
+    assert!(refused(&without).contains("needs the scans"));
 }

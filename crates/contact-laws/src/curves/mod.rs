@@ -8,6 +8,7 @@ pub mod elastic;
 pub mod fitted;
 pub(crate) mod fitted_points;
 pub mod greenwood_williamson;
+pub mod sampled;
 pub mod table;
 
 pub use contact_curves::{ContactCurves, CurveBlock, CurveFactors, CurvesInfo, Exponents, PointCurves};
@@ -18,5 +19,6 @@ pub static CURVES: &[&CurvesInfo] = &[
     &elastic::INFO,
     &fitted::INFO,
     &greenwood_williamson::INFO,
+    &sampled::INFO,
     &table::INFO,
 ];

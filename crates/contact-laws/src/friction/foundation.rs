@@ -170,7 +170,7 @@ impl Foundation {
     /// # Errors
     /// [`Error::Parameter`] when a number is out of bounds, or when the stiffness of the curves falls somewhere: no springs do that.
     pub fn of_curves(
-        curves: &impl ContactCurves,
+        curves: &(impl ContactCurves + ?Sized),
         ratio: f64,
         n: usize,
         reach: f64,

@@ -2,6 +2,7 @@
 
 use super::finish::{FinishReport, FinishedSurface};
 use super::population::population;
+use super::pressed::Pressed;
 use super::surface::{FileReport, ScannedSurface, material};
 use crate::Error;
 use contact_laws::{
@@ -28,6 +29,8 @@ pub struct Asperities {
     /// Of both faces.
     pub material: ElasticPair,
     pub(super) scan: Option<Arc<(Characterisation, Vec<FileReport>)>>,
+    /// Contact of the scans by boundary elements, where the law asks for it.
+    pub(super) pressed: Option<Arc<Pressed>>,
     /// Of faces by their roughness parameters: what is reported, and the forms within their flatness.
     pub(super) finish: Option<Arc<(FinishReport, Option<[FlatnessForm; 2]>)>>,
 }
@@ -51,6 +54,7 @@ impl Asperities {
             of_element: vec![0; mesh.elements.len()],
             material: material(scene)?,
             scan: None,
+            pressed: None,
             finish: None,
         }
         .scaled(&scene.interfaces.scale)
@@ -72,6 +76,7 @@ impl Asperities {
             of_element,
             material: material(scene)?,
             scan: None,
+            pressed: None,
             finish: Some(Arc::new((report, forms))),
         }
         .scaled(&scene.interfaces.scale)
@@ -79,7 +84,9 @@ impl Asperities {
 
     /// Those of two scans, element by element.
     pub(super) fn scanned(scene: &Scene, mesh: &InterfaceMesh, limits: Limits<'_>) -> Result<Self, Error> {
-        let ScannedSurface { found, files, .. } = ScannedSurface::within(limits, scene, mesh)?;
+        let scanned = ScannedSurface::within(limits, scene, mesh)?;
+        let pressed = Pressed::of(limits, scene, &scanned)?;
+        let ScannedSurface { found, files, .. } = scanned;
         let populations = found.elements.iter().map(|e| population(scene, &e.population));
         Self {
             populations: populations.collect::<Result<_, Error>>()?,
@@ -88,6 +95,7 @@ impl Asperities {
             of_element: (0..mesh.elements.len() as u32).collect(),
             material: material(scene)?,
             scan: Some(Arc::new((found, files))),
+            pressed,
             finish: None,
         }
         .scaled(&scene.interfaces.scale)
@@ -102,6 +110,7 @@ impl Asperities {
             of_element: self.of_element.clone(),
             material: self.material,
             scan: None,
+            pressed: None,
             finish: self.finish.clone(),
         }
         .scaled(scale)
@@ -116,6 +125,7 @@ impl Asperities {
             of_element: self.of_element.clone(),
             material: material(scene)?,
             scan: self.scan.clone(),
+            pressed: self.pressed.clone(),
             finish: self.finish.clone(),
         }
         .scaled(&scene.interfaces.scale)
@@ -165,6 +175,7 @@ impl Asperities {
             of_element: Vec::new(),
             material: parts.first()?.material,
             scan: None,
+            pressed: None,
             finish: None,
         };
         for part in parts {

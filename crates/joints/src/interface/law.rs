@@ -2,6 +2,7 @@
 
 use super::asperities::Asperities;
 use super::finish::FinishReport;
+use super::pressed::BoundaryElementsReport;
 use super::resolved::ResolvedReport;
 use super::stiffness::{mean, stiffnesses};
 use super::surface::{FileReport, U_REF};
@@ -33,7 +34,7 @@ const TABLE_RANGE: [f64; 2] = [1e-10, 1e-3];
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawReport {
-    /// `tabulated`, `fitted`, `asperity-sum` or `elastic`; with friction of parts of a point `foundation`, `resolved` or `mindlin-iwan`.
+    /// `tabulated`, `fitted`, `asperity-sum`, `boundary-elements` or `elastic`; with friction of parts of a point `foundation`, `resolved` or `mindlin-iwan`.
     pub kind: String,
     /// History rule.
     pub history: contact_laws::HistoryRule,
@@ -81,6 +82,9 @@ pub struct AsperityReport {
     pub fitted_to_summed: f64,
     /// The `paper` over the `mindlin` reading of the summed tangential stiffness there.
     pub paper_to_mindlin: f64,
+    /// About boundary elements, where the law follows from them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boundary_elements: Option<BoundaryElementsReport>,
 }
 
 /// A law and what is reported about it.
@@ -191,6 +195,11 @@ impl Asperities {
         let population_of: Vec<u32> = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
         let mu = mu.clone();
         Ok(match scene.interfaces.law.kind {
+            LawKind::BoundaryElements => {
+                let curves = self.pressed_curves(scene)?.unwrap_or_default();
+                let curves = PointParameters::try_indexed(curves, population_of)?;
+                NamedLaw::lumped("boundary-elements", frictional(curves, mu, scene)?)
+            }
             LawKind::AsperitySum => {
                 let curves = PointParameters::try_indexed(sums.to_vec(), population_of)?;
                 NamedLaw::lumped("asperity-sum", frictional(curves, mu, scene)?)
@@ -244,7 +253,7 @@ impl BuiltLaw {
         scene: &Scene,
         operators: &Operators,
         element_of: &[u32],
-        closure: f64,
+        (closure, pressure): (f64, f64),
     ) -> Result<([f64; 2], AsperityReport), Error> {
         let asperities = &self.asperities;
         let average = |of: &dyn Fn(usize) -> [f64; 2]| {
@@ -258,6 +267,10 @@ impl BuiltLaw {
             Ok(average(&|population| stiffnesses(&sums[population], closure)))
         };
         let summed = average(&|population| stiffnesses(&self.sums[population], closure));
+        let curves = asperities.pressed_curves(scene)?;
+        let pressed = curves
+            .as_ref()
+            .map(|curves| average(&|population| stiffnesses(&curves[population], closure)));
         let fitted = average(&|population| stiffnesses(&self.fits[population].curves, closure));
         let [paper, mindlin] = [reading(TangentialReading::Paper)?, reading(TangentialReading::Mindlin)?];
         let fits = &self.fits;
@@ -276,11 +289,12 @@ impl BuiltLaw {
             table_error_tangential: self.table_errors.map(|e| e[1]),
             fitted_to_summed: fitted[1] / summed[1],
             paper_to_mindlin: paper[1] / mindlin[1],
+            boundary_elements: curves.and_then(|curves| asperities.pressed_report(&self.sums, &curves, pressure)),
         };
-        let in_use = if scene.interfaces.law.kind == LawKind::Fitted {
-            fitted
-        } else {
-            summed
+        let in_use = match (scene.interfaces.law.kind, pressed) {
+            (_, Some(pressed)) => pressed,
+            (LawKind::Fitted, None) => fitted,
+            _ => summed,
         };
         Ok((in_use, report))
     }

@@ -7,6 +7,7 @@ mod friction;
 mod given;
 mod law;
 mod population;
+mod pressed;
 mod resolved;
 mod stiffness;
 mod surface;
@@ -17,6 +18,7 @@ pub use finish::{FinishReport, FinishedFace, FinishedSurface, GreenwoodWilliamso
 pub use force::InterfaceForce;
 pub use given::curves_of_element;
 pub use law::{AsperityReport, LawReport};
+pub use pressed::BoundaryElementsReport;
 pub use resolved::ResolvedReport;
 pub use surface::{
     FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport, in_frame, synthetic,
@@ -212,7 +214,8 @@ impl PartLaw {
                 (mean(operators, of_curves), None)
             }
             Source::Asperities(built) => {
-                let (stiffness, report) = built.describe(scene, operators, &self.element_of, mean_closure)?;
+                let (stiffness, report) =
+                    built.describe(scene, operators, &self.element_of, (mean_closure, mean_pressure))?;
                 let stiffness = match &resolved {
                     None => stiffness,
                     Some(_) => mean(operators, |p| stuck_stiffness(&*built.law, p, mean_closure)),
@@ -420,7 +423,7 @@ impl PartLaw {
         let sums = realisation.sums(scene.interfaces.law.tangential)?;
         let fits = match scene.interfaces.law.kind {
             LawKind::Fitted => fits_of(&sums, scene.interfaces.law.tangential, scan.options.interference)?,
-            LawKind::Tabulated | LawKind::AsperitySum => Vec::new(),
+            LawKind::Tabulated | LawKind::AsperitySum | LawKind::BoundaryElements => Vec::new(),
         };
         let NamedLaw { law, .. } =
             realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressure)?;

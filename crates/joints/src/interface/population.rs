@@ -10,6 +10,6 @@ use surface_characterisation::PairAsperities;
 pub(super) fn population(scene: &Scene, pair: &PairAsperities) -> Result<AsperityPopulation, Error> {
     Ok(match scene.interfaces.law.kind {
         LawKind::Tabulated => pair.interpolated_population()?,
-        LawKind::Fitted | LawKind::AsperitySum => pair.law_population()?,
+        LawKind::Fitted | LawKind::AsperitySum | LawKind::BoundaryElements => pair.law_population()?,
     })
 }

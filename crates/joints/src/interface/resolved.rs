@@ -1,11 +1,12 @@
 //! Laws with a history for every asperity.
 
 use super::asperities::Asperities;
+use super::stiffness::{as_dyn, interference_at};
 use crate::Error;
 use contact_laws::friction::foundation::BEYOND_REACH;
 use contact_laws::{
-    Asperity, AsperityBins, AsperityFriction, AsperitySumCurves, ContactCurves, Foundation, FoundationLaw,
-    PointParameters, Radii, ResolvedLaw, TractionLaw,
+    Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, ContactCurves, Foundation,
+    FoundationLaw, PointParameters, Radii, ResolvedLaw, TractionLaw,
 };
 use rayon::prelude::*;
 use scenes::{Bins, Friction, RadialRule, Scene};
@@ -53,7 +54,8 @@ pub struct ResolvedReport {
 /// One population and what stands for it at points.
 struct Source<'a> {
     asperity: Asperity,
-    sum: &'a AsperitySumCurves,
+    population: &'a AsperityPopulation,
+    curves: &'a dyn ContactCurves,
     reach: f64,
 }
 
@@ -78,12 +80,17 @@ impl Parts for AsperityBins {
     const COUNTS: &'static [usize] = &[4, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128];
 
     fn gauss(source: &Source<'_>, count: usize, shifts: &[f64]) -> Result<Vec<Self>, Error> {
-        let Source { asperity, sum, reach } = source;
-        Ok(Self::gauss(*asperity, sum.population(), count, *reach, shifts)?)
+        Ok(Self::gauss(
+            source.asperity,
+            source.population,
+            count,
+            source.reach,
+            shifts,
+        )?)
     }
 
     fn equally_spaced(source: &Source<'_>, count: usize) -> Result<Self, Error> {
-        Ok(Self::equally_spaced(source.asperity, source.sum.population(), count)?)
+        Ok(Self::equally_spaced(source.asperity, source.population, count)?)
     }
 
     fn errors(sets: &[Self], reference: &Self, reach: f64) -> [f64; 3] {
@@ -100,26 +107,30 @@ impl Parts for Foundation {
     const COUNTS: &'static [usize] = &[64, 96, 128];
 
     fn gauss(source: &Source<'_>, count: usize, shifts: &[f64]) -> Result<Vec<Self>, Error> {
-        let Source { sum, reach, .. } = source;
-        let ratio = sum.material().mindlin_ratio();
-        Ok(Self::of_curves(
-            *sum,
-            ratio,
-            count,
-            *reach,
-            BEYOND_REACH * reach,
-            shifts,
-        )?)
+        let Source {
+            asperity,
+            curves,
+            reach,
+            ..
+        } = source;
+        let ratio = asperity.material().mindlin_ratio();
+        let largest = BEYOND_REACH * reach;
+        Ok(Self::of_curves(*curves, ratio, count, *reach, largest, shifts)?)
     }
 
     fn equally_spaced(source: &Source<'_>, count: usize) -> Result<Self, Error> {
-        let Source { sum, reach, .. } = source;
+        let Source {
+            asperity,
+            curves,
+            reach,
+            ..
+        } = source;
         let spacing = reach / count as f64;
         let at = |j: usize| (j as f64 + 0.5) * spacing;
-        let slope = |u: f64| if u > 0.0 { sum.normal(u).1 } else { 0.0 };
+        let slope = |u: f64| if u > 0.0 { curves.normal(u).1 } else { 0.0 };
         let grows = |j: usize| slope(at(j) + 0.5 * spacing) - slope(at(j) - 0.5 * spacing);
         let (gaps, stiffnesses) = (0..count).map(|j| (at(j), grows(j))).unzip();
-        Ok(Self::try_new(gaps, stiffnesses, sum.material().mindlin_ratio())?)
+        Ok(Self::try_new(gaps, stiffnesses, asperity.material().mindlin_ratio())?)
     }
 
     fn errors(sets: &[Self], reference: &Self, reach: f64) -> [f64; 3] {
@@ -162,11 +173,14 @@ impl Asperities {
     ) -> Result<(Arc<dyn TractionLaw>, ResolvedReport), Error> {
         let law = &scene.interfaces.law;
         let yielding = law.yielding();
-        let sources = self.populations.iter().zip(sums).map(|(population, sum)| {
+        let pressed = self.pressed_curves(scene)?;
+        let curves = pressed.as_deref().map_or_else(|| as_dyn(sums), as_dyn);
+        let sources = self.populations.iter().zip(curves).map(|(population, curves)| {
             Ok(Source {
                 asperity: Asperity::try_new(self.material, population.effective_radius(), yielding)?,
-                sum,
-                reach: interference_at(sum, PRESSURE_REACH * pressure),
+                population,
+                curves,
+                reach: interference_at(curves, PRESSURE_REACH * pressure),
             })
         });
         let sources = sources.collect::<Result<Vec<_>, Error>>()?;
@@ -189,9 +203,18 @@ impl Asperities {
         let Some(friction) = friction else {
             let (springs, bins, errors) = self.parts::<Foundation>(&sources, law.bins, element_of)?;
             let population_of = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
-            let curves = PointParameters::try_indexed(sums.to_vec(), population_of)?;
-            let law = FoundationLaw::try_new(springs, curves, mu.clone())?;
-            return Ok((Arc::new(law), report(bins, errors)));
+            let mu = mu.clone();
+            let law: Arc<dyn TractionLaw> = match &pressed {
+                None => {
+                    let curves = PointParameters::try_indexed(sums.to_vec(), population_of)?;
+                    Arc::new(FoundationLaw::try_new(springs, curves, mu)?)
+                }
+                Some(pressed) => {
+                    let curves = PointParameters::try_indexed(pressed.clone(), population_of)?;
+                    Arc::new(FoundationLaw::try_new(springs, curves, mu)?)
+                }
+            };
+            return Ok((law, report(bins, errors)));
         };
         let (bins, count, errors) = self.parts::<AsperityBins>(&sources, law.bins, element_of)?;
         let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
@@ -284,23 +307,4 @@ fn count<P: Parts>(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3
             Err(Error::Bins { target, reached: best })
         }
     }
-}
-
-/// The interference at which a population carries a pressure; bisection on a rising function.
-fn interference_at(sum: &AsperitySumCurves, pressure: f64) -> f64 {
-    let smallest = sum.population().gaps().smallest();
-    let (mut low, mut high) = (smallest, smallest + 1e-9);
-    while sum.normal(high).0 < pressure && high < 1.0 {
-        low = high;
-        high = smallest + 2.0 * (high - smallest);
-    }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if sum.normal(middle).0 < pressure {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
 }

@@ -46,3 +46,26 @@ pub(super) fn stuck_stiffness(law: &dyn TractionLaw, point: usize, u: f64) -> [f
     let [[x], _, _, _, [y], _, _, _, [n]] = tangent;
     [n, 0.5 * (x + y)]
 }
+
+/// The interference at which curves carry a pressure; bisection on a rising function.
+pub(super) fn interference_at(curves: &dyn ContactCurves, pressure: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1e-9);
+    while curves.normal(high).0 < pressure && high < 1.0 {
+        low = high;
+        high *= 2.0;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if curves.normal(middle).0 < pressure {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// Any curves.
+pub(super) fn as_dyn<C: ContactCurves>(curves: &[C]) -> Vec<&dyn ContactCurves> {
+    curves.iter().map(|curves| curves as &dyn ContactCurves).collect()
+}

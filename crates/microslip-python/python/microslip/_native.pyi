@@ -38,6 +38,11 @@ class Curves:
         Closed forms for exponential or Gaussian heights.
         """
     @staticmethod
+    def sampled(interferences: SupportsGetItem[int, SupportsFloat | SupportsIndex], tractions: SupportsGetItem[int, SupportsFloat | SupportsIndex], areas: SupportsGetItem[int, SupportsFloat | SupportsIndex], tangential_ratio: SupportsFloat | SupportsIndex) -> Curves:
+        """
+        Curves through points.
+        """
+    @staticmethod
     def table(source: Curves, range: SupportsLenAndGetItem[SupportsFloat | SupportsIndex], tolerance_normal: SupportsFloat | SupportsIndex, tolerance_tangential: SupportsFloat | SupportsIndex, max_knots_per_octave: SupportsIndex) -> Curves:
         """
         Tables of other curves between two interferences.
@@ -65,6 +70,11 @@ class Law:
         Tractions, end state and, where there is an array for it, the tangent; the arrays are written.
         """
     @staticmethod
+    def foundation(curves: Curves, mu: Any, ratio: SupportsFloat | SupportsIndex, n_springs: SupportsIndex, reach: SupportsFloat | SupportsIndex, n_points: SupportsIndex | None, index: Any | None) -> Law:
+        """
+        Springs of contact curves.
+        """
+    @staticmethod
     def frictional(curves: Curves, mu: Any, history: str, cone: str, n_points: SupportsIndex | None, index: Any | None) -> Law:
         """
         Contact curves with a history rule of friction.
@@ -77,11 +87,6 @@ class Law:
     def linearised(jump: Any, traction: Any, stiffness: Any, slip_limit: Any, closed: SupportsGetItem[int, bool]) -> Law:
         """
         Linearised contact; what is 3 x n has a row for each of x, y, n, and `closed` tells points that are in contact.
-        """
-    @staticmethod
-    def mindlin_iwan(curves: Curves, mu: Any, n_sliders: SupportsIndex, n_points: SupportsIndex | None, index: Any | None) -> Law:
-        """
-        Contact curves with parallel sliders.
         """
     @property
     def n_points(self, /) -> int: ...
@@ -195,6 +200,12 @@ def misfit(theory: tuple[str, numpy.typing.NDArray[numpy.float64], numpy.typing.
     that they are of; the shares of the reference that lie within a band; and both backbones.
     """
 
+def press(map: tuple[numpy.typing.NDArray[numpy.float64], tuple[float, float], tuple[float, float], float | None], pressures: collections.abc.Sequence[float]) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], list[int]]:
+    """
+    Contact of heights on a half-space by boundary elements, at mean pressures over the contact modulus: mean gaps (m), parts of the area in contact, points that
+    touch.
+    """
+
 def read_matrices(path: str) -> tuple[list[tuple[str, object]], list[str]]:
     """
     The arrays of a file by name, sparse matrices as shape, starts of rows, columns and entries; and what was not read.
@@ -290,6 +301,7 @@ __all__ = [
     "characterise",
     "identify",
     "misfit",
+    "press",
     "read_matrices",
     "read_mesh",
     "read_record",

@@ -59,6 +59,7 @@ __all__ = [
     "LinearisedContact",
     "Quantity",
     "ResolvedLaw",
+    "SampledCurves",
     "TabulatedCurves",
 ]
 
@@ -169,6 +170,41 @@ class ElasticCurves(Curves):
         y = x if k_y is None else values("k_y", k_y)
         self._describe(k_n=normal, k_x=x, k_y=y)
         self._made = _native.Curves.elastic(normal, x, y)
+
+
+class SampledCurves(Curves):
+    """Curves through points that were measured or computed elsewhere, such as by :func:`microslip.press`.
+
+    Parameters
+    ----------
+    interferences : array_like
+        Rising [m].
+    tractions : array_like
+        Normal tractions there [Pa], rising from 0.
+    areas : array_like
+        Parts of the area in contact there [1].
+    tangential_ratio : float
+        Tangential over normal stiffness, of equal bodies ``2 (1 - nu)/(2 - nu)``.
+
+    Raises
+    ------
+    InputError
+        For lists of different length or out of order.
+
+    Examples
+    --------
+    >>> from microslip import laws
+    >>> curves = laws.SampledCurves(interferences=[0, 1e-6, 2e-6], tractions=[0, 2e6, 6e6], areas=[0, 0.01, 0.03], tangential_ratio=0.8)
+    >>> laws.FoundationLaw(curves, mu=0.2, tangential_ratio=0.8, n_springs=16, reach=2e-6).n_points
+    1
+    """
+
+    def __init__(
+        self, *, interferences: ArrayLike, tractions: ArrayLike, areas: ArrayLike, tangential_ratio: float
+    ) -> None:
+        u, t, a = values("interferences", interferences), values("tractions", tractions), values("areas", areas)
+        self._describe(interferences=u, tractions=t, areas=a, tangential_ratio=tangential_ratio)
+        self._made = _native.Curves.sampled(u.tolist(), t.tolist(), a.tolist(), tangential_ratio)
 
 
 class FittedCurves(Curves):

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from microslip import _native
 from microslip._arguments import count as _count
 from microslip._arguments import seed as _seed
+from microslip._described import values
 from microslip.errors import InputError
 from microslip.results import _Comparable
 
@@ -28,6 +29,7 @@ __all__ = [
     "HeightMap",
     "PlaneMesh",
     "characterise",
+    "press",
     "read_scan",
     "rectangular_mesh",
     "synthetic_face",
@@ -540,6 +542,43 @@ def synthetic_face(
 
 
 _Face = HeightMap | str | os.PathLike[str]
+
+
+def press(surface: HeightMap, pressures: npt.ArrayLike) -> tuple[Floats, Floats, list[int]]:
+    """Contact of a rough surface with an elastic half-space by boundary elements; the surface is mirrored at its edges.
+
+    Of two faces it is their sum that is pressed, heights out of each body.
+
+    Parameters
+    ----------
+    surface : HeightMap
+        Heights, none missing.
+    pressures : array_like
+        Rising mean pressures over the contact modulus of both bodies, ``E/(2 (1 - nu^2))`` if they are equal [1].
+
+    Returns
+    -------
+    separation : ndarray
+        Mean gap at each pressure [m].
+    area : ndarray
+        Part of the area in contact.
+    touching : list of int
+        Points that touch; with fewer than 30 a pressure is not resolved.
+
+    Raises
+    ------
+    InputError
+        For missing heights, pressures that are not above zero, and surfaces whose contact is not found.
+
+    Examples
+    --------
+    >>> import microslip
+    >>> face = microslip.synthetic_face((64, 64), 20e-6, rms=1e-6, correlation_length=80e-6)
+    >>> separation, area, _ = microslip.press(face, [1e-4, 1e-3])
+    >>> bool(separation[1] < separation[0]), bool(area[1] > area[0])
+    (True, True)
+    """
+    return _native.press(surface._native(), values("pressures", pressures).tolist())
 
 
 def characterise(

@@ -6,7 +6,7 @@ use crate::error::{Exception, input};
 use contact_laws::{
     AsperityPopulation, AsperitySumCurves, ContactCurves, CurvesInfo, ElasticCurves, ElasticPair, Exponents,
     FittedCurves, GapDistribution, GreenwoodWilliamsonCurves, GreenwoodWilliamsonSurface, HeightDistribution, Jet,
-    NormalFit, TableOptions, Tabulated, TangentialFit,
+    NormalFit, SampledCurves, TableOptions, Tabulated, TangentialFit,
 };
 use pyo3::prelude::*;
 
@@ -17,6 +17,7 @@ pub(crate) enum Sets {
     Fitted(Vec<FittedCurves>),
     AsperitySum(Vec<AsperitySumCurves>),
     GreenwoodWilliamson(Vec<GreenwoodWilliamsonCurves>),
+    Sampled(Vec<SampledCurves>),
     Table(Vec<Tabulated<Source>>),
 }
 
@@ -28,6 +29,7 @@ macro_rules! with_sets {
             $crate::laws::curves::Sets::Fitted($list) => $body,
             $crate::laws::curves::Sets::AsperitySum($list) => $body,
             $crate::laws::curves::Sets::GreenwoodWilliamson($list) => $body,
+            $crate::laws::curves::Sets::Sampled($list) => $body,
             $crate::laws::curves::Sets::Table($list) => $body,
         }
     };
@@ -210,6 +212,18 @@ impl Curves {
         Ok(Self(Sets::Elastic(list)))
     }
 
+    /// Curves through points.
+    #[staticmethod]
+    fn sampled(
+        interferences: Vec<f64>,
+        tractions: Vec<f64>,
+        areas: Vec<f64>,
+        tangential_ratio: f64,
+    ) -> Result<Self, Exception> {
+        let made = SampledCurves::try_new(interferences, tractions, areas, tangential_ratio);
+        Ok(Self(Sets::Sampled(vec![made.map_err(refused)?])))
+    }
+
     /// Fitted curves; `ranges` are lower and upper ends of the normal fit, of that along x and of that along y, or nothing.
     #[staticmethod]
     fn fitted(
@@ -355,6 +369,7 @@ impl Curves {
             Sets::Fitted(list) => list.iter().cloned().map(Source::Fitted).collect(),
             Sets::AsperitySum(list) => list.iter().cloned().map(Source::AsperitySum).collect(),
             Sets::GreenwoodWilliamson(list) => list.iter().copied().map(Source::GreenwoodWilliamson).collect(),
+            Sets::Sampled(_) => return Err(input("source is sampled already; give the law the samples themselves")),
             Sets::Table(_) => return Err(input("source is a table already; make a table of the curves behind it")),
         };
         let count = sources.len();

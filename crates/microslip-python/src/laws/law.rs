@@ -128,6 +128,7 @@ impl Law {
             Sets::Fitted(list) => law(FittedPoints::<f64>::new(&points.spread(list)?), mu, history, cone),
             Sets::AsperitySum(list) => law(points.spread(list)?, mu, history, cone),
             Sets::GreenwoodWilliamson(list) => law(points.spread(list)?, mu, history, cone),
+            Sets::Sampled(list) => law(points.spread(list)?, mu, history, cone),
             Sets::Table(list) => law(points.spread(list)?, mu, history, cone),
         }
     }

@@ -1,0 +1,139 @@
+//! Contact of scanned faces by boundary elements.
+
+use super::asperities::Asperities;
+use super::stiffness::{as_dyn, interference_at};
+use super::surface::ScannedSurface;
+use crate::Error;
+use contact_laws::{AsperitySumCurves, ContactCurves, SampledCurves, TangentialReading};
+use dense_algebra::Limits;
+use scenes::{Gap, LawKind, Scene};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use surface_characterisation::PressedElement;
+
+/// Most elements whose contact is computed; others have that of the nearest of them.
+const MOST_ELEMENTS: usize = 32;
+
+/// Curves by boundary elements.
+pub(super) struct Pressed {
+    elements: Vec<PressedElement>,
+    /// Which of them each population has.
+    of_population: Vec<u32>,
+}
+
+/// What is reported about boundary elements.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct BoundaryElementsReport {
+    /// Interface elements whose contact was computed; others have that of the nearest of them.
+    pub elements: usize,
+    /// Fewest points of the grid along x and y.
+    pub points: [usize; 2],
+    /// Most points of the top face from one of them to the next along x and y.
+    pub stride: [usize; 2],
+    /// Largest part of points without data, which cannot touch.
+    pub missing: f64,
+    /// Smallest mean pressure that is resolved everywhere (Pa).
+    pub resolved_from: f64,
+    /// Normal stiffness of the asperity sums over that of boundary elements at the mean pressure.
+    pub sums_to_boundary_elements: f64,
+}
+
+impl Pressed {
+    /// Those of a scene's scans, if its law asks for them.
+    pub(super) fn of(limits: Limits<'_>, scene: &Scene, scanned: &ScannedSurface) -> Result<Option<Arc<Self>>, Error> {
+        if scene.interfaces.law.kind != LawKind::BoundaryElements {
+            return Ok(None);
+        }
+        let ScannedSurface {
+            faces, outlines, found, ..
+        } = scanned;
+        let n = outlines.len();
+        let count = n.min(MOST_ELEMENTS);
+        let chosen: Vec<usize> = (0..count).map(|i| (2 * i + 1) * n / (2 * count)).collect();
+        let elements = found.pressed(&|| limits.stops(), [&faces[0], &faces[1]], outlines, &chosen)?;
+        let nearest = |element: usize| {
+            let middle = outlines.middle(element);
+            let apart = |other: usize| {
+                let at = outlines.middle(chosen[other]);
+                (at[0] - middle[0]).hypot(at[1] - middle[1])
+            };
+            (0..count).min_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(0) as u32
+        };
+        Ok(Some(Arc::new(Self {
+            of_population: (0..n).map(nearest).collect(),
+            elements,
+        })))
+    }
+}
+
+impl Asperities {
+    /// The curves of every population by boundary elements, if the law asks for them.
+    pub(super) fn pressed_curves(&self, scene: &Scene) -> Result<Option<Vec<SampledCurves>>, Error> {
+        if scene.interfaces.law.kind != LawKind::BoundaryElements {
+            return Ok(None);
+        }
+        let refused = |reason| Err(Error::BoundaryElements { reason });
+        let Some(pressed) = self.pressed.as_deref() else {
+            return refused(
+                "needs the scans themselves; give interfaces.surface.scans, and no realisations of asperities, or take another law",
+            );
+        };
+        if !scene.interfaces.scale.keeps_asperities() {
+            return refused(
+                "knows no asperities; leave interfaces.scale.asperity_radius, asperity_density and asperity_height out",
+            );
+        }
+        if scene.interfaces.law.tangential != TangentialReading::Mindlin {
+            return refused("has the tangential stiffness of elastic contact; leave interfaces.law.tangential out");
+        }
+        let modulus = self.material.composite_modulus();
+        let curve = |&number: &u32| {
+            let PressedElement {
+                interferences,
+                pressures,
+                areas,
+                ..
+            } = &pressed.elements[number as usize];
+            // Flat faces touch first everywhere; the gap of scans counts from where the tallest peaks would meet.
+            let first = if scene.interfaces.gap == Gap::Scan {
+                0.0
+            } else {
+                interferences[0]
+            };
+            let interferences = interferences.iter().map(|u| u - first).collect();
+            let tractions = pressures.iter().map(|p| p * modulus).collect();
+            SampledCurves::try_new(interferences, tractions, areas.clone(), self.material.mindlin_ratio())
+        };
+        let curves = pressed.of_population.iter().map(curve);
+        Ok(Some(curves.collect::<Result<_, _>>()?))
+    }
+
+    /// What is reported; curves of the sums and by boundary elements, compared at a mean pressure (Pa).
+    pub(super) fn pressed_report(
+        &self,
+        sums: &[AsperitySumCurves],
+        curves: &[SampledCurves],
+        pressure: f64,
+    ) -> Option<BoundaryElementsReport> {
+        let elements = &self.pressed.as_deref()?.elements;
+        let modulus = self.material.composite_modulus();
+        let at_pressure = |curves: &[&dyn ContactCurves]| -> f64 {
+            curves
+                .iter()
+                .map(|curves| curves.normal(interference_at(*curves, pressure)).1)
+                .sum()
+        };
+        let of = |fold: fn(f64, f64) -> f64, value: &dyn Fn(&PressedElement) -> f64| {
+            elements.iter().map(value).fold(0.0, fold)
+        };
+        Some(BoundaryElementsReport {
+            elements: elements.len(),
+            points: [0, 1].map(|axis| elements.iter().map(|of| of.points[axis]).min().unwrap_or(0)),
+            stride: [0, 1].map(|axis| elements.iter().map(|of| of.stride[axis]).max().unwrap_or(1)),
+            missing: of(f64::max, &|of| of.missing),
+            resolved_from: modulus * of(f64::max, &|of| of.resolved_from),
+            sums_to_boundary_elements: at_pressure(&as_dyn(sums)) / at_pressure(&as_dyn(curves)),
+        })
+    }
+}
