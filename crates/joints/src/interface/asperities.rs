@@ -6,11 +6,11 @@ use super::pressed::Pressed;
 use super::surface::{FileReport, ScannedSurface, material};
 use crate::Error;
 use contact_laws::{
-    AsperityPopulation, AsperitySumCurves, CurveFactors, ElasticPair, GapDistribution, TangentialReading,
+    AsperityPopulation, AsperitySumCurves, CurveFactors, ElasticPair, GapDistribution, SampledCurves, TangentialReading,
 };
 use dense_algebra::Limits;
 use joint_model::benchmark::MeasuredSurface;
-use scenes::{Gap, Scale, Scene};
+use scenes::{Gap, LawKind, Scale, Scene};
 use std::sync::Arc;
 use surface_characterisation::Characterisation;
 use surface_characterisation::finish::FlatnessForm;
@@ -186,6 +186,17 @@ impl Asperities {
             joined.populations.extend(part.populations.iter().cloned());
         }
         Some(joined)
+    }
+
+    /// The curves of every population by boundary elements, if the law asks for them.
+    pub(super) fn pressed_curves(&self, scene: &Scene) -> Result<Option<Vec<SampledCurves>>, Error> {
+        match (scene.interfaces.law.kind, self.pressed.as_deref()) {
+            (LawKind::BoundaryElements, Some(pressed)) => Ok(Some(pressed.curves(scene, self.material)?)),
+            (LawKind::BoundaryElements, None) => Err(Error::BoundaryElements {
+                reason: "needs the scans themselves; give interfaces.surface.scans, and no realisations of asperities, or take another law",
+            }),
+            _ => Ok(None),
+        }
     }
 
     pub(super) fn sums(&self, reading: TangentialReading) -> Result<Vec<AsperitySumCurves>, Error> {

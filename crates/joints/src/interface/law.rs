@@ -289,7 +289,9 @@ impl BuiltLaw {
             table_error_tangential: self.table_errors.map(|e| e[1]),
             fitted_to_summed: fitted[1] / summed[1],
             paper_to_mindlin: paper[1] / mindlin[1],
-            boundary_elements: curves.and_then(|curves| asperities.pressed_report(&self.sums, &curves, pressure)),
+            boundary_elements: curves
+                .zip(asperities.pressed.as_deref())
+                .map(|(curves, pressed)| pressed.report(asperities.material, &self.sums, &curves, pressure)),
         };
         let in_use = match (scene.interfaces.law.kind, pressed) {
             (_, Some(pressed)) => pressed,

@@ -1,10 +1,9 @@
 //! Contact of scanned faces by boundary elements.
 
-use super::asperities::Asperities;
 use super::stiffness::{as_dyn, interference_at};
 use super::surface::ScannedSurface;
 use crate::Error;
-use contact_laws::{AsperitySumCurves, ContactCurves, SampledCurves, TangentialReading};
+use contact_laws::{AsperitySumCurves, ContactCurves, ElasticPair, SampledCurves, TangentialReading};
 use dense_algebra::Limits;
 use scenes::{Gap, LawKind, Scene};
 use serde::{Deserialize, Serialize};
@@ -65,20 +64,13 @@ impl Pressed {
             elements,
         })))
     }
-}
 
-impl Asperities {
-    /// The curves of every population by boundary elements, if the law asks for them.
-    pub(super) fn pressed_curves(&self, scene: &Scene) -> Result<Option<Vec<SampledCurves>>, Error> {
-        if scene.interfaces.law.kind != LawKind::BoundaryElements {
-            return Ok(None);
-        }
+    /// The curves of every population.
+    ///
+    /// # Errors
+    /// Of scenes that scale asperities, or read their tangential stiffness in another way.
+    pub(super) fn curves(&self, scene: &Scene, material: ElasticPair) -> Result<Vec<SampledCurves>, Error> {
         let refused = |reason| Err(Error::BoundaryElements { reason });
-        let Some(pressed) = self.pressed.as_deref() else {
-            return refused(
-                "needs the scans themselves; give interfaces.surface.scans, and no realisations of asperities, or take another law",
-            );
-        };
         if !scene.interfaces.scale.keeps_asperities() {
             return refused(
                 "knows no asperities; leave interfaces.scale.asperity_radius, asperity_density and asperity_height out",
@@ -87,14 +79,14 @@ impl Asperities {
         if scene.interfaces.law.tangential != TangentialReading::Mindlin {
             return refused("has the tangential stiffness of elastic contact; leave interfaces.law.tangential out");
         }
-        let modulus = self.material.composite_modulus();
+        let modulus = material.composite_modulus();
         let curve = |&number: &u32| {
             let PressedElement {
                 interferences,
                 pressures,
                 areas,
                 ..
-            } = &pressed.elements[number as usize];
+            } = &self.elements[number as usize];
             // Flat faces touch first everywhere; the gap of scans counts from where the tallest peaks would meet.
             let first = if scene.interfaces.gap == Gap::Scan {
                 0.0
@@ -103,21 +95,22 @@ impl Asperities {
             };
             let interferences = interferences.iter().map(|u| u - first).collect();
             let tractions = pressures.iter().map(|p| p * modulus).collect();
-            SampledCurves::try_new(interferences, tractions, areas.clone(), self.material.mindlin_ratio())
+            SampledCurves::try_new(interferences, tractions, areas.clone(), material.mindlin_ratio())
         };
-        let curves = pressed.of_population.iter().map(curve);
-        Ok(Some(curves.collect::<Result<_, _>>()?))
+        let curves = self.of_population.iter().map(curve);
+        Ok(curves.collect::<Result<_, _>>()?)
     }
 
     /// What is reported; curves of the sums and by boundary elements, compared at a mean pressure (Pa).
-    pub(super) fn pressed_report(
+    pub(super) fn report(
         &self,
+        material: ElasticPair,
         sums: &[AsperitySumCurves],
         curves: &[SampledCurves],
         pressure: f64,
-    ) -> Option<BoundaryElementsReport> {
-        let elements = &self.pressed.as_deref()?.elements;
-        let modulus = self.material.composite_modulus();
+    ) -> BoundaryElementsReport {
+        let elements = &self.elements;
+        let modulus = material.composite_modulus();
         let at_pressure = |curves: &[&dyn ContactCurves]| -> f64 {
             curves
                 .iter()
@@ -127,13 +120,13 @@ impl Asperities {
         let of = |fold: fn(f64, f64) -> f64, value: &dyn Fn(&PressedElement) -> f64| {
             elements.iter().map(value).fold(0.0, fold)
         };
-        Some(BoundaryElementsReport {
+        BoundaryElementsReport {
             elements: elements.len(),
             points: [0, 1].map(|axis| elements.iter().map(|of| of.points[axis]).min().unwrap_or(0)),
             stride: [0, 1].map(|axis| elements.iter().map(|of| of.stride[axis]).max().unwrap_or(1)),
             missing: of(f64::max, &|of| of.missing),
             resolved_from: modulus * of(f64::max, &|of| of.resolved_from),
             sums_to_boundary_elements: at_pressure(&as_dyn(sums)) / at_pressure(&as_dyn(curves)),
-        })
+        }
     }
 }
