@@ -18,7 +18,8 @@ use crate::error::{SurfaceError, positive};
 use crate::partition::ElementOutlines;
 use crate::topography::HeightMap;
 use rayon::prelude::*;
-use rustdct::{DctPlanner, TransformType2And3};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlannerScalar};
 use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
@@ -34,11 +35,10 @@ const MOST_ITERATIONS: usize = 3000;
 pub struct BoundaryElements<'a> {
     heights: &'a [f64],
     n: [usize; 2],
-    /// Of every pair of wave numbers, with what the transforms leave.
+    /// Of every pair of wave numbers.
     compliance: Vec<f64>,
-    transforms: [Arc<dyn TransformType2And3<f64>>; 2],
+    transforms: [Cosines; 2],
     turned: Vec<f64>,
-    scratch: Vec<f64>,
 }
 
 /// What is found at a mean pressure.
@@ -87,18 +87,14 @@ impl<'a> BoundaryElements<'a> {
         let wave = |k: usize, axis: usize| PI * k as f64 / (n[axis] as f64 * step[axis]);
         let compliance = (0..points).map(|k| {
             let q = wave(k % n[0], 0).hypot(wave(k / n[0], 1));
-            if k == 0 { 0.0 } else { 2.0 / q * 4.0 / points as f64 }
+            if k == 0 { 0.0 } else { 2.0 / q }
         });
-        let mut planner = DctPlanner::new();
-        let transforms = n.map(|n| planner.plan_dct2(n));
-        let scratch = transforms.iter().map(|of| of.get_scratch_len()).max().unwrap_or(0);
         Ok(Self {
             heights,
             n,
             compliance: compliance.collect(),
-            transforms,
+            transforms: n.map(Cosines::new),
             turned: vec![0.0; points],
-            scratch: vec![0.0; scratch],
         })
     }
 
@@ -106,21 +102,16 @@ impl<'a> BoundaryElements<'a> {
     fn deflect(&mut self, pressures: &[f64], into: &mut [f64]) {
         let [nx, ny] = self.n;
         into.copy_from_slice(pressures);
-        let [along_x, along_y] = &self.transforms;
-        let scratch = &mut self.scratch;
-        into.chunks_exact_mut(nx)
-            .for_each(|row| along_x.process_dct2_with_scratch(row, scratch));
+        let [along_x, along_y] = &mut self.transforms;
+        along_x.forward(into);
         turn(into, [nx, ny], &mut self.turned);
-        for (kx, column) in self.turned.chunks_exact_mut(ny).enumerate() {
-            along_y.process_dct2_with_scratch(column, scratch);
-            for (ky, value) in column.iter_mut().enumerate() {
-                *value *= self.compliance[ky * nx + kx];
-            }
-            along_y.process_dct3_with_scratch(column, scratch);
+        along_y.forward(&mut self.turned);
+        for (k, value) in self.turned.iter_mut().enumerate() {
+            *value *= self.compliance[k % ny * nx + k / ny];
         }
+        along_y.back(&mut self.turned);
         turn(&self.turned, [ny, nx], into);
-        into.chunks_exact_mut(nx)
-            .for_each(|row| along_x.process_dct3_with_scratch(row, scratch));
+        along_x.back(into);
     }
 
     /// Contact at a mean pressure over the contact modulus, from pressures that are near; they are overwritten by those found.
@@ -362,6 +353,84 @@ impl Characterisation {
     }
 }
 
+/// Cosine transforms of rows, `X_k = sum_j x_j cos(pi k (j + 1/2)/n)`, and back: those of two rows by one Fourier transform of as many points
+/// (J. Makhoul, IEEE Trans. Acoust. Speech Signal Process. 28 (1980) 27-34).
+struct Cosines {
+    n: usize,
+    transforms: [Arc<dyn Fft<f64>>; 2],
+    /// `exp(-i pi k/(2 n))`.
+    turns: Vec<Complex64>,
+    values: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl Cosines {
+    fn new(n: usize) -> Self {
+        let mut planner = FftPlannerScalar::new();
+        let transforms = [planner.plan_fft_forward(n), planner.plan_fft_inverse(n)];
+        let scratch = transforms
+            .iter()
+            .map(|of| of.get_inplace_scratch_len())
+            .max()
+            .unwrap_or(0);
+        Self {
+            n,
+            transforms,
+            turns: (0..n)
+                .map(|k| Complex64::from_polar(1.0, -PI * k as f64 / (2 * n) as f64))
+                .collect(),
+            values: vec![Complex64::default(); n],
+            scratch: vec![Complex64::default(); scratch],
+        }
+    }
+
+    /// Where the point `j` of a row stands: even ones from the front, odd ones from the back.
+    fn place(&self, j: usize) -> usize {
+        if j.is_multiple_of(2) { j / 2 } else { self.n - 1 - j / 2 }
+    }
+
+    fn forward(&mut self, rows: &mut [f64]) {
+        let n = self.n;
+        for pair in rows.chunks_mut(2 * n) {
+            let second = |pair: &[f64], j: usize| pair.get(n + j).copied().unwrap_or(0.0);
+            for j in 0..n {
+                let place = self.place(j);
+                self.values[place] = Complex64::new(pair[j], second(pair, j));
+            }
+            self.transforms[0].process_with_scratch(&mut self.values, &mut self.scratch);
+            for k in 0..n {
+                let (here, there) = (self.values[k], self.values[(n - k) % n].conj());
+                pair[k] = (self.turns[k] * 0.5 * (here + there)).re;
+                if let Some(value) = pair.get_mut(n + k) {
+                    *value = (self.turns[k] * 0.5 * (here - there)).im;
+                }
+            }
+        }
+    }
+
+    fn back(&mut self, rows: &mut [f64]) {
+        let n = self.n;
+        for pair in rows.chunks_mut(2 * n) {
+            let at = |row: usize, k: usize| match k {
+                k if k == n => 0.0,
+                k => pair.get(row * n + k).copied().unwrap_or(0.0),
+            };
+            for k in 0..n {
+                let spectrum = |row| self.turns[k].conj() * Complex64::new(at(row, k), -at(row, n - k));
+                self.values[k] = (spectrum(0) + Complex64::i() * spectrum(1)) / n as f64;
+            }
+            self.transforms[1].process_with_scratch(&mut self.values, &mut self.scratch);
+            for j in 0..n {
+                let value = self.values[self.place(j)];
+                pair[j] = value.re;
+                if let Some(second) = pair.get_mut(n + j) {
+                    *second = value.im;
+                }
+            }
+        }
+    }
+}
+
 /// Rows as columns.
 fn turn(rows: &[f64], [nx, ny]: [usize; 2], columns: &mut [f64]) {
     for j in 0..ny {
@@ -447,6 +516,25 @@ mod tests {
                 (found.touching as f64 / heights.len() as f64 - touching).abs() < 1e-9,
                 "{found:?} {touching}"
             );
+        }
+    }
+
+    #[test]
+    fn cosines_are_what_their_sums_say_and_come_back() {
+        for (n, rows) in [(1, 1), (2, 3), (7, 2), (12, 5)] {
+            let value = |k: usize| (0.7 * k as f64).sin() + 0.1 * k as f64;
+            let given: Vec<f64> = (0..n * rows).map(value).collect();
+            let (mut cosines, mut found) = (Cosines::new(n), given.clone());
+            cosines.forward(&mut found);
+            for (row, found) in given.chunks(n).zip(found.chunks(n)) {
+                for (k, found) in found.iter().enumerate() {
+                    let term = |(j, x): (usize, &f64)| x * (PI * k as f64 * (j as f64 + 0.5) / n as f64).cos();
+                    let expected: f64 = row.iter().enumerate().map(term).sum();
+                    assert!((found - expected).abs() < 1e-12, "{n} {k}: {found} {expected}");
+                }
+            }
+            cosines.back(&mut found);
+            assert!(found.iter().zip(&given).all(|(a, b)| (a - b).abs() < 1e-13));
         }
     }
 

@@ -1,9 +1,11 @@
 //! What the evaluation of a block begins with: the interferences at which its curves are needed, and what is present.
 
 use super::rule::StiffnessAt;
-use crate::simd::bounds::is_finite;
+use crate::law::{StateView, StateViewMut};
+use crate::simd::bounds::{bounded, is_finite};
 use crate::simd::elementary::max;
 use crate::simd::{Lanes, Pass};
+use core::ops::Range;
 
 /// Start of a block: the interferences at which its curves are needed, zero where a point is open and NaN where its
 /// input is no number; and the jump as part of the end state.
@@ -127,5 +129,54 @@ pub(crate) fn gather(of_sets: &[f64], sets: &[u32], common: Option<u32>, into: &
     }
     for (into, &set) in into.iter_mut().zip(sets) {
         *into = of_sets[set as usize];
+    }
+}
+
+/// The states of a block's points.
+pub(crate) struct Rows<'a> {
+    pub(crate) begin: StateView<'a>,
+    pub(crate) end: StateViewMut<'a>,
+    pub(crate) n: usize,
+    pub(crate) block: Range<usize>,
+}
+
+impl<'a> Rows<'a> {
+    /// Those of a block of `n` points.
+    pub(crate) fn of(begin: StateView<'a>, end: &'a mut StateViewMut<'_>, n: usize, block: &Range<usize>) -> Self {
+        Self {
+            begin,
+            end: StateViewMut::new(&mut *end.data, end.stride, end.offset),
+            n,
+            block: block.clone(),
+        }
+    }
+
+    pub(crate) fn begin(&self, component: usize) -> &'a [f64] {
+        &self.begin.component(component, self.n)[self.block.clone()]
+    }
+
+    /// `N` components from one on.
+    pub(crate) fn end<const N: usize>(&mut self, component: usize) -> [&mut [f64]; N] {
+        let (stride, offset) = (self.end.stride, self.end.offset);
+        let rows = StateViewMut::new(&mut self.end.data[component * stride..], stride, offset);
+        rows.components::<N>(self.n).map(|row| &mut row[self.block.clone()])
+    }
+
+    /// Pairs of components of point `i` from one component on.
+    pub(crate) fn gather(&self, component: usize, i: usize, into: &mut [[f64; 2]]) {
+        let StateView { data, stride, offset } = self.begin;
+        let values = data[component * stride + offset + self.block.start + i..].iter();
+        for (into, value) in into.as_flattened_mut().iter_mut().zip(values.step_by(stride)) {
+            *into = bounded(*value);
+        }
+    }
+
+    /// Pairs of components of point `i` from one component on, with an addition to each number.
+    pub(crate) fn scatter(&mut self, component: usize, i: usize, from: &[[f64; 2]], fill: f64) {
+        let StateViewMut { data, stride, offset } = &mut self.end;
+        let values = data[component * *stride + *offset + self.block.start + i..].iter_mut();
+        for (value, from) in values.step_by(*stride).zip(from.as_flattened()) {
+            *value = *from + fill;
+        }
     }
 }

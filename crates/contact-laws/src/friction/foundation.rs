@@ -86,7 +86,7 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use super::block_start::{SpreadNan, common, gather};
+use super::block_start::{Rows, SpreadNan, common, gather};
 use super::return_map::{OPEN, SLIP, STICK};
 use super::{JUMP, MU, has_friction, require_friction};
 use crate::curves::ContactCurves;
@@ -377,6 +377,18 @@ impl<C: ContactCurves> FoundationLaw<C> {
         gather(&self.stiffnesses[row], sets, room.common, &mut room.stiffness.0[..m]);
     }
 
+    /// Zero, or NaN where a number of a jump or a begin state is not finite.
+    fn spread_nan<const B: usize>(&self, jump: [&[f64]; 3], states: &Rows<'_>) -> Lanes<f64, B> {
+        let mut fill = Lanes([0.0; B]);
+        for values in jump {
+            run(SpreadNan(values, &mut fill));
+        }
+        for c in 0..self.info.n_state() {
+            run(SpreadNan(states.begin(c), &mut fill));
+        }
+        fill
+    }
+
     /// [`TractionLaw::evaluate`] or, along a direction, [`TractionLaw::derivative`] in blocks of `B` points.
     fn evaluate_blocks<const B: usize>(
         &self,
@@ -384,7 +396,7 @@ impl<C: ContactCurves> FoundationLaw<C> {
         sticking: Sticking,
         jump: Components<'_>,
         begin: StateView<'_>,
-        end: StateViewMut<'_>,
+        mut end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,
         tangent: Option<TangentMut<'_>>,
         mut regimes: Option<&mut [Regime]>,
@@ -396,102 +408,64 @@ impl<C: ContactCurves> FoundationLaw<C> {
         let mut tangent = tangent.map(TangentMut::into_entries);
         let mut room = Room::<B>::new();
         let mut counts = RegimeCounts::default();
-        let rows = |c: usize, stride: usize, offset: usize, block: &Range<usize>| {
-            let first = c * stride + offset;
-            first + block.start..first + block.end
-        };
         let mut block = 0..0;
         while block.end < n {
             block = block.end..n.min(block.end + B);
             let m = block.len();
+            let unlimited = sticking == Sticking::Full;
             let u = part(&jump, &block);
-            let begin_at = |c: usize| &begin.data[rows(c, begin.stride, begin.offset, &block)];
+            let mut states = Rows::of(begin, &mut end, n, &block);
             self.begin_block(points.start + block.start, sticking, m, &mut room);
-            room.fill.0 = [0.0; B];
-            for values in u {
-                run(SpreadNan(values, &mut room.fill));
-            }
-            for c in 0..self.info.n_state() {
-                run(SpreadNan(begin_at(c), &mut room.fill));
-            }
+            room.fill = self.spread_nan(u, &states);
             room.sums = Sums::filled(room.fill);
-            room.changes = [room.fill; 3];
-            if let Some(along) = &along {
-                let d_jump = part(&[along.d_jump.x, along.d_jump.y, along.d_jump.n], &block);
-                for values in d_jump {
-                    run(SpreadNan(values, &mut room.changes[0]));
-                }
-                for c in 0..self.info.n_state() {
-                    let values = &along.d_begin.data[rows(c, along.d_begin.stride, along.d_begin.offset, &block)];
-                    run(SpreadNan(values, &mut room.changes[0]));
-                }
-                room.changes = [room.changes[0]; 3];
-            }
-            room.no_change = room.changes[0];
             for (c, u) in u.into_iter().enumerate() {
-                let end = &mut end.data[rows(c, end.stride, end.offset, &block)];
-                for i in 0..m {
-                    end[i] = u[i] + room.fill.0[i];
+                add_to(u, &room.fill, states.end::<1>(c));
+            }
+            let mut direction = along.as_mut().map(|along| {
+                let d_u = part(&[along.d_jump.x, along.d_jump.y, along.d_jump.n], &block);
+                (d_u, Rows::of(along.d_begin, &mut along.d_end, n, &block))
+            });
+            if let Some((d_u, changes)) = &mut direction {
+                room.no_change = self.spread_nan(*d_u, changes);
+                run(SpreadNan(&room.fill.0[..m], &mut room.no_change));
+                room.changes = [room.no_change; 3];
+                for (c, d_u) in d_u.iter().enumerate() {
+                    add_to(d_u, &room.no_change, changes.end::<1>(c));
                 }
             }
-            if let Some(along) = &mut along {
-                let d_jump = part(&[along.d_jump.x, along.d_jump.y, along.d_jump.n], &block);
-                for (c, change) in d_jump.into_iter().enumerate() {
-                    let end = &mut along.d_end.data[rows(c, along.d_end.stride, along.d_end.offset, &block)];
-                    for i in 0..m {
-                        end[i] = change[i] + room.no_change.0[i];
-                    }
-                }
-            }
-            let u_0: [&[f64]; 3] = core::array::from_fn(begin_at);
             for spring in 0..self.n_springs {
                 self.take_spring(spring, m, &mut room);
                 let c = N_JUMP + 2 * spring;
-                let memory = [begin_at(c), begin_at(c + 1)];
-                let [end_x, end_y] = {
-                    let (before, after) = end.data.split_at_mut((c + 1) * end.stride);
-                    [
-                        &mut before[rows(c, end.stride, end.offset, &block)],
-                        &mut after[rows(0, end.stride, end.offset, &block)],
-                    ]
-                };
-                if let Some(along) = &mut along {
-                    let [d_x, d_y] = {
-                        let (before, after) = along.d_end.data.split_at_mut((c + 1) * along.d_end.stride);
-                        [
-                            &mut before[rows(c, along.d_end.stride, along.d_end.offset, &block)],
-                            &mut after[rows(0, along.d_end.stride, along.d_end.offset, &block)],
-                        ]
-                    };
-                    let d_begin =
-                        |c: usize| &along.d_begin.data[rows(c, along.d_begin.stride, along.d_begin.offset, &block)];
+                let [x_0, y_0, n_0, memory_x, memory_y] = [0, 1, 2, c, c + 1].map(|c| states.begin(c));
+                if let Some((d_u, changes)) = &mut direction {
+                    let [d_x, d_y, d_n, d_memory_x, d_memory_y] = [0, 1, 2, c, c + 1].map(|c| changes.begin(c));
                     run(Change {
                         u,
-                        u_0,
-                        memory,
-                        d_u: part(&[along.d_jump.x, along.d_jump.y, along.d_jump.n], &block),
-                        d_u_0: [d_begin(0), d_begin(1), d_begin(2)],
-                        d_memory: [d_begin(c), d_begin(c + 1)],
-                        unlimited: sticking == Sticking::Full,
+                        u_0: [x_0, y_0, n_0],
+                        memory: [memory_x, memory_y],
+                        d_u: *d_u,
+                        d_u_0: [d_x, d_y, d_n],
+                        d_memory: [d_memory_x, d_memory_y],
+                        unlimited,
                         gap: &room.gap,
                         stiffness: &room.stiffness,
                         reach: &room.reach,
                         fill: &room.no_change,
-                        end: [d_x, d_y],
+                        end: changes.end::<2>(c),
                         traction: &mut room.changes,
                     });
                 }
                 run(Springs {
                     u,
-                    u_0,
-                    memory,
-                    unlimited: sticking == Sticking::Full,
+                    u_0: [x_0, y_0, n_0],
+                    memory: [memory_x, memory_y],
+                    unlimited,
                     with_tangent: tangent.is_some(),
                     gap: &room.gap,
                     stiffness: &room.stiffness,
                     reach: &room.reach,
                     fill: &room.fill,
-                    end: [end_x, end_y],
+                    end: states.end::<2>(c),
                     sums: &mut room.sums,
                 });
             }
@@ -609,6 +583,13 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
 
     fn yielded_fraction(&self, point: usize, u_n: f64, omega_c: f64) -> Option<f64> {
         self.curves.at(point).yielded_fraction(u_n, omega_c)
+    }
+}
+
+/// Values with an addition.
+fn add_to<const B: usize>(values: &[f64], addition: &Lanes<f64, B>, [into]: [&mut [f64]; 1]) {
+    for ((into, value), addition) in into.iter_mut().zip(values).zip(&addition.0) {
+        *into = value + addition;
     }
 }
 

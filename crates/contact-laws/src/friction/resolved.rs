@@ -104,7 +104,7 @@
 #![doc = include_str!("../../katex.html")]
 
 use super::annulus::{Annulus, Room};
-use super::block_start::{Present, SpreadNan, common, gather};
+use super::block_start::{Present, Rows, SpreadNan, common, gather};
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
 use super::radii::{Circle, CircleChange, MAX_RADII, Radii, Reaction};
@@ -393,7 +393,7 @@ impl ResolvedLaw {
         sticking: Sticking,
         jump: Components<'_>,
         begin: StateView<'_>,
-        end: StateViewMut<'_>,
+        mut end: StateViewMut<'_>,
         traction: ComponentsMut<'_>,
         tangent: Option<TangentMut<'_>>,
         mut regimes: Option<&mut [Regime]>,
@@ -412,21 +412,11 @@ impl ResolvedLaw {
             let m = block.len();
             let of_block = along.as_mut().zip(changes.as_mut()).map(|(along, changes)| Direction {
                 jump: part(&[along.d_jump.x, along.d_jump.y, along.d_jump.n], &block),
-                rows: Rows {
-                    begin: along.d_begin,
-                    end: StateViewMut::new(&mut *along.d_end.data, along.d_end.stride, along.d_end.offset),
-                    n,
-                    block: block.clone(),
-                },
+                rows: Rows::of(along.d_begin, &mut along.d_end, n, &block),
                 changes,
                 parts: along.parts.as_deref_mut(),
             });
-            let rows = Rows {
-                begin,
-                end: StateViewMut::new(&mut *end.data, end.stride, end.offset),
-                n,
-                block: block.clone(),
-            };
+            let rows = Rows::of(begin, &mut end, n, &block);
             self.block(
                 points.start + block.start,
                 sticking,
@@ -1091,45 +1081,6 @@ struct Lane {
     /// Interference beyond the residual depth, zero where open, NaN where the input is no number (m).
     u_n: f64,
     fill: f64,
-}
-
-/// The states of a block's points.
-struct Rows<'a> {
-    begin: StateView<'a>,
-    end: StateViewMut<'a>,
-    n: usize,
-    block: Range<usize>,
-}
-
-impl<'a> Rows<'a> {
-    fn begin(&self, component: usize) -> &'a [f64] {
-        &self.begin.component(component, self.n)[self.block.clone()]
-    }
-
-    /// `N` components from one on.
-    fn end<const N: usize>(&mut self, component: usize) -> [&mut [f64]; N] {
-        let (stride, offset) = (self.end.stride, self.end.offset);
-        let rows = StateViewMut::new(&mut self.end.data[component * stride..], stride, offset);
-        rows.components::<N>(self.n).map(|row| &mut row[self.block.clone()])
-    }
-
-    /// Pairs of components of point `i` from one component on.
-    fn gather(&self, component: usize, i: usize, into: &mut [[f64; 2]]) {
-        let StateView { data, stride, offset } = self.begin;
-        let values = data[component * stride + offset + self.block.start + i..].iter();
-        for (into, value) in into.as_flattened_mut().iter_mut().zip(values.step_by(stride)) {
-            *into = bounded(*value);
-        }
-    }
-
-    /// Pairs of components of point `i` from one component on, with an addition to each number.
-    fn scatter(&mut self, component: usize, i: usize, from: &[[f64; 2]], fill: f64) {
-        let StateViewMut { data, stride, offset } = &mut self.end;
-        let values = data[component * *stride + *offset + self.block.start + i..].iter_mut();
-        for (value, from) in values.step_by(*stride).zip(from.as_flattened()) {
-            *value = *from + fill;
-        }
-    }
 }
 
 /// A direction of the input of a block's points, and where the derivatives of the states go.

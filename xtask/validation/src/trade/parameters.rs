@@ -152,8 +152,10 @@ pub(crate) fn truth(base: &Scene, quick: bool, finest: Option<&Path>) -> Setting
     scene.interfaces.points_per_direction = 4;
     scene.analyses.backbone.vertices_per_quarter = 16;
     let law = &mut scene.interfaces.law;
-    if law.friction() != Friction::Lumped {
-        law.bins = Bins::Gauss(32);
+    match law.friction() {
+        Friction::Lumped => {}
+        Friction::Foundation => law.bins = Bins::Gauss(128),
+        Friction::Resolved | Friction::MindlinIwan => law.bins = Bins::Gauss(32),
     }
     if law.friction() == Friction::MindlinIwan {
         law.radii = RadialRule::Annuli(16);
@@ -522,6 +524,7 @@ fn frictions(base: &Scene) -> Vec<Setting> {
         base,
         &[
             ("lumped", lumped),
+            ("foundation", (Friction::Foundation, None)),
             ("resolved", (Friction::Resolved, None)),
             ("mindlin-iwan", (Friction::MindlinIwan, None)),
             ("resolved, yield", (Friction::Resolved, Some(yielding()))),
