@@ -256,7 +256,7 @@ pub struct PressedElement {
 
 impl Characterisation {
     /// Contact of some elements by boundary elements: of each its bounding box, with the heights of both faces above their forms, at up to 256 points along
-    /// an axis; of more points of the top face every second, third and so on. `maps` are those that were characterised.
+    /// an axis; of more points of the top face every second, third and so on, and of numbers with prime factors above 7 the next smaller one without. `maps` are those that were characterised.
     ///
     /// # Errors
     /// [`SurfaceError::Interrupted`] where `stop` says so, [`SurfaceError::NoContact`], [`SurfaceError::LengthMismatch`] for an element with so few points that no
@@ -291,16 +291,16 @@ impl Characterisation {
         let (low, high) = outlines.element_bounds(element);
         let windows = [0, 1].map(|axis| grid.indices_within(axis, low[axis], high[axis]));
         let stride = windows.map(|(first, end)| (end - first).div_ceil(MOST_POINTS).max(1));
-        let points = [0, 1].map(|axis| (windows[axis].1 - windows[axis].0).div_ceil(stride[axis]));
+        let points = [0, 1].map(|axis| quick((windows[axis].1 - windows[axis].0).div_ceil(stride[axis])));
         let step = [0, 1].map(|axis| grid.step()[axis] * stride[axis] as f64);
         let residual = |side: usize, at: [f64; 2]| {
             let form = self.faces[side].trend.at(at) + of_element.faces[side].plane.at(at);
             maps[side].interpolated(at).map(|z| z - form)
         };
         let mut heights = Vec::with_capacity(points[0] * points[1]);
-        for j in (windows[1].0..windows[1].1).step_by(stride[1]) {
-            for i in (windows[0].0..windows[0].1).step_by(stride[0]) {
-                let at = grid.position(i, j);
+        for j in 0..points[1] {
+            for i in 0..points[0] {
+                let at = grid.position(windows[0].0 + i * stride[0], windows[1].0 + j * stride[1]);
                 heights.push(residual(0, at).zip(residual(1, at)).map(|(top, bottom)| top + bottom));
             }
         }
@@ -431,6 +431,20 @@ impl Cosines {
     }
 }
 
+/// The largest number up to `n` without prime factors above 7, of which transforms are quick.
+fn quick(n: usize) -> usize {
+    let is_quick = |n: &usize| {
+        let mut rest = *n;
+        for factor in [2, 3, 5, 7] {
+            while rest.is_multiple_of(factor) {
+                rest /= factor;
+            }
+        }
+        rest == 1
+    };
+    (1..=n).rev().find(is_quick).unwrap_or(0)
+}
+
 /// Rows as columns.
 fn turn(rows: &[f64], [nx, ny]: [usize; 2], columns: &mut [f64]) {
     for j in 0..ny {
@@ -536,6 +550,14 @@ mod tests {
             cosines.back(&mut found);
             assert!(found.iter().zip(&given).all(|(a, b)| (a - b).abs() < 1e-13));
         }
+    }
+
+    #[test]
+    fn numbers_of_points_have_small_factors() {
+        assert_eq!(
+            [0, 1, 11, 61, 83, 127, 128, 254].map(quick),
+            [0, 1, 10, 60, 81, 126, 128, 252]
+        );
     }
 
     #[test]
