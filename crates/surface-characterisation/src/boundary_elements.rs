@@ -224,9 +224,11 @@ impl<'a> BoundaryElements<'a> {
     }
 }
 
-/// Mean pressures over the contact modulus of [`Characterisation::pressed`]: for steel, from 0.1 to 1000 MPa.
-const PRESSURES: [f64; 2] = [1e-6, 1e-2];
-const PER_DECADE: f64 = 10.0;
+/// Smallest of the mean pressures over the contact modulus of [`Characterisation::pressed`], how many there are in a decade, and in how many
+/// decades: for steel, from 0.1 to 1000 MPa.
+const SMALLEST: f64 = 1e-6;
+const PER_DECADE: u32 = 10;
+const DECADES: u32 = 4;
 
 /// Most points of an element along an axis.
 const MOST_POINTS: usize = 256;
@@ -255,12 +257,13 @@ pub struct PressedElement {
 }
 
 impl Characterisation {
-    /// Contact of some elements by boundary elements: of each its bounding box, with the heights of both faces above their forms, at up to 256 points along
-    /// an axis; of more points of the top face every second, third and so on, and of numbers with prime factors above 7 the next smaller one without. `maps` are those that were characterised.
+    /// Contact of some elements by boundary elements: of each its bounding box, with the heights of both faces above their forms, at up to 256
+    /// points along an axis; of more points of the top face every second, third and so on, and of numbers with prime factors above 7 the next
+    /// smaller one without. `maps` are those that were characterised.
     ///
     /// # Errors
-    /// [`SurfaceError::Interrupted`] where `stop` says so, [`SurfaceError::NoContact`], [`SurfaceError::LengthMismatch`] for an element with so few points that no
-    /// pressure is resolved.
+    /// [`SurfaceError::Interrupted`] where `stop` says so, [`SurfaceError::NoContact`], [`SurfaceError::LengthMismatch`] for an element with so
+    /// few points that no pressure is resolved.
     pub fn pressed(
         &self,
         stop: &(dyn Fn() -> bool + Sync),
@@ -304,22 +307,23 @@ impl Characterisation {
                 heights.push(residual(0, at).zip(residual(1, at)).map(|(top, bottom)| top + bottom));
             }
         }
-        let lowest = heights.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        // What is not known cannot touch.
+        let lowest = heights.iter().flatten().copied().reduce(f64::min).unwrap_or(0.0);
         let missing = heights.iter().filter(|height| height.is_none()).count();
         let heights: Vec<f64> = heights.into_iter().map(|height| height.unwrap_or(lowest)).collect();
         let count = heights.len();
         let curve = match heights.len() {
             0 => Vec::new(),
             _ => {
-                let decades = (PRESSURES[1] / PRESSURES[0]).log10();
-                let pressures =
-                    (0..=(decades * PER_DECADE) as i32).map(|i| PRESSURES[0] * 10f64.powf(f64::from(i) / PER_DECADE));
+                let pressure = |i: u32| SMALLEST * 10f64.powf(f64::from(i) / f64::from(PER_DECADE));
+                let pressures = (0..=DECADES * PER_DECADE).map(pressure);
                 BoundaryElements::try_new(&heights, points, step)?.curve(&pressures.collect::<Vec<_>>())?
             }
         };
-        let datum = of_element.faces[0].tallest + of_element.faces[1].tallest;
         let mean = heights.iter().sum::<f64>() / count.max(1) as f64;
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Faces touch no earlier than tallest peaks could.
+        let datum = (of_element.faces[0].tallest + of_element.faces[1].tallest).max(highest);
         let mut found = PressedElement {
             element,
             points,
@@ -341,7 +345,7 @@ impl Characterisation {
                 found.areas.push(pressed.area.min(1.0));
             }
         }
-        if found.pressures.len() < 4 || found.resolved_from > PRESSURES[1] {
+        if found.pressures.len() < 4 || found.resolved_from.is_infinite() {
             return Err(SurfaceError::LengthMismatch {
                 field: "points of a patch for boundary elements",
                 found: count,

@@ -117,15 +117,13 @@ impl Pressed {
                 .map(|curves| curves.normal(interference_at(*curves, pressure)).1)
                 .sum()
         };
-        let of = |fold: fn(f64, f64) -> f64, value: &dyn Fn(&PressedElement) -> f64| {
-            elements.iter().map(value).fold(0.0, fold)
-        };
+        let largest = |value: &dyn Fn(&PressedElement) -> f64| elements.iter().map(value).fold(0.0, f64::max);
         BoundaryElementsReport {
             elements: elements.len(),
             points: [0, 1].map(|axis| elements.iter().map(|of| of.points[axis]).min().unwrap_or(0)),
             stride: [0, 1].map(|axis| elements.iter().map(|of| of.stride[axis]).max().unwrap_or(1)),
-            missing: of(f64::max, &|of| of.missing),
-            resolved_from: modulus * of(f64::max, &|of| of.resolved_from),
+            missing: largest(&|of| of.missing),
+            resolved_from: modulus * largest(&|of| of.resolved_from),
             sums_to_boundary_elements: at_pressure(&as_dyn(sums)) / at_pressure(&as_dyn(curves)),
         }
     }
