@@ -11,10 +11,10 @@ mod text;
 mod book {
     #[doc = include_str!("../../../docs/guide/rust-and-c.md")]
     mod rust_and_c {}
+    #[doc = include_str!("../../../docs/laws/foundation.md")]
+    mod foundation {}
     #[doc = include_str!("../../../docs/laws/greenwood-williamson.md")]
     mod greenwood_williamson {}
-    #[doc = include_str!("../../../docs/laws/mindlin-iwan.md")]
-    mod mindlin_iwan {}
 }
 
 pub use analyses::results::summary::Summary;
