@@ -26,6 +26,9 @@ type Map<'py> = (Bound<'py, PyArray2<f64>>, [f64; 2], [f64; 2], Option<f64>);
 /// The same as it comes from Python.
 type GivenMap<'py> = (PyReadonlyArray2<'py, f64>, [f64; 2], [f64; 2], Option<f64>);
 
+/// Mean gaps, parts of the area in contact and points that touch.
+type Contacts<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<usize>);
+
 /// The scan in a file: the map, and as JSON what the file says about it.
 #[pyfunction]
 #[pyo3(signature = (
@@ -170,11 +173,7 @@ pub(crate) fn synthetic_face<'py>(
     map: "tuple[numpy.typing.NDArray[numpy.float64], tuple[float, float], tuple[float, float], float | None]",
     pressures: "collections.abc.Sequence[float]"
 ) -> "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], list[int]]")]
-pub(crate) fn press<'py>(
-    py: Python<'py>,
-    map: GivenMap<'_>,
-    pressures: Vec<f64>,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<usize>)> {
+pub(crate) fn press<'py>(py: Python<'py>, map: GivenMap<'_>, pressures: Vec<f64>) -> PyResult<Contacts<'py>> {
     let map = from_python(&map)?;
     let found = py.detach(|| -> Result<Vec<Pressed>, Exception> {
         let (nx, ny) = (map.nx(), map.ny());
