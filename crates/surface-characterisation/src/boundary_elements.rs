@@ -14,9 +14,9 @@
 //! part of the points on its edges: V. A. Yastrebov, G. Anciaux and J.-F. Molinari, J. Mech. Phys. Solids 107 (2017) 469-493.
 
 use crate::characterise::Characterisation;
-use crate::error::{SurfaceError, positive};
+use crate::error::{SurfaceError, finite_samples, positive};
 use crate::partition::ElementOutlines;
-use crate::topography::HeightMap;
+use crate::topography::{HeightMap, turn};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlannerScalar};
@@ -72,15 +72,7 @@ impl<'a> BoundaryElements<'a> {
                 remedy: "give a height for every point, and at least two points along each axis",
             });
         }
-        if let Some(index) = heights.iter().position(|z| !z.is_finite()) {
-            return Err(SurfaceError::InvalidSample {
-                field: "heights",
-                index,
-                value: heights[index],
-                unit: "m",
-                requirement: "finite",
-            });
-        }
+        finite_samples("heights", heights, "m")?;
         let mean = heights.iter().sum::<f64>() / points as f64;
         let rms = (heights.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / points as f64).sqrt();
         positive("rms of the heights", rms, "m")?;
@@ -447,15 +439,6 @@ fn quick(n: usize) -> usize {
         rest == 1
     };
     (1..=n).rev().find(is_quick).unwrap_or(0)
-}
-
-/// Rows as columns.
-fn turn(rows: &[f64], [nx, ny]: [usize; 2], columns: &mut [f64]) {
-    for j in 0..ny {
-        for i in 0..nx {
-            columns[i * ny + j] = rows[j * nx + i];
-        }
-    }
 }
 
 #[cfg(test)]

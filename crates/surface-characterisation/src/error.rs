@@ -338,3 +338,17 @@ pub(crate) fn finite(field: &'static str, value: f64, unit: &'static str) -> Res
         })
     }
 }
+
+/// Refuses lists with values that are not finite.
+pub(crate) fn finite_samples(field: &'static str, values: &[f64], unit: &'static str) -> Result<(), SurfaceError> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(SurfaceError::InvalidSample {
+            field,
+            index,
+            value: values[index],
+            unit,
+            requirement: "finite",
+        }),
+    }
+}

@@ -4,7 +4,7 @@ use contact_laws::{AsperityPopulation, GapDistribution, GreenwoodWilliamsonSurfa
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-use crate::error::{SurfaceError, positive};
+use crate::error::{SurfaceError, finite_samples, positive};
 use crate::face::FaceAsperities;
 use crate::random::{draw, mix};
 
@@ -100,15 +100,7 @@ impl PairAsperities {
                 remedy: "give the height of at least one asperity",
             });
         }
-        if let Some(index) = heights.iter().position(|z| !z.is_finite()) {
-            return Err(SurfaceError::InvalidSample {
-                field: "heights",
-                index,
-                value: heights[index],
-                unit: "m",
-                requirement: "finite",
-            });
-        }
+        finite_samples("heights", &heights, "m")?;
         heights.sort_by(|a, b| b.total_cmp(a));
         Ok(Self {
             area,

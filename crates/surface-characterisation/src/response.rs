@@ -2,7 +2,7 @@
 
 use contact_laws::{ElasticPair, TangentialReading};
 
-use crate::error::{SurfaceError, positive};
+use crate::error::{SurfaceError, finite_samples, positive};
 use crate::pair::PairAsperities;
 
 /// Tractions against interference.
@@ -84,15 +84,7 @@ pub(crate) fn curves_of(
     interference: &[f64],
     samples: &[Sample],
 ) -> Result<Vec<TractionCurves>, SurfaceError> {
-    if let Some(index) = interference.iter().position(|u| !u.is_finite()) {
-        return Err(SurfaceError::InvalidSample {
-            field: "interference",
-            index,
-            value: interference[index],
-            unit: "m",
-            requirement: "finite",
-        });
-    }
+    finite_samples("interference", interference, "m")?;
     check_material(&material)?;
     let z = population.heights();
     let depth: Vec<f64> = z.iter().map(|h| population.contact_height() - h).collect();

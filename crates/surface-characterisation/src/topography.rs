@@ -236,6 +236,15 @@ impl HeightMap {
     }
 }
 
+/// The rows of a grid of `nx` by `ny` values as its columns.
+pub(crate) fn turn<T: Copy>(rows: &[T], [nx, ny]: [usize; 2], columns: &mut [T]) {
+    for j in 0..ny {
+        for i in 0..nx {
+            columns[i * ny + j] = rows[j * nx + i];
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,7 @@ use super::rule::StiffnessAt;
 use crate::law::{StateView, StateViewMut};
 use crate::simd::bounds::{bounded, is_finite};
 use crate::simd::elementary::max;
-use crate::simd::{Lanes, Pass};
+use crate::simd::{Lanes, Pass, run};
 use core::ops::Range;
 
 /// Start of a block: the interferences at which its curves are needed, zero where a point is open and NaN where its
@@ -101,7 +101,7 @@ fn start<const B: usize>(
 }
 
 /// NaN where a value is no finite number.
-pub(crate) struct SpreadNan<'a, const B: usize>(pub(crate) &'a [f64], pub(crate) &'a mut Lanes<f64, B>);
+struct SpreadNan<'a, const B: usize>(&'a [f64], &'a mut Lanes<f64, B>);
 
 impl<const B: usize> Pass for SpreadNan<'_, B> {
     #[inline(always)]
@@ -148,6 +148,27 @@ impl<'a> Rows<'a> {
             end: StateViewMut::new(&mut *end.data, end.stride, end.offset),
             n,
             block: block.clone(),
+        }
+    }
+
+    /// Zero, or NaN where a number of the jump or of the begin state is not finite.
+    pub(crate) fn spread_nan<const B: usize>(&self, jump: [&[f64]; 3], n_state: usize) -> Lanes<f64, B> {
+        let mut fill = Lanes([0.0; B]);
+        for values in jump
+            .into_iter()
+            .chain((0..n_state).map(|component| self.begin(component)))
+        {
+            run(SpreadNan(values, &mut fill));
+        }
+        fill
+    }
+
+    /// The jump as part of the end state, NaN where `fill` is.
+    pub(crate) fn end_at<const B: usize>(&mut self, jump: [&[f64]; 3], fill: &Lanes<f64, B>) {
+        for (end, jump) in self.end::<3>(0).into_iter().zip(jump) {
+            for ((end, jump), fill) in end.iter_mut().zip(jump).zip(&fill.0) {
+                *end = jump + fill;
+            }
         }
     }
 

@@ -86,8 +86,8 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use super::block_start::{Rows, SpreadNan, common, gather};
-use super::return_map::{OPEN, SLIP, STICK};
+use super::block_start::{Rows, common, gather};
+use super::return_map::{OPEN, SLIP, STICK, of_parts};
 use super::{JUMP, MU, has_friction, require_friction};
 use crate::curves::ContactCurves;
 use crate::error::{Error, Place, require};
@@ -377,18 +377,6 @@ impl<C: ContactCurves> FoundationLaw<C> {
         gather(&self.stiffnesses[row], sets, room.common, &mut room.stiffness.0[..m]);
     }
 
-    /// Zero, or NaN where a number of a jump or a begin state is not finite.
-    fn spread_nan<const B: usize>(&self, jump: [&[f64]; 3], states: &Rows<'_>) -> Lanes<f64, B> {
-        let mut fill = Lanes([0.0; B]);
-        for values in jump {
-            run(SpreadNan(values, &mut fill));
-        }
-        for c in 0..self.info.n_state() {
-            run(SpreadNan(states.begin(c), &mut fill));
-        }
-        fill
-    }
-
     /// [`TractionLaw::evaluate`] or, along a direction, [`TractionLaw::derivative`] in blocks of `B` points.
     fn evaluate_blocks<const B: usize>(
         &self,
@@ -416,22 +404,20 @@ impl<C: ContactCurves> FoundationLaw<C> {
             let u = part(&jump, &block);
             let mut states = Rows::of(begin, &mut end, n, &block);
             self.begin_block(points.start + block.start, sticking, m, &mut room);
-            room.fill = self.spread_nan(u, &states);
+            room.fill = states.spread_nan(u, self.info.n_state());
             room.sums = Sums::filled(room.fill);
-            for (c, u) in u.into_iter().enumerate() {
-                add_to(u, &room.fill, states.end::<1>(c));
-            }
+            states.end_at(u, &room.fill);
             let mut direction = along.as_mut().map(|along| {
                 let d_u = part(&[along.d_jump.x, along.d_jump.y, along.d_jump.n], &block);
                 (d_u, Rows::of(along.d_begin, &mut along.d_end, n, &block))
             });
             if let Some((d_u, changes)) = &mut direction {
-                room.no_change = self.spread_nan(*d_u, changes);
-                run(SpreadNan(&room.fill.0[..m], &mut room.no_change));
-                room.changes = [room.no_change; 3];
-                for (c, d_u) in d_u.iter().enumerate() {
-                    add_to(d_u, &room.no_change, changes.end::<1>(c));
+                room.no_change = changes.spread_nan(*d_u, self.info.n_state());
+                for (no_change, fill) in room.no_change.0.iter_mut().zip(&room.fill.0) {
+                    *no_change += fill;
                 }
+                room.changes = [room.no_change; 3];
+                changes.end_at(*d_u, &room.no_change);
             }
             for spring in 0..self.n_springs {
                 self.take_spring(spring, m, &mut room);
@@ -495,22 +481,8 @@ impl<C: ContactCurves> FoundationLaw<C> {
                     scaled(&changes[q], (q < 2).then_some(ratio), &mut into[block.clone()]);
                 }
             }
-            for i in 0..m {
-                let merged = sums.regimes.0[i];
-                let regime = if fill.0[i].is_nan() {
-                    Regime::Invalid
-                } else if merged & STICK > 0 {
-                    Regime::Stick
-                } else if merged & SLIP > 0 {
-                    Regime::Slip
-                } else {
-                    Regime::Open
-                };
-                counts.count(regime);
-                if let Some(regimes) = &mut regimes {
-                    regimes[block.start + i] = regime;
-                }
-            }
+            let regimes = regimes.as_deref_mut().map(|regimes| &mut regimes[block.clone()]);
+            counts += of_parts(&sums.regimes, fill, m, regimes);
         }
         counts
     }
@@ -538,28 +510,25 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
             let ratio = self.ratios[set[0] as usize];
             let reach = bounded(*self.mu.at(point) / ratio);
             let du = [jump.x[i] - begin_at(0), jump.y[i] - begin_at(1)].map(bounded);
-            for adjoint in &mut *adjoints {
-                let Adjoint { end, traction, begin } = adjoint;
-                let into = |c: usize| c * begin.stride + begin.offset + i;
-                let end_at = |c: usize| end.data[c * end.stride + end.offset + i];
-                let mut jump_before = [0.0; 3];
-                for spring in 0..self.n_springs {
-                    let (gap, stiffness) = {
-                        let at = spring * n_sets + set[0] as usize;
-                        (self.gaps[at], self.stiffnesses[at])
-                    };
-                    let c = N_JUMP + 2 * spring;
-                    let [w, w_0] = [jump.n[i] - gap, begin_at(2) - gap];
-                    let found = answer([w, w_0], du, [begin_at(c), begin_at(c + 1)], reach, false);
+            for Adjoint { begin, .. } in &mut *adjoints {
+                (0..N_JUMP).for_each(|c| begin.data[c * begin.stride + begin.offset + i] = 0.0);
+            }
+            for spring in 0..self.n_springs {
+                let at = spring * n_sets + set[0] as usize;
+                let (gap, stiffness) = (self.gaps[at], self.stiffnesses[at]);
+                let c = N_JUMP + 2 * spring;
+                let [w, w_0] = [jump.n[i] - gap, begin_at(2) - gap];
+                let found = answer([w, w_0], du, [begin_at(c), begin_at(c + 1)], reach, false);
+                let share_change = found.share_change([0.0, 1.0]);
+                for Adjoint { end, traction, begin } in &mut *adjoints {
+                    let into = |c: usize| c * begin.stride + begin.offset + i;
+                    let end_at = |c: usize| end.data[c * end.stride + end.offset + i];
                     let pull = [traction.x[i], traction.y[i]].map(|of| ratio * stiffness * of);
                     let [x, y] = found.across([end_at(c) + pull[0], end_at(c + 1) + pull[1]]);
                     (begin.data[into(c)], begin.data[into(c + 1)]) = (x, y);
-                    jump_before[0] -= found.share * x;
-                    jump_before[1] -= found.share * y;
-                    jump_before[2] += found.share_change([0.0, 1.0]) * (du[0] * x + du[1] * y);
-                }
-                for (c, value) in jump_before.into_iter().enumerate() {
-                    begin.data[into(c)] = value;
+                    begin.data[into(0)] -= found.share * x;
+                    begin.data[into(1)] -= found.share * y;
+                    begin.data[into(2)] += share_change * (du[0] * x + du[1] * y);
                 }
             }
         }
@@ -583,13 +552,6 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
 
     fn yielded_fraction(&self, point: usize, u_n: f64, omega_c: f64) -> Option<f64> {
         self.curves.at(point).yielded_fraction(u_n, omega_c)
-    }
-}
-
-/// Values with an addition.
-fn add_to<const B: usize>(values: &[f64], addition: &Lanes<f64, B>, [into]: [&mut [f64]; 1]) {
-    for ((into, value), addition) in into.iter_mut().zip(values).zip(&addition.0) {
-        *into = value + addition;
     }
 }
 

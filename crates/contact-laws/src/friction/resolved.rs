@@ -104,11 +104,11 @@
 #![doc = include_str!("../../katex.html")]
 
 use super::annulus::{Annulus, Room};
-use super::block_start::{Present, Rows, SpreadNan, common, gather};
+use super::block_start::{Present, Rows, common, gather};
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
 use super::radii::{Circle, CircleChange, MAX_RADII, Radii, Reaction};
-use super::return_map::{Block, CurveChange, Derivative, OPEN, SLIP, STICK, Workspace};
+use super::return_map::{Block, CurveChange, Derivative, OPEN, SLIP, STICK, Workspace, of_parts};
 use super::rule::{Memory, StiffnessAt};
 use super::shares::{N_ANNULI, shares};
 use super::{JUMP, MU, has_friction, require_friction};
@@ -440,22 +440,8 @@ impl ResolvedLaw {
                     tangent.copy_from_slice(&room.sums.tangent[entry].0[..m]);
                 }
             }
-            for i in 0..m {
-                let merged = room.sums.regimes.0[i];
-                let regime = if room.fill.0[i].is_nan() {
-                    Regime::Invalid
-                } else if merged & STICK > 0 {
-                    Regime::Stick
-                } else if merged & SLIP > 0 {
-                    Regime::Slip
-                } else {
-                    Regime::Open
-                };
-                counts.count(regime);
-                if let Some(regimes) = &mut regimes {
-                    regimes[block.start + i] = regime;
-                }
-            }
+            let regimes = regimes.as_deref_mut().map(|regimes| &mut regimes[block.clone()]);
+            counts += of_parts(&room.sums.regimes, &room.fill, m, regimes);
         }
         counts
     }
@@ -516,23 +502,12 @@ impl ResolvedLaw {
             (hertz.0[i], mindlin.0[i], onset.0[i]) = (tables.hertz[set], tables.mindlin[set], tables.onset[set]);
         }
         // Zero, or NaN where any input is no number.
-        fill.0 = [0.0; B];
-        for part in jump {
-            run(SpreadNan(part, fill));
-        }
-        for component in 0..self.info.n_state() {
-            run(SpreadNan(rows.begin(component), fill));
-        }
+        *fill = rows.spread_nan(jump, self.info.n_state());
         sums.begin(fill);
         if let Some(direction) = &mut direction {
             direction.begin(self.info.n_state(), fill);
         }
-        for (c, jump) in jump.into_iter().enumerate() {
-            let [end] = rows.end::<1>(c);
-            for i in 0..m {
-                end[i] = jump[i] + fill.0[i];
-            }
-        }
+        rows.end_at(jump, fill);
         for j in 0..tables.n_bins {
             tables.gather(&tables.gaps, j, sets, one_set, &mut gap.0[..m]);
             tables.gather(&tables.densities, j, sets, one_set, &mut density.0[..m]);
@@ -1149,23 +1124,12 @@ impl<const B: usize> Direction<'_, B> {
             jump, rows, changes, ..
         } = self;
         let spoilt = &mut changes.curves.fill;
-        spoilt.0 = [0.0; B];
-        for part in *jump {
-            run(SpreadNan(part, spoilt));
-        }
-        for component in 0..n_state {
-            run(SpreadNan(rows.begin(component), spoilt));
-        }
+        *spoilt = rows.spread_nan(*jump, n_state);
         for i in 0..B {
             changes.nothing.0[i] = fill.0[i] + spoilt.0[i];
         }
         changes.sum = [changes.nothing; 3];
-        for (c, jump) in jump.iter().enumerate() {
-            let [end] = rows.end::<1>(c);
-            for i in 0..jump.len() {
-                end[i] = jump[i] + changes.nothing.0[i];
-            }
-        }
+        rows.end_at(*jump, &changes.nothing);
     }
 
     /// Adds what a number of asperities per area answer, or one of their annuli.

@@ -170,6 +170,32 @@ pub(super) fn count(sum: u64, regime: u64) -> usize {
     (sum / regime % (1 << 16)) as usize
 }
 
+/// The regimes of a block's points from those of their parts, merged bit by bit; `fill` is NaN where the input of a point is no number.
+pub(super) fn of_parts<const B: usize>(
+    merged: &Lanes<u64, B>,
+    fill: &Lanes<f64, B>,
+    m: usize,
+    mut into: Option<&mut [Regime]>,
+) -> RegimeCounts {
+    let mut counts = RegimeCounts::default();
+    for (i, (merged, fill)) in merged.0.iter().zip(&fill.0).take(m).enumerate() {
+        let regime = if fill.is_nan() {
+            Regime::Invalid
+        } else if merged & STICK > 0 {
+            Regime::Stick
+        } else if merged & SLIP > 0 {
+            Regime::Slip
+        } else {
+            Regime::Open
+        };
+        counts.count(regime);
+        if let Some(regimes) = &mut into {
+            regimes[i] = regime;
+        }
+    }
+    counts
+}
+
 /// Whether a rule remembers the stretch, known where its loops are compiled.
 const fn stretches<R: FrictionRule>() -> bool {
     matches!(R::MEMORY, Memory::Stretch)

@@ -8,7 +8,7 @@ use super::error::FinishError;
 use super::face::FaceFinish;
 use super::spectrum::Spectrum;
 use crate::random::{NormalDeviates, mix};
-use crate::topography::HeightMap;
+use crate::topography::{HeightMap, turn};
 
 /// Fewest points of a patch along an axis.
 pub(super) const LEAST_POINTS: usize = 16;
@@ -141,17 +141,9 @@ fn transform(values: &mut [Complex64], size: [usize; 2], direction: FftDirection
     let mut turned = vec![Complex64::default(); values.len()];
     let [nx, ny] = size;
     Radix4::new(nx, direction).process(values);
-    for j in 0..ny {
-        for i in 0..nx {
-            turned[i * ny + j] = values[j * nx + i];
-        }
-    }
+    turn(values, size, &mut turned);
     Radix4::new(ny, direction).process(&mut turned);
-    for j in 0..ny {
-        for i in 0..nx {
-            values[j * nx + i] = turned[i * ny + j];
-        }
-    }
+    turn(&turned, [ny, nx], values);
 }
 
 #[cfg(test)]
