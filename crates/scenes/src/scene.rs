@@ -9,6 +9,7 @@ use crate::former;
 use crate::interfaces::Interfaces;
 use crate::json::{self, Refusal};
 use crate::law::{Friction, Law, LawKind, RadialRule};
+use crate::scans::Readings;
 use crate::structure::{Coordinates, MaterialSource, Model, StructureBlock, StructureSource};
 use crate::surface::{Gap, Surface};
 use crate::torque;
@@ -413,6 +414,10 @@ impl Scene {
         let of_parts = "interfaces.law.friction = \"foundation\", \"resolved\" or \"mindlin-iwan\"";
         let of_asperities = "interfaces.law.friction = \"resolved\" or \"mindlin-iwan\"";
         let not_foundation = "interfaces.law.friction = \"mindlin-iwan\", \"resolved\" or \"lumped\", which must be named; springs of a foundation slip on a circle and remember their stretch";
+        let reads_asperities = match surface {
+            Surface::Scans(scans) => scans.readings != Readings::default(),
+            _ => false,
+        };
         let by_strength = law.limit != default.limit;
         let coulomb = "interfaces.law.limit = \"coulomb\"; with others friction follows from the strength";
         let published_radii = matches!(law.radii, RadialRule::EquallySpaced(_));
@@ -507,6 +512,12 @@ impl Scene {
                 not_foundation,
             ),
             (foundation, "/interfaces/law/cone", json!(default.cone), not_foundation),
+            (
+                law.kind == LawKind::BoundaryElements && reads_asperities,
+                "/interfaces/surface/scans/readings",
+                Value::Null,
+                "asperities, and interfaces.law.kind = \"boundary-elements\" presses the scans themselves",
+            ),
             (
                 law.yielding.is_none(),
                 "/interfaces/law/limit",

@@ -313,6 +313,22 @@ fn boundary_elements_take_the_place_of_asperities() {
     assert!((0.2..1.5).contains(&report.sums_to_boundary_elements), "{report:?}");
     assert!(of_law(&sums).is_none());
 
+    // How asperities are read has no effect on contact without them.
+    let read = |kind: &str| {
+        let text = format!(
+            r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
+                "interfaces": {{ "surface": {{ "scans": {{ "top": "a.x3p", "bottom": "b.x3p", "readings": {{ "count": "summits" }} }} }},
+                    "gap": "scan", "mu": 0.2, "law": {kind} }} }}"#
+        );
+        Scene::from_json(&text, "a.json", "a", &[&BrakeReussBenchmark]).map_err(|error| error.to_string())
+    };
+    let text = read(r#"{ "kind": "boundary-elements" }"#).unwrap_err();
+    assert!(
+        text.contains("readings") && text.contains("boundary-elements"),
+        "{text}"
+    );
+    assert!(read("{}").is_ok());
+
     let refused = |scene: &Scene| run(scene, &Options::cached(cache()), &Silent).unwrap_err().to_string();
     let text = refused(&scene(
         r#"{ "kind": "boundary-elements" }"#,

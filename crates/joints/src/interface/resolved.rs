@@ -36,10 +36,10 @@ const SMALLEST_AMPLITUDE: f64 = 0.1;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ResolvedReport {
-    /// Most bins at a point.
+    /// Most bins, or springs of a foundation, at a point.
     pub bins: usize,
     /// Largest interference that they were chosen for (m) (mean over the populations); asperities beyond are in two bins. Equally
-    /// spaced bins reach to the largest gap.
+    /// spaced bins reach to the largest gap, springs to this interference.
     pub reach: f64,
     /// Measured relative errors of elastic asperities in these bins: normal traction, tangential stiffness, dissipated energy.
     pub bin_errors: [f64; 3],
