@@ -55,6 +55,8 @@ pub enum Report {
     Paper,
     /// `cargo xtask trade`.
     Trade,
+    /// What tests can be compared with: bands from uncertain inputs.
+    Tests,
 }
 
 impl Report {
@@ -65,6 +67,7 @@ impl Report {
             Self::Extremes => "extremes",
             Self::Paper => "paper",
             Self::Trade => "trade",
+            Self::Tests => "tests",
         }
     }
 }

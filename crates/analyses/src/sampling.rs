@@ -162,6 +162,7 @@ mod tests {
             seed: 1,
             confidence: 0.9,
             sobol_indices: false,
+            law_error: None,
         };
         for method in [SamplingMethod::Sobol, SamplingMethod::LatinHypercube] {
             uncertain.method = method;

@@ -71,6 +71,11 @@ impl Interfaces {
         own
     }
 
+    /// Those of every interface with something of its own, or those that all have in common where none has.
+    pub fn single(&self) -> impl Iterator<Item = Self> {
+        (0..self.each.len().max(1)).map(|number| self.of(number))
+    }
+
     /// All surfaces.
     pub fn surfaces(&self) -> impl Iterator<Item = &Surface> {
         let own = self.each.iter().filter_map(|own| own.surface.as_ref());

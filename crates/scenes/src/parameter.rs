@@ -12,6 +12,8 @@ const OF_TORQUE: [&str; 5] = [
     "bolts.bearing_diameters",
 ];
 
+const ASPERITY_HEIGHT: &str = "interfaces.scale.asperity_height";
+
 /// A number of a scene, named by its path: fields with dots between, elements of lists by their place from 0, such as `mu`,
 /// `bolts.load`, `bolts.loads.2`, `model.material.youngs_modulus` or `interfaces.scale.asperity_radius`.
 ///
@@ -37,6 +39,16 @@ impl Parameter {
     /// From its path; whether a scene has such a number is found when it is asked.
     pub fn new(path: impl Into<String>) -> Self {
         Self(path.into())
+    }
+
+    /// The factor on the heights of asperities.
+    pub(super) fn asperity_height() -> Self {
+        Self::new(ASPERITY_HEIGHT)
+    }
+
+    /// Whether it is the factor on the heights of asperities.
+    pub fn is_asperity_height(&self) -> bool {
+        self.0 == ASPERITY_HEIGHT
     }
 
     /// Its path.

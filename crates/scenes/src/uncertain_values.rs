@@ -3,9 +3,11 @@
 use crate::distribution::{Marginal, cholesky};
 use crate::error::Error;
 use crate::json::Refusal;
+use crate::law::LawKind;
 use crate::parameter::Parameter;
 use crate::scene::Scene;
-use crate::uncertain::{Distribution, NumberOrText, Uncertain, beyond, of_parameter};
+use crate::surface::Surface;
+use crate::uncertain::{Distribution, LAW_ERROR, Lognormal, NumberOrText, Uncertain, beyond, of_parameter};
 use crate::units::Units;
 use serde_json::json;
 
@@ -24,6 +26,37 @@ impl Uncertain {
             found.map_err(|reason| of_parameter(parameter, reason))
         };
         self.parameters.iter().map(marginal).collect()
+    }
+
+    /// With the error of the law among the parameters, where it is to be in.
+    pub fn with_law_error(&self, scene: &Scene) -> Self {
+        let mut all = self.clone();
+        let factor = self.law_error.unwrap_or(LAW_ERROR);
+        if factor > 1.0 && self.lacks_law_error(scene).is_none() {
+            let lognormal = Lognormal {
+                median: Some(NumberOrText::Number(scene.interfaces.scale.asperity_height)),
+                factor: Some(factor),
+                cov: None,
+            };
+            let distribution = Distribution {
+                lognormal: Some(lognormal),
+                ..Distribution::default()
+            };
+            all.parameters.insert(Parameter::asperity_height(), distribution);
+        }
+        all
+    }
+
+    /// Why no error of the law can be added; none where it can.
+    fn lacks_law_error(&self, scene: &Scene) -> Option<&'static str> {
+        if self.parameters.contains_key(&Parameter::asperity_height()) {
+            return Some("interfaces.scale.asperity_height has a distribution of its own");
+        }
+        let all = scene
+            .interfaces
+            .single()
+            .all(|one| !matches!(one.surface, Surface::Parameters(_)) && one.law.kind != LawKind::BoundaryElements);
+        (!all).then_some("it is known of sums over asperities alone, and an interface has another law")
     }
 
     /// Makes all values SI. `units` are those of the file that the scene was read from.
@@ -68,6 +101,20 @@ impl Uncertain {
                 if let Err(error) = parameter.with(scene, value) {
                     return Err(of_parameter(parameter, beyond(value, &error)));
                 }
+            }
+        }
+        if let Some(factor) = self.law_error {
+            if !(factor >= 1.0 && factor.is_finite()) {
+                return Err(refused(
+                    "law_error",
+                    format!("{factor} must be at least 1: it is a factor, and 1 is no error"),
+                ));
+            }
+            if let (true, Some(reason)) = (factor > 1.0, self.lacks_law_error(scene)) {
+                return Err(refused(
+                    "law_error",
+                    format!("{factor} does nothing: {reason}; leave it out"),
+                ));
             }
         }
         cholesky(&self.correlation()?).map_err(|reason| refused("correlations", reason))?;

@@ -95,7 +95,7 @@ fn of_samples(given: &Value, parameter: &Parameter, other: f64) -> Result<bool, 
         unit => json!(format!("{value} {unit}")),
     };
     let ends = [value.min(other), value.max(other)].map(quantity);
-    asking["uncertain"] = json!({ "parameters": { parameter.path(): { "uniform": ends } } });
+    asking["uncertain"] = json!({ "parameters": { parameter.path(): { "uniform": ends } }, "law_error": 1 });
     let (_, found) = run_samples(&read(&asking)?, 2, None, &Options::default(), &Silent)?;
     let [a, b] = found.variants.as_slice() else {
         panic!("two samples")

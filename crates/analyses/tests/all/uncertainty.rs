@@ -309,7 +309,7 @@ fn inputs_that_change_the_structure_are_reduced_anew() {
     });
     given["uncertain"] = json!({ "parameters": {
         "model.material.density": { "uniform": ["7.8 g/cm^3", "7.9 g/cm^3"] },
-    } });
+    }, "law_error": 1 });
     let scene = read(&given).unwrap();
     let (run, found) = run_samples(&scene, 2, None, &Options::default(), &Silent).unwrap();
     assert_eq!(found.inputs[0].unit, "kg/m^3");
@@ -323,6 +323,81 @@ fn inputs_that_change_the_structure_are_reduced_anew() {
     let linear = found.modes[0].bands[0].frequency_hz.linear.unwrap();
     let expected = nominal * 0.5 * found.inputs[0].sd / found.inputs[0].nominal;
     assert!((linear.sd / expected - 1.0).abs() < 1e-3);
+}
+
+/// The error of the law is an input of every scene whose law is a sum over asperities, unless the scene says otherwise.
+#[test]
+fn the_error_of_the_law_is_in_the_bands_by_default() {
+    let beam = |uncertain: Value| {
+        json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "model": { "refinement": "quick", "element_order": "linear" },
+            "interfaces": { "gap": "flat", "mu": 0.2, "law": { "friction": "lumped" } },
+            "analyses": {},
+            "uncertain": uncertain,
+        })
+    };
+    let mu = json!({ "interfaces.mu": { "uniform": [0.18, 0.22] } });
+    let height = "interfaces.scale.asperity_height";
+    let by_default = go(&beam(json!({ "parameters": mu })), 9).1;
+    let [of_mu, of_law] = by_default.inputs.as_slice() else {
+        panic!("{:?}", by_default.inputs)
+    };
+    assert_eq!(
+        (of_mu.parameter.path(), of_law.parameter.path()),
+        ("interfaces.mu", height)
+    );
+    assert!(of_mu.assumption.is_none() && by_default.left_out.is_none());
+    assert!(
+        of_law
+            .assumption
+            .as_ref()
+            .unwrap()
+            .contains("a factor of 1.5 on the stiffness")
+    );
+    // The edges of ninety percent of a lognormal distribution.
+    close(
+        Some(of_law.quantiles[2] / of_law.quantiles[0]),
+        (2.0 * 1.644_853_6 * 1.5_f64.ln()).exp(),
+        1e-4,
+        "edges",
+    );
+    // The very bands of who writes it out.
+    let mut written = mu.clone();
+    written[height] = json!({ "lognormal": { "factor": 1.5 } });
+    let written = go(&beam(json!({ "parameters": written })), 9).1;
+    assert_eq!(written.modes, by_default.modes);
+    assert!(written.left_out.is_none() && written.inputs[1].assumption.is_none());
+    let spread = |found: &Uncertainty| found.modes[0].bands[0].frequency_hz.sd.unwrap();
+    let without = go(&beam(json!({ "parameters": mu, "law_error": 1 })), 9).1;
+    assert_eq!(without.inputs.len(), 1);
+    assert!(
+        without
+            .left_out
+            .as_ref()
+            .unwrap()
+            .contains("error of the traction law is not in the bands")
+    );
+    let smaller = go(&beam(json!({ "parameters": mu, "law_error": 1.1 })), 9).1;
+    println!("{} {} {}", spread(&without), spread(&smaller), spread(&by_default));
+    assert!(10.0 * spread(&without) < spread(&smaller) && 2.0 * spread(&smaller) < spread(&by_default));
+    // Numbers that are given have no such error, and none can be added.
+    let of_slider = |more: Value| {
+        let mut uncertain = json!({ "parameters": { MU_PATH: { "normal": { "cov": 0.1 } } } });
+        uncertain
+            .as_object_mut()
+            .unwrap()
+            .extend(more.as_object().unwrap().clone());
+        slider("law-error", &uncertain)
+    };
+    let found = go(&of_slider(json!({})), 3).1;
+    assert!(found.inputs.len() == 1 && found.left_out.is_none());
+    let error = read(&of_slider(json!({ "law_error": 1.5 }))).unwrap_err().to_string();
+    assert!(
+        error.contains("1.5 does nothing") && error.contains("leave it out"),
+        "{error}"
+    );
 }
 
 fn refused(uncertain: &Value) -> String {
@@ -401,6 +476,14 @@ fn what_cannot_be_sampled_is_refused_with_a_remedy() {
             "has no distribution",
         ),
         (three(json!([["interfaces.mu", "bolts.load", 1.5]])), "between -1 and 1"),
+        (
+            json!({ "parameters": { "interfaces.mu": { "uniform": [0.1, 0.2] } }, "law_error": 0.9 }),
+            "at least 1",
+        ),
+        (
+            json!({ "parameters": { "interfaces.scale.asperity_height": { "uniform": [0.8, 1.2] } }, "law_error": 1.2 }),
+            "a distribution of its own",
+        ),
     ] {
         let message = refused(&given);
         assert!(message.contains(expected), "{given}: {message}");

@@ -2,5 +2,6 @@
 pub(crate) mod bench;
 pub(crate) mod extremes;
 pub(crate) mod paper;
+pub(crate) mod tested;
 pub(crate) mod trade;
 pub(crate) mod validate;

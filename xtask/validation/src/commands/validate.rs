@@ -1,5 +1,6 @@
 //! `cargo xtask validate`: the reports that the documents quote, recorded with date and commit.
 
+use super::tested;
 use analyses::run;
 use anyhow::{Context, Result, bail};
 use brake_reuss_beam::BrakeReussBenchmark;
@@ -28,7 +29,7 @@ pub(crate) fn run_all(arguments: &arguments::Validate, defaults: &Defaults) -> R
     let out = arguments.out.join(&commit);
     for report in arguments.reports() {
         let provenance = provenance::of(Vec::new())?;
-        let found = compute(report, &out, defaults)?;
+        let found = compute(report, &out, &arguments.record, defaults)?;
         let record = json!({
             "date": provenance.date,
             "commit": commit,
@@ -44,10 +45,11 @@ pub(crate) fn run_all(arguments: &arguments::Validate, defaults: &Defaults) -> R
     Ok(Outcome::Success)
 }
 
-/// Computes a report anew and gives its figures, as rows with a `name` or an `id`.
-fn compute(report: Report, out: &Path, defaults: &Defaults) -> Result<Value> {
+/// Computes a report anew and gives its figures, as rows with a `name` or an `id`. What is compared with tests stands beside its record.
+fn compute(report: Report, out: &Path, record: &Path, defaults: &Defaults) -> Result<Value> {
     let task = || task(report, out);
     Ok(match report {
+        Report::Tests => tested::predictions(&record.join("measured.json"), defaults)?,
         Report::Scenes => scenes(defaults)?,
         Report::Paper => rows(&task()?, &["id", "computed"]),
         Report::Trade => rows(&task()?["rungs"], &["name", "errors", "seconds", "peak_memory"]),
