@@ -86,7 +86,7 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use super::block_start::{Rows, common, gather};
+use super::block_start::Rows;
 use super::return_map::{OPEN, SLIP, STICK, of_parts};
 use super::{JUMP, MU, has_friction, require_friction};
 use crate::curves::ContactCurves;
@@ -257,10 +257,10 @@ pub struct FoundationLaw<C> {
     curves: PointParameters<C>,
     mu: PointParameters<f64>,
     n_springs: usize,
-    /// Of every spring and set, `[spring][set]`. Sets with fewer springs end with some of no stiffness.
+    /// Of every spring and point, `[spring][point]`. Points with fewer springs end with some of no stiffness.
     gaps: Vec<f64>,
     stiffnesses: Vec<f64>,
-    /// Of every set.
+    /// Of every point.
     ratios: Vec<f64>,
     info: LawInfo,
 }
@@ -283,16 +283,15 @@ impl<C: ContactCurves> FoundationLaw<C> {
                 found: curves.len(),
             });
         }
-        let sets = springs.sets();
-        let n_springs = sets.iter().map(|set| set.gaps.len()).max().unwrap_or(0);
-        let (mut gaps, mut stiffnesses) = (Vec::new(), Vec::new());
-        for spring in 0..n_springs {
-            for set in sets {
-                gaps.push(set.gaps[spring.min(set.gaps.len() - 1)]);
-                stiffnesses.push(set.stiffnesses.get(spring).copied().unwrap_or(0.0));
-            }
-        }
-        let ratios = sets.iter().map(|set| set.ratio).collect();
+        let n_springs = springs.sets().iter().map(|set| set.gaps.len()).max().unwrap_or(0);
+        let at_points = || (0..springs.len()).map(|point| springs.at(point));
+        let of_all = |of: &dyn Fn(&Foundation, usize) -> f64| {
+            let springs = (0..n_springs).flat_map(|spring| at_points().map(move |set| of(set, spring)));
+            springs.collect::<Vec<f64>>()
+        };
+        let gaps = of_all(&|set, spring| set.gaps[spring.min(set.gaps.len() - 1)]);
+        let stiffnesses = of_all(&|set, spring| set.stiffnesses.get(spring).copied().unwrap_or(0.0));
+        let ratios = at_points().map(|set| set.ratio).collect();
         let stretches = (1..=n_springs).flat_map(|j| {
             ["x", "y"].map(|q| Quantity {
                 name: Cow::Owned(format!("stretch_{q}_{j}")),
@@ -354,27 +353,15 @@ impl<C: ContactCurves> FoundationLaw<C> {
         &self.mu
     }
 
-    /// Springs' limits over their interference and ratios at a block of points from `first` on.
+    /// Springs' limits over their interference at a block of points from `first` on.
     fn begin_block<const B: usize>(&self, first: usize, sticking: Sticking, m: usize, room: &mut Room<B>) {
-        let sets = &mut room.sets[..m];
-        self.springs.copy_set_numbers(first, sets);
-        room.common = common(sets);
-        gather(&self.ratios, sets, room.common, &mut room.ratio.0[..m]);
         match sticking {
             Sticking::Frictionless => room.reach.0 = [0.0; B],
             Sticking::Coulomb | Sticking::Full => self.mu.copy_to(first, &mut room.reach.0[..m]),
         }
-        for i in 0..m {
-            room.reach.0[i] = bounded(room.reach.0[i] / room.ratio.0[i]);
+        for (reach, ratio) in room.reach.0[..m].iter_mut().zip(&self.ratios[first..]) {
+            *reach = bounded(*reach / ratio);
         }
-    }
-
-    /// Gaps and stiffnesses of a spring at the points of the block.
-    fn take_spring<const B: usize>(&self, spring: usize, m: usize, room: &mut Room<B>) {
-        let row = spring * self.ratios.len()..(spring + 1) * self.ratios.len();
-        let sets = &room.sets[..m];
-        gather(&self.gaps[row.clone()], sets, room.common, &mut room.gap.0[..m]);
-        gather(&self.stiffnesses[row], sets, room.common, &mut room.stiffness.0[..m]);
     }
 
     /// [`TractionLaw::evaluate`] or, along a direction, [`TractionLaw::derivative`] in blocks of `B` points.
@@ -403,7 +390,8 @@ impl<C: ContactCurves> FoundationLaw<C> {
             let unlimited = sticking == Sticking::Full;
             let u = part(&jump, &block);
             let mut states = Rows::of(begin, &mut end, n, &block);
-            self.begin_block(points.start + block.start, sticking, m, &mut room);
+            let first = points.start + block.start;
+            self.begin_block(first, sticking, m, &mut room);
             room.fill = states.spread_nan(u, self.info.n_state());
             room.sums = Sums::filled(room.fill);
             states.end_at(u, &room.fill);
@@ -419,22 +407,35 @@ impl<C: ContactCurves> FoundationLaw<C> {
                 room.changes = [room.no_change; 3];
                 changes.end_at(*d_u, &room.no_change);
             }
+            let u_0 = [0, 1, 2].map(|c| states.begin(c));
             for spring in 0..self.n_springs {
-                self.take_spring(spring, m, &mut room);
+                let at = spring * self.ratios.len() + first;
+                let (gap, stiffness) = (&self.gaps[at..][..m], &self.stiffnesses[at..][..m]);
                 let c = N_JUMP + 2 * spring;
-                let [x_0, y_0, n_0, memory_x, memory_y] = [0, 1, 2, c, c + 1].map(|c| states.begin(c));
+                let memory = [c, c + 1].map(|c| states.begin(c));
+                let mut acts = Acts::default();
+                run(Classify {
+                    u,
+                    u_0,
+                    memory,
+                    unlimited,
+                    gap,
+                    reach: &room.reach,
+                    acts: &mut acts,
+                });
                 if let Some((d_u, changes)) = &mut direction {
                     let [d_x, d_y, d_n, d_memory_x, d_memory_y] = [0, 1, 2, c, c + 1].map(|c| changes.begin(c));
                     run(Change {
+                        acts,
                         u,
-                        u_0: [x_0, y_0, n_0],
-                        memory: [memory_x, memory_y],
+                        u_0,
+                        memory,
                         d_u: *d_u,
                         d_u_0: [d_x, d_y, d_n],
                         d_memory: [d_memory_x, d_memory_y],
                         unlimited,
-                        gap: &room.gap,
-                        stiffness: &room.stiffness,
+                        gap,
+                        stiffness,
                         reach: &room.reach,
                         fill: &room.no_change,
                         end: changes.end::<2>(c),
@@ -442,13 +443,14 @@ impl<C: ContactCurves> FoundationLaw<C> {
                     });
                 }
                 run(Springs {
+                    acts,
                     u,
-                    u_0: [x_0, y_0, n_0],
-                    memory: [memory_x, memory_y],
+                    u_0,
+                    memory,
                     unlimited,
                     with_tangent: tangent.is_some(),
-                    gap: &room.gap,
-                    stiffness: &room.stiffness,
+                    gap,
+                    stiffness,
                     reach: &room.reach,
                     fill: &room.fill,
                     end: states.end::<2>(c),
@@ -456,15 +458,12 @@ impl<C: ContactCurves> FoundationLaw<C> {
                 });
             }
             let Room {
-                sums,
-                ratio,
-                changes,
-                fill,
-                ..
+                sums, changes, fill, ..
             } = &room;
-            let scaled = |sum: &Lanes<f64, B>, ratio: Option<&Lanes<f64, B>>, into: &mut [f64]| {
+            let ratio = &self.ratios[first..][..m];
+            let scaled = |sum: &Lanes<f64, B>, ratio: Option<&[f64]>, into: &mut [f64]| {
                 for i in 0..m {
-                    into[i] = ratio.map_or(1.0, |ratio| ratio.0[i]) * sum.0[i];
+                    into[i] = ratio.map_or(1.0, |ratio| ratio[i]) * sum.0[i];
                 }
             };
             for (q, traction) in part_mut(&mut traction, &block).into_iter().enumerate() {
@@ -502,22 +501,25 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
     /// Spring by spring, without a derivative along any direction.
     fn to_begin(&self, points: Range<usize>, jump: Components<'_>, begin: StateView<'_>, adjoints: &mut [Adjoint<'_>]) {
         check_points(&points, self);
-        let n_sets = self.ratios.len();
         for (i, point) in points.enumerate() {
             let begin_at = |c: usize| begin.data[c * begin.stride + begin.offset + i];
-            let mut set = [0];
-            self.springs.copy_set_numbers(point, &mut set);
-            let ratio = self.ratios[set[0] as usize];
+            let ratio = self.ratios[point];
             let reach = bounded(*self.mu.at(point) / ratio);
             let du = [jump.x[i] - begin_at(0), jump.y[i] - begin_at(1)].map(bounded);
             for Adjoint { begin, .. } in &mut *adjoints {
                 (0..N_JUMP).for_each(|c| begin.data[c * begin.stride + begin.offset + i] = 0.0);
             }
             for spring in 0..self.n_springs {
-                let at = spring * n_sets + set[0] as usize;
+                let at = spring * self.ratios.len() + point;
                 let (gap, stiffness) = (self.gaps[at], self.stiffnesses[at]);
                 let c = N_JUMP + 2 * spring;
                 let [w, w_0] = [jump.n[i] - gap, begin_at(2) - gap];
+                if !(w > 0.0) {
+                    for Adjoint { begin, .. } in &mut *adjoints {
+                        (c..c + 2).for_each(|c| begin.data[c * begin.stride + begin.offset + i] = 0.0);
+                    }
+                    continue;
+                }
                 let found = answer([w, w_0], du, [begin_at(c), begin_at(c + 1)], reach, false);
                 let share_change = found.share_change([0.0, 1.0]);
                 for Adjoint { end, traction, begin } in &mut *adjoints {
@@ -593,6 +595,23 @@ impl Answer {
     }
 }
 
+/// The answer of a spring that neither slips nor closes: as [`answer`], without its divisions and its root.
+#[inline(always)]
+fn resting([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2]) -> Answer {
+    let w = [bounded(w), bounded(w_0)];
+    let closed = w[0] > 0.0;
+    let left = if closed { 1.0 } else { 0.0 };
+    Answer {
+        w,
+        share: 1.0,
+        stretch: [0, 1].map(|q| left * bounded(memory[q] + du[q])),
+        closed,
+        sticks: closed,
+        direction: [0.0; 2],
+        left,
+    }
+}
+
 /// The answer of a spring to a step.
 #[inline(always)]
 fn answer([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2], reach: f64, unlimited: bool) -> Answer {
@@ -603,9 +622,8 @@ fn answer([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2], reach: f64, unlimi
     let x = bounded(memory[0] + share * du[0]);
     let y = bounded(memory[1] + share * du[1]);
     let limit = bounded(reach * w);
-    let square = x * x + y * y;
-    let sticks = closed & (unlimited | ((square <= limit * limit) & (limit > 0.0)));
-    let length = square.sqrt();
+    let sticks = closed & holds(w, [x, y], reach, unlimited);
+    let length = (x * x + y * y).sqrt();
     let slips = closed & !sticks & (limit > 0.0);
     let per_length = if slips { 1.0 / length } else { 0.0 };
     let left = if sticks { 1.0 } else { limit * per_length };
@@ -622,12 +640,7 @@ fn answer([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2], reach: f64, unlimi
 
 /// Numbers of a block.
 struct Room<const B: usize> {
-    sets: [u32; B],
-    common: Option<u32>,
-    ratio: Lanes<f64, B>,
     reach: Lanes<f64, B>,
-    gap: Lanes<f64, B>,
-    stiffness: Lanes<f64, B>,
     /// Zero, or NaN where any input is no number; and the same of the direction.
     fill: Lanes<f64, B>,
     no_change: Lanes<f64, B>,
@@ -639,12 +652,7 @@ impl<const B: usize> Room<B> {
     fn new() -> Self {
         let zero = Lanes([0.0; B]);
         Self {
-            sets: [0; B],
-            common: None,
-            ratio: zero,
             reach: zero,
-            gap: zero,
-            stiffness: zero,
             fill: zero,
             no_change: zero,
             sums: Sums::filled(zero),
@@ -671,15 +679,66 @@ impl<const B: usize> Sums<B> {
     }
 }
 
+/// What a spring does at the points of a block.
+#[derive(Clone, Copy, Default)]
+struct Acts {
+    /// Is closed somewhere.
+    closes: bool,
+    /// Slips somewhere, or closes on its way.
+    moves: bool,
+}
+
+/// Finds what a spring does. Divisions and roots are most of the cost, and springs that neither slip nor close need none.
+struct Classify<'a, const B: usize> {
+    u: [&'a [f64]; 3],
+    u_0: [&'a [f64]; 3],
+    memory: [&'a [f64]; 2],
+    unlimited: bool,
+    gap: &'a [f64],
+    reach: &'a Lanes<f64, B>,
+    acts: &'a mut Acts,
+}
+
+impl<const B: usize> Pass for Classify<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let m = self.gap.len().min(B);
+        let ([u_x, u_y, u_n], [x_0, y_0, n_0]) = (self.u.map(|u| &u[..m]), self.u_0.map(|u| &u[..m]));
+        let ([memory_x, memory_y], gap) = (self.memory.map(|of| &of[..m]), &self.gap[..m]);
+        let (mut closed_points, mut moving_points) = (0_u64, 0_u64);
+        for i in 0..m {
+            let w = [bounded(u_n[i] - gap[i]), bounded(n_0[i] - gap[i])];
+            let du = [bounded(u_x[i] - x_0[i]), bounded(u_y[i] - y_0[i])];
+            let x = [bounded(memory_x[i] + du[0]), bounded(memory_y[i] + du[1])];
+            let closed = w[0] > 0.0;
+            let moves = (w[1] < 0.0) | !holds(w[0], x, self.reach.0[i], self.unlimited);
+            closed_points += u64::from(closed);
+            moving_points += u64::from(closed & moves);
+        }
+        *self.acts = Acts {
+            closes: closed_points > 0,
+            moves: moving_points > 0,
+        };
+    }
+}
+
+/// Whether a closed spring with the interference `w` sticks at the stretch `x`.
+#[inline(always)]
+fn holds(w: f64, [x, y]: [f64; 2], reach: f64, unlimited: bool) -> bool {
+    let limit = bounded(reach * w);
+    unlimited | ((x * x + y * y <= limit * limit) & (limit > 0.0))
+}
+
 /// One spring at the points of a block.
 struct Springs<'a, const B: usize> {
+    acts: Acts,
     u: [&'a [f64]; 3],
     u_0: [&'a [f64]; 3],
     memory: [&'a [f64]; 2],
     unlimited: bool,
     with_tangent: bool,
-    gap: &'a Lanes<f64, B>,
-    stiffness: &'a Lanes<f64, B>,
+    gap: &'a [f64],
+    stiffness: &'a [f64],
     reach: &'a Lanes<f64, B>,
     fill: &'a Lanes<f64, B>,
     end: [&'a mut [f64]; 2],
@@ -690,6 +749,7 @@ impl<const B: usize> Pass for Springs<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self {
+            acts,
             u: [u_x, u_y, u_n],
             u_0: [x_0, y_0, n_0],
             memory: [memory_x, memory_y],
@@ -707,21 +767,35 @@ impl<const B: usize> Pass for Springs<'_, B> {
             tangent: [xx, xy, xn, yx, yy, yn, _, _, nn],
             regimes,
         } = sums;
+        if !acts.closes {
+            let m = stiffness.len().min(B);
+            end_x[..m].copy_from_slice(&fill.0[..m]);
+            end_y[..m].copy_from_slice(&fill.0[..m]);
+            for (regimes, stiffness) in regimes.0.iter_mut().zip(stiffness) {
+                *regimes |= if *stiffness > 0.0 { OPEN } else { 0 };
+            }
+            return;
+        }
         macro_rules! springs {
-            ($tangent:literal) => {
-                springs::<$tangent, B>(
+            ($tangent:literal, $moves:literal) => {
+                springs::<$tangent, $moves, B>(
                     u_x, u_y, u_n, x_0, y_0, n_0, memory_x, memory_y, unlimited, gap, stiffness, reach, fill, end_x,
                     end_y, t_x, t_y, t_n, xx, xy, xn, yx, yy, yn, nn, regimes,
                 )
             };
         }
-        if with_tangent { springs!(true) } else { springs!(false) }
+        match (with_tangent, acts.moves) {
+            (true, true) => springs!(true, true),
+            (true, false) => springs!(true, false),
+            (false, true) => springs!(false, true),
+            (false, false) => springs!(false, false),
+        }
     }
 }
 
-/// [`Springs`]; every array is an argument of its own, which alone tells the compiler that they do not overlap.
+/// [`Springs`], whether some move or not; every array is an argument of its own, which alone tells the compiler that they do not overlap.
 #[inline(always)]
-fn springs<const TANGENT: bool, const B: usize>(
+fn springs<const TANGENT: bool, const MOVES: bool, const B: usize>(
     u_x: &[f64],
     u_y: &[f64],
     u_n: &[f64],
@@ -731,8 +805,8 @@ fn springs<const TANGENT: bool, const B: usize>(
     memory_x: &[f64],
     memory_y: &[f64],
     unlimited: bool,
-    gap: &Lanes<f64, B>,
-    stiffness: &Lanes<f64, B>,
+    gap: &[f64],
+    stiffness: &[f64],
     reach: &Lanes<f64, B>,
     fill: &Lanes<f64, B>,
     end_x: &mut [f64],
@@ -753,13 +827,17 @@ fn springs<const TANGENT: bool, const B: usize>(
     let (u_x, u_y, u_n) = (&u_x[..m], &u_y[..m], &u_n[..m]);
     let (x_0, y_0, n_0) = (&x_0[..m], &y_0[..m], &n_0[..m]);
     let (memory_x, memory_y) = (&memory_x[..m], &memory_y[..m]);
+    let (gap, stiffness) = (&gap[..m], &stiffness[..m]);
     let (end_x, end_y) = (&mut end_x[..m], &mut end_y[..m]);
     for i in 0..m {
-        let gap = gap.0[i];
+        let gap = gap[i];
         let du = [bounded(u_x[i] - x_0[i]), bounded(u_y[i] - y_0[i])];
-        let memory = [memory_x[i], memory_y[i]];
-        let found = answer([u_n[i] - gap, n_0[i] - gap], du, memory, reach.0[i], unlimited);
-        let kappa = stiffness.0[i];
+        let (w, memory) = ([u_n[i] - gap, n_0[i] - gap], [memory_x[i], memory_y[i]]);
+        let found = match MOVES {
+            true => answer(w, du, memory, reach.0[i], unlimited),
+            false => resting(w, du, memory),
+        };
+        let kappa = stiffness[i];
         let [x, y] = found.stretch;
         end_x[i] = x + fill.0[i];
         end_y[i] = y + fill.0[i];
@@ -776,7 +854,7 @@ fn springs<const TANGENT: bool, const B: usize>(
             let mixed = -across * d_x * d_y;
             xy.0[i] += mixed;
             yx.0[i] += mixed;
-            let rate = found.share_change([1.0, 0.0]);
+            let rate = if MOVES { found.share_change([1.0, 0.0]) } else { 0.0 };
             let [c_x, c_y] = found.across([bounded(rate * du[0]), bounded(rate * du[1])]);
             xn.0[i] += kappa * (c_x + reach.0[i] * d_x);
             yn.0[i] += kappa * (c_y + reach.0[i] * d_y);
@@ -790,6 +868,7 @@ fn springs<const TANGENT: bool, const B: usize>(
 
 /// What one spring changes along a direction.
 struct Change<'a, const B: usize> {
+    acts: Acts,
     u: [&'a [f64]; 3],
     u_0: [&'a [f64]; 3],
     memory: [&'a [f64]; 2],
@@ -797,8 +876,8 @@ struct Change<'a, const B: usize> {
     d_u_0: [&'a [f64]; 3],
     d_memory: [&'a [f64]; 2],
     unlimited: bool,
-    gap: &'a Lanes<f64, B>,
-    stiffness: &'a Lanes<f64, B>,
+    gap: &'a [f64],
+    stiffness: &'a [f64],
     reach: &'a Lanes<f64, B>,
     fill: &'a Lanes<f64, B>,
     end: [&'a mut [f64]; 2],
@@ -808,6 +887,21 @@ struct Change<'a, const B: usize> {
 impl<const B: usize> Pass for Change<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
+        match (self.acts.closes, self.acts.moves) {
+            (true, true) => self.of::<true>(),
+            (true, false) => self.of::<false>(),
+            (false, _) => {
+                for (end, fill) in self.end.into_iter().flat_map(|end| end.iter_mut().zip(&self.fill.0)) {
+                    *end = *fill;
+                }
+            }
+        }
+    }
+}
+
+impl<const B: usize> Change<'_, B> {
+    #[inline(always)]
+    fn of<const MOVES: bool>(self) {
         let Self {
             u,
             u_0,
@@ -820,17 +914,23 @@ impl<const B: usize> Pass for Change<'_, B> {
         let [end_x, end_y] = self.end;
         let [t_x, t_y, t_n] = self.traction;
         for i in 0..u[0].len().min(B) {
-            let gap = self.gap.0[i];
+            let gap = self.gap[i];
             let du = [0, 1].map(|q| bounded(u[q][i] - u_0[q][i]));
-            let at = [u[2][i] - gap, u_0[2][i] - gap];
-            let found = answer(at, du, [memory[0][i], memory[1][i]], self.reach.0[i], self.unlimited);
-            let share_change = found.share_change([d_u[2][i], d_u_0[2][i]]);
+            let (w, memory) = ([u[2][i] - gap, u_0[2][i] - gap], [memory[0][i], memory[1][i]]);
+            let found = match MOVES {
+                true => answer(w, du, memory, self.reach.0[i], self.unlimited),
+                false => resting(w, du, memory),
+            };
+            let share_change = match MOVES {
+                true => found.share_change([d_u[2][i], d_u_0[2][i]]),
+                false => 0.0,
+            };
             let trial = [0, 1].map(|q| d_memory[q][i] + share_change * du[q] + found.share * (d_u[q][i] - d_u_0[q][i]));
             let [x, y] = found.across(trial);
             let limit = self.reach.0[i] * d_u[2][i];
             let x = bounded(x + limit * found.direction[0]);
             let y = bounded(y + limit * found.direction[1]);
-            let kappa = self.stiffness.0[i];
+            let kappa = self.stiffness[i];
             end_x[i] = x + self.fill.0[i];
             end_y[i] = y + self.fill.0[i];
             t_x.0[i] += kappa * x;
