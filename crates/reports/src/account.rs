@@ -1,5 +1,6 @@
 //! What is printed at the end of a run.
 
+use crate::answer;
 use crate::errors::{adaptation, errors};
 use crate::names::SUMMARY;
 use crate::phrases::damping;
@@ -148,6 +149,7 @@ pub fn account(summary: &Summary, scene: &Scene, directory: &Path) -> String {
     if let Some(estimate) = &summary.mesh_estimate {
         out.push_str(&mesh_estimate(estimate));
     }
+    out.push_str(&answer::lines(summary));
     let total = summary.timings.get("total").copied().unwrap_or_default();
     let _ = writeln!(
         out,

@@ -2,6 +2,7 @@
 
 pub mod account;
 mod analysis;
+mod answer;
 pub mod bodies;
 pub mod csv;
 pub mod ensemble;

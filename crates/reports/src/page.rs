@@ -1,6 +1,7 @@
 //! One self-contained page about a run.
 
 use crate::analysis::Section;
+use crate::answer::{self, Shown};
 use crate::errors::{adaptation, errors};
 use crate::fields::Placed;
 use crate::html::{MISSING, Picture, Table, render};
@@ -23,6 +24,7 @@ type Facts = Vec<(String, String)>;
 #[template(path = "run.html")]
 struct Page<'a> {
     title: &'a str,
+    answer: Vec<Shown>,
     introduction: String,
     warnings: &'a [Warning],
     overview: Vec<String>,
@@ -68,6 +70,7 @@ pub(crate) fn document(
     let of_modes = run.backbones.iter().zip(summary.by_mode()).zip(pictures);
     render(&Page {
         title: &run.scene.name,
+        answer: answer::shown(summary),
         introduction: format!(
             "{}: frequency and damping of mode {} against amplitude. Surface: {}; gap: {}; friction \
              coefficient {}; {}.",

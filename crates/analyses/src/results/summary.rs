@@ -1,5 +1,6 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
+use super::answer::{Answer, answers};
 use super::provenance::Provenance;
 use crate::adaptation::Adaptation;
 use crate::dials::AmplitudeError;
@@ -47,6 +48,9 @@ pub struct Summary {
     /// What was computed with: sizes, materials, surface, bolts and units; missing in older summaries.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub overview: Option<Overview>,
+    /// What was found of each mode followed, in few numbers; missing in older summaries.
+    #[serde(default)]
+    pub answer: Vec<Answer>,
     /// What is implausible in the input or the results.
     #[serde(default)]
     pub warnings: Vec<Warning>,
@@ -416,7 +420,7 @@ impl Summary {
             .unwrap_or_else(|| run.scene.bolts.load.si());
         let bolts = all * prestress.tensions.iter().map(|tension| tension / all).sum::<f64>();
         let gaps = || run.interface.gap().unwrap_or(&[0.0]).iter().copied();
-        Self {
+        let mut summary = Self {
             schema_version: SCHEMA_VERSION,
             scene: serde_json::to_value(&run.scene).unwrap_or(serde_json::Value::Null),
             title: match &run.scene.structure.source {
@@ -430,6 +434,7 @@ impl Summary {
                 mass: facts.mass.or(run.joint.overview.mass),
                 ..run.joint.overview.clone()
             }),
+            answer: Vec::new(),
             warnings: run.warnings.clone(),
             model: ModelSummary {
                 n_nodes: facts.n_nodes,
@@ -503,7 +508,16 @@ impl Summary {
             provenance: None,
             timings,
             peak_memory,
-        }
+        };
+        summary.answer = answers(&summary);
+        summary
+    }
+
+    /// With bands from uncertain inputs.
+    pub fn with_uncertainty(mut self, uncertainty: Option<Uncertainty>) -> Self {
+        self.uncertainty = uncertainty;
+        self.answer = answers(&self);
+        self
     }
 }
 

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod answer;
 mod bolt;
 mod calibration;
 mod deck;

@@ -24,11 +24,16 @@ const SPRING: f64 = 4e4;
 const STIFFNESS: f64 = 5e4;
 const MU: f64 = 0.2;
 const PRELOAD: f64 = 50.0;
-const MU_PATH: &str = "interfaces.surface.parameters.sets.0.mu";
+pub(crate) const MU_PATH: &str = "interfaces.surface.parameters.sets.0.mu";
 const STIFFNESS_PATH: &str = "interfaces.surface.parameters.sets.0.curves.elastic.tangential_stiffness.0";
 
+/// Amplitude at which the slider begins to slip (m).
+pub(crate) fn onset() -> f64 {
+    MU * PRELOAD / STIFFNESS
+}
+
 /// The mass on its spring with the slider.
-fn slider(test: &str, uncertain: &Value) -> Value {
+pub(crate) fn slider(test: &str, uncertain: &Value) -> Value {
     let path = folder(test).join("slider.npz");
     let of = |value: f64| Mat::from_fn(1, 1, |_, _| value);
     write(&path, &of(SPRING), &of(MASS), &[(7, 1)]);
@@ -38,7 +43,7 @@ fn slider(test: &str, uncertain: &Value) -> Value {
         &[set([STIFFNESS, STIFFNESS, 2e6], MU, PRELOAD)],
         &json!([[7, 1, 1.0]]),
     );
-    let onset = MU * PRELOAD / STIFFNESS;
+    let onset = onset();
     given["analyses"] = json!({
         "modes": { "number": 1 },
         "backbone": {
@@ -51,7 +56,7 @@ fn slider(test: &str, uncertain: &Value) -> Value {
 }
 
 /// Frequency (Hz) and damping ratio of a slider's mass at a displacement: secant stiffness, and area of the parallelogram.
-fn closed_form(stiffness: f64, mu: f64, x: f64) -> [f64; 2] {
+pub(crate) fn closed_form(stiffness: f64, mu: f64, x: f64) -> [f64; 2] {
     let limit = mu * PRELOAD;
     let slip = limit / stiffness;
     let (secant, area) = match x > slip {

@@ -223,9 +223,8 @@ impl Request {
         };
         let timings = monitor.finish();
         let (mut run, ensemble, uncertainty) = result.with_context(|| format!("running the scene {}", scene.name))?;
-        let mut summary = Summary::new(&run, timings, peak_memory());
+        let mut summary = Summary::new(&run, timings, peak_memory()).with_uncertainty(uncertainty);
         summary.ensemble = ensemble;
-        summary.uncertainty = uncertainty;
         match self.estimate_error {
             Some(ErrorOf::Settings) => {
                 let (preset, finer) = scenes::refined(scene)?;

@@ -1,0 +1,383 @@
+//! What a run found, in as few numbers as a reader needs: frequency and damping of each mode with their intervals, where slip begins, what
+//! limits the result and whether it can be relied on.
+
+use super::summary::{BackboneSummary, Status, Summary};
+use crate::dials::{Dial, DialError};
+use crate::uncertainty::{Band, Spread};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Amplitudes that are answered where they are within the backbone (m).
+const AMPLITUDES: [f64; 3] = [1e-6, 1e-5, 1e-4];
+
+/// A backbone of at most so many amplitudes is answered at all of them.
+const FEW: usize = 5;
+
+/// Factor within which an amplitude is another one.
+const BESIDE: f64 = 1.01;
+
+/// Share of the area that slips as a whole from which slip has begun.
+const ONSET: f64 = 0.01;
+
+/// Numerical errors of the frequency (relative) and of the logarithm of damping up to which nothing is said, and beyond which a result is not
+/// to be relied on.
+const FREQUENCY: [f64; 2] = [0.01, 0.05];
+const DAMPING: [f64; 2] = [0.2, 0.7];
+
+/// What was found of a mode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Answer {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Frequency at small amplitude (Hz).
+    pub frequency_hz: f64,
+    /// Within which it is by the estimated numerical error (Hz); `null` where that is not known.
+    pub frequency_interval_hz: Option<[f64; 2]>,
+    /// Band of it by uncertain inputs (Hz), where samples of them were run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequency_band_hz: Option<[f64; 2]>,
+    /// Amplitude of the response from which at least 1 % of the area of contact slips as a whole (m), interpolated; the smallest amplitude where
+    /// it does so from the beginning, `null` where it does so nowhere.
+    pub onset_amplitude_m: Option<f64>,
+    /// Frequency and damping at the amplitudes of a backbone of five or fewer, else at 1, 10 and 100 um, as far as the backbone has them.
+    pub damping: Vec<AtAmplitude>,
+    /// Whether it can be relied on.
+    pub verdict: Verdict,
+    /// Why not; or what limits it most.
+    pub reason: String,
+}
+
+/// Frequency and damping at an amplitude.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct AtAmplitude {
+    /// Amplitude of the response (m).
+    pub amplitude_m: f64,
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Within which it is by the estimated numerical error (Hz).
+    pub frequency_interval_hz: Option<[f64; 2]>,
+    /// Band of it by uncertain inputs (Hz).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequency_band_hz: Option<[f64; 2]>,
+    /// Total damping ratio (-); `null` below its floor.
+    pub ratio: Option<f64>,
+    /// Within which it is by the estimated numerical error.
+    pub interval: Option<[f64; 2]>,
+    /// Band of it by uncertain inputs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band: Option<[f64; 2]>,
+}
+
+/// Whether a result can be relied on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Nothing that is checked speaks against it.
+    Sound,
+    /// Something limits it, or its numerical error is not known.
+    WithCare,
+    /// A part did not converge, or its numerical error is large.
+    NotReliable,
+}
+
+impl Verdict {
+    /// For readers.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::WithCare => "with care",
+            Self::NotReliable => "not reliable",
+        }
+    }
+}
+
+/// The answers of all modes followed.
+pub fn answers(summary: &Summary) -> Vec<Answer> {
+    let first = summary.backbones.first().map(|of| of.mode);
+    let followed = summary.scene.pointer("/analyses/modes/followed/0");
+    let first = first.or_else(|| followed?.as_u64()?.try_into().ok()).unwrap_or(1);
+    let modes = summary.by_mode();
+    modes
+        .filter_map(|(mode, of_mode)| answer(mode.unwrap_or(first), &of_mode))
+        .collect()
+}
+
+fn answer(mode: usize, summary: &Summary) -> Option<Answer> {
+    let frequency_hz = summary.modes.get(mode - 1)?.frequency_hz;
+    let of_mesh = DialError {
+        frequency_relative: summary.model.error_bar.frequency_relative,
+        damping_ln: summary.model.error_bar.damping_ln,
+    };
+    let error = |point: &BackboneSummary| match &point.error {
+        // Without the part of the mesh it is none of the whole.
+        Some(error) if of_mesh.frequency_relative.is_some() => DialError {
+            frequency_relative: error.frequency_relative,
+            damping_ln: error.damping_ln,
+        },
+        _ => of_mesh,
+    };
+    let linear_error = summary
+        .backbone
+        .iter()
+        .find(|point| point.converged)
+        .map_or(of_mesh, error);
+    let bands = summary
+        .uncertainty
+        .as_ref()
+        .and_then(|found| found.modes.iter().find(|of| of.mode == mode));
+    let bands = bands.map_or(&[][..], |of| &of.bands);
+    let damping: Vec<AtAmplitude> = amplitudes(&summary.backbone)
+        .into_iter()
+        .filter_map(|amplitude| at(amplitude, &summary.backbone, bands, &error))
+        .collect();
+    let (verdict, reason) = judge(summary, linear_error, &damping);
+    Some(Answer {
+        mode,
+        frequency_hz,
+        frequency_interval_hz: around(frequency_hz, linear_error.frequency_relative),
+        frequency_band_hz: bands.first().and_then(|band| edges(&band.frequency_hz)),
+        onset_amplitude_m: onset(&summary.backbone),
+        damping,
+        verdict,
+        reason,
+    })
+}
+
+/// A frequency less and more an error.
+fn around(frequency: f64, relative: Option<f64>) -> Option<[f64; 2]> {
+    relative.map(|error| [frequency * (1.0 - error), frequency * (1.0 + error)])
+}
+
+fn edges(spread: &Spread) -> Option<[f64; 2]> {
+    let [low, _, high] = spread.quantiles;
+    Some([low?, high?])
+}
+
+/// The amplitudes that are answered.
+fn amplitudes(backbone: &[BackboneSummary]) -> Vec<f64> {
+    let computed = backbone.iter().filter(|point| point.converged);
+    let computed: Vec<f64> = computed.filter_map(|point| point.response_displacement).collect();
+    match computed.as_slice() {
+        all if all.len() <= FEW => computed,
+        [first, .., last] => {
+            // Amplitudes land beside those that a scene asks for.
+            let near = AMPLITUDES
+                .into_iter()
+                .filter(|a| (first / BESIDE..=last * BESIDE).contains(a));
+            let within: Vec<f64> = near.map(|a| a.clamp(*first, *last)).collect();
+            match within.is_empty() {
+                true => vec![*first, *last],
+                false => within,
+            }
+        }
+        _ => computed,
+    }
+}
+
+/// Interpolates logarithms of positive numbers in the logarithm of the amplitude.
+fn between(at: f64, [from, to]: [f64; 2], values: [f64; 2]) -> f64 {
+    match values[0] == values[1] || from == to {
+        true => values[0],
+        false => values[0] * (values[1] / values[0]).powf((at / from).ln() / (to / from).ln()),
+    }
+}
+
+/// The answer at an amplitude within the backbone.
+fn at(
+    amplitude: f64,
+    backbone: &[BackboneSummary],
+    bands: &[Band],
+    error: &dyn Fn(&BackboneSummary) -> DialError,
+) -> Option<AtAmplitude> {
+    let known: Vec<(f64, &BackboneSummary)> = backbone
+        .iter()
+        .filter(|point| point.converged)
+        .filter_map(|point| Some((point.response_displacement?, point)))
+        .collect();
+    let above = known.iter().position(|(at, _)| *at >= amplitude)?;
+    let pair = [
+        &known[above.saturating_sub(usize::from(known[above].0 > amplitude))],
+        &known[above],
+    ];
+    let (ends, points) = (pair.map(|(at, _)| *at), pair.map(|(_, point)| *point));
+    let of = |value: &dyn Fn(&BackboneSummary) -> Option<f64>| {
+        let [low, high] = points.map(value);
+        Some([low?, high?])
+    };
+    // The larger error of the two, as neither may stand for the other.
+    let larger =
+        |which: &dyn Fn(DialError) -> Option<f64>| of(&|point| which(error(point))).map(|[low, high]| low.max(high));
+    let frequency_hz = between(amplitude, ends, of(&|point| point.frequency_hz)?);
+    let ratio = of(&|point| point.damping_ratio).map(|ratios| between(amplitude, ends, ratios));
+    let friction = of(&|point| point.friction_damping_ratio).map(|ratios| between(amplitude, ends, ratios));
+    let interval = || {
+        let (ratio, friction, error) = (ratio?, friction?, larger(&|error| error.damping_ln)?);
+        let others = ratio - friction;
+        Some([friction * (-error).exp() + others, friction * error.exp() + others])
+    };
+    Some(AtAmplitude {
+        amplitude_m: amplitude,
+        frequency_hz,
+        frequency_interval_hz: around(frequency_hz, larger(&|error| error.frequency_relative)),
+        frequency_band_hz: band(amplitude, bands, &|band| edges(&band.frequency_hz)),
+        ratio,
+        interval: interval(),
+        band: band(amplitude, bands, &|band| edges(&band.damping_ratio)),
+    })
+}
+
+/// A band at an amplitude.
+fn band(amplitude: f64, bands: &[Band], of: &dyn Fn(&Band) -> Option<[f64; 2]>) -> Option<[f64; 2]> {
+    // The first is that of the linearised mode.
+    let known: Vec<&Band> = bands.iter().skip(1).collect();
+    let above = known.iter().position(|band| band.response_displacement >= amplitude)?;
+    let below = above.saturating_sub(usize::from(known[above].response_displacement > amplitude));
+    let ends = [below, above].map(|place| known[place].response_displacement);
+    let (low, high) = (of(known[below])?, of(known[above])?);
+    let edge =
+        |edge: usize| (low[edge] > 0.0 && high[edge] > 0.0).then(|| between(amplitude, ends, [low[edge], high[edge]]));
+    Some([edge(0)?, edge(1)?])
+}
+
+fn onset(backbone: &[BackboneSummary]) -> Option<f64> {
+    let known = backbone
+        .iter()
+        .filter_map(|point| Some((point.response_displacement?, point.slip_fraction?)));
+    let mut before: Option<(f64, f64)> = None;
+    for (amplitude, share) in known {
+        if share >= ONSET {
+            let Some((from, less)) = before else {
+                return Some(amplitude);
+            };
+            let part = (ONSET - less) / (share - less);
+            return Some(from * (amplitude / from).powf(part));
+        }
+        before = Some((amplitude, share));
+    }
+    None
+}
+
+/// What speaks against a result, the worst first; or what limits it.
+fn judge(summary: &Summary, linear: DialError, answered: &[AtAmplitude]) -> (Verdict, String) {
+    let mut found: Vec<(Verdict, String)> = Vec::new();
+    let failed = summary
+        .backbone
+        .iter()
+        .filter(|point| !point.converged && point.status != Status::BelowRoundOff);
+    let failed = failed.count();
+    if failed > 0 {
+        let all = summary.backbone.len();
+        found.push((
+            Verdict::NotReliable,
+            format!("{failed} of {all} amplitudes did not converge"),
+        ));
+    }
+    let parts = parts(summary);
+    let by = |which: &dyn Fn(&DialError) -> Option<f64>| {
+        let known = parts.iter().filter_map(|(dial, error)| Some((*dial, which(error)?)));
+        let largest = known.max_by(|a, b| a.1.total_cmp(&b.1));
+        largest.map_or("the mesh", |(dial, _)| cause(dial))
+    };
+    let width = |[low, high]: [f64; 2]| 0.5 * (high / low).ln();
+    let frequency = answered.iter().filter_map(|one| one.frequency_interval_hz).map(width);
+    let frequency = frequency.chain(linear.frequency_relative).fold(0.0, f64::max);
+    let damping = answered
+        .iter()
+        .filter_map(|one| one.interval)
+        .map(width)
+        .fold(0.0, f64::max);
+    let of_frequency = format!(
+        "the numerical error of the frequency is up to {:.1} %, most of it by {}",
+        100.0 * frequency,
+        by(&|error| error.frequency_relative)
+    );
+    let of_damping = format!(
+        "the numerical error of the damping is up to {:.0} %, most of it by {}",
+        100.0 * damping.exp_m1(),
+        by(&|error| error.damping_ln)
+    );
+    for (error, limits, text) in [(frequency, FREQUENCY, &of_frequency), (damping, DAMPING, &of_damping)] {
+        if error > limits[1] {
+            found.push((Verdict::NotReliable, text.clone()));
+        } else if error > limits[0] {
+            found.push((Verdict::WithCare, text.clone()));
+        }
+    }
+    found.extend(
+        summary
+            .warnings
+            .iter()
+            .map(|warning| (Verdict::WithCare, warning.message.clone())),
+    );
+    let beyond = |number: Option<usize>, what: &str| {
+        let at = summary.backbone.get(number?.checked_sub(1)?)?.response_displacement?;
+        Some((Verdict::WithCare, format!("from {:.3} um on {what}", 1e6 * at)))
+    };
+    let validity = &summary.validity;
+    found.extend(beyond(validity.first_beyond_clearance, "bolts may touch their holes"));
+    found.extend(beyond(
+        validity.first_beyond_shape_deviation,
+        "the shape of the mode changes with the amplitude",
+    ));
+    let unknown = [summary.model.error_bar.frequency_relative, linear.frequency_relative].contains(&None)
+        || answered.iter().any(|one| one.ratio.is_some() && one.interval.is_none());
+    if unknown {
+        found.push((
+            Verdict::WithCare,
+            format!("the numerical error is not known: {}", summary.model.error_bar.source),
+        ));
+    }
+    let worst = found.iter().map(|(verdict, _)| *verdict).max();
+    let first = worst.and_then(|worst| found.into_iter().find(|(verdict, _)| *verdict == worst));
+    first.unwrap_or_else(|| {
+        let limits = if damping > 20.0 * frequency {
+            of_damping
+        } else {
+            of_frequency
+        };
+        (Verdict::Sound, limits)
+    })
+}
+
+/// The largest error of every setting over the amplitudes.
+fn parts(summary: &Summary) -> BTreeMap<Dial, DialError> {
+    let mut parts = BTreeMap::<Dial, DialError>::new();
+    for (dial, error) in summary
+        .backbone
+        .iter()
+        .filter_map(|point| point.error.as_ref())
+        .flat_map(|error| &error.of)
+    {
+        parts.entry(*dial).or_default().raise(error);
+    }
+    parts
+}
+
+/// What a setting is, to somebody who has not chosen it.
+fn cause(dial: Dial) -> &'static str {
+    match dial {
+        Dial::Mesh => "the mesh",
+        Dial::Modes => "the number of modes kept",
+        Dial::Points => "the number of points of contact",
+        Dial::Bins => "the number of groups of asperities",
+        Dial::Radii => "the number of rings of an asperity",
+        Dial::Vertices => "the number of points of a cycle",
+        Dial::Equilibrium => "the tolerance of the equilibria",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_between_amplitudes_are_powers_of_them() {
+        let at = |x: f64| 3.0 * x.powf(0.7);
+        let found = between(2e-6, [1e-6, 1e-5], [at(1e-6), at(1e-5)]);
+        assert!((found / at(2e-6) - 1.0).abs() < 1e-12);
+        assert_eq!(between(1e-6, [1e-6, 1e-6], [3.0, 3.0]), 3.0);
+    }
+}

@@ -1,0 +1,153 @@
+//! The answer of a run, on a mass with a spring and a slider, whose backbone is known.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use crate::common::points::read;
+use crate::uncertainty::{MU_PATH, closed_form, onset, slider};
+use analyses::results::answer::Verdict;
+use analyses::results::summary::Summary;
+use analyses::{run, run_samples};
+use joints::Options;
+use joints::progress::Silent;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+fn summary(given: &Value) -> Summary {
+    let run = run(&read(given).unwrap(), &Options::default(), &Silent).unwrap();
+    Summary::new(&run, BTreeMap::new(), None)
+}
+
+#[test]
+fn few_amplitudes_are_answered_as_they_are() {
+    let given = slider("answer-few", &Value::Null);
+    let summary = summary(&given);
+    let [answer] = summary.answer.as_slice() else {
+        panic!("one mode")
+    };
+    assert_eq!((answer.mode, answer.damping.len()), (1, 5));
+    assert_eq!(answer.frequency_hz, summary.modes[0].frequency_hz);
+    for (one, point) in answer.damping.iter().zip(&summary.backbone) {
+        assert_eq!(Some(one.amplitude_m), point.response_displacement);
+        assert_eq!(
+            (Some(one.frequency_hz), one.ratio),
+            (point.frequency_hz, point.damping_ratio)
+        );
+    }
+    // The slider is all of the contact: between the last amplitude that sticks and the first that slips.
+    let first = summary
+        .backbone
+        .iter()
+        .find(|point| point.slip_fraction > Some(0.5))
+        .unwrap();
+    let found = answer.onset_amplitude_m.unwrap();
+    assert!(
+        found <= first.response_displacement.unwrap() && found > 0.4 * onset(),
+        "{found}"
+    );
+    // Matrices do not show their mesh.
+    assert_eq!(answer.verdict, Verdict::WithCare);
+    assert!(
+        answer.reason.contains("not known: matrices do not show their mesh"),
+        "{}",
+        answer.reason
+    );
+    assert!(answer.frequency_interval_hz.is_none() && answer.frequency_band_hz.is_none());
+}
+
+#[test]
+fn many_amplitudes_are_answered_at_powers_of_ten() {
+    let mut given = slider("answer-many", &Value::Null);
+    given["analyses"]["backbone"]["amplitudes"] = json!(24);
+    given["analyses"]["backbone"]["amplitude_from"] = json!("5 um");
+    given["analyses"]["backbone"]["amplitude_to"] = json!("2 mm");
+    given["background_damping"] = json!(1e-3);
+    let summary = summary(&given);
+    let answered: Vec<f64> = summary.answer[0].damping.iter().map(|one| one.amplitude_m).collect();
+    assert_eq!(answered, [1e-5, 1e-4]);
+    // Nothing slips before 200 um.
+    assert!(summary.answer[0].damping.iter().all(|one| one.ratio.is_none()));
+    given["analyses"]["backbone"]["amplitude_from"] = json!("0.3 mm");
+    given["analyses"]["backbone"]["amplitude_to"] = json!("3 mm");
+    let summary = self::summary(&given);
+    let answer = &summary.answer[0];
+    // None of them is within: the ends.
+    let [first, last] = answer.damping.as_slice() else {
+        panic!("{:?}", answer.damping)
+    };
+    for one in [first, last] {
+        let [frequency, ratio] = closed_form(5e4, 0.2, one.amplitude_m);
+        assert!((one.frequency_hz / frequency - 1.0).abs() < 1e-3);
+        assert!(((one.ratio.unwrap() - 1e-3) / ratio - 1.0).abs() < 0.01);
+    }
+    // It slips from the beginning.
+    assert_eq!(answer.onset_amplitude_m, Some(first.amplitude_m));
+}
+
+#[test]
+fn bands_are_those_of_the_samples() {
+    let given = slider(
+        "answer-bands",
+        &json!({ "parameters": { MU_PATH: { "uniform": [0.18, 0.22] } } }),
+    );
+    let (run, found) = run_samples(&read(&given).unwrap(), 40, None, &Options::default(), &Silent).unwrap();
+    let bands = found.modes[0].bands.clone();
+    let summary = Summary::new(&run, BTreeMap::new(), None).with_uncertainty(Some(found));
+    let answer = &summary.answer[0];
+    let [low, _, high] = bands[0].frequency_hz.quantiles;
+    assert_eq!(answer.frequency_band_hz, low.zip(high).map(|(low, high)| [low, high]));
+    for (one, band) in answer.damping.iter().zip(&bands[1..]).skip(2) {
+        let [low, _, high] = band.damping_ratio.quantiles;
+        assert_eq!(one.band, Some([low.unwrap(), high.unwrap()]));
+        assert!(one.band.unwrap()[0] < one.ratio.unwrap() && one.ratio.unwrap() < one.band.unwrap()[1]);
+    }
+}
+
+#[test]
+fn what_did_not_converge_is_not_reliable() {
+    let mut failed = summary(&slider("answer-failed", &Value::Null));
+    failed.backbone[4].converged = false;
+    let answers = analyses::results::answer::answers(&failed);
+    assert_eq!(answers[0].verdict, Verdict::NotReliable);
+    assert_eq!(answers[0].reason, "1 of 5 amplitudes did not converge");
+    assert_eq!(answers[0].damping.len(), 4);
+}
+
+#[test]
+fn intervals_are_the_errors_of_the_settings() {
+    let given = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "benchmark": "brake-reuss-beam" },
+        "model": { "refinement": "quick" },
+        "interfaces": { "gap": "flat" },
+        "analyses": { "backbone": { "amplitudes": 8, "amplitude_from": 1e-6, "amplitude_to": 4e-4, "vertices_per_quarter": 4 } },
+    });
+    let summary = summary(&given);
+    let [answer] = summary.answer.as_slice() else {
+        panic!("one mode")
+    };
+    let answered: Vec<f64> = answer
+        .damping
+        .iter()
+        .map(|one| (1e6 * one.amplitude_m).round())
+        .collect();
+    assert_eq!(answered, [1.0, 10.0, 100.0]);
+    let known = summary.backbone.iter().map(|point| point.error.as_ref().unwrap());
+    let errors: Vec<f64> = known.map(|error| error.frequency_relative.unwrap()).collect();
+    let largest = errors.iter().copied().fold(0.0, f64::max);
+    for one in &answer.damping {
+        let [low, high] = one.frequency_interval_hz.unwrap();
+        let width = 0.5 * (high - low) / one.frequency_hz;
+        assert!(width <= 1.000_001 * largest && width > 0.0);
+        let [low, high] = one.interval.unwrap();
+        assert!(low < one.ratio.unwrap() && one.ratio.unwrap() < high);
+        // Between the neighbours of the backbone.
+        let above = summary
+            .backbone
+            .iter()
+            .position(|p| p.response_displacement.unwrap() >= one.amplitude_m)
+            .unwrap();
+        let ends = [above.saturating_sub(1), above].map(|place| summary.backbone[place].damping_ratio.unwrap());
+        assert!(ends[0] <= one.ratio.unwrap() && one.ratio.unwrap() <= ends[1]);
+    }
+    assert!(answer.onset_amplitude_m.unwrap() > 2e-5);
+    assert!(!answer.reason.contains("CQSMA") && !answer.reason.contains("ZTE"));
+}

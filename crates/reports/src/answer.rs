@@ -1,0 +1,200 @@
+//! What a run found: the top of its page, and the end of what the terminal prints.
+
+use crate::html::{MISSING, Table};
+use analyses::results::answer::{Answer, Verdict};
+use analyses::results::summary::Summary;
+use std::fmt::Write;
+
+/// The answer for one mode, on a page.
+pub(crate) struct Shown {
+    /// Class and sign of its verdict: neither needs colours.
+    pub(crate) class: &'static str,
+    pub(crate) sign: &'static str,
+    pub(crate) verdict: String,
+    pub(crate) frequency: String,
+    pub(crate) sentence: String,
+    pub(crate) table: Table,
+}
+
+pub(crate) fn shown(summary: &Summary) -> Vec<Shown> {
+    let several = summary.answer.len() > 1;
+    let of_mode = |answer: &Answer| {
+        let (class, sign) = match answer.verdict {
+            Verdict::Sound => ("sound", "✓"),
+            Verdict::WithCare => ("with-care", "!"),
+            Verdict::NotReliable => ("not-reliable", "✗"),
+        };
+        let mode = if several {
+            format!("Mode {}: ", answer.mode)
+        } else {
+            String::new()
+        };
+        Shown {
+            class,
+            sign,
+            verdict: format!("{}: {}", answer.verdict.words(), answer.reason),
+            frequency: format!("{mode}{:.2} Hz", answer.frequency_hz),
+            sentence: format!(
+                "at small amplitude{}; {}.",
+                intervals_of_frequency(answer),
+                onset(answer)
+            ),
+            table: table(answer),
+        }
+    };
+    summary.answer.iter().map(of_mode).collect()
+}
+
+/// The answers as lines of a terminal.
+pub(crate) fn lines(summary: &Summary) -> String {
+    let mut out = String::new();
+    for answer in &summary.answer {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "\nmode {}: {:.2} Hz at small amplitude{}; {}",
+            answer.mode,
+            answer.frequency_hz,
+            intervals_of_frequency(answer),
+            onset(answer)
+        );
+        for one in &answer.damping {
+            let ratio = one.ratio.map_or_else(|| "below what can be resolved".into(), percent);
+            let by_numbers = one
+                .interval
+                .map_or_else(String::new, |ends| format!(" ({})", range(ends, &percent)));
+            let by_inputs = one.band.map_or_else(String::new, |ends| {
+                format!(", {} by the uncertain inputs", range(ends, &percent))
+            });
+            let _ = writeln!(
+                out,
+                "  at {}: {:.2} Hz, damping {ratio}{by_numbers}{by_inputs}",
+                length(one.amplitude_m),
+                one.frequency_hz
+            );
+        }
+        let _ = writeln!(out, "{}: {}", answer.verdict.words(), answer.reason);
+    }
+    out
+}
+
+fn intervals_of_frequency(answer: &Answer) -> String {
+    let by_numbers = answer
+        .frequency_interval_hz
+        .map(|ends| format!("{} by the numerical error", range(ends, &hertz)));
+    let by_inputs = answer
+        .frequency_band_hz
+        .map(|ends| format!("{} by the uncertain inputs", range(ends, &hertz)));
+    let known: Vec<String> = by_numbers.into_iter().chain(by_inputs).collect();
+    if known.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", known.join("; "))
+    }
+}
+
+fn onset(answer: &Answer) -> String {
+    match answer.onset_amplitude_m {
+        Some(amplitude) => format!("1 % of the contact slips from {} on", length(amplitude)),
+        None if answer.damping.is_empty() => "no amplitudes were asked for".into(),
+        None => "less than 1 % of the contact slips as a whole".into(),
+    }
+}
+
+fn table(answer: &Answer) -> Table {
+    let has_bands = answer
+        .damping
+        .iter()
+        .any(|one| one.band.is_some() || one.frequency_band_hz.is_some());
+    let mut headings = vec![
+        "amplitude",
+        "frequency",
+        "by numerical error",
+        "damping",
+        "by numerical error",
+    ];
+    if has_bands {
+        headings.extend(["frequency by uncertain inputs", "damping by uncertain inputs"]);
+    }
+    let cell = |ends: Option<[f64; 2]>, of: &dyn Fn(f64) -> String| {
+        ends.map_or_else(|| MISSING.into(), |ends| range(ends, of))
+    };
+    let rows = answer.damping.iter().map(|one| {
+        let mut row = vec![
+            length(one.amplitude_m),
+            format!("{:.2} Hz", one.frequency_hz),
+            cell(one.frequency_interval_hz, &hertz),
+            one.ratio.map_or_else(|| MISSING.into(), percent),
+            cell(one.interval, &percent),
+        ];
+        if has_bands {
+            row.extend([cell(one.frequency_band_hz, &hertz), cell(one.band, &percent)]);
+        }
+        row
+    });
+    Table {
+        headings: headings.into_iter().map(str::to_owned).collect(),
+        rows: rows.collect(),
+    }
+}
+
+fn range([low, high]: [f64; 2], of: &dyn Fn(f64) -> String) -> String {
+    let (low, high) = (of(low), of(high));
+    match low.split_once(' ') {
+        Some((number, unit)) if high.ends_with(unit) => format!("{number} to {high}"),
+        _ => format!("{low} to {high}"),
+    }
+}
+
+fn hertz(frequency: f64) -> String {
+    format!("{frequency:.2} Hz")
+}
+
+/// A damping ratio with two digits and more.
+fn percent(ratio: f64) -> String {
+    format!("{} %", digits(100.0 * ratio))
+}
+
+/// A length in the unit that suits it.
+fn length(length: f64) -> String {
+    let (unit, scale) = match length.abs() {
+        size if size < 0.9995e-6 => ("nm", 1e9),
+        size if size < 0.9995e-3 => ("um", 1e6),
+        _ => ("mm", 1e3),
+    };
+    format!("{} {unit}", digits(scale * length))
+}
+
+/// Three digits, without zeros behind.
+fn digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    if !(1e-4..1e6).contains(&value.abs()) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - value.abs().log10().floor()).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits_and_a_unit_that_suits_them() {
+        assert_eq!(length(1.0002e-6), "1 um");
+        assert_eq!(length(0.99999e-3), "1 mm");
+        assert_eq!(length(4.25e-4), "425 um");
+        assert_eq!(length(2.6e-8), "26 nm");
+        assert_eq!(percent(3.34e-3), "0.334 %");
+        assert_eq!(percent(0.0), "0 %");
+        assert_eq!(percent(1.2e-8), "1.20e-6 %");
+        assert_eq!(range([0.01, 0.02], &percent), "1 to 2 %");
+        assert_eq!(range([2.6e-8, 1e-6], &length), "26 nm to 1 um");
+    }
+}
